@@ -1,0 +1,137 @@
+"""Double-double arithmetic for numba: a number is the unevaluated sum of two doubles.
+
+A pair ``(hi, lo)`` with ``|lo| <= ulp(hi) / 2`` carries about 106 bits. Every kernel here takes
+and returns such pairs, can be called from Python or from other numba kernels, and allocates
+nothing. None may be compiled with ``fastmath``: the compiler would cancel the error terms.
+
+Sources: T. J. Dekker, "A floating-point technique for extending the available precision",
+Numer. Math. 18 (1971) 224-242; T. Ogita, S. M. Rump & S. Oishi, "Accurate sum and dot product",
+SIAM J. Sci. Comput. 26 (2005) 1955-1988; Y. Hida, X. S. Li & D. H. Bailey, "Algorithms for
+quad-double precision floating point arithmetic", ARITH-15 (2001) 155-162; M. Joldes, J.-M. Muller
+& V. Popescu, "Tight and rigorous error bounds for basic building blocks of double-word
+arithmetic", ACM Trans. Math. Softw. 44 (2017) 15res. The bounds below are on the relative error,
+with u = 2⁻⁵³, and hold short of overflow and underflow.
+"""
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any, ParamSpec, TypeVar
+
+from llvmlite import ir
+from mpmath import mpf, workprec
+from numba import njit, types
+from numba.extending import intrinsic
+
+DoubleDouble = tuple[float, float]
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+# Enough for the difference of any two doubles: their bits span 2⁻¹⁰⁷⁴ to 2¹⁰²³.
+_EXACT_BITS = 2200
+
+
+def kernel(function: Callable[P, T]) -> Callable[P, T]:
+    """Compile with numba on first call and keep the machine code beside the source file."""
+    compiled: Callable[P, T] = njit(cache=True)(function)
+    return compiled
+
+
+def _fma(_context: Any, x: Any, y: Any, z: Any) -> Any:
+    """Return x y + z rounded once, as fusedMultiplyAdd of IEEE 754-2008, section 5.4.1."""
+
+    def generate(_: Any, builder: ir.IRBuilder, __: Any, arguments: Any) -> Any:
+        return builder.fma(*arguments)
+
+    return types.float64(x, y, z), generate
+
+
+# The LLVM instruction itself: LLVM never splits it, and the C library supplies it where the
+# processor has none.
+fma: Any = intrinsic(_fma)
+
+
+@kernel
+def two_sum(a: float, b: float) -> DoubleDouble:
+    """Return a + b and its rounding error, for any a, b (Ogita, Rump & Oishi, algorithm 3.1)."""
+    s = a + b
+    v = s - a
+    return s, (a - (s - v)) + (b - v)
+
+
+@kernel
+def quick_two_sum(a: float, b: float) -> DoubleDouble:
+    """Return a + b and its rounding error, for a = 0 or |a| >= |b| (Dekker, section 4)."""
+    s = a + b
+    return s, b - (s - a)
+
+
+@kernel
+def two_prod(a: float, b: float) -> DoubleDouble:
+    """Return a b and its rounding error (Ogita, Rump & Oishi, algorithm 3.5)."""
+    p = a * b
+    return p, fma(a, b, -p)
+
+
+@kernel
+def dd_neg(a: DoubleDouble) -> DoubleDouble:
+    """Return -a, exactly."""
+    return -a[0], -a[1]
+
+
+@kernel
+def dd_add(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
+    """Return a + b within 4 u², even where a and b cancel (Joldes, Muller & Popescu, algorithm 6)."""
+    s, e = two_sum(a[0], b[0])
+    t, f = two_sum(a[1], b[1])
+    s, e = quick_two_sum(s, e + t)
+    return quick_two_sum(s, e + f)
+
+
+@kernel
+def dd_add_double(a: DoubleDouble, b: float) -> DoubleDouble:
+    """Return a + b within 2 u² (Joldes, Muller & Popescu, algorithm 4)."""
+    s, e = two_sum(a[0], b)
+    return quick_two_sum(s, e + a[1])
+
+
+@kernel
+def dd_sub(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
+    """Return a - b within 4 u², as `dd_add`."""
+    return dd_add(a, (-b[0], -b[1]))
+
+
+@kernel
+def dd_mul(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
+    """Return a b within 7 u² (Hida, Li & Bailey, section 3.3, with fused multiply-adds).
+
+    The product of the low parts, u², is left out; the two roundings add 2 u² and 3 u².
+    """
+    p, e = two_prod(a[0], b[0])
+    return quick_two_sum(p, fma(a[0], b[1], fma(a[1], b[0], e)))
+
+
+@kernel
+def dd_mul_double(a: DoubleDouble, b: float) -> DoubleDouble:
+    """Return a b within 2 u² (Joldes, Muller & Popescu, algorithm 9)."""
+    p, e = two_prod(a[0], b)
+    return quick_two_sum(p, fma(a[1], b, e))
+
+
+@kernel
+def dd_div(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
+    """Return a / b within 10 u², by long division (Hida, Li & Bailey, section 3.5)."""
+    q1 = a[0] / b[0]
+    r = dd_sub(a, dd_mul_double(b, q1))
+    q2 = r[0] / b[0]
+    r = dd_sub(r, dd_mul_double(b, q2))
+    return dd_add_double(quick_two_sum(q1, q2), r[0] / b[0])
+
+
+def split(x: mpf | Fraction) -> DoubleDouble:
+    """Return the double-double nearest to x, whatever mpmath's working precision."""
+    hi = float(x)
+    if isinstance(x, Fraction):
+        return hi, float(x - Fraction(hi))
+    with workprec(_EXACT_BITS):
+        return hi, float(x - hi)
