@@ -1,0 +1,1 @@
+"""Adapters: every module here that defines an `Engine` is found by listing this folder."""

@@ -1,0 +1,1 @@
+"""The truth: exact solutions and high-precision integration of a top's motion."""

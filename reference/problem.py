@@ -1,0 +1,39 @@
+"""The initial value problem every solver is given: principal axes, extended precision."""
+
+from dataclasses import dataclass
+
+from mpmath import mpf
+
+Vector = tuple[mpf, mpf, mpf]
+Quaternion = tuple[mpf, mpf, mpf, mpf]
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Rotation of a rigid body about a fixed point (its pivot, else its centre of mass).
+
+    "axes" are the principal axes through that point; every quaternion is w, x, y, z.
+    Equal moments are exactly equal here, so that a solver may test them with ``==``.
+
+    Attributes
+    ----------
+    moments : principal moments of inertia about the fixed point, kg m²
+    q_world_axes : attitude at t = 0, of unit norm to working precision
+    omega_axes : angular velocity at t = 0 along the principal axes, rad/s
+    lever_axes : mass times the centre of mass from the fixed point, kg m; zero unless
+        the scene has both a pivot and gravity
+    gravity_world : acceleration, m/s²
+    torque_axes, torque_world : constant torques along the principal and the world axes, N m
+    drag : coefficient c of the torque −c ω, N m s
+    q_axes_body : takes body components to components along the principal axes
+    """
+
+    moments: Vector
+    q_world_axes: Quaternion
+    omega_axes: Vector
+    lever_axes: Vector
+    gravity_world: Vector
+    torque_axes: Vector
+    torque_world: Vector
+    drag: mpf
+    q_axes_body: Quaternion

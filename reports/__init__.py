@@ -1,0 +1,1 @@
+"""Agreement, convergence, cost, and the report."""

@@ -1,0 +1,47 @@
+"""What is simulated: the scenario format, its loader, the library and trajectories."""
+
+from .agreement import Errors, ErrorSeries, error_series, errors_between
+from .body import Body, FloatArray
+from .document import Document, Effects, Expect, Published, Window
+from .errors import ScenarioError
+from .catalogue import LIBRARY, find, scenario_files
+from .load import is_scenario, load, loads
+from .mechanics import (
+    angular_momentum_world,
+    energy,
+    energy_base,
+    kinetic_energy,
+    potential_energy,
+)
+from .scenario import EFFECTS, Scenario, Start
+from .trajectory import Trajectory
+
+__all__ = [
+    "EFFECTS",
+    "LIBRARY",
+    "Body",
+    "Document",
+    "Effects",
+    "ErrorSeries",
+    "Errors",
+    "Expect",
+    "FloatArray",
+    "Published",
+    "Scenario",
+    "ScenarioError",
+    "Start",
+    "Trajectory",
+    "Window",
+    "angular_momentum_world",
+    "energy",
+    "energy_base",
+    "error_series",
+    "errors_between",
+    "find",
+    "is_scenario",
+    "kinetic_energy",
+    "load",
+    "loads",
+    "potential_energy",
+    "scenario_files",
+]

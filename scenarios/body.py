@@ -1,0 +1,136 @@
+"""A rigid body: mass, centre of mass and inertia tensor, exact and as doubles."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from mpmath import mp, mpf
+from numpy.typing import NDArray
+
+from .exact import DIGITS, ZERO, Tensor, Vector, add, exact, steiner
+
+FloatArray = NDArray[np.float64]
+
+#: Decimals such as 0.1 + 0.2 ≥ 0.3 must pass the triangle inequality after rounding to double.
+TRIANGLE_SLACK = 4 * np.finfo(float).eps
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A rigid body in its own frame, valid if it exists.
+
+    Attributes
+    ----------
+    mass_exact : kg
+    com_exact : centre of mass from the body's origin, m, body axes
+    inertia_com_exact : inertia tensor about the centre of mass, kg m², body axes
+
+    Raises
+    ------
+    ValueError
+        If a moment is not positive, or one exceeds the sum of the others.
+    """
+
+    mass_exact: mpf
+    com_exact: Vector
+    inertia_com_exact: Tensor
+
+    def __post_init__(self) -> None:
+        if not np.isfinite(self.inertia_origin).all():
+            raise ValueError("mass, com and inertia are too large: the tensor overflows")
+        moments = self.principal_moments
+        if moments[0] <= 0 or not self.mass_exact > 0:
+            raise ValueError(
+                f"principal moments about the com must be positive, got {_triple(moments)} kg m²"
+            )
+        if moments[2] > (moments[0] + moments[1]) * (1 + TRIANGLE_SLACK):
+            raise ValueError(
+                "no principal moment about the com may exceed the sum of the other two, "
+                f"got {_triple(moments)} kg m²"
+            )
+
+    @property
+    def mass(self) -> float:
+        """Mass, kg."""
+        return float(self.mass_exact)
+
+    @cached_property
+    def com(self) -> FloatArray:
+        """Centre of mass from the body's origin, m, body axes, (3,)."""
+        return _readonly(self.com_exact)
+
+    @cached_property
+    def inertia_com(self) -> FloatArray:
+        """Inertia tensor about the centre of mass, kg m², body axes, (3, 3)."""
+        return _readonly(self.inertia_com_exact)
+
+    @cached_property
+    def inertia_origin_exact(self) -> Tensor:
+        """Inertia tensor about the body's origin, kg m², body axes (parallel-axis theorem)."""
+        return add(self.inertia_com_exact, steiner(self.mass_exact, self.com_exact))
+
+    @cached_property
+    def inertia_origin(self) -> FloatArray:
+        """Inertia tensor about the body's origin, kg m², body axes, (3, 3)."""
+        return _readonly(self.inertia_origin_exact)
+
+    @cached_property
+    def principal_moments(self) -> FloatArray:
+        """Principal moments about the centre of mass, ascending, kg m², (3,)."""
+        tensor = self.inertia_com_exact
+        with mp.workdps(DIGITS):
+            if all(tensor[i][j] == 0 for i in range(3) for j in range(3) if i != j):
+                moments = sorted(tensor[i][i] for i in range(3))
+            else:
+                moments = sorted(mp.eigsy(mp.matrix(tensor), eigvals_only=True))
+        return _readonly(moments)
+
+
+def body_about_com(mass: float, com: Sequence[float], inertia: Sequence[Sequence[float]]) -> Body:
+    """A body whose tensor is given about its centre of mass."""
+    return Body(mpf(mass), _vector(com), _tensor(inertia))
+
+
+def body_about_origin(
+    mass: float, com: Sequence[float], inertia: Sequence[Sequence[float]]
+) -> Body:
+    """A body whose tensor is given about its origin."""
+    arm = _vector(com)
+    return Body(mpf(mass), arm, add(_tensor(inertia), steiner(mpf(mass), arm), sign=-1))
+
+
+def body_of_particles(particles: Sequence[Sequence[float]]) -> Body:
+    """A rigid body made of point masses, rows of mass (kg) and x, y, z (m).
+
+    I_jk = Σ m (r² δ_jk − r_j r_k), summed exactly (Goldstein, Classical Mechanics, §5.3).
+    """
+    with mp.workdps(DIGITS):
+        rows = [exact(row) for row in particles]
+        mass = mp.fsum(row[0] for row in rows)
+        com = tuple(mp.fsum(row[0] * row[1 + k] for row in rows) / mass for k in range(3))
+        inertia: Tensor = (ZERO, ZERO, ZERO)
+        for m, *position in rows:
+            arm = tuple(position[k] - com[k] for k in range(3))
+            inertia = add(inertia, steiner(m, arm))
+    return Body(mass, com, inertia)
+
+
+def _vector(values: Sequence[float]) -> Vector:
+    x, y, z = exact(values)
+    return (x, y, z)
+
+
+def _tensor(rows: Sequence[Sequence[float]]) -> Tensor:
+    first, second, third = (_vector(row) for row in rows)
+    return (first, second, third)
+
+
+def _readonly(values: Sequence[object]) -> FloatArray:
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array
+
+
+def _triple(moments: FloatArray) -> str:
+    return ", ".join(f"{moment:.6g}" for moment in moments)

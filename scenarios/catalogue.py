@@ -1,0 +1,73 @@
+"""Finds scenario files: by path, by folder, or by name in the library that comes along."""
+
+from collections.abc import Iterable
+from importlib.resources import files
+from pathlib import Path
+
+from .errors import ScenarioError
+from .load import is_scenario
+
+LIBRARY = Path(str(files(__package__))) / "library"
+
+
+def scenario_files(folder: Path) -> list[Path]:
+    """Every scenario below a folder, sorted by path; other TOML files are passed over.
+
+    Raises
+    ------
+    ScenarioError
+        If two files share a name: a scene is known by its file's stem.
+    """
+    found = [path for path in sorted(folder.rglob("*.toml")) if is_scenario(path)]
+    _check_unique(found)
+    return found
+
+
+def find(names: Iterable[str]) -> list[Path]:
+    """Scenario files for what a user named: files, folders, library scenes, library folders.
+
+    With no names, the whole library.
+
+    Raises
+    ------
+    ScenarioError
+        If a name is none of these, a folder holds no scenario, or two files share a name.
+    """
+    names = list(names)
+    paths = [path for name in names for path in _find_one(name)] if names else _library()
+    unique = list(dict.fromkeys(paths))
+    _check_unique(unique)
+    return unique
+
+
+def _library() -> list[Path]:
+    return scenario_files(LIBRARY)
+
+
+def _find_one(name: str) -> list[Path]:
+    path = Path(name)
+    if path.is_file():
+        return [path]
+    folder = path if path.is_dir() else LIBRARY / name
+    if folder.is_dir() and LIBRARY.resolve() in (folder.resolve() / "_").parents or path.is_dir():
+        found = scenario_files(folder)
+        if not found:
+            raise ScenarioError(f"{name}: no scenario in this folder")
+        return found
+    matches = [path for path in _library() if path.stem == name]
+    if not matches:
+        raise ScenarioError(
+            f"{name}: neither a file, a folder, nor a scene of the library; "
+            "'spincheck list' shows the library"
+        )
+    return matches
+
+
+def _check_unique(paths: Iterable[Path]) -> None:
+    first: dict[str, Path] = {}
+    for path in paths:
+        if path.stem in first:
+            raise ScenarioError(
+                f"{path}: another scene has the same name, {first[path.stem]}; rename one"
+            )
+        first[path.stem] = path

@@ -1,0 +1,259 @@
+"""The scenario file's format, version 1: one pydantic model a table.
+
+Field constraints say what a value may be; cross-checks between keys sit on the table they
+concern. `schema.json` is generated from these models.
+"""
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
+
+from .body import Body, body_about_com, body_about_origin, body_of_particles
+
+#: TOML integers are numbers too; strings and booleans are not, nor are inf and nan.
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
+Vector = tuple[Number, Number, Number]
+Quaternion = tuple[Number, Number, Number, Number]
+Matrix = tuple[Vector, Vector, Vector]
+Text = Annotated[str, Field(strict=True, min_length=1)]
+
+
+def _inertia_form(value: Any) -> str:
+    nested = isinstance(value, list | tuple) and value and isinstance(value[0], list | tuple)
+    return "matrix" if nested else "moments"
+
+
+Inertia = Annotated[
+    Annotated[Vector, Tag("moments")] | Annotated[Matrix, Tag("matrix")],
+    Discriminator(_inertia_form),
+]
+
+MAX_SAMPLES = 1_000_000
+#: Typed digits rarely give a norm of 1 exactly; further off than this, something else was meant.
+QUATERNION_NORM_SLACK = 1e-3
+
+
+class Table(BaseModel):
+    """A table of the file: immutable, and closed to unknown keys."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class BodyTable(Table):
+    """Mass, centre of mass and inertia; or the point masses that make them up."""
+
+    mass: Positive | None = Field(None, description="kg")
+    inertia: Inertia | None = Field(
+        None, description="kg m²: three principal moments along the body axes, or a 3×3 matrix"
+    )
+    inertia_about: Literal["com", "origin"] = Field(
+        "com", description="the point the inertia refers to"
+    )
+    com: Vector | None = Field(None, description="m, from the body's origin, body axes")
+    particles: tuple[tuple[Positive, Number, Number, Number], ...] | None = Field(
+        None,
+        description="point masses [kg, m, m, m], body axes: instead of mass, com and inertia",
+        min_length=3,
+    )
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        given = {"mass", "inertia", "inertia_about", "com"} & self.model_fields_set
+        if self.particles is not None:
+            if given:
+                raise ValueError(
+                    f"'particles' replaces mass, com and inertia; remove {_names(given)}"
+                )
+        elif missing := [key for key in ("mass", "inertia") if getattr(self, key) is None]:
+            raise ValueError(f"missing {_names(missing)}; or give 'particles'")
+        matrix = self.inertia_matrix
+        if matrix is not None and any(
+            matrix[i][j] != matrix[j][i] for i in range(3) for j in range(i)
+        ):
+            raise ValueError("'inertia' must be a symmetric matrix")
+        self.body()
+        return self
+
+    @property
+    def inertia_matrix(self) -> Matrix | None:
+        """The inertia as a full matrix, kg m²."""
+        if self.inertia is None or isinstance(self.inertia[0], tuple):
+            return self.inertia  # type: ignore[return-value]
+        a, b, c = self.inertia
+        return ((a, 0.0, 0.0), (0.0, b, 0.0), (0.0, 0.0, c))  # type: ignore[return-value]
+
+    def body(self) -> Body:
+        """The rigid body this table describes; ValueError if no such body exists."""
+        if self.particles is not None:
+            return body_of_particles(self.particles)
+        mass, matrix = self.mass, self.inertia_matrix
+        assert mass is not None
+        assert matrix is not None
+        build = body_about_com if self.inertia_about == "com" else body_about_origin
+        return build(mass, self.com or (0.0, 0.0, 0.0), matrix)
+
+
+class StartTable(Table):
+    """Attitude and angular velocity, each given in one of three ways."""
+
+    euler_zyz_deg: Vector | None = Field(None, description="α β γ: R = Rz(α) Ry(β) Rz(γ)")
+    quaternion_wxyz: Quaternion | None = Field(None, description="body to world, scalar first")
+    rotation_vector_deg: Vector | None = Field(None, description="axis times angle, body to world")
+    omega_body: Vector | None = Field(None, description="rad/s, body axes")
+    omega_world: Vector | None = Field(None, description="rad/s, world axes")
+    euler_zyz_rates: Vector | None = Field(None, description="rad/s: α̇ β̇ γ̇")
+    position: Vector | None = Field(None, description="m, of the com; free bodies only")
+    velocity: Vector | None = Field(None, description="m/s, of the com; free bodies only")
+
+    @model_validator(mode="after")
+    def _one_of_each(self) -> Self:
+        self._exactly_one("attitude", ("euler_zyz_deg", "quaternion_wxyz", "rotation_vector_deg"))
+        self._exactly_one("angular velocity", ("omega_body", "omega_world", "euler_zyz_rates"))
+        if self.euler_zyz_rates is not None and self.euler_zyz_deg is None:
+            raise ValueError("'euler_zyz_rates' needs the attitude as 'euler_zyz_deg'")
+        if self.quaternion_wxyz is not None:
+            norm = sum(c * c for c in self.quaternion_wxyz) ** 0.5
+            if abs(norm - 1) > QUATERNION_NORM_SLACK:
+                raise ValueError(f"'quaternion_wxyz' must have norm 1, got norm {norm:.6g}")
+        return self
+
+    def _exactly_one(self, what: str, keys: tuple[str, ...]) -> None:
+        given = [key for key in keys if getattr(self, key) is not None]
+        if len(given) != 1:
+            got = _names(given) if given else "none"
+            raise ValueError(f"{what} takes exactly one of {_names(keys)}; got {got}")
+
+
+class GravityTable(Table):
+    """A uniform gravitational field."""
+
+    acceleration: Vector = Field(description="m/s², world axes")
+
+
+class PivotTable(Table):
+    """The body's origin is held at the world's origin by a frictionless ball joint."""
+
+
+class DragTable(Table):
+    """A torque against the angular velocity."""
+
+    rotational: Positive = Field(description="N m s: torque −c ω")
+
+
+class TorqueTable(Table):
+    """A constant torque, in body axes or in world axes."""
+
+    body: Vector | None = Field(None, description="N m, constant in body axes")
+    world: Vector | None = Field(None, description="N m, constant in world axes")
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        if (self.body is None) == (self.world is None):
+            raise ValueError("takes exactly one of 'body' and 'world'")
+        return self
+
+
+class Effects(Table):
+    """What acts on the body: an effect is simulated if its table is here, and only then."""
+
+    gravity: GravityTable | None = None
+    pivot: PivotTable | None = None
+    drag: DragTable | None = None
+    torque: TorqueTable | None = None
+
+
+class Window(Table):
+    """The span that is simulated, and how often it is looked at."""
+
+    duration: Positive = Field(description="s")
+    samples: Annotated[int, Field(strict=True, ge=2, le=MAX_SAMPLES)] = Field(
+        description="evenly spaced times, t = 0 and the end included"
+    )
+
+
+class Published(Table):
+    """Values somebody else printed, to check the reference against."""
+
+    t: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)] = Field(description="s")
+    omega_body: Vector | None = Field(None, description="rad/s, body axes")
+    omega_world: Vector | None = Field(None, description="rad/s, world axes")
+    quaternion_wxyz: Quaternion | None = Field(None, description="body to world, up to its sign")
+    com_world: Vector | None = Field(None, description="m")
+    L_world: Vector | None = Field(None, description="kg m²/s, about the pivot, else the com")
+    energy: Number | None = Field(None, description="J")
+    tolerance: Positive = Field(description="absolute, from the digits printed")
+    source: Text
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if not self.values():
+            raise ValueError("names no value to compare with")
+        return self
+
+    def values(self) -> dict[str, Any]:
+        """The quantities given, by name."""
+        given = self.model_dump(exclude={"t", "tolerance", "source"})
+        return {name: value for name, value in given.items() if value is not None}
+
+
+class Expect(Table):
+    """What the scene promises of one engine, method and timestep."""
+
+    engine: Text
+    method: Text
+    timestep: Positive = Field(description="s")
+    omega: Positive | None = Field(None, description="bound on omega_error")
+    attitude: Positive | None = Field(None, description="bound on attitude_error, rad")
+    angular_momentum: Positive | None = Field(None, description="bound on angular_momentum_error")
+    energy: Positive | None = Field(None, description="bound on energy_error")
+    outcome: Literal["diverges"] | None = Field(None, description="this run is known to blow up")
+
+    @model_validator(mode="after")
+    def _bounds_or_outcome(self) -> Self:
+        if bool(self.bounds()) == (self.outcome is not None):
+            raise ValueError("takes bounds, or 'outcome'; one of the two")
+        return self
+
+    def bounds(self) -> dict[str, float]:
+        """The bounds given, by the error they bound."""
+        names = ("omega", "attitude", "angular_momentum", "energy")
+        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+
+
+class Document(Table):
+    """A spincheck scenario: a rigid body, how it starts, what acts on it, and for how long."""
+
+    spincheck: Literal[1] = Field(description="format version; marks the file as a scenario")
+    title: Text
+    source: Text = Field(description="book, section or paper the scene comes from")
+    description: Annotated[str, Field(strict=True)] = Field("", description="Markdown")
+    tags: tuple[Text, ...] = ()
+    body: BodyTable
+    start: StartTable
+    effects: Effects = Effects()
+    window: Window
+    published: tuple[Published, ...] = ()
+    expect: tuple[Expect, ...] = ()
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.effects.pivot is not None:
+            if self.body.com is None and self.body.particles is None:
+                raise ValueError("[body] needs 'com' with a pivot")
+            moved = [key for key in ("position", "velocity") if key in self.start.model_fields_set]
+            if moved:
+                raise ValueError(
+                    f"[start] {_names(moved)} is for free bodies; this one has a pivot"
+                )
+        for index, value in enumerate(self.published, start=1):
+            if value.t > self.window.duration:
+                raise ValueError(
+                    f"[[published]] number {index}: 't' must lie in the window, "
+                    f"got {value.t:g} s of {self.window.duration:g} s"
+                )
+        return self
+
+
+def _names(keys: Any) -> str:
+    return ", ".join(f"'{key}'" for key in sorted(keys))

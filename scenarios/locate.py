@@ -1,0 +1,55 @@
+"""Finds the line of a TOML file on which a key stands; the standard parser does not say."""
+
+import re
+
+_HEADER = re.compile(r"^\s*(\[\[?)\s*([\w.\-\s]+?)\s*\]\]?")
+_KEY = re.compile(r"^\s*([\w.\-]+)\s*=")
+
+
+def line_of(text: str, keys: tuple[int | str, ...]) -> int | None:
+    """The 1-based line of the longest prefix of `keys` that stands in the text.
+
+    Parameters
+    ----------
+    text : a TOML file
+    keys : a path such as ("body", "com", 1) or ("published", 0, "t")
+    """
+    lines = _key_lines(text)
+    for length in range(len(keys), 0, -1):
+        if keys[:length] in lines:
+            return lines[keys[:length]]
+    return None
+
+
+def _key_lines(text: str) -> dict[tuple[int | str, ...], int]:
+    """Where every table and key begins. Keys inside inline tables are not looked for."""
+    found: dict[tuple[int | str, ...], int] = {}
+    table: tuple[int | str, ...] = ()
+    seen: dict[str, int] = {}
+    quote: str | None = None
+    for number, line in enumerate(text.splitlines(), start=1):
+        if quote is None:
+            if header := _HEADER.match(line):
+                table = _table_path(header[1], header[2], seen)
+                found.setdefault(table, number)
+            elif key := _KEY.match(line):
+                found.setdefault((*table, *key[1].split(".")), number)
+        quote = _open_quote(line, quote)
+    return found
+
+
+def _table_path(brackets: str, name: str, seen: dict[str, int]) -> tuple[int | str, ...]:
+    if brackets == "[":
+        return tuple(part.strip() for part in name.split("."))
+    seen[name] = seen.get(name, -1) + 1
+    return (name, seen[name])
+
+
+def _open_quote(line: str, quote: str | None) -> str | None:
+    """The multi-line string delimiter still open at the line's end, if any."""
+    for mark in re.findall(r'"""|\'\'\'', line):
+        if quote is None:
+            quote = mark
+        elif quote == mark:
+            quote = None
+    return quote

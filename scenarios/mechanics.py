@@ -1,0 +1,46 @@
+"""L and energy of a trajectory: one piece of code, for reference and engines alike."""
+
+import numpy as np
+
+from .body import FloatArray
+from .scenario import Scenario
+from .trajectory import Trajectory
+
+
+def angular_momentum_world(scenario: Scenario, motion: Trajectory) -> FloatArray:
+    """L about the pivot, or about the centre of mass where there is none, kg m²/s, (n, 3).
+
+    L = R I_com ω, and m r × v besides where there is a pivot
+    (Goldstein, Classical Mechanics, eq. 1.28: L of the centre of mass plus L about it).
+    """
+    body = scenario.body
+    L_world = motion.R_world_body.apply(motion.omega_body @ body.inertia_com)
+    if scenario.has_pivot:
+        L_world += body.mass * np.cross(motion.com_world, motion.velocity_world)
+    return L_world
+
+
+def kinetic_energy(scenario: Scenario, motion: Trajectory) -> FloatArray:
+    """T = ½ m v² + ½ ω·I_com ω, J, (n,) (Goldstein, eq. 1.31 and 5.16)."""
+    body = scenario.body
+    omega = motion.omega_body
+    rotation = np.einsum("ni,ij,nj->n", omega, body.inertia_com, omega)
+    translation = body.mass * np.einsum("ni,ni->n", motion.velocity_world, motion.velocity_world)
+    return 0.5 * (rotation + translation)
+
+
+def potential_energy(scenario: Scenario, motion: Trajectory) -> FloatArray:
+    """V = −m g·r_com, J, zero at the world's origin, (n,)."""
+    return -scenario.body.mass * (motion.com_world @ scenario.gravity_world)
+
+
+def energy(scenario: Scenario, motion: Trajectory) -> FloatArray:
+    """T + V, J, (n,)."""
+    return kinetic_energy(scenario, motion) + potential_energy(scenario, motion)
+
+
+def energy_base(scenario: Scenario, motion: Trajectory) -> float:
+    """The energy that errors in energy are measured against: max T + m |g| max |r_com|, J."""
+    height = np.linalg.norm(motion.com_world, axis=1).max()
+    weight = scenario.body.mass * np.linalg.norm(scenario.gravity_world)
+    return float(kinetic_energy(scenario, motion).max() + weight * height)

@@ -1,0 +1,184 @@
+"""A scenario as the rest of the program sees it: a body, its start, what acts on it, a window."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from mpmath import mp
+
+from . import exact
+from .body import Body, FloatArray
+from .document import Document, Effects, Expect, Published, StartTable, Window
+
+#: Every effect a scene can call for; solvers and engines declare which of them they simulate.
+EFFECTS = ("gravity", "pivot", "drag", "torque_body", "torque_world")
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """The state at t = 0, exact and as doubles.
+
+    Attributes
+    ----------
+    q_exact : attitude, takes body to world components, unit quaternion w, x, y, z
+    omega_body_exact : angular velocity, rad/s, body axes
+    position_world, velocity_world : of the centre of mass, m and m/s, (3,)
+    """
+
+    q_exact: exact.Quaternion
+    omega_body_exact: exact.Vector
+    position_world: FloatArray
+    velocity_world: FloatArray
+
+    @cached_property
+    def q_world_body_wxyz(self) -> FloatArray:
+        """Attitude, unit quaternion w, x, y, z, (4,)."""
+        return _readonly(self.q_exact)
+
+    @cached_property
+    def omega_body(self) -> FloatArray:
+        """Angular velocity, rad/s, body axes, (3,)."""
+        return _readonly(self.omega_body_exact)
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """One scene, valid if it exists.
+
+    Attributes
+    ----------
+    name : the file's stem
+    path : the file it was read from, or None for one built in memory
+    digest : SHA-256 of the file's text, hexadecimal: tells whether a result is of this scene
+    document : the file's tables as written
+    body, start : what they describe
+    """
+
+    name: str
+    path: Path | None
+    digest: str
+    document: Document
+    body: Body
+    start: Start
+
+    @property
+    def title(self) -> str:
+        """One line that says what the scene shows."""
+        return self.document.title
+
+    @property
+    def effects(self) -> Effects:
+        """The tables of the effects the scene calls for."""
+        return self.document.effects
+
+    @property
+    def window(self) -> Window:
+        """Duration and number of samples."""
+        return self.document.window
+
+    @property
+    def published(self) -> tuple[Published, ...]:
+        """Values printed elsewhere."""
+        return self.document.published
+
+    @property
+    def expect(self) -> tuple[Expect, ...]:
+        """Bounds promised of engines."""
+        return self.document.expect
+
+    @property
+    def called_for(self) -> frozenset[str]:
+        """The effects to simulate, names out of `EFFECTS`."""
+        effects = self.effects
+        present = {
+            "gravity": effects.gravity is not None,
+            "pivot": effects.pivot is not None,
+            "drag": effects.drag is not None,
+            "torque_body": effects.torque is not None and effects.torque.body is not None,
+            "torque_world": effects.torque is not None and effects.torque.world is not None,
+        }
+        return frozenset(name for name in EFFECTS if present[name])
+
+    @property
+    def has_pivot(self) -> bool:
+        """Whether the body's origin is held at the world's origin."""
+        return self.effects.pivot is not None
+
+    @cached_property
+    def gravity_world(self) -> FloatArray:
+        """Gravitational acceleration, m/s², (3,); zeros where there is none."""
+        gravity = self.effects.gravity
+        return _readonly(gravity.acceleration if gravity else exact.ZERO)
+
+    @property
+    def drag(self) -> float:
+        """Coefficient c of the torque −c ω, N m s; zero where there is none."""
+        return self.effects.drag.rotational if self.effects.drag else 0.0
+
+    @cached_property
+    def torque_body(self) -> FloatArray:
+        """Torque constant in body axes, N m, (3,); zeros where there is none."""
+        torque = self.effects.torque
+        return _readonly(torque.body if torque and torque.body else exact.ZERO)
+
+    @cached_property
+    def torque_world(self) -> FloatArray:
+        """Torque constant in world axes, N m, (3,); zeros where there is none."""
+        torque = self.effects.torque
+        return _readonly(torque.world if torque and torque.world else exact.ZERO)
+
+    @cached_property
+    def times(self) -> FloatArray:
+        """The window's sample times, s, (samples,)."""
+        return _readonly(np.linspace(0.0, self.window.duration, self.window.samples))
+
+
+def build(document: Document, name: str, digest: str, path: Path | None = None) -> Scenario:
+    """Turn a validated document into a scenario."""
+    return Scenario(
+        name=name,
+        path=path,
+        digest=digest,
+        document=document,
+        body=document.body.body(),
+        start=_start(document.start),
+    )
+
+
+def _start(table: StartTable) -> Start:
+    q = _attitude(table)
+    return Start(
+        q_exact=q,
+        omega_body_exact=_omega_body(table, q),
+        position_world=_readonly(table.position or exact.ZERO),
+        velocity_world=_readonly(table.velocity or exact.ZERO),
+    )
+
+
+def _attitude(table: StartTable) -> exact.Quaternion:
+    if table.euler_zyz_deg is not None:
+        return exact.from_euler_zyz_deg(table.euler_zyz_deg)
+    if table.rotation_vector_deg is not None:
+        return exact.from_rotation_vector_deg(table.rotation_vector_deg)
+    assert table.quaternion_wxyz is not None
+    return exact.normalised(table.quaternion_wxyz)
+
+
+def _omega_body(table: StartTable, q_world_body: exact.Quaternion) -> exact.Vector:
+    if table.euler_zyz_rates is not None:
+        assert table.euler_zyz_deg is not None
+        return exact.omega_body_from_zyz_rates(table.euler_zyz_deg, table.euler_zyz_rates)
+    given = table.omega_body if table.omega_body is not None else table.omega_world
+    assert given is not None
+    x, y, z = exact.exact(given)
+    if table.omega_body is not None:
+        return (x, y, z)
+    with mp.workdps(exact.DIGITS):
+        return exact.rotate(exact.conjugate(q_world_body), (x, y, z))
+
+
+def _readonly(values: object) -> FloatArray:
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,17 @@
+"""The format's JSON Schema, for completion and checks in editors."""
+
+import json
+from pathlib import Path
+
+from .document import Document
+
+SCHEMA_FILE = Path(__file__).with_name("schema.json")
+
+
+def schema_text() -> str:
+    """The schema as `schema.json` holds it."""
+    return json.dumps(Document.model_json_schema(), indent=2, ensure_ascii=False) + "\n"
+
+
+if __name__ == "__main__":
+    SCHEMA_FILE.write_text(schema_text(), encoding="utf-8")

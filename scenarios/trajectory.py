@@ -1,0 +1,67 @@
+"""A motion, sampled."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from .body import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """States of a rigid body at increasing times; its arrays are read-only copies.
+
+    Attributes
+    ----------
+    t : (n,) s, increasing
+    q_world_body_wxyz : (n, 4) unit quaternions, scalar first: body to world components
+    omega_body : (n, 3) rad/s, body axes
+    com_world : (n, 3) m, the centre of mass
+    velocity_world : (n, 3) m/s, of the centre of mass
+
+    Raises
+    ------
+    ValueError
+        If shapes disagree, times do not increase, a value is not finite, or a quaternion is not
+        of unit norm.
+    """
+
+    t: FloatArray
+    q_world_body_wxyz: FloatArray
+    omega_body: FloatArray
+    com_world: FloatArray
+    velocity_world: FloatArray
+
+    #: Engines normalise to a few ulp at best, single-precision ones to 1e-7.
+    UNIT_NORM_SLACK = 1e-6
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            array = np.array(getattr(self, field.name), dtype=float)
+            array.setflags(write=False)
+            object.__setattr__(self, field.name, array)
+        n = len(self.t)
+        for name, width in _WIDTHS.items():
+            shape = getattr(self, name).shape
+            if shape != (n, width):
+                raise ValueError(f"'{name}' must have shape ({n}, {width}), got {shape}.")
+        if not all(np.isfinite(getattr(self, field.name)).all() for field in fields(self)):
+            raise ValueError("a trajectory must be finite throughout.")
+        if n and not (np.diff(self.t) > 0).all():
+            raise ValueError("'t' must increase.")
+        norms = np.linalg.norm(self.q_world_body_wxyz, axis=1)
+        if n and np.abs(norms - 1).max() > self.UNIT_NORM_SLACK:
+            raise ValueError("'q_world_body_wxyz' must have unit norm.")
+
+    @property
+    def R_world_body(self) -> Rotation:
+        """Attitudes as rotations, n of them."""
+        return Rotation.from_quat(self.q_world_body_wxyz, scalar_first=True)
+
+    def until(self, n: int) -> "Trajectory":
+        """The first n samples."""
+        return Trajectory(**{field.name: getattr(self, field.name)[:n] for field in fields(self)})
+
+
+_WIDTHS = {"q_world_body_wxyz": 4, "omega_body": 3, "com_world": 3, "velocity_world": 3}
