@@ -2,9 +2,9 @@
 
 from .agreement import Errors, ErrorSeries, error_series, errors_between
 from .body import Body, FloatArray
+from .catalogue import LIBRARY, find, scenario_files
 from .document import Document, Effects, Expect, Published, Window
 from .errors import ScenarioError
-from .catalogue import LIBRARY, find, scenario_files
 from .load import is_scenario, load, loads
 from .mechanics import (
     angular_momentum_world,

@@ -61,7 +61,7 @@ def error_series(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> E
     energies = energy(scenario, motion) - energy(scenario, truth)
     return ErrorSeries(
         omega=_relative(_norms(motion.omega_body - truth.omega_body), _norms(truth.omega_body)),
-        attitude=(motion.R_world_body.inv() * truth.R_world_body).magnitude(),
+        attitude=np.asarray((motion.R_world_body.inv() * truth.R_world_body).magnitude()),
         angular_momentum=_relative(_norms(L - L_true), _norms(L_true)),
         energy=_relative(np.abs(energies), np.array([energy_base(scenario, truth)])),
     )
@@ -73,7 +73,7 @@ def errors_between(scenario: Scenario, motion: Trajectory, truth: Trajectory) ->
 
 
 def _norms(vectors: FloatArray) -> FloatArray:
-    return np.linalg.norm(vectors, axis=1)
+    return np.asarray(np.linalg.norm(vectors, axis=1))
 
 
 def _relative(differences: FloatArray, bases: FloatArray) -> FloatArray:

@@ -48,8 +48,8 @@ def _find_one(name: str) -> list[Path]:
     path = Path(name)
     if path.is_file():
         return [path]
-    folder = path if path.is_dir() else LIBRARY / name
-    if folder.is_dir() and LIBRARY.resolve() in (folder.resolve() / "_").parents or path.is_dir():
+    folder = path if path.is_dir() or not name.isidentifier() else LIBRARY / name
+    if folder.is_dir():
         found = scenario_files(folder)
         if not found:
             raise ScenarioError(f"{name}: no scenario in this folder")

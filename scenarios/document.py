@@ -79,9 +79,9 @@ class BodyTable(Table):
     def inertia_matrix(self) -> Matrix | None:
         """The inertia as a full matrix, kg m²."""
         if self.inertia is None or isinstance(self.inertia[0], tuple):
-            return self.inertia  # type: ignore[return-value]
+            return self.inertia
         a, b, c = self.inertia
-        return ((a, 0.0, 0.0), (0.0, b, 0.0), (0.0, 0.0, c))  # type: ignore[return-value]
+        return ((a, 0.0, 0.0), (0.0, b, 0.0), (0.0, 0.0, c))
 
     def body(self) -> Body:
         """The rigid body this table describes; ValueError if no such body exists."""
@@ -241,11 +241,8 @@ class Document(Table):
         if self.effects.pivot is not None:
             if self.body.com is None and self.body.particles is None:
                 raise ValueError("[body] needs 'com' with a pivot")
-            moved = [key for key in ("position", "velocity") if key in self.start.model_fields_set]
-            if moved:
-                raise ValueError(
-                    f"[start] {_names(moved)} is for free bodies; this one has a pivot"
-                )
+            if moved := {"position", "velocity"} & self.start.model_fields_set:
+                raise ValueError(f"[start] {_names(moved)}: for free bodies; this one has a pivot")
         for index, value in enumerate(self.published, start=1):
             if value.t > self.window.duration:
                 raise ValueError(

@@ -18,6 +18,7 @@ from .scenario import Scenario, build
 MARKER = "spincheck"
 #: No scenario is this long; a larger file is something else, given by mistake.
 MAX_BYTES = 1 << 20
+_TABLES = ("body", "start", "effects", "window")
 
 
 def load(path: str | Path) -> Scenario:
@@ -95,6 +96,8 @@ def _spell(keys: tuple[int | str, ...]) -> str:
     if not keys:
         return ""
     tables = [key for key in keys if isinstance(key, str)]
+    if len(keys) == 1 and keys[0] in _TABLES:
+        return f"[{keys[0]}]: "
     parents, last = tables[:-1], tables[-1]
     if len(keys) > 1 and isinstance(keys[1], int) and parents:
         head = f"[[{parents[0]}]] number {keys[1] + 1} "
