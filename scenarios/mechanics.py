@@ -14,7 +14,9 @@ def angular_momentum_world(scenario: Scenario, motion: Trajectory) -> FloatArray
     (Goldstein, Classical Mechanics, eq. 1.28: L of the centre of mass plus L about it).
     """
     body = scenario.body
-    L_world: FloatArray = motion.R_world_body.apply(motion.omega_body @ body.inertia_com)
+    L_world: FloatArray = np.asarray(
+        motion.R_world_body.apply(motion.omega_body @ body.inertia_com), dtype=float
+    )
     if scenario.has_pivot:
         L_world += body.mass * np.cross(motion.com_world, motion.velocity_world)
     return L_world

@@ -1,0 +1,293 @@
+"""One interface for every physics engine: what a run is, and the loop that all of them share."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import TracebackType
+from typing import ClassVar, Literal, Self, final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from ..scenarios import FloatArray, Scenario, Trajectory
+
+Outcome = Literal["ok", "diverged", "unsupported", "failed"]
+
+#: A model or state that was set must read back to this, relative to its size. Text with 17 digits
+#: and a few products of rotations lose some ulp; a dropped frame or a default loses everything.
+READ_BACK_SLACK = 1e-12
+#: The same for engines in single precision.
+READ_BACK_SLACK_SINGLE = 1e-5
+
+
+@dataclass(frozen=True)
+class Method:
+    """One way an engine can simulate a top: an integrator, a formulation.
+
+    Attributes
+    ----------
+    name : as users type it
+    order : order of accuracy of ω in the timestep, as the adapter declares it
+    attitude_order : likewise of the attitude
+    summary : one line for tables
+    effects : names out of `scenarios.EFFECTS` that it can simulate
+    requires : effects without which it makes no sense, such as a pivot for a pivot constraint
+    max_rotation_per_step : rad; beyond it the engine silently clamps, so it is not run
+    """
+
+    name: str
+    order: int
+    attitude_order: int
+    summary: str
+    effects: frozenset[str]
+    requires: frozenset[str] = frozenset()
+    max_rotation_per_step: float = np.inf
+
+
+@dataclass(frozen=True, eq=False)
+class BodyReading:
+    """A body as the engine holds it: kg; m from the body's origin; kg m² about the com; body axes.
+
+    `com` is (3,), `inertia_com` is (3, 3).
+    """
+
+    mass: float
+    com: FloatArray
+    inertia_com: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """What is read at a sample: attitude (4,), ω (3,) rad/s, com (3,) m and its velocity (3,) m/s."""
+
+    q_world_body_wxyz: FloatArray
+    omega_body: FloatArray
+    com_world: FloatArray
+    velocity_world: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """How one scene went in one engine, with one method and timestep.
+
+    Attributes
+    ----------
+    outcome : ok, diverged, unsupported or failed
+    reason : why, in words; empty where the outcome is ok
+    stopped_at : s, the time at which it diverged or failed, else None
+    trajectory : the samples up to there, or None where there are none
+    steps : whole steps that were taken
+    active : what the engine says acted on the body (names out of `scenarios.EFFECTS`, and anything
+        else the adapter found switched on)
+    """
+
+    engine: str
+    engine_version: str
+    method: str
+    timestep: float
+    outcome: Outcome
+    reason: str = ""
+    stopped_at: float | None = None
+    trajectory: Trajectory | None = None
+    steps: int = 0
+    active: frozenset[str] = frozenset()
+
+
+class EngineFault(Exception):
+    """The engine did something other than step: a warning, a reset, a clamp, a wrong clock."""
+
+
+class Session(ABC):
+    """A scene loaded in an engine: set to its start, ready to step.
+
+    Raises
+    ------
+    EngineFault
+        From any method, when the engine reports trouble of its own.
+    """
+
+    @abstractmethod
+    def read_body(self) -> BodyReading:
+        """Mass, com and tensor as the engine holds them."""
+
+    @abstractmethod
+    def read_state(self) -> State:
+        """The state now, nothing of it a step old."""
+
+    @abstractmethod
+    def advance(self, steps: int) -> None:
+        """Take `steps` whole steps, natively: nothing but stepping happens in here."""
+
+    @abstractmethod
+    def check(self) -> None:
+        """Raise `EngineFault` if a step since the last check was not one: warning, reset, clock."""
+
+    @abstractmethod
+    def active(self) -> frozenset[str]:
+        """What acts on the body, read back from the engine after the run.
+
+        Names out of `scenarios.EFFECTS`, plus a name for whatever else is switched on. A mechanism
+        that implements an effect (a constraint that is the pivot) counts as that effect.
+        """
+
+    @abstractmethod
+    def close(self) -> None:
+        """Free the engine's memory."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+class Engine(ABC):
+    """A physics engine. Subclasses fill `open`; the run loop lives here, once."""
+
+    name: ClassVar[str]
+    methods: ClassVar[tuple[Method, ...]]
+    single_precision: ClassVar[bool] = False
+
+    @property
+    @abstractmethod
+    def version(self) -> str:
+        """The engine's own version."""
+
+    @abstractmethod
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        """Compile the scene, with its effects and nothing else, and set its start."""
+
+    @final
+    def method(self, name: str) -> Method:
+        """The method of that name.
+
+        Raises
+        ------
+        KeyError
+            If there is none.
+        """
+        return {method.name: method for method in self.methods}[name]
+
+    @final
+    def unsupported(self, scenario: Scenario, method: Method) -> str:
+        """Why this method cannot simulate the scene; empty if it can."""
+        if beyond := sorted(scenario.called_for - method.effects):
+            return f"{self.name} {method.name} cannot simulate {', '.join(beyond)}"
+        if lacking := sorted(method.requires - scenario.called_for):
+            return f"{self.name} {method.name} is for scenes with {', '.join(lacking)}"
+        return ""
+
+    @final
+    def run(
+        self, scenario: Scenario, method: Method, timestep: float, sample_steps: NDArray[np.int64]
+    ) -> Run:
+        """Simulate, reading the state at the given step counts; time is k · dt, never a sum.
+
+        Parameters
+        ----------
+        sample_steps : (n,) increasing whole numbers of steps, the first of them 0
+        """
+
+        def ended(outcome: Outcome, reason: str = "", **known: object) -> Run:
+            return Run(self.name, self.version, method.name, timestep, outcome, reason, **known)  # type: ignore[arg-type]
+
+        if reason := self.unsupported(scenario, method):
+            return ended("unsupported", reason)
+        states: list[State] = []
+        try:
+            with self.open(scenario, method, timestep) as session:
+                self._check_read_back(scenario, session)
+                outcome, reason = _step_through(session, sample_steps, states)
+                active = session.active()
+        except EngineFault as fault:
+            return ended("failed", str(fault))
+        known = {
+            "trajectory": _trajectory(states, sample_steps * timestep),
+            "steps": int(sample_steps[len(states) - 1]),
+            "active": active,
+        }
+        if outcome != "ok":
+            known["stopped_at"] = float(sample_steps[len(states)] * timestep)
+        elif active != scenario.called_for:
+            return ended("failed", _audit_message(active, scenario.called_for), **known)
+        return ended(outcome, reason, **known)
+
+    def _check_read_back(self, scenario: Scenario, session: Session) -> None:
+        """Compare what the engine holds before the first step with what the scene says."""
+        slack = READ_BACK_SLACK_SINGLE if self.single_precision else READ_BACK_SLACK
+        body, held = scenario.body, session.read_body()
+        start, state = scenario.start, session.read_state()
+        arm = float(np.linalg.norm(body.com))
+        speed = float(np.linalg.norm(start.omega_body))
+        com_world = _rotation(start.q_world_body_wxyz).apply(body.com)
+        pairs: Sequence[tuple[str, object, object, float]] = (
+            ("mass", held.mass, body.mass, body.mass),
+            ("com", held.com, body.com, arm),
+            (
+                "inertia_com",
+                held.inertia_com,
+                body.inertia_com,
+                float(np.abs(body.inertia_origin).max()),
+            ),
+            ("omega_body", state.omega_body, start.omega_body, speed),
+            (
+                "com_world",
+                state.com_world,
+                com_world if scenario.has_pivot else start.position_world,
+                arm + float(np.linalg.norm(start.position_world)),
+            ),
+        )
+        for what, got, wanted, size in pairs:
+            error = float(np.abs(np.subtract(got, wanted)).max())  # type: ignore[arg-type]
+            if not error <= slack * size:
+                raise EngineFault(f"'{what}' must read back as {wanted}, got {got}")
+        attitude = _rotation(state.q_world_body_wxyz).inv() * _rotation(start.q_world_body_wxyz)
+        if not attitude.magnitude() <= slack:
+            raise EngineFault(
+                f"'q_world_body_wxyz' must read back as {start.q_world_body_wxyz}, "
+                f"got {state.q_world_body_wxyz}"
+            )
+
+
+def _step_through(
+    session: Session, sample_steps: NDArray[np.int64], states: list[State]
+) -> tuple[Outcome, str]:
+    """Fill `states` until the last sample, or until the engine diverges."""
+    taken = 0
+    for wanted in sample_steps:
+        if wanted > taken:
+            session.advance(int(wanted) - taken)
+            taken = int(wanted)
+        try:
+            session.check()
+            state = session.read_state()
+        except EngineFault as fault:
+            return "diverged", str(fault)
+        if not all(np.isfinite(values).all() for values in vars(state).values()):
+            return "diverged", "the state is no longer finite"
+        states.append(state)
+    return "ok", ""
+
+
+def _trajectory(states: Sequence[State], times: FloatArray) -> Trajectory:
+    columns = {name: np.array([getattr(s, name) for s in states]) for name in vars(states[0])}
+    return Trajectory(t=times[: len(states)], **columns)
+
+
+def _audit_message(active: frozenset[str], called_for: frozenset[str]) -> str:
+    parts = []
+    if extra := sorted(active - called_for):
+        parts.append(f"active though the scene does not call for it: {', '.join(extra)}")
+    if absent := sorted(called_for - active):
+        parts.append(f"called for but not active: {', '.join(absent)}")
+    return "; ".join(parts)
+
+
+def _rotation(q_wxyz: FloatArray) -> Rotation:
+    return Rotation.from_quat(q_wxyz, scalar_first=True)
