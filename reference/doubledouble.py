@@ -81,7 +81,7 @@ def dd_neg(a: DoubleDouble) -> DoubleDouble:
 
 @kernel
 def dd_add(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
-    """Return a + b within 4 u², even where a and b cancel (Joldes, Muller & Popescu, algorithm 6)."""
+    """Return a + b within 4 u², even where they cancel (Joldes, Muller & Popescu, algorithm 6)."""
     s, e = two_sum(a[0], b[0])
     t, f = two_sum(a[1], b[1])
     s, e = quick_two_sum(s, e + t)
