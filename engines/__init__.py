@@ -1,12 +1,13 @@
 """Physics engines behind one interface."""
 
 from .discovery import Missing, engines, missing
-from .engine import BodyReading, Engine, EngineFault, Method, Outcome, Run, Session, State
+from .engine import Engine, Method, Outcome, Run, Session
+from .read_back import BodyReading, EngineError, State
 
 __all__ = [
     "BodyReading",
     "Engine",
-    "EngineFault",
+    "EngineError",
     "Method",
     "Missing",
     "Outcome",

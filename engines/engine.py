@@ -8,17 +8,18 @@ from typing import ClassVar, Literal, Self, final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray, Scenario, Trajectory
+from .read_back import (
+    READ_BACK_SLACK,
+    READ_BACK_SLACK_SINGLE,
+    BodyReading,
+    EngineError,
+    State,
+    check_read_back,
+)
 
 Outcome = Literal["ok", "diverged", "unsupported", "failed"]
-
-#: A model or state that was set must read back to this, relative to its size. Text with 17 digits
-#: and a few products of rotations lose some ulp; a dropped frame or a default loses everything.
-READ_BACK_SLACK = 1e-12
-#: The same for engines in single precision.
-READ_BACK_SLACK_SINGLE = 1e-5
 
 
 @dataclass(frozen=True)
@@ -43,28 +44,6 @@ class Method:
     effects: frozenset[str]
     requires: frozenset[str] = frozenset()
     max_rotation_per_step: float = np.inf
-
-
-@dataclass(frozen=True, eq=False)
-class BodyReading:
-    """A body as the engine holds it: kg; m from the body's origin; kg m² about the com; body axes.
-
-    `com` is (3,), `inertia_com` is (3, 3).
-    """
-
-    mass: float
-    com: FloatArray
-    inertia_com: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """What is read at a sample: attitude (4,), ω (3,) rad/s, com (3,) m and its velocity (3,) m/s."""
-
-    q_world_body_wxyz: FloatArray
-    omega_body: FloatArray
-    com_world: FloatArray
-    velocity_world: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,16 +73,12 @@ class Run:
     active: frozenset[str] = frozenset()
 
 
-class EngineFault(Exception):
-    """The engine did something other than step: a warning, a reset, a clamp, a wrong clock."""
-
-
 class Session(ABC):
     """A scene loaded in an engine: set to its start, ready to step.
 
     Raises
     ------
-    EngineFault
+    EngineError
         From any method, when the engine reports trouble of its own.
     """
 
@@ -121,7 +96,7 @@ class Session(ABC):
 
     @abstractmethod
     def check(self) -> None:
-        """Raise `EngineFault` if a step since the last check was not one: warning, reset, clock."""
+        """Raise `EngineError` if a step since the last check was not one: warning, reset, clock."""
 
     @abstractmethod
     def active(self) -> frozenset[str]:
@@ -199,16 +174,19 @@ class Engine(ABC):
 
         if reason := self.unsupported(scenario, method):
             return ended("unsupported", reason)
+        if turn := _clamped_turn(method, timestep, scenario.start.omega_body):
+            return ended("unsupported", turn)
+        slack = READ_BACK_SLACK_SINGLE if self.single_precision else READ_BACK_SLACK
         states: list[State] = []
         try:
             with self.open(scenario, method, timestep) as session:
-                self._check_read_back(scenario, session)
-                outcome, reason = _step_through(session, sample_steps, states)
+                check_read_back(scenario, session.read_body(), session.read_state(), slack)
+                outcome, reason = _step_through(session, method, timestep, sample_steps, states)
                 active = session.active()
-        except EngineFault as fault:
-            return ended("failed", str(fault))
+        except EngineError as error:
+            return ended("failed", str(error))
         known = {
-            "trajectory": _trajectory(states, sample_steps * timestep),
+            "trajectory": _trajectory(states, np.asarray(sample_steps * timestep, dtype=float)),
             "steps": int(sample_steps[len(states) - 1]),
             "active": active,
         }
@@ -218,45 +196,13 @@ class Engine(ABC):
             return ended("failed", _audit_message(active, scenario.called_for), **known)
         return ended(outcome, reason, **known)
 
-    def _check_read_back(self, scenario: Scenario, session: Session) -> None:
-        """Compare what the engine holds before the first step with what the scene says."""
-        slack = READ_BACK_SLACK_SINGLE if self.single_precision else READ_BACK_SLACK
-        body, held = scenario.body, session.read_body()
-        start, state = scenario.start, session.read_state()
-        arm = float(np.linalg.norm(body.com))
-        speed = float(np.linalg.norm(start.omega_body))
-        com_world = _rotation(start.q_world_body_wxyz).apply(body.com)
-        pairs: Sequence[tuple[str, object, object, float]] = (
-            ("mass", held.mass, body.mass, body.mass),
-            ("com", held.com, body.com, arm),
-            (
-                "inertia_com",
-                held.inertia_com,
-                body.inertia_com,
-                float(np.abs(body.inertia_origin).max()),
-            ),
-            ("omega_body", state.omega_body, start.omega_body, speed),
-            (
-                "com_world",
-                state.com_world,
-                com_world if scenario.has_pivot else start.position_world,
-                arm + float(np.linalg.norm(start.position_world)),
-            ),
-        )
-        for what, got, wanted, size in pairs:
-            error = float(np.abs(np.subtract(got, wanted)).max())  # type: ignore[arg-type]
-            if not error <= slack * size:
-                raise EngineFault(f"'{what}' must read back as {wanted}, got {got}")
-        attitude = _rotation(state.q_world_body_wxyz).inv() * _rotation(start.q_world_body_wxyz)
-        if not attitude.magnitude() <= slack:
-            raise EngineFault(
-                f"'q_world_body_wxyz' must read back as {start.q_world_body_wxyz}, "
-                f"got {state.q_world_body_wxyz}"
-            )
-
 
 def _step_through(
-    session: Session, sample_steps: NDArray[np.int64], states: list[State]
+    session: Session,
+    method: Method,
+    timestep: float,
+    sample_steps: NDArray[np.int64],
+    states: list[State],
 ) -> tuple[Outcome, str]:
     """Fill `states` until the last sample, or until the engine diverges."""
     taken = 0
@@ -267,12 +213,25 @@ def _step_through(
         try:
             session.check()
             state = session.read_state()
-        except EngineFault as fault:
-            return "diverged", str(fault)
+        except EngineError as error:
+            return "diverged", str(error)
         if not all(np.isfinite(values).all() for values in vars(state).values()):
             return "diverged", "the state is no longer finite"
+        if turn := _clamped_turn(method, timestep, state.omega_body):
+            return "diverged", turn
         states.append(state)
     return "ok", ""
+
+
+def _clamped_turn(method: Method, timestep: float, omega_body: FloatArray) -> str:
+    """Say so if the body turns further in a step than the engine lets it; else empty."""
+    turn = float(np.linalg.norm(omega_body)) * timestep
+    if turn <= method.max_rotation_per_step:
+        return ""
+    return (
+        f"the rotation a step, {turn:.3g} rad, is beyond {method.max_rotation_per_step:.3g} rad, "
+        "where the engine clamps it"
+    )
 
 
 def _trajectory(states: Sequence[State], times: FloatArray) -> Trajectory:
@@ -287,7 +246,3 @@ def _audit_message(active: frozenset[str], called_for: frozenset[str]) -> str:
     if absent := sorted(called_for - active):
         parts.append(f"called for but not active: {', '.join(absent)}")
     return "; ".join(parts)
-
-
-def _rotation(q_wxyz: FloatArray) -> Rotation:
-    return Rotation.from_quat(q_wxyz, scalar_first=True)

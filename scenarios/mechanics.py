@@ -17,17 +17,18 @@ def angular_momentum_world(scenario: Scenario, motion: Trajectory) -> FloatArray
     L_world: FloatArray = np.asarray(
         motion.R_world_body.apply(motion.omega_body @ body.inertia_com), dtype=float
     )
-    if scenario.has_pivot:
-        L_world += body.mass * np.cross(motion.com_world, motion.velocity_world)
-    return L_world
+    if not scenario.has_pivot:
+        return L_world
+    momentum_world = body.mass * motion.velocity_world
+    return np.asarray(L_world + np.cross(motion.com_world, momentum_world), dtype=float)
 
 
 def kinetic_energy(scenario: Scenario, motion: Trajectory) -> FloatArray:
     """T = ½ m v² + ½ ω·I_com ω, J, (n,) (Goldstein, eq. 1.31 and 5.16)."""
     body = scenario.body
     omega = motion.omega_body
-    rotation = np.einsum("ni,ij,nj->n", omega, body.inertia_com, omega)
-    translation = body.mass * np.einsum("ni,ni->n", motion.velocity_world, motion.velocity_world)
+    rotation: FloatArray = np.einsum("ni,ij,nj->n", omega, body.inertia_com, omega)
+    translation: FloatArray = body.mass * np.einsum("ni,ni->n", motion.velocity_world, motion.velocity_world)
     return 0.5 * (rotation + translation)
 
 

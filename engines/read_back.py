@@ -1,0 +1,93 @@
+"""What an engine says it holds, compared with what the scene says, before the first step."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..scenarios import FloatArray, Scenario
+
+#: A model or state that was set must read back to this, relative to its size. Text with 17 digits
+#: and a few products of rotations lose some ulp; a dropped frame or a default loses everything.
+READ_BACK_SLACK = 1e-12
+#: The same for engines in single precision.
+READ_BACK_SLACK_SINGLE = 1e-5
+
+
+class EngineError(Exception):
+    """The engine did something other than step: a warning, a reset, a clamp, a wrong read-back."""
+
+
+@dataclass(frozen=True, eq=False)
+class BodyReading:
+    """A body as the engine holds it: kg; m from the body's origin; kg m² about the com; body axes.
+
+    `com` is (3,), `inertia_com` is (3, 3).
+    """
+
+    mass: float
+    com: FloatArray
+    inertia_com: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """What is read at a sample: attitude (4,), ω (3,) rad/s, com (3,) m, its velocity (3,) m/s."""
+
+    q_world_body_wxyz: FloatArray
+    omega_body: FloatArray
+    com_world: FloatArray
+    velocity_world: FloatArray
+
+
+def check_read_back(scenario: Scenario, held: BodyReading, state: State, slack: float) -> None:
+    """Compare a freshly loaded model and state with the scene.
+
+    Parameters
+    ----------
+    slack : allowed difference, relative to the size of each quantity
+
+    Raises
+    ------
+    EngineError
+        Naming the first quantity that differs, what was wanted and what was got.
+    """
+    for what, got, wanted, size in _pairs(scenario, held, state):
+        if not float(np.abs(np.subtract(got, wanted)).max()) <= slack * size:
+            raise EngineError(f"'{what}' must read back as {_flat(wanted)}, got {_flat(got)}")
+    wanted_q, got_q = scenario.start.q_world_body_wxyz, state.q_world_body_wxyz
+    if not (_rotation(got_q).inv() * _rotation(wanted_q)).magnitude() <= slack:
+        raise EngineError(
+            f"'q_world_body_wxyz' must read back as {_flat(wanted_q)}, got {_flat(got_q)}"
+        )
+
+
+def _pairs(
+    scenario: Scenario, held: BodyReading, state: State
+) -> Iterator[tuple[str, FloatArray, FloatArray, float]]:
+    """Name, value got, value wanted, and the size its difference is measured against."""
+    body, start = scenario.body, scenario.start
+    arm = float(np.linalg.norm(body.com))
+    com_world, velocity_world = start.position_world, start.velocity_world
+    if scenario.has_pivot:
+        R_world_body = _rotation(start.q_world_body_wxyz)
+        com_world = R_world_body.apply(body.com)
+        velocity_world = R_world_body.apply(np.cross(start.omega_body, body.com))
+    speed = float(np.linalg.norm(start.omega_body))
+    yield "mass", np.array(held.mass), np.array(body.mass), body.mass
+    yield "com", held.com, body.com, arm
+    largest_moment = float(np.abs(body.inertia_origin).max())
+    yield "inertia_com", held.inertia_com, body.inertia_com, largest_moment
+    yield "omega_body", state.omega_body, start.omega_body, speed
+    yield "com_world", state.com_world, com_world, arm + float(np.linalg.norm(com_world))
+    size = arm * speed + float(np.linalg.norm(velocity_world))
+    yield "velocity_world", state.velocity_world, velocity_world, size
+
+
+def _rotation(q_wxyz: FloatArray) -> Rotation:
+    return Rotation.from_quat(q_wxyz, scalar_first=True)
+
+
+def _flat(values: FloatArray) -> str:
+    return np.array2string(values, precision=17, separator=", ").replace("\n", "")
