@@ -1,0 +1,15 @@
+"""How numbers and XML are written into model files: every double comes back bit for bit."""
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+
+
+def decimals(values: Iterable[float]) -> str:
+    """Doubles, separated by spaces, each in the fewest digits that read back exactly (≤ 17)."""
+    return " ".join(repr(float(value)) for value in values)
+
+
+def xml_text(root: ET.Element) -> str:
+    """An indented document."""
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode") + "\n"

@@ -1,0 +1,68 @@
+"""The principal frame of a body, worked out here so that no engine's eigensolver decides it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from mpmath import mp, mpf
+
+from ..scenarios import Body, FloatArray
+from ..scenarios.exact import DIGITS, Quaternion, Vector, product
+
+#: Below this cosine of the pitch, roll and yaw turn about one axis and only their sum is defined.
+#: Half the working digits: entries of the rotation are good to all of them.
+GIMBAL_LOCK = mpf(10) ** (-DIGITS // 2)
+
+
+@dataclass(frozen=True, eq=False)
+class PrincipalFrame:
+    """Principal moments about the centre of mass and the right-handed axes they belong to.
+
+    Attributes
+    ----------
+    moments : kg m², along the frame's x, y and z, (3,)
+    q_body_axes_wxyz : takes components along the principal axes to body components, (4,)
+    rpy_body_axes : the same rotation as URDF writes it, R = Rz(yaw) Ry(pitch) Rx(roll), rad, (3,)
+    """
+
+    moments: FloatArray
+    q_body_axes_wxyz: FloatArray
+    rpy_body_axes: FloatArray
+
+
+def principal_frame(body: Body) -> PrincipalFrame:
+    """Diagonalise the inertia tensor about the com in extended precision.
+
+    A tensor that is diagonal already keeps the body's own axes, in their order.
+    """
+    tensor = body.inertia_com_exact
+    with mp.workdps(DIGITS):
+        if all(tensor[i][j] == 0 for i in range(3) for j in range(i)):
+            moments = [tensor[i][i] for i in range(3)]
+            rpy = (mpf(0), mpf(0), mpf(0))
+        else:
+            moments, axes = mp.eigsy(mp.matrix(tensor))
+            if mp.det(axes) < 0:
+                axes[:, 2] = -axes[:, 2]
+            rpy = _roll_pitch_yaw(axes)
+        return PrincipalFrame(_doubles(moments), _doubles(_quaternion(rpy)), _doubles(rpy))
+
+
+def _roll_pitch_yaw(R: mp.matrix) -> Vector:
+    """Angles of R = Rz(yaw) Ry(pitch) Rx(roll) (Diebel 2006, Representing Attitude, §5.6.12)."""
+    cos_pitch = mp.hypot(R[0, 0], R[1, 0])
+    pitch = mp.atan2(-R[2, 0], cos_pitch)
+    if cos_pitch < GIMBAL_LOCK:
+        return (mpf(0), pitch, mp.atan2(-R[0, 1], R[1, 1]))
+    return (mp.atan2(R[2, 1], R[2, 2]), pitch, mp.atan2(R[1, 0], R[0, 0]))
+
+
+def _quaternion(rpy: Vector) -> Quaternion:
+    (cr, cp, cy), (sr, sp, sy) = ([f(angle / 2) for angle in rpy] for f in (mp.cos, mp.sin))
+    zero = mpf(0)
+    return product(product((cy, zero, zero, sy), (cp, zero, sp, zero)), (cr, sr, zero, zero))
+
+
+def _doubles(values: object) -> FloatArray:
+    array = np.array([float(value) for value in values], dtype=float)  # type: ignore[attr-defined]
+    array.setflags(write=False)
+    return array
