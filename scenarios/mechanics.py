@@ -28,8 +28,8 @@ def kinetic_energy(scenario: Scenario, motion: Trajectory) -> FloatArray:
     body = scenario.body
     omega = motion.omega_body
     rotation: FloatArray = np.einsum("ni,ij,nj->n", omega, body.inertia_com, omega)
-    translation: FloatArray = body.mass * np.einsum("ni,ni->n", motion.velocity_world, motion.velocity_world)
-    return 0.5 * (rotation + translation)
+    speed_squared: FloatArray = np.einsum("ni,ni->n", motion.velocity_world, motion.velocity_world)
+    return 0.5 * (rotation + body.mass * speed_squared)
 
 
 def potential_energy(scenario: Scenario, motion: Trajectory) -> FloatArray:

@@ -1,0 +1,44 @@
+"""Poses a scenario as an initial value problem about its fixed point, in principal axes."""
+
+from mpmath import mp, mpf
+
+from ..scenarios import Scenario
+from ..scenarios.exact import DIGITS, ZERO, Vector, conjugate, exact, product, rotate
+from ..scenarios.principal import principal_axes
+from .problem import Problem
+
+
+def pose(scenario: Scenario) -> Problem:
+    """The rotational problem of a scene: about its pivot, or else its centre of mass.
+
+    Nothing is rounded: every double of the file is taken exactly.
+    """
+    body, start = scenario.body, scenario.start
+    tensor = body.inertia_origin_exact if scenario.has_pivot else body.inertia_com_exact
+    with mp.workdps(DIGITS):
+        moments, q_axes_body = principal_axes(tensor)
+        return Problem(
+            moments=moments,
+            q_world_axes=product(start.q_exact, conjugate(q_axes_body)),
+            omega_axes=rotate(q_axes_body, start.omega_body_exact),
+            lever_axes=rotate(q_axes_body, _lever_body(scenario)),
+            gravity_world=_vector(scenario.gravity_world),
+            torque_axes=rotate(q_axes_body, _vector(scenario.torque_body)),
+            torque_world=_vector(scenario.torque_world),
+            drag=mpf(scenario.drag),
+            q_axes_body=q_axes_body,
+        )
+
+
+def _lever_body(scenario: Scenario) -> Vector:
+    """Mass times com, kg m, where gravity has a pivot to pull about."""
+    if not {"pivot", "gravity"} <= scenario.called_for:
+        return ZERO
+    x, y, z = scenario.body.com_exact
+    mass = scenario.body.mass_exact
+    return (mass * x, mass * y, mass * z)
+
+
+def _vector(values: object) -> Vector:
+    x, y, z = exact(values)  # type: ignore[arg-type]
+    return (x, y, z)

@@ -1,0 +1,76 @@
+"""What a study finds: one row a run, one verdict a method and scene."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ..engines import Outcome
+from ..scenarios import Errors, Trajectory
+from .verdict import VerdictWord
+
+
+@dataclass(frozen=True)
+class Key:
+    """Which scene, engine and method."""
+
+    scenario: str
+    engine: str
+    method: str
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One run against the reference.
+
+    Attributes
+    ----------
+    reason : why, where the outcome is not ok
+    stopped_at : s, when it diverged or failed
+    errors : at the run's sample times, up to where it stopped; None without samples
+    drifts : largest change of each conserved quantity, relative, by name
+    uncertainty : the reference's, in ω, relative
+    seconds_per_step, seconds_spread : CPU seconds, least over the repeats, and (max − min) of them;
+        None where it was not timed
+    motion : the samples, None where there are none
+    printed : what the engine wrote to the terminal
+    """
+
+    key: Key
+    engine_version: str
+    timestep: float
+    outcome: Outcome
+    reason: str = ""
+    stopped_at: float | None = None
+    errors: Errors | None = None
+    drifts: dict[str, float] | None = None
+    uncertainty: float = 0.0
+    steps: int = 0
+    seconds_per_step: float | None = None
+    seconds_spread: float | None = None
+    motion: Trajectory | None = None
+    printed: str = ""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a ladder says of a method on a scene.
+
+    Attributes
+    ----------
+    order, limit_error, limit_estimate : of the signal that decided
+    signal : which one that was
+    broken : the scene's own promises that this method broke, in words
+    """
+
+    key: Key
+    verdict: VerdictWord
+    reason: str
+    signal: Literal["omega", "attitude"] = "omega"
+    order: float | None = None
+    limit_error: float | None = None
+    limit_estimate: float | None = None
+    broken: tuple[str, ...] = ()
+
+    @property
+    def agrees(self) -> bool:
+        """Whether a study with this verdict passes."""
+        return self.verdict not in ("disagrees", "failed") and not self.broken
