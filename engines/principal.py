@@ -44,7 +44,7 @@ def principal_frame(body: Body) -> PrincipalFrame:
             if mp.det(axes) < 0:
                 axes[:, 2] = -axes[:, 2]
             rpy = _roll_pitch_yaw(axes)
-        return PrincipalFrame(_doubles(moments), _doubles(_quaternion(rpy)), _doubles(rpy))
+        return PrincipalFrame(_readonly(list(moments)), _readonly(_quaternion(rpy)), _readonly(rpy))
 
 
 def _roll_pitch_yaw(R: mp.matrix) -> Vector:
@@ -62,7 +62,7 @@ def _quaternion(rpy: Vector) -> Quaternion:
     return product(product((cy, zero, zero, sy), (cp, zero, sp, zero)), (cr, sr, zero, zero))
 
 
-def _doubles(values: object) -> FloatArray:
-    array = np.array([float(value) for value in values], dtype=float)  # type: ignore[attr-defined]
+def _readonly(values: object) -> FloatArray:
+    array = np.array(values, dtype=float)
     array.setflags(write=False)
     return array

@@ -72,8 +72,8 @@ def _pairs(
     com_world, velocity_world = start.position_world, start.velocity_world
     if scenario.has_pivot:
         R_world_body = _rotation(start.q_world_body_wxyz)
-        com_world = R_world_body.apply(body.com)
-        velocity_world = R_world_body.apply(np.cross(start.omega_body, body.com))
+        com_world = R_world_body.as_matrix() @ body.com
+        velocity_world = R_world_body.as_matrix() @ np.cross(start.omega_body, body.com)
     speed = float(np.linalg.norm(start.omega_body))
     yield "mass", np.array(held.mass), np.array(body.mass), body.mass
     yield "com", held.com, body.com, arm

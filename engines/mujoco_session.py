@@ -1,0 +1,117 @@
+"""A compiled MuJoCo model, stepped and read: shared by the MJCF and the URDF adapter."""
+
+from collections.abc import Callable
+from typing import Any
+
+import mujoco
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..scenarios import FloatArray
+from .engine import Session
+from .mujoco_audit import acting
+from .read_back import BodyReading, EngineError, State
+
+#: Of a free joint's qpos and qvel, the leading numbers that are the origin's position and velocity.
+TRANSLATION = 3
+
+
+class MuJoCoSession(Session):
+    """One body on a ball joint at its origin, or free; the last body of the model.
+
+    Parameters
+    ----------
+    model : compiled, options and effects set
+    qpos, qvel : the start, as `mjcf.start_coordinates` gives it
+    """
+
+    def __init__(self, model: Any, qpos: list[float], qvel: list[float]) -> None:
+        self._model = model
+        self._data = mujoco.MjData(model)
+        self._data.qpos[:] = qpos
+        self._data.qvel[:] = qvel
+        self._body = model.nbody - 1
+        self._is_free = model.nv > TRANSLATION
+        self._steps = 0
+        self._warnings: list[str] = []
+
+    def read_body(self) -> BodyReading:
+        """From the compiled model, its principal moments turned back into body axes."""
+        model, body = self._model, self._body
+        R_body_axes = _rotation(model.body_iquat[body]).as_matrix()
+        return BodyReading(
+            mass=float(model.body_mass[body]),
+            com=model.body_ipos[body].copy(),
+            inertia_com=R_body_axes @ np.diag(model.body_inertia[body]) @ R_body_axes.T,
+        )
+
+    def read_state(self) -> State:
+        """From qpos and qvel alone: derived data (xipos, cvel) is one step old after a step.
+
+        The com is the body's origin plus the compiled arm, its velocity that of the origin plus
+        ω × arm; a ball joint's origin stands still.
+        """
+        qpos, qvel = self._data.qpos, self._data.qvel
+        q_world_body_wxyz, omega_body = qpos[-4:].copy(), qvel[-3:].copy()
+        R_world_body = _rotation(q_world_body_wxyz).as_matrix()
+        com_body = self._model.body_ipos[self._body]
+        com_world = R_world_body @ com_body
+        velocity_world = R_world_body @ np.cross(omega_body, com_body)
+        if self._is_free:
+            com_world += qpos[:TRANSLATION]
+            velocity_world += qvel[:TRANSLATION]
+        return State(q_world_body_wxyz, omega_body, com_world, velocity_world)
+
+    def advance(self, steps: int) -> None:
+        """One native loop; MuJoCo's warnings are collected, not printed and logged to a file."""
+        previous: Callable[[str], None] | None = mujoco.get_mju_user_warning()
+        mujoco.set_mju_user_warning(self._warnings.append)
+        try:
+            mujoco.mj_step(self._model, self._data, nstep=steps)
+        except mujoco.FatalError as error:
+            raise EngineError(f"MuJoCo stopped: {error}") from None
+        finally:
+            mujoco.set_mju_user_warning(previous)
+        self._steps += steps
+
+    def check(self) -> None:
+        """Any warning, or a clock that is not at the steps taken, is an error."""
+        if self._warnings or any(warning.number for warning in self._data.warning):
+            raise EngineError(f"MuJoCo warned: {_first(self._warnings)}")
+        timestep = self._model.opt.timestep
+        expected = self._steps * timestep
+        # MuJoCo's clock is a running sum: it is right to within far less than half a step.
+        if not abs(self._data.time - expected) < timestep / 2:
+            raise EngineError(
+                f"MuJoCo's clock must be at {expected!r} s, got {self._data.time!r} s: it was reset"
+            )
+
+    def active(self) -> frozenset[str]:
+        """What acts, from the compiled model and a fresh evaluation of its forces."""
+        return acting(self._model, self._data)
+
+    def close(self) -> None:
+        """Drop model and data; MuJoCo frees them with the last reference."""
+        del self._model, self._data
+
+
+def compiled(build: Callable[[], Any]) -> Any:
+    """The model that `build` compiles.
+
+    Raises
+    ------
+    EngineError
+        With the compiler's message, where it refuses.
+    """
+    try:
+        return build()
+    except ValueError as error:
+        raise EngineError(f"MuJoCo's compiler: {' '.join(str(error).split())}") from None
+
+
+def _first(warnings: list[str]) -> str:
+    return warnings[0] if warnings else "no text given"
+
+
+def _rotation(q_wxyz: FloatArray) -> Rotation:
+    return Rotation.from_quat(q_wxyz, scalar_first=True)
