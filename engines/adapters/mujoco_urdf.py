@@ -1,0 +1,57 @@
+"""MuJoCo once more, from the scene's URDF: the same body by another road.
+
+What differs from the MJCF adapter is MuJoCo's URDF reader alone, so a difference between the two
+is the reader's.
+"""
+
+from typing import Any
+
+import mujoco
+
+from ...scenarios import Scenario
+from ..engine import Engine, Method, Session
+from ..mjcf import start_coordinates, switched_off
+from ..mujoco_audit import disable
+from ..mujoco_session import MuJoCoSession, compiled
+from ..urdf import BODY_LINK, urdf
+
+
+class MuJoCoURDF(Engine):
+    """MuJoCo's URDF reader."""
+
+    name = "mujoco-urdf"
+    # What the reader does to a body shows with any integrator; the most exact one hides least.
+    methods = (
+        Method(
+            "RK4",
+            4,
+            4,
+            "Runge-Kutta of fourth order, on the body as read from URDF",
+            frozenset({"gravity", "pivot"}),
+        ),
+    )
+
+    @property
+    def version(self) -> str:
+        """Of the library that runs, which is what counts."""
+        return str(mujoco.mj_versionString())
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        """Read the URDF, then set on the model what URDF cannot say."""
+        text = urdf(scenario)
+        model = compiled(lambda: _spec(text, scenario.has_pivot).compile())
+        model.opt.timestep = timestep
+        model.opt.gravity = scenario.gravity_world
+        model.opt.integrator = mujoco.mjtIntegrator.__members__[f"mjINT_{method.name}"]
+        disable(model, switched_off(scenario))
+        return MuJoCoSession(model, *start_coordinates(scenario))
+
+
+def _spec(text: str, has_pivot: bool) -> Any:
+    """The URDF as an editable model; a free body gets the joint that URDF has no word for."""
+    spec = mujoco.MjSpec.from_string(text)
+    if not has_pivot:
+        # By default the reader fuses an only link with the world.
+        spec.compiler.fusestatic = False
+        spec.body(BODY_LINK).add_freejoint(align=False)
+    return spec
