@@ -10,9 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray, Trajectory
 
-VerdictWord = Literal[
-    "converges", "disagrees", "unresolved", "diverges", "unsupported", "failed"
-]
+VerdictWord = Literal["converges", "disagrees", "unresolved", "diverges", "unsupported", "failed"]
 Signal = Literal["omega", "attitude"]
 
 #: The order found must reach the order declared to within this.
@@ -91,8 +89,10 @@ def judge(
     limit_error = error(limits[best + 1], truth)
     order = _order(ladder, errors, floors, uncertainty)
     allowance = estimate + uncertainty + float(floors[best + 2])
-    found = _Found(ladder, errors, order, declared_order, estimate, limit_error, allowance, moves[: best + 1])
-    return _weigh(found)
+    seen = moves[: best + 1]
+    return _weigh(
+        _Found(ladder, errors, order, declared_order, estimate, limit_error, allowance, seen)
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,7 +185,7 @@ def _extrapolate(coarse: Trajectory, fine: Trajectory, order: int) -> Trajectory
     attitude = fine.R_world_body * Rotation.from_rotvec(weight * turn)
 
     def limit(a: FloatArray, b: FloatArray) -> FloatArray:
-        return b + weight * (b - a)
+        return np.asarray(b + weight * (b - a), dtype=float)
 
     return Trajectory(
         t=fine.t,

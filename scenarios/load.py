@@ -1,7 +1,6 @@
 """Reads scenario files; every complaint names file, line, table, key, value and rule."""
 
 import difflib
-import hashlib
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
@@ -62,8 +61,7 @@ def loads(text: str, name: str, path: Path | None = None) -> Scenario:
         raise ScenarioError(f"{where}: not a scenario: the first key must be 'spincheck = 1'")
     try:
         document = Document.model_validate(tables)
-        digest = hashlib.sha256(text.encode()).hexdigest()
-        return build(document, name=name, digest=digest, path=path)
+        return build(document, name=name, text=text, path=path)
     except ValidationError as error:
         lines = dict.fromkeys(_explain(detail, text, where) for detail in error.errors())
         raise ScenarioError("\n".join(lines)) from None

@@ -1,5 +1,6 @@
 """A scenario as the rest of the program sees it: a body, its start, what acts on it, a window."""
 
+import hashlib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -50,17 +51,22 @@ class Scenario:
     ----------
     name : the file's stem
     path : the file it was read from, or None for one built in memory
-    digest : SHA-256 of the file's text, hexadecimal: tells whether a result is of this scene
+    text : the file, as read
     document : the file's tables as written
     body, start : what they describe
     """
 
     name: str
     path: Path | None
-    digest: str
+    text: str
     document: Document
     body: Body
     start: Start
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of the file's text, hexadecimal: tells whether a result is of this scene."""
+        return hashlib.sha256(self.text.encode()).hexdigest()
 
     @property
     def title(self) -> str:
@@ -134,12 +140,12 @@ class Scenario:
         return _readonly(np.linspace(0.0, self.window.duration, self.window.samples))
 
 
-def build(document: Document, name: str, digest: str, path: Path | None = None) -> Scenario:
+def build(document: Document, name: str, text: str, path: Path | None = None) -> Scenario:
     """Turn a validated document into a scenario."""
     return Scenario(
         name=name,
         path=path,
-        digest=digest,
+        text=text,
         document=document,
         body=document.body.body(),
         start=_start(document.start),

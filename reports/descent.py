@@ -1,0 +1,221 @@
+"""One method's way down the ladder of one scene: which rung next, and the verdict at the end."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..engines import Engine, Method, Run
+from ..reference import Solution, drifts
+from ..scenarios import (
+    Expect,
+    Scenario,
+    Trajectory,
+    energy,
+    energy_base,
+    errors_between,
+)
+from .ladder import MIN_RUNGS, Rung
+from .records import Key, Row, Verdict
+from .verdict import Judgement, Signal, Step, judge
+from .workers import Lost
+
+#: A ladder goes on until its limit is known to this, relative (ω) and in rad, or steps run out.
+GOAL = 1e-4
+#: Energy beyond this many times its base is a blow-up, however finite.
+ABSURD_ENERGY = 10.0
+#: Rungs an extrapolated limit with an error estimate takes.
+LEAST_RUNGS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Single:
+    """One timestep by itself: asked for by a user, or promised about by the scene."""
+
+    rung: Rung
+    solution: Solution
+    promises: tuple[Expect, ...] = ()
+
+
+@dataclass(eq=False)
+class Descent:
+    """A scene, an engine and a method; first the single timesteps, then the ladder.
+
+    Attributes
+    ----------
+    solution, rungs : the ladder, coarse to fine, and the truth at its sample times
+    rows, single_rows : what was found so far
+    broken : promises of the scene that were not kept, in words
+    """
+
+    scenario: Scenario
+    engine: Engine
+    method: Method
+    solution: Solution
+    rungs: list[Rung]
+    singles: list[Single] = field(default_factory=list)
+    rows: list[Row] = field(default_factory=list)
+    single_rows: list[Row] = field(default_factory=list)
+    broken: list[str] = field(default_factory=list)
+
+    @property
+    def key(self) -> Key:
+        """Which scene, engine and method."""
+        return Key(self.scenario.name, self.engine.name, self.method.name)
+
+    def next_rung(self) -> Rung | None:
+        """The rung to run now, or None when enough is known."""
+        if len(self.single_rows) < len(self.singles):
+            return self.singles[len(self.single_rows)].rung
+        taken = len(self.rows)
+        if taken == len(self.rungs) or (self.rows and self._hopeless(self.rows[-1])):
+            return None
+        return None if taken >= MIN_RUNGS and self._known() else self.rungs[taken]
+
+    def add(self, result: Run | Lost) -> Row:
+        """Turn what came back from a worker for the next rung into a row."""
+        rung = self.next_rung()
+        assert rung is not None
+        single = (self.singles + [None])[len(self.single_rows)]
+        solution = single.solution if single else self.solution
+        row = row_of(self.scenario, self.key, self.engine.version, rung, result, solution)
+        if single:
+            self.single_rows.append(row)
+            for promise in single.promises:
+                self.broken += broken_promises(promise, row)
+        else:
+            self.rows.append(row)
+        return row
+
+    def verdict(self) -> Verdict:
+        """Judge the ladder."""
+        last = (self.rows or self.single_rows)[-1]
+        broken = tuple(self.broken)
+        if last.outcome in ("failed", "diverged", "unsupported"):
+            word = "diverges" if last.outcome == "diverged" else last.outcome
+            return Verdict(self.key, word, _with_time(last), broken=broken)
+        signal, judgement = self._judge()
+        return Verdict(
+            self.key,
+            judgement.word,
+            judgement.reason,
+            signal,
+            judgement.order,
+            judgement.limit_error,
+            judgement.limit_estimate,
+            broken,
+        )
+
+    def _hopeless(self, last: Row) -> bool:
+        """Whether no finer timestep can help: it failed, or lacks an effect at any timestep."""
+        if last.outcome == "unsupported":
+            return bool(self.engine.unsupported(self.scenario, self.method))
+        return last.outcome == "failed"
+
+    def _known(self) -> bool:
+        """Whether every signal is judged and its limit known to the goal."""
+        if self.rows[-1].outcome != "ok" or len(self._steps()) < LEAST_RUNGS:
+            return False
+        _, worst = self._judge()
+        known = worst.limit_estimate is None or worst.limit_estimate <= GOAL
+        return worst.word != "unresolved" and known
+
+    def _judge(self) -> tuple[Signal, Judgement]:
+        """The worse of the judgements on ω and attitude."""
+        steps = self._steps()
+        if len(steps) < LEAST_RUNGS:
+            reason = f"only {len(steps)} timesteps ran to the end; {LEAST_RUNGS} make a verdict"
+            return "omega", Judgement("unresolved", reason)
+        uncertainty = self.solution.uncertainty
+        truth = self.solution.trajectory
+        orders = {"omega": self.method.order, "attitude": self.method.attitude_order}
+        judged: list[tuple[Signal, Judgement]] = [
+            (signal, judge(signal, steps, truth, orders[signal], getattr(uncertainty, signal)))
+            for signal in ("omega", "attitude")
+        ]
+        severity = ("converges", "unresolved", "disagrees")
+        return max(judged, key=lambda pair: severity.index(pair[1].word))
+
+    def _steps(self) -> list[Step]:
+        """The finished rungs below the last that did not finish."""
+        finished: list[Step] = []
+        for row in self.rows:
+            if row.outcome != "ok" or row.motion is None:
+                finished.clear()
+                continue
+            round_off = self._round_off(row.steps)
+            finished.append(Step(row.timestep, row.steps, row.motion, round_off))
+        return finished
+
+    def _round_off(self, steps: int) -> dict[Signal, float]:
+        """What rounding may do: each step is good for one ulp, grown as the motion grows it."""
+        conditioning = self.solution.conditioning
+        return {"omega": steps * conditioning.omega, "attitude": steps * conditioning.attitude}
+
+
+def row_of(
+    scenario: Scenario,
+    key: Key,
+    version: str,
+    rung: Rung,
+    result: Run | Lost,
+    solution: Solution,
+) -> Row:
+    """Compare a run with the truth at its own sample times."""
+    if isinstance(result, Lost):
+        return Row(key, version, rung.timestep, "failed", result.reason)
+    row = {
+        "key": key,
+        "engine_version": result.engine_version,
+        "timestep": rung.timestep,
+        "uncertainty": solution.uncertainty.omega,
+        "steps": result.steps,
+    }
+    motion = result.trajectory
+    if motion is None or not len(motion.t):
+        return Row(
+            **row, outcome=result.outcome, reason=result.reason, stopped_at=result.stopped_at
+        )
+    outcome, reason, stopped_at = result.outcome, result.reason, result.stopped_at
+    truth = solution.trajectory.until(len(motion.t))
+    absurd = _first_absurd(scenario, motion, solution.trajectory)
+    if absurd is not None:
+        outcome, stopped_at = "diverged", float(motion.t[absurd])
+        reason = f"the energy exceeds {ABSURD_ENERGY:g} times its base"
+    return Row(
+        **row,
+        outcome=outcome,
+        reason=reason,
+        stopped_at=stopped_at,
+        errors=errors_between(scenario, motion, truth),
+        drifts=drifts(scenario, motion),
+        motion=motion,
+    )
+
+
+def broken_promises(expected: Expect, row: Row) -> list[str]:
+    """Which of a scene's promises about one run it did not keep, in words."""
+    where = f"{row.key.engine} {row.key.method} at {row.timestep:g} s"
+    if expected.outcome == "diverges":
+        return (
+            [] if row.outcome == "diverged" else [f"{where} was expected to diverge: {row.outcome}"]
+        )
+    if row.errors is None or row.outcome != "ok":
+        return [f"{where}: {row.outcome}, {row.reason}"]
+    return [
+        f"{where}: {name} error {error:.3g} exceeds the expected {bound:g}"
+        for name, bound in expected.bounds().items()
+        if not (error := getattr(row.errors, name)) <= bound
+    ]
+
+
+def _first_absurd(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> int | None:
+    """Index of the first sample whose energy differs from the truth's by an absurd amount."""
+    n = len(motion.t)
+    excess = np.abs(energy(scenario, motion) - energy(scenario, truth)[:n])
+    beyond = np.flatnonzero(excess > ABSURD_ENERGY * energy_base(scenario, truth))
+    return int(beyond[0]) if len(beyond) else None
+
+
+def _with_time(row: Row) -> str:
+    when = f" at {row.stopped_at:.4g} s" if row.stopped_at is not None else ""
+    return f"{row.reason}{when}, with a timestep of {row.timestep:.3g} s"
