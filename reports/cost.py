@@ -1,4 +1,4 @@
-"""What a step costs: native stepping, nothing recorded, nothing but stepping in the timed region."""
+"""What a step costs: native stepping, nothing recorded, nothing but steps in the timed region."""
 
 import time
 from collections.abc import Sequence
@@ -39,11 +39,11 @@ def step_costs(scenario: Scenario, pairs: Sequence[tuple[Engine, str]]) -> list[
         sessions: list[Session | None] = []
         for engine, method in pairs:
             try:
-                session = engine.open(scenario, engine.method(method), timestep)
+                opened = engine.open(scenario, engine.method(method), timestep)
             except EngineError:
                 sessions.append(None)
             else:
-                sessions.append(stack.enter_context(session))
+                sessions.append(stack.enter_context(opened))
         counts = [_steps_that_last(session) if session else 0 for session in sessions]
         stretches: list[list[float]] = [[] for _ in sessions]
         for _ in range(REPEATS):

@@ -1,6 +1,6 @@
 """One method's way down the ladder of one scene: which rung next, and the verdict at the end."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -75,7 +75,7 @@ class Descent:
         """Turn what came back from a worker for the next rung into a row."""
         rung = self.next_rung()
         assert rung is not None
-        single = (self.singles + [None])[len(self.single_rows)]
+        single = next(iter(self.singles[len(self.single_rows) :]), None)
         solution = single.solution if single else self.solution
         row = row_of(self.scenario, self.key, self.engine.version, rung, result, solution)
         if single:
@@ -163,30 +163,27 @@ def row_of(
     """Compare a run with the truth at its own sample times."""
     if isinstance(result, Lost):
         return Row(key, version, rung.timestep, "failed", result.reason)
-    row = {
-        "key": key,
-        "engine_version": result.engine_version,
-        "timestep": rung.timestep,
-        "uncertainty": solution.uncertainty.omega,
-        "steps": result.steps,
-    }
+    row = Row(
+        key,
+        result.engine_version,
+        rung.timestep,
+        result.outcome,
+        result.reason,
+        result.stopped_at,
+        uncertainty=solution.uncertainty.omega,
+        steps=result.steps,
+    )
     motion = result.trajectory
     if motion is None or not len(motion.t):
-        return Row(
-            **row, outcome=result.outcome, reason=result.reason, stopped_at=result.stopped_at
-        )
-    outcome, reason, stopped_at = result.outcome, result.reason, result.stopped_at
-    truth = solution.trajectory.until(len(motion.t))
+        return row
     absurd = _first_absurd(scenario, motion, solution.trajectory)
     if absurd is not None:
-        outcome, stopped_at = "diverged", float(motion.t[absurd])
         reason = f"the energy exceeds {ABSURD_ENERGY:g} times its base"
-    return Row(
-        **row,
-        outcome=outcome,
-        reason=reason,
-        stopped_at=stopped_at,
-        errors=errors_between(scenario, motion, truth),
+        stopped_at = float(motion.t[absurd])
+        row = replace(row, outcome="diverged", reason=reason, stopped_at=stopped_at)
+    return replace(
+        row,
+        errors=errors_between(scenario, motion, solution.trajectory.until(len(motion.t))),
         drifts=drifts(scenario, motion),
         motion=motion,
     )

@@ -68,14 +68,14 @@ class Store:
         """Record machine and versions."""
         self._insert_many("environment", [{"name": k, "value": v} for k, v in environment.items()])
 
-    def put_scene(self, scenario: Scenario, solution: Solution, toml: str) -> None:
+    def put_scene(self, scenario: Scenario, solution: Solution) -> None:
         """Record a scene and its truth, in place of all that was known of a scene of that name."""
         for table, column in (("scenes", "name"), ("rows", "scenario"), ("verdicts", "scenario")):
             self._connection.execute(f"DELETE FROM {table} WHERE {column} = ?", (scenario.name,))
         record = {
             "name": scenario.name,
             "digest": scenario.digest,
-            "toml": toml,
+            "toml": scenario.text,
             "method": solution.method,
             "uncertainty": json.dumps(asdict(solution.uncertainty)),
             "conditioning": json.dumps(asdict(solution.conditioning)),
@@ -141,7 +141,7 @@ class Store:
             )
 
 
-_PLAIN_ROW = [
+_PLAIN_ROW = (
     "engine_version",
     "timestep",
     "outcome",
@@ -152,8 +152,8 @@ _PLAIN_ROW = [
     "seconds_per_step",
     "seconds_spread",
     "printed",
-]
-_PLAIN_VERDICT = ["verdict", "reason", "signal", "order", "limit_error", "limit_estimate"]
+)
+_PLAIN_VERDICT = ("verdict", "reason", "signal", "order", "limit_error", "limit_estimate")
 
 
 @contextmanager

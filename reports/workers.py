@@ -6,7 +6,7 @@ Pebble replaces a worker that dies or overruns its time; here that is put into w
 import multiprocessing
 import signal
 from collections.abc import Callable
-from concurrent.futures import Future, TimeoutError
+from concurrent.futures import Future
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Self
@@ -58,9 +58,9 @@ class Workers:
         traceback: TracebackType | None,
     ) -> None:
         if error is None:
-            self._pool.close()
+            self._pool.close()  # type: ignore[no-untyped-call]
         else:
-            self._pool.stop()
+            self._pool.stop()  # type: ignore[no-untyped-call]
         self._pool.join()
 
 
