@@ -39,13 +39,14 @@ NEVER_CALLED_FOR = (
 )
 
 
-def mjcf(scenario: Scenario, timestep: float, integrator: str) -> str:
+def mjcf(scenario: Scenario, timestep: float, integrator: str, pruned: bool = True) -> str:
     """The scene as an MJCF document.
 
     Parameters
     ----------
     timestep : s
     integrator : as MuJoCo spells it
+    pruned : if false, passes the scene has no use for stay on as they are by default
     """
     root = ET.Element("mujoco", model=scenario.name)
     option = ET.SubElement(
@@ -55,7 +56,8 @@ def mjcf(scenario: Scenario, timestep: float, integrator: str) -> str:
         integrator=integrator,
         gravity=decimals(scenario.gravity_world),
     )
-    ET.SubElement(option, "flag", dict.fromkeys(switched_off(scenario), "disable"))
+    if pruned:
+        ET.SubElement(option, "flag", dict.fromkeys(switched_off(scenario), "disable"))
     _add_body(ET.SubElement(root, "worldbody"), scenario)
     if actuators := list(_actuators(scenario)):
         ET.SubElement(root, "actuator").extend(actuators)

@@ -1,7 +1,8 @@
 """A compiled MuJoCo model, stepped and read: shared by the MJCF and the URDF adapter."""
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, final
 
 import mujoco
 import numpy as np
@@ -16,6 +17,7 @@ from .read_back import BodyReading, EngineError, State
 TRANSLATION = 3
 
 
+@final
 class MuJoCoSession(Session):
     """One body on a ball joint at its origin, or free; the last body of the model.
 
@@ -25,7 +27,7 @@ class MuJoCoSession(Session):
     qpos, qvel : the start, as `mjcf.start_coordinates` gives it
     """
 
-    def __init__(self, model: Any, qpos: list[float], qvel: list[float]) -> None:
+    def __init__(self, model: Any, qpos: Sequence[float], qvel: Sequence[float]) -> None:
         self._model = model
         self._data = mujoco.MjData(model)
         self._data.qpos[:] = qpos
@@ -63,24 +65,23 @@ class MuJoCoSession(Session):
         return State(q_world_body_wxyz, omega_body, com_world, velocity_world)
 
     def advance(self, steps: int) -> None:
-        """One native loop; MuJoCo's warnings are collected, not printed and logged to a file."""
-        previous: Callable[[str], None] | None = mujoco.get_mju_user_warning()
-        mujoco.set_mju_user_warning(self._warnings.append)
-        try:
-            mujoco.mj_step(self._model, self._data, nstep=steps)
-        except mujoco.FatalError as error:
-            raise EngineError(f"MuJoCo stopped: {error}") from None
-        finally:
-            mujoco.set_mju_user_warning(previous)
+        """One native loop."""
+        with _hearing(self._warnings):
+            try:
+                mujoco.mj_step(self._model, self._data, nstep=steps)
+            except mujoco.FatalError as error:
+                raise EngineError(f"MuJoCo stopped: {error}") from None
         self._steps += steps
 
     def check(self) -> None:
         """Any warning, or a clock that is not at the steps taken, is an error."""
-        if self._warnings or any(warning.number for warning in self._data.warning):
-            raise EngineError(f"MuJoCo warned: {_first(self._warnings)}")
+        if self._warnings:
+            raise EngineError(f"MuJoCo warned: {self._warnings[0]}")
+        if unheard := [warning for warning in self._data.warning if warning.number]:
+            raise EngineError(f"MuJoCo counted {len(unheard)} kinds of warning")
         timestep = self._model.opt.timestep
         expected = self._steps * timestep
-        # MuJoCo's clock is a running sum: it is right to within far less than half a step.
+        # MuJoCo's clock is a running sum: right to far less than half a step.
         if not abs(self._data.time - expected) < timestep / 2:
             raise EngineError(
                 f"MuJoCo's clock must be at {expected!r} s, got {self._data.time!r} s: it was reset"
@@ -101,16 +102,28 @@ def compiled(build: Callable[[], Any]) -> Any:
     Raises
     ------
     EngineError
-        With the compiler's message, where it refuses.
+        With the compiler's message, where it refuses or warns.
     """
+    warnings: list[str] = []
+    with _hearing(warnings):
+        try:
+            model = build()
+        except ValueError as error:
+            raise EngineError(f"MuJoCo's compiler: {' '.join(str(error).split())}") from None
+    if warnings:
+        raise EngineError(f"MuJoCo's compiler warned: {warnings[0]}")
+    return model
+
+
+@contextmanager
+def _hearing(warnings: list[str]) -> Iterator[None]:
+    """Collect MuJoCo's warnings, which else go to the terminal and to MUJOCO_LOG.TXT."""
+    previous = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(warnings.append)
     try:
-        return build()
-    except ValueError as error:
-        raise EngineError(f"MuJoCo's compiler: {' '.join(str(error).split())}") from None
-
-
-def _first(warnings: list[str]) -> str:
-    return warnings[0] if warnings else "no text given"
+        yield
+    finally:
+        mujoco.set_mju_user_warning(previous)
 
 
 def _rotation(q_wxyz: FloatArray) -> Rotation:

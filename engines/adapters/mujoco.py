@@ -1,15 +1,18 @@
 """MuJoCo, from the scene as MJCF: every integrator it has is a method."""
 
+from typing import final
+
 import mujoco
 
 from ...scenarios import EFFECTS, Scenario
-from ..engine import Engine, Method, Session
+from ..engine import Engine, Method
 from ..mjcf import mjcf
 from ..mujoco_session import MuJoCoSession, compiled
 
 ALL_EFFECTS = frozenset(EFFECTS)
 
 
+@final
 class MuJoCo(Engine):
     """MuJoCo's rigid-body dynamics in reduced coordinates."""
 
@@ -41,9 +44,16 @@ class MuJoCo(Engine):
         """Of the library that runs, which is what counts."""
         return str(mujoco.mj_versionString())
 
-    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
         """Compile the scene's MJCF and set its keyframe."""
-        text = mjcf(scenario, timestep, method.name)
-        model = compiled(lambda: mujoco.MjModel.from_xml_string(text))
-        start = model.key(0)
-        return MuJoCoSession(model, start.qpos, start.qvel)
+        return _open(mjcf(scenario, timestep, method.name))
+
+    def open_unpruned(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
+        """The same with MuJoCo's default passes left on, to time what they cost."""
+        return _open(mjcf(scenario, timestep, method.name, pruned=False))
+
+
+def _open(text: str) -> MuJoCoSession:
+    model = compiled(lambda: mujoco.MjModel.from_xml_string(text))
+    start = model.key(0)
+    return MuJoCoSession(model, start.qpos, start.qvel)

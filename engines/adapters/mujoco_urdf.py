@@ -4,7 +4,7 @@ What differs from the MJCF adapter is MuJoCo's URDF reader alone, so a differenc
 is the reader's.
 """
 
-from typing import Any
+from typing import Any, final
 
 import mujoco
 
@@ -16,6 +16,7 @@ from ..mujoco_session import MuJoCoSession, compiled
 from ..urdf import BODY_LINK, urdf
 
 
+@final
 class MuJoCoURDF(Engine):
     """MuJoCo's URDF reader."""
 
