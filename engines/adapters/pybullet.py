@@ -1,0 +1,69 @@
+"""PyBullet, Bullet 3 in double precision: loads the scene's URDF.
+
+What it does to a top when nobody asks, and how each was measured: docs/engines-pybullet.md.
+"""
+
+from importlib.metadata import version
+from math import pi
+
+from ...scenarios import EFFECTS, Scenario
+from ..engine import Engine, Method, Session
+from ..native_output import native_output
+
+with native_output():
+    # Bullet prints when it was built as soon as it is imported.
+    from ..pybullet_model import Holding
+    from ..pybullet_session import PyBulletSession
+
+ALL_EFFECTS = frozenset(EFFECTS)
+#: rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h, for every kind of body.
+#: Beyond it the attitude turns by this much a step while ω reads what it should.
+MOST_ROTATION_A_STEP = pi / 4
+
+HOLDINGS = {
+    "multibody": Holding(maximal=False, hung=True),
+    "multibody-p2p": Holding(maximal=False, hung=False),
+    "maximal": Holding(maximal=True, hung=False),
+}
+
+
+class PyBullet(Engine):
+    """Bullet's two kinds of body, and its two ways to hold one at a point."""
+
+    name = "pybullet"
+    methods = (
+        Method(
+            "multibody",
+            1,
+            1,
+            "joint coordinates, a pivot as a spherical joint",
+            ALL_EFFECTS,
+            max_rotation_per_step=MOST_ROTATION_A_STEP,
+        ),
+        Method(
+            "multibody-p2p",
+            1,
+            1,
+            "joint coordinates, the pivot as a point-to-point constraint",
+            ALL_EFFECTS,
+            requires=frozenset({"pivot"}),
+            max_rotation_per_step=MOST_ROTATION_A_STEP,
+        ),
+        Method(
+            "maximal",
+            1,
+            1,
+            "six coordinates a body, gyroscopic term implicit, the pivot as a constraint",
+            ALL_EFFECTS,
+            max_rotation_per_step=MOST_ROTATION_A_STEP,
+        ),
+    )
+
+    @property
+    def version(self) -> str:
+        """Of the installed package; the library does not tell its own."""
+        return version("pybullet")
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        """Load the scene's URDF and set its start."""
+        return PyBulletSession(scenario, HOLDINGS[method.name], timestep)

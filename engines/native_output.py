@@ -1,0 +1,61 @@
+"""What native code prints, caught at the file descriptors: `sys.stdout` never sees it."""
+
+import ctypes
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+
+STDOUT, STDERR = 1, 2
+
+
+@dataclass
+class Printed:
+    """The text caught so far, the two streams one after the other."""
+
+    text: str = ""
+
+
+@contextmanager
+def native_output() -> Iterator[Printed]:
+    """Keep what is printed in here, by Python or by C, off the terminal; it is in the result after.
+
+    Not for threads: the descriptors belong to the whole process.
+    """
+    printed = Printed()
+    with ExitStack() as undo:
+        streams = [undo.enter_context(_caught(descriptor)) for descriptor in (STDOUT, STDERR)]
+        try:
+            yield printed
+        finally:
+            _flush()
+            printed.text = "".join(_contents(stream) for stream in streams)
+
+
+@contextmanager
+def _caught(descriptor: int) -> Iterator[int]:
+    """Send one descriptor to a temporary file, whose own descriptor is returned."""
+    _flush()
+    kept = os.dup(descriptor)
+    with tempfile.TemporaryFile() as file:
+        os.dup2(file.fileno(), descriptor)
+        try:
+            yield file.fileno()
+        finally:
+            os.dup2(kept, descriptor)
+            os.close(kept)
+
+
+def _flush() -> None:
+    """Empty Python's buffers and C's: what is left in them comes out at a later owner's expense."""
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+    ctypes.CDLL(None).fflush(None)
+
+
+def _contents(descriptor: int) -> str:
+    os.lseek(descriptor, 0, os.SEEK_SET)
+    with os.fdopen(os.dup(descriptor), "rb") as file:
+        return file.read().decode(errors="replace")

@@ -1,0 +1,170 @@
+"""A scene running in PyBullet: its steps, and the torques that no model element gives."""
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import final
+
+import numpy as np
+import pybullet as p
+
+from ..scenarios import Scenario
+from .engine import Session
+from .native_output import native_output
+from .pybullet_audit import what_acts
+from .pybullet_model import BASE, UNREACHED_VELOCITY, Holding, Model, load
+from .read_back import BodyReading, EngineError, State
+
+#: Steps a native call, some 20 ms: PyBullet gives up on a call after ten seconds, in silence, and
+#: nothing can interrupt one.
+MOST_STEPS_A_CALL = 2**14
+#: How PyBullet marks what it warns of.
+WARNING = "b3Warning"
+
+
+@final
+class PyBulletSession(Session):
+    """One scene in a world of its own.
+
+    Raises
+    ------
+    EngineError
+        If PyBullet cannot load the scene, or warns while it does; with what it printed.
+    """
+
+    def __init__(self, scenario: Scenario, holding: Holding, timestep: float) -> None:
+        self._scenario = scenario
+        self._client, self._model = _open(scenario, holding)
+        self._torques, self._at_once = _torques(self._model, scenario)
+        self.set_timestep(timestep)
+
+    def read_body(self) -> BodyReading:
+        """Mass, com and tensor as PyBullet holds them."""
+        return self._model.read_body()
+
+    def read_state(self) -> State:
+        """The state now."""
+        return self._model.read_state()
+
+    def set_timestep(self, timestep: float) -> None:
+        """Length of the steps from now on, s."""
+        self._timestep = timestep
+        self._substeps = 0
+
+    def advance(self, steps: int) -> None:
+        """Take `steps` whole steps, many a call where no torque has to be renewed in between.
+
+        A call of k steps is told k · dt and divides by k; with k a power of two both are exact.
+        """
+        if self._at_once:
+            for chunk in _powers_of_two(steps):
+                self._step(chunk)
+        else:
+            for _ in range(steps):
+                self._step(1)
+
+    def _step(self, substeps: int) -> None:
+        if substeps != self._substeps:
+            p.setPhysicsEngineParameter(
+                fixedTimeStep=self._timestep * substeps,
+                numSubSteps=substeps,
+                physicsClientId=self._client,
+            )
+            self._substeps = substeps
+        for apply in self._torques:
+            apply()
+        if p.stepSimulation(self._client) is None:
+            raise EngineError("PyBullet did not complete a step")
+
+    def check(self) -> None:
+        """Raise if the world's clock is not what was set, or a velocity is at its clamp."""
+        world = p.getPhysicsEngineParameters(self._client)
+        wanted = (self._timestep * self._substeps, self._substeps)
+        got = (world["fixedTimeStep"], world["numSubSteps"])
+        if self._substeps and got != wanted:
+            raise EngineError(
+                f"PyBullet's (fixedTimeStep, numSubSteps) must be {wanted}, got {got}"
+            )
+        state = self.read_state()
+        fastest = np.abs([state.omega_body, state.velocity_world]).max()
+        if fastest >= UNREACHED_VELOCITY:
+            raise EngineError(f"PyBullet clamps velocities at {UNREACHED_VELOCITY:g}")
+
+    def active(self) -> frozenset[str]:
+        """What acts, read back and felt: see `pybullet_audit`."""
+        return what_acts(self, self._model, self._scenario)
+
+    def close(self) -> None:
+        """Free the world."""
+        p.disconnect(self._client)
+
+
+def _open(scenario: Scenario, holding: Holding) -> tuple[int, Model]:
+    client = -1
+    try:
+        with native_output() as printed:
+            client = p.connect(p.DIRECT)
+            model = load(client, scenario, holding)
+            p.setGravity(*scenario.gravity_world, physicsClientId=client)
+        if WARNING in printed.text:
+            raise EngineError("PyBullet warns")
+    except EngineError as error:
+        if client >= 0:
+            p.disconnect(client)
+        raise EngineError(f"{error}; it printed: {printed.text.strip() or 'nothing'}") from None
+    return client, model
+
+
+def _torques(model: Model, scenario: Scenario) -> tuple[list[Callable[[], None]], bool]:
+    """What to apply before a call, and whether that call may take many steps.
+
+    PyBullet keeps an applied torque for all steps of a call and clears it after. In world axes, or
+    on a joint, constant is what it stays; anything else has to be renewed every step.
+    """
+    torques: list[Callable[[], None]] = []
+    at_once = True
+    if scenario.torque_world.any():
+        torques.append(partial(_push, model, scenario.torque_world.tolist(), p.WORLD_FRAME))
+    if scenario.torque_body.any():
+        principal = model.body_from_principal.inv().apply(np.array(scenario.torque_body)).tolist()
+        if model.link == BASE:
+            torques.append(partial(_push, model, principal, p.LINK_FRAME))
+            at_once = False
+        else:
+            torques.append(partial(_push_joint, model, principal))
+    if scenario.drag:
+        if model.link == BASE:
+            torques.append(partial(_drag, model, scenario.drag))
+        else:
+            p.changeDynamics(
+                model.body, model.link, jointDamping=scenario.drag, physicsClientId=model.client
+            )
+        at_once = False
+    return torques, at_once
+
+
+def _push(model: Model, torque: list[float], frame: int) -> None:
+    p.applyExternalTorque(model.body, model.link, torque, frame, model.client)
+
+
+def _push_joint(model: Model, torque_principal: list[float]) -> None:
+    p.setJointMotorControlMultiDof(
+        model.body,
+        model.link,
+        p.TORQUE_CONTROL,
+        force=torque_principal,
+        physicsClientId=model.client,
+    )
+
+
+def _drag(model: Model, coefficient: float) -> None:
+    _, (x, y, z) = p.getBaseVelocity(model.body, model.client)
+    torque = (-coefficient * x, -coefficient * y, -coefficient * z)
+    p.applyExternalTorque(model.body, model.link, torque, p.WORLD_FRAME, model.client)
+
+
+def _powers_of_two(steps: int) -> Iterator[int]:
+    """Powers of two that add up to `steps`, the largest first, none too long for a call."""
+    while steps:
+        chunk = min(1 << (steps.bit_length() - 1), MOST_STEPS_A_CALL)
+        yield chunk
+        steps -= chunk
