@@ -1,0 +1,173 @@
+"""The library as a whole: every file is sound, the format is used to the full, docs agree."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from spincheck.scenarios import EFFECTS, LIBRARY, Scenario, find, load
+from spincheck.scenarios.document import BodyTable, StartTable
+
+SCENES = [load(path) for path in find([])]
+FOLDERS = ("free", "thrown", "heavy", "driven")
+PAGE = Path(__file__).parents[2] / "docs" / "scenes.md"
+EPS = np.finfo(float).eps
+
+#: What the library set out to hold at the least.
+FEWEST_SCENES = 24
+#: A first-order method off by half a step's turn settles within a million steps below this.
+LARGEST_TURN_RAD = 1000.0
+SAMPLES = range(100, 402)
+
+
+def scene_ids(scenario: Scenario) -> str:
+    return scenario.name
+
+
+every_scene = pytest.mark.parametrize("scenario", SCENES, ids=scene_ids)
+
+
+def folder(scenario: Scenario) -> str:
+    assert scenario.path is not None
+    return scenario.path.relative_to(LIBRARY).parts[0]
+
+
+def test_there_are_enough_scenes() -> None:
+    assert len(SCENES) >= FEWEST_SCENES
+
+
+def test_every_file_of_the_library_is_a_scene() -> None:
+    assert {scenario.path for scenario in SCENES} == set(LIBRARY.rglob("*.toml"))
+
+
+def test_names_and_titles_are_unique() -> None:
+    assert len({scenario.name for scenario in SCENES}) == len(SCENES)
+    assert len({scenario.title for scenario in SCENES}) == len(SCENES)
+
+
+@every_scene
+def test_scene_says_what_to_look_at_and_where_it_comes_from(scenario: Scenario) -> None:
+    document = scenario.document
+    assert len(document.description.split()) > len(document.title.split())
+    assert document.source.strip()
+    assert document.tags
+
+
+@every_scene
+def test_scene_lies_in_the_folder_of_its_kind(scenario: Scenario) -> None:
+    called_for = scenario.called_for
+    if called_for & {"drag", "torque_body", "torque_world"}:
+        kind = "driven"
+    elif "gravity" in called_for:
+        kind = "heavy" if scenario.has_pivot else "thrown"
+    else:
+        kind = "free"
+    assert folder(scenario) == kind
+    assert kind in FOLDERS
+    assert kind in scenario.document.tags
+
+
+@every_scene
+def test_scene_is_symmetric_where_its_tags_say_so(scenario: Scenario) -> None:
+    shapes = {"symmetric", "asymmetric", "spherical"} & set(scenario.document.tags)
+    assert shapes == {shape_about_fixed_point(scenario)}
+
+
+def shape_about_fixed_point(scenario: Scenario) -> str:
+    """Symmetric: two moments equal about the fixed point, and the com on the third axis."""
+    body = scenario.body
+    if not scenario.has_pivot:
+        return shape(np.linalg.eigvalsh(body.inertia_com))
+    moments, axes = np.linalg.eigh(body.inertia_origin)
+    if shape(moments) == "asymmetric":
+        return "asymmetric"
+    odd = 0 if np.isclose(moments[1], moments[2], rtol=8 * EPS, atol=0) else 2
+    off_axis = body.com - axes[:, odd] * (axes[:, odd] @ body.com)
+    on_axis = np.linalg.norm(off_axis) <= 8 * EPS * np.linalg.norm(body.com)
+    return "symmetric" if on_axis else "asymmetric"
+
+
+def shape(moments: np.ndarray) -> str:
+    low, middle, high = moments
+    equal = [bool(np.isclose(low, middle, rtol=8 * EPS, atol=0))]
+    equal.append(bool(np.isclose(middle, high, rtol=8 * EPS, atol=0)))
+    return ("asymmetric", "symmetric", "spherical")[sum(equal)]
+
+
+@every_scene
+def test_window_is_short_enough_for_first_order_methods(scenario: Scenario) -> None:
+    speed = np.linalg.norm(scenario.start.omega_body)
+    assert speed * scenario.window.duration <= LARGEST_TURN_RAD
+    assert scenario.window.samples in SAMPLES
+
+
+@every_scene
+def test_scene_makes_no_promises_for_engines(scenario: Scenario) -> None:
+    assert scenario.expect == ()
+
+
+@every_scene
+def test_published_tolerances_are_coarser_than_doubles_and_finer_than_the_values(
+    scenario: Scenario,
+) -> None:
+    for published in scenario.published:
+        for value in published.values().values():
+            largest = np.abs(value).max()
+            assert EPS * largest < published.tolerance < largest
+
+
+def test_every_effect_appears() -> None:
+    assert set().union(*(scenario.called_for for scenario in SCENES)) == set(EFFECTS)
+
+
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_every_effect_appears_alone(effect: str) -> None:
+    assert any(scenario.called_for == {effect} for scenario in SCENES)
+
+
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_every_effect_appears_mixed_with_others(effect: str) -> None:
+    assert any(scenario.called_for > {effect} for scenario in SCENES)
+
+
+@pytest.mark.parametrize("key", StartTable.model_fields)
+def test_every_way_to_start_is_used(key: str) -> None:
+    assert any(key in scenario.document.start.model_fields_set for scenario in SCENES)
+
+
+@pytest.mark.parametrize("key", BodyTable.model_fields)
+def test_every_way_to_describe_a_body_is_used(key: str) -> None:
+    assert any(key in scenario.document.body.model_fields_set for scenario in SCENES)
+
+
+@pytest.mark.parametrize("about", ["com", "origin"])
+def test_inertia_is_given_about_either_point(about: str) -> None:
+    assert any(
+        scenario.document.body.inertia_about == about
+        and "inertia_about" in scenario.document.body.model_fields_set
+        for scenario in SCENES
+    )
+
+
+def test_inertia_is_given_as_moments_and_as_a_matrix() -> None:
+    inertias = [scenario.document.body.inertia for scenario in SCENES]
+    forms = {type(inertia[0]) for inertia in inertias if inertia is not None}
+    assert forms == {float, tuple}
+
+
+def test_gravity_also_pulls_along_another_axis_than_z_and_on_another_body_than_earth() -> None:
+    pulls = [scenario.gravity_world for scenario in SCENES if "gravity" in scenario.called_for]
+    assert any(pull[:2].any() for pull in pulls)
+    assert any(0 < np.linalg.norm(pull) < 2 for pull in pulls)
+
+
+@pytest.mark.parametrize("kind", FOLDERS)
+def test_the_page_lists_the_scenes_of_each_folder(kind: str) -> None:
+    section = PAGE.read_text(encoding="utf-8").split(f"\n## {kind}/\n")[1].split("\n## ")[0]
+    listed = [line for line in section.splitlines() if line.startswith("| `")]
+    assert listed == [row(scenario) for scenario in SCENES if folder(scenario) == kind]
+
+
+def row(scenario: Scenario) -> str:
+    effects = ", ".join(name for name in EFFECTS if name in scenario.called_for) or "none"
+    window = f"{scenario.window.duration:g} s"
+    return f"| `{scenario.name}` | {scenario.title} | {effects} | {window} |"
