@@ -70,6 +70,27 @@ def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run
     return engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
 
 
+def descent_of(
+    scenario: Scenario,
+    engine: Engine,
+    method: Method,
+    prepared: Prepared,
+    timesteps: Sequence[float] = (),
+) -> Descent:
+    """The runs of a method: the timesteps asked for, those promised about, and the ladder.
+
+    Where timesteps are asked for there is no ladder.
+    """
+    singles = []
+    for rung, solution in prepared.singles:
+        wanted = (engine.name, method.name, rung.timestep)
+        promises = tuple(e for e in scenario.expect if (e.engine, e.method, e.timestep) == wanted)
+        if promises or rung.timestep in timesteps:
+            singles.append(Single(rung, solution, promises))
+    rungs = [] if timesteps else prepared.rungs
+    return Descent(scenario, engine, method, prepared.solution, rungs, singles)
+
+
 def run_study(
     scenarios: Sequence[Scenario],
     choice: Choice,
@@ -152,34 +173,7 @@ class _Grid:
             return
         self._store.put_scene(scenario, prepared.solution)
         for engine, method in pairs:
-            self._descend(
-                Descent(
-                    scenario,
-                    engine,
-                    method,
-                    prepared.solution,
-                    [] if self._choice.timesteps else prepared.rungs,
-                    self._singles(scenario, engine, method, prepared.singles),
-                )
-            )
-
-    def _singles(
-        self,
-        scenario: Scenario,
-        engine: Engine,
-        method: Method,
-        prepared: list[tuple[Rung, Solution]],
-    ) -> list[Single]:
-        """The timesteps that the user asked for or that the scene promises of this method."""
-        singles = []
-        for rung, solution in prepared:
-            wanted = (engine.name, method.name, rung.timestep)
-            promises = tuple(
-                e for e in scenario.expect if (e.engine, e.method, e.timestep) == wanted
-            )
-            if promises or rung.timestep in self._choice.timesteps:
-                singles.append(Single(rung, solution, promises))
-        return singles
+            self._descend(descent_of(scenario, engine, method, prepared, self._choice.timesteps))
 
     def _descend(self, descent: Descent) -> None:
         """Run the next rung, and the one after when that is done, to the verdict."""

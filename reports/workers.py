@@ -27,10 +27,10 @@ class Lost:
 class Workers:
     """A pool of spawned processes, each taking one call at a time."""
 
-    def __init__(self, jobs: int, time_limit: float = TIME_LIMIT) -> None:
+    def __init__(self, jobs: int) -> None:
         # Forking a process that holds engine threads is unsafe; a spawned one starts clean.
         self._pool = ProcessPool(jobs, context=multiprocessing.get_context("spawn"))
-        self._time_limit = time_limit
+        self._time_limit = TIME_LIMIT
 
     def submit(self, call: Callable[..., Any], *arguments: Any) -> Future[Any]:
         """Schedule a call; its arguments and result are pickled."""

@@ -1,0 +1,43 @@
+# Every target sets up what it needs in .venv, once: a second call does not install again.
+PYTHON ?= python3.11
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+TYPES := build/types/spincheck
+CODE := scenarios reference engines reports
+
+.PHONY: report test lint types contract check schema clean
+
+# Exit code 1 says that something disagrees: the report tells what.
+report: $(READY)
+	$(BIN)/spincheck run || [ $$? -eq 1 ]
+	$(BIN)/spincheck report || [ $$? -eq 1 ]
+
+test: $(READY)
+	$(BIN)/pytest -n auto --dist loadfile tests scenarios/library
+
+check: lint types contract
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+# mypy cannot follow the editable install's mapping of names to folders; links can be followed.
+types: $(READY)
+	mkdir -p $(TYPES)
+	for part in $(CODE); do ln -sfn ../../../$$part $(TYPES)/$$part; done
+	$(BIN)/mypy
+
+contract: $(READY)
+	$(BIN)/lint-imports
+
+schema: $(READY)
+	$(BIN)/python -m spincheck.scenarios.schema
+
+$(READY): pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --editable '.[dev]'
+	touch $@
+
+clean:
+	rm -rf $(VENV) build spincheck-report spincheck.sqlite*

@@ -1,0 +1,215 @@
+"""The command line. Heavy imports wait inside the commands, so that ``--help`` answers at once."""
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .terminal import BAD_INPUT, Complaint, say, table, to_json
+
+RESULT_FILE = Path("spincheck.sqlite")
+REPORT_FOLDER = Path("spincheck-report")
+CORES = os.cpu_count() or 1
+
+app = typer.Typer(
+    name="spincheck",
+    help="Check physics engines against the exact motion of spinning tops.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+)
+
+Scenes = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="[SCENARIO|FOLDER]...", help="Files, folders or library scenes."),
+]
+Scene = Annotated[str, typer.Argument(metavar="SCENARIO", help="A file or a library scene.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+Engines = Annotated[list[str] | None, typer.Option("--engine", help="Only this engine.")]
+Methods = Annotated[list[str] | None, typer.Option("--method", help="Only this method.")]
+Timesteps = Annotated[
+    list[float] | None, typer.Option("--timestep", help="Run this timestep, s; no ladder.")
+]
+Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Worker processes.")]
+
+
+def main() -> None:
+    """Run the command line; every complaint is one message and an exit code."""
+    try:
+        app()
+    except Complaint as complaint:
+        say(f"spincheck: {complaint}")
+        sys.exit(complaint.exit_code)
+
+
+@app.command()
+def run(
+    scenes: Scenes = None,
+    engine: Engines = None,
+    method: Methods = None,
+    timestep: Timesteps = None,
+    jobs: Jobs = CORES,
+    out: Annotated[Path, typer.Option(help="The result file.")] = RESULT_FILE,
+    as_json: AsJson = False,
+) -> None:
+    """Simulate scenes, compare with the truth, and store what was found."""
+    from . import running
+    from .summary import print_results, results_as_json
+
+    results = running.run(scenes or [], engine or [], method or [], timestep or [], jobs, out)
+    if as_json:
+        print(to_json(results_as_json(results)))
+    else:
+        print_results(results)
+        say(f"Results are in {out}; 'spincheck report {out}' makes pages of them.")
+    raise typer.Exit(running.exit_code(results))
+
+
+@app.command()
+def report(
+    results: Annotated[
+        Path | None, typer.Argument(metavar="[RESULT FILE]", help="What 'spincheck run' wrote.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="The folder to write.")] = REPORT_FOLDER,
+    jobs: Jobs = CORES,
+) -> None:
+    """Make HTML and Markdown pages of a result file; run the library first if there is none."""
+    from . import running
+
+    if results is None and not RESULT_FILE.exists():
+        found = running.run([], [], [], [], jobs, RESULT_FILE)
+    else:
+        found = running.read(results or RESULT_FILE)
+    index = running.write_report(found, out)
+    print(f"The report is {index}")
+    raise typer.Exit(running.exit_code(found))
+
+
+@app.command()
+def reference(
+    scenario: Scene,
+    at: Annotated[list[float] | None, typer.Option("--at", help="A time, s.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Print the exact motion: states, L, energy, invariants, and how exact they are."""
+    from .truth import describe, print_truth
+
+    truth = describe(_scenario(scenario), at or [])
+    if as_json:
+        print(to_json(truth))
+    else:
+        print_truth(truth)
+
+
+@app.command("list")
+def list_scenes(scenes: Scenes = None, as_json: AsJson = False) -> None:
+    """List scenes with what they are about."""
+    from ..scenarios import LIBRARY
+
+    rows = []
+    for scenario in _scenarios(scenes or []):
+        folder = scenario.path.parent if scenario.path else Path()
+        kind = folder.relative_to(LIBRARY) if folder.is_relative_to(LIBRARY) else folder
+        effects = ", ".join(sorted(scenario.called_for)) or "none"
+        rows.append(
+            {"scene": scenario.name, "kind": str(kind), "effects": effects, "title": scenario.title}
+        )
+    print(to_json(rows)) if as_json else table(rows)
+
+
+@app.command()
+def show(scenario: Scene, as_json: AsJson = False) -> None:
+    """Show a scene as it was understood."""
+    from .scene import scene_as_json
+
+    scene = _scenario(scenario)
+    described = scene_as_json(scene)
+    if as_json:
+        print(to_json(described))
+    else:
+        print(f"{scene.title}\n\n{scene.document.description}\n\n{scene.path}\n")
+        table([{"": name, "value": _inline(value)} for name, value in described.items()])
+
+
+@app.command()
+def check(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Scenario files.")],
+) -> None:
+    """Check scenario files against the format; say all that is wrong."""
+    from ..scenarios import ScenarioError, load
+
+    wrong = []
+    for path in files:
+        try:
+            print(f"{path}: {load(path).title}")
+        except ScenarioError as error:
+            wrong.append(str(error))
+    if wrong:
+        raise Complaint("\n".join(wrong), BAD_INPUT)
+
+
+@app.command("engines")
+def list_engines(as_json: AsJson = False) -> None:
+    """List engines, their methods, orders of accuracy and effects."""
+    from ..engines import engines, missing
+
+    rows = [
+        {
+            "engine": engine.name,
+            "version": engine.version,
+            "method": method.name,
+            "order": method.order,
+            "attitude order": method.attitude_order,
+            "effects": ", ".join(sorted(method.effects)),
+            "summary": method.summary,
+        }
+        for engine in engines().values()
+        for method in engine.methods
+    ]
+    if as_json:
+        absent = [{"engine": m.name, "missing package": m.package} for m in missing()]
+        print(to_json({"engines": rows, "missing": absent}))
+        return
+    table(rows)
+    for m in missing():
+        print(f"{m.name} cannot be used: the package '{m.package}' is not installed.")
+
+
+@app.command()
+def export(
+    scenario: Scene,
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Made if it is not there.")],
+) -> None:
+    """Write a scene as scene.xml (MJCF) and scene.urdf."""
+    from .scene import export_scene
+
+    try:
+        written = export_scene(_scenario(scenario), folder)
+    except OSError as error:
+        raise Complaint(f"{folder}: cannot be written: {error.strerror}", BAD_INPUT) from None
+    for path in written:
+        print(path)
+
+
+def _scenarios(names: list[str]) -> list[Any]:
+    from ..scenarios import ScenarioError, find, load
+
+    try:
+        return [load(path) for path in find(names)]
+    except ScenarioError as error:
+        raise Complaint(str(error), BAD_INPUT) from None
+
+
+def _scenario(name: str) -> Any:
+    found = _scenarios([name])
+    if len(found) != 1:
+        raise Complaint(f"{name}: takes one scene, this is {len(found)}", BAD_INPUT)
+    return found[0]
+
+
+def _inline(value: object) -> str:
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,80 @@
+"""Checks of the truth itself, scene by scene: a truth is not believed either."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..reference import Solution, drifts, solve
+from ..reference.second_method import RELATIVE_TOLERANCE, second_opinion
+from ..scenarios import (
+    FloatArray,
+    Published,
+    Scenario,
+    Trajectory,
+    angular_momentum_world,
+    energy,
+    errors_between,
+)
+
+EPS = float(np.finfo(float).eps)
+#: Conserved quantities are sums of a few products of up to four components of the state, each as
+#: uncertain as the state itself.
+PRODUCTS = 64
+
+
+def complaints(scenario: Scenario) -> Iterator[str]:
+    """What is wrong with a scene's reference, in words; nothing if it stands."""
+    solution = solve(scenario, scenario.times)
+    yield from _invariants(scenario, solution)
+    yield from _second_method(scenario, solution)
+    for published in scenario.published:
+        yield from _published(scenario, published)
+
+
+def _invariants(scenario: Scenario, solution: Solution) -> Iterator[str]:
+    bound = PRODUCTS * max(value for _, value in solution.uncertainty)
+    for name, drift in drifts(scenario, solution.trajectory).items():
+        if not drift <= bound:
+            yield f"{name} drifts by {drift:.2e}, more than {bound:.2e}"
+
+
+def _second_method(scenario: Scenario, solution: Solution) -> Iterator[str]:
+    """Compare with DOP853: each of its steps errs by its tolerance, and the motion grows that."""
+    truth = solution.trajectory
+    other = second_opinion(scenario, truth.t)
+    growth = {name: value / EPS for name, value in solution.conditioning}
+    for name, error in errors_between(scenario, other.trajectory, truth):
+        uncertainty = getattr(solution.uncertainty, name)
+        bound = other.steps * RELATIVE_TOLERANCE * growth[name] + uncertainty
+        if not error <= bound:
+            yield f"{name} differs by {error:.2e} from a second method good to {bound:.2e}"
+
+
+def _published(scenario: Scenario, published: Published) -> Iterator[str]:
+    """Compare with what somebody else printed."""
+    times = np.array([0.0, published.t]) if published.t > 0 else np.array([0.0])
+    at_time = solve(scenario, times).trajectory
+    for name, wanted in published.values().items():
+        got = _QUANTITIES[name](scenario, at_time)[-1]
+        if name == "quaternion_wxyz" and np.dot(got, wanted) < 0:
+            got = -got
+        error = float(np.max(np.abs(got - np.array(wanted))))
+        if not error <= published.tolerance:
+            yield (
+                f"{name} at t = {published.t:g} s is {error:.2e} from the value printed in "
+                f"{published.source}, tolerance {published.tolerance:g}"
+            )
+
+
+def _omega_world(_: Scenario, motion: Trajectory) -> FloatArray:
+    return np.asarray(motion.R_world_body.apply(motion.omega_body))
+
+
+_QUANTITIES = {
+    "omega_body": lambda _, motion: motion.omega_body,
+    "omega_world": _omega_world,
+    "quaternion_wxyz": lambda _, motion: motion.q_world_body_wxyz,
+    "com_world": lambda _, motion: motion.com_world,
+    "L_world": angular_momentum_world,
+    "energy": energy,
+}

@@ -1,0 +1,74 @@
+"""Results on the terminal: a matrix of verdicts, the reasons, and the same as JSON."""
+
+from dataclasses import asdict
+from typing import Any
+
+from .records import Row, Verdict
+from .store import Results
+from .terminal import table
+
+
+def print_results(results: Results) -> None:
+    """Print the verdicts, scenes down and methods across, then why each is not `converges`."""
+    methods = list(dict.fromkeys((v.key.engine, v.key.method) for v in results.verdicts))
+    words = {
+        (v.key.scenario, v.key.engine, v.key.method): v.verdict + ("!" if v.broken else "")
+        for v in results.verdicts
+    }
+    table(
+        [
+            {"scene": scene}
+            | {f"{e} {m}": words.get((scene, e, m), "") for e, m in sorted(methods)}
+            for scene in sorted({v.key.scenario for v in results.verdicts})
+        ]
+    )
+    for verdict in results.verdicts:
+        if verdict.verdict not in ("converges", "unsupported") or verdict.broken:
+            print(_sentence(verdict))
+
+
+def results_as_json(results: Results) -> dict[str, Any]:
+    """Rows and verdicts with the names that scripts rely on."""
+    return {
+        "rows": [_row(row) for row in results.rows],
+        "verdicts": [_verdict(verdict) for verdict in results.verdicts],
+    }
+
+
+def _sentence(verdict: Verdict) -> str:
+    key = verdict.key
+    broken = "".join(f"\n  broken promise: {line}" for line in verdict.broken)
+    where = f"{key.scenario}, {key.engine} {key.method}"
+    return f"{where}: {verdict.verdict}: {verdict.reason}{broken}"
+
+
+def _row(row: Row) -> dict[str, Any]:
+    errors = row.errors
+    return asdict(row.key) | {
+        "engine_version": row.engine_version,
+        "timestep": row.timestep,
+        "outcome": row.outcome,
+        "reason": row.reason,
+        "stopped_at": row.stopped_at,
+        "omega_error": errors.omega if errors else None,
+        "attitude_error": errors.attitude if errors else None,
+        "angular_momentum_error": errors.angular_momentum if errors else None,
+        "energy_error": errors.energy if errors else None,
+        "drifts": row.drifts,
+        "reference_uncertainty": row.uncertainty,
+        "steps": row.steps,
+        "seconds_per_step": row.seconds_per_step,
+        "seconds_spread": row.seconds_spread,
+    }
+
+
+def _verdict(verdict: Verdict) -> dict[str, Any]:
+    return asdict(verdict.key) | {
+        "verdict": verdict.verdict,
+        "reason": verdict.reason,
+        "signal": verdict.signal,
+        "order": verdict.order,
+        "limit_error": verdict.limit_error,
+        "limit_estimate": verdict.limit_estimate,
+        "broken": list(verdict.broken),
+    }

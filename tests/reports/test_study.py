@@ -1,0 +1,154 @@
+"""A study of planted engines: what is wrong is told, and costs one row."""
+
+import pytest
+from planted import (
+    DampedInSecretSession,
+    DampedOpenlySession,
+    ExplodingSession,
+    HangSession,
+    HeunSession,
+    LyingAboutBodySession,
+    LyingAboutStartSession,
+    NotANumberSession,
+    RaisingSession,
+    ResetSession,
+    SegfaultSession,
+    SwappedMomentsSession,
+    XyzwSession,
+    planted,
+)
+from spincheck.reports import workers
+from spincheck.reports.store import Results, open_store
+from spincheck.reports.study import Choice, run_study
+from spincheck.scenarios import loads
+
+BOX = """
+spincheck = 1
+title = "A tumbling box"
+source = "made up"
+[body]
+mass = 2.0
+inertia = [1.0, 2.0, 2.5]
+[start]
+euler_zyz_deg = [10.0, 40.0, 70.0]
+omega_body = [1.0, 2.0, 0.5]
+[window]
+duration = 1.0
+samples = 11
+"""
+#: Steps; Heun's method in Python takes some 30 µs each.
+BUDGET = 1 << 11
+
+
+def study(tmp_path, *kinds, text: str = BOX, timesteps: tuple[float, ...] = ()) -> Results:
+    choice = Choice(tuple(planted(kind) for kind in kinds), (), timesteps, BUDGET)
+    with open_store(tmp_path / "results.sqlite", create=True) as store:
+        run_study([loads(text, "box")], choice, store, jobs=2, progress=lambda _: None)
+        return store.read()
+
+
+@pytest.fixture(scope="module")
+def judged(tmp_path_factory):
+    """Verdict by session class, of one study of all that neither hang nor need much time."""
+    kinds = [
+        HeunSession,
+        SegfaultSession,
+        NotANumberSession,
+        ResetSession,
+        ExplodingSession,
+        LyingAboutBodySession,
+        LyingAboutStartSession,
+        DampedInSecretSession,
+        DampedOpenlySession,
+        SwappedMomentsSession,
+        XyzwSession,
+        RaisingSession,
+    ]
+    results = study(tmp_path_factory.mktemp("study"), *kinds)
+    by_engine = {verdict.key.engine: verdict for verdict in results.verdicts}
+    return {kind: by_engine[planted(kind).name] for kind in kinds}
+
+
+def test_the_faultless_engine_converges_at_its_order(judged):
+    verdict = judged[HeunSession]
+    assert verdict.verdict == "converges"
+    assert verdict.order == pytest.approx(2, abs=0.25)
+
+
+@pytest.mark.parametrize("kind", [DampedInSecretSession, SwappedMomentsSession, XyzwSession])
+def test_a_model_that_is_not_the_scene_disagrees(judged, kind):
+    assert judged[kind].verdict == "disagrees"
+
+
+@pytest.mark.parametrize("kind", [NotANumberSession, ResetSession, ExplodingSession])
+def test_a_blow_up_diverges(judged, kind):
+    assert judged[kind].verdict == "diverges"
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        (SegfaultSession, "SIGSEGV"),
+        (NotANumberSession, "no longer finite"),
+        (ResetSession, "has reset itself"),
+        (ExplodingSession, "energy"),
+        (LyingAboutBodySession, "'mass' must read back"),
+        (LyingAboutStartSession, "'omega_body' must read back"),
+        (DampedOpenlySession, "damping"),
+        (RaisingSession, "ZeroDivisionError: a bug in an adapter"),
+    ],
+)
+def test_the_reason_names_the_fault(judged, kind, words):
+    assert words in judged[kind].reason
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        SegfaultSession,
+        LyingAboutBodySession,
+        LyingAboutStartSession,
+        DampedOpenlySession,
+        RaisingSession,
+    ],
+)
+def test_what_cannot_be_judged_failed(judged, kind):
+    assert judged[kind].verdict == "failed"
+
+
+def test_an_engine_that_hangs_costs_one_row(tmp_path, monkeypatch):
+    monkeypatch.setattr(workers, "TIME_LIMIT", 20.0)
+    results = study(tmp_path, HangSession, HeunSession)
+    words = {verdict.key.engine: verdict.verdict for verdict in results.verdicts}
+    assert words == {"Hang": "failed", "Heun": "converges"}
+    assert any("did not finish within 20 s" in row.reason for row in results.rows)
+
+
+PROMISE = """
+[[expect]]
+engine = "Heun"
+method = "Heun"
+timestep = 0.01
+"""
+
+
+def test_a_kept_promise_passes(tmp_path):
+    (verdict,) = study(tmp_path, HeunSession, text=BOX + PROMISE + "omega = 1e-2").verdicts
+    assert verdict.agrees
+
+
+def test_a_broken_promise_fails_and_says_by_how_much(tmp_path):
+    (verdict,) = study(tmp_path, HeunSession, text=BOX + PROMISE + "omega = 1e-12").verdicts
+    assert not verdict.agrees
+    assert "omega error" in verdict.broken[0]
+
+
+def test_a_run_expected_to_diverge_that_does_not_is_told(tmp_path):
+    text = BOX + PROMISE + 'outcome = "diverges"'
+    (verdict,) = study(tmp_path, HeunSession, text=text).verdicts
+    assert "was expected to diverge" in verdict.broken[0]
+
+
+def test_a_timestep_asked_for_is_run_alone(tmp_path):
+    results = study(tmp_path, HeunSession, timesteps=(0.01,))
+    assert [row.timestep for row in results.rows] == [0.01]
