@@ -25,6 +25,12 @@ def scene(name: str) -> Scenario:
     return load(path)
 
 
+def equal(a: float, b: float) -> bool:
+    """Equal but for the rounding of a few products; a nudge is noticed."""
+    nudged_too = bool(np.isclose(a * (1 + NUDGE), b, rtol=8 * EPS, atol=0))
+    return bool(np.isclose(a, b, rtol=8 * EPS, atol=0)) and not nudged_too
+
+
 def at_start(scenario: Scenario) -> Trajectory:
     """The state at t = 0 as a motion of one sample."""
     q, omega = scenario.start.q_world_body_wxyz, scenario.start.omega_body
@@ -79,7 +85,7 @@ def test_a_nudged_spin_is_off_the_root(name: str) -> None:
 def test_slow_and_fast_precession_are_one_top_with_one_spin() -> None:
     slow, fast = scene(STEADY[0]), scene(STEADY[1])
     assert slow.document.body == fast.document.body
-    assert slow.start.omega_body[2] == pytest.approx(fast.start.omega_body[2], rel=8 * EPS)
+    assert equal(slow.start.omega_body[2], fast.start.omega_body[2])
     assert zyz_start(fast)[1] > zyz_start(slow)[1]
 
 
@@ -180,22 +186,36 @@ def test_detest_body_obeys_the_equations_of_problem_b5() -> None:
         (i3 - i1) / i2 * a3 * a1 / a2,
         (i1 - i2) / i3 * a1 * a2 / a3,
     ]
-    assert rates == pytest.approx([1.0, -1.0, -0.51], rel=8 * EPS)
+    assert all(map(equal, rates, (1.0, -1.0, -0.51)))
+
+
+def worst_printed(scenario: Scenario, spin_factor: float = 1.0) -> float:
+    """Largest misfit of a printed, conserved value at the start, in its own tolerances."""
+    still = at_start(scenario)
+    motion = Trajectory(
+        still.t,
+        still.q_world_body_wxyz,
+        spin_factor * still.omega_body,
+        still.com_world,
+        still.velocity_world,
+    )
+    mine = {
+        "L_world": angular_momentum_world(scenario, motion)[0],
+        "energy": energy(scenario, motion)[0],
+    }
+    return max(
+        float(np.abs(mine[key] - value).max() / published.tolerance)
+        for published in scenario.published
+        for key, value in published.values().items()
+        if key in mine
+    )
 
 
 @pytest.mark.parametrize("name", ["gazebo-box-steady", "gazebo-box-tumbling"])
 def test_conserved_values_printed_for_gazebo_hold_at_the_start(name: str) -> None:
     scenario = scene(name)
-    motion = at_start(scenario)
-    mine = {
-        "L_world": angular_momentum_world(scenario, motion)[0],
-        "energy": energy(scenario, motion),
-    }
-    for published in scenario.published:
-        for key in mine.keys() & published.values().keys():
-            off = np.abs(mine[key] - published.values()[key]).max()
-            assert off <= published.tolerance
-            assert off + NUDGE * 10 > published.tolerance
+    assert worst_printed(scenario) <= 1
+    assert worst_printed(scenario, spin_factor=1 + 1e3 * NUDGE) > 1
 
 
 @pytest.mark.parametrize(
@@ -205,13 +225,13 @@ def test_moments_across_and_along_stand_in_the_ratio_told(
     name: str, ratio: tuple[int, int]
 ) -> None:
     across, _, along = scene(name).body.inertia_com.diagonal()
-    assert across / along == pytest.approx(ratio[0] / ratio[1], rel=8 * EPS)
+    assert equal(across / along, ratio[0] / ratio[1])
 
 
 def test_the_motor_makes_up_for_the_drag() -> None:
     scenario = scene("motor-driven-top")
     braking = scenario.drag * scenario.start.omega_body[2]
-    assert scenario.torque_body[2] == pytest.approx(braking, rel=8 * EPS)
+    assert equal(scenario.torque_body[2], braking)
 
 
 def test_the_cube_is_a_symmetric_top_about_its_diagonal() -> None:
@@ -219,4 +239,15 @@ def test_the_cube_is_a_symmetric_top_about_its_diagonal() -> None:
     diagonal, off = inertia[0][0], inertia[0][1]
     assert all(inertia[i][i] == diagonal for i in range(3))
     assert inertia[0][1] == inertia[1][2] == inertia[0][2] == off
-    assert float((diagonal - off) / (diagonal + 2 * off)) == pytest.approx(11 / 2, rel=8 * EPS)
+    assert equal(float((diagonal - off) / (diagonal + 2 * off)), 11 / 2)
+
+
+def test_the_top_with_y_up_is_the_fast_top() -> None:
+    y_up, z_up = scene("y-is-up"), scene("fast-top")
+    assert y_up.document.body == z_up.document.body
+    invariants = []
+    for top in (y_up, z_up):
+        motion, up = at_start(top), -top.gravity_world / np.linalg.norm(top.gravity_world)
+        L = angular_momentum_world(top, motion)[0]
+        invariants.append((L @ up, np.linalg.norm(L), energy(top, motion)[0]))
+    assert all(map(equal, *invariants))
