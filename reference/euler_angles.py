@@ -1,0 +1,119 @@
+"""ZYZ Euler angles α, β, γ: R_world_body = Rz(α) Ry(β) Rz(γ) (Fetter & Walecka §29).
+
+β is the angle between the body's third axis and the world's, α the azimuth of the body's third
+axis, γ the turn about it. For display and for rates of precession and nutation: attitudes are
+compared as rotations, never as angles.
+"""
+
+import numpy as np
+
+from ..scenarios import FloatArray
+
+TURN = 2 * np.pi
+
+
+def euler_zyz_from_quaternion(q_world_body_wxyz: FloatArray) -> FloatArray:
+    """Angles of attitudes, rad: α and γ in [−π, π], β in [0, π].
+
+    With q = (w, x, y, z): tan β/2 = √(x² + y²)/√(w² + z²), tan (α + γ)/2 = z/w and
+    tan (α − γ)/2 = −x/y. Arctangents of norms keep every digit near the poles, where an arccosine
+    loses half of them. At the poles themselves only α + γ (β = 0) or α − γ (β = π) exists:
+    there γ = 0 and α carries all of it.
+
+    Parameters
+    ----------
+    q_world_body_wxyz : (..., 4), scalar first; q and −q give the same angles
+
+    Returns
+    -------
+    (..., 3), columns α, β, γ
+    """
+    w, x, y, z = np.moveaxis(np.asarray(q_world_body_wxyz, dtype=float), -1, 0)
+    upright, tilted = np.hypot(w, z), np.hypot(x, y)
+    half_sum, half_difference = np.arctan2(z, w), np.arctan2(-x, y)
+    half_difference = np.where(tilted == 0, half_sum, half_difference)
+    half_sum = np.where(upright == 0, half_difference, half_sum)
+    return np.stack(
+        [
+            _folded(half_sum + half_difference),
+            2 * np.arctan2(tilted, upright),
+            _folded(half_sum - half_difference),
+        ],
+        axis=-1,
+    )
+
+
+def quaternion_from_euler_zyz(angles: FloatArray) -> FloatArray:
+    """Attitudes of angles in rad: (..., 3) to unit quaternions w, x, y, z, (..., 4)."""
+    alpha, beta, gamma = np.moveaxis(np.asarray(angles, dtype=float), -1, 0)
+    half_sum, half_difference = (alpha + gamma) / 2, (alpha - gamma) / 2
+    upright, tilted = np.cos(beta / 2), np.sin(beta / 2)
+    return np.stack(
+        [
+            upright * np.cos(half_sum),
+            -tilted * np.sin(half_difference),
+            tilted * np.cos(half_difference),
+            upright * np.sin(half_sum),
+        ],
+        axis=-1,
+    )
+
+
+def omega_body_from_rates(angles: FloatArray, rates: FloatArray) -> FloatArray:
+    """Body components of ω, rad/s, from angles and their rates (Fetter & Walecka eq. 29.7).
+
+    Parameters
+    ----------
+    angles : (..., 3) α, β, γ in rad
+    rates : (..., 3) α̇, β̇, γ̇ in rad/s
+    """
+    _, beta, gamma = np.moveaxis(np.asarray(angles, dtype=float), -1, 0)
+    alpha_rate, beta_rate, gamma_rate = np.moveaxis(np.asarray(rates, dtype=float), -1, 0)
+    return np.stack(
+        [
+            -alpha_rate * np.sin(beta) * np.cos(gamma) + beta_rate * np.sin(gamma),
+            alpha_rate * np.sin(beta) * np.sin(gamma) + beta_rate * np.cos(gamma),
+            alpha_rate * np.cos(beta) + gamma_rate,
+        ],
+        axis=-1,
+    )
+
+
+def rates_from_omega_body(angles: FloatArray, omega_body: FloatArray) -> FloatArray:
+    """α̇, β̇, γ̇ in rad/s, (..., 3); the inverse of `omega_body_from_rates`.
+
+    NaN, all three, where β is exactly 0 or π: there α and γ are not separate angles and β has a
+    corner. Close to the poles the rates carry an error of about ulp(1)/sin β of |ω|.
+
+    Parameters
+    ----------
+    angles : (..., 3) α, β, γ in rad
+    omega_body : (..., 3) rad/s
+    """
+    _, beta, gamma = np.moveaxis(np.asarray(angles, dtype=float), -1, 0)
+    omega1, omega2, omega3 = np.moveaxis(np.asarray(omega_body, dtype=float), -1, 0)
+    sin_beta = np.where((beta == 0) | (beta == np.pi), np.nan, np.sin(beta))
+    alpha_rate = (omega2 * np.sin(gamma) - omega1 * np.cos(gamma)) / sin_beta
+    beta_rate = omega1 * np.sin(gamma) + omega2 * np.cos(gamma)
+    return np.stack(
+        [
+            alpha_rate,
+            np.where(np.isnan(sin_beta), np.nan, beta_rate),
+            omega3 - alpha_rate * np.cos(beta),
+        ],
+        axis=-1,
+    )
+
+
+def unwrapped(angles: FloatArray) -> FloatArray:
+    """A series of angles with the jumps of full turns in α and γ taken out, (n, 3), rad.
+
+    True to the motion where α and γ turn by less than half a turn between samples.
+    """
+    alpha, beta, gamma = np.asarray(angles, dtype=float).T
+    return np.stack([np.unwrap(alpha), beta, np.unwrap(gamma)], axis=-1)
+
+
+def _folded(angle: FloatArray) -> FloatArray:
+    """The same direction within [−π, π]; an angle already there keeps every bit."""
+    return angle - TURN * np.round(angle / TURN)

@@ -1,0 +1,162 @@
+"""What a physicist asks of a scene besides its trajectory: the numbers that tell its kind.
+
+All are of the exact motion; those that a drag or a torque changes are of t = 0 and say so.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from mpmath import mp
+
+from ..scenarios import Scenario, angular_momentum_world, kinetic_energy, potential_energy
+from ..scenarios.exact import DIGITS, dot
+from . import lagrangian, stability
+from .lagrangian import LagrangeTop, lagrange_top
+from .motion import motion
+from .pose import pose
+from .problem import Problem
+from .symmetry import (
+    across,
+    angular_momentum_axes,
+    is_free,
+    is_undriven,
+    moment_about,
+    norm,
+    symmetry_axis,
+)
+
+
+@dataclass(frozen=True)
+class Fact:
+    """One number.
+
+    Attributes
+    ----------
+    name : what it is called; observables of a run use the same names
+    value : may be inf: a period on a separatrix
+    unit : SI, degrees ("deg") for angles, "" for ratios
+    meaning : formula or explanation, in a line
+    """
+
+    name: str
+    value: float
+    unit: str
+    meaning: str
+
+
+def facts(scenario: Scenario) -> list[Fact]:
+    """Everything that applies to a scene, in the order to be read."""
+    problem = pose(scenario)
+    found = list(_of_any_body(scenario, problem))
+    axis = symmetry_axis(problem)
+    top = lagrange_top(problem)
+    if top is not None:
+        found += _of_a_heavy_top(top)
+        if is_undriven(problem):
+            found += _of_nutation(top)
+    elif is_free(problem):
+        found += _of_a_free_body(problem) if axis is None else _of_a_free_top(problem)
+    if problem.drag and axis is not None:
+        found.append(_spin_down(problem))
+    return found
+
+
+def _of_any_body(scenario: Scenario, problem: Problem) -> Iterator[Fact]:
+    point = "pivot" if scenario.has_pivot else "centre of mass"
+    for k, moment in enumerate(problem.moments, start=1):
+        yield Fact(f"moment {k}", float(moment), "kg m²", f"principal, about the {point}")
+    states = np.array([problem.q_world_axes], float), np.array([problem.omega_axes], float)
+    start = motion(scenario, problem, np.zeros(1), states)
+    kinetic = float(kinetic_energy(scenario, start)[0])
+    potential = float(potential_energy(scenario, start)[0]) + 0.0  # never −0
+    L = float(np.linalg.norm(angular_momentum_world(scenario, start)[0]))
+    yield Fact("rotation", float(norm(problem.omega_axes)), "rad/s", "‖ω‖ at t = 0")
+    yield Fact("angular momentum", L, "kg m²/s", f"‖L‖ about the {point} at t = 0")
+    yield Fact("kinetic energy", kinetic, "J", "T at t = 0")
+    yield Fact("potential energy", potential, "J", "V = −m g·r at t = 0, zero at the origin")
+    yield Fact("energy", kinetic + potential, "J", "T + V at t = 0")
+
+
+def _of_a_heavy_top(top: LagrangeTop) -> Iterator[Fact]:
+    """What the start alone decides."""
+    threshold = lagrangian.sleeping_threshold(top)
+    yield Fact("I1", float(top.I1), "kg m²", "moment across the axis, about the pivot")
+    yield Fact("I3", float(top.I3), "kg m²", "moment about the axis, from the pivot to the com")
+    yield Fact("M g l", float(top.kappa), "N m", "weight times the com's distance from the pivot")
+    yield Fact("p_alpha", float(top.p_alpha), "kg m²/s", "L along the upward vertical at t = 0")
+    yield Fact("p_gamma", float(top.p_gamma), "kg m²/s", "L along the axis at t = 0: I3 ω3")
+    yield Fact("E'", float(top.E_prime), "J", "E − p_gamma²/2 I3 at t = 0")
+    yield Fact("start angle", _deg(top.cos_beta), "deg", "of the axis from the upward vertical")
+    yield Fact("sleeping threshold", threshold, "kg m²/s", "√(4 M g l I1): |p_gamma| to stay up")
+    ratio = abs(float(top.p_gamma)) / threshold
+    yield Fact("sleeping ratio", ratio, "", "|p_gamma| over the threshold: 1 or more stays up")
+
+
+def _of_nutation(top: LagrangeTop) -> Iterator[Fact]:
+    """What needs p_α, p_γ and E' to stay as they are."""
+    low, high = (math.degrees(beta) for beta in lagrangian.nutation_bounds(top))
+    bottom = math.degrees(lagrangian.steady_angle(top))
+    small = lagrangian.small_nutation_frequency(top)
+    mean = lagrangian.mean_precession_rate(top)
+    rates = lagrangian.steady_precession_rates(top, top.cos_beta)
+    yield Fact("nutation from", low, "deg", "smallest angle: V_eff = E'")
+    yield Fact("nutation to", high, "deg", "largest angle: V_eff = E'")
+    yield Fact("nutation period", lagrangian.nutation_period(top), "s", "2K/p, of cos β")
+    yield Fact("bottom of V_eff", bottom, "deg", "where this p_alpha, p_gamma precess steadily")
+    yield Fact("small nutation", small, "rad/s", "√(V_eff''/I1) at the bottom")
+    if mean is not None:
+        yield Fact("precession rate", mean, "rad/s", "α̇, mean over a nutation")
+    for name, rate in zip(("slow", "fast"), rates, strict=False):
+        meaning = "steady at the start angle: I1 cos β Ω² − p_gamma Ω + M g l = 0"
+        yield Fact(f"steady precession, {name}", rate, "rad/s", meaning)
+
+
+def _of_a_free_top(problem: Problem) -> Iterator[Fact]:
+    """Regular precession of a symmetric body, Goldstein §5.6."""
+    axis = symmetry_axis(problem)
+    assert axis is not None
+    with mp.workdps(DIGITS):
+        I3 = moment_about(problem, axis)
+        I1 = (mp.fsum(problem.moments) - I3) / 2
+        omega, L = problem.omega_axes, angular_momentum_axes(problem)
+        omega3, size = dot(omega, axis), norm(L)
+        aside = norm([dot(omega, e) for e in across(axis)])
+        tilt, half_angle = mp.atan2(I1 * aside, I3 * omega3), mp.atan2(aside, omega3)
+        precession = size / I1
+    cone = stability.body_cone_rate(I1, I3, omega3)
+    yield Fact("body cone rate", cone, "rad/s", "(I3 − I1)/I1 ω3: ω round the axis, in the body")
+    if cone:
+        yield Fact("body cone period", 2 * math.pi / abs(cone), "s", "2π over it")
+    yield Fact("body cone angle", math.degrees(half_angle), "deg", "from the axis to ω")
+    yield Fact("precession rate", float(precession), "rad/s", "‖L‖/I1: the axis round L")
+    yield Fact("tilt", math.degrees(tilt), "deg", "from the axis to L")
+
+
+def _of_a_free_body(problem: Problem) -> Iterator[Fact]:
+    """An asymmetric body, Landau & Lifshitz §37; nothing to say of a sphere."""
+    moments, omega = problem.moments, problem.omega_axes
+    period = stability.tumbling_period(moments, omega)
+    if period is None:
+        return
+    k = max(range(3), key=lambda axis: abs(omega[axis]))
+    square = stability.perturbation_rate_squared(moments, k, float(omega[k]))
+    meaning = f"of small deviations from rotation about axis {k + 1} at ω{k + 1}"
+    name = "growth rate" if square > 0 else "wobble rate"
+    distance = stability.separatrix_distance(moments, omega)
+    yield Fact(name, math.sqrt(abs(square)), "rad/s", meaning)
+    yield Fact("tumbling period", period, "s", "4K/p, of ω in the body: two flips")
+    yield Fact("separatrix distance", distance, "", "(L² − 2 E I_mid)/L²; > 0: about the largest I")
+
+
+def _spin_down(problem: Problem) -> Fact:
+    axis = symmetry_axis(problem)
+    assert axis is not None
+    time = float(moment_about(problem, axis) / problem.drag)
+    return Fact("spin-down time", time, "s", "I3/c: ω3 falls as exp(−t c/I3) under drag alone")
+
+
+def _deg(cosine: object) -> float:
+    with mp.workdps(DIGITS):
+        return float(mp.degrees(mp.acos(cosine)))

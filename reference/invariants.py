@@ -1,0 +1,53 @@
+"""What a scene's exact motion conserves, and how far a run drifts from it.
+
+A quantity is computed from a trajectory by the same code whoever made it. Drifts are relative to
+a scale that the scene alone sets, so that they compare across runs, and a run that blows up
+cannot hide behind its own size.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..scenarios import FloatArray, Scenario, Trajectory
+from .laws import LAWS, Law, Scene
+from .pose import pose
+
+
+@dataclass(frozen=True, eq=False)
+class Invariant:
+    """A law that holds for one scene."""
+
+    law: Law
+    scene: Scene
+
+    @property
+    def name(self) -> str:
+        """The law's name."""
+        return self.law.name
+
+    def values(self, motion: Trajectory) -> FloatArray:
+        """The quantity at every sample, (n,) or (n, 3), in the law's unit."""
+        return self.law.values(self.scene, motion)
+
+    def drift_series(self, motion: Trajectory) -> FloatArray:
+        """|Q(t) − Q(0)| over the law's scale, (n,); over a scale of zero, 0 or inf."""
+        values = self.values(motion).reshape(len(motion.t), -1)
+        change = np.asarray(np.linalg.norm(values - values[0], axis=1))
+        scale = self.law.scale(self.scene)
+        return change / scale if scale > 0 else np.where(change == 0, 0.0, np.inf)
+
+    def drift(self, motion: Trajectory) -> float:
+        """The largest of them."""
+        return float(self.drift_series(motion).max())
+
+
+def invariants(scenario: Scenario) -> tuple[Invariant, ...]:
+    """What the exact motion of a scene conserves."""
+    scene = Scene(scenario, pose(scenario))
+    return tuple(Invariant(law, scene) for law in LAWS if law.holds(scene))
+
+
+def drifts(scenario: Scenario, motion: Trajectory) -> dict[str, float]:
+    """How far a motion drifts from each law of its scene, relative, by the law's name."""
+    return {invariant.name: invariant.drift(motion) for invariant in invariants(scenario)}

@@ -1,0 +1,256 @@
+"""The heavy symmetric top in its constants of motion: V_eff, turning points, steady precession.
+
+β is the angle between the top's axis, from the pivot to the com, and the upward vertical −g; its
+cosine is u. With I1 the moment across the axis and I3 about it, both about the pivot, and
+κ = M g l > 0 (Goldstein §5.7; Landau & Lifshitz, Mechanics, §35, problem 1):
+
+    p_α = L·(−ĝ)        p_γ = I3 ω3        E' = E − p_γ²/2 I3 = ½ I1 β̇² + V_eff(β)
+    V_eff(β) = (p_α − p_γ cos β)² / (2 I1 sin²β) + κ cos β
+    u̇² = (2 κ/I1) (u − u1)(u − u2)(u − u3),   −1 ≤ u1 ≤ u ≤ u2 ≤ 1 ≤ u3
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from mpmath import mp, mpf
+
+from ..scenarios import FloatArray
+from ..scenarios.exact import DIGITS, Vector, conjugate, dot, rotate
+from .problem import Problem
+from .symmetry import (
+    EQUAL_TO_WORKING_PRECISION,
+    angular_momentum_axes,
+    equal,
+    gravity_torque_scale,
+    moment_about,
+    norm,
+    scaled,
+    symmetry_axis,
+)
+
+#: Where two or three roots of the nutation cubic meet, a root has half or a third of the digits.
+ROOT_DIGITS = 3 * DIGITS
+
+
+@dataclass(frozen=True)
+class LagrangeTop:
+    """A heavy symmetric top at one instant, in extended precision.
+
+    Attributes
+    ----------
+    I1, I3 : moments about the pivot, across the axis and about it, kg m²
+    kappa : M g l, N m, positive
+    p_alpha, p_gamma : angular momentum along the vertical and along the axis, kg m²/s
+    energy : kinetic plus κ cos β, J
+    cos_beta : of the axis's angle from the upward vertical
+    """
+
+    I1: mpf
+    I3: mpf
+    kappa: mpf
+    p_alpha: mpf
+    p_gamma: mpf
+    energy: mpf
+    cos_beta: mpf
+
+    @cached_property
+    def E_prime(self) -> mpf:
+        """E − p_γ²/2 I3, J: what is left for nutation, precession and height."""
+        with mp.workdps(ROOT_DIGITS):
+            return self.energy - self.p_gamma**2 / (2 * self.I3)
+
+    @cached_property
+    def roots(self) -> Vector:
+        """u1 ≤ u2 ≤ 1 ≤ u3, the zeros of u̇² as a cubic in u = cos β.
+
+        All three are real, so they are found by cosines (Viète); in ROOT_DIGITS digits double
+        roots (steady precession, sleeping) come out to far more than double precision.
+        """
+        with mp.workdps(ROOT_DIGITS):
+            height, spin = self.E_prime / self.kappa, 1 / (2 * self.kappa * self.I1)
+            a = -height - self.p_gamma**2 * spin
+            b = 2 * self.p_alpha * self.p_gamma * spin - 1
+            c = height - self.p_alpha**2 * spin
+            u1, u2, u3 = sorted(_real_roots(a, b, c))
+            return (_at_most_one(max(u1, mpf(-1))), _at_most_one(u2), max(u3, mpf(1)))
+
+    @property
+    def reaches_the_vertical(self) -> bool:
+        """Whether β comes to 0 or π, where precession and spin are not separate angles."""
+        return bool(self.roots[0] == -1 or self.roots[1] == 1)
+
+
+def lagrange_top(problem: Problem) -> LagrangeTop | None:
+    """The top of a problem at t = 0; None where it is not symmetric or gravity cannot turn it.
+
+    Drag and torques are not looked at: with them the "constants" hold at t = 0 only.
+    """
+    axis = symmetry_axis(problem)
+    with mp.workdps(DIGITS):
+        kappa = gravity_torque_scale(problem)
+        if axis is None or kappa == 0:
+            return None
+        up_world = scaled(problem.gravity_world, -1 / norm(problem.gravity_world))
+        up = rotate(conjugate(problem.q_world_axes), up_world)
+        omega = problem.omega_axes
+        L = angular_momentum_axes(problem)
+        cos_beta, p_gamma, p_alpha = dot(axis, up), dot(L, axis), dot(L, up)
+        if equal(abs(cos_beta), mpf(1)):
+            cos_beta = mp.sign(cos_beta)
+        for sign in (1, -1):
+            if equal(p_alpha, sign * p_gamma, norm(L)):
+                p_alpha = sign * p_gamma
+        I3 = moment_about(problem, axis)
+        I1 = (mp.fsum(problem.moments) - I3) / 2
+        energy = dot(omega, L) / 2 + kappa * cos_beta
+        return LagrangeTop(I1, I3, kappa, p_alpha, p_gamma, energy, cos_beta)
+
+
+def effective_potential(top: LagrangeTop, beta: FloatArray) -> FloatArray:
+    """V_eff, J, at angles β in rad, in [0, π].
+
+    (p_α − p_γ cos β)/sin β is summed as ½ (p_α − p_γ) cot β/2 + ½ (p_α + p_γ) tan β/2: neither term
+    cancels, and the pole of a term whose momentum is zero is absent. Elsewhere V_eff is infinite
+    at the pole.
+    """
+    beta = np.asarray(beta, dtype=float)
+    with mp.workdps(DIGITS):
+        less, more = float(top.p_alpha - top.p_gamma), float(top.p_alpha + top.p_gamma)
+    cos_half, sin_half = np.where(beta == np.pi, 0.0, np.cos(beta / 2)), np.sin(beta / 2)
+    across = np.zeros_like(beta)
+    with np.errstate(divide="ignore"):
+        if less:
+            across += less * (cos_half / sin_half)
+        if more:
+            across += more * (sin_half / cos_half)
+    return across**2 / (8 * float(top.I1)) + float(top.kappa) * np.cos(beta)
+
+
+def nutation_bounds(top: LagrangeTop) -> tuple[float, float]:
+    """Smallest and largest β, rad, that the top's E', p_α and p_γ allow.
+
+    For a top that sleeps unstably the larger is where the smallest push would take it.
+    """
+    with mp.workdps(ROOT_DIGITS):
+        u1, u2, _ = top.roots
+        return float(mp.acos(u2)), float(mp.acos(u1))
+
+
+def nutation_period(top: LagrangeTop) -> float:
+    """The period of cos β, s: 2K/p with p² = κ(u3 − u1)/2 I1; inf on a separatrix.
+
+    By Carlson's R_F, which is homogeneous: 2 √(2 I1/κ) R_F(0, u3 − u2, u3 − u1) (DLMF 19.25.1).
+    For steady precession, the period of small nutations about it.
+    """
+    with mp.workdps(ROOT_DIGITS):
+        u1, u2, u3 = top.roots
+        if equal(u3, u2):
+            return float("inf")
+        return float(2 * mp.sqrt(2 * top.I1 / top.kappa) * mp.elliprf(0, u3 - u2, u3 - u1))
+
+
+def mean_precession_rate(top: LagrangeTop) -> float | None:
+    """α̇ averaged over a nutation, rad/s; None where the axis comes to the vertical.
+
+    α̇ = [(p_α − p_γ)/(1 − u) + (p_α + p_γ)/(1 + u)]/2 I1 with u = u1 + (u2 − u1) sn²: each term's
+    mean is Π(n|m)/K(m) times its value at u1 (DLMF 19.2.7).
+    """
+    if top.reaches_the_vertical or nutation_period(top) == float("inf"):
+        return None
+    with mp.workdps(ROOT_DIGITS):
+        u1, u2, u3 = top.roots
+        m = (u2 - u1) / (u3 - u1)
+        down = (top.p_alpha - top.p_gamma) / (1 - u1) * mp.ellippi((u2 - u1) / (1 - u1), m)
+        up = (top.p_alpha + top.p_gamma) / (1 + u1) * mp.ellippi((u1 - u2) / (1 + u1), m)
+        return float((down + up) / (2 * top.I1 * mp.ellipk(m)))
+
+
+def steady_precession_rates(top: LagrangeTop, cos_beta: mpf) -> tuple[float, ...]:
+    """Rates at which the top, with its p_γ, precesses steadily at an angle; slow first, rad/s.
+
+    The roots of I1 cos β Ω² − p_γ Ω + κ = 0 (Goldstein §5.7; Klein & Sommerfeld, Theory of the
+    Top, ch. V). Real where p_γ² ≥ 4 κ I1 cos β: none, one or two.
+    """
+    with mp.workdps(DIGITS):
+        lead = top.I1 * cos_beta
+        square, least = top.p_gamma**2, 4 * top.kappa * lead
+        discriminant = mpf(0) if equal(square, least) else square - least
+        if discriminant < 0 or (lead == 0 and top.p_gamma == 0):
+            return ()
+        # The half of the usual formula that adds like signs; the other root by Viète.
+        larger = (top.p_gamma + (-1 if top.p_gamma < 0 else 1) * mp.sqrt(discriminant)) / 2
+        slow = float(top.kappa / larger)
+        if lead == 0 or discriminant == 0:
+            return (slow,)
+        return (slow, float(larger / lead))
+
+
+def sleeping_threshold(top: LagrangeTop) -> float:
+    """The least |p_γ| that keeps the top upright, kg m²/s: √(4 κ I1) (Arnold §31)."""
+    with mp.workdps(DIGITS):
+        return float(mp.sqrt(4 * top.kappa * top.I1))
+
+
+def sleeps_stably(top: LagrangeTop) -> bool:
+    """Whether |p_γ| is at least the sleeping threshold, compared in extended precision."""
+    with mp.workdps(DIGITS):
+        threshold = 4 * top.kappa * top.I1
+        return bool(top.p_gamma**2 >= threshold) or equal(top.p_gamma**2, threshold)
+
+
+def steady_angle(top: LagrangeTop) -> float:
+    """The angle β at the bottom of V_eff, rad, where this p_α and p_γ would precess steadily.
+
+    The stationary points solve (p_α − p_γ u)(p_γ − p_α u) = κ I1 (1 − u²)² between the turning
+    points, where they enclose one sign change.
+    """
+    with mp.workdps(ROOT_DIGITS):
+        return float(mp.acos(_bottom(top)))
+
+
+def small_nutation_frequency(top: LagrangeTop) -> float:
+    """Angular frequency of small oscillations of cos β about the bottom of V_eff, rad/s.
+
+    ω² = V_eff''/I1 = (p_γ² − 4 κ I1 cos β)/I1² + Ω² sin²β with the Ω of steady precession there
+    (Arnold, Mathematical Methods of Classical Mechanics, §30).
+    """
+    with mp.workdps(ROOT_DIGITS):
+        u = _bottom(top)
+        square = (top.p_gamma**2 - 4 * top.kappa * top.I1 * u) / top.I1**2
+        if abs(u) < 1:
+            square += ((top.p_alpha - top.p_gamma * u) / top.I1) ** 2 / (1 - u * u)
+        return float(mp.sqrt(max(square, mpf(0))))
+
+
+def _bottom(top: LagrangeTop) -> mpf:
+    """cos β at the minimum of V_eff between the turning points, by bisection."""
+    u1, u2, _ = top.roots
+
+    def slope(u: mpf) -> mpf:
+        """(1 − u²)² I1 times dV_eff/du: negative below the minimum, positive above."""
+        pull = top.kappa * top.I1 * (1 - u * u) ** 2
+        return pull - (top.p_alpha - top.p_gamma * u) * (top.p_gamma - top.p_alpha * u)
+
+    low, high = u1, u2
+    while high - low > EQUAL_TO_WORKING_PRECISION:
+        middle = (low + high) / 2
+        low, high = (middle, high) if slope(middle) < 0 else (low, middle)
+    return (low + high) / 2
+
+
+def _real_roots(a: mpf, b: mpf, c: mpf) -> list[mpf]:
+    """Roots of x³ + a x² + b x + c, all known to be real (Viète; DLMF 1.11.iii)."""
+    spread = (a * a - 3 * b) / 9
+    if spread <= 0:
+        return [-a / 3] * 3
+    cosine = (9 * a * b - 2 * a**3 - 27 * c) / 54 / spread ** mpf("1.5")
+    third = mp.acos(min(max(cosine, mpf(-1)), mpf(1))) / 3
+    return [2 * mp.sqrt(spread) * mp.cos(third + k * 2 * mp.pi / 3) - a / 3 for k in range(3)]
+
+
+def _at_most_one(u: mpf) -> mpf:
+    """A root that rounding has put past a pole, or a hair short of it, belongs on the pole."""
+    if equal(abs(u), mpf(1)) or abs(u) > 1:
+        return mp.sign(u)
+    return u

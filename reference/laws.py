@@ -1,0 +1,276 @@
+"""The conservation laws of tops, each with the rule for when it holds, as data."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..scenarios import FloatArray, Scenario, Trajectory, angular_momentum_world
+from ..scenarios import energy as energy_of
+from . import integrable_cases
+from .problem import Problem
+from .symmetry import (
+    angular_momentum_axes,
+    gravity_torque_scale,
+    is_free,
+    is_undriven,
+    norm,
+    symmetry_axis,
+    to_body,
+    up_world,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A scenario and its rotational problem, and the sizes its changes are measured against.
+
+    None of the sizes is zero for a scene that moves in that way: what gravity can add to a body
+    that starts at rest is counted in.
+    """
+
+    scenario: Scenario
+    problem: Problem
+
+    @property
+    def pull(self) -> float:
+        """M g l, N m; 0 without a pivot."""
+        return float(gravity_torque_scale(self.problem))
+
+    @property
+    def rate(self) -> float:
+        """Rad/s: |ω| at t = 0 plus 2√(M g l/I), what a fall from the top gives a pendulum."""
+        fall = 2 * np.sqrt(self.pull / float(min(self.problem.moments)))
+        return float(norm(self.problem.omega_axes)) + float(fall)
+
+    @property
+    def angular_momentum(self) -> float:
+        """kg m²/s: |L| at t = 0, plus 2√(M g l I) for a fall, plus the impulse of a torque."""
+        fall = 2 * np.sqrt(self.pull * float(max(self.problem.moments)))
+        torque = float(norm(self.problem.torque_world) + norm(self.problem.torque_axes))
+        impulse = torque * self.duration
+        return float(norm(angular_momentum_axes(self.problem))) + float(fall) + impulse
+
+    @property
+    def energy(self) -> float:
+        """J: kinetic at t = 0 plus what gravity can add to it within the window."""
+        L, omega = angular_momentum_axes(self.problem), self.problem.omega_axes
+        turning = float(sum(a * b for a, b in zip(L, omega, strict=True))) / 2
+        if self.scenario.has_pivot:
+            return turning + 2 * self.pull
+        fall = float(np.linalg.norm(self.scenario.gravity_world)) * self.duration
+        straight = float(np.linalg.norm(self.scenario.start.velocity_world))
+        return turning + self.scenario.body.mass * (straight + fall) ** 2 / 2
+
+    @property
+    def speed(self) -> float:
+        """m/s: the body's, if that energy were all in its flight."""
+        return float(np.sqrt(2 * self.energy / self.scenario.body.mass))
+
+    @property
+    def radius(self) -> float:
+        """m: the radius of gyration √(tr I/2m), about the fixed point."""
+        trace = float(sum(self.problem.moments))
+        return float(np.sqrt(trace / (2 * self.scenario.body.mass)))
+
+    @property
+    def duration(self) -> float:
+        """The window's length, s."""
+        return self.scenario.window.duration
+
+
+@dataclass(frozen=True)
+class Law:
+    """A quantity that some motions conserve.
+
+    Attributes
+    ----------
+    name : how results refer to it
+    formula, unit : what it is
+    holds_when : the rule, in words
+    holds : the rule
+    values : the quantity along a trajectory, (n,) or (n, 3)
+    scale : what its changes are relative to, in its unit
+    """
+
+    name: str
+    formula: str
+    unit: str
+    holds_when: str
+    holds: Callable[[Scene], bool]
+    values: Callable[[Scene, Trajectory], FloatArray]
+    scale: Callable[[Scene], float]
+
+
+def _L_world(scene: Scene, motion: Trajectory) -> FloatArray:
+    impulse = motion.t[:, None] * scene.scenario.torque_world
+    return angular_momentum_world(scene.scenario, motion) - impulse
+
+
+def _L_norm(scene: Scene, motion: Trajectory) -> FloatArray:
+    return np.asarray(np.linalg.norm(_L_world(scene, motion), axis=1))
+
+
+def _L_vertical(scene: Scene, motion: Trajectory) -> FloatArray:
+    return np.asarray(_L_world(scene, motion) @ up_world(scene.problem))
+
+
+def _L_axial(scene: Scene, motion: Trajectory) -> FloatArray:
+    axis = symmetry_axis(scene.problem)
+    assert axis is not None, "the law holds for symmetric tops only"
+    axis_body = np.array(to_body(scene.problem, axis), dtype=float)
+    axis_world = motion.R_world_body.apply(axis_body)
+    L_world = angular_momentum_world(scene.scenario, motion)
+    impulse = motion.t * (scene.scenario.torque_body @ axis_body)
+    return np.asarray(np.einsum("ni,ni->n", L_world, axis_world) - impulse)
+
+
+def _kovalevskaya(scene: Scene, motion: Trajectory) -> FloatArray:
+    frame = integrable_cases.kovalevskaya_frame(scene.problem)
+    assert frame is not None, "the law holds for Kovalevskaya's top only"
+    return integrable_cases.kovalevskaya(scene.problem, frame, motion)
+
+
+def _goryachev_chaplygin(scene: Scene, motion: Trajectory) -> FloatArray:
+    frame = integrable_cases.goryachev_chaplygin_frame(scene.problem)
+    assert frame is not None, "the law holds for the Goryachev–Chaplygin top only"
+    return integrable_cases.goryachev_chaplygin(scene.problem, frame, motion)
+
+
+def _momentum(scene: Scene, motion: Trajectory) -> FloatArray:
+    gained = motion.t[:, None] * scene.scenario.gravity_world
+    return scene.scenario.body.mass * (motion.velocity_world - gained)
+
+
+def _parabola(scene: Scene, motion: Trajectory) -> FloatArray:
+    t = motion.t[:, None]
+    return motion.com_world - t * motion.velocity_world + t**2 / 2 * scene.scenario.gravity_world
+
+
+def _pivot(scene: Scene, motion: Trajectory) -> FloatArray:
+    return motion.com_world - motion.R_world_body.apply(np.array(scene.scenario.body.com))
+
+
+def _is_undriven(scene: Scene) -> bool:
+    return is_undriven(scene.problem)
+
+
+def _is_free(scene: Scene) -> bool:
+    return is_free(scene.problem)
+
+
+def _turns_by_the_world_alone(scene: Scene) -> bool:
+    problem = scene.problem
+    return not problem.drag and not any(problem.torque_axes)
+
+
+def _is_unpulled(scene: Scene) -> bool:
+    return _turns_by_the_world_alone(scene) and scene.pull == 0
+
+
+def _is_heavy(scene: Scene) -> bool:
+    return _turns_by_the_world_alone(scene) and scene.pull > 0
+
+
+def _is_symmetric(scene: Scene) -> bool:
+    problem = scene.problem
+    undragged = not problem.drag and not any(problem.torque_world)
+    return undragged and symmetry_axis(problem) is not None
+
+
+def _is_thrown(scene: Scene) -> bool:
+    return not scene.scenario.has_pivot
+
+
+LAWS = (
+    Law(
+        name="energy",
+        formula="E = T + V",
+        unit="J",
+        holds_when="no drag, no torque",
+        holds=_is_undriven,
+        values=lambda scene, motion: energy_of(scene.scenario, motion),
+        scale=lambda scene: scene.energy,
+    ),
+    Law(
+        name="L_world",
+        formula="L − τ t, as vectors",
+        unit="kg m²/s",
+        holds_when="no drag, no body torque, no gravity about a pivot",
+        holds=_is_unpulled,
+        values=_L_world,
+        scale=lambda scene: scene.angular_momentum,
+    ),
+    Law(
+        name="L_norm",
+        formula="‖L‖",
+        unit="kg m²/s",
+        holds_when="no drag, no torque, no gravity about a pivot",
+        holds=_is_free,
+        values=_L_norm,
+        scale=lambda scene: scene.angular_momentum,
+    ),
+    Law(
+        name="L_vertical",
+        formula="p_α − τ·(−ĝ) t, p_α = L·(−ĝ)",
+        unit="kg m²/s",
+        holds_when="gravity about a pivot, no drag, no body torque",
+        holds=_is_heavy,
+        values=_L_vertical,
+        scale=lambda scene: scene.angular_momentum,
+    ),
+    Law(
+        name="L_axial",
+        formula="p_γ − τ3 t, p_γ = I3 ω3",
+        unit="kg m²/s",
+        holds_when="a symmetric body with its com on the axis, no drag, no world torque",
+        holds=_is_symmetric,
+        values=_L_axial,
+        scale=lambda scene: scene.angular_momentum,
+    ),
+    Law(
+        name="kovalevskaya",
+        formula="|(ω1 + iω2)² − (M g l/I3)(γ1 + iγ2)|²",
+        unit="rad⁴/s⁴",
+        holds_when="I1 = I2 = 2 I3 about the pivot, com in their plane, gravity alone",
+        holds=lambda scene: integrable_cases.kovalevskaya_frame(scene.problem) is not None,
+        values=_kovalevskaya,
+        scale=lambda scene: scene.rate**4,
+    ),
+    Law(
+        name="goryachev_chaplygin",
+        formula="ω3(ω1² + ω2²) − (M g l/I3) ω1 γ3",
+        unit="rad³/s³",
+        holds_when="I1 = I2 = 4 I3 about the pivot, com in their plane, gravity alone, L·ĝ = 0",
+        holds=lambda scene: integrable_cases.goryachev_chaplygin_frame(scene.problem) is not None,
+        values=_goryachev_chaplygin,
+        scale=lambda scene: scene.rate**3,
+    ),
+    Law(
+        name="momentum_less_impulse",
+        formula="m (v − g t)",
+        unit="kg m/s",
+        holds_when="no pivot",
+        holds=_is_thrown,
+        values=_momentum,
+        scale=lambda scene: scene.scenario.body.mass * scene.speed,
+    ),
+    Law(
+        name="com_parabola",
+        formula="r − v t + ½ g t²",
+        unit="m",
+        holds_when="no pivot",
+        holds=_is_thrown,
+        values=_parabola,
+        scale=lambda scene: scene.speed * scene.duration,
+    ),
+    Law(
+        name="pivot",
+        formula="r_com − R com: where the body's origin is",
+        unit="m",
+        holds_when="a pivot",
+        holds=lambda scene: scene.scenario.has_pivot,
+        values=_pivot,
+        scale=lambda scene: scene.radius,
+    ),
+)

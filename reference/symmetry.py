@@ -1,0 +1,117 @@
+"""What kind of top a problem is: which axis it is symmetric about, whether anything acts on it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from mpmath import mp, mpf
+
+from ..scenarios import FloatArray
+from ..scenarios.exact import DIGITS, Vector, conjugate, cross, dot, rotate
+from .problem import Problem
+
+#: Numbers of a scene are exact doubles or combined from them in DIGITS digits: what agrees this
+#: far (relative) is equal, and two doubles that differ never agree so far.
+EQUAL_TO_WORKING_PRECISION = mpf(10) ** (10 - DIGITS)
+
+UNIT_VECTORS: tuple[Vector, Vector, Vector] = (
+    (mpf(1), mpf(0), mpf(0)),
+    (mpf(0), mpf(1), mpf(0)),
+    (mpf(0), mpf(0), mpf(1)),
+)
+
+
+def equal(a: mpf, b: mpf, scale: mpf = 0) -> bool:
+    """Whether a and b are equal to working precision of the largest of |a|, |b| and `scale`."""
+    return bool(abs(a - b) <= EQUAL_TO_WORKING_PRECISION * max(abs(a), abs(b), scale))
+
+
+def norm(vector: Sequence[mpf]) -> mpf:
+    """Euclidean length, at the caller's precision."""
+    return mp.sqrt(dot(vector, vector))
+
+
+def scaled(vector: Vector, factor: mpf) -> Vector:
+    """factor · vector, at the caller's precision."""
+    x, y, z = vector
+    return (factor * x, factor * y, factor * z)
+
+
+def gravity_torque_scale(problem: Problem) -> mpf:
+    """M g l, N m: weight times the com's distance from the pivot; 0 without a pivot."""
+    with mp.workdps(DIGITS):
+        return norm(problem.lever_axes) * norm(problem.gravity_world)
+
+
+def is_undriven(problem: Problem) -> bool:
+    """Whether neither drag nor a torque acts: at most gravity does."""
+    return not (problem.drag or any(problem.torque_axes) or any(problem.torque_world))
+
+
+def is_free(problem: Problem) -> bool:
+    """Whether no torque of any kind acts about the fixed point."""
+    return is_undriven(problem) and gravity_torque_scale(problem) == 0
+
+
+def symmetry_axis(problem: Problem) -> Vector | None:
+    """Unit vector of the axis a top is symmetric about, principal components; None without one.
+
+    Symmetric means: the two moments across the axis are equal, and gravity's lever lies on it.
+    With a lever the axis points from the pivot to the com. Without one it is the principal axis
+    whose moment differs from the other two; a sphere has none.
+    """
+    with mp.workdps(DIGITS):
+        if gravity_torque_scale(problem) == 0:
+            single = _axis_of_the_single_moment(problem.moments)
+            return None if single is None else UNIT_VECTORS[single]
+        axis = scaled(problem.lever_axes, 1 / norm(problem.lever_axes))
+        first, second, third = problem.moments
+        if equal(first, second) and equal(second, third):
+            return axis
+        single = _axis_of_the_single_moment(problem.moments)
+        if single is None or not all(equal(axis[k], 0, 1) for k in range(3) if k != single):
+            return None
+        return scaled(UNIT_VECTORS[single], mp.sign(axis[single]))
+
+
+def angular_momentum_axes(problem: Problem) -> Vector:
+    """L at t = 0 along the principal axes, kg m²/s."""
+    with mp.workdps(DIGITS):
+        x, y, z = (m * w for m, w in zip(problem.moments, problem.omega_axes, strict=True))
+        return (x, y, z)
+
+
+def moment_about(problem: Problem, axis: Vector) -> mpf:
+    """Moment of inertia about an axis through the fixed point, kg m²; axis of unit length."""
+    with mp.workdps(DIGITS):
+        return mp.fsum(m * n * n for m, n in zip(problem.moments, axis, strict=True))
+
+
+def across(axis: Vector) -> tuple[Vector, Vector]:
+    """Two unit vectors e1, e2 that make a right-handed triad (e1, e2, axis); e1, e2 for e3."""
+    with mp.workdps(DIGITS):
+        least = min(range(3), key=lambda k: abs(axis[k]))
+        second = cross(axis, UNIT_VECTORS[least])
+        second = scaled(second, 1 / norm(second))
+        return cross(second, axis), second
+
+
+def up_world(problem: Problem) -> FloatArray:
+    """The upward vertical −ĝ in world components, (3,); gravity must not be zero."""
+    with mp.workdps(DIGITS):
+        g = problem.gravity_world
+        return np.array(scaled(g, -1 / norm(g)), dtype=float)
+
+
+def to_body(problem: Problem, vector_axes: Vector) -> Vector:
+    """Body components of a vector given along the principal axes."""
+    with mp.workdps(DIGITS):
+        return rotate(conjugate(problem.q_axes_body), vector_axes)
+
+
+def _axis_of_the_single_moment(moments: Vector) -> int | None:
+    """The index whose moment differs from the other two, which are equal; None if there is none."""
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        if equal(moments[i], moments[j]) and not equal(moments[k], moments[i]):
+            return k
+    return None
