@@ -16,6 +16,7 @@ from .read_back import (
     BodyReading,
     EngineError,
     State,
+    UnsupportedError,
     check_read_back,
 )
 
@@ -183,6 +184,8 @@ class Engine(ABC):
                 check_read_back(scenario, session.read_body(), session.read_state(), slack)
                 outcome, reason = _step_through(session, method, timestep, sample_steps, states)
                 active = session.active()
+        except UnsupportedError as error:
+            return ended("unsupported", str(error))
         except EngineError as error:
             return ended("failed", str(error))
         known = {

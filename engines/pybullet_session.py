@@ -11,7 +11,8 @@ from ..scenarios import Scenario
 from .engine import Session
 from .native_output import native_output
 from .pybullet_audit import what_acts
-from .pybullet_model import BASE, UNREACHED_VELOCITY, Holding, Model, load
+from .pybullet_load import UNREACHED_VELOCITY, Holding, load
+from .pybullet_model import BASE, Model
 from .read_back import BodyReading, EngineError, State
 
 #: Steps a native call, some 20 ms: PyBullet gives up on a call after ten seconds, in silence, and
@@ -34,6 +35,7 @@ class PyBulletSession(Session):
     def __init__(self, scenario: Scenario, holding: Holding, timestep: float) -> None:
         self._scenario = scenario
         self._client, self._model = _open(scenario, holding)
+        self._tied = scenario.has_pivot and self._model.link == BASE
         self._torques, self._at_once = _torques(self._model, scenario)
         self.set_timestep(timestep)
 
@@ -76,7 +78,7 @@ class PyBulletSession(Session):
             raise EngineError("PyBullet did not complete a step")
 
     def check(self) -> None:
-        """Raise if the world's clock is not what was set, or a velocity is at its clamp."""
+        """Raise if the clock is not what was set, a velocity is clamped, or the pivot gave way."""
         world = p.getPhysicsEngineParameters(self._client)
         wanted = (self._timestep * self._substeps, self._substeps)
         got = (world["fixedTimeStep"], world["numSubSteps"])
@@ -88,6 +90,9 @@ class PyBulletSession(Session):
         fastest = np.abs([state.omega_body, state.velocity_world]).max()
         if fastest >= UNREACHED_VELOCITY:
             raise EngineError(f"PyBullet clamps velocities at {UNREACHED_VELOCITY:g}")
+        arm = float(np.linalg.norm(self._model.com))
+        if self._tied and self._model.drift() > arm > 0:
+            raise EngineError(f"the pivot gave way by {self._model.drift():.3g} m")
 
     def active(self) -> frozenset[str]:
         """What acts, read back and felt: see `pybullet_audit`."""
@@ -99,10 +104,13 @@ class PyBulletSession(Session):
 
 
 def _open(scenario: Scenario, holding: Holding) -> tuple[int, Model]:
+    """A world with the scene's body and gravity in it."""
     client = -1
     try:
         with native_output() as printed:
             client = p.connect(p.DIRECT)
+            if client < 0:
+                raise EngineError("PyBullet cannot open another world")
             model = load(client, scenario, holding)
             p.setGravity(*scenario.gravity_world, physicsClientId=client)
         if WARNING in printed.text:
@@ -110,7 +118,8 @@ def _open(scenario: Scenario, holding: Holding) -> tuple[int, Model]:
     except EngineError as error:
         if client >= 0:
             p.disconnect(client)
-        raise EngineError(f"{error}; it printed: {printed.text.strip() or 'nothing'}") from None
+        said = f"; PyBullet printed: {printed.text.strip()}" if printed.text.strip() else ""
+        raise type(error)(f"{error}{said}") from None
     return client, model
 
 

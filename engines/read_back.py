@@ -19,6 +19,10 @@ class EngineError(Exception):
     """The engine did something other than step: a warning, a reset, a clamp, a wrong read-back."""
 
 
+class UnsupportedError(EngineError):
+    """The engine is known to get this body wrong, without saying so: the run is not made."""
+
+
 @dataclass(frozen=True, eq=False)
 class BodyReading:
     """A body as the engine holds it: kg; m from the body's origin; kg m² about the com; body axes.

@@ -12,7 +12,7 @@ from ..native_output import native_output
 
 with native_output():
     # Bullet prints when it was built as soon as it is imported.
-    from ..pybullet_model import Holding
+    from ..pybullet_load import Holding
     from ..pybullet_session import PyBulletSession
 
 ALL_EFFECTS = frozenset(EFFECTS)
