@@ -1,5 +1,6 @@
 """The principal frame of a body, worked out here so that no engine's eigensolver decides it."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,10 +30,16 @@ class PrincipalFrame:
     rpy_body_axes: FloatArray
 
 
-def principal_frame(body: Body) -> PrincipalFrame:
+def principal_frame(body: Body, thickness: float = 0.0) -> PrincipalFrame:
     """Diagonalise the inertia tensor about the com in extended precision.
 
     A tensor that is diagonal already keeps the body's own axes, in their order.
+
+    Parameters
+    ----------
+    thickness : the least by which the largest moment is to stay below the sum of the others,
+        relative to that sum. At 0 the doubles just obey the triangle inequality: of a flat body,
+        whose largest moment is the sum of the others, readers refuse one that is an ulp beyond.
     """
     tensor = body.inertia_com_exact
     with mp.workdps(DIGITS):
@@ -44,7 +51,19 @@ def principal_frame(body: Body) -> PrincipalFrame:
             if mp.det(axes) < 0:
                 axes[:, 2] = -axes[:, 2]
             rpy = _roll_pitch_yaw(axes)
-        return PrincipalFrame(_readonly(list(moments)), _readonly(_quaternion(rpy)), _readonly(rpy))
+        return PrincipalFrame(
+            _readonly(_within_triangle(moments, thickness)),
+            _readonly(_quaternion(rpy)),
+            _readonly(rpy),
+        )
+
+
+def _within_triangle(moments: Iterable[mpf], thickness: float) -> list[float]:
+    rounded = [float(moment) for moment in moments]
+    largest = rounded.index(max(rounded))
+    others = rounded[:largest] + rounded[largest + 1 :]
+    rounded[largest] = min(rounded[largest], sum(others) * (1 - thickness))
+    return rounded
 
 
 def _roll_pitch_yaw(R: mp.matrix) -> Vector:

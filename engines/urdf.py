@@ -17,7 +17,7 @@ WORLD_LINK = "world"
 PIVOT_JOINT = "pivot"
 
 
-def urdf(scenario: Scenario) -> str:
+def urdf(scenario: Scenario, thickness: float = 0.0) -> str:
     """The scene's body, and its pivot where there is one, as a URDF document.
 
     A pivoted body hangs by a ``spherical`` joint at its own origin on a fixed link at the world's
@@ -26,18 +26,22 @@ def urdf(scenario: Scenario) -> str:
 
     The tensor is written as principal moments in a turned inertial frame: PyBullet diagonalises
     a full tensor itself, and only to 1e-10.
+
+    Parameters
+    ----------
+    thickness : as of `principal_frame`, for a reader that cannot take an entirely flat body
     """
     robot = ET.Element("robot", name=scenario.name)
     if scenario.has_pivot:
         ET.SubElement(robot, "link", name=WORLD_LINK)
-    _add_body(robot, scenario)
+    _add_body(robot, scenario, thickness)
     if scenario.has_pivot:
         _add_pivot(robot)
     return xml_text(robot)
 
 
-def _add_body(robot: ET.Element, scenario: Scenario) -> None:
-    body, frame = scenario.body, principal_frame(scenario.body)
+def _add_body(robot: ET.Element, scenario: Scenario, thickness: float) -> None:
+    body, frame = scenario.body, principal_frame(scenario.body, thickness)
     link = ET.SubElement(robot, "link", name=BODY_LINK)
     inertial = ET.SubElement(link, "inertial")
     ET.SubElement(inertial, "origin", xyz=decimals(body.com), rpy=decimals(frame.rpy_body_axes))

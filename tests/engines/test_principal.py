@@ -24,8 +24,7 @@ ROTATIONS = Rotation.random(20, rng=1)
 def turned(moments: tuple[float, float, float], R_body_axes: Rotation) -> Body:
     R = R_body_axes.as_matrix()
     tensor = R @ np.diag(moments) @ R.T
-    # A hair of slack for the triangle equality, which rounding can break.
-    tensor = (tensor + tensor.T) / 2 + EPS * np.eye(3)
+    tensor = (tensor + tensor.T) / 2
     return body_about_com(1.0, (0.0, 0.0, 0.0), tensor.tolist())
 
 
@@ -72,6 +71,37 @@ def test_a_diagonal_tensor_keeps_the_body_axes_in_their_order() -> None:
     assert frame.moments.tolist() == [2.5, 1.0, 2.0]
     assert frame.q_body_axes_wxyz.tolist() == [1, 0, 0, 0]
     assert frame.rpy_body_axes.tolist() == [0, 0, 0]
+
+
+def flat_bodies() -> list[Body]:
+    return [turned(MOMENTS["plate"], R_body_axes) for R_body_axes in ROTATIONS]
+
+
+def excess(frame: PrincipalFrame) -> float:
+    """By how much the largest moment exceeds the sum of the others, as doubles."""
+    smallest, middle, largest = sorted(frame.moments)
+    return float(largest - (smallest + middle))
+
+
+def test_a_flat_body_obeys_the_triangle_inequality_as_doubles() -> None:
+    assert all(excess(principal_frame(body)) <= 0 for body in flat_bodies())
+
+
+def test_plain_rounding_would_break_the_triangle_inequality() -> None:
+    by_numpy = [np.linalg.eigvalsh(body.inertia_com) for body in flat_bodies()]
+    assert any(largest > smallest + middle for smallest, middle, largest in by_numpy)
+
+
+def test_thickness_keeps_a_flat_body_that_far_from_flat_and_leaves_others_alone() -> None:
+    thickness = 64 * EPS
+    for body in flat_bodies():
+        frame = principal_frame(body, thickness)
+        assert excess(frame) <= -0.5 * thickness * frame.moments.max()
+    solid = turned(MOMENTS["distinct"], ROTATIONS[0])
+    assert (
+        principal_frame(solid, thickness).moments.tolist()
+        == principal_frame(solid).moments.tolist()
+    )
 
 
 def test_gimbal_lock_is_no_trap() -> None:
