@@ -10,11 +10,11 @@ ASYMMETRIC = """
 mass = 1.5
 inertia = [1.0, 2.0, 2.5]
 """
-#: Not aligned with its own frame, and its com off the origin: every frame mix-up shows.
+#: Not aligned with its own frame, its com off the origin and off the axis of ω: mix-ups show.
 TILTED = """
 mass = 1.3
 inertia = [[1.4, 0.2, -0.1], [0.2, 1.1, 0.3], [-0.1, 0.3, 0.9]]
-com = [0.1, -0.2, 0.3]
+com = [0.15, -0.1, 0.2]
 """
 #: The triangle equality: a plate, in a frame of its own; readers are known to refuse some of these.
 TILTED_PLATE = """
