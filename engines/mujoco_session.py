@@ -1,5 +1,6 @@
 """A compiled MuJoCo model, stepped and read: shared by the MJCF and the URDF adapter."""
 
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, final
@@ -104,22 +105,25 @@ def compiled(build: Callable[[], Any]) -> Any:
     EngineError
         With the compiler's message, where it refuses or warns.
     """
-    warnings: list[str] = []
-    with _hearing(warnings):
+    heard: list[str] = []
+    # An editable model's warnings come as Python's own.
+    with _hearing(heard), warnings.catch_warnings(record=True) as recorded:
+        warnings.simplefilter("always")
         try:
             model = build()
         except ValueError as error:
             raise EngineError(f"MuJoCo's compiler: {' '.join(str(error).split())}") from None
-    if warnings:
-        raise EngineError(f"MuJoCo's compiler warned: {warnings[0]}")
+    heard += [str(warning.message) for warning in recorded]
+    if heard:
+        raise EngineError(f"MuJoCo's compiler warned: {heard[0]}")
     return model
 
 
 @contextmanager
-def _hearing(warnings: list[str]) -> Iterator[None]:
+def _hearing(heard: list[str]) -> Iterator[None]:
     """Collect MuJoCo's warnings, which else go to the terminal and to MUJOCO_LOG.TXT."""
     previous = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(warnings.append)
+    mujoco.set_mju_user_warning(heard.append)
     try:
         yield
     finally:

@@ -174,3 +174,12 @@ def test_the_version_is_the_librarys() -> None:
 
 def test_both_are_found_by_name() -> None:
     assert {"mujoco", "mujoco-urdf"} <= set(engines())
+
+
+@pytest.mark.parametrize("engine", [MUJOCO, BY_URDF], ids=lambda engine: engine.name)
+def test_a_compiler_that_only_warns_fails_the_run_too(engine: Engine) -> None:
+    # About its origin the body's mass matrix is singular in double precision.
+    far = "\nmass = 1e8\ninertia = [1e-9, 1e-9, 1e-9]\ncom = [3.0, 4.0, 5.0]\n"
+    done = engine.run(scene("far", body=far), engine.method("RK4"), TIMESTEP, STEPS)
+    assert done.outcome == "failed"
+    assert "Inertia matrix is too close to singular" in done.reason
