@@ -91,7 +91,7 @@ def _has_shape(client: int, body: int, link: int) -> bool:
 
 
 def _felt(steps: Steps, model: Model, scenario: Scenario) -> set[str]:
-    """Torques and drag, from the angular momentum gained in a step."""
+    """Torques, drag and whatever slows the com, from what a step adds to the momenta."""
     p.setGravity(0, 0, 0, physicsClientId=model.client)
     steps.set_timestep(PROBE_STEP)
     if scenario.has_pivot and model.link == BASE:
@@ -99,33 +99,43 @@ def _felt(steps: Steps, model: Model, scenario: Scenario) -> set[str]:
     world_from_body = model.world_from_body()
     push_world = world_from_body.apply(np.array(scenario.torque_body)) + scenario.torque_world
     spin_world = world_from_body.apply(np.full(3, PROBE_SPIN))
-    at_rest = _gain(steps, model, scenario, np.zeros(3))
-    spinning = _gain(steps, model, scenario, spin_world)
+    _, at_rest = _gains(steps, model, scenario, np.zeros(3))
+    force, spinning = _gains(steps, model, scenario, spin_world)
     noise = SLACK * PROBE_SPIN * float(np.abs(scenario.body.inertia_origin).max())
     found = set()
-    if not _near(at_rest, push_world, noise):
-        found.add(f"a torque of {at_rest} N m")
-    else:
+    if _near(at_rest, push_world, noise):
         found |= scenario.called_for & {"torque_body", "torque_world"}
-    if not _near(spinning - at_rest, -scenario.drag * spin_world, noise):
-        found.add(f"a resistance of {at_rest - spinning} N m at {spin_world} rad/s")
     else:
+        found.add(f"a torque of {at_rest} N m")
+    if _near(spinning - at_rest, -scenario.drag * spin_world, noise):
         found |= scenario.called_for & {"drag"}
+    else:
+        found.add(f"a resistance of {at_rest - spinning} N m at {spin_world} rad/s")
+    if not (
+        scenario.has_pivot or _near(force, np.zeros(3), SLACK * PROBE_SPIN * scenario.body.mass)
+    ):
+        found.add(f"a force of {force} N at {spin_world} m/s")
     return found
 
 
-def _gain(steps: Steps, model: Model, scenario: Scenario, omega_world: FloatArray) -> FloatArray:
-    """Angular momentum gained, N m, over one step that starts at this ω (3,) rad/s; world axes."""
+def _gains(
+    steps: Steps, model: Model, scenario: Scenario, omega_world: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Momentum gained, N, and angular momentum, N m, in a step that starts at this ω; (3,) each.
+
+    A free body starts with a velocity besides, in m/s the same vector.
+    """
     arm_world = model.world_from_body().apply(model.com)
-    at_pivot = np.cross(omega_world, arm_world) if scenario.has_pivot else np.zeros(3)
-    model.set_velocity(omega_world, at_pivot)
+    at_pivot = np.cross(omega_world, arm_world)
+    model.set_velocity(omega_world, at_pivot if scenario.has_pivot else omega_world)
     before = model.read_state()
     steps.advance(1)
     after = model.read_state()
     pair = {name: np.array([value, getattr(after, name)]) for name, value in vars(before).items()}
     motion = Trajectory(t=np.array([0.0, PROBE_STEP]), **pair)
     L_world = angular_momentum_world(scenario, motion)
-    return np.asarray((L_world[1] - L_world[0]) / PROBE_STEP)
+    force = scenario.body.mass * (after.velocity_world - before.velocity_world) / PROBE_STEP
+    return force, np.asarray((L_world[1] - L_world[0]) / PROBE_STEP)
 
 
 def _near(got: FloatArray, wanted: FloatArray, noise: float) -> bool:

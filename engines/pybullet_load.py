@@ -153,23 +153,21 @@ def _check_not_lost(scenario: Scenario, holding: Holding) -> None:
 
 
 def _strip(model: Model) -> None:
-    """Take away damping, velocity clamp, sleep and motor: defaults that nobody asked for."""
-    for link in range(BASE, p.getNumJoints(model.body, model.client)):
-        p.changeDynamics(
-            model.body,
-            link,
-            linearDamping=0,
-            angularDamping=0,
-            jointDamping=0,
-            maxJointVelocity=UNREACHED_VELOCITY,
-            activationState=p.ACTIVATION_STATE_DISABLE_SLEEPING,
-            physicsClientId=model.client,
-        )
+    """Take away damping, velocity clamp and motor: defaults that nobody asked for."""
+    # Of a body with joints these are one number each, and set at its base.
+    p.changeDynamics(
+        model.body,
+        BASE,
+        linearDamping=0,
+        angularDamping=0,
+        maxJointVelocity=UNREACHED_VELOCITY,
+        physicsClientId=model.client,
+    )
     if model.link == HUNG:
         # One number as the force, not three: only so is the motor left out of the solver.
         p.setJointMotorControlMultiDof(
             model.body,
-            model.link,
+            HUNG,
             p.POSITION_CONTROL,
             targetPosition=(0, 0, 0, 1),
             positionGain=0,
