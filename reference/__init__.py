@@ -1,1 +1,8 @@
 """The truth: exact solutions and high-precision integration of a top's motion."""
+
+from .facts import facts
+from .invariants import drifts, invariants
+from .solution import Solution
+from .solve import solve, solve_ode
+
+__all__ = ["Solution", "drifts", "facts", "invariants", "solve", "solve_ode"]

@@ -39,7 +39,7 @@ def _centre_of_mass(
     """Position (n, 3) m and velocity (n, 3) m/s: about the pivot, or on the parabola."""
     if scenario.has_pivot:
         R_world_body = Rotation.from_quat(q_world_body, scalar_first=True)
-        com = scenario.body.com
+        com = np.array(scenario.body.com)  # scipy refuses read-only arrays
         velocity_body = np.cross(omega_body, com)
         return (
             np.asarray(R_world_body.apply(com)),

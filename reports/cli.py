@@ -79,13 +79,16 @@ def report(
 ) -> None:
     """Make HTML and Markdown pages of a result file; run the library first if there is none."""
     from . import running
+    from .render import render
 
     if results is None and not RESULT_FILE.exists():
         found = running.run([], [], [], [], jobs, RESULT_FILE)
     else:
         found = running.read(results or RESULT_FILE)
-    index = running.write_report(found, out)
-    print(f"The report is {index}")
+    try:
+        print(f"The report is {render(found, out)}")
+    except OSError as error:
+        raise Complaint(f"{out}: cannot be written: {error.strerror}", BAD_INPUT) from None
     raise typer.Exit(running.exit_code(found))
 
 

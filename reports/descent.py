@@ -86,6 +86,11 @@ class Descent:
             self.rows.append(row)
         return row
 
+    def finest_motion(self) -> Row | None:
+        """The row of the finest run that left samples."""
+        rows = [row for row in self.rows + self.single_rows if row.motion is not None]
+        return min(rows, key=lambda row: row.timestep) if rows else None
+
     def verdict(self) -> Verdict:
         """Judge the ladder."""
         last = (self.rows or self.single_rows)[-1]

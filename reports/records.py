@@ -30,7 +30,7 @@ class Row:
     uncertainty : the reference's, in ω, relative
     seconds_per_step, seconds_spread : CPU seconds, least over the repeats, and (max − min) of them;
         None where it was not timed
-    motion : the samples, None where there are none
+    motion : the samples; None where there are none, and where a finer run of the method has them
     printed : what the engine wrote to the terminal
     """
 

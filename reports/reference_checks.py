@@ -67,7 +67,7 @@ def _published(scenario: Scenario, published: Published) -> Iterator[str]:
 
 
 def _omega_world(_: Scenario, motion: Trajectory) -> FloatArray:
-    return np.asarray(motion.R_world_body.apply(motion.omega_body))
+    return motion.to_world(motion.omega_body)
 
 
 _QUANTITIES = {

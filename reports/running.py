@@ -1,11 +1,10 @@
-"""What the commands `run` and `report` do."""
+"""What the command `run` does, and how its results are read back."""
 
 from collections.abc import Sequence
 from pathlib import Path
 
 from ..engines import Engine, engines, missing
 from ..scenarios import Scenario, ScenarioError, find, load
-from .render import render
 from .store import ResultFileError, Results, open_store
 from .study import Choice, run_study
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress
@@ -44,29 +43,16 @@ def read(path: Path) -> Results:
     Raises
     ------
     Complaint
-        If it cannot be read.
+        If it cannot be read or is empty.
     """
     try:
         with open_store(path) as store:
-            return store.read()
+            results = store.read()
     except ResultFileError as error:
         raise Complaint(str(error), BAD_INPUT) from None
-
-
-def write_report(results: Results, folder: Path) -> Path:
-    """Render a report; returns its first page.
-
-    Raises
-    ------
-    Complaint
-        If there is nothing to report, or the folder cannot be written.
-    """
     if not results.verdicts:
-        raise Complaint("the result file holds no results; 'spincheck run' fills it", BAD_INPUT)
-    try:
-        return render(results, folder)
-    except OSError as error:
-        raise Complaint(f"{folder}: cannot be written: {error.strerror}", BAD_INPUT) from None
+        raise Complaint(f"{path}: holds no results; 'spincheck run' fills it", BAD_INPUT)
+    return results
 
 
 def exit_code(results: Results) -> int:

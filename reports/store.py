@@ -127,8 +127,8 @@ class Store:
         except (sqlite3.DatabaseError, ValueError, KeyError) as error:
             raise ResultFileError(f"a record cannot be read: {error}") from error
 
-    def _select(self, table: str, order: str) -> Iterator[sqlite3.Row]:
-        yield from self._connection.execute(f"SELECT * FROM {table} ORDER BY {order}")
+    def _select(self, table: str, order: str) -> list[sqlite3.Row]:
+        return self._connection.execute(f"SELECT * FROM {table} ORDER BY {order}").fetchall()
 
     def _insert_many(self, table: str, records: list[dict[str, Any]]) -> None:
         if not records:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -179,11 +179,14 @@ class _Grid:
         """Run the next rung, and the one after when that is done, to the verdict."""
         rung = descent.next_rung()
         if rung is None:
+            if finest := descent.finest_motion():
+                self._store.put_row(finest)
             self._finish(descent.verdict())
             return
 
         def then(result: Run | Lost) -> None:
-            self._store.put_row(descent.add(result))
+            # One motion a method is enough for a report: the finest, stored at the end.
+            self._store.put_row(replace(descent.add(result), motion=None))
             self._descend(descent)
 
         self._submit(then, simulate, descent.engine, descent.scenario, descent.method.name, rung)

@@ -28,12 +28,11 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
     wanted = np.array(sorted(set(at))) if at else np.linspace(0, scenario.window.duration, QUARTERS)
     solution = solve(scenario, wanted)
     motion = solution.trajectory
-    rotation = motion.R_world_body
     columns = {
         "t": motion.t,
         "quaternion_wxyz": motion.q_world_body_wxyz,
         "omega_body": motion.omega_body,
-        "omega_world": rotation.apply(motion.omega_body),
+        "omega_world": motion.to_world(motion.omega_body),
         "com_world": motion.com_world,
         "L_world": angular_momentum_world(scenario, motion),
         "energy": energy(scenario, motion),

@@ -14,9 +14,7 @@ def angular_momentum_world(scenario: Scenario, motion: Trajectory) -> FloatArray
     (Goldstein, Classical Mechanics, eq. 1.28: L of the centre of mass plus L about it).
     """
     body = scenario.body
-    L_world: FloatArray = np.asarray(
-        motion.R_world_body.apply(motion.omega_body @ body.inertia_com), dtype=float
-    )
+    L_world = motion.to_world(motion.omega_body @ body.inertia_com)
     if not scenario.has_pivot:
         return L_world
     momentum_world = body.mass * motion.velocity_world

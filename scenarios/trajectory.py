@@ -59,6 +59,11 @@ class Trajectory:
         """Attitudes as rotations, n of them."""
         return Rotation.from_quat(self.q_world_body_wxyz, scalar_first=True)
 
+    def to_world(self, vectors_body: FloatArray) -> FloatArray:
+        """Body components to world components, sample by sample: (3,) or (n, 3) to (n, 3)."""
+        # scipy refuses read-only arrays, hence the copy.
+        return np.asarray(self.R_world_body.apply(np.array(vectors_body)), dtype=float)
+
     def until(self, n: int) -> "Trajectory":
         """The first n samples."""
         return Trajectory(**{field.name: getattr(self, field.name)[:n] for field in fields(self)})

@@ -95,10 +95,14 @@ class ResetSession(HeunSession):
 
 
 class ExplodingSession(HeunSession):
+    """Kicks the body once, to a finite but absurd spin."""
+
+    kicked = False
+
     def advance(self, steps: int) -> None:
         super().advance(steps)
-        if self.steps * self.timestep > 0.5:
-            self.omega = self.omega * 100
+        if self.steps * self.timestep > 0.5 and not self.kicked:
+            self.omega, self.kicked = self.omega * 10, True
 
 
 class LyingAboutBodySession(HeunSession):

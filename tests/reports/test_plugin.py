@@ -1,0 +1,99 @@
+"""Scenario files are test files, in a stranger's folder with only the package installed."""
+
+import pytest
+
+pytest_plugins = ["pytester"]
+
+SPHERE = """
+spincheck = 1
+title = "A spinning sphere"
+source = "made up"
+[body]
+mass = 1.0
+inertia = [1.0, 1.0, 1.0]
+[start]
+euler_zyz_deg = [0.0, 30.0, 0.0]
+omega_body = [0.0, 1.0, 2.0]
+[window]
+duration = 1.0
+samples = 5
+"""
+PUBLISHED = """
+[[published]]
+t = 1.0
+omega_body = [0.0, 1.0, {value}]
+tolerance = 1e-12
+source = "made up"
+"""
+PROMISE = """
+[[expect]]
+engine = "mujoco"
+method = "RK4"
+timestep = 0.01
+energy = 1e-300
+"""
+
+
+@pytest.fixture
+def run(pytester):
+    """Run pytest on files given by name and text, in a process of its own."""
+
+    def run_on(*arguments: str, **files: str):
+        for name, text in files.items():
+            pytester.makefile(".toml", **{name: text})
+        return pytester.runpytest_subprocess("-p", "no:cacheprovider", "-rs", *arguments)
+
+    return run_on
+
+
+def test_a_scene_gives_an_item_for_its_reference_and_one_a_method(run):
+    result = run("--collect-only", "-q", sphere=SPHERE)
+    result.stdout.fnmatch_lines(["*sphere.toml::reference", "*sphere.toml::mujoco-RK4"])
+
+
+def test_a_good_scene_passes_on_both_engines_and_skips_with_the_reason(run):
+    result = run(sphere=SPHERE)
+    result.assert_outcomes(passed=9, skipped=1)
+    result.stdout.fnmatch_lines(["*multibody-p2p is for scenes with pivot*"])
+
+
+def test_other_toml_files_are_not_touched(run):
+    result = run(other='[tool]\nname = "spincheck"\n', broken="this is not TOML spincheck = 1")
+    result.assert_outcomes()
+
+
+def test_a_value_printed_elsewhere_that_differs_fails_in_words(run):
+    result = run("-k", "reference", sphere=SPHERE + PUBLISHED.format(value=2.001))
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(
+        [
+            "*omega_body at t = 1 s is 1.00e-03 from the value printed*",
+            "*reproduce with: spincheck*",
+        ]
+    )
+    result.stdout.no_fnmatch_line("*Traceback*")
+    result.stdout.no_fnmatch_line("*plugin.py*")
+
+
+def test_a_value_printed_elsewhere_that_agrees_passes(run):
+    result = run("-k", "reference", sphere=SPHERE + PUBLISHED.format(value=2.0))
+    result.assert_outcomes(passed=1)
+
+
+def test_a_broken_promise_fails_and_names_signal_size_and_command(run):
+    tumbling = SPHERE.replace("[1.0, 1.0, 1.0]", "[1.0, 2.0, 2.5]")
+    result = run("-k", "mujoco-RK4", box=tumbling + PROMISE)
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(
+        [
+            "*energy error * exceeds the expected 1e-300*",
+            "*reproduce with: spincheck run * --engine mujoco --method RK4",
+        ]
+    )
+
+
+def test_a_broken_file_is_one_message(run):
+    result = run(sphere=SPHERE.replace("omega_body", "omga_body"))
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines(["*omga_body: unknown key; did you mean 'omega_body'*"])
+    result.stdout.no_fnmatch_line("*Traceback*")
