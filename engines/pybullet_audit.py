@@ -13,12 +13,14 @@ import pybullet as p
 from ..scenarios import FloatArray, Scenario, Trajectory, angular_momentum_world
 from .pybullet_model import BASE, Model
 
-#: s and rad/s: a step's own error is h ω of the drag it is to show, its rounding EPS / h of L.
-PROBE_STEP = 2.0**-20
+#: s. A gain of L over a step is rounded to EPS L / h a second, and off by h times whatever turns:
+#: least together where h is the root of EPS.
+PROBE_STEP = 2.0**-26
+#: rad/s, and m/s of a free body's com; slow, so that gyroscopic terms stay below both errors.
 PROBE_SPIN = 2.0**-7
-#: Allowed difference between what is felt and what is called for, in units of L a second. Rounding
-#: leaves EPS / h = 2e-10; PyBullet's default damping is 0.04.
-SLACK = 1e-6
+#: Of roundings and of such terms there are a few each. PyBullet's default damping, 0.04 I ω, is a
+#: hundred thousand times as much.
+SLACK = 16 * PROBE_STEP
 
 
 class Steps(Protocol):
@@ -101,20 +103,21 @@ def _felt(steps: Steps, model: Model, scenario: Scenario) -> set[str]:
     spin_world = world_from_body.apply(np.full(3, PROBE_SPIN))
     _, at_rest = _gains(steps, model, scenario, np.zeros(3))
     force, spinning = _gains(steps, model, scenario, spin_world)
-    noise = SLACK * PROBE_SPIN * float(np.abs(scenario.body.inertia_origin).max())
-    found = set()
+    largest_moment = float(np.abs(scenario.body.inertia_origin).max())
+    noise = SLACK * (PROBE_SPIN * largest_moment + float(np.linalg.norm(push_world)))
+    found: set[str] = set()
     if _near(at_rest, push_world, noise):
         found |= scenario.called_for & {"torque_body", "torque_world"}
     else:
-        found.add(f"a torque of {at_rest} N m")
+        found.add(f"a torque of {_size(at_rest)} N m at rest")
     if _near(spinning - at_rest, -scenario.drag * spin_world, noise):
         found |= scenario.called_for & {"drag"}
     else:
-        found.add(f"a resistance of {at_rest - spinning} N m at {spin_world} rad/s")
+        found.add(f"a resistance of {_size(spinning - at_rest)} N m at {_size(spin_world)} rad/s")
     if not (
         scenario.has_pivot or _near(force, np.zeros(3), SLACK * PROBE_SPIN * scenario.body.mass)
     ):
-        found.add(f"a force of {force} N at {spin_world} m/s")
+        found.add(f"a force of {_size(force)} N at {_size(spin_world)} m/s")
     return found
 
 
@@ -139,4 +142,8 @@ def _gains(
 
 
 def _near(got: FloatArray, wanted: FloatArray, noise: float) -> bool:
-    return float(np.abs(got - wanted).max()) <= SLACK * float(np.abs(wanted).max()) + noise
+    return bool(np.abs(got - wanted).max() <= SLACK * np.abs(wanted).max() + noise)
+
+
+def _size(vector: FloatArray) -> str:
+    return f"{np.linalg.norm(vector):.3g}"
