@@ -1,5 +1,7 @@
 """Ladders come from the motion, and all rungs share their sample times."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from spincheck.reports.ladder import COARSEST_TURN, MAX_STEPS, MIN_RUNGS, ladder, single
@@ -33,7 +35,7 @@ def test_samples_are_those_of_the_window():
 
 def test_timesteps_are_halved_exactly():
     rungs = ladder(spinning(40.0))
-    assert all(b.timestep == a.timestep / 2 for a, b in zip(rungs, rungs[1:], strict=False))
+    assert all(b.timestep == a.timestep / 2 for a, b in pairwise(rungs))
 
 
 def test_the_budget_of_steps_is_used_and_kept():

@@ -1,0 +1,43 @@
+"""What the README shows works as it shows it."""
+
+import re
+from pathlib import Path
+from typing import get_args
+
+import pytest
+from spincheck.reports.cli import app
+from spincheck.reports.verdict import VerdictWord
+from spincheck.scenarios import loads
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```(\w+)\n(.*?)```", README, flags=re.DOTALL)
+
+
+def test_the_scene_it_shows_is_a_valid_scene():
+    (scene,) = [text for language, text in BLOCKS if language == "toml"]
+    assert loads(scene, "my-top").called_for == {"gravity", "pivot"}
+
+
+def test_every_command_it_shows_exists():
+    shown = set(re.findall(r"^spincheck (\w+)", README, flags=re.MULTILINE))
+    known = {command.name or command.callback.__name__ for command in app.registered_commands}
+    assert shown
+    assert shown <= known
+
+
+def test_every_make_target_it_shows_exists():
+    shown = set(re.findall(r"^make (\w+)", README, flags=re.MULTILINE))
+    targets = set(re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), flags=re.MULTILINE))
+    assert shown == {"report", "test"}
+    assert shown <= targets
+
+
+@pytest.mark.parametrize("link", re.findall(r"\]\(([^)#]+)\)", README))
+def test_every_link_leads_somewhere(link):
+    assert (ROOT / link).exists()
+
+
+def test_every_verdict_is_explained():
+    explained = re.findall(r"^\| (\w+) \|", README, flags=re.MULTILINE)
+    assert set(explained) - {"verdict"} == set(get_args(VerdictWord))
