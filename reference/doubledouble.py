@@ -13,28 +13,20 @@ arithmetic", ACM Trans. Math. Softw. 44 (2017) 15res. The bounds below are on th
 with u = 2⁻⁵³, and hold short of overflow and underflow.
 """
 
-from collections.abc import Callable
 from fractions import Fraction
-from typing import Any, ParamSpec, TypeVar
+from typing import Any
 
 from llvmlite import ir
 from mpmath import mpf, workprec
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
+
+from .kernel import kernel
 
 DoubleDouble = tuple[float, float]
 
-P = ParamSpec("P")
-T = TypeVar("T")
-
 # Enough for the difference of any two doubles: their bits span 2⁻¹⁰⁷⁴ to 2¹⁰²³.
 _EXACT_BITS = 2200
-
-
-def kernel(function: Callable[P, T]) -> Callable[P, T]:
-    """Compile with numba on first call and keep the machine code beside the source file."""
-    compiled: Callable[P, T] = njit(cache=True)(function)
-    return compiled
 
 
 def _fma(_context: Any, x: Any, y: Any, z: Any) -> Any:

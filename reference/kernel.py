@@ -1,0 +1,69 @@
+"""Compile a function with numba and keep its machine code on disk.
+
+Numba sees that a cached function is stale by its own file only, not by the files of the functions
+that it calls. A truth must not come from last week's arithmetic, so the cache here lies in a
+folder named after all sources of kernels: change one of them and all are compiled again.
+"""
+
+import os
+from collections.abc import Callable
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar
+
+import numba
+from numba import njit
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+config: Any = numba.config
+
+_PACKAGE = Path(__file__).parent
+# Every file of kernels imports this module or double-doubles, and so contains one of these.
+_MARKS = (b"from .kernel", b"from .doubledouble")
+
+
+def _digest() -> str:
+    """Return a digest of the sources that may hold kernels."""
+    digest = sha256()
+    for path in sorted(_PACKAGE.glob("*.py")):
+        source = path.read_bytes()
+        if any(mark in source for mark in _MARKS):
+            digest.update(source)
+    return digest.hexdigest()[:16]
+
+
+def _folder() -> str | None:
+    """Return the first place that can be written to, beside the sources or in the home."""
+    package, home = _PACKAGE / "__pycache__", Path("~/.cache/spincheck").expanduser()
+    for place in (config.CACHE_DIR or package, home):
+        folder = Path(place) / f"kernels-{_digest()}"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError:
+            continue
+        if os.access(folder, os.W_OK):
+            return str(folder)
+    return None
+
+
+_FOLDER = _folder()
+
+
+def kernel(function: Callable[P, T]) -> Callable[P, T]:
+    """Compile at the first call, and inline into every compiled caller.
+
+    What is passed is tables and pairs, many words each, to a few operations: not to inline costs
+    a quarter of the time. Never ``fastmath``, which would cancel the error terms of pairs.
+    """
+    if _FOLDER is None:
+        uncached: Callable[P, T] = njit(forceinline=True)(function)
+        return uncached
+    elsewhere = config.CACHE_DIR
+    config.CACHE_DIR = _FOLDER
+    try:
+        compiled: Callable[P, T] = njit(forceinline=True, cache=True)(function)
+    finally:
+        config.CACHE_DIR = elsewhere
+    return compiled

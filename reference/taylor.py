@@ -1,0 +1,170 @@
+"""Integrates the motion of a top to the last digits of a double, by mixed-precision Taylor series.
+
+What is integrated and how well: docs/ode.md.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from mpmath import mpf, workprec
+
+from ..scenarios import FloatArray
+from .doubledouble import split
+from .problem import Problem
+from .taylor_coefficients import AFTER, COLUMNS, NEXT, OMEGA, STATE, Q, Terms
+from .taylor_march import PAUSED, STUCK, Tables, march
+
+#: A step takes 2 to 10 µs; more than this would take a quarter of an hour.
+MAX_STEPS = 100_000_000
+#: Steps between looks at the keyboard: compiled code cannot be interrupted.
+STEPS_AT_ONCE = 100_000
+# Room for (I₂ − I₃)/I₁ of doubles that differ in the last bit and by any scale met in practice.
+_CONSTANT_BITS = 400
+
+
+class IntegrationError(ArithmeticError):
+    """A motion that cannot be integrated over the span asked for."""
+
+
+class Orders(NamedTuple):
+    """Orders of the Taylor series in all, and how many of them in double-double."""
+
+    total: int
+    double_double: int
+
+
+#: The truth, and what it is compared with: the cheaper series bounds its error from above,
+#: the dearer one measures it.
+TRUTH_ORDERS = Orders(28, 10)
+CHECK_ORDERS = Orders(22, 6)
+FINE_ORDERS = Orders(34, 18)
+
+
+@dataclass(frozen=True, eq=False)
+class DoubleDoubleStates:
+    """Attitude and angular velocity in double-double: a number is the sum of both parts.
+
+    Attributes
+    ----------
+    q_world_axes, q_low : (n, 4), w x y z
+    omega_axes, omega_low : (n, 3), rad/s
+    """
+
+    q_world_axes: FloatArray
+    omega_axes: FloatArray
+    q_low: FloatArray
+    omega_low: FloatArray
+
+
+def integrate(
+    problem: Problem, times: FloatArray, orders: Orders = TRUTH_ORDERS
+) -> tuple[FloatArray, FloatArray]:
+    """Return the motion at given times, rounded to double.
+
+    Parameters
+    ----------
+    times : (n,) s, not decreasing, from 0 on; the problem's state is that at 0
+
+    Returns
+    -------
+    q_world_axes (n, 4), w x y z and omega_axes (n, 3), rad/s
+
+    Raises
+    ------
+    ValueError
+        If the times are not as above.
+    IntegrationError
+        If numbers overflow or the motion takes more than `MAX_STEPS` steps.
+    """
+    states = integrate_double_double(problem, times, orders)
+    return states.q_world_axes, states.omega_axes
+
+
+def integrate_double_double(
+    problem: Problem, times: FloatArray, orders: Orders = TRUTH_ORDERS
+) -> DoubleDoubleStates:
+    """Return what `integrate` does, with the digits that it rounds away."""
+    times = np.ascontiguousarray(times, dtype=float)
+    if not (np.isfinite(times).all() and (times >= 0).all() and (np.diff(times) >= 0).all()):
+        raise ValueError("'times' must be finite, not negative and not decreasing.")
+    states = np.zeros((len(times), STATE)), np.zeros((len(times), STATE))
+    _march(problem, times, orders, states)
+    for part in states:
+        part.flags.writeable = False
+    (q, q_low), (omega, omega_low) = (
+        [part[:, first:last] for part in states] for first, last in ((Q, Q + 4), (OMEGA, OMEGA + 3))
+    )
+    return DoubleDoubleStates(q, omega, q_low, omega_low)
+
+
+def _march(problem: Problem, times: FloatArray, orders: Orders, states: Tables) -> None:
+    constants, terms = _constants(problem), _terms(problem)
+    inverses = _inverses(orders.total)
+    series = np.zeros((orders.total + 1, COLUMNS)), np.zeros((orders.total + 1, COLUMNS))
+    for column, x in enumerate((*problem.omega_axes, *problem.q_world_axes)):
+        series[0][0, column], series[1][0, column] = split(x)
+    clock = np.zeros(2)
+    sample, steps, outcome = 0, 0, PAUSED
+    while outcome == PAUSED:
+        if steps >= MAX_STEPS:
+            raise IntegrationError(
+                f"The motion takes more than {MAX_STEPS} steps: {times[-1]} s were asked for, "
+                f"{clock[0]} s reached. Ask for a shorter span."
+            )
+        outcome, sample = march(
+            constants,
+            inverses,
+            terms,
+            orders.double_double,
+            series,
+            clock,
+            times,
+            states,
+            sample,
+            min(STEPS_AT_ONCE, MAX_STEPS - steps),
+        )
+        steps += STEPS_AT_ONCE
+    if outcome == STUCK:
+        raise IntegrationError(
+            f"The motion leaves the range of doubles at {clock[0]} s: it is too fast for its "
+            "unit of time. Ask for a shorter span, or measure time in a shorter unit."
+        )
+
+
+def _terms(problem: Problem) -> Terms:
+    gravity = any(problem.lever_axes) and any(problem.gravity_world)
+    return Terms(world_vectors=(gravity, any(problem.torque_world)), drag=bool(problem.drag))
+
+
+def _constants(problem: Problem) -> Tables:
+    """Return the table of constants that `taylor_coefficients` names, (hi, lo), once rounded."""
+    moments, lever = problem.moments, problem.lever_axes
+    with workprec(_CONSTANT_BITS):
+        by_axis = [
+            (
+                (moments[j] - moments[k]) / moments[i],
+                lever[j] / moments[i],
+                -lever[k] / moments[i],
+                problem.torque_axes[i] / moments[i],
+                1 / moments[i],
+                -problem.drag / moments[i],
+                problem.gravity_world[i],
+                problem.torque_world[i],
+            )
+            for i, j, k in zip(range(3), NEXT, AFTER, strict=True)
+        ]
+    return _tables([list(row) for row in zip(*by_axis, strict=True)])
+
+
+def _inverses(order: int) -> Tables:
+    """Return 1/n in row 0 and 1/(2n) in row 1, n = 0 left out."""
+    with workprec(_CONSTANT_BITS):
+        return _tables(
+            [[mpf(0)] + [1 / mpf(factor * n) for n in range(1, order + 1)] for factor in (1, 2)]
+        )
+
+
+def _tables(rows: list[list[mpf]]) -> Tables:
+    pairs = np.array([[split(x) for x in row] for row in rows])
+    return np.ascontiguousarray(pairs[..., 0]), np.ascontiguousarray(pairs[..., 1])

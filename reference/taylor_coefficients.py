@@ -1,0 +1,188 @@
+"""Taylor coefficients of a top's motion about one instant, order by order.
+
+With ' the time derivative, moments I, drag c, ℓ = M r_com, and Γ, Σ the gravity and the torque
+that are constant in the world as seen from the principal axes::
+
+    I ω' = (I ω) × ω + ℓ × Γ + torque_axes + Σ − c ω       Euler
+    q'   = ½ q ⊗ (0, ω)                                    q takes axes to world
+    Γ'   = Γ × ω,  Σ' = Σ × ω                              Poisson: a fixed vector, seen turning
+
+(Leimanis, The General Problem of the Motion of Coupled Rigid Bodies about a Fixed Point, 1965,
+§1.) Right-hand sides are sums of products of two series, so that order n + 1 follows from orders
+0..n by Cauchy products (Moore, Kearfott & Cloud, Introduction to Interval Analysis, 2009, §9.3).
+Γ and Σ are no part of the state, which could not keep them consistent with q: every step makes
+them anew from q, and only their higher orders come from their own equation.
+
+A series is a table with a row for each order and a column for each component.
+"""
+
+from typing import NamedTuple
+
+from .kernel import kernel
+from .taylor_numbers import (
+    Number,
+    Table,
+    add,
+    add_product,
+    load,
+    multiply,
+    negative,
+    rounded,
+    store,
+    zero,
+)
+
+Vector = tuple[Number, Number, Number]
+
+# Columns of a series. The first STATE are the state.
+OMEGA, Q, STATE, GRAVITY, TORQUE, COLUMNS = 0, 3, 7, 7, 10, 13
+
+# Rows of the table of constants, one column an axis; "and cyclic" for the other two axes.
+EULER = 0  # (I₂ − I₃)/I₁ and cyclic
+LEVER_NEXT = 1  # ℓ₂/I₁ and cyclic, 1/m
+LEVER_AFTER = 2  # −ℓ₃/I₁ and cyclic, 1/m
+TORQUE_AXES = 3  # torque_axes/I, rad/s²
+INVERSE_MOMENT = 4  # 1/I, 1/(kg m²)
+DRAG = 5  # −c/I, 1/s
+GRAVITY_WORLD = 6  # m/s²
+TORQUE_WORLD = 7  # N m
+
+# The vectors constant in the world: where the constants hold them, where the series does.
+WORLD_CONSTANTS = (GRAVITY_WORLD, TORQUE_WORLD)
+WORLD_VECTORS = (GRAVITY, TORQUE)
+
+# a × b has component i = a[NEXT[i]] b[AFTER[i]] − a[AFTER[i]] b[NEXT[i]].
+NEXT = (1, 2, 0)
+AFTER = (2, 0, 1)
+
+
+class Terms(NamedTuple):
+    """Which terms the motion calls for; the others are not computed.
+
+    `world_vectors` tells of gravity and of a torque constant in the world, in this order.
+    """
+
+    world_vectors: tuple[bool, bool]
+    drag: bool
+
+
+@kernel
+def _vector(series: Table, n: int, column: int) -> Vector:
+    """Order n of the three columns from one on."""
+    return load(series, n, column), load(series, n, column + 1), load(series, n, column + 2)
+
+
+@kernel
+def _omega_products(series: Table, n: int) -> Vector:
+    """Order n of ω₂ω₃, ω₃ω₁, ω₁ω₂."""
+    a = b = c = zero(series)
+    for k in range(n + 1):
+        w1, w2, w3 = _vector(series, k, OMEGA)
+        v1, v2, v3 = _vector(series, n - k, OMEGA)
+        a = add_product(a, w2, v3)
+        b = add_product(b, w3, v1)
+        c = add_product(c, w1, v2)
+    return rounded(a), rounded(b), rounded(c)
+
+
+@kernel
+def _q_times_omega(series: Table, n: int) -> tuple[Number, Number, Number, Number]:
+    """Order n of q ⊗ (0, ω)."""
+    r = a = b = c = zero(series)
+    for k in range(n + 1):
+        w1, w2, w3 = _vector(series, k, OMEGA)
+        q0 = load(series, n - k, Q)
+        q1, q2, q3 = _vector(series, n - k, Q + 1)
+        p1, p2, p3 = negative(q1), negative(q2), negative(q3)
+        r = add_product(add_product(add_product(r, p1, w1), p2, w2), p3, w3)
+        a = add_product(add_product(add_product(a, q0, w1), q2, w3), p3, w2)
+        b = add_product(add_product(add_product(b, q0, w2), q3, w1), p1, w3)
+        c = add_product(add_product(add_product(c, q0, w3), q1, w2), p2, w1)
+    return rounded(r), rounded(a), rounded(b), rounded(c)
+
+
+@kernel
+def _cross_omega(series: Table, column: int, n: int) -> Vector:
+    """Order n of v × ω, v in the three columns from one on."""
+    a = b = c = zero(series)
+    for k in range(n + 1):
+        w1, w2, w3 = _vector(series, k, OMEGA)
+        v1, v2, v3 = _vector(series, n - k, column)
+        a = add_product(add_product(a, v2, w3), negative(v3), w2)
+        b = add_product(add_product(b, v3, w1), negative(v1), w3)
+        c = add_product(add_product(c, v1, w2), negative(v2), w1)
+    return rounded(a), rounded(b), rounded(c)
+
+
+@kernel
+def _acceleration(
+    series: Table, constants: Table, terms: Terms, n: int, i: int, product: Number
+) -> Number:
+    """Order n of component i of ω', given that of the product of the other two."""
+    total = multiply(load(constants, EULER, i), product)
+    if terms.world_vectors[0]:
+        after, next_ = load(series, n, GRAVITY + AFTER[i]), load(series, n, GRAVITY + NEXT[i])
+        total = add_product(total, load(constants, LEVER_NEXT, i), after)
+        total = add_product(total, load(constants, LEVER_AFTER, i), next_)
+    if terms.world_vectors[1]:
+        torque = load(series, n, TORQUE + i)
+        total = add_product(total, load(constants, INVERSE_MOMENT, i), torque)
+    if terms.drag:
+        total = add_product(total, load(constants, DRAG, i), load(series, n, OMEGA + i))
+    if n == 0:
+        total = add(total, load(constants, TORQUE_AXES, i))
+    return rounded(total)
+
+
+@kernel
+def _turn_world_vector(series: Table, inverses: Table, n: int, column: int) -> None:
+    rate = _cross_omega(series, column, n)
+    for i in range(3):
+        store(series, n + 1, column + i, multiply(load(inverses, 0, n + 1), rate[i]))
+
+
+@kernel
+def extend(
+    series: Table, constants: Table, inverses: Table, terms: Terms, first: int, last: int
+) -> None:
+    """Fill orders first + 1 to last from orders 0 to first.
+
+    Row 0 of `inverses` holds 1/n in column n, row 1 holds 1/(2n).
+    """
+    for n in range(first, last):
+        products = _omega_products(series, n)
+        for i in range(3):
+            rate = _acceleration(series, constants, terms, n, i, products[i])
+            store(series, n + 1, OMEGA + i, multiply(load(inverses, 0, n + 1), rate))
+        turn = _q_times_omega(series, n)
+        for i in range(4):
+            store(series, n + 1, Q + i, multiply(load(inverses, 1, n + 1), turn[i]))
+        for v in range(len(WORLD_VECTORS)):
+            if terms.world_vectors[v]:
+                _turn_world_vector(series, inverses, n, WORLD_VECTORS[v])
+
+
+@kernel
+def _cross(a: Vector, b: Vector) -> Vector:
+    """Return a × b."""
+    return (
+        rounded(add_product(multiply(a[1], b[2]), negative(a[2]), b[1])),
+        rounded(add_product(multiply(a[2], b[0]), negative(a[0]), b[2])),
+        rounded(add_product(multiply(a[0], b[1]), negative(a[1]), b[0])),
+    )
+
+
+@kernel
+def see_world_vector(series: Table, constants: Table, row: int, column: int) -> None:
+    """Write order 0 of a vector constant in the world, seen from the axes.
+
+    With t = q⃗ × v it is Rᵀ v = v − 2 q₀ t + 2 q⃗ × t: the product q̄ v q written out.
+    """
+    q0 = load(series, 0, Q)
+    q = _vector(series, 0, Q + 1)
+    v = _vector(constants, row, 0)
+    t = _cross(q, v)
+    u = _cross(q, t)
+    for i in range(3):
+        half = rounded(add_product(u[i], negative(q0), t[i]))
+        store(series, 0, column + i, add(v[i], add(half, half)))

@@ -1,0 +1,149 @@
+"""The march of a Taylor integrator: one polynomial a step, read at every sample inside it.
+
+Orders up to a bound, the state and the clock are double-doubles, the orders beyond are doubles.
+Step n of the series weighs e⁻²ⁿ of the state, so that its rounding error does, too.
+"""
+
+import math
+
+import numpy as np
+
+from ..scenarios import FloatArray
+from .doubledouble import DoubleDouble, dd_add, dd_mul, quick_two_sum, two_sum
+from .kernel import kernel
+from .taylor_coefficients import (
+    OMEGA,
+    STATE,
+    WORLD_CONSTANTS,
+    WORLD_VECTORS,
+    Q,
+    Terms,
+    extend,
+    see_world_vector,
+)
+from .taylor_numbers import store, zero
+
+Tables = tuple[FloatArray, FloatArray]
+
+# How a call of `march` ends.
+DONE, PAUSED, STUCK = 0, 1, 2
+
+#: Step over radius of convergence that costs least (Jorba & Zou 2005, section 3.2).
+STEP = math.exp(-2.0)
+#: A coefficient smaller than this may have lost its digits to underflow: taken as this large.
+SMALLEST = 1e-290
+#: rad/s; a body that drag has slowed to this has stopped. Decay goes on until underflow spoils it.
+STOPPED = 1e-240
+
+
+@kernel
+def _size(coefficients: FloatArray, n: int, first: int, last: int) -> float:
+    """Return the 1-norm of columns first to last − 1: unlike a maximum, it shows a NaN."""
+    total = 0.0
+    for i in range(first, last):
+        total += abs(coefficients[n, i])
+    return total
+
+
+@kernel
+def step_size(coefficients: FloatArray, order: int) -> float:
+    """Return a step for which the series ends at e⁻²ᴺ of the state, from its last two orders.
+
+    As Jorba & Zou 2005, section 3.3, with q measured against 1 and ω against the larger of
+    itself and its change in the step, so that a body may start from rest. Infinite for a body
+    at rest, 0 where numbers overflowed.
+    """
+    speed = _size(coefficients, 0, OMEGA, OMEGA + 3)
+    gain = _size(coefficients, 1, OMEGA, OMEGA + 3)
+    if speed == 0.0 and gain == 0.0:
+        return np.inf
+    radius = np.inf
+    for n in range(order - 1, order + 1):
+        turn = _size(coefficients, n, Q, Q + 4)
+        last = _size(coefficients, n, OMEGA, OMEGA + 3)
+        if not math.isfinite(speed + gain + turn + last):
+            return 0.0
+        radius = min(radius, max(turn, SMALLEST) ** (-1.0 / n))
+        if last > 0.0:
+            kept = (speed / last) ** (1.0 / n)
+            radius = min(radius, max(kept, (gain / last) ** (1.0 / (n - 1))))
+    return STEP * radius
+
+
+@kernel
+def _evaluate(
+    series: Tables, total: int, paired: int, t: DoubleDouble, state: FloatArray, low: FloatArray
+) -> None:
+    """Write the state at time t from the centre, by Horner's rule."""
+    high_orders, low_orders = series
+    for i in range(STATE):
+        state[i], low[i] = 0.0, 0.0
+    for n in range(total, paired, -1):
+        for i in range(STATE):
+            state[i] = state[i] * t[0] + high_orders[n, i]
+    for n in range(paired, -1, -1):
+        for i in range(STATE):
+            scaled = dd_mul((state[i], low[i]), t)
+            state[i], low[i] = dd_add(scaled, (high_orders[n, i], low_orders[n, i]))
+
+
+@kernel
+def _expand(
+    series: Tables, constants: Tables, inverses: Tables, terms: Terms, total: int, paired: int
+) -> None:
+    """Fill all orders of the series from order 0."""
+    for v in range(len(WORLD_VECTORS)):
+        if terms.world_vectors[v]:
+            see_world_vector(series, constants, WORLD_CONSTANTS[v], WORLD_VECTORS[v])
+    extend(series, constants, inverses, terms, 0, paired)
+    extend(series[0], constants[0], inverses[0], terms, paired, total)
+
+
+@kernel
+def _stop_if_stopped(series: Tables) -> None:
+    if _size(series[0], 0, OMEGA, OMEGA + 3) < STOPPED:
+        for i in range(OMEGA, OMEGA + 3):
+            store(series, 0, i, zero(series))
+
+
+@kernel
+def march(
+    constants: Tables,
+    inverses: Tables,
+    terms: Terms,
+    paired: int,
+    series: Tables,
+    clock: FloatArray,
+    times: FloatArray,
+    states: Tables,
+    first: int,
+    steps: int,
+) -> tuple[int, int]:
+    """Fill states (n, STATE) from sample `first` on, in a limited number of steps.
+
+    Order 0 of `series` holds the state at the time on the clock, (hi, lo); both advance.
+    Returns how it ended and the first sample not yet filled.
+    """
+    total = series[0].shape[0] - 1
+    state, low = np.empty(STATE), np.empty(STATE)
+    for _ in range(steps):
+        if terms.drag:
+            _stop_if_stopped(series)
+        _expand(series, constants, inverses, terms, total, paired)
+        h = step_size(series[0], total)
+        t, e = two_sum(clock[0], h)
+        t, e = quick_two_sum(t, e + clock[1])
+        if t == clock[0] and e == clock[1]:
+            return STUCK, first
+        while first < times.size and times[first] <= t:
+            s, f = two_sum(times[first], -clock[0])
+            inside = quick_two_sum(s, f - clock[1])
+            _evaluate(series, total, paired, inside, states[0][first], states[1][first])
+            first += 1
+        if first == times.size:
+            return DONE, first
+        _evaluate(series, total, paired, (h, 0.0), state, low)
+        for i in range(STATE):
+            store(series, 0, i, (state[i], low[i]))
+        clock[0], clock[1] = t, e
+    return PAUSED, first
