@@ -138,7 +138,7 @@ def test_forces_applied_to_the_data_are_named() -> None:
 
 
 def test_a_callback_somebody_installed_in_the_process_is_named() -> None:
-    mujoco.set_mjcb_passive(lambda model, data: None)  # noqa: ARG005
+    mujoco.set_mjcb_passive(lambda model, data: None)
     try:
         assert active(model_of("pivot")) == {"pivot", "callback passive"}
     finally:
