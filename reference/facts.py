@@ -10,9 +10,21 @@ from dataclasses import dataclass
 import numpy as np
 from mpmath import mp
 
-from ..scenarios import Scenario, angular_momentum_world, kinetic_energy, potential_energy
+from ..scenarios import (
+    Scenario,
+    Trajectory,
+    angular_momentum_world,
+    kinetic_energy,
+    potential_energy,
+)
 from ..scenarios.exact import DIGITS, dot
 from . import lagrangian, stability
+from .integrable_cases import (
+    goryachev_chaplygin,
+    goryachev_chaplygin_frame,
+    kovalevskaya,
+    kovalevskaya_frame,
+)
 from .lagrangian import LagrangeTop, lagrange_top
 from .motion import motion
 from .pose import pose
@@ -49,7 +61,8 @@ class Fact:
 def facts(scenario: Scenario) -> list[Fact]:
     """Everything that applies to a scene, in the order to be read."""
     problem = pose(scenario)
-    found = list(_of_any_body(scenario, problem))
+    start = _start(scenario, problem)
+    found = list(_of_any_body(scenario, problem, start))
     axis = symmetry_axis(problem)
     top = lagrange_top(problem)
     if top is not None:
@@ -58,17 +71,21 @@ def facts(scenario: Scenario) -> list[Fact]:
             found += _of_nutation(top)
     elif is_free(problem):
         found += _of_a_free_body(problem) if axis is None else _of_a_free_top(problem)
+    found += _of_an_integrable_case(problem, start)
     if problem.drag and axis is not None:
         found.append(_spin_down(problem))
     return found
 
 
-def _of_any_body(scenario: Scenario, problem: Problem) -> Iterator[Fact]:
+def _start(scenario: Scenario, problem: Problem) -> Trajectory:
+    states = np.array([problem.q_world_axes], float), np.array([problem.omega_axes], float)
+    return motion(scenario, problem, np.zeros(1), states)
+
+
+def _of_any_body(scenario: Scenario, problem: Problem, start: Trajectory) -> Iterator[Fact]:
     point = "pivot" if scenario.has_pivot else "centre of mass"
     for k, moment in enumerate(problem.moments, start=1):
         yield Fact(f"moment {k}", float(moment), "kg m²", f"principal, about the {point}")
-    states = np.array([problem.q_world_axes], float), np.array([problem.omega_axes], float)
-    start = motion(scenario, problem, np.zeros(1), states)
     kinetic = float(kinetic_energy(scenario, start)[0])
     potential = float(potential_energy(scenario, start)[0]) + 0.0  # never −0
     L = float(np.linalg.norm(angular_momentum_world(scenario, start)[0]))
@@ -148,6 +165,19 @@ def _of_a_free_body(problem: Problem) -> Iterator[Fact]:
     yield Fact(name, math.sqrt(abs(square)), "rad/s", meaning)
     yield Fact("tumbling period", period, "s", "4K/p, of ω in the body: two flips")
     yield Fact("separatrix distance", distance, "", "(L² − 2 E I_mid)/L²; > 0: about the largest I")
+
+
+def _of_an_integrable_case(problem: Problem, start: Trajectory) -> Iterator[Fact]:
+    frame = kovalevskaya_frame(problem)
+    if frame is not None:
+        value = float(kovalevskaya(problem, frame, start)[0])
+        meaning = "|(ω1 + iω2)² − (M g l/I3)(γ1 + iγ2)|², conserved"
+        yield Fact("Kovalevskaya's constant", value, "rad⁴/s⁴", meaning)
+    frame = goryachev_chaplygin_frame(problem)
+    if frame is not None:
+        value = float(goryachev_chaplygin(problem, frame, start)[0])
+        meaning = "ω3(ω1² + ω2²) − (M g l/I3) ω1 γ3, conserved"
+        yield Fact("Goryachev–Chaplygin constant", value, "rad³/s³", meaning)
 
 
 def _spin_down(problem: Problem) -> Fact:

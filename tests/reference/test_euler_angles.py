@@ -1,0 +1,151 @@
+"""Euler angles: conversions are inverses, exact to rounding, at the poles too."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from spincheck.reference.euler_angles import (
+    euler_zyz_from_quaternion,
+    omega_body_from_rates,
+    quaternion_from_euler_zyz,
+    rates_from_omega_body,
+    unwrapped,
+)
+from spincheck.scenarios.exact import from_euler_zyz_deg, omega_body_from_zyz_rates
+
+EPS = np.finfo(float).eps
+#: A conversion there and back takes some ten roundings of numbers of order one.
+ROUND_TRIP = 10 * EPS
+RANDOM = np.random.default_rng(29)
+ATTITUDES = Rotation.random(1000, rng=RANDOM).as_quat(scalar_first=True)
+ANGLES = np.column_stack(
+    [RANDOM.uniform(-3, 3, 1000), RANDOM.uniform(0.1, 3.0, 1000), RANDOM.uniform(-3, 3, 1000)]
+)
+
+
+def turn_between(p, q):
+    """Angle between attitudes, whatever the signs of the quaternions."""
+    difference = Rotation.from_quat(p, scalar_first=True).inv() * Rotation.from_quat(
+        q, scalar_first=True
+    )
+    return difference.magnitude().max()
+
+
+def test_angles_give_back_the_attitude_they_came_from():
+    there = euler_zyz_from_quaternion(ATTITUDES)
+    assert turn_between(quaternion_from_euler_zyz(there), ATTITUDES) < ROUND_TRIP
+
+
+@pytest.mark.parametrize("columns", [[2, 1, 0], [0, 2, 1]], ids=["α γ swapped", "β γ swapped"])
+def test_angles_in_another_order_do_not(columns):
+    there = euler_zyz_from_quaternion(ATTITUDES)[:, columns]
+    assert turn_between(quaternion_from_euler_zyz(there), ATTITUDES) > 1
+
+
+def test_an_attitude_gives_back_the_angles_it_came_from():
+    again = euler_zyz_from_quaternion(quaternion_from_euler_zyz(ANGLES))
+    # α and γ are found to rounding over sin β/2 or cos β/2, here at least sin 0.05.
+    assert np.abs(again - ANGLES).max() < ROUND_TRIP / np.sin(0.05)
+
+
+def test_angles_are_those_of_intrinsic_turns_about_z_y_z():
+    by_scipy = Rotation.from_euler("ZYZ", ANGLES).as_quat(scalar_first=True)
+    assert turn_between(quaternion_from_euler_zyz(ANGLES), by_scipy) < ROUND_TRIP
+
+
+def test_angles_are_those_of_the_scenario_file():
+    degrees = [25.0, 130.0, -70.0]
+    from_file = np.array(from_euler_zyz_deg(degrees), dtype=float)
+    assert turn_between(quaternion_from_euler_zyz(np.radians(degrees)), from_file) < ROUND_TRIP
+
+
+def test_the_sign_of_a_quaternion_does_not_matter():
+    # At the ends of [−π, π] the two may differ by a whole turn.
+    apart = euler_zyz_from_quaternion(ATTITUDES) - euler_zyz_from_quaternion(-ATTITUDES)
+    assert np.abs(np.sin(apart / 2)).max() < ROUND_TRIP
+
+
+@pytest.mark.parametrize("beta", [1e-12, 1e-5, 0.1])
+def test_a_small_tilt_keeps_its_digits(beta):
+    q = quaternion_from_euler_zyz(np.array([0.3, beta, 0.4]))
+    assert euler_zyz_from_quaternion(q)[1] == pytest.approx(beta, rel=ROUND_TRIP, abs=0)
+
+
+def test_an_arccosine_would_lose_them():
+    _, x, y, _ = quaternion_from_euler_zyz(np.array([0.3, 1e-5, 0.4]))
+    by_arccosine = np.arccos(1 - 2 * (x * x + y * y))
+    assert by_arccosine != pytest.approx(1e-5, rel=1e6 * ROUND_TRIP, abs=0)
+
+
+@pytest.mark.parametrize("beta", [0.0, np.pi], ids=["up", "down"])
+def test_at_a_pole_gamma_is_zero_and_alpha_carries_the_turn(beta):
+    half = 0.35
+    upright, tilted = [(1, 0), (0, 1)][beta > 0]
+    q = [
+        upright * np.cos(half),
+        -tilted * np.sin(half),
+        tilted * np.cos(half),
+        upright * np.sin(half),
+    ]
+    assert euler_zyz_from_quaternion(np.array(q)) == pytest.approx([2 * half, beta, 0], abs=EPS)
+
+
+def test_shapes_of_any_depth_are_taken():
+    q = ATTITUDES[:12].reshape(3, 4, 4)
+    flat = euler_zyz_from_quaternion(ATTITUDES[:12])
+    assert np.array_equal(euler_zyz_from_quaternion(q).reshape(12, 3), flat)
+
+
+RATES = RANDOM.uniform(-5, 5, (1000, 3))
+
+
+def test_rates_give_back_the_angular_velocity_they_came_from():
+    omega = omega_body_from_rates(ANGLES, RATES)
+    error = np.abs(rates_from_omega_body(ANGLES, omega) - RATES)
+    assert (error.max(axis=1) * np.sin(ANGLES[:, 1])).max() < 5 * ROUND_TRIP
+
+
+def test_rates_are_those_of_the_scenario_file():
+    degrees, rates = [25.0, 130.0, -70.0], [1.5, -2.0, 30.0]
+    exact = np.array(omega_body_from_zyz_rates(degrees, rates), dtype=float)
+    omega = omega_body_from_rates(np.radians(degrees), np.array(rates))
+    assert np.abs(omega - exact).max() < ROUND_TRIP * np.abs(exact).max()
+
+
+def spin_by_differences(angles, rates, step):
+    """ω in body axes from the rotation between two nearby times, centred."""
+    before, after = (
+        Rotation.from_quat(quaternion_from_euler_zyz(angles + s * step * rates), scalar_first=True)
+        for s in (-0.5, 0.5)
+    )
+    here = Rotation.from_quat(quaternion_from_euler_zyz(angles), scalar_first=True)
+    return here.inv().apply((after * before.inv()).as_rotvec()) / step
+
+
+def test_rates_turn_the_body_at_their_angular_velocity():
+    step = 1e-4
+    # A centred difference is off by the third derivative, |rates|³ ≤ 15³, times step²/24.
+    bound = 15**3 * step**2
+    omega = omega_body_from_rates(ANGLES, RATES)
+    assert np.abs(spin_by_differences(ANGLES, RATES, step) - omega).max() < bound
+    assert np.abs(spin_by_differences(ANGLES, -RATES, step) - omega).max() > 1e3 * bound
+
+
+@pytest.mark.parametrize("beta", [0.0, np.pi], ids=["up", "down"])
+def test_at_a_pole_there_are_no_rates(beta):
+    rates = rates_from_omega_body(np.array([0.3, beta, 0.0]), np.array([1.0, 2.0, 3.0]))
+    assert np.isnan(rates).all()
+
+
+def test_unwrapped_angles_grow_steadily_through_full_turns():
+    times = np.linspace(0, 10, 401)
+    turning = np.column_stack([2.0 * times, np.full(401, 0.7), -20.0 * times])
+    seen = unwrapped(euler_zyz_from_quaternion(quaternion_from_euler_zyz(turning)))
+    # 200 rad are held to an ulp of 200.
+    assert np.abs(seen - turning).max() < ROUND_TRIP * 200
+
+
+def test_wrapped_angles_do_not():
+    times = np.linspace(0, 10, 401)
+    turning = np.column_stack([2.0 * times, np.full(401, 0.7), -20.0 * times])
+    seen = euler_zyz_from_quaternion(quaternion_from_euler_zyz(turning))
+    assert np.abs(seen - turning).max() > np.pi

@@ -1,0 +1,237 @@
+"""Every law holds along the motion of a scene it says it holds for, and notices what breaks it."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from spincheck.reference.invariants import drifts, invariants
+from spincheck.reference.laws import LAWS
+from spincheck.reference.second_method import RELATIVE_TOLERANCE, second_opinion
+from spincheck.scenarios import Trajectory
+from top_scenes import ASYMMETRIC, GRAVITY, HEAVY, PIVOT, TOP, scene
+
+SPUN = "rotation_vector_deg = [20.0, -50.0, 35.0]\nomega_body = [1.0, -2.0, 3.0]"
+THROWN = f"{SPUN}\nposition = [0.3, -0.1, 0.5]\nvelocity = [0.2, 1.0, -0.4]"
+SKEW = """
+mass = 1.3
+inertia = [[1.4, 0.2, -0.1], [0.2, 1.1, 0.3], [-0.1, 0.3, 0.9]]
+com = [0.1, -0.2, 0.3]
+"""
+#: Equal moments 2, the third half of them, com in the plane of the equal ones but on no axis.
+KOVALEVSKAYA = """
+mass = 1.0
+inertia = [2.0, 2.0, 1.0]
+inertia_about = "origin"
+com = [0.3, 0.4, 0.0]
+"""
+KOVALEVSKAYA_ABOUT_X = """
+mass = 1.0
+inertia = [1.0, 2.0, 2.0]
+inertia_about = "origin"
+com = [0.0, 0.3, 0.4]
+"""
+GORYACHEV_CHAPLYGIN = """
+mass = 1.0
+inertia = [2.0, 2.0, 0.5]
+inertia_about = "origin"
+com = [0.1, 0.0, 0.0]
+"""
+#: Gravity along the body's own x: there L·ĝ = I1 ω1 = 0.
+LEVEL = "rotation_vector_deg = [0.0, 90.0, 0.0]\nomega_body = [0.0, 1.0, 3.0]"
+SKEW_GRAVITY = "[effects.gravity]\nacceleration = [1.0, -2.0, -9.0]"
+DRAG = "[effects.drag]\nrotational = 1e-2"
+
+FREE = {"energy", "L_world", "L_norm", "momentum_less_impulse", "com_parabola"}
+TOPS = {"energy", "L_vertical", "pivot"}
+#: Scenes by name, with the laws that hold for each.
+CASES = {
+    "free": (scene(ASYMMETRIC, THROWN, ""), FREE),
+    "free, skew": (scene(SKEW, THROWN, SKEW_GRAVITY), FREE),
+    "free, symmetric": (scene(TOP, THROWN, ""), FREE | {"L_axial"}),
+    "pivot": (scene(SKEW, SPUN, PIVOT), {"energy", "L_world", "L_norm", "pivot"}),
+    "heavy": (scene(SKEW, SPUN, f"{PIVOT}\n{SKEW_GRAVITY}"), TOPS),
+    "heavy, symmetric": (scene(TOP, SPUN, f"{PIVOT}\n{SKEW_GRAVITY}"), TOPS | {"L_axial"}),
+    "Kovalevskaya": (scene(KOVALEVSKAYA, SPUN), TOPS | {"kovalevskaya"}),
+    "Kovalevskaya about x": (scene(KOVALEVSKAYA_ABOUT_X, SPUN), TOPS | {"kovalevskaya"}),
+    "Goryachev-Chaplygin": (scene(GORYACHEV_CHAPLYGIN, LEVEL), TOPS | {"goryachev_chaplygin"}),
+    "world torque": (
+        scene(SKEW, SPUN, "[effects.torque]\nworld = [0.4, -0.3, 0.2]"),
+        {"L_world", "momentum_less_impulse", "com_parabola"},
+    ),
+    "world torque on a heavy body": (
+        scene(SKEW, SPUN, f"{HEAVY}\n[effects.torque]\nworld = [0.4, -0.3, 0.2]"),
+        {"L_vertical", "pivot"},
+    ),
+    "body torque on a heavy top": (
+        scene(TOP, SPUN, f"{HEAVY}\n[effects.torque]\nbody = [0.4, -0.3, 0.2]"),
+        {"L_axial", "pivot"},
+    ),
+    "drag": (
+        scene(SKEW, THROWN, f"{GRAVITY}\n{DRAG}"),
+        {"momentum_less_impulse", "com_parabola"},
+    ),
+}
+
+
+@cache
+def solved(name):
+    """A scene's motion, by an integrator that knows of no law."""
+    made, _ = CASES[name]
+    return second_opinion(made, made.times)
+
+
+def bound(name):
+    """The integrator commits its tolerance at every step."""
+    return solved(name).steps * RELATIVE_TOLERANCE
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_laws_of_a_scene_are_those_that_hold(name):
+    made, laws = CASES[name]
+    assert {invariant.name for invariant in invariants(made)} == laws
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_what_is_conserved_does_not_drift(name):
+    made, _ = CASES[name]
+    for law, drift in drifts(made, solved(name).trajectory).items():
+        assert drift < bound(name), law
+
+
+def test_every_law_is_tried():
+    tried = set().union(*(laws for _, laws in CASES.values()))
+    assert tried == {law.name for law in LAWS}
+
+
+#: What is done to a motion to break a law: more than a bound, less than anyone would see.
+FAULT = 1e-6
+
+
+def pushed(motion):
+    """ω and v off by a millionth more every second, along no axis."""
+    extra = FAULT * motion.t[:, None] * np.array([0.6, -0.5, 0.7])
+    return Trajectory(
+        motion.t,
+        motion.q_world_body_wxyz,
+        motion.omega_body + extra,
+        motion.com_world,
+        motion.velocity_world + extra,
+    )
+
+
+def slipping(motion):
+    """The com a micrometre a second off its path."""
+    moved = motion.com_world + FAULT * motion.t[:, None]
+    return Trajectory(
+        motion.t,
+        motion.q_world_body_wxyz,
+        motion.omega_body,
+        moved,
+        motion.velocity_world,
+    )
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_law_notices_a_planted_fault(name):
+    made, _ = CASES[name]
+    motion = solved(name).trajectory
+    of_place = {"pivot", "com_parabola"}
+    for invariant in invariants(made):
+        broken = slipping(motion) if invariant.name in of_place else pushed(motion)
+        assert invariant.drift(broken) > 100 * bound(name), invariant.name
+
+
+@pytest.mark.parametrize(
+    ("name", "law", "wrong"),
+    [
+        (
+            "heavy, symmetric",
+            "energy",
+            scene(TOP, SPUN, f"{PIVOT}\n{SKEW_GRAVITY.replace('-9', '9')}"),
+        ),
+        ("Kovalevskaya", "kovalevskaya", scene(KOVALEVSKAYA.replace("0.4", "-0.4"), SPUN)),
+        (
+            "Goryachev-Chaplygin",
+            "goryachev_chaplygin",
+            scene(GORYACHEV_CHAPLYGIN.replace("0.1", "-0.1"), LEVEL),
+        ),
+        ("free", "L_world", scene(ASYMMETRIC.replace("3.0, 4.0", "4.0, 3.0"), THROWN, "")),
+    ],
+    ids=["gravity flipped", "com mirrored", "com behind", "moments swapped"],
+)
+def test_the_motion_of_another_scene_breaks_the_law_of_this_one(name, law, wrong):
+    made, _ = CASES[name]
+    other = second_opinion(wrong, made.times).trajectory
+    assert drifts(made, other)[law] > 1e6 * bound(name)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        KOVALEVSKAYA.replace("2.0, 2.0, 1.0", "2.0, 2.0, 1.0000000000000002"),
+        KOVALEVSKAYA.replace("0.4, 0.0]", "0.4, 1e-20]"),
+        KOVALEVSKAYA.replace("2.0, 2.0, 1.0", "2.0, 2.0000000000000004, 1.0"),
+    ],
+    ids=["ratio", "com", "equal moments"],
+)
+def test_a_body_one_ulp_off_is_not_kovalevskayas(body):
+    assert "kovalevskaya" not in laws_of(scene(body, SPUN))
+
+
+def test_a_goryachev_chaplygin_body_with_angular_momentum_along_gravity_is_just_heavy():
+    start = LEVEL.replace("omega_body = [0.0", "omega_body = [1e-20")
+    assert "goryachev_chaplygin" not in laws_of(scene(GORYACHEV_CHAPLYGIN, start))
+
+
+def laws_of(made):
+    return {invariant.name for invariant in invariants(made)}
+
+
+#: A fifth of a turn or so about x that puts the vertical along the body's (0, 0.8, 0.6).
+TILTED = f"quaternion_wxyz = [{2 / 5**0.5!r}, {1 / 5**0.5!r}, 0.0, 0.0]"
+
+
+@pytest.mark.parametrize(
+    ("law", "body", "start", "by_hand"),
+    [
+        # e1 = (0.6, 0.8, 0), γ = −x = −0.6 e1 + 0.8 e2, ω = e1, c/I3 = 5: |1 − (−3 + 4i)|².
+        (
+            "kovalevskaya",
+            KOVALEVSKAYA,
+            "rotation_vector_deg = [0.0, 90.0, 0.0]\nomega_body = [0.6, 0.8, 5.0]",
+            32.0,
+        ),
+        # c/I3 = 2: 16 (2² + 3²) − 2 · 2 · 0.6; L·γ = −2 · 3 · 0.8 + 0.5 · 16 · 0.6 = 0.
+        (
+            "goryachev_chaplygin",
+            GORYACHEV_CHAPLYGIN,
+            f"{TILTED}\nomega_body = [2.0, -3.0, 16.0]",
+            205.6,
+        ),
+    ],
+    ids=["Kovalevskaya", "Goryachev-Chaplygin"],
+)
+def test_an_integrable_case_has_the_value_worked_out_by_hand(law, body, start, by_hand):
+    made = scene(body, start)
+    (found,) = [one for one in invariants(made) if one.name == law]
+    motion = second_opinion(made, made.times).trajectory
+    assert found.values(motion)[0] == pytest.approx(by_hand, rel=1e-14)
+
+
+def test_a_body_let_go_from_rest_has_scales():
+    """L and T are zero at the start; a drift relative to them would be infinite."""
+    made = scene(TOP, "euler_zyz_deg = [0, 50, 0]\nomega_body = [0.0, 0.0, 0.0]")
+    assert all(one.law.scale(one.scene) > 0 for one in invariants(made))
+
+
+def test_nothing_drifts_from_a_law_of_what_does_not_move():
+    still = scene(ASYMMETRIC, "euler_zyz_deg = [0, 50, 0]\nomega_body = [0.0, 0.0, 0.0]", "")
+    motion = second_opinion(still, still.times).trajectory
+    assert set(drifts(still, motion).values()) == {0.0}
+
+
+def test_what_moves_though_nothing_should_drifts_infinitely_far():
+    still = scene(ASYMMETRIC, "euler_zyz_deg = [0, 50, 0]\nomega_body = [0.0, 0.0, 0.0]", "")
+    moving = scene(ASYMMETRIC, "euler_zyz_deg = [0, 50, 0]\nomega_body = [0.0, 1.0, 0.0]", DRAG)
+    motion = second_opinion(moving, still.times).trajectory
+    assert drifts(still, motion)["energy"] == np.inf

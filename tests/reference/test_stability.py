@@ -1,0 +1,159 @@
+"""Free bodies: which axis is stable, how fast they wobble and tumble."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import ellipk
+from spincheck.reference.pose import pose
+from spincheck.reference.second_method import second_opinion
+from spincheck.reference.stability import (
+    body_cone_rate,
+    perturbation_rate_squared,
+    separatrix_distance,
+    tumbling_period,
+)
+from spincheck.scenarios import find, load
+from top_scenes import ASYMMETRIC, scene
+
+EPS = np.finfo(float).eps
+#: Worked out in extended precision and rounded once; the comparison rounds too.
+ROUNDED = 4 * EPS
+#: 3, 4, 6 kg m², the body of the scene ASYMMETRIC.
+MOMENTS = (3.0, 4.0, 6.0)
+
+
+@pytest.mark.parametrize(
+    ("axis", "by_hand"),
+    [(0, -4 * 1 * 3 / (4 * 6)), (1, 4 * 1 * 2 / (3 * 6)), (2, -4 * 3 * 2 / (3 * 4))],
+    ids=["smallest", "middle", "largest"],
+)
+def test_perturbations_grow_about_the_middle_axis_only(axis, by_hand):
+    """ω² (I_k − I_i)(I_j − I_k)/(I_i I_j) at ω = 2 rad/s."""
+    assert perturbation_rate_squared(MOMENTS, axis, 2.0) == pytest.approx(by_hand, rel=ROUNDED)
+
+
+def test_about_an_axis_of_two_equal_moments_nothing_grows_or_oscillates():
+    assert perturbation_rate_squared((2.0, 2.0, 3.0), 0, 5.0) == 0
+
+
+def start_near(axis, offset):
+    omega = [offset, offset, offset]
+    omega[axis] = 1.0
+    return f"euler_zyz_deg = [0, 0, 0]\nomega_body = {omega}"
+
+
+def test_near_the_middle_axis_small_deviations_grow_at_that_rate():
+    """cosh λt and sinh λt from the linear equations, against an integrator of the full ones."""
+    offset, duration = 1e-6, 5.0
+    made = scene(ASYMMETRIC, start_near(1, offset), "", f"duration = {duration}\nsamples = 2")
+    end = second_opinion(made, made.times).trajectory.omega_body[-1]
+    rate = math.sqrt(perturbation_rate_squared(MOMENTS, 1, 1.0))
+    # ω1' = (I2 − I3)/I1 ω2 ω3 with ω2 = 1, so ω1 = δ (cosh λt + (I2 − I3)/(I1 λ) sinh λt).
+    grown = math.cosh(rate * duration) + (4 - 6) / (3 * rate) * math.sinh(rate * duration)
+    # What the linear equations leave out is of relative order δ² e^{2λt} λt.
+    left_out = (offset * math.exp(rate * duration)) ** 2 * rate * duration
+    bound = left_out + 1e-13 * duration / offset  # and the integrator's own error, over δ
+    assert end[0] == pytest.approx(offset * grown, rel=bound)
+    assert end[0] != pytest.approx(offset * math.cos(rate * duration), rel=1e3 * bound)
+
+
+@pytest.mark.parametrize("axis", [0, 2], ids=["smallest", "largest"])
+def test_near_an_extreme_axis_the_period_is_that_of_small_wobbles(axis):
+    offset = 1e-6
+    omega = [offset] * 3
+    omega[axis] = 1.0
+    wobble = math.tau / math.sqrt(-perturbation_rate_squared(MOMENTS, axis, 1.0))
+    # Amplitude enters squared, with a factor of order (I_max/I_min)².
+    assert tumbling_period(MOMENTS, omega) == pytest.approx(wobble, rel=4 * offset**2 + ROUNDED)
+
+
+def test_the_period_is_that_of_the_jacobi_functions():
+    """DETEST problem B5 (Hull et al., 1972): y = (sn, cn, dn)(t | 0.51)."""
+    (path,) = find(["detest-b5"])
+    problem = pose(load(path))
+    period = tumbling_period(problem.moments, problem.omega_axes)
+    assert period == pytest.approx(4 * ellipk(0.51), rel=ROUNDED)
+    assert period != pytest.approx(4 * ellipk(0.51**2), rel=1e6 * ROUNDED)
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (1, 2, 0), (2, 1, 0)])
+def test_the_order_of_the_axes_does_not_matter(order):
+    omega = (0.3, 1.0, 0.2)
+    turned = [MOMENTS[k] for k in order], [omega[k] for k in order]
+    period = tumbling_period(MOMENTS, omega)
+    assert tumbling_period(*turned) == pytest.approx(period, rel=ROUNDED)
+
+
+def test_the_motion_comes_back_after_the_period_and_not_before():
+    omega = (0.3, 1.0, 0.2)
+    period = tumbling_period(MOMENTS, omega)
+    window = f"duration = {period!r}\nsamples = 3"
+    start = "euler_zyz_deg = [0, 0, 0]\nomega_body = [0.3, 1.0, 0.2]"
+    made = scene(ASYMMETRIC, start, "", window)
+    opinion = second_opinion(made, made.times)
+    _, half, whole = opinion.trajectory.omega_body
+    bound = opinion.steps * 1e-13
+    assert np.abs(whole - omega).max() < bound
+    assert np.abs(half - omega).max() > 1
+
+
+#: I1 (I2 − I1) ω1² = 3 ω1² and I3 (I3 − I2) ω3² = 12 ω3² are equal: L² = 2 E I2.
+ON_THE_SEPARATRIX = (2.0, 0.7, 1.0)
+
+
+def test_on_the_separatrix_the_distance_is_zero_and_the_period_infinite():
+    assert separatrix_distance(MOMENTS, ON_THE_SEPARATRIX) == 0
+    assert tumbling_period(MOMENTS, ON_THE_SEPARATRIX) == math.inf
+
+
+def test_a_turn_about_the_middle_axis_never_flips():
+    assert tumbling_period(MOMENTS, (0.0, 1.0, 0.0)) == math.inf
+
+
+@pytest.mark.parametrize(
+    ("omega", "by_hand"),
+    [((0.0, 0.0, 1.0), (36 - 24) / 36), ((1.0, 0.0, 0.0), (9 - 12) / 9)],
+    ids=["largest", "smallest"],
+)
+def test_the_side_of_the_separatrix_tells_the_axis_circled(omega, by_hand):
+    assert separatrix_distance(MOMENTS, omega) == pytest.approx(by_hand, rel=ROUNDED)
+
+
+@pytest.mark.parametrize("above", [1 + EPS, 1 - EPS], ids=["above", "below"])
+def test_one_ulp_off_the_separatrix_is_seen(above):
+    """Formed from E and L² in double precision the difference would be rounding alone."""
+    omega = (2.0, 0.7, above)
+    # dD = 2 I3 (I3 − I2) ω3 dω3 over L².
+    by_hand = 24 * (above - 1) / (6**2 + 2.8**2 + 6**2)
+    assert separatrix_distance(MOMENTS, omega) == pytest.approx(by_hand, rel=1e-14)
+    assert 20 < tumbling_period(MOMENTS, omega) < math.inf
+
+
+@pytest.mark.parametrize("moments", [(2.0, 2.0, 3.0), (3.0, 2.0, 2.0), (1.0, 1.0, 1.0)])
+def test_a_body_with_equal_moments_does_not_tumble(moments):
+    assert tumbling_period(moments, (0.1, 0.2, 0.3)) is None
+
+
+def test_a_body_at_rest_does_not_tumble():
+    assert tumbling_period(MOMENTS, (0.0, 0.0, 0.0)) is None
+    assert separatrix_distance(MOMENTS, (0.0, 0.0, 0.0)) == 0
+
+
+def test_the_earth_wobbles_in_about_ten_months():
+    """(I3 − I1)/I1 = 1/305 gives Euler's 305 days (Goldstein §5.6)."""
+    per_day = body_cone_rate(305.0, 306.0, math.tau)
+    assert math.tau / per_day == pytest.approx(305, rel=ROUNDED)
+
+
+def test_omega_circles_the_axis_at_the_body_cone_rate_and_in_its_sense():
+    """Half a radian after the start ω lies half a radian further on, counted from e1 to e2."""
+    oblate = "mass = 1.0\ninertia = [2.0, 2.0, 3.0]"
+    rate = body_cone_rate(2.0, 3.0, 4.0)
+    window = f"duration = {0.5 / rate!r}\nsamples = 2"
+    made = scene(oblate, "euler_zyz_deg = [0, 0, 0]\nomega_body = [1.0, 0.0, 4.0]", "", window)
+    opinion = second_opinion(made, made.times)
+    end = opinion.trajectory.omega_body[-1]
+    bound = opinion.steps * 1e-13 * 4  # relative to |ω|
+    assert math.atan2(end[1], end[0]) == pytest.approx(0.5, abs=bound)
+    assert math.atan2(end[1], end[0]) != pytest.approx(-0.5, abs=1e6 * bound)
