@@ -34,7 +34,7 @@ class PyBulletSession(Session):
 
     def __init__(self, scenario: Scenario, holding: Holding, timestep: float) -> None:
         self._scenario = scenario
-        self._client, self._model = _open(scenario, holding)
+        self.client, self._model = _open(scenario, holding)
         self._tied = scenario.has_pivot and self._model.link == BASE
         self._torques, self._at_once = _torques(self._model, scenario)
         self.set_timestep(timestep)
@@ -69,23 +69,21 @@ class PyBulletSession(Session):
             p.setPhysicsEngineParameter(
                 fixedTimeStep=self._timestep * substeps,
                 numSubSteps=substeps,
-                physicsClientId=self._client,
+                physicsClientId=self.client,
             )
             self._substeps = substeps
         for apply in self._torques:
             apply()
-        if p.stepSimulation(self._client) is None:
+        if p.stepSimulation(self.client) is None:
             raise EngineError("PyBullet did not complete a step")
 
     def check(self) -> None:
         """Raise if the clock is not what was set, a velocity is clamped, or the pivot gave way."""
-        world = p.getPhysicsEngineParameters(self._client)
+        world = p.getPhysicsEngineParameters(self.client)
         wanted = (self._timestep * self._substeps, self._substeps)
         got = (world["fixedTimeStep"], world["numSubSteps"])
         if self._substeps and got != wanted:
-            raise EngineError(
-                f"PyBullet's (fixedTimeStep, numSubSteps) must be {wanted}, got {got}"
-            )
+            raise EngineError(f"PyBullet's time and steps a call must be {wanted}, got {got}")
         state = self.read_state()
         fastest = np.abs([state.omega_body, state.velocity_world]).max()
         if fastest >= UNREACHED_VELOCITY:
@@ -100,7 +98,7 @@ class PyBulletSession(Session):
 
     def close(self) -> None:
         """Free the world."""
-        p.disconnect(self._client)
+        p.disconnect(self.client)
 
 
 def _open(scenario: Scenario, holding: Holding) -> tuple[int, Model]:
