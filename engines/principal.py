@@ -7,7 +7,8 @@ import numpy as np
 from mpmath import mp, mpf
 
 from ..scenarios import Body, FloatArray
-from ..scenarios.exact import DIGITS, Quaternion, Vector, product
+from ..scenarios.exact import DIGITS, Quaternion, Tensor, Vector, product
+from ..scenarios.principal import principal_axes
 
 #: Below this cosine of the pitch, roll and yaw turn about one axis and only their sum is defined.
 #: Half the working digits: entries of the rotation are good to all of them.
@@ -31,9 +32,7 @@ class PrincipalFrame:
 
 
 def principal_frame(body: Body, thickness: float = 0.0) -> PrincipalFrame:
-    """Diagonalise the inertia tensor about the com in extended precision.
-
-    A tensor that is diagonal already keeps the body's own axes, in their order.
+    """The principal frame about the com, as engines' files want it.
 
     Parameters
     ----------
@@ -41,16 +40,9 @@ def principal_frame(body: Body, thickness: float = 0.0) -> PrincipalFrame:
         relative to that sum. At 0 the doubles just obey the triangle inequality: of a flat body,
         whose largest moment is the sum of the others, readers refuse one that is an ulp beyond.
     """
-    tensor = body.inertia_com_exact
+    moments, R_body_axes = principal_axes(body.inertia_com_exact)
     with mp.workdps(DIGITS):
-        if all(tensor[i][j] == 0 for i in range(3) for j in range(i)):
-            moments = [tensor[i][i] for i in range(3)]
-            rpy = (mpf(0), mpf(0), mpf(0))
-        else:
-            moments, axes = mp.eigsy(mp.matrix(tensor))
-            if mp.det(axes) < 0:
-                axes[:, 2] = -axes[:, 2]
-            rpy = _roll_pitch_yaw(axes)
+        rpy = _roll_pitch_yaw(R_body_axes)
         return PrincipalFrame(
             _readonly(_within_triangle(moments, thickness)),
             _readonly(_quaternion(rpy)),
@@ -66,13 +58,13 @@ def _within_triangle(moments: Iterable[mpf], thickness: float) -> list[float]:
     return rounded
 
 
-def _roll_pitch_yaw(R: mp.matrix) -> Vector:
+def _roll_pitch_yaw(R: Tensor) -> Vector:
     """Angles of R = Rz(yaw) Ry(pitch) Rx(roll) (Diebel 2006, Representing Attitude, §5.6.12)."""
-    cos_pitch = mp.hypot(R[0, 0], R[1, 0])
-    pitch = mp.atan2(-R[2, 0], cos_pitch)
+    cos_pitch = mp.hypot(R[0][0], R[1][0])
+    pitch = mp.atan2(-R[2][0], cos_pitch)
     if cos_pitch < GIMBAL_LOCK:
-        return (mpf(0), pitch, mp.atan2(-R[0, 1], R[1, 1]))
-    return (mp.atan2(R[2, 1], R[2, 2]), pitch, mp.atan2(R[1, 0], R[0, 0]))
+        return (mpf(0), pitch, mp.atan2(-R[0][1], R[1][1]))
+    return (mp.atan2(R[2][1], R[2][2]), pitch, mp.atan2(R[1][0], R[0][0]))
 
 
 def _quaternion(rpy: Vector) -> Quaternion:

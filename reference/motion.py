@@ -28,7 +28,8 @@ def motion(
         R_axes_body = Rotation.from_quat(q_axes_body, scalar_first=True)
         R_world_axes = Rotation.from_quat(q_world_axes, scalar_first=True)
         q_world_body = (R_world_axes * R_axes_body).as_quat(scalar_first=True)
-        omega_body = np.asarray(R_axes_body.inv().apply(omega_axes))
+        # scipy refuses read-only arrays, hence the copies here and below.
+        omega_body = np.asarray(R_axes_body.inv().apply(np.array(omega_axes)))
     com_world, velocity_world = _centre_of_mass(scenario, times, q_world_body, omega_body)
     return Trajectory(times, q_world_body, omega_body, com_world, velocity_world)
 
@@ -39,7 +40,7 @@ def _centre_of_mass(
     """Position (n, 3) m and velocity (n, 3) m/s: about the pivot, or on the parabola."""
     if scenario.has_pivot:
         R_world_body = Rotation.from_quat(q_world_body, scalar_first=True)
-        com = np.array(scenario.body.com)  # scipy refuses read-only arrays
+        com = np.array(scenario.body.com)
         velocity_body = np.cross(omega_body, com)
         return (
             np.asarray(R_world_body.apply(com)),

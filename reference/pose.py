@@ -4,7 +4,7 @@ from mpmath import mp, mpf
 
 from ..scenarios import Scenario
 from ..scenarios.exact import DIGITS, ZERO, Vector, conjugate, exact, product, rotate
-from ..scenarios.principal import principal_axes
+from ..scenarios.principal import from_matrix, principal_axes
 from .problem import Problem
 
 
@@ -16,7 +16,8 @@ def pose(scenario: Scenario) -> Problem:
     body, start = scenario.body, scenario.start
     tensor = body.inertia_origin_exact if scenario.has_pivot else body.inertia_com_exact
     with mp.workdps(DIGITS):
-        moments, q_axes_body = principal_axes(tensor)
+        moments, R_body_axes = principal_axes(tensor)
+        q_axes_body = conjugate(from_matrix(R_body_axes))
         return Problem(
             moments=moments,
             q_world_axes=product(start.q_exact, conjugate(q_axes_body)),

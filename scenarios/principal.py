@@ -1,16 +1,15 @@
 """The principal axes of an inertia tensor, in extended precision."""
 
-from collections.abc import Sequence
-
 from mpmath import mp, mpf
 
-from .exact import DIGITS, Quaternion, Tensor, Vector, conjugate, cross, dot
+from .exact import DIGITS, Quaternion, Tensor, Vector, cross, dot
 
-IDENTITY: Quaternion = (mpf(1), mpf(0), mpf(0), mpf(0))
+ONE, NONE = mpf(1), mpf(0)
+IDENTITY: Tensor = ((ONE, NONE, NONE), (NONE, ONE, NONE), (NONE, NONE, ONE))
 
 
-def principal_axes(tensor: Tensor) -> tuple[Vector, Quaternion]:
-    """Principal moments and the rotation from body to principal components.
+def principal_axes(tensor: Tensor) -> tuple[Vector, Tensor]:
+    """Principal moments and right-handed principal axes.
 
     A tensor that is diagonal keeps its axes and the order of its moments, so that bodies given by
     principal moments are not rotated at all, and equal moments stay exactly equal.
@@ -18,22 +17,21 @@ def principal_axes(tensor: Tensor) -> tuple[Vector, Quaternion]:
     Returns
     -------
     moments : kg m², in the order of the axes
-    q_axes_body : unit quaternion w, x, y, z: body components to principal components
+    R_body_axes : takes components along the principal axes to body components; its columns are
+        the axes
     """
-    off_diagonal = [tensor[i][j] for i in range(3) for j in range(3) if i != j]
-    if not any(off_diagonal):
+    if not any(tensor[i][j] for i in range(3) for j in range(3) if i != j):
         return (tensor[0][0], tensor[1][1], tensor[2][2]), IDENTITY
     with mp.workdps(DIGITS):
         moments, columns = mp.eigsy(mp.matrix(tensor))
-        first, second, third = (tuple(columns[i, k] for i in range(3)) for k in range(3))
-        if dot(cross(first, second), third) < 0:
-            third = (-third[0], -third[1], -third[2])
-        R_body_axes = [[axis[i] for axis in (first, second, third)] for i in range(3)]
-        q_body_axes = from_matrix(R_body_axes)
-    return (moments[0], moments[1], moments[2]), conjugate(q_body_axes)
+        x, y, z = (tuple(columns[i, k] for i in range(3)) for k in range(3))
+        if dot(cross(x, y), z) < 0:
+            z = (-z[0], -z[1], -z[2])
+    first, second, third = zip(x, y, z, strict=True)
+    return (moments[0], moments[1], moments[2]), (first, second, third)
 
 
-def from_matrix(R: Sequence[Sequence[mpf]]) -> Quaternion:
+def from_matrix(R: Tensor) -> Quaternion:
     """Unit quaternion of a rotation matrix, through its largest component.
 
     The four candidates are the columns of 4 q qᵀ; the one with the largest diagonal loses no
