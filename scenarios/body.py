@@ -44,7 +44,8 @@ class Body:
             raise ValueError(
                 f"principal moments about the com must be positive, got {_triple(moments)} kg m²"
             )
-        if moments[2] > (moments[0] + moments[1]) * (1 + TRIANGLE_SLACK):
+        # Halves, so that the sum of two of the largest doubles does not overflow.
+        if moments[2] / 2 > (moments[0] / 2 + moments[1] / 2) * (1 + TRIANGLE_SLACK):
             raise ValueError(
                 "no principal moment about the com may exceed the sum of the other two, "
                 f"got {_triple(moments)} kg m²"

@@ -6,7 +6,15 @@ concern. `schema.json` is generated from these models.
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    model_validator,
+)
 
 from .body import Body, body_about_com, body_about_origin, body_of_particles
 
@@ -17,6 +25,13 @@ Vector = tuple[Number, Number, Number]
 Quaternion = tuple[Number, Number, Number, Number]
 Matrix = tuple[Vector, Vector, Vector]
 Text = Annotated[str, Field(strict=True, min_length=1)]
+
+
+def _whole_number(value: Any) -> Any:
+    """Python takes true and 1.0 for 1; a format version is neither."""
+    if type(value) is not int:
+        raise ValueError(f"must be a whole number, got {value!r}")
+    return value
 
 
 def _inertia_form(value: Any) -> str:
@@ -224,7 +239,9 @@ class Expect(Table):
 class Document(Table):
     """A spincheck scenario: a rigid body, how it starts, what acts on it, and for how long."""
 
-    spincheck: Literal[1] = Field(description="format version; marks the file as a scenario")
+    spincheck: Annotated[Literal[1], BeforeValidator(_whole_number)] = Field(
+        description="format version; marks the file as a scenario"
+    )
     title: Text
     source: Text = Field(description="book, section or paper the scene comes from")
     description: Annotated[str, Field(strict=True)] = Field("", description="Markdown")

@@ -18,6 +18,9 @@ MARKER = "spincheck"
 #: No scenario is this long; a larger file is something else, given by mistake.
 MAX_BYTES = 1 << 20
 _TABLES = ("body", "start", "effects", "window")
+_TABLE_ARRAYS = ("published", "expect")
+#: Where pydantic would speak of Python's types, by its name for the error.
+_IN_TOML = {"model_type": "must be a table", "tuple_type": "must be an array"}
 
 
 def load(path: str | Path) -> Scenario:
@@ -96,6 +99,8 @@ def _spell(keys: tuple[int | str, ...]) -> str:
     tables = [key for key in keys if isinstance(key, str)]
     if len(keys) == 1 and keys[0] in _TABLES:
         return f"[{keys[0]}]: "
+    if len(keys) == 2 and keys[0] in _TABLE_ARRAYS and isinstance(keys[1], int):
+        return f"[[{keys[0]}]] number {keys[1] + 1}: "
     parents, last = tables[:-1], tables[-1]
     if len(keys) > 1 and isinstance(keys[1], int) and parents:
         head = f"[[{parents[0]}]] number {keys[1] + 1} "
@@ -113,7 +118,10 @@ def _rule(detail: ErrorDetails, keys: tuple[int | str, ...]) -> str:
         return "is missing"
     if detail["type"] == "value_error":
         return str(detail["ctx"]["error"])
-    message = detail["msg"][0].lower() + detail["msg"][1:]
+    if detail["type"] == "too_short":
+        least = detail["ctx"]["min_length"]
+        return f"must have at least {least} entries, got {_shown(detail['input'])}"
+    message = _IN_TOML.get(detail["type"]) or detail["msg"][0].lower() + detail["msg"][1:]
     return f"{message}, got {_shown(detail['input'])}"
 
 

@@ -41,6 +41,8 @@ class Trajectory:
             array = np.array(getattr(self, field.name), dtype=float)
             array.setflags(write=False)
             object.__setattr__(self, field.name, array)
+        if self.t.ndim != 1:
+            raise ValueError(f"'t' must have one dimension, got {self.t.ndim}.")
         n = len(self.t)
         for name, width in _WIDTHS.items():
             shape = getattr(self, name).shape
@@ -53,6 +55,10 @@ class Trajectory:
         norms = np.linalg.norm(self.q_world_body_wxyz, axis=1)
         if n and np.abs(norms - 1).max() > self.UNIT_NORM_SLACK:
             raise ValueError("'q_world_body_wxyz' must have unit norm.")
+
+    def __reduce__(self) -> tuple[type["Trajectory"], tuple[FloatArray, ...]]:
+        """Unpickled by construction: NumPy's own way gives arrays that can be written to."""
+        return Trajectory, tuple(getattr(self, field.name) for field in fields(self))
 
     @property
     def R_world_body(self) -> Rotation:
