@@ -1,0 +1,20 @@
+"""Names of pages and of places in them."""
+
+from urllib.parse import quote
+
+
+def scene_page(name: str) -> str:
+    """A scene's page, relative to the report's folder."""
+    return f"scenes/{quote(name)}.html"
+
+
+def method_anchor(engine: str, method: str) -> str:
+    """The place of a method's verdict on a scene's page."""
+    return ":".join(("method", _plain(engine), _plain(method)))
+
+
+def _plain(text: str) -> str:
+    """ASCII letters, digits, - and _ as they are, anything else by its code point."""
+    return "".join(
+        c if c.isascii() and (c.isalnum() or c in "-_") else f".{ord(c):x}." for c in text
+    )

@@ -1,0 +1,72 @@
+"""The heavy symmetric top as a particle in a well: V_eff(β) and the line of its energy."""
+
+import math
+
+import numpy as np
+
+from ..reference.lagrangian import (
+    LagrangeTop,
+    effective_potential,
+    lagrange_top,
+    nutation_bounds,
+)
+from ..reference.pose import pose
+from ..reference.symmetry import is_undriven
+from ..scenarios import Scenario
+from .plot import INK, REFERENCE_WIDTH, Figure, Panel, Range, layout, line
+
+#: The well is drawn this far beyond the turning points, in widths of it; no narrower than this.
+BEYOND, NARROWEST = 0.6, math.radians(6.0)
+POINTS = 400
+#: Room below the bottom of the well and above the energy, in depths of the well.
+BELOW, ABOVE = 0.25, 1.2
+#: A well without depth, as in steady precession, is drawn as deep as this times M g l.
+SHALLOWEST = 0.02
+
+
+def potential(scenario: Scenario) -> Figure | None:
+    """V_eff over the tilt with E′ and the turning points; None for any other motion."""
+    problem = pose(scenario)
+    top = lagrange_top(problem)
+    if top is None or not is_undriven(problem):
+        return None
+    low, high = nutation_bounds(top)
+    energy = float(top.E_prime)
+    margin = max(BEYOND * (high - low), NARROWEST)
+    tilts = np.linspace(max(0.0, low - margin), min(math.pi, high + margin), POINTS)
+    heights = effective_potential(top, tilts)
+    drawn, lowest = np.degrees(tilts), int(np.argmin(heights))
+    ends = np.degrees([low, high])
+    traces = [
+        line(drawn, heights, 1, line={"color": INK, "width": 2}, name="V_eff"),
+        line(ends, np.full(2, energy), 1, line={"color": INK, "width": REFERENCE_WIDTH}),
+        line(ends, np.full(2, energy), 1, mode="markers", marker={"color": INK, "size": 9}),
+        line(
+            drawn[[0, -1]],
+            np.full(2, energy),
+            1,
+            line={"color": INK, "width": 1, "dash": "dot"},
+            name="E′",
+        ),
+    ]
+    panel = Panel(
+        x_title="tilt β from the upward vertical, °",
+        y_title="V<sub>eff</sub>, J",
+        x_range=(float(drawn[0]), float(drawn[-1])),
+        y_range=_heights(top, energy, float(heights.min())),
+    )
+    laid_out = layout([[panel]], height=400)
+    laid_out["annotations"] += [
+        {"text": "E′", "x": float(drawn[-1]), "y": energy, "xanchor": "right"} | _ABOVE_LINE,
+        {"text": "V<sub>eff</sub>", "x": float(drawn[lowest]), "y": float(heights[lowest])}
+        | _ABOVE_LINE,
+    ]
+    return {"data": traces, "layout": laid_out}
+
+
+_ABOVE_LINE = {"yanchor": "bottom", "showarrow": False}
+
+
+def _heights(top: LagrangeTop, energy: float, bottom: float) -> Range:
+    depth = max(energy - bottom, SHALLOWEST * float(top.kappa))
+    return bottom - BELOW * depth, energy + ABOVE * depth

@@ -1,0 +1,32 @@
+"""The protocol's numbers, for the report to print: read from the code that uses them."""
+
+from ..engines.read_back import READ_BACK_SLACK, READ_BACK_SLACK_SINGLE
+from ..reference.solution import MAX_UNCERTAINTY
+from . import cost, descent, ladder, verdict, workers
+from .wording import count, number
+
+
+def constants() -> dict[str, str]:
+    """Name and printed value of every number that the protocol mentions."""
+    return {
+        "coarsest_turn": number(ladder.COARSEST_TURN),
+        "max_steps": count(ladder.MAX_STEPS),
+        "min_rungs": str(ladder.MIN_RUNGS),
+        "goal": number(descent.GOAL),
+        "least_rungs": str(descent.LEAST_RUNGS),
+        "absurd_energy": f"{descent.ABSURD_ENERGY:g}",
+        "order_slack": f"{verdict.ORDER_SLACK:g}",
+        "above_uncertainty": f"{verdict.ABOVE_UNCERTAINTY:g}",
+        "asymptotic": f"{verdict.ASYMPTOTIC:g}",
+        "fitted_rungs": str(verdict.FITTED_RUNGS),
+        "sharp": f"{verdict.SHARP:g}",
+        "settling_order": f"{verdict.SETTLING_ORDER:g}",
+        "time_limit": f"{workers.TIME_LIMIT:g}",
+        "stretch_ms": f"{1e3 * cost.STRETCH:g}",
+        "repeats": str(cost.REPEATS),
+        "warm_up": count(cost.WARM_UP),
+        "timed_turn": number(cost.TIMED_TURN),
+        "max_uncertainty": number(MAX_UNCERTAINTY),
+        "read_back": number(READ_BACK_SLACK),
+        "read_back_single": number(READ_BACK_SLACK_SINGLE),
+    }

@@ -1,0 +1,116 @@
+"""Writes the report: an overview, a page a scene, and the same as Markdown."""
+
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup
+
+from . import overview, scene_tables
+from .figures import figures
+from .gather import Gathered, SceneRuns, gather
+from .links import scene_page
+from .markdown import code_block, escaped, to_html
+from .protocol import constants
+from .store import Results
+from .tables import VERDICTS
+
+TEMPLATES = Path(str(files(__package__))) / "templates"
+STYLE, SCRIPT, PLOTLY = "style.css", "figures.js", "plotly.min.js"
+#: What calls for attention, what is merely a limit of the method, and what was never tried.
+COMPLAINTS = (("disagrees", "failed"), ("diverges", "unresolved"), ("unsupported",))
+
+
+def render(results: Results, folder: Path) -> Path:
+    """Write index.html, scenes/*.html, report.md and assets/; returns index.html.
+
+    The same results give the same files, byte for byte.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be written.
+    """
+    gathered = gather(results)
+    environment = _environment()
+    protocol = environment.get_template("protocol.md").render(p=constants())
+    (folder / "scenes").mkdir(parents=True, exist_ok=True)
+    _write_assets(folder / "assets")
+    shared = {"gathered": gathered, **_overview(gathered), "protocol": protocol}
+    index = folder / "index.html"
+    _write(index, environment.get_template("index.html").render(root="", **shared))
+    contents = [_scene(scene) for scene in gathered.scenes]
+    page = environment.get_template("scene.html")
+    for k, (scene, content) in enumerate(zip(gathered.scenes, contents, strict=True)):
+        around = {
+            "previous": gathered.scenes[k - 1] if k else None,
+            "following": gathered.scenes[k + 1] if k + 1 < len(gathered.scenes) else None,
+        }
+        text = page.render(root="../", figures=figures(scene), **content, **around)
+        _write(folder / "scenes" / f"{scene.name}.html", text)
+    report = environment.get_template("report.md").render(scenes=contents, **shared)
+    _write(folder / "report.md", report)
+    return index
+
+
+def _environment() -> Environment:
+    environment = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=select_autoescape(["html"]),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters |= {
+        "markdown": lambda text: Markup(to_html(text)),
+        "md": escaped,
+        "code_block": code_block,
+        "page": scene_page,
+    }
+    return environment
+
+
+def _overview(gathered: Gathered) -> dict[str, Any]:
+    return {
+        "headline": overview.headline(gathered),
+        "counts": overview.counts(gathered),
+        "matrix": overview.matrix(gathered),
+        "methods": overview.methods_table(gathered),
+        "complaints": [overview.complaints(gathered, words) for words in COMPLAINTS],
+        "environment": overview.environment_table(gathered),
+        "verdict_words": VERDICTS,
+    }
+
+
+def _scene(scene: SceneRuns) -> dict[str, Any]:
+    """Everything that the HTML page and the Markdown section of a scene both show."""
+    content: dict[str, Any] = {
+        "scene": scene,
+        "verdicts": scene_tables.verdict_table(scene),
+        "runs": scene_tables.runs_table(scene),
+    }
+    if scene.found is not None:
+        content |= {
+            "effects": scene_tables.effects_table(scene.found.scenario),
+            "truth": scene_tables.truth_table(scene.found),
+            "facts": scene_tables.facts_table(scene.found),
+            "accuracy": scene_tables.accuracy_table(scene),
+            "drifts": scene_tables.drifts_table(scene),
+            "observables": scene_tables.observables_table(scene),
+        }
+    return content
+
+
+def _write_assets(folder: Path) -> None:
+    from plotly.offline import get_plotlyjs
+
+    folder.mkdir(exist_ok=True)
+    _write(folder / PLOTLY, get_plotlyjs())
+    for name in (STYLE, SCRIPT):
+        _write(folder / name, (TEMPLATES / name).read_text(encoding="utf-8"))
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", newline="\n")
