@@ -23,6 +23,9 @@ ASYMPTOTIC = 0.1
 FITTED_RUNGS = 3
 #: A limit known no better than this says nothing, relative (ω) or in rad (attitude).
 SHARP = 1e-2
+#: A limit is another one if it is this many times further from the truth than it is known to be;
+#: up to there a finer rung has to tell: it halves what the limit is known to, at the least.
+DISTINCT = 4.0
 #: Differences between rungs must at least shrink like dt to this power for a ladder to settle.
 SETTLING_ORDER = 0.5
 
@@ -116,7 +119,8 @@ def _weigh(found: _Found) -> Judgement:
     limit = f"the limit dt → 0 is {found.limit_error:.1e} off, known to {found.allowance:.1e}"
     if sharp and at_limit and in_order:
         return Judgement("converges", f"{_order_words(found)}; {limit}", *numbers)
-    if sharp and not at_limit and _settles(found.moves):
+    elsewhere = found.limit_error > DISTINCT * found.allowance
+    if sharp and elsewhere and _settles(found.moves):
         return Judgement("disagrees", f"settles elsewhere: {limit}", *numbers)
     needed = _needed_timestep(found)
     reason = (
