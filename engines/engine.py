@@ -188,9 +188,9 @@ class Engine(ABC):
             return ended("unsupported", str(error))
         except EngineError as error:
             return ended("failed", str(error))
-        known = {
+        known: dict[str, object] = {
             "trajectory": _trajectory(states, np.asarray(sample_steps * timestep, dtype=float)),
-            "steps": int(sample_steps[len(states) - 1]),
+            "steps": int(sample_steps[len(states) - 1]) if states else 0,
             "active": active,
         }
         if outcome != "ok":
@@ -237,7 +237,9 @@ def _clamped_turn(method: Method, timestep: float, omega_body: FloatArray) -> st
     )
 
 
-def _trajectory(states: Sequence[State], times: FloatArray) -> Trajectory:
+def _trajectory(states: Sequence[State], times: FloatArray) -> Trajectory | None:
+    if not states:
+        return None
     columns = {name: np.array([getattr(s, name) for s in states]) for name in vars(states[0])}
     return Trajectory(t=times[: len(states)], **columns)
 

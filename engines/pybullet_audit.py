@@ -66,11 +66,8 @@ def _holds(model: Model) -> set[str]:
 
 
 def _extras(model: Model) -> set[str]:
-    """Shapes that can collide, motors that push, bodies that move."""
+    """Shapes that can collide, and bodies that move."""
     found = set()
-    for joint in range(p.getNumJoints(model.body, model.client)):
-        if any(p.getJointStateMultiDof(model.body, joint, model.client)[3]):
-            found.add("a joint motor")
     for index in range(p.getNumBodies(model.client)):
         body = p.getBodyUniqueId(index, model.client)
         if body != model.body and p.getDynamicsInfo(body, BASE, model.client)[0]:

@@ -88,11 +88,10 @@ def _load_urdf(
 ) -> int:
     """Load a model with its frame's origin at `position` (3,) m; PyBullet's number for it.
 
-    The pose is given here, not set after: a rigid body keeps the inertia it was loaded with, in
-    world axes, until the end of its first step.
+    A world keeps a file it has read by its name: this one must not have read another. The pose is
+    given here, not set after: a rigid body keeps the inertia it was loaded with, in world axes,
+    until the end of its first step.
     """
-    # Files are kept by name otherwise, and the next one of that name is not read.
-    p.setPhysicsEngineParameter(enableFileCaching=0, physicsClientId=client)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "top.urdf")
         file.write_text(text, encoding="utf-8")

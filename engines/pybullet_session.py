@@ -34,18 +34,18 @@ class PyBulletSession(Session):
 
     def __init__(self, scenario: Scenario, holding: Holding, timestep: float) -> None:
         self._scenario = scenario
-        self.client, self._model = _open(scenario, holding)
-        self._tied = scenario.has_pivot and self._model.link == BASE
-        self._torques, self._at_once = _torques(self._model, scenario)
+        self.client, self.model = _open(scenario, holding)
+        self._tied = scenario.has_pivot and self.model.link == BASE
+        self._torques, self.at_once = _torques(self.model, scenario)
         self.set_timestep(timestep)
 
     def read_body(self) -> BodyReading:
         """Mass, com and tensor as PyBullet holds them."""
-        return self._model.read_body()
+        return self.model.read_body()
 
     def read_state(self) -> State:
         """The state now."""
-        return self._model.read_state()
+        return self.model.read_state()
 
     def set_timestep(self, timestep: float) -> None:
         """Length of the steps from now on, s."""
@@ -57,7 +57,7 @@ class PyBulletSession(Session):
 
         A call of k steps is told k · dt and divides by k; with k a power of two both are exact.
         """
-        if self._at_once:
+        if self.at_once:
             for chunk in _powers_of_two(steps):
                 self._step(chunk)
         else:
@@ -88,13 +88,13 @@ class PyBulletSession(Session):
         fastest = np.abs([state.omega_body, state.velocity_world]).max()
         if fastest >= UNREACHED_VELOCITY:
             raise EngineError(f"PyBullet clamps velocities at {UNREACHED_VELOCITY:g}")
-        arm = float(np.linalg.norm(self._model.com))
-        if self._tied and self._model.drift() > arm > 0:
-            raise EngineError(f"the pivot gave way by {self._model.drift():.3g} m")
+        arm = float(np.linalg.norm(self.model.com))
+        if self._tied and self.model.drift() > arm > 0:
+            raise EngineError(f"the pivot gave way by {self.model.drift():.3g} m")
 
     def active(self) -> frozenset[str]:
         """What acts, read back and felt: see `pybullet_audit`."""
-        return what_acts(self, self._model, self._scenario)
+        return what_acts(self, self.model, self._scenario)
 
     def close(self) -> None:
         """Free the world."""

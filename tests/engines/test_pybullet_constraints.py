@@ -1,0 +1,85 @@
+"""A pivot as a constraint: how well it is solved, and when it gives way."""
+
+import numpy as np
+import pybullet as p
+import pytest
+from pybullet_planted import (
+    BY_CONSTRAINT,
+    ENGINE,
+    MAXIMAL,
+    TIMESTEP,
+    leave_out,
+    opened,
+)
+from scenes import PIVOT, SCENES, SKEW_GRAVITY, scene
+from spincheck.engines import EngineError, Method
+
+EPS = np.finfo(float).eps
+
+
+# Constraints
+
+
+def test_a_constraint_that_is_taken_away_is_noticed() -> None:
+    with opened(SCENES["heavy-tilted"], BY_CONSTRAINT) as session:
+        session.advance(1)
+        session.check()
+        p.removeConstraint(p.getConstraintUniqueId(0, session.client), session.client)
+        session.advance(1000)
+        with pytest.raises(EngineError, match="the pivot gave way by"):
+            session.check()
+        assert "pivot" not in session.active()
+
+
+HEAVY = """
+mass = 1e5
+inertia = [1e5, 2e5, 2.5e5]
+com = [0.0, 0.0, 1.0]
+"""
+
+
+def outcome_of_the_heavy_one(method: Method) -> str:
+    heavy = scene("heavy", body=HEAVY, effects=PIVOT + SKEW_GRAVITY)
+    return ENGINE.run(heavy, method, 0.01, np.arange(0, 101, 10)).outcome
+
+
+def test_a_multibodys_constraint_bears_any_load(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert outcome_of_the_heavy_one(BY_CONSTRAINT) == "ok"
+    leave_out(monkeypatch, "changeConstraint", "maxForce")
+    assert outcome_of_the_heavy_one(BY_CONSTRAINT) == "diverged"
+
+
+def test_a_rigid_bodys_gives_way_beyond_500_newton_seconds_a_step() -> None:
+    assert outcome_of_the_heavy_one(MAXIMAL) == "diverged"
+
+
+#: m r² / I of the slender one: by so much its constraint is stiffer along its arm than across.
+STIFFNESS = 500
+SLENDER = """
+mass = 1.0
+inertia = [1e-3, 2e-3, 2.5e-3]
+com = [0.3, 0.4, 0.5]
+"""
+
+
+def slip(method: Method) -> float:
+    """Velocity that the first step leaves where the pivot was as it began, over the com's."""
+    slender = scene("slender", body=SLENDER, effects=PIVOT + SKEW_GRAVITY)
+    with opened(slender, method) as session:
+        arm_world = session.read_state().com_world
+        session.advance(1)
+        velocity_world, omega_world = p.getBaseVelocity(session.model.body, session.client)
+        left_over = np.array(velocity_world) - np.cross(omega_world, arm_world)
+        return float(np.linalg.norm(left_over) / np.linalg.norm(velocity_world))
+
+
+@pytest.mark.parametrize("method", [BY_CONSTRAINT, MAXIMAL], ids=lambda method: method.name)
+def test_a_constraint_is_solved_to_round_off(method: Method) -> None:
+    assert slip(method) <= STIFFNESS * EPS
+
+
+@pytest.mark.parametrize("method", [BY_CONSTRAINT, MAXIMAL], ids=lambda method: method.name)
+def test_by_the_default_solver_it_is_not(method: Method, monkeypatch: pytest.MonkeyPatch) -> None:
+    leave_out(monkeypatch, "setPhysicsEngineParameter", "constraintSolverType")
+    # Of the order of what gravity gains in a step: it is hardly solved at all.
+    assert slip(method) > TIMESTEP
