@@ -46,12 +46,13 @@ def axis_path(found: SceneResult, compared: tuple[Compared, ...]) -> Figure:
         traces.append(solid.curve(points, look))
         traces.append(line(points[:, 0], points[:, 1], 1, **look))
         traces.append(line(*_unrolled(points), 2, **look))
+    azimuth, tilt = _unrolled(exact)
     traces += [
         solid.dot(exact[0]),
         start_dot(exact[0, 0], exact[0, 1], 1),
-        start_dot(*(angles[0] for angles in _unrolled(exact)), 2),
+        start_dot(azimuth[0], tilt[0], 2),
     ]
-    figure = {"data": traces, "layout": layout([_panels(exact)], height=460)}
+    figure: Figure = {"data": traces, "layout": layout([_panels(exact)], height=460)}
     figure["layout"]["scene"] = solid.view(exact.mean(axis=0), GLOBE)
     return figure
 

@@ -44,7 +44,8 @@ class MethodRuns:
         """The run to draw: the finest that ended well, else the finest with any samples."""
         sampled = [row for row in self.rows if row.motion is not None and len(row.motion.t)]
         finished = [row for row in sampled if row.outcome == "ok"]
-        return (finished or sampled or [None])[-1]
+        drawn = finished or sampled
+        return drawn[-1] if drawn else None
 
 
 @dataclass(frozen=True, eq=False)

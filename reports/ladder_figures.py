@@ -9,7 +9,6 @@ import numpy as np
 from ..scenarios import FloatArray
 from .gather import MethodRuns, SceneRuns
 from .plot import (
-    OFF_THE_CHART,
     Figure,
     Panel,
     Range,
@@ -28,6 +27,8 @@ SIGNALS = {"omega": "ω error, relative", "attitude": "attitude error, rad"}
 HEADINGS = {"omega": "Angular velocity", "attitude": "Attitude"}
 #: A guide runs beside its curve: this factor below it, and over this factor of timesteps.
 GUIDE_BELOW, GUIDE_SPAN = 4.0, 8.0
+#: Enough that a guide ends close to where it is cut.
+GUIDE_POINTS = 25
 #: Room beside the outermost points of a log axis, as a factor.
 BESIDE = 1.5
 
@@ -164,19 +165,20 @@ def _guides(scene: SceneRuns, signal: str, k: int) -> Iterator[Trace]:
 
 def _readable(scene: SceneRuns, row: Row, signal: str) -> bool:
     error = float(getattr(row.errors, signal))
-    return ABOVE_UNCERTAINTY * getattr(scene.uncertainty(row), signal) < error < ASYMPTOTIC
+    uncertainty = float(getattr(scene.uncertainty(row), signal))
+    return ABOVE_UNCERTAINTY * uncertainty < error < ASYMPTOTIC
 
 
 def _guide(anchor: tuple[float, float], order: int, scene: SceneRuns, signal: str, k: int) -> Trace:
     assert scene.found is not None, "a guide runs beside a curve of errors"
     floor = float(getattr(scene.found.solution.uncertainty, signal))
+    taken = [row.timestep for runs in scene.methods for row in runs.rows if row.errors]
     timestep, error = anchor
-    timesteps = timestep * np.geomspace(GUIDE_SPAN, 1 / GUIDE_SPAN, num=13)
+    timesteps = timestep * np.geomspace(GUIDE_SPAN, 1 / GUIDE_SPAN, num=GUIDE_POINTS)
     errors = error / GUIDE_BELOW * (timesteps / timestep) ** order
-    inside = (errors > floor) & (errors < OFF_THE_CHART)
+    inside = (errors > floor) & (min(taken) <= timesteps) & (timesteps <= max(taken))
     timesteps, errors = timesteps[inside], errors[inside]
-    labels = [""] * len(errors)
-    labels[-1:] = [f"order {order}"]
+    labels = [*[""] * (len(errors) - 1), f"order {order}"]
     return line(
         timesteps,
         errors,

@@ -10,10 +10,11 @@ from .gather import Gathered, MethodRuns, SceneRuns
 from .links import method_anchor, scene_page
 from .records import Verdict
 from .tables import VERDICTS, Cell, Table, figure, table, verdict_cell
+from .verdict import VerdictWord
 from .wording import NOTHING, number, order, plural
 
 #: How the headline says each verdict, of one and of several.
-_SAID = {
+_SAID: dict[VerdictWord, tuple[str, str]] = {
     "converges": ("converges to the exact motion", "converge to the exact motion"),
     "disagrees": ("settles on a wrong one", "settle on a wrong one"),
     "failed": ("failed", "failed"),
@@ -98,7 +99,7 @@ def methods_table(gathered: Gathered) -> Table:
     return table(headings, [_method_row(pair, gathered) for pair in gathered.pairs])
 
 
-def complaints(gathered: Gathered, words: Iterable[str]) -> Table:
+def complaints(gathered: Gathered, words: Iterable[VerdictWord]) -> Table:
     """Every verdict out of `words`, and every broken promise, with its reason."""
     wanted = list(words)
     rows = []
@@ -155,9 +156,9 @@ def _method_row(pair: tuple[str, str], gathered: Gathered) -> list[Cell | str]:
     ]
     timed = [seconds for seconds in steps if seconds is not None]
     return [
-        engine,
+        Cell(engine, "name"),
         ", ".join(versions),
-        Cell(method, "method", declared.summary if declared else ""),
+        Cell(method, "name", declared.summary if declared else ""),
         figure(_declared_orders(declared)),
         *(
             Cell(str(counts[word]), f"number {word if counts[word] else 'none'}")
@@ -180,8 +181,8 @@ def _complaint(scene: SceneRuns, runs: MethodRuns, verdict: Verdict) -> list[Cel
     link = f"{page}#{method_anchor(runs.engine, runs.method)}"
     return [
         Cell(scene.name, "scene", "", page),
-        runs.engine,
-        runs.method,
+        Cell(runs.engine, "name"),
+        Cell(runs.method, "name"),
         verdict_cell(verdict.verdict, "promise broken" if verdict.broken else "", link),
         reason_of(verdict),
     ]

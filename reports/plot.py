@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..scenarios import FloatArray
 from .looks import Look
@@ -147,14 +148,9 @@ def packed(values: FloatArray) -> dict[str, str]:
     return {"dtype": "f4", "bdata": base64.b64encode(single.tobytes()).decode("ascii")}
 
 
-def unpacked(spec: dict[str, str]) -> FloatArray:
-    """The array in a packed one."""
-    return np.frombuffer(base64.b64decode(spec["bdata"]), dtype="<f4").astype(float)
-
-
-def thinned(n: int) -> FloatArray:
+def thinned(n: int) -> NDArray[np.intp]:
     """Indices of at most `MOST_SAMPLES` samples out of n, first and last among them."""
-    return np.unique(np.linspace(0, n - 1, min(n, MOST_SAMPLES)).astype(int))
+    return np.unique(np.linspace(0, n - 1, min(n, MOST_SAMPLES)).astype(np.intp))
 
 
 def peaks(values: FloatArray) -> FloatArray:

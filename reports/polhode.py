@@ -52,7 +52,7 @@ def polhode(found: SceneResult, compared: tuple[Compared, ...]) -> Figure | None
         traces.append(solid.curve(found_points[:, :3], look))
         traces.append(line(found_points[:, 3], found_points[:, 4], 1, **look))
     traces += [solid.dot(exact[0, :3]), start_dot(exact[0, 3], exact[0, 4], 1)]
-    figure = {"data": traces, "layout": layout([[_panel(exact[:, 3:])]], height=500)}
+    figure: Figure = {"data": traces, "layout": layout([[_panel(exact[:, 3:])]], height=500)}
     figure["layout"]["scene"] = solid.view(exact[:, :3].mean(axis=0), ELLIPSOID)
     return figure
 

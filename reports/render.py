@@ -14,12 +14,16 @@ from .links import scene_page
 from .markdown import code_block, escaped, to_html
 from .protocol import constants
 from .store import Results
-from .tables import VERDICTS
+from .verdict import VerdictWord
 
 TEMPLATES = Path(str(files(__package__))) / "templates"
 STYLE, SCRIPT, PLOTLY = "style.css", "figures.js", "plotly.min.js"
 #: What calls for attention, what is merely a limit of the method, and what was never tried.
-COMPLAINTS = (("disagrees", "failed"), ("diverges", "unresolved"), ("unsupported",))
+COMPLAINTS: tuple[tuple[VerdictWord, ...], ...] = (
+    ("disagrees", "failed"),
+    ("diverges", "unresolved"),
+    ("unsupported",),
+)
 
 
 def render(results: Results, folder: Path) -> Path:
@@ -80,7 +84,6 @@ def _overview(gathered: Gathered) -> dict[str, Any]:
         "methods": overview.methods_table(gathered),
         "complaints": [overview.complaints(gathered, words) for words in COMPLAINTS],
         "environment": overview.environment_table(gathered),
-        "verdict_words": VERDICTS,
     }
 
 

@@ -44,7 +44,7 @@ def truth_table(found: SceneResult) -> Table:
         (ERROR_HEADINGS[name], figure(number(value)), figure(number(growth[name])))
         for name, value in found.solution.uncertainty
     ]
-    return table(("signal", "uncertainty", "of one ulp in the start"), rows)
+    return table(("signal", "uncertainty", "what one ulp in the start does"), rows)
 
 
 def facts_table(found: SceneResult) -> Table:
@@ -81,7 +81,7 @@ def accuracy_table(scene: SceneRuns) -> Table:
         headings += [f"timestep for ω to {number(target)}, s", "CPU s a simulated s"]
     rows = []
     for runs in scene.methods:
-        row: list[Cell | str] = [runs.engine, runs.method]
+        row: list[Cell | str] = list(_named(runs))
         for target in TARGETS:
             reached = _coarsest_within(runs, target)
             row.append(figure(number(reached.timestep) if reached else "not reached"))
@@ -97,8 +97,7 @@ def drifts_table(scene: SceneRuns) -> Table | None:
     shown = [(runs, runs.shown) for runs in scene.methods]
     rows = [
         (
-            runs.engine,
-            runs.method,
+            *_named(runs),
             figure(number(row.timestep)),
             *(figure(number(row.drifts.get(law.name))) for law in laws),
         )
@@ -146,7 +145,7 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
     verdict = runs.verdict
     if verdict is None:
         nothing = [figure(NOTHING)] * 5
-        return [runs.engine, runs.method, Cell("no verdict", "absent"), *nothing, "stopped early"]
+        return [*_named(runs), Cell("no verdict", "absent"), *nothing, "stopped early"]
     decided = {"omega": "ω", "attitude": "attitude"}[verdict.signal]
     uncertainty = 0.0
     if scene.found is not None:
@@ -156,8 +155,7 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
         orders = {"omega": runs.declared.order, "attitude": runs.declared.attitude_order}
         declared = str(orders[verdict.signal])
     return [
-        runs.engine,
-        runs.method,
+        *_named(runs),
         verdict_cell(verdict.verdict),
         figure(order(verdict.order)),
         figure(declared),
@@ -166,6 +164,10 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
         figure(number(verdict.limit_estimate)),
         reason_of(verdict),
     ]
+
+
+def _named(runs: MethodRuns) -> tuple[Cell, Cell]:
+    return Cell(runs.engine, "name"), Cell(runs.method, "name")
 
 
 def _coarsest_within(runs: MethodRuns, target: float) -> Row | None:
@@ -181,7 +183,7 @@ def _coarsest_within(runs: MethodRuns, target: float) -> Row | None:
 def _observables_row(scenario: Scenario, run: Compared, names: list[str]) -> list[Cell | str]:
     seen = {found.name: found.value for found in observables(scenario, run.motion)}
     cells = [figure(observed(seen[name]) if name in seen else NOTHING) for name in names]
-    return [run.runs.engine, run.runs.method, *cells]
+    return [*_named(run.runs), *cells]
 
 
 def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:
@@ -191,8 +193,8 @@ def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:
     when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
     outcome = f"{row.outcome}{when}" + (f": {row.reason}" if row.reason else "")
     return [
-        row.key.engine,
-        row.key.method,
+        Cell(row.key.engine, "name"),
+        Cell(row.key.method, "name"),
         figure(number(row.timestep) if row.timestep else NOTHING),
         figure(count(row.steps)),
         *(figure(error) for error in errors),

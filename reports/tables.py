@@ -3,10 +3,19 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from .verdict import VerdictWord
+
 #: Verdicts in the order in which they are counted and listed.
-VERDICTS = ("converges", "disagrees", "failed", "diverges", "unresolved", "unsupported")
+VERDICTS: tuple[VerdictWord, ...] = (
+    "converges",
+    "disagrees",
+    "failed",
+    "diverges",
+    "unresolved",
+    "unsupported",
+)
 #: A sign beside each verdict's word: colour is never the only difference.
-SIGNS = {
+SIGNS: dict[VerdictWord, str] = {
     "converges": "✓",
     "disagrees": "✗",
     "failed": "!",
@@ -57,6 +66,6 @@ def figure(text: str) -> Cell:
     return Cell(text, "number")
 
 
-def verdict_cell(word: str, detail: str = "", link: str = "") -> Cell:
+def verdict_cell(word: VerdictWord, detail: str = "", link: str = "") -> Cell:
     """A verdict's word with its sign, in its colour."""
     return Cell(f"{SIGNS[word]} {word}", word, detail, link)

@@ -36,7 +36,7 @@
       tickcolor: colour("--muted"),
       ticklen: 4,
       automargin: true,
-      title: { standoff: 8 },
+      title: { standoff: 8, font: { size: 13 } },
     };
     return {
       layout: {

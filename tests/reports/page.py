@@ -1,0 +1,89 @@
+"""Reads a page of the report as a browser would, and complains where one would have to guess."""
+
+from dataclasses import dataclass, field
+from html.parser import HTMLParser
+from pathlib import Path
+
+#: Elements without an end tag.
+VOID = {"meta", "link", "br", "hr", "img", "input"}
+
+
+@dataclass
+class Element:
+    """A tag with its attributes, the text inside it, and the elements it is in."""
+
+    tag: str
+    attributes: dict[str, str]
+    within: tuple[str, ...]
+    text: str = ""
+
+
+@dataclass
+class Page:
+    """Every element of a page in order, and what is wrong with it."""
+
+    path: Path
+    elements: list[Element] = field(default_factory=list)
+    faults: list[str] = field(default_factory=list)
+
+    def all(self, tag: str) -> list[Element]:
+        """The elements of that tag."""
+        return [element for element in self.elements if element.tag == tag]
+
+    def attribute(self, name: str) -> list[str]:
+        """Every value of an attribute."""
+        return [e.attributes[name] for e in self.elements if name in e.attributes]
+
+    def tables(self) -> list[list[list[str]]]:
+        """The texts of every table's cells, row by row."""
+        tables: list[list[list[str]]] = []
+        for element in self.elements:
+            if element.tag == "table":
+                tables.append([])
+            elif element.tag == "tr":
+                tables[-1].append([])
+            elif element.tag in ("td", "th"):
+                tables[-1][-1].append(element.text)
+        return tables
+
+
+def read_page(path: Path) -> Page:
+    """Parse a page."""
+    parser = _Parser(Page(path))
+    parser.feed(path.read_text(encoding="utf-8"))
+    parser.close()
+    parser.page.faults += [f"<{element.tag}> is never closed" for element in parser.open]
+    return parser.page
+
+
+class _Parser(HTMLParser):
+    def __init__(self, page: Page) -> None:
+        super().__init__(convert_charrefs=True)
+        self.page = page
+        self.open: list[Element] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        names = [name for name, _ in attrs]
+        if len(set(names)) < len(names):
+            self.page.faults.append(f"<{tag}> has an attribute twice")
+        element = Element(
+            tag, {name: value or "" for name, value in attrs}, tuple(e.tag for e in self.open)
+        )
+        self.page.elements.append(element)
+        if tag not in VOID:
+            self.open.append(element)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        if not self.open or self.open[-1].tag != tag:
+            self.page.faults.append(f"</{tag}> closes nothing")
+            return
+        self.open.pop()
+
+    def handle_data(self, data: str) -> None:
+        for element in self.open:
+            element.text += data
