@@ -63,6 +63,10 @@ class Scenario:
     body: Body
     start: Start
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Unpickled by building it anew: mpmath would round its numbers to double precision."""
+        return build, (self.document, self.name, self.text, self.path)
+
     @cached_property
     def digest(self) -> str:
         """SHA-256 of the file's text, hexadecimal: tells whether a result is of this scene."""
