@@ -1,0 +1,138 @@
+"""The four errors, on motions whose error is known because it was put there."""
+
+import numpy as np
+import pytest
+from scene_texts import scene
+from scipy.spatial.transform import Rotation
+from spincheck.scenarios import Trajectory, error_series, errors_between
+
+EPS = np.finfo(float).eps
+ROUNDED = 32 * EPS
+PIVOT = "[effects.pivot]\n"
+GRAVITY = "[effects.gravity]\nacceleration = [0.0, 0.0, -10.0]\n"
+T = np.linspace(0, 1, 11)
+STILL = np.zeros((11, 3))
+
+
+def always(*vector):
+    """The same vector at every sample."""
+    return np.tile(np.array(vector, dtype=float), (11, 1))
+
+
+def spinning(rate=4.0, ahead=0.0, **changes):
+    """Rotation about z, the axis of moment 2.5, by an angle `ahead` of where it should be."""
+    angles = rate * T + ahead
+    columns = {
+        "t": T,
+        "q_world_body_wxyz": Rotation.from_rotvec(angles[:, None] * [0, 0, 1.0]).as_quat(
+            scalar_first=True
+        ),
+        "omega_body": always(0, 0, rate),
+        "com_world": STILL,
+        "velocity_world": STILL,
+    }
+    return Trajectory(**{**columns, **changes})
+
+
+TRUTH = spinning()
+MADE = scene()
+
+
+def test_the_truth_agrees_with_itself():
+    assert set(dict(errors_between(MADE, TRUTH, TRUTH)).values()) == {0.0}
+
+
+def test_a_rate_off_by_a_hundredth_is_off_by_a_hundredth():
+    """ω and L by 0.01, energy by 2 · 0.01 + 0.01², attitude by 0.04 rad after a second."""
+    errors = errors_between(MADE, spinning(4.04), TRUTH)
+    by_hand = {"omega": 0.01, "attitude": 0.04, "angular_momentum": 0.01, "energy": 0.0201}
+    # The rate 4.04 is itself rounded, and 0.01 is a difference of numbers near 4.
+    assert dict(errors) == pytest.approx(by_hand, abs=ROUNDED)
+
+
+def test_an_attitude_ahead_by_an_angle_is_off_by_that_angle_alone():
+    errors = errors_between(MADE, spinning(ahead=1e-9), TRUTH)
+    assert errors.attitude == pytest.approx(1e-9, abs=ROUNDED)
+    assert errors.omega == errors.energy == 0
+
+
+def test_an_angle_is_found_to_rounding_where_an_arccosine_finds_nothing():
+    cosine = (np.trace(Rotation.from_rotvec([0, 0, 1e-9]).as_matrix()) - 1) / 2
+    assert np.arccos(np.clip(cosine, -1, 1)) != pytest.approx(1e-9, abs=0.5e-9)
+
+
+def test_the_sign_of_a_quaternion_is_no_error():
+    turned = spinning(q_world_body_wxyz=-TRUTH.q_world_body_wxyz)
+    assert errors_between(MADE, turned, TRUTH).attitude < ROUNDED
+
+
+def test_the_largest_attitude_error_is_half_a_turn():
+    assert errors_between(MADE, spinning(ahead=np.pi), TRUTH).attitude == pytest.approx(np.pi)
+
+
+def test_attitudes_are_compared_in_the_body_and_angular_momenta_in_the_world():
+    """Turned a right angle about x: L points along −y, |ΔL|/|L| = √2, and ω is right."""
+    aside = Rotation.from_rotvec([np.pi / 2, 0, 0]) * TRUTH.R_world_body
+    errors = errors_between(
+        MADE, spinning(q_world_body_wxyz=aside.as_quat(scalar_first=True)), TRUTH
+    )
+    assert errors.attitude == pytest.approx(np.pi / 2)
+    assert errors.angular_momentum == pytest.approx(np.sqrt(2))
+    assert errors.omega == errors.energy == 0
+
+
+def test_errors_are_relative_to_the_largest_of_the_truth():
+    """ω runs from 0 to 4: off by 0.1 at the start, where it is zero, is off by 0.1/4."""
+    omega = np.linspace(0, 1, 11)[:, None] * [0, 0, 4.0]
+    truth, off = spinning(omega_body=omega), omega.copy()
+    off[0] = [0.1, 0, 0]
+    errors = errors_between(MADE, spinning(omega_body=off), truth)
+    assert errors.omega == pytest.approx(0.1 / 4, abs=ROUNDED)
+    assert errors.angular_momentum == pytest.approx(0.1 / 10, abs=ROUNDED)
+
+
+def test_energy_is_relative_to_motion_and_weight():
+    """Off by 1 m in height, 20 J, of T = 20 J and 2 kg · 10 m/s² · 3 m."""
+    made = scene(more=GRAVITY)
+    truth = spinning(com_world=always(0, 0, 3.0))
+    errors = errors_between(made, spinning(com_world=always(0, 0, 4.0)), truth)
+    assert errors.energy == pytest.approx(20 / 80, abs=ROUNDED)
+    assert errors.angular_momentum == 0
+
+
+def test_about_a_pivot_the_coms_path_is_angular_momentum():
+    """r × m v = 2 · 3 beside I ω = 10."""
+    made = scene(more=PIVOT)
+    com, velocity = always(1.0, 0, 0), always(0, 3.0, 0)
+    truth = spinning(com_world=com, velocity_world=velocity)
+    errors = errors_between(made, spinning(com_world=com), truth)
+    assert errors.angular_momentum == pytest.approx(6 / 16, abs=ROUNDED)
+
+
+def resting(**changes):
+    columns = {"t": T, "q_world_body_wxyz": always(1, 0, 0, 0), "omega_body": STILL}
+    return Trajectory(**{**columns, "com_world": STILL, "velocity_world": STILL, **changes})
+
+
+def test_at_rest_nothing_is_off():
+    assert set(dict(errors_between(MADE, resting(), resting())).values()) == {0.0}
+
+
+def test_what_moves_though_it_should_rest_is_infinitely_far_off():
+    errors = errors_between(MADE, resting(omega_body=always(0, 0, 1e-9)), resting())
+    assert (errors.omega, errors.angular_momentum, errors.energy) == (np.inf, np.inf, np.inf)
+    assert errors.attitude == 0
+
+
+def test_the_series_tells_when():
+    omega = TRUTH.omega_body.copy()
+    omega[7] += [0, 0, 0.4]
+    series = error_series(MADE, spinning(omega_body=omega), TRUTH)
+    assert int(series.omega.argmax()) == 7
+    assert np.count_nonzero(series.omega) == 1
+    assert series.worst().omega == pytest.approx(0.1, abs=ROUNDED)
+
+
+def test_other_sample_times_are_refused():
+    with pytest.raises(ValueError, match="must be sampled at the same times"):
+        errors_between(MADE, spinning(t=T * 1.0000001), TRUTH)

@@ -1,0 +1,69 @@
+"""Scenes are found by path, by folder and by name."""
+
+import os
+
+import pytest
+from scene_texts import TEXT
+from spincheck.scenarios import LIBRARY, ScenarioError, find, scenario_files
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Two scenes, one of them deeper, and a TOML file of another kind."""
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "one.toml").write_text(TEXT)
+    (tmp_path / "deep" / "two.toml").write_text(TEXT)
+    (tmp_path / "pyproject.toml").write_text("[project]\n")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def stems(paths):
+    return [path.stem for path in paths]
+
+
+def test_a_folder_is_searched_to_the_bottom_and_other_files_are_passed_over(folder):
+    assert stems(scenario_files(folder)) == ["two", "one"]
+
+
+def test_a_file_a_folder_and_a_name_may_be_mixed(folder):
+    assert stems(find(["one.toml", "deep", "tennis-racket"])) == ["one", "two", "tennis-racket"]
+
+
+def test_what_is_named_twice_is_found_once(folder):
+    assert stems(find(["one.toml", os.curdir])) == ["one", "two"]
+
+
+def test_a_folder_of_the_library_is_found_by_its_name(folder):
+    assert find(["free"]) == scenario_files(LIBRARY / "free")
+
+
+def test_with_no_names_it_is_the_whole_library():
+    assert find([]) == scenario_files(LIBRARY)
+    assert len(find([])) > 1
+
+
+def test_a_name_that_is_nothing_is_told_where_to_look(folder):
+    with pytest.raises(
+        ScenarioError, match=r"nothing: neither a file, a folder, nor .* 'spincheck l"
+    ):
+        find(["nothing"])
+
+
+def test_a_folder_without_scenes_is_told(folder):
+    (folder / "empty").mkdir()
+    with pytest.raises(ScenarioError, match="empty: no scenario in this folder"):
+        find(["empty"])
+
+
+def test_two_files_of_one_name_are_told_apart(folder):
+    (folder / "deep" / "one.toml").write_text(TEXT)
+    with pytest.raises(ScenarioError, match=r"another scene has the same name, .*one.toml; rename"):
+        scenario_files(folder)
+
+
+def test_a_file_of_a_library_scenes_name_is_told_only_beside_it(folder):
+    (folder / "sphere.toml").write_text(TEXT)
+    assert stems(find(["sphere.toml"])) == ["sphere"]
+    with pytest.raises(ScenarioError, match="another scene has the same name"):
+        find(["sphere.toml", "free"])

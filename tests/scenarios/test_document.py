@@ -1,0 +1,226 @@
+"""What the format allows and what it refuses; each complaint names the place and the rule."""
+
+import pytest
+from scene_texts import TEXT, changed, scene
+from spincheck.scenarios import ScenarioError, loads
+
+MASS = ("mass = 2.0", "mass = {}")
+INERTIA = ("inertia = [1.0, 2.0, 2.5]", "inertia = {}")
+ATTITUDE = "euler_zyz_deg = [10.0, 30.0, 20.0]"
+OMEGA = "omega_body = [0.5, 1.0, -2.0]"
+PIVOT = "[effects.pivot]\n"
+PARTICLES = (
+    "mass = 2.0\ninertia = [1.0, 2.0, 2.5]\ncom = [0.1, 0.2, 0.3]",
+    "particles = [[1, 0, 0, 0], [1, 1, 0, 0], [2, 0, 1, 0]]",
+)
+
+
+def published(*lines):
+    return "\n".join(("[[published]]", "tolerance = 1e-6", 'source = "p"', *lines)) + "\n"
+
+
+def expect(*lines):
+    head = ("[[expect]]", 'engine = "e"', 'method = "m"', "timestep = 0.1")
+    return "\n".join((*head, *lines)) + "\n"
+
+
+ALLOWED = {
+    "as small as it gets": TEXT,
+    "integers for numbers": changed(("mass = 2.0", "mass = 2")),
+    "a full tensor": changed(
+        (INERTIA[0], "inertia = [[1.4, 0.2, 0.0], [0.2, 1.1, 0.3], [0.0, 0.3, 0.9]]")
+    ),
+    "a tensor about the origin": changed((INERTIA[0], INERTIA[0] + '\ninertia_about = "origin"')),
+    "point masses": changed(PARTICLES),
+    "point masses on a pivot": changed(PARTICLES, more=PIVOT),
+    "quaternion and omega_world": changed(
+        (ATTITUDE, "quaternion_wxyz = [1, 0, 0, 0]"), (OMEGA, "omega_world = [1, 2, 3]")
+    ),
+    "a quaternion of a few digits": changed((ATTITUDE, "quaternion_wxyz = [0.96, 0, 0.28, 0]")),
+    "rotation vector": changed((ATTITUDE, "rotation_vector_deg = [0, 90, 0]")),
+    "rates": changed((OMEGA, "euler_zyz_rates = [1, 2, 3]")),
+    "thrown": changed((OMEGA, f"{OMEGA}\nposition = [1, 2, 3]\nvelocity = [4, 5, 6]")),
+    "every effect": changed(
+        more="[effects.gravity]\nacceleration = [0, 0, -9.81]\n[effects.pivot]\n"
+        "[effects.drag]\nrotational = 0.1\n[effects.torque]\nbody = [0, 0, 1]\n"
+    ),
+    "effects in one line": changed(("[body]", "effects = { pivot = {} }\n[body]")),
+    "published": changed(more=published("t = 1.0", "energy = 2.0")),
+    "expected bounds": changed(more=expect("omega = 1e-6")),
+    "expected blow-up": changed(more=expect('outcome = "diverges"')),
+}
+
+
+@pytest.mark.parametrize("text", ALLOWED.values(), ids=ALLOWED)
+def test_it_is_a_scene(text):
+    assert loads(text, name="made").title == "t"
+
+
+REFUSED = {
+    # numbers
+    "text for a number": ((MASS[0], 'mass = "2"'), r"made:5: \[body\] mass: .* number, got '2'"),
+    "true for a number": ((MASS[0], "mass = true"), r":5: \[body\] mass: .* number, got True"),
+    "infinite": ((MASS[0], "mass = inf"), r":5: \[body\] mass: .* finite number, got inf"),
+    "not a number": ((MASS[0], "mass = nan"), r":5: \[body\] mass: .* finite number, got nan"),
+    "negative": ((MASS[0], "mass = -2"), r":5: \[body\] mass: .* greater than 0, got -2"),
+    "no duration": (("duration = 1.0", "duration = 0"), r"\[window\] duration: .* greater than 0"),
+    "one sample": (
+        ("samples = 5", "samples = 1"),
+        r":13: \[window\] samples: .* equal to 2, got 1",
+    ),
+    "too many": (("samples = 5", "samples = 1_000_001"), r"samples: .* equal to 1000000, got"),
+    "half a sample": (("samples = 5", "samples = 5.5"), r"samples: .* integer, got 5\.5"),
+    # shapes
+    "two moments": ((INERTIA[0], "inertia = [1.0, 2.0]"), r":6: \[body\] inertia\[2\]: is missing"),
+    "one moment": ((INERTIA[0], "inertia = 1.0"), r":6: \[body\] inertia: must be an array, got 1"),
+    "a word among them": ((INERTIA[0], 'inertia = [1.0, "x", 2]'), r":6: \[body\] inertia\[1\]: "),
+    "a flat matrix": (
+        (INERTIA[0], "inertia = [[1, 0, 0], [0, 1, 0]]"),
+        r":6: \[body\] inertia\[2\]: is missing",
+    ),
+    "an entry of a matrix": (
+        (INERTIA[0], 'inertia = [[1, 0, 0], [0, "x", 0], [0, 0, 1]]'),
+        r":6: \[body\] inertia\[1\]\[1\]: .* number, got 'x'",
+    ),
+    # keys
+    "misspelt": (
+        (MASS[0], "mas = 2"),
+        r":5: \[body\] mas: unknown key; did you mean 'mass'\? known",
+    ),
+    "unheard-of": (
+        (MASS[0], f"{MASS[0]}\ncolour = 3"),
+        r":6: \[body\] colour: unknown key; known k",
+    ),
+    "no title": (('title = "t"\n', ""), r"made: title: is missing"),
+    "no source": (('source = "s"\n', ""), r"made: source: is missing"),
+    "empty title": (('title = "t"', 'title = ""'), r":2: title: .* at least 1 character"),
+    "another version": (("spincheck = 1", "spincheck = 2"), r":1: spincheck: .* be 1, got 2"),
+    "true for a version": (("spincheck = 1", "spincheck = true"), r":1: .* whole number, got True"),
+    "no window": (("[window]\nduration = 1.0\nsamples = 5\n", ""), r"made: \[window\]: is missing"),
+    # the body
+    "lopsided matrix": (
+        (INERTIA[0], "inertia = [[2, 0, 0.1], [0, 2, 0], [0, 0, 2]]"),
+        r":4: \[body\]: 'inertia' must be a symmetric matrix",
+    ),
+    "no such body": (
+        (INERTIA[0], "inertia = [1, 2, 4]"),
+        r"\[body\]: no principal moment .* 1, 2, 4",
+    ),
+    "no mass": ((MASS[0], ""), r":4: \[body\]: missing 'mass'; or give 'particles'"),
+    "both kinds of body": (
+        (MASS[0], "particles = [[1, 0, 0, 0], [1, 1, 0, 0], [1, 0, 1, 0]]"),
+        r"\[body\]: 'particles' replaces mass, com and inertia; remove 'com', 'inertia'",
+    ),
+    "two particles": (
+        (PARTICLES[0], "particles = [[1, 0, 0, 0], [1, 1, 0, 0]]"),
+        r":5: \[body\] particles: must have at least 3 entries",
+    ),
+    "particles in a line": (
+        (PARTICLES[0], "particles = [[1, 0, 0, 0], [1, 1, 0, 0], [1, 2, 0, 0]]"),
+        r"\[body\]: principal moments about the com must be positive, got 0, 2, 2",
+    ),
+    # the start
+    "two attitudes": (
+        (ATTITUDE, f"{ATTITUDE}\nquaternion_wxyz = [1, 0, 0, 0]"),
+        r":8: \[start\]: attitude takes exactly one of .* got 'euler_zyz_deg', 'quaternion_wxyz'",
+    ),
+    "no angular velocity": (
+        (OMEGA, ""),
+        r"\[start\]: angular velocity takes exactly one .* got none",
+    ),
+    "rates without angles": (
+        (f"{ATTITUDE}\n{OMEGA}", "rotation_vector_deg = [0, 0, 0]\neuler_zyz_rates = [1, 2, 3]"),
+        r"'euler_zyz_rates' needs the attitude as 'euler_zyz_deg'",
+    ),
+    "no unit quaternion": (
+        (ATTITUDE, "quaternion_wxyz = [1, 1, 0, 0]"),
+        r"'quaternion_wxyz' must have norm 1, got norm 1\.41421",
+    ),
+}
+
+
+@pytest.mark.parametrize(("replacement", "complaint"), REFUSED.values(), ids=REFUSED)
+def test_it_is_refused(replacement, complaint):
+    with pytest.raises(ScenarioError, match=complaint):
+        scene(replacement)
+
+
+REFUSED_TABLES = {
+    "unknown effect": (
+        "[effects.wind]\n",
+        r"\[effects\] wind: unknown key; known keys: drag, gravity",
+    ),
+    "pivot that is no table": (
+        "[effects]\npivot = true\n",
+        r":15: \[effects\] pivot: must be a tab",
+    ),
+    "no drag": (
+        "[effects.drag]\nrotational = 0.0\n",
+        r"\[effects.drag\] rotational: .* greater th",
+    ),
+    "no torque": ("[effects.torque]\n", r"torque: takes exactly one of 'body' and 'world'"),
+    "two torques": (
+        "[effects.torque]\nbody = [0, 0, 1]\nworld = [0, 0, 1]\n",
+        r"torque: takes exactly one of 'body' and 'world'",
+    ),
+    "published after the end": (
+        published("t = 1.5", "energy = 2.0"),
+        r"'t' must lie in the window",
+    ),
+    "published nothing": (published("t = 0.5"), r"\[\[published\]\] number 1: names no value"),
+    "second published value": (
+        published("t = 0.5", "energy = 2.0") + published("t = 0.5", 'energy = "x"'),
+        r":23: \[\[published\]\] number 2 energy: .* number, got 'x'",
+    ),
+    "expected nothing": (expect(), r"\[\[expect\]\] number 1: takes bounds, or 'outcome'"),
+    "bounds on a blow-up": (
+        expect("omega = 1.0", 'outcome = "diverges"'),
+        r"\[\[expect\]\] number 1: takes bounds, or 'outcome'",
+    ),
+    "another outcome": (
+        expect('outcome = "ok"'),
+        r"\[\[expect\]\] number 1 outcome: .* 'diverges'",
+    ),
+}
+
+
+@pytest.mark.parametrize(("more", "complaint"), REFUSED_TABLES.values(), ids=REFUSED_TABLES)
+def test_a_table_is_refused(more, complaint):
+    with pytest.raises(ScenarioError, match=complaint):
+        scene(more=more)
+
+
+def test_a_pivot_needs_to_know_where_the_com_is():
+    with pytest.raises(ScenarioError, match=r"\[body\] needs 'com' with a pivot"):
+        scene(("com = [0.1, 0.2, 0.3]\n", ""), more=PIVOT)
+
+
+@pytest.mark.parametrize("key", ["position", "velocity"])
+def test_a_body_on_a_pivot_has_no_flight(key):
+    with pytest.raises(ScenarioError, match=rf"\[start\] '{key}': for free bodies; this one has"):
+        scene((OMEGA, f"{OMEGA}\n{key} = [0, 0, 1]"), more=PIVOT)
+
+
+def test_every_complaint_is_told_at_once():
+    with pytest.raises(ScenarioError) as complaint:
+        scene(
+            (MASS[0], "mass = -1"), ("samples = 5", "samples = 1"), (OMEGA, "omega_body = [0, 0]")
+        )
+    assert [line.split(":")[1] for line in str(complaint.value).splitlines()] == ["5", "10", "13"]
+
+
+@pytest.mark.parametrize("text", ALLOWED.values(), ids=ALLOWED)
+def test_a_document_cannot_be_changed(text):
+    document = loads(text, name="made").document
+    with pytest.raises(ValueError, match="frozen"):
+        document.title = "another"
+
+
+def test_expected_bounds_are_those_given():
+    (found,) = scene(more=expect("omega = 1e-6", "energy = 1e-8")).expect
+    assert found.bounds() == {"omega": 1e-6, "energy": 1e-8}
+
+
+def test_published_values_are_those_given():
+    (found,) = scene(more=published("t = 0.5", "energy = 2", "L_world = [1, 2, 3]")).published
+    assert found.values() == {"energy": 2.0, "L_world": (1.0, 2.0, 3.0)}

@@ -1,0 +1,129 @@
+"""A scene as the program sees it: starts converted without loss, effects by name, read-only."""
+
+import pickle
+
+import numpy as np
+import pytest
+from scene_texts import scene
+from scipy.spatial.transform import Rotation
+from spincheck.scenarios import EFFECTS, find, load
+
+EPS = np.finfo(float).eps
+ATTITUDE = "euler_zyz_deg = [10.0, 30.0, 20.0]"
+OMEGA = "omega_body = [0.5, 1.0, -2.0]"
+GRAVITY = "[effects.gravity]\nacceleration = [1.0, 2.0, -9.81]\n"
+PIVOT = "[effects.pivot]\n"
+DRAG = "[effects.drag]\nrotational = 0.25\n"
+TORQUE_BODY = "[effects.torque]\nbody = [0.1, 0.2, 0.3]\n"
+TORQUE_WORLD = "[effects.torque]\nworld = [0.1, 0.2, 0.3]\n"
+
+
+def attitude_of(made):
+    return Rotation.from_quat(made.start.q_world_body_wxyz, scalar_first=True)
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        "quaternion_wxyz = [0.7071067811865476, 0.0, 0.7071067811865476, 0.0]",
+        "rotation_vector_deg = [0.0, 90.0, 0.0]",
+        "euler_zyz_deg = [0.0, 90.0, 0.0]",
+    ],
+    ids=lambda written: written.split()[0],
+)
+def test_a_quarter_turn_about_y_may_be_written_in_three_ways(written):
+    made = scene((ATTITUDE, written))
+    assert attitude_of(made).apply([0, 0, 1]) == pytest.approx([1, 0, 0], abs=2 * EPS)
+
+
+def test_the_attitude_is_of_unit_norm_however_it_was_typed():
+    made = scene((ATTITUDE, "quaternion_wxyz = [0.5001, 0.5, 0.5, 0.5]"))
+    assert np.linalg.norm(made.start.q_world_body_wxyz) == pytest.approx(1, abs=EPS)
+
+
+def test_omega_world_is_turned_into_body_axes():
+    made = scene((OMEGA, "omega_world = [0.5, 1.0, -2.0]"))
+    world = attitude_of(made).apply(np.array(made.start.omega_body))
+    assert world == pytest.approx([0.5, 1.0, -2.0], abs=8 * EPS)
+    assert np.abs(made.start.omega_body - [0.5, 1.0, -2.0]).max() > 0.1
+
+
+def test_omega_body_is_kept_to_the_last_bit():
+    assert list(scene().start.omega_body) == [0.5, 1.0, -2.0]
+
+
+def test_euler_rates_are_turned_into_body_axes():
+    """α̇ = 2 rad/s at β = 90 deg, γ = 0 is rotation about −x of the body."""
+    rates = ("euler_zyz_rates = [2.0, 0.0, 5.0]",)
+    made = scene((ATTITUDE, "euler_zyz_deg = [0.0, 90.0, 0.0]"), (OMEGA, *rates))
+    assert made.start.omega_body == pytest.approx([-2.0, 0.0, 5.0], abs=EPS)
+
+
+def test_a_start_without_a_flight_is_at_rest_at_the_origin():
+    assert not scene().start.position_world.any()
+    assert not scene().start.velocity_world.any()
+
+
+@pytest.mark.parametrize(
+    ("more", "names"),
+    [
+        ("", set()),
+        (GRAVITY, {"gravity"}),
+        (PIVOT, {"pivot"}),
+        (DRAG, {"drag"}),
+        (TORQUE_BODY, {"torque_body"}),
+        (TORQUE_WORLD, {"torque_world"}),
+        (GRAVITY + PIVOT + DRAG + TORQUE_BODY, {"gravity", "pivot", "drag", "torque_body"}),
+    ],
+    ids=["none", "gravity", "pivot", "drag", "torque in body", "torque in world", "four"],
+)
+def test_a_scene_calls_for_the_effects_it_names(more, names):
+    assert scene(more=more).called_for == names
+    assert names <= set(EFFECTS)
+
+
+def test_effects_have_the_values_given():
+    made = scene(more=GRAVITY + DRAG + TORQUE_BODY)
+    assert list(made.gravity_world) == [1.0, 2.0, -9.81]
+    assert made.drag == 0.25
+    assert list(made.torque_body) == [0.1, 0.2, 0.3]
+    assert not made.torque_world.any()
+
+
+def test_effects_not_called_for_are_zero():
+    made = scene()
+    assert not made.gravity_world.any()
+    assert made.drag == 0
+    assert not made.torque_body.any()
+
+
+def test_times_span_the_window_evenly():
+    assert list(scene().times) == [0.0, 0.25, 0.5, 0.75, 1.0]
+
+
+ARRAYS = ["times", "gravity_world", "torque_body", "torque_world"]
+
+
+@pytest.mark.parametrize("name", ARRAYS)
+def test_arrays_are_read_only(name):
+    with pytest.raises(ValueError, match="read-only"):
+        getattr(scene(), name)[0] = 5.0
+
+
+@pytest.mark.parametrize(
+    "name", ["q_world_body_wxyz", "omega_body", "position_world", "velocity_world"]
+)
+def test_arrays_of_the_start_are_read_only(name):
+    with pytest.raises(ValueError, match="read-only"):
+        getattr(scene().start, name)[0] = 5.0
+
+
+@pytest.mark.parametrize("path", find([]), ids=lambda path: path.stem)
+def test_a_scene_comes_whole_out_of_another_process(path):
+    made = load(path)
+    again = pickle.loads(pickle.dumps(made))
+    assert (again.name, again.digest, again.document) == (made.name, made.digest, made.document)
+    assert again.start.q_exact == made.start.q_exact
+    assert again.start.omega_body_exact == made.start.omega_body_exact
+    assert again.body.inertia_origin_exact == made.body.inertia_origin_exact
+    assert not again.start.omega_body.flags.writeable

@@ -1,0 +1,109 @@
+"""A trajectory is valid if it exists, and stays what it was."""
+
+import pickle
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from spincheck.scenarios import Trajectory
+
+N = 4
+COLUMNS = {
+    "t": np.arange(N, dtype=float),
+    "q_world_body_wxyz": Rotation.random(N, rng=1).as_quat(scalar_first=True),
+    "omega_body": np.arange(3.0 * N).reshape(N, 3),
+    "com_world": np.ones((N, 3)),
+    "velocity_world": np.zeros((N, 3)),
+}
+
+
+def made(**changes):
+    return Trajectory(**{**COLUMNS, **changes})
+
+
+@pytest.mark.parametrize("name", COLUMNS)
+def test_its_arrays_are_read_only(name):
+    with pytest.raises(ValueError, match="read-only"):
+        getattr(made(), name)[0] = 7.0
+
+
+@pytest.mark.parametrize("name", COLUMNS)
+def test_its_arrays_are_copies(name):
+    given = {key: values.copy() for key, values in COLUMNS.items()}
+    motion = Trajectory(**given)
+    given[name][0] = 0.5
+    assert np.array_equal(getattr(motion, name), COLUMNS[name])
+
+
+@pytest.mark.parametrize("name", COLUMNS)
+def test_its_arrays_are_read_only_out_of_another_process(name):
+    again = pickle.loads(pickle.dumps(made()))
+    assert np.array_equal(getattr(again, name), COLUMNS[name])
+    with pytest.raises(ValueError, match="read-only"):
+        getattr(again, name)[0] = 7.0
+
+
+def test_its_fields_cannot_be_replaced():
+    with pytest.raises(AttributeError, match="cannot assign"):
+        made().t = COLUMNS["t"]
+
+
+def test_lists_and_integers_become_doubles():
+    motion = made(t=[0, 1, 2, 3], com_world=[[0, 0, 1]] * N)
+    assert motion.t.dtype == motion.com_world.dtype == np.float64
+
+
+@pytest.mark.parametrize("name", ["q_world_body_wxyz", "omega_body", "com_world", "velocity_world"])
+@pytest.mark.parametrize("cut", [np.s_[:-1], np.s_[:, :-1]], ids=["rows", "columns"])
+def test_shapes_agree(name, cut):
+    with pytest.raises(ValueError, match=rf"'{name}' must have shape \(4, "):
+        made(**{name: COLUMNS[name][cut]})
+
+
+@pytest.mark.parametrize("t", [COLUMNS["t"][:, None], 0.0], ids=["a column", "a number"])
+def test_times_are_a_row(t):
+    with pytest.raises(ValueError, match="'t' must have one dimension"):
+        made(t=t)
+
+
+@pytest.mark.parametrize("name", COLUMNS)
+@pytest.mark.parametrize("value", [np.nan, np.inf], ids=str)
+def test_every_number_is_finite(name, value):
+    spoilt = COLUMNS[name].copy()
+    spoilt[-1] = value
+    with pytest.raises(ValueError, match="finite throughout"):
+        made(**{name: spoilt})
+
+
+@pytest.mark.parametrize("t", [[0, 1, 1, 2], [0, 2, 1, 3]], ids=["repeated", "backwards"])
+def test_times_increase(t):
+    with pytest.raises(ValueError, match="'t' must increase"):
+        made(t=t)
+
+
+@pytest.mark.parametrize("within", [True, False], ids=["within", "beyond"])
+def test_attitudes_are_of_unit_norm_to_single_precision(within):
+    stretched = COLUMNS["q_world_body_wxyz"] * (
+        1 + (0.5 if within else 2) * Trajectory.UNIT_NORM_SLACK
+    )
+    if within:
+        made(q_world_body_wxyz=stretched)
+    else:
+        with pytest.raises(ValueError, match="must have unit norm"):
+            made(q_world_body_wxyz=stretched)
+
+
+def test_attitudes_take_body_components_to_world_components():
+    q = np.tile([np.sqrt(0.5), 0, np.sqrt(0.5), 0], (N, 1))
+    x_of_body_z = made(q_world_body_wxyz=q).R_world_body.apply([0, 0, 1])[:, 0]
+    assert x_of_body_z == pytest.approx(1)
+
+
+def test_the_first_samples_are_a_trajectory():
+    first = made().until(2)
+    assert list(first.t) == [0, 1]
+    assert np.array_equal(first.omega_body, COLUMNS["omega_body"][:2])
+
+
+def test_an_empty_trajectory_is_one():
+    assert len(made().until(0).t) == 0
