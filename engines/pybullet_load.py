@@ -163,7 +163,7 @@ def _strip(model: Model) -> None:
         physicsClientId=model.client,
     )
     if model.link == HUNG:
-        # One number as the force, not three: only so is the motor left out of the solver.
+        # Gains as single numbers: only so does a force of zero take the motor out of the solver.
         p.setJointMotorControlMultiDof(
             model.body,
             HUNG,
@@ -171,7 +171,7 @@ def _strip(model: Model) -> None:
             targetPosition=(0, 0, 0, 1),
             positionGain=0,
             velocityGain=0,
-            force=[0],
+            force=[0, 0, 0],
             physicsClientId=model.client,
         )
 
