@@ -212,8 +212,8 @@ def steady_angle(top: LagrangeTop) -> float:
 def small_nutation_frequency(top: LagrangeTop) -> float:
     """Angular frequency of small oscillations of cos β about the bottom of V_eff, rad/s.
 
-    ω² = V_eff''/I1 = (p_γ² − 4 κ I1 cos β)/I1² + Ω² sin²β with the Ω of steady precession there
-    (Arnold, Mathematical Methods of Classical Mechanics, §30).
+    ω² = V_eff''/I1 = (p_γ² − 4 κ I1 cos β)/I1² + Ω² sin²β with the Ω of steady precession there,
+    where V_eff' = 0 has simplified V_eff'' (Goldstein §5.7 for V_eff).
     """
     with mp.workdps(ROOT_DIGITS):
         u = _bottom(top)
