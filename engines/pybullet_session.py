@@ -15,8 +15,7 @@ from .pybullet_load import UNREACHED_VELOCITY, Holding, load
 from .pybullet_model import BASE, Model
 from .read_back import BodyReading, EngineError, State
 
-#: Steps a native call, some 20 ms: PyBullet gives up on a call after ten seconds, in silence, and
-#: nothing can interrupt one.
+#: Steps a native call, some 20 ms: nothing can interrupt one.
 MOST_STEPS_A_CALL = 2**14
 #: How PyBullet marks what it warns of.
 WARNING = "b3Warning"
