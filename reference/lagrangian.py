@@ -17,9 +17,9 @@ from mpmath import mp, mpf
 
 from ..scenarios import FloatArray
 from ..scenarios.exact import DIGITS, Vector, conjugate, dot, rotate
+from ..scenarios.principal import EQUAL_TO_WORKING_PRECISION
 from .problem import Problem
 from .symmetry import (
-    EQUAL_TO_WORKING_PRECISION,
     angular_momentum_axes,
     equal,
     gravity_torque_scale,

@@ -7,11 +7,8 @@ from mpmath import mp, mpf
 
 from ..scenarios import FloatArray
 from ..scenarios.exact import DIGITS, Vector, conjugate, cross, dot, rotate
+from ..scenarios.principal import EQUAL_TO_WORKING_PRECISION
 from .problem import Problem
-
-#: Numbers of a scene are exact doubles or combined from them in DIGITS digits: what agrees this
-#: far (relative) is equal, and two doubles that differ never agree so far.
-EQUAL_TO_WORKING_PRECISION = mpf(10) ** (10 - DIGITS)
 
 UNIT_VECTORS: tuple[Vector, Vector, Vector] = (
     (mpf(1), mpf(0), mpf(0)),

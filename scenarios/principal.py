@@ -4,6 +4,10 @@ from mpmath import mp, mpf
 
 from .exact import DIGITS, Quaternion, Tensor, Vector, cross, dot
 
+#: Tensors are made of doubles in DIGITS digits: what agrees this far (relative) is equal, and two
+#: doubles that differ never agree so far.
+EQUAL_TO_WORKING_PRECISION = mpf(10) ** (10 - DIGITS)
+
 ONE, NONE = mpf(1), mpf(0)
 IDENTITY: Tensor = ((ONE, NONE, NONE), (NONE, ONE, NONE), (NONE, NONE, ONE))
 
@@ -12,7 +16,7 @@ def principal_axes(tensor: Tensor) -> tuple[Vector, Tensor]:
     """Principal moments and right-handed principal axes.
 
     A tensor that is diagonal keeps its axes and the order of its moments, so that bodies given by
-    principal moments are not rotated at all, and equal moments stay exactly equal.
+    principal moments are not rotated at all. Equal moments are exactly equal.
 
     Returns
     -------
@@ -27,8 +31,17 @@ def principal_axes(tensor: Tensor) -> tuple[Vector, Tensor]:
         x, y, z = (tuple(columns[i, k] for i in range(3)) for k in range(3))
         if dot(cross(x, y), z) < 0:
             z = (-z[0], -z[1], -z[2])
-    first, second, third = zip(x, y, z, strict=True)
-    return (moments[0], moments[1], moments[2]), (first, second, third)
+        first, second, third = zip(x, y, z, strict=True)
+        return _merged(moments[0], moments[1], moments[2]), (first, second, third)
+
+
+def _merged(low: mpf, middle: mpf, high: mpf) -> Vector:
+    """Ascending moments, made equal where only the rounding of the eigenvalues tells them apart."""
+    if middle - low <= EQUAL_TO_WORKING_PRECISION * middle:
+        middle = low
+    if high - middle <= EQUAL_TO_WORKING_PRECISION * high:
+        high = middle
+    return (low, middle, high)
 
 
 def from_matrix(R: Tensor) -> Quaternion:

@@ -40,6 +40,24 @@ def test_the_axes_are_right_handed_and_orthonormal():
         assert abs(mp.det(R) - 1) < TINY
 
 
+#: Nine times a rotation of diag(1, 1, 2): the moments are 9, 9 and 18.
+SYMMETRIC = tensor([[10, 2, 2], [2, 13, 4], [2, 4, 13]])
+
+
+def test_equal_moments_of_a_full_tensor_are_exactly_equal():
+    moments, _ = principal_axes(SYMMETRIC)
+    assert moments[0] == moments[1]
+    assert abs(moments[0] - 9) < TINY
+    assert abs(moments[2] - 18) < TINY
+
+
+def test_moments_an_ulp_apart_stay_apart():
+    ulp = float(np.spacing(10.0))
+    off = tensor([[10.0 + ulp, 2, 2], [2, 13, 4], [2, 4, 13]])
+    moments, _ = principal_axes(off)
+    assert ulp / 10 < moments[1] - moments[0] < 2 * ulp
+
+
 @pytest.mark.parametrize(
     "vector", [(0, 0, 0), (170, 0, 0), (0, 180, 0), (0, 0, -179), (60, 70, 80)], ids=str
 )
