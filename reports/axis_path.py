@@ -26,6 +26,10 @@ UNROLLED = ((0.71, 1.0), (0.0, 1.0))
 ONE_TURN = 360.0
 #: Room around the path as seen from above, as a factor.
 MARGIN = 1.1
+#: A smaller path, in radians, is drawn as the point it is.
+NARROWEST = 1e-6
+#: Degrees; where the azimuth jumps by more between samples, the axis has passed the vertical.
+JUMP = 90.0
 
 
 def axis_path(found: SceneResult, compared: tuple[Compared, ...]) -> Figure:
@@ -45,7 +49,8 @@ def axis_path(found: SceneResult, compared: tuple[Compared, ...]) -> Figure:
     for points, look in curves:
         traces.append(solid.curve(points, look))
         traces.append(line(points[:, 0], points[:, 1], 1, **look))
-        traces.append(line(*_unrolled(points), 2, **look))
+        azimuth, tilt = _unrolled(points)
+        traces.append(line(_broken(azimuth), tilt, 2, **look))
     azimuth, tilt = _unrolled(exact)
     traces += [
         solid.dot(exact[0]),
@@ -58,7 +63,7 @@ def axis_path(found: SceneResult, compared: tuple[Compared, ...]) -> Figure:
 
 
 def _panels(exact: FloatArray) -> list[Panel]:
-    widest = MARGIN * (float(np.abs(exact[:, :2]).max()) or 1.0)
+    widest = MARGIN * max(float(np.abs(exact[:, :2]).max()), NARROWEST)
     azimuth, tilt = _unrolled(exact)
     low, high = padded(tilt)
     return [
@@ -81,6 +86,12 @@ def _panels(exact: FloatArray) -> list[Panel]:
             domain=UNROLLED,
         ),
     ]
+
+
+def _broken(azimuth: FloatArray) -> FloatArray:
+    """With a gap at every jump."""
+    jumps = np.abs(np.diff(azimuth, prepend=azimuth[:1])) > JUMP
+    return np.where(jumps, np.nan, azimuth)
 
 
 def _first_turn(azimuth: FloatArray) -> Range:

@@ -109,7 +109,7 @@ def _path_figures(found: SceneResult, compared: tuple[Compared, ...]) -> Iterato
                 "polhode",
                 "Polhode and herpolhode",
                 "Left: the tip of ω in the body's principal axes, on Poinsot's ellipsoid of equal "
-                "energy; a run that leaves the exact curve has changed energy or angular "
+                "energy; a run that leaves the exact curve has the wrong energy or angular "
                 "momentum. Right: the same tip in space, seen along the initial angular "
                 "momentum. A dot marks the start.",
                 traced,

@@ -186,10 +186,14 @@ def _domain(row: int, column: int, rows: int, columns: int) -> tuple[Range, Rang
 
 
 def _axis(title: str, logarithmic: bool, limits: Range | None) -> dict[str, Any]:
-    axis: dict[str, Any] = {"title": {"text": title}, "zeroline": False}
+    axis: dict[str, Any] = {
+        "title": {"text": title},
+        "zeroline": False,
+        "exponentformat": "power",
+    }
     if logarithmic:
         # Plotly sets powers of ten a quarter larger than other labels.
-        axis |= {"type": "log", "exponentformat": "power", "dtick": 1, "tickfont": {"size": 10}}
+        axis |= {"type": "log", "dtick": 1, "tickfont": {"size": 10}}
     if limits and logarithmic:
         low, high = (math.log10(limit) for limit in limits)
         axis["range"] = [low, high]

@@ -15,6 +15,8 @@ ELLIPSOID = ((0.0, 0.56), (0.0, 1.0))
 HERPOLHODE = ((0.66, 0.99), (0.0, 1.0))
 #: Room around the herpolhode, as a factor.
 MARGIN = 1.15
+#: A herpolhode smaller than this, relative to the largest ω, is drawn as the point it is.
+NARROWEST = 1e-6
 
 
 def polhode(found: SceneResult, compared: tuple[Compared, ...]) -> Figure | None:
@@ -44,6 +46,7 @@ def polhode(found: SceneResult, compared: tuple[Compared, ...]) -> Figure | None
         return np.asarray(both[thinned(len(motion.t))])
 
     exact = points(truth)
+    narrowest = NARROWEST * float(np.linalg.norm(omega_axes, axis=1).max())
     curves = [(exact, exact_look())] + [
         (points(run.motion), method_look(run.runs.label, run.runs.look)) for run in compared
     ]
@@ -52,7 +55,10 @@ def polhode(found: SceneResult, compared: tuple[Compared, ...]) -> Figure | None
         traces.append(solid.curve(found_points[:, :3], look))
         traces.append(line(found_points[:, 3], found_points[:, 4], 1, **look))
     traces += [solid.dot(exact[0, :3]), start_dot(exact[0, 3], exact[0, 4], 1)]
-    figure: Figure = {"data": traces, "layout": layout([[_panel(exact[:, 3:])]], height=500)}
+    figure: Figure = {
+        "data": traces,
+        "layout": layout([[_panel(exact[:, 3:], narrowest)]], height=500),
+    }
     figure["layout"]["scene"] = solid.view(exact[:, :3].mean(axis=0), ELLIPSOID)
     return figure
 
@@ -64,8 +70,8 @@ def _across(truth: Trajectory, L_body: FloatArray) -> FloatArray:
     return frame_about(L_world / size if size else np.array([0.0, 0.0, 1.0]))
 
 
-def _panel(exact: FloatArray) -> Panel:
-    widest = MARGIN * (float(np.abs(exact).max()) or 1.0)
+def _panel(exact: FloatArray, narrowest: float) -> Panel:
+    widest = MARGIN * max(float(np.abs(exact).max()), narrowest)
     return Panel(
         x_title="ω across the initial L, rad/s",
         y_title="ω across the initial L, rad/s",

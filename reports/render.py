@@ -27,7 +27,7 @@ COMPLAINTS: tuple[tuple[VerdictWord, ...], ...] = (
 
 
 def render(results: Results, folder: Path) -> Path:
-    """Write index.html, scenes/*.html, report.md and assets/; returns index.html.
+    """Write index.html, report.md, assets/, and scenes/ as .html and .md; returns index.html.
 
     The same results give the same files, byte for byte.
 
@@ -45,17 +45,27 @@ def render(results: Results, folder: Path) -> Path:
     index = folder / "index.html"
     _write(index, environment.get_template("index.html").render(root="", **shared))
     contents = [_scene(scene) for scene in gathered.scenes]
-    page = environment.get_template("scene.html")
-    for k, (scene, content) in enumerate(zip(gathered.scenes, contents, strict=True)):
-        around = {
-            "previous": gathered.scenes[k - 1] if k else None,
-            "following": gathered.scenes[k + 1] if k + 1 < len(gathered.scenes) else None,
-        }
-        text = page.render(root="../", figures=figures(scene), **content, **around)
-        _write(folder / "scenes" / f"{scene.name}.html", text)
+    _write_scenes(environment, folder / "scenes", gathered.scenes, contents)
     report = environment.get_template("report.md").render(scenes=contents, **shared)
     _write(folder / "report.md", report)
     return index
+
+
+def _write_scenes(
+    environment: Environment,
+    folder: Path,
+    scenes: tuple[SceneRuns, ...],
+    contents: list[dict[str, Any]],
+) -> None:
+    page, text = environment.get_template("scene.html"), environment.get_template("scene.md")
+    for k, (scene, content) in enumerate(zip(scenes, contents, strict=True)):
+        around = {
+            "previous": scenes[k - 1] if k else None,
+            "following": scenes[k + 1] if k + 1 < len(scenes) else None,
+        }
+        html = page.render(root="../", figures=figures(scene), **content, **around)
+        _write(folder / f"{scene.name}.html", html)
+        _write(folder / f"{scene.name}.md", text.render(**content))
 
 
 def _environment() -> Environment:

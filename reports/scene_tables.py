@@ -13,6 +13,7 @@ from .tables import Cell, Table, figure, table, verdict_cell
 from .wording import (
     ERROR_HEADINGS,
     NOTHING,
+    SIGNALS,
     count,
     limited,
     limited_errors,
@@ -41,7 +42,7 @@ def truth_table(found: SceneResult) -> Table:
     """What the reference is good for, and how the motion grows a rounding error."""
     growth = dict(found.solution.conditioning)
     rows = [
-        (ERROR_HEADINGS[name], figure(number(value)), figure(number(growth[name])))
+        (Cell(SIGNALS[name], "name"), figure(number(value)), figure(number(growth[name])))
         for name, value in found.solution.uncertainty
     ]
     return table(("signal", "uncertainty", "what one ulp in the start does"), rows)

@@ -9,13 +9,14 @@ NOTHING = "—"
 #: Numbers from 0.01 up to 1000 are printed without a power of ten.
 PLAIN_POWERS = range(-2, 3)
 SIGNIFICANT_DIGITS, COMPARED_DIGITS = 3, 5
-#: The names of the four errors, in the order of `Errors`, with their units.
-ERROR_HEADINGS = {
-    "omega": "ω error, relative",
-    "attitude": "attitude error, rad",
-    "angular_momentum": "L error, relative",
-    "energy": "energy error, relative",
+#: The four signals, in the order of `Errors`, with the units of their errors.
+SIGNALS = {
+    "omega": "ω, relative",
+    "attitude": "attitude, rad",
+    "angular_momentum": "L, relative",
+    "energy": "energy, relative",
 }
+ERROR_HEADINGS = {name: title.replace(",", " error,") for name, title in SIGNALS.items()}
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MINUS = "−"

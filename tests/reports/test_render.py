@@ -27,7 +27,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def pages(folder: Path) -> dict[str, Page]:
-    found = [folder / "index.html", *sorted((folder / "scenes").iterdir())]
+    found = [folder / "index.html", *sorted((folder / "scenes").glob("*.html"))]
     return {path.stem: read_page(path) for path in found}
 
 
@@ -69,7 +69,8 @@ def test_reasons_of_what_does_not_converge_are_on_both_pages(
     for reason in reasons:
         assert any(reason in cell.text for cell in pages["index"].all("td"))
         assert any(reason in cell.text for cell in pages[verdict.key.scenario].all("td"))
-        assert _plain(reason) in _plain((folder / "report.md").read_text(encoding="utf-8"))
+        for path in (folder / "report.md", folder / "scenes" / f"{verdict.key.scenario}.md"):
+            assert _plain(reason) in _plain(path.read_text(encoding="utf-8"))
 
 
 def test_the_headline_counts_what_is_there(pages: dict[str, Page]) -> None:
@@ -129,9 +130,8 @@ def test_what_users_wrote_stays_text(pages: dict[str, Page], folder: Path) -> No
     for page in pages.values():
         assert MISCHIEF not in page.path.read_text(encoding="utf-8")
         assert not page.all("img")
-    markdown = (folder / "report.md").read_text(encoding="utf-8")
-    outside_code = re.sub(r"^```.*?^```", "", markdown, flags=re.MULTILINE | re.DOTALL)
-    assert MISCHIEF not in outside_code
+    for path in folder.rglob("*.md"):
+        assert MISCHIEF not in _outside_code(path)
 
 
 def test_what_users_wrote_is_shown(pages: dict[str, Page]) -> None:
@@ -168,18 +168,40 @@ def test_an_error_at_the_limit_says_so(pages: dict[str, Page]) -> None:
 
 
 def test_markdown_has_a_row_for_every_run(folder: Path) -> None:
-    markdown = (folder / "report.md").read_text(encoding="utf-8")
-    tables = [_cells(table) for table in re.findall(r"(?:^\|.*\|\n)+", markdown, re.MULTILINE)]
-    runs = [row[:2] for table in tables if " steps " in table[0] for row in table[2:]]
-    assert sorted(_plain("|".join(row)) for row in runs) == sorted(
-        _plain(f"{row.key.engine}|{row.key.method}") for row in results().rows
-    )
+    for name in ("made-up-top", "made-up-brick", "unsolved"):
+        tables = _markdown_tables(folder / "scenes" / f"{name}.md")
+        runs = [row[:2] for table in tables if " steps " in table[0] for row in table[2:]]
+        assert sorted(_plain("|".join(row)) for row in runs) == sorted(
+            _plain(f"{row.key.engine}|{row.key.method}")
+            for row in results().rows
+            if row.key.scenario == name
+        )
+
+
+def test_markdown_has_a_row_for_every_verdict(folder: Path) -> None:
+    tables = _markdown_tables(folder / "report.md")
+    rows = [_plain("|".join(row)) for table in tables for row in table[2:] if len(row) == 9]
+    for verdict in verdicts():
+        assert any(
+            row.startswith(f"{verdict.key.engine}|{verdict.key.method}|")
+            and verdict.verdict in row
+            and verdict.reason in row
+            for row in rows
+        )
+
+
+def test_markdown_links_lead_to_files(folder: Path) -> None:
+    for path in folder.rglob("*.md"):
+        targets = re.findall(r"(?<!\\)\]\(([^)]+)\)", _outside_code(path))
+        assert targets
+        for target in targets:
+            assert (path.parent / unquote(target)).is_file(), target
 
 
 def test_markdown_tables_are_rectangular(folder: Path) -> None:
-    markdown = (folder / "report.md").read_text(encoding="utf-8")
-    for table in re.findall(r"(?:^\|.*\|\n)+", markdown, re.MULTILINE):
-        assert len({len(row) for row in _cells(table)}) == 1, table
+    for path in folder.rglob("*.md"):
+        for table in _markdown_tables(path):
+            assert len({len(row) for row in table}) == 1, table
 
 
 def test_the_same_results_give_the_same_bytes(folder: Path, tmp_path: Path) -> None:
@@ -235,6 +257,17 @@ def _value(text: str) -> float:
     """A printed number as a number."""
     plain = text.removeprefix("≤ ").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-"))
     return float(plain.replace("×10", "e"))
+
+
+def _outside_code(path: Path) -> str:
+    markdown = path.read_text(encoding="utf-8")
+    return re.sub(r"^```.*?^```", "", markdown, flags=re.MULTILINE | re.DOTALL)
+
+
+def _markdown_tables(path: Path) -> list[list[list[str]]]:
+    """The cells of every table, row by row, the headings and the dashes among them."""
+    found = re.findall(r"(?:^\|.*\|\n)+", _outside_code(path), re.MULTILINE)
+    return [_cells(table) for table in found]
 
 
 def _cells(table: str) -> list[list[str]]:
