@@ -99,7 +99,7 @@ def _path_figures(found: SceneResult, compared: tuple[Compared, ...]) -> Iterato
             "Path of the axis",
             "Where the body's axis points, as a path on the unit sphere: turned freely, from "
             "above, and unrolled into azimuth and tilt, where nutation shows as waves, cusps or "
-            "loops. A dot marks the start.",
+            "loops. A dot marks the start. Framed on the exact path; a double click shows all.",
             axis_path(found, compared),
         )
     else:

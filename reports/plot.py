@@ -27,11 +27,14 @@ MOST_SAMPLES = 400
 INK, WIRE = "ink", "wire"
 #: Errors beyond this are a blow-up, not a curve to read; axes end here.
 OFF_THE_CHART = 1e2
+#: Where a blow-up is cut: beyond this a browser loses its way.
+BEYOND_DRAWING = 1e30
 #: A log axis has at most this many labels.
 LOG_LABELS = 8
 #: Fraction of a panel left between it and the next, across and down.
 GAP_ACROSS, GAP_DOWN = 0.085, 0.14
 REFERENCE_WIDTH, METHOD_WIDTH = 5.0, 1.6
+EPS = float(np.finfo(float).eps)
 FLOOR_COLOUR = "rgba(128,128,128,0.22)"
 
 
@@ -76,7 +79,8 @@ def layout(grid: Sequence[Sequence[Panel]], height: int) -> dict[str, Any]:
         if panel.heading:
             made["annotations"].append(heading(panel.heading, across[0], down[1]))
         if panel.floor is not None and panel.y_range is not None:
-            made["shapes"].append(_floor_shading(suffix, panel.y_range[0], panel.floor))
+            floor = min(panel.floor, panel.y_range[1])
+            made["shapes"].append(_floor_shading(suffix, panel.y_range[0], floor))
     return made
 
 
@@ -143,8 +147,9 @@ def heading(text: str, x: float, y: float) -> dict[str, Any]:
 
 
 def packed(values: FloatArray) -> dict[str, str]:
-    """An array as Plotly reads it from base64: seven digits of each value."""
-    single = np.ascontiguousarray(values, dtype="<f4")
+    """An array as Plotly reads it from base64: seven digits of each value, gaps for blow-ups."""
+    drawable = np.where(np.abs(values) < BEYOND_DRAWING, values, np.nan)
+    single = np.ascontiguousarray(drawable, dtype="<f4")
     return {"dtype": "f4", "bdata": base64.b64encode(single.tobytes()).decode("ascii")}
 
 
@@ -160,11 +165,15 @@ def peaks(values: FloatArray) -> FloatArray:
 
 def claimed(errors: FloatArray, floor: float) -> FloatArray:
     """Errors as they may be drawn: none below the reference's uncertainty, gaps for inf."""
-    return np.where(np.isfinite(errors), np.maximum(errors, floor), np.nan)
+    raised = np.maximum(errors, floor)
+    return np.where(np.isfinite(raised), raised, np.nan)
 
 
 def error_range(curves: Sequence[FloatArray], floor: float) -> Range:
     """From half the floor to just above the highest error worth reading."""
+    if not 0 < floor < math.inf:
+        # A signal whose base is zero, such as L of a body at rest: no error of it can be claimed.
+        return EPS, 1.0
     finite = [curve[np.isfinite(curve)] for curve in curves]
     highest = max((float(curve.max()) for curve in finite if len(curve)), default=floor)
     return floor / 2, 2 * min(max(highest, 10 * floor), OFF_THE_CHART)

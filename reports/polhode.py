@@ -15,6 +15,8 @@ ELLIPSOID = ((0.0, 0.56), (0.0, 1.0))
 HERPOLHODE = ((0.66, 0.99), (0.0, 1.0))
 #: Room around the herpolhode, as a factor.
 MARGIN = 1.15
+#: In lengths of its longest semi-axis: how far from the ellipsoid's centre a run is followed.
+OFF_THE_ELLIPSOID = 1.5
 #: A herpolhode smaller than this, relative to the largest ω, is drawn as the point it is.
 NARROWEST = 1e-6
 
@@ -51,8 +53,9 @@ def polhode(found: SceneResult, compared: tuple[Compared, ...]) -> Figure | None
         (points(run.motion), method_look(run.runs.label, run.runs.look)) for run in compared
     ]
     traces = solid.surface(1 / np.sqrt(moments), ("1", "2", "3"))
+    farthest = OFF_THE_ELLIPSOID / float(np.sqrt(moments.min()))
     for found_points, look in curves:
-        traces.append(solid.curve(found_points[:, :3], look))
+        traces.append(solid.curve(_within(farthest, found_points[:, :3]), look))
         traces.append(line(found_points[:, 3], found_points[:, 4], 1, **look))
     traces += [solid.dot(exact[0, :3]), start_dot(exact[0, 3], exact[0, 4], 1)]
     figure: Figure = {
@@ -61,6 +64,12 @@ def polhode(found: SceneResult, compared: tuple[Compared, ...]) -> Figure | None
     }
     figure["layout"]["scene"] = solid.view(exact[:, :3].mean(axis=0), ELLIPSOID)
     return figure
+
+
+def _within(farthest: float, points: FloatArray) -> FloatArray:
+    """With gaps beyond a distance: a blow-up would shrink the ellipsoid to a dot."""
+    near = np.linalg.norm(points, axis=1) <= farthest
+    return np.where(near[:, None], points, np.nan)
 
 
 def _across(truth: Trajectory, L_body: FloatArray) -> FloatArray:

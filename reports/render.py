@@ -103,6 +103,7 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
         "scene": scene,
         "verdicts": scene_tables.verdict_table(scene),
         "runs": scene_tables.runs_table(scene),
+        "printed": scene_tables.printed(scene),
     }
     if scene.found is not None:
         content |= {

@@ -24,6 +24,8 @@ from .wording import (
 
 #: Errors in ω at which methods are compared: useful, good, excellent.
 TARGETS = (1e-2, 1e-4, 1e-6)
+#: In a second.
+MICROSECONDS = 1e6
 
 
 def effects_table(scenario: Scenario) -> Table:
@@ -77,12 +79,12 @@ def verdict_table(scene: SceneRuns) -> Table:
 
 def accuracy_table(scene: SceneRuns) -> Table:
     """What each method needs for an accuracy: its coarsest timestep, and the cost of that."""
-    headings = ["engine", "method"]
+    headings = ["engine", "method", "CPU a step, µs", "spread, µs"]
     for target in TARGETS:
-        headings += [f"timestep for ω to {number(target)}, s", "CPU s a simulated s"]
+        headings += [f"timestep for ω to {number(target, 1)}, s", "CPU s a simulated s"]
     rows = []
     for runs in scene.methods:
-        row: list[Cell | str] = list(_named(runs))
+        row: list[Cell | str] = [*_named(runs), *_step_cost(runs)]
         for target in TARGETS:
             reached = _coarsest_within(runs, target)
             row.append(figure(number(reached.timestep) if reached else "not reached"))
@@ -131,6 +133,7 @@ def runs_table(scene: SceneRuns) -> Table:
     """Every run, coarse to fine."""
     headings = (
         "engine",
+        "version",
         "method",
         "timestep, s",
         "steps",
@@ -139,7 +142,18 @@ def runs_table(scene: SceneRuns) -> Table:
         "CPU s a simulated s",
         "outcome",
     )
-    return table(headings, [_run_row(scene, row) for runs in scene.methods for row in runs.rows])
+    rows = [
+        _run_row(scene, row, "name" if k == 0 else "name again")
+        for runs in scene.methods
+        for k, row in enumerate(runs.rows)
+    ]
+    return table(headings, rows)
+
+
+def printed(scene: SceneRuns) -> list[tuple[str, str]]:
+    """What engines wrote to the terminal: each method's name and its words, once."""
+    said = [(runs.label, row.printed) for runs in scene.methods for row in runs.rows]
+    return list(dict.fromkeys((label, text) for label, text in said if text.strip()))
 
 
 def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
@@ -171,6 +185,16 @@ def _named(runs: MethodRuns) -> tuple[Cell, Cell]:
     return Cell(runs.engine, "name"), Cell(runs.method, "name")
 
 
+def _step_cost(runs: MethodRuns) -> tuple[Cell, Cell]:
+    """The least over the repeats, and how far the largest is above it."""
+    timed = [row for row in runs.rows if row.seconds_per_step is not None]
+    if not timed:
+        return figure(NOTHING), figure(NOTHING)
+    seconds = (timed[-1].seconds_per_step, timed[-1].seconds_spread)
+    least, spread = (None if s is None else MICROSECONDS * s for s in seconds)
+    return figure(number(least)), figure(number(spread))
+
+
 def _coarsest_within(runs: MethodRuns, target: float) -> Row | None:
     """The coarsest run that is within the target, and every finer one with it."""
     reached = None
@@ -187,15 +211,16 @@ def _observables_row(scenario: Scenario, run: Compared, names: list[str]) -> lis
     return [*_named(run.runs), *cells]
 
 
-def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:
+def _run_row(scene: SceneRuns, row: Row, named: str) -> list[Cell | str]:
     errors = (NOTHING,) * len(ERROR_HEADINGS)
     if row.errors is not None:
         errors = limited_errors(row.errors, scene.uncertainty(row))
     when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
     outcome = f"{row.outcome}{when}" + (f": {row.reason}" if row.reason else "")
     return [
-        Cell(row.key.engine, "name"),
-        Cell(row.key.method, "name"),
+        Cell(row.key.engine, named),
+        Cell(row.engine_version, named),
+        Cell(row.key.method, named),
         figure(number(row.timestep) if row.timestep else NOTHING),
         figure(count(row.steps)),
         *(figure(error) for error in errors),

@@ -22,6 +22,9 @@ SECONDS_PER_STEP = 1.5e-6
 #: In titles and descriptions, where a user could have written it.
 MISCHIEF = "<script>alert('x')</script>"
 
+#: By an engine, on the terminal.
+PRINTED = f"warning: {MISCHIEF}\n```"
+
 TOP = f"""
 spincheck = 1
 title = "A top | with *marks* and {MISCHIEF}"
@@ -105,7 +108,8 @@ def results(samples: int = 101, methods: Sequence[MadeUp] = METHODS) -> Results:
 
 def _rows(scenario: Scenario, truth: Trajectory, key: Key, method: MadeUp) -> list[Row]:
     if method.verdict in ("unsupported", "failed"):
-        return [Row(key, "0.9", TIMESTEPS[0], method.verdict, method.reason)]
+        row = Row(key, "0.9", TIMESTEPS[0], method.verdict, method.reason, printed=PRINTED)
+        return [row]
     rows = []
     for dt in TIMESTEPS:
         diverged = method.verdict == "diverges"

@@ -1,13 +1,16 @@
 """The figures: complete, valid, never claiming too much, alike on every page."""
 
 import base64
+import json
 import math
+import re
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
 import pytest
+from contrast import contrast
 from made_up import METHODS, TIMESTEPS, UNCERTAINTY, results
 from spincheck.reference import facts
 from spincheck.reports import figures as figures_module
@@ -16,10 +19,15 @@ from spincheck.reports.figures import Titled, figures
 from spincheck.reports.gather import SceneRuns, gather
 from spincheck.reports.ladder_figures import cost
 from spincheck.reports.looks import COLOURS, looks
-from spincheck.reports.plot import INK, MOST_SAMPLES, WIRE, error_range, peaks, thinned
-from spincheck.scenarios import FloatArray
+from spincheck.reports.plot import INK, MOST_SAMPLES, WIRE, claimed, error_range, peaks, thinned
+from spincheck.reports.records import Row
+from spincheck.reports.render import TEMPLATES
+from spincheck.reports.store import Results
+from spincheck.scenarios import FloatArray, Trajectory
 
 TOP, BRICK, UNSOLVED = "made-up-top", "made-up-brick", "unsolved"
+#: WCAG 2.1, 1.4.11: contrast of what must be seen in a figure.
+GRAPHICS = 3.0
 #: Which signal each panel of errors shows, by figure and number of the panel.
 SIGNALS = {
     "omega": {4: "omega", 5: "omega", 6: "omega"},
@@ -143,8 +151,8 @@ def test_cost_is_seconds_a_simulated_second(top: dict[str, Titled]) -> None:
 
 def test_untimed_runs_have_no_cost_figure() -> None:
     found = results()
-    untimed = [row.__class__(**vars(row) | {"seconds_per_step": None}) for row in found.rows]
-    gathered = gather(found.__class__(**vars(found) | {"rows": untimed}))
+    untimed = [Row(**vars(row) | {"seconds_per_step": None}) for row in found.rows]
+    gathered = gather(Results(**vars(found) | {"rows": untimed}))
     named = {titled.name for scene in gathered.scenes for titled in figures(scene)}
     assert "convergence" in named
     assert "cost" not in named
@@ -205,10 +213,50 @@ def test_colours_are_different() -> None:
     assert len(set(COLOURS)) == len(COLOURS)
 
 
+@pytest.mark.parametrize("colour", COLOURS)
+def test_colours_stand_out_on_light_and_on_dark_paper(colour: str) -> None:
+    style = (TEMPLATES / "style.css").read_text(encoding="utf-8")
+    papers = re.findall(r"--paper: (#\w{6})", style)
+    assert len(papers) == 2
+    assert min(contrast(colour, paper) for paper in papers) >= GRAPHICS
+
+
 def test_axes_reach_from_below_the_floor_to_above_the_errors() -> None:
     low, high = error_range([np.array([1e-5, np.nan, 1e-3])], floor=1e-12)
     assert low < 1e-12
     assert high > 1e-3
+
+
+def test_an_error_of_nothing_is_not_drawn() -> None:
+    low, high = error_range([np.array([np.nan])], floor=np.inf)
+    assert 0 < low < high < np.inf
+    assert np.isnan(claimed(np.array([0.0, np.inf]), np.inf)).all()
+
+
+@pytest.mark.parametrize("size", [1e3, 1e35, 1e150])
+def test_a_run_that_blows_up_leaves_the_figures_readable(size: float) -> None:
+    found = results()
+    k = next(
+        k
+        for k, row in enumerate(found.rows)
+        if row.key.scenario == BRICK and row.outcome == "diverged"
+    )
+    motion = found.rows[k].motion
+    assert motion is not None
+    omega = motion.omega_body * np.linspace(1.0, size, len(motion.t))[:, None]
+    wild = Trajectory(**vars(motion) | {"omega_body": omega})
+    rows = [
+        Row(**vars(row) | {"motion": wild}) if n == k else row for n, row in enumerate(found.rows)
+    ]
+    gathered = gather(Results(**vars(found) | {"rows": rows[: k + 1]}))
+    brick = next(scene for scene in gathered.scenes if scene.name == BRICK)
+    drawn_now = {titled.name: titled for titled in figures(brick)}
+    ellipsoid = [t for t in drawn_now["polhode"].figure["data"] if t["type"] == "scatter3d"]
+    assert all(np.nanmax(np.abs(_values(t[axis]))) < 2 for t in ellipsoid for axis in "xyz")
+    for titled in drawn_now.values():
+        for trace in titled.figure["data"]:
+            assert not np.isinf(_values(trace["y"])).any()
+        json.dumps(titled.figure, allow_nan=False)
 
 
 def test_blow_ups_do_not_squeeze_the_rest() -> None:

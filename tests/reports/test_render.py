@@ -5,7 +5,8 @@ from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
-from made_up import METHODS, MISCHIEF, UNCERTAINTY, MadeUp, results
+from contrast import contrast
+from made_up import METHODS, MISCHIEF, PRINTED, UNCERTAINTY, MadeUp, results
 from page import Page, read_page
 from spincheck.reports import scene_tables
 from spincheck.reports.records import Verdict
@@ -144,6 +145,11 @@ def test_markdown_in_a_description_is_rendered(pages: dict[str, Page]) -> None:
     assert [e.text for e in pages["made-up-top"].all("strong")] == ["fast"]
 
 
+def test_what_an_engine_printed_is_shown(pages: dict[str, Page], folder: Path) -> None:
+    assert PRINTED in [element.text for element in pages["made-up-top"].all("pre")]
+    assert PRINTED in (folder / "scenes" / "made-up-top.md").read_text(encoding="utf-8")
+
+
 def test_a_scene_without_a_truth_has_a_page_that_says_why(pages: dict[str, Page]) -> None:
     texts = [cell.text for cell in pages["unsolved"].all("td")]
     assert any("could not be solved" in text for text in texts)
@@ -170,9 +176,9 @@ def test_an_error_at_the_limit_says_so(pages: dict[str, Page]) -> None:
 def test_markdown_has_a_row_for_every_run(folder: Path) -> None:
     for name in ("made-up-top", "made-up-brick", "unsolved"):
         tables = _markdown_tables(folder / "scenes" / f"{name}.md")
-        runs = [row[:2] for table in tables if " steps " in table[0] for row in table[2:]]
+        runs = [row[:3] for table in tables if " steps " in table[0] for row in table[2:]]
         assert sorted(_plain("|".join(row)) for row in runs) == sorted(
-            _plain(f"{row.key.engine}|{row.key.method}")
+            _plain(f"{row.key.engine}|{row.engine_version}|{row.key.method}")
             for row in results().rows
             if row.key.scenario == name
         )
@@ -226,7 +232,7 @@ def test_verdicts_can_be_read_on_their_grounds() -> None:
             )
             assert ground is not None
             assert text is not None
-            assert _contrast(ground[1], text[1]) >= AA, verdict
+            assert contrast(ground[1], text[1]) >= AA, verdict
 
 
 def test_the_protocol_prints_the_code_s_own_numbers(
@@ -261,7 +267,7 @@ def _value(text: str) -> float:
 
 def _outside_code(path: Path) -> str:
     markdown = path.read_text(encoding="utf-8")
-    return re.sub(r"^```.*?^```", "", markdown, flags=re.MULTILINE | re.DOTALL)
+    return re.sub(r"^(```+).*?^\1$", "", markdown, flags=re.MULTILINE | re.DOTALL)
 
 
 def _markdown_tables(path: Path) -> list[list[list[str]]]:
@@ -280,15 +286,3 @@ def _plain(markdown: str) -> str:
         markdown.replace("\\", "").replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
     )
     return re.sub(r"\s*\|\s*", "|", text).strip()
-
-
-def _contrast(one: str, other: str) -> float:
-    """WCAG 2.1's ratio of relative luminances."""
-    lighter, darker = sorted((_luminance(one), _luminance(other)), reverse=True)
-    return (lighter + 0.05) / (darker + 0.05)
-
-
-def _luminance(colour: str) -> float:
-    channels = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
-    return float(sum(w * c for w, c in zip((0.2126, 0.7152, 0.0722), linear, strict=True)))
