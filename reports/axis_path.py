@@ -96,10 +96,10 @@ def _broken(azimuth: FloatArray) -> FloatArray:
 
 def _first_turn(azimuth: FloatArray) -> Range:
     """All of the azimuths, or one turn from the start on."""
-    low, high = padded(azimuth)
-    if high - low <= ONE_TURN:
-        return low, high
-    return (low, low + ONE_TURN) if azimuth[-1] > azimuth[0] else (high - ONE_TURN, high)
+    if np.ptp(azimuth) <= ONE_TURN:
+        return padded(azimuth)
+    onwards = np.sign(azimuth[-1] - azimuth[0]) or 1.0
+    return padded(azimuth[0] + np.array([0.0, onwards * ONE_TURN]))
 
 
 def _axis_body(scenario: Scenario) -> FloatArray:

@@ -148,7 +148,7 @@ def _x_range(scene: SceneRuns, abscissa: Abscissa) -> Range:
 
 
 def _guides(scene: SceneRuns, signal: str, k: int) -> Iterator[Trace]:
-    """One dotted line an order declared, beside the curve of a method that declares it."""
+    """One dotted line an order declared, below the lowest curve that declares it."""
     attribute = {"omega": "order", "attitude": "attitude_order"}[signal]
     orders = {getattr(runs.declared, attribute) for runs in scene.methods if runs.declared}
     for order in sorted(orders):
@@ -160,7 +160,9 @@ def _guides(scene: SceneRuns, signal: str, k: int) -> Iterator[Trace]:
             if row.errors and row.outcome == "ok" and _readable(scene, row, signal)
         ]
         if points:
-            yield _guide(sorted(points)[len(points) // 2], order, scene, signal, k)
+            middle = sorted(timestep for timestep, _ in points)[len(points) // 2]
+            lowest = min(error / timestep**order for timestep, error in points)
+            yield _guide((middle, lowest * middle**order), order, scene, signal, k)
 
 
 def _readable(scene: SceneRuns, row: Row, signal: str) -> bool:
