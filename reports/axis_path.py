@@ -38,7 +38,7 @@ def axis_path(found: SceneResult, compared: tuple[Compared, ...]) -> Figure:
 
     def tips(motion: Trajectory) -> FloatArray:
         """Where the axis points, (n, 3): two level components and up."""
-        axis_world = motion.R_world_body.apply(axis_body)
+        axis_world = motion.to_world(axis_body)
         return np.asarray(axis_world[thinned(len(motion.t))] @ R_upright_world.T)
 
     exact = tips(found.solution.trajectory)

@@ -12,7 +12,7 @@ from ..reference.lagrangian import (
 )
 from ..reference.pose import pose
 from ..reference.symmetry import is_undriven
-from ..scenarios import Scenario
+from ..scenarios import FloatArray, Scenario
 from .plot import INK, REFERENCE_WIDTH, Figure, Panel, Range, layout, line
 
 #: The well is drawn this far beyond the turning points, in widths of it; no narrower than this.
@@ -22,6 +22,7 @@ POINTS = 400
 BELOW, ABOVE = 0.25, 1.2
 #: A well without depth, as in steady precession, is drawn as deep as this times M g l.
 SHALLOWEST = 0.02
+_ABOVE_LINE = {"yanchor": "bottom", "showarrow": False}
 
 
 def potential(scenario: Scenario) -> Figure | None:
@@ -31,40 +32,36 @@ def potential(scenario: Scenario) -> Figure | None:
     if top is None or not is_undriven(problem):
         return None
     low, high = nutation_bounds(top)
-    energy = float(top.E_prime)
     margin = max(BEYOND * (high - low), NARROWEST)
     tilts = np.linspace(max(0.0, low - margin), min(math.pi, high + margin), POINTS)
     heights = effective_potential(top, tilts)
-    drawn, lowest = np.degrees(tilts), int(np.argmin(heights))
-    ends = np.degrees([low, high])
+    return _well(top, np.degrees(tilts), heights, np.degrees([low, high]))
+
+
+def _well(top: LagrangeTop, tilts: FloatArray, heights: FloatArray, ends: FloatArray) -> Figure:
+    """Draw V_eff, J, over the tilt, degrees, and E′ between the turning points."""
+    energy, lowest = float(top.E_prime), int(np.argmin(heights))
+    level, sides = np.full(2, energy), tilts[[0, -1]]
     traces = [
-        line(drawn, heights, 1, line={"color": INK, "width": 2}, name="V_eff"),
-        line(ends, np.full(2, energy), 1, line={"color": INK, "width": REFERENCE_WIDTH}),
-        line(ends, np.full(2, energy), 1, mode="markers", marker={"color": INK, "size": 9}),
-        line(
-            drawn[[0, -1]],
-            np.full(2, energy),
-            1,
-            line={"color": INK, "width": 1, "dash": "dot"},
-            name="E′",
-        ),
+        line(tilts, heights, 1, line={"color": INK, "width": 2}, name="V_eff"),
+        line(ends, level, 1, line={"color": INK, "width": REFERENCE_WIDTH}),
+        line(ends, level, 1, mode="markers", marker={"color": INK, "size": 9}),
+        line(sides, level, 1, line={"color": INK, "width": 1, "dash": "dot"}, name="E′"),
     ]
     panel = Panel(
         x_title="tilt β from the upward vertical, °",
         y_title="V<sub>eff</sub>, J",
-        x_range=(float(drawn[0]), float(drawn[-1])),
-        y_range=_heights(top, energy, float(heights.min())),
+        x_range=(float(tilts[0]), float(tilts[-1])),
+        y_range=_heights(top, energy, float(heights[lowest])),
     )
+    bottom = {"x": float(tilts[lowest]), "y": float(heights[lowest])}
+    right = {"x": float(tilts[-1]), "y": energy, "xanchor": "right"}
     laid_out = layout([[panel]], height=400)
     laid_out["annotations"] += [
-        {"text": "E′", "x": float(drawn[-1]), "y": energy, "xanchor": "right"} | _ABOVE_LINE,
-        {"text": "V<sub>eff</sub>", "x": float(drawn[lowest]), "y": float(heights[lowest])}
-        | _ABOVE_LINE,
+        {"text": "E′", **right, **_ABOVE_LINE},
+        {"text": "V<sub>eff</sub>", **bottom, **_ABOVE_LINE},
     ]
     return {"data": traces, "layout": laid_out}
-
-
-_ABOVE_LINE = {"yanchor": "bottom", "showarrow": False}
 
 
 def _heights(top: LagrangeTop, energy: float, bottom: float) -> Range:
