@@ -34,6 +34,7 @@ Methods = Annotated[list[str] | None, typer.Option("--method", help="Only this m
 Timesteps = Annotated[
     list[float] | None, typer.Option("--timestep", help="Run this timestep, s; no ladder.")
 ]
+Bound = Annotated[float | None, typer.Option(help="Largest error allowed.")]
 Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Worker processes.")]
 
 
@@ -106,6 +107,36 @@ def reference(
         print(to_json(truth))
     else:
         print_truth(truth)
+
+
+@app.command()
+def recommend(
+    scenario: Scene,
+    omega: Bound = None,
+    attitude: Bound = None,
+    angular_momentum: Bound = None,
+    energy: Bound = None,
+    engine: Engines = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find the cheapest method and timestep that stay within bounds, and check it."""
+    from .recommend import exit_code, print_recommendation, recommendation_as_json
+    from .recommend import recommend as find_cheapest
+
+    _scenario(scenario)
+    wanted = {
+        "omega": omega,
+        "attitude": attitude,
+        "angular_momentum": angular_momentum,
+        "energy": energy,
+    }
+    bounds: Any = {signal: bound for signal, bound in wanted.items() if bound is not None}
+    found = find_cheapest(scenario, bounds, engine or [], CORES)
+    if as_json:
+        print(to_json(recommendation_as_json(found)))
+    else:
+        print_recommendation(found)
+    raise typer.Exit(exit_code(found))
 
 
 @app.command("list")
