@@ -1,0 +1,59 @@
+"""Cayley–Klein parameters of an attitude, and how they turn.
+
+With Euler angles ZYZ (Fetter & Walecka §29) α, β, γ::
+
+    A = q0 + i q3 = cos(β/2) e^{i(α+γ)/2}        B = q2 − i q1 = sin(β/2) e^{i(α−γ)/2}
+    A' = ½ (iω3 A − W B)                         B' = ½ (W* A − iω3 B)        W = ω2 + iω1
+
+(Klein & Sommerfeld, Über die Theorie des Kreisels, ch. I §§3–4, up to names and signs: from
+q' = ½ q ω, component by component.)
+"""
+
+from typing import NamedTuple
+
+from mpmath import mp, mpc
+
+from ..scenarios.exact import Quaternion, Vector, dot
+
+
+class CayleyKlein(NamedTuple):
+    """The parameters of an attitude."""
+
+    A: mpc
+    B: mpc
+
+    @property
+    def quaternion(self) -> Quaternion:
+        """The attitude, w x y z."""
+        return (self.A.real, -self.B.imag, self.B.real, self.A.imag)
+
+    def rates(self, omega: Vector) -> tuple[mpc, mpc]:
+        """A' and B' at an angular velocity along the axes of the attitude."""
+        W, spin = transverse(omega), mpc(0, omega[2])
+        return (spin * self.A - W * self.B) / 2, (mp.conj(W) * self.A - spin * self.B) / 2
+
+
+def of_quaternion(q: Quaternion) -> CayleyKlein:
+    """The parameters of q, w x y z."""
+    return CayleyKlein(mpc(q[0], q[3]), mpc(q[2], -q[1]))
+
+
+def transverse(omega: Vector) -> mpc:
+    """W = ω2 + iω1."""
+    return mpc(omega[1], omega[0])
+
+
+def with_L_upright(L: Vector) -> CayleyKlein:
+    """The attitude of real A in which L, given along the body's axes with L3 >= 0, points along z.
+
+    Its first rows, A B* = (−L1 + iL2)/2|L| and |A|² = (1 + L3/|L|)/2, without a difference.
+    """
+    length = mp.sqrt(dot(L, L))
+    A = mp.sqrt((1 + L[2] / length) / 2)
+    return CayleyKlein(mpc(A), mpc(-L[0], -L[1]) / (2 * length * A))
+
+
+def along(triad: tuple[Vector, Vector, Vector], vector: Vector) -> Vector:
+    """Components along three unit vectors."""
+    x, y, z = (dot(axis, vector) for axis in triad)
+    return (x, y, z)

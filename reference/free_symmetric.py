@@ -1,0 +1,54 @@
+"""The free top with two equal moments: regular precession about L (Landau & Lifshitz §33)."""
+
+from mpmath import mp
+
+from ..scenarios.exact import DIGITS, conjugate, dot, product
+from ..scenarios.principal import from_matrix
+from .cayley_klein import along, with_L_upright
+from .problem import Problem
+from .steady_motions import regular_precession, rigid_rotation, turns_rigidly
+from .symmetry import (
+    across,
+    angular_momentum_axes,
+    is_free,
+    moment_about,
+    norm,
+    scaled,
+    symmetry_axis,
+)
+from .theta_quotients import ClosedForm, Frames
+
+
+def free_symmetric(problem: Problem) -> ClosedForm:
+    """The motion of a free body with two or three equal moments.
+
+    Precession about L at |L|/I1, spin about the axis e3 at γ' = ω3 (1 − I3/I1):
+    q(t) = exp(L t/2 I1) q(0) exp(e3 γ' t/2).
+
+    Raises
+    ------
+    ValueError
+        If a torque acts or the moments are distinct.
+    """
+    axis = symmetry_axis(problem)
+    if not is_free(problem) or (axis is None and len({*problem.moments}) > 1):
+        raise ValueError("'problem' must be a free body with two equal moments.")
+    if axis is None or turns_rigidly(problem):
+        return rigid_rotation(problem)
+    with mp.workdps(DIGITS):
+        if dot(axis, problem.omega_axes) < 0:
+            axis = scaled(axis, -1)
+        triad = (*across(axis), axis)
+        L, omega = (along(triad, v) for v in (angular_momentum_axes(problem), problem.omega_axes))
+        start, q_frame_axes = with_L_upright(L), from_matrix(triad)
+        q_left = product(problem.q_world_axes, conjugate(product(start.quaternion, q_frame_axes)))
+        I3 = moment_about(problem, axis)
+        I1 = (mp.fsum(problem.moments) - I3) / 2
+        precession, spin = norm(L) / I1, omega[2] * (1 - I3 / I1)
+        return regular_precession(
+            Frames(q_left, q_frame_axes, triad),
+            start,
+            omega,
+            ((precession + spin) / 2, (precession - spin) / 2),
+            float(2 * mp.pi / abs(spin)),
+        )

@@ -1,0 +1,66 @@
+"""Motions at constant rates: rotation about a fixed axis, and regular precession."""
+
+from mpmath import mp, mpc, mpf
+
+from ..scenarios.exact import DIGITS, Vector, conjugate, product
+from ..scenarios.principal import from_matrix
+from .cayley_klein import CayleyKlein, transverse
+from .problem import Problem
+from .symmetry import UNIT_VECTORS, across, equal, norm, scaled
+from .theta_quotients import ClosedForm, Frames, tables, turning
+
+ZERO = mpc(0)
+
+
+def turns_rigidly(problem: Problem) -> bool:
+    """Whether ω, if nothing acts, stays where it is: along L (Landau & Lifshitz §36)."""
+    moments, omega = problem.moments, problem.omega_axes
+    with mp.workdps(DIGITS):
+        speed = norm(omega)
+        still = [equal(w, 0, speed) for w in omega]
+        return all(
+            equal(moments[i], moments[j]) or still[i] or still[j]
+            for i, j in ((0, 1), (1, 2), (2, 0))
+        )
+
+
+def rigid_rotation(problem: Problem) -> ClosedForm:
+    """Rotation about a fixed axis at a constant rate, or rest: q(t) = q(0) exp(ω t/2)."""
+    omega = problem.omega_axes
+    with mp.workdps(DIGITS):
+        speed = norm(omega)
+        axis = scaled(omega, 1 / speed) if speed else UNIT_VECTORS[2]
+        e1, e2 = across(axis)
+        q_frame_axes = from_matrix((e1, e2, axis))
+        frames = Frames(
+            product(problem.q_world_axes, conjugate(q_frame_axes)), q_frame_axes, (e1, e2, omega)
+        )
+        # ω is 1 along a third "unit" vector that is ω itself: so it is not rounded twice.
+        quotients = (turning(mpc(1), speed / 2), turning(ZERO), turning(ZERO), turning(mpc(1)))
+        return ClosedForm("Rotation about a fixed axis", tables(None, quotients, frames), 0.0, None)
+
+
+def regular_precession(
+    frames: Frames,
+    start: CayleyKlein,
+    omega: Vector,
+    rates: tuple[mpf, mpf],
+    period: float | None = None,
+) -> ClosedForm:
+    """Steady precession and spin at a constant tilt, in the frames that `frames` leads to.
+
+    Parameters
+    ----------
+    start, omega : attitude and angular velocity at t = 0
+    rates : rad/s, of the phases of A and B, (α' + γ')/2 and (α' − γ')/2; W, ∝ A B* by
+        A' = ½ (iω3 A − W B), turns at their difference γ'
+    period : that the closed form is to state, s
+    """
+    of_A, of_B = rates
+    quotients = (
+        turning(start.A, of_A),
+        turning(start.B, of_B),
+        turning(transverse(omega), of_A - of_B),
+        turning(mpc(omega[2])),
+    )
+    return ClosedForm("Regular precession", tables(None, quotients, frames), 0.0, period)

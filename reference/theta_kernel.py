@@ -1,0 +1,169 @@
+"""Evaluates a top's motion from tables of theta quotients, at full speed in double precision.
+
+The argument and the phases grow with time without bound. They are products of a time and of a
+constant that is a double-double, whole turns are taken off exactly, and only the remainder is
+rounded: a billion periods on, the error is that of the first.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..scenarios import FloatArray
+from .doubledouble import two_prod, two_sum
+from .elliptic import EVEN_SINE, ODD_COSINE, ODD_SINE
+from .kernel import kernel
+
+#: Beyond this argument a motion that ends on the separatrix's saddle is there: e^-300 = 5e-131.
+FAR = 300.0
+
+#: The quotients, and the row of the denominator θ4.
+A, B, W, OMEGA3, THETA4, ROWS = 0, 1, 2, 3, 4, 5
+
+
+class Tables(NamedTuple):
+    """A motion as the kernel needs it; the formulas are in `theta_quotients`.
+
+    Attributes
+    ----------
+    hyperbolic : whether harmonics are sinh and cosh
+    endless : whether the motion never repeats: its argument is not reduced
+    clock : (3, 2) double-doubles: cells per second, cells at t = 0, argument per cell
+    kinds : (ROWS, 2) kind of harmonics of the real and the imaginary part
+    coefficients : (ROWS, 2, n) of the harmonics
+    halved : (ROWS,) whether the series is in x/2
+    power : (ROWS,) of √θ4 in the denominator
+    phases : (ROWS, 3, 2) double-doubles: turns per second, at t = 0, per cell
+    left, right : (4,) quaternions that the one made from A and B is multiplied by
+    axes : (3, 3) from ω in the frame of A, B and W to ω along the principal axes
+    """
+
+    hyperbolic: bool
+    endless: bool
+    clock: FloatArray
+    kinds: FloatArray
+    coefficients: FloatArray
+    halved: FloatArray
+    power: FloatArray
+    phases: FloatArray
+    left: FloatArray
+    right: FloatArray
+    axes: FloatArray
+
+
+Quaternion = tuple[float, float, float, float]
+
+
+@kernel
+def _cell(t: float, clock: FloatArray, endless: bool) -> tuple[float, float, float]:
+    """Whole cells and the rest, a double-double in [-1/2, 1/2], of a time."""
+    p, e = two_prod(t, clock[0, 0])
+    s, f = two_sum(p, clock[1, 0])
+    cell = 0.0 if endless else np.rint(s)
+    high, low = two_sum(s - cell, e + f + t * clock[0, 1] + clock[1, 1])
+    return cell, high, low
+
+
+@kernel
+def _unit(t: float, cell: float, phase: FloatArray) -> tuple[float, float]:
+    """Cosine and sine of a phase: (t phase[0] + phase[1] + cell phase[2]) turns."""
+    p, e = two_prod(t, phase[0, 0])
+    r, f = two_prod(cell, phase[2, 0])
+    s, g = two_sum(p - np.rint(p), r - np.rint(r))
+    s, h = two_sum(s, phase[1, 0])
+    rest = e + f + g + h + t * phase[0, 1] + cell * phase[2, 1] + phase[1, 1]
+    quarter = np.rint(4.0 * s)
+    angle = ((s - 0.25 * quarter) + rest) * math.tau
+    c, s = math.cos(angle), math.sin(angle)
+    which = int(quarter) & 3
+    if which == 0:
+        return c, s
+    if which == 1:
+        return -s, c
+    if which == 2:
+        return -c, -s
+    return s, -c
+
+
+@kernel
+def _series(kind: int, a: FloatArray, s: float, c: float, s2: float, c2: float) -> float:
+    """Sum a series of harmonics by Clenshaw's recurrence (DLMF 3.11.ii), s2, c2 those of 2x."""
+    b0 = b1 = 0.0
+    for k in range(a.size - 1, -1, -1):
+        b0, b1 = a[k] + 2.0 * c2 * b0 - b1, b0
+    if kind == ODD_SINE:
+        return s * (b0 + b1)
+    if kind == ODD_COSINE:
+        return c * (b0 - b1)
+    if kind == EVEN_SINE:
+        return s2 * b1
+    return b0 - c2 * b1  # even cosines
+
+
+@kernel
+def _harmonics(x: float, hyperbolic: bool) -> tuple[float, float, float, float]:
+    """Sine and cosine of x and of 2x."""
+    if hyperbolic:
+        s, c = math.sinh(x), math.cosh(x)
+        return s, c, 2.0 * s * c, 1.0 + 2.0 * s * s
+    s, c = math.sin(x), math.cos(x)
+    c2 = 1.0 - 2.0 * s * s if abs(s) < abs(c) else 2.0 * c * c - 1.0
+    return s, c, 2.0 * s * c, c2
+
+
+@kernel
+def _product(p: Quaternion, q: Quaternion) -> Quaternion:
+    """Hamilton's product."""
+    return (
+        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
+        p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+        p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
+        p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0],
+    )
+
+
+@kernel
+def _quotients(t: float, tables: Tables, values: FloatArray) -> None:
+    """Write real and imaginary part of A, B, W and ω3 at a time into values, (ROWS, 2)."""
+    cell, high, low = _cell(t, tables.clock, tables.endless)
+    if tables.endless:
+        high = min(max(high, -FAR), FAR)
+    x = high * tables.clock[2, 0] + (high * tables.clock[2, 1] + low * tables.clock[2, 0])
+    s, c, s2, c2 = _harmonics(x, tables.hyperbolic)
+    s_half, c_half, _, _ = _harmonics(0.5 * x, tables.hyperbolic)
+    a = tables.coefficients
+    below = _series(tables.kinds[THETA4, 0], a[THETA4, 0], s, c, s2, c2)
+    for row in range(THETA4):
+        for part in range(2):
+            kind = tables.kinds[row, part]
+            if tables.halved[row]:
+                values[row, part] = _series(kind, a[row, part], s_half, c_half, s, c)
+            else:
+                values[row, part] = _series(kind, a[row, part], s, c, s2, c2)
+        power = tables.power[row]
+        divisor = 1.0 if power == 0 else below if power == 2 else math.sqrt(below)
+        u, v = values[row, 0] / divisor, values[row, 1] / divisor
+        cosine, sine = _unit(t, cell, tables.phases[row])
+        values[row, 0] = u * cosine - v * sine
+        values[row, 1] = u * sine + v * cosine
+
+
+@kernel
+def evaluate(
+    tables: Tables, times: FloatArray, q_world_axes: FloatArray, omega_axes: FloatArray
+) -> None:
+    """Write the motion at times (n,) into q_world_axes (n, 4), w x y z, and omega_axes (n, 3)."""
+    values = np.empty((ROWS, 2))
+    left = (tables.left[0], tables.left[1], tables.left[2], tables.left[3])
+    right = (tables.right[0], tables.right[1], tables.right[2], tables.right[3])
+    axes = tables.axes
+    for i in range(times.size):
+        _quotients(times[i], tables, values)
+        q = (values[A, 0], -values[B, 1], values[B, 0], values[A, 1])
+        q = _product(_product(left, q), right)
+        for k in range(4):
+            q_world_axes[i, k] = q[k]
+        omega1, omega2, omega3 = values[W, 1], values[W, 0], values[OMEGA3, 0]
+        for k in range(3):
+            omega_axes[i, k] = axes[k, 0] * omega1 + axes[k, 1] * omega2 + axes[k, 2] * omega3

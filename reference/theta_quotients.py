@@ -1,0 +1,218 @@
+"""Motions whose Cayley–Klein parameters are quotients of theta functions.
+
+In a frame of the top's own and one of the world's, both chosen by each class of top, the attitude
+q = (Re A, −Im B, Re B, Im A) and the angular velocity W = ω2 + iω1, ω3 are::
+
+    A, B, W = G e^{iΩt} θ(x − iη)/θ4(x)^(1 or 1/2)        x = x' t + x0
+
+(F. Klein & A. Sommerfeld, Über die Theorie des Kreisels, ch. VI; derivation: docs/closed-forms.md).
+Each class supplies θ, η, and the logarithmic derivative in time; the rate Ω and the factor G follow
+here in extended precision, and what is left to the kernel are sums of a few terms.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from mpmath import mp, mpc, mpf
+
+from ..scenarios import FloatArray
+from ..scenarios.exact import Quaternion, Vector
+from .doubledouble import split
+from .elliptic import EVEN_COSINE, EVEN_SINE, Harmonics, Lattice, Theta, scaled, theta
+from .theta_kernel import ROWS, Tables, evaluate
+
+#: Harmonic k is at most e^(−k² π/2) of the first (see `elliptic.TERMS`): left out is < 4e-34.
+KERNEL_TERMS = 7
+#: Arguments inside half a cell, π/2 or more, at which Ω is found and checked.
+CHECKED = (mpf(1) / 2, mpf(1))
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedForm:
+    """The exact motion of a top, evaluated to double precision at any time.
+
+    Attributes
+    ----------
+    label : how it was solved, in words
+    tables : constants of the motion
+    residual : how far its constants are from solving the equations of motion, relative;
+        a rounding error of extended precision if the formulas are right
+    period : of the angular velocity (a free body) or of the nutation (a heavy top), s; inf on a
+        separatrix, None where neither varies
+    turning_points : of a heavy top, the least and the greatest cosine of the angle between its
+        axis, from the pivot to the centre of mass, and the upward vertical
+    """
+
+    label: str
+    tables: Tables
+    residual: float
+    period: float | None
+    turning_points: tuple[float, float] | None = None
+
+    def states(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Attitude and angular velocity.
+
+        Parameters
+        ----------
+        t : (n,) s, any finite times
+
+        Returns
+        -------
+        q_world_axes (n, 4), w x y z, continuous in t, and omega_axes (n, 3), rad/s
+        """
+        times = np.ascontiguousarray(t, dtype=float)
+        q_world_axes, omega_axes = np.empty((len(times), 4)), np.empty((len(times), 3))
+        evaluate(self.tables, times, q_world_axes, omega_axes)
+        return q_world_axes, omega_axes
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Where on its cycle a motion is: the argument x = rate · t + start of its theta functions.
+
+    Attributes
+    ----------
+    rate : rad/s
+    start : rad, at most half a cell
+    """
+
+    lattice: Lattice
+    rate: mpf
+    start: mpf
+
+    @cached_property
+    def theta4(self) -> Theta:
+        """The denominator."""
+        return theta(4, self.lattice)
+
+
+class Quotient(NamedTuple):
+    """A complex function of time: numerator over √θ4^power, times a phase in turns."""
+
+    real: Harmonics
+    imaginary: Harmonics
+    halved: bool
+    power: int
+    turns_per_second: mpf
+    turns_at_start: mpf
+    turns_per_cell: mpf
+
+
+class Start(NamedTuple):
+    """A function of time at t = 0, and its derivative, 1/s."""
+
+    value: mpc
+    slope: mpc
+
+
+class Frames(NamedTuple):
+    """From the frames of A, B and W to the world and the principal axes.
+
+    Attributes
+    ----------
+    q_left, q_right : q_world_axes = q_left q(A, B) q_right
+    columns_axes : unit vectors of the frame of W, along the principal axes
+    """
+
+    q_left: Quaternion
+    q_right: Quaternion
+    columns_axes: tuple[Vector, Vector, Vector]
+
+
+NOTHING = Harmonics(EVEN_SINE, ())
+ONE = Harmonics(EVEN_COSINE, (mpf(1),))
+
+
+def turning(value: mpc, rate: mpf = 0) -> Quotient:
+    """Value at t = 0 times e^{i rate t}, rate in rad/s."""
+    real = Harmonics(EVEN_COSINE, (abs(value),))
+    turns = mp.arg(value) / (2 * mp.pi)
+    return Quotient(real, NOTHING, False, 0, rate / (2 * mp.pi), turns, mpf(0))
+
+
+def over_theta4(real: Harmonics, imaginary: Harmonics, turns_per_cell: mpf) -> Quotient:
+    """A quotient without a phase of its own; half a turn a cell for what changes sign."""
+    return Quotient(real, imaginary, False, 2, mpf(0), mpf(0), turns_per_cell)
+
+
+def fitted(
+    clock: Clock, numerator: Theta, power: int, start: Start, log_rate: Callable[[mpf], mpc]
+) -> tuple[Quotient, mpf]:
+    """The quotient that solves f' = f · log_rate(x) and starts as told.
+
+    Ω = log_rate − (ln θ/√θ4^power)' is the same at every x: it is found at one and checked at
+    another. G fits value and derivative at t = 0 by least squares, for one of the two may vanish.
+
+    Returns
+    -------
+    the quotient, and its relative residual: of Ω, and of the fit
+    """
+    rates = []
+    for x in CHECKED:
+        value, slope = _without_phase(clock, numerator, power, x)
+        rates.append(log_rate(x) - clock.rate * slope / value)
+    rate = rates[0].imag
+    value, slope = _without_phase(clock, numerator, power, clock.start)
+    slope = slope + mpc(0, 1) * rate / clock.rate * value
+    size = abs(value) ** 2 + abs(slope) ** 2
+    wanted = start.value, start.slope / clock.rate
+    factor = (mp.conj(value) * wanted[0] + mp.conj(slope) * wanted[1]) / size
+    misfit = abs(factor * value - wanted[0]) + abs(factor * slope - wanted[1])
+    residual = sum(abs(r - rate) for r in rates) / max(abs(rate), clock.rate)
+    residual += misfit / (abs(factor) * mp.sqrt(size))
+    # A cell on, θ has changed sign; a hyperbolic one, by its missing factor, its phase as well.
+    turns_per_cell = mpf(1) / 2 - (numerator.eta / mp.pi if numerator.hyperbolic else 0)
+    quotient = Quotient(
+        scaled(numerator.real, abs(factor)),
+        scaled(numerator.imaginary, abs(factor)),
+        numerator.stretch != 1,
+        power,
+        rate / (2 * mp.pi),
+        mp.arg(factor) / (2 * mp.pi),
+        turns_per_cell,
+    )
+    return quotient, residual
+
+
+def tables(clock: Clock | None, quotients: Sequence[Quotient], frames: Frames) -> Tables:
+    """Round a motion's constants: quotients A, B, W and ω3, clock None where all are `turning`."""
+    denominator = ONE if clock is None else clock.theta4.real
+    rows = [*quotients, over_theta4(denominator, NOTHING, mpf(0))]
+    coefficients = np.zeros((ROWS, 2, KERNEL_TERMS))
+    for row, quotient in enumerate(rows):
+        for part, harmonics in enumerate(quotient[:2]):
+            kept = harmonics.coefficients[:KERNEL_TERMS]
+            coefficients[row, part, : len(kept)] = [float(a) for a in kept]
+    endless = clock is not None and clock.lattice.m1 == 0
+    return Tables(
+        hyperbolic=clock is not None and clock.lattice.hyperbolic,
+        endless=endless,
+        clock=_clock_constants(clock, endless),
+        kinds=np.array([[q.real.kind, q.imaginary.kind] for q in rows]),
+        coefficients=coefficients,
+        halved=np.array([q.halved for q in rows]),
+        power=np.array([q.power for q in rows]),
+        phases=np.array([[split(turns) for turns in q[4:]] for q in rows]),
+        left=np.array(frames.q_left, dtype=float),
+        right=np.array(frames.q_right, dtype=float),
+        axes=np.array(frames.columns_axes, dtype=float).T.copy(),
+    )
+
+
+def _clock_constants(clock: Clock | None, endless: bool) -> FloatArray:
+    if clock is None:
+        return np.zeros((3, 2))
+    cell = mpf(1) if endless else clock.lattice.half_period
+    return np.array([split(clock.rate / cell), split(clock.start / cell), split(cell)])
+
+
+def _without_phase(clock: Clock, numerator: Theta, power: int, x: mpf) -> tuple[mpc, mpc]:
+    """θ/√θ4^power at real x, and its derivative with respect to x."""
+    above, above_slope = numerator.value_and_slope(x)
+    below, below_slope = (part.real for part in clock.theta4.value_and_slope(x))
+    root = mp.sqrt(below) ** power
+    value = above / root
+    return value, above_slope / root - mpf(power) / 2 * below_slope / below * value
