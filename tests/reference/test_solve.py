@@ -1,0 +1,144 @@
+"""`solve` picks the simplest method, bounds its own error, and knows where a truth ends."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from spincheck.reference import solve
+from spincheck.reference.motion import motion
+from spincheck.reference.pose import pose
+from spincheck.reference.second_method import RELATIVE_TOLERANCE, second_opinion
+from spincheck.reference.solution import MAX_UNCERTAINTY
+from spincheck.reference.solve import ROUNDING
+from spincheck.reference.taylor import FINE_ORDERS, integrate
+from spincheck.scenarios import Scenario, Trajectory, errors_between
+from top_scenes import ASYMMETRIC, HEAVY, TOP, scene
+
+EPS = float(np.finfo(float).eps)
+TIMES = np.linspace(0.0, 2.0, 41)
+FREE = ""
+#: The stated error may miss the true one by this factor at the most.
+HONESTY = 10.0
+#: Two double pendulum-like swings of an asymmetric top, strongly chaotic.
+CHAOTIC = scene(
+    body="mass = 1.0\ninertia = [1.0, 2.0, 2.5]\ncom = [0.6, 0.5, 0.4]",
+    start="euler_zyz_deg = [0.0, 170.0, 20.0]\nomega_body = [0.5, 1.0, 0.3]",
+    window="duration = 400.0\nsamples = 2001",
+)
+
+
+def true_motion(scenario: Scenario, times: np.ndarray) -> Trajectory:
+    """The motion by the dearest series, rounded once."""
+    problem = pose(scenario)
+    return motion(scenario, problem, times, integrate(problem, times, FINE_ORDERS))
+
+
+@pytest.mark.parametrize(
+    ("scenario", "word"),
+    [
+        (scene(body=TOP, effects=FREE), "precession"),
+        (scene(body=ASYMMETRIC, effects=FREE), "Jacobi"),
+        (scene(body=TOP, effects=HEAVY), "Lagrange"),
+        (scene(body=ASYMMETRIC + "com = [0.1, 0.2, 0.3]", effects=HEAVY), "Taylor"),
+        (scene(body=TOP, effects="[effects.drag]\nrotational = 0.1"), "Taylor"),
+        (scene(body=TOP, effects=HEAVY + "\n[effects.torque]\nbody = [0, 0, 1]"), "Taylor"),
+    ],
+    ids=[
+        "free symmetric",
+        "free asymmetric",
+        "heavy symmetric",
+        "heavy asymmetric",
+        "drag",
+        "pushed",
+    ],
+)
+def test_the_effects_select_the_simplest_method(scenario, word):
+    assert word in solve(scenario, TIMES).method
+
+
+def test_times_must_increase_from_zero_on():
+    with pytest.raises(ValueError, match="'times' must increase from 0 on"):
+        solve(scene(), np.array([1.0, 0.5]))
+
+
+def bodies() -> st.SearchStrategy[str]:
+    """Moments that obey the triangle inequality, from near-symmetric to flat."""
+    share = st.floats(0.0, 1.0)
+    moments = st.tuples(st.floats(0.5, 2.0), st.floats(0.5, 2.0), share).map(
+        lambda m: [m[0], m[1], abs(m[0] - m[1]) + m[2] * (m[0] + m[1] - abs(m[0] - m[1])) or 0.1]
+    )
+    return st.builds(
+        lambda m, com: f"mass = 1.0\ninertia = {m}\ncom = {com}",
+        moments.filter(lambda m: min(m) > 1e-3),
+        st.sampled_from([[0.0, 0.0, 0.5], [0.3, -0.2, 0.4]]),
+    )
+
+
+def scenes() -> st.SearchStrategy[Scenario]:
+    number = st.floats(-5.0, 5.0)
+    effects = st.sampled_from([FREE, HEAVY, HEAVY + "\n[effects.drag]\nrotational = 0.1"])
+    return st.builds(
+        lambda body, omega, angle, effects: scene(
+            body,
+            f"euler_zyz_deg = [10.0, {angle}, 20.0]\nomega_body = {list(omega)}",
+            effects,
+            "duration = 2.0\nsamples = 41",
+        ),
+        bodies(),
+        st.tuples(number, number, number),
+        st.floats(0.0, 180.0),
+        effects,
+    )
+
+
+@settings(max_examples=40, deadline=None)
+@given(scenes())
+def test_the_stated_uncertainty_covers_the_true_error(scenario):
+    solution = solve(scenario, TIMES)
+    times = solution.trajectory.t
+    errors = errors_between(scenario, solution.trajectory, true_motion(scenario, times))
+    for name, error in errors:
+        assert error <= HONESTY * getattr(solution.uncertainty, name), name
+
+
+@settings(max_examples=20, deadline=None)
+@given(scenes())
+def test_an_independent_integrator_finds_the_same_motion(scenario):
+    solution = solve(scenario, TIMES)
+    if solution.horizon is not None:
+        return
+    other = second_opinion(scenario, TIMES)
+    for name, error in errors_between(scenario, other.trajectory, solution.trajectory):
+        growth = getattr(solution.conditioning, name) / EPS
+        assert error <= other.steps * RELATIVE_TOLERANCE * growth + ROUNDING, name
+
+
+def test_a_chaotic_motion_ends_where_its_uncertainty_exceeds_the_bound():
+    solution = solve(CHAOTIC, CHAOTIC.times)
+    assert solution.horizon is not None
+    assert solution.trajectory.t[-1] < solution.horizon < CHAOTIC.window.duration
+    assert max(solution.uncertainty.omega, solution.uncertainty.attitude) <= MAX_UNCERTAINTY
+
+
+def test_up_to_there_it_is_right():
+    solution = solve(CHAOTIC, CHAOTIC.times)
+    truth = true_motion(CHAOTIC, solution.trajectory.t)
+    errors = errors_between(CHAOTIC, solution.trajectory, truth)
+    assert errors.attitude <= HONESTY * solution.uncertainty.attitude
+
+
+def test_conditioning_is_what_one_ulp_in_the_start_does():
+    """Beside the upright saddle of a slow top, a nudge grows as the linear theory says."""
+    waking = scene(
+        start="euler_zyz_deg = [0.0, 1e-3, 0.0]\nomega_body = [0.0, 0.0, 1.0]",
+        window="duration = 4.0\nsamples = 41",
+    )
+    short, long = (solve(waking, np.linspace(0, end, 41)) for end in (2.0, 4.0))
+    assert long.conditioning.attitude > 10 * short.conditioning.attitude
+
+
+@pytest.mark.parametrize("name", ["omega", "attitude"])
+def test_a_steady_spin_is_conditioned_like_its_angle(name):
+    solution = solve(scene(body=TOP, effects=FREE), TIMES)
+    turn = np.linalg.norm(solution.trajectory.omega_body[0]) * TIMES[-1]
+    assert EPS <= getattr(solution.conditioning, name) <= 4 * turn * EPS
