@@ -30,6 +30,8 @@ MARGIN = 1.1
 NARROWEST = 1e-6
 #: Degrees; where the azimuth jumps by more between samples, the axis has passed the vertical.
 JUMP = 90.0
+#: Degrees; a tilt that changes less is steady, and is framed with this room on either side.
+STEADY, STEADY_ROOM = 1e-6, 0.5
 
 
 def axis_path(found: SceneResult, compared: tuple[Compared, ...]) -> Figure:
@@ -58,13 +60,15 @@ def axis_path(found: SceneResult, compared: tuple[Compared, ...]) -> Figure:
         start_dot(azimuth[0], tilt[0], 2),
     ]
     figure: Figure = {"data": traces, "layout": layout([_panels(exact)], height=460)}
-    figure["layout"]["scene"] = solid.view(exact.mean(axis=0), GLOBE)
+    figure["layout"]["scene"] = solid.view(np.ones(3), exact.mean(axis=0), GLOBE)
     return figure
 
 
 def _panels(exact: FloatArray) -> list[Panel]:
     widest = MARGIN * max(float(np.abs(exact[:, :2]).max()), NARROWEST)
     azimuth, tilt = _unrolled(exact)
+    if np.ptp(tilt) < STEADY:
+        tilt = tilt[:1] + np.array([-1.0, 1.0]) * STEADY_ROOM
     low, high = padded(tilt)
     return [
         Panel(

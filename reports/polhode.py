@@ -75,7 +75,9 @@ def polhode(found: SceneResult, compared: tuple[Compared, ...]) -> Figure | None
     fastest = float(np.linalg.norm(truth.omega_body, axis=1).max())
     widest = MARGIN * max(float(np.abs(flat).max()), NARROWEST * fastest)
     figure: Figure = {"data": traces, "layout": layout([[_panel(widest)]], height=500)}
-    figure["layout"]["scene"] = solid.view(tips.mean(axis=0), ELLIPSOID)
+    figure["layout"]["scene"] = solid.view(
+        1 / np.sqrt(picture.moments), tips.mean(axis=0), ELLIPSOID
+    )
     return figure
 
 

@@ -16,12 +16,13 @@ from ..scenarios import FloatArray, Scenario
 from .plot import INK, REFERENCE_WIDTH, Figure, Panel, Range, layout, line
 
 #: The well is drawn this far beyond the turning points, in widths of it; no narrower than this.
-BEYOND, NARROWEST = 0.6, math.radians(6.0)
+BEYOND, NARROWEST = 0.6, math.radians(1.0)
 POINTS = 400
-#: Room below the bottom of the well and above the energy, in depths of the well.
-BELOW, ABOVE = 0.25, 1.2
-#: A well without depth, as in steady precession, is drawn as deep as this times M g l.
-SHALLOWEST = 0.02
+#: The part above E′ is cut at this many depths of the well, where the well is at least so deep as
+#: a part of what is drawn: steady precession has no depth.
+ABOVE, SHALLOW = 1.2, 0.05
+#: Room below the bottom, as a part of the height.
+BELOW = 0.12
 _ABOVE_LINE = {"yanchor": "bottom", "showarrow": False}
 
 
@@ -52,7 +53,7 @@ def _well(top: LagrangeTop, tilts: FloatArray, heights: FloatArray, ends: FloatA
         x_title="tilt β from the upward vertical, °",
         y_title="V<sub>eff</sub>, J",
         x_range=(float(tilts[0]), float(tilts[-1])),
-        y_range=_heights(top, energy, float(heights[lowest])),
+        y_range=_heights(heights, energy),
     )
     bottom = {"x": float(tilts[lowest]), "y": float(heights[lowest])}
     right = {"x": float(tilts[-1]), "y": energy, "xanchor": "right"}
@@ -64,6 +65,10 @@ def _well(top: LagrangeTop, tilts: FloatArray, heights: FloatArray, ends: FloatA
     return {"data": traces, "layout": laid_out}
 
 
-def _heights(top: LagrangeTop, energy: float, bottom: float) -> Range:
-    depth = max(energy - bottom, SHALLOWEST * float(top.kappa))
-    return bottom - BELOW * depth, energy + ABOVE * depth
+def _heights(heights: FloatArray, energy: float) -> Range:
+    """From below the bottom to above E′; at its poles V_eff may be infinite."""
+    bottom, highest = float(heights.min()), float(heights[np.isfinite(heights)].max())
+    depth = energy - bottom
+    if depth > SHALLOW * (highest - bottom):
+        highest = min(highest, energy + ABOVE * depth)
+    return bottom - BELOW * (highest - bottom), highest

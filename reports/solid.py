@@ -9,9 +9,9 @@ from .plot import INK, WIRE, Range, Trace, packed
 
 #: Lines that show a surface: circles of latitude, half circles of longitude, points on each.
 LATITUDES, LONGITUDES, POINTS = 5, 12, 61
-#: Axes stick out of the surface by this factor; the eye is this many radii away.
+#: Axes stick out of the surface by this factor; the eye is this far away, in sides of the scene.
 STICK_OUT = 1.18
-EYE_DISTANCE = 1.45
+EYE_DISTANCE = 1.25
 #: The eye looks down on the curve by at least this much, as the vertical part of its direction.
 LEAST_HEIGHT = 0.45
 
@@ -54,7 +54,7 @@ def dot(point: FloatArray) -> Trace:
     return _trace(point[None, :], mode="markers", marker={"color": INK, "size": 5})
 
 
-def view(towards: FloatArray, domain: tuple[Range, Range]) -> dict[str, Any]:
+def view(semi_axes: FloatArray, towards: FloatArray, domain: tuple[Range, Range]) -> dict[str, Any]:
     """Plotly's 3-D scene without a box around it, the eye on the side where the curve is."""
     size = float(np.linalg.norm(towards))
     direction = towards / size if size else np.array([1.0, 1.0, 1.0])
@@ -62,12 +62,17 @@ def view(towards: FloatArray, domain: tuple[Range, Range]) -> dict[str, Any]:
     direction = direction + np.array([0.35, 0.5, 0.0])
     direction[2] = max(direction[2], LEAST_HEIGHT)
     eye = EYE_DISTANCE * direction / np.linalg.norm(direction)
-    hidden = {"visible": False, "showspikes": False}
+    reach = STICK_OUT * semi_axes
+    sides = dict(zip("xyz", (reach / reach.max()).tolist(), strict=True))
     return {
         "domain": {"x": domain[0], "y": domain[1]},
-        "aspectmode": "data",
+        "aspectmode": "manual",
+        "aspectratio": sides,
         "camera": {"eye": dict(zip("xyz", eye.tolist(), strict=True))},
-        **{f"{axis}axis": hidden for axis in "xyz"},
+        **{
+            f"{axis}axis": {"visible": False, "showspikes": False, "range": [-limit, limit]}
+            for axis, limit in zip("xyz", reach.tolist(), strict=True)
+        },
     }
 
 
