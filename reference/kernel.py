@@ -24,10 +24,10 @@ _PACKAGE = Path(__file__).parent
 _MARKS = (b"from .kernel", b"from .doubledouble")
 
 
-def _digest() -> str:
-    """Return a digest of the sources that may hold kernels."""
+def digest_of_kernels(package: Path) -> str:
+    """Return a digest of the sources in a folder that may hold kernels."""
     digest = sha256()
-    for path in sorted(_PACKAGE.glob("*.py")):
+    for path in sorted(package.glob("*.py")):
         source = path.read_bytes()
         if any(mark in source for mark in _MARKS):
             digest.update(source)
@@ -38,7 +38,7 @@ def _folder() -> str | None:
     """Return the first place that can be written to, beside the sources or in the home."""
     package, home = _PACKAGE / "__pycache__", Path("~/.cache/spincheck").expanduser()
     for place in (config.CACHE_DIR or package, home):
-        folder = Path(place) / f"kernels-{_digest()}"
+        folder = Path(place) / f"kernels-{digest_of_kernels(_PACKAGE)}"
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError:

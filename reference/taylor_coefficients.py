@@ -163,26 +163,25 @@ def extend(
 
 
 @kernel
-def _cross(a: Vector, b: Vector) -> Vector:
-    """Return a × b."""
-    return (
-        rounded(add_product(multiply(a[1], b[2]), negative(a[2]), b[1])),
-        rounded(add_product(multiply(a[2], b[0]), negative(a[0]), b[2])),
-        rounded(add_product(multiply(a[0], b[1]), negative(a[1]), b[0])),
-    )
+def _scaled_plus_cross(scale: Number, a: Vector, b: Vector) -> Vector:
+    """Return scale a + a × b."""
+    x = add_product(add_product(multiply(scale, a[0]), a[1], b[2]), negative(a[2]), b[1])
+    y = add_product(add_product(multiply(scale, a[1]), a[2], b[0]), negative(a[0]), b[2])
+    z = add_product(add_product(multiply(scale, a[2]), a[0], b[1]), negative(a[1]), b[0])
+    return rounded(x), rounded(y), rounded(z)
 
 
 @kernel
 def see_world_vector(series: Table, constants: Table, row: int, column: int) -> None:
-    """Write order 0 of a vector constant in the world, seen from the axes.
+    """Write order 0 of q̄ v q: a vector constant in the world, seen from the axes.
 
-    With t = q⃗ × v it is Rᵀ v = v − 2 q₀ t + 2 q⃗ × t: the product q̄ v q written out.
+    With u = v q it is q₀ u⃗ + u⃗ × q⃗ + (v · q⃗) q⃗. Formulas that put 1 for the norm of q are shorter,
+    but disagree with Γ' = Γ × ω where rounding has changed it; this one only scales Γ.
     """
     q0 = load(series, 0, Q)
     q = _vector(series, 0, Q + 1)
     v = _vector(constants, row, 0)
-    t = _cross(q, v)
-    u = _cross(q, t)
+    along = add_product(add_product(multiply(v[0], q[0]), v[1], q[1]), v[2], q[2])
+    seen = _scaled_plus_cross(q0, _scaled_plus_cross(q0, v, q), q)
     for i in range(3):
-        half = rounded(add_product(u[i], negative(q0), t[i]))
-        store(series, 0, column + i, add(v[i], add(half, half)))
+        store(series, 0, column + i, rounded(add_product(seen[i], rounded(along), q[i])))

@@ -34,6 +34,8 @@ STEP = math.exp(-2.0)
 SMALLEST = 1e-290
 #: rad/s; a body that drag has slowed to this has stopped. Decay goes on until underflow spoils it.
 STOPPED = 1e-240
+#: A step below this share of the time is lost on a double-double clock.
+CLOCK_TICK = 2.0**-104
 
 
 @kernel
@@ -131,11 +133,9 @@ def march(
             _stop_if_stopped(series)
         _expand(series, constants, inverses, terms, total, paired)
         h = step_size(series[0], total)
-        t, e = two_sum(clock[0], h)
-        t, e = quick_two_sum(t, e + clock[1])
-        if t == clock[0] and e == clock[1]:
+        if not h > CLOCK_TICK * clock[0]:
             return STUCK, first
-        while first < times.size and times[first] <= t:
+        while first < times.size and times[first] <= clock[0] + h:
             s, f = two_sum(times[first], -clock[0])
             inside = quick_two_sum(s, f - clock[1])
             _evaluate(series, total, paired, inside, states[0][first], states[1][first])
@@ -145,5 +145,6 @@ def march(
         _evaluate(series, total, paired, (h, 0.0), state, low)
         for i in range(STATE):
             store(series, 0, i, (state[i], low[i]))
-        clock[0], clock[1] = t, e
+        t, e = two_sum(clock[0], h)
+        clock[0], clock[1] = quick_two_sum(t, e + clock[1])
     return PAUSED, first
