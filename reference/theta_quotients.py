@@ -161,7 +161,7 @@ def fitted(
     wanted = start.value, start.slope / clock.rate
     factor = (mp.conj(value) * wanted[0] + mp.conj(slope) * wanted[1]) / size
     misfit = abs(factor * value - wanted[0]) + abs(factor * slope - wanted[1])
-    residual = sum(abs(r - rate) for r in rates) / max(abs(rate), clock.rate)
+    residual = sum(abs(r - mpc(0, rate)) for r in rates) / max(abs(rate), clock.rate)
     residual += misfit / (abs(factor) * mp.sqrt(size))
     # A cell on, θ has changed sign; a hyperbolic one, by its missing factor, its phase as well.
     turns_per_cell = mpf(1) / 2 - (numerator.eta / mp.pi if numerator.hyperbolic else 0)

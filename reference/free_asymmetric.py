@@ -1,0 +1,220 @@
+"""The free body with three distinct moments: Jacobi's solution, by theta quotients.
+
+Axes are renamed and turned so that I2 is the middle moment, ω circulates about e3 (that of the
+largest moment where D = L² − 2 E I2 >= 0, of the smallest where D < 0), ω3 > 0 and s ω1 >= 0 with
+s = sign(I2 − I1). Then (Landau & Lifshitz, Mechanics, §37; derivation: docs/closed-forms.md)::
+
+    ω = (s a1 cn, a2 sn, a3 dn)(u | m)        u = p t + u0
+    A ∝ e^{iΩt} θ1(z + i σ η_A | q²)/√θ4(z | q)
+    B ∝ e^{iΩt} θ1(z − i σ η_B | q²)/√θ4(z | q)        z = π u/2K, σ = 1 for the largest moment
+
+in a frame with z along L (C. G. J. Jacobi, J. reine angew. Math. 39 (1850) 293; Whittaker,
+Analytical Dynamics, §69).
+"""
+
+from dataclasses import dataclass
+
+from mpmath import mp, mpc, mpf
+
+from ..scenarios.exact import DIGITS, Vector, conjugate, cross, product
+from ..scenarios.principal import from_matrix
+from .cayley_klein import CayleyKlein, along, transverse, with_L_upright
+from .elliptic import Jacobi, Lattice, first_kind, jacobi, scaled, theta
+from .problem import Problem
+from .steady_motions import rigid_rotation, turns_rigidly
+from .symmetry import UNIT_VECTORS, equal, is_free, moment_about
+from .theta_quotients import (
+    NOTHING,
+    ClosedForm,
+    Clock,
+    Frames,
+    Quotient,
+    Start,
+    fitted,
+    over_theta4,
+    tables,
+)
+
+#: In so many digits, products of five doubles and their differences are exact.
+EXACT_DIGITS = 3 * DIGITS
+SIGN_CHANGE = mpf(1) / 2  # of a turn, each half period
+
+
+@dataclass(frozen=True)
+class JacobiMotion:
+    """ω(t) of a free body, with axes as told above.
+
+    Attributes
+    ----------
+    moments : I1, I2, I3, kg m²
+    amplitudes : s a1, a2, a3 of cn, sn and dn, rad/s
+    p : du/dt, rad/s
+    lattice : of parameter m
+    sin_squared, cos_squared : sn² and cn² at t = 0
+    rising : whether sn >= 0 at t = 0
+    """
+
+    moments: Vector
+    amplitudes: Vector
+    p: mpf
+    lattice: Lattice
+    sin_squared: mpf
+    cos_squared: mpf
+    rising: bool
+
+    @property
+    def u0(self) -> mpf:
+        """u at t = 0, in [−K, K]."""
+        u = first_kind(self.sin_squared, self.cos_squared, self.lattice.m1)
+        return u if self.rising else -u
+
+    @property
+    def largest(self) -> bool:
+        """Whether ω circulates about the axis of the largest moment."""
+        return bool(self.moments[2] > self.moments[1])
+
+    @property
+    def L_squared(self) -> mpf:
+        """|L|², (kg m²/s)²."""
+        (I1, _, I3), (a1, _, a3) = self.moments, self.amplitudes
+        return (I1 * a1) ** 2 + (I3 * a3) ** 2  # at u = 0
+
+
+def free_asymmetric(problem: Problem) -> ClosedForm:
+    """The motion of a free body with three distinct moments.
+
+    Raises
+    ------
+    ValueError
+        If a torque acts or two moments are equal.
+    """
+    low, middle, high = sorted(problem.moments)
+    if not is_free(problem) or equal(low, middle) or equal(middle, high):
+        raise ValueError("'problem' must be a free body with three distinct moments.")
+    if turns_rigidly(problem):
+        return rigid_rotation(problem)
+    with mp.workdps(EXACT_DIGITS):
+        triad, D = _triad(problem)
+        omega = along(triad, problem.omega_axes)
+        I1, I2, I3 = (moment_about(problem, axis) for axis in triad)
+        body = _jacobi_motion((I1, I2, I3), omega, D)
+    with mp.workdps(DIGITS):
+        return _closed_form(problem, triad, omega, body)
+
+
+def _triad(problem: Problem) -> tuple[tuple[Vector, Vector, Vector], mpf]:
+    """Unit vectors e1, e2, e3 along the principal axes, and |D| = |L² − 2 E I2|."""
+    moments, omega = problem.moments, problem.omega_axes
+    low, middle, high = sorted(range(3), key=lambda k: moments[k])
+    above = moments[high] * (moments[high] - moments[middle]) * omega[high] ** 2
+    below = moments[low] * (moments[middle] - moments[low]) * omega[low] ** 2
+    D = mpf(0) if equal(above, below) else above - below
+    around, other, s = (high, low, 1) if D >= 0 else (low, high, -1)
+    e3 = _directed(around, omega[around] >= 0)
+    e1 = _directed(other, s * omega[other] >= 0)
+    return (e1, cross(e3, e1), e3), abs(D)
+
+
+def _directed(axis: int, forward: bool) -> Vector:
+    x, y, z = UNIT_VECTORS[axis]
+    return (x, y, z) if forward else (-x, -y, -z)
+
+
+def _jacobi_motion(moments: Vector, omega: Vector, D: mpf) -> JacobiMotion:
+    """The constants of ω(t); |L² − 2 E I_k| are sums of squares for k = 1, 3, without differences.
+
+    Products of the amplitudes and moments as in Landau & Lifshitz §37, eq. 37.8–10.
+    """
+    I1, I2, I3 = moments
+    w1, w2, w3 = omega
+    d12, d13, d23 = abs(I1 - I2), abs(I1 - I3), abs(I2 - I3)
+    P1 = I2 * d12 * w2**2 + I3 * d13 * w3**2
+    P3 = I1 * d13 * w1**2 + I2 * d23 * w2**2
+    s = 1 if I2 > I1 else -1
+    amplitudes = (
+        s * mp.sqrt(P3 / (I1 * d13)),
+        mp.sqrt(P3 / (I2 * d23)),
+        mp.sqrt(P1 / (I3 * d13)),
+    )
+    return JacobiMotion(
+        moments,
+        amplitudes,
+        p=mp.sqrt(d23 * P1 / (I1 * I2 * I3)),
+        lattice=Lattice(d12 * P3 / (d23 * P1), d13 * D / (d23 * P1)),
+        sin_squared=I2 * d23 * w2**2 / P3,
+        cos_squared=I1 * d13 * w1**2 / P3,
+        rising=bool(w2 >= 0),
+    )
+
+
+def _closed_form(
+    problem: Problem, triad: tuple[Vector, Vector, Vector], omega: Vector, body: JacobiMotion
+) -> ClosedForm:
+    I1, I2, I3 = body.moments
+    start = with_L_upright((I1 * omega[0], I2 * omega[1], I3 * omega[2]))
+    q_frame_axes = from_matrix(triad)
+    q_left = product(problem.q_world_axes, conjugate(product(start.quaternion, q_frame_axes)))
+    lattice = body.lattice
+    clock = Clock(lattice, body.p * lattice.scale, body.u0 * lattice.scale)
+    functions = jacobi(lattice)
+    A, B, residual = _attitude(body, clock, functions, start, omega)
+    quotients = (A, B, *_angular_velocity(body, functions))
+    return ClosedForm(
+        "Jacobi's closed form, theta quotients",
+        tables(clock, quotients, Frames(q_left, q_frame_axes, triad)),
+        float(residual),
+        float(4 * lattice.K / body.p),
+    )
+
+
+def _attitude(
+    body: JacobiMotion, clock: Clock, functions: Jacobi, start: CayleyKlein, omega: Vector
+) -> tuple[Quotient, Quotient, mpf]:
+    """A and B, and the residual of both."""
+    y_A, y_B = _zeros(body)
+
+    def log_rates(x: mpf) -> tuple[mpc, mpc]:
+        """A'/A = ½ (iω3 − W B/A) and B'/B = ½ (W* A/B − iω3), where L points along z."""
+        sn, cn, dn = functions(x)
+        w = tuple(a * f for a, f in zip(body.amplitudes, (cn, sn, dn), strict=True))
+        at_x = with_L_upright(tuple(I * w_k for I, w_k in zip(body.moments, w, strict=True)))
+        A_rate, B_rate = at_x.rates(w)
+        return A_rate / at_x.A, B_rate / at_x.B
+
+    A_rate, B_rate = start.rates(omega)
+    A, of_A = fitted(
+        clock,
+        theta(1, clock.lattice, y_A, doubled=True),
+        1,
+        Start(start.A, A_rate),
+        lambda x: log_rates(x)[0],
+    )
+    B, of_B = fitted(
+        clock,
+        theta(1, clock.lattice, y_B, doubled=True),
+        1,
+        Start(start.B, B_rate),
+        lambda x: log_rates(x)[1],
+    )
+    return A, B, of_A + of_B
+
+
+def _zeros(body: JacobiMotion) -> tuple[mpf, mpf]:
+    """Imaginary parts of u at which A and B vanish: L3 = −|L| and L3 = |L|.
+
+    I3 a3 dn(iy) = |L| c dn(iy), c = I3 a3/|L|, and dn(iy|m) = dn/cn(y|m1) (DLMF 22.6.12) give
+    tan² am y = (1 − c²)/m c² for B; A has its zero at 2K' less.
+    """
+    (I1, _, I3), (a1, _, a3) = body.moments, body.amplitudes
+    m, away, near = body.lattice.m, (I1 * a1) ** 2, (I3 * a3) ** 2
+    whole = away + m * near
+    y = first_kind(away / whole, m * near / whole, m)
+    sign = 1 if body.largest else -1
+    return sign * (y - 2 * body.lattice.K1), sign * y
+
+
+def _angular_velocity(body: JacobiMotion, functions: Jacobi) -> tuple[Quotient, Quotient]:
+    """W = ω2 + iω1 and ω3."""
+    a1, a2, a3 = body.amplitudes
+    W = over_theta4(scaled(functions.sn, a2), scaled(functions.cn, a1), SIGN_CHANGE)
+    return W, over_theta4(scaled(functions.dn, a3), NOTHING, mpf(0))
