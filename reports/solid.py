@@ -11,6 +11,8 @@ from .plot import INK, WIRE, Range, Trace, packed
 LATITUDES, LONGITUDES, POINTS = 5, 12, 61
 #: Axes stick out of the surface by this factor; the eye is this far away, in sides of the scene.
 STICK_OUT = 1.18
+#: The scene ends here, behind the names of the axes.
+EDGE = 1.3
 EYE_DISTANCE = 1.25
 #: The eye looks down on the curve by at least this much, as the vertical part of its direction.
 LEAST_HEIGHT = 0.45
@@ -62,7 +64,7 @@ def view(semi_axes: FloatArray, towards: FloatArray, domain: tuple[Range, Range]
     direction = direction + np.array([0.35, 0.5, 0.0])
     direction[2] = max(direction[2], LEAST_HEIGHT)
     eye = EYE_DISTANCE * direction / np.linalg.norm(direction)
-    reach = STICK_OUT * semi_axes
+    reach = EDGE * semi_axes
     sides = dict(zip("xyz", (reach / reach.max()).tolist(), strict=True))
     return {
         "domain": {"x": domain[0], "y": domain[1]},
