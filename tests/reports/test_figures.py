@@ -12,7 +12,7 @@ import plotly.graph_objects as go
 import pytest
 from contrast import contrast
 from made_up import METHODS, TIMESTEPS, UNCERTAINTY, results
-from spincheck.reference import facts
+from spincheck.reference import facts, solve
 from spincheck.reports import figures as figures_module
 from spincheck.reports import ladder_figures
 from spincheck.reports.figures import Titled, figures
@@ -20,7 +20,7 @@ from spincheck.reports.gather import SceneRuns, gather
 from spincheck.reports.ladder_figures import cost
 from spincheck.reports.looks import COLOURS, looks
 from spincheck.reports.plot import INK, MOST_SAMPLES, WIRE, claimed, error_range, peaks, thinned
-from spincheck.reports.records import Row
+from spincheck.reports.records import Key, Row
 from spincheck.reports.render import TEMPLATES
 from spincheck.reports.store import Results
 from spincheck.scenarios import FloatArray, Trajectory
@@ -257,6 +257,19 @@ def test_a_run_that_blows_up_leaves_the_figures_readable(size: float) -> None:
         for trace in titled.figure["data"]:
             assert not np.isinf(_values(trace["y"])).any()
         json.dumps(titled.figure, allow_nan=False)
+
+
+def test_a_run_sampled_at_times_of_its_own_is_compared_with_the_truth_at_those() -> None:
+    found = results()
+    motion = next(row.motion for row in found.rows if row.key.scenario == BRICK and row.motion)
+    shifted = Trajectory(**vars(motion) | {"t": motion.t * 1.001})
+    rows = [Row(Key(BRICK, "mujoco", "Euler"), "1.0", 0.1, "ok", motion=shifted)]
+    gathered = gather(Results(**vars(found) | {"rows": rows}))
+    scenario = found.scenes[BRICK].scenario
+    (run,) = next(scene for scene in gathered.scenes if scene.name == BRICK).compared
+    np.testing.assert_array_equal(run.truth.t, shifted.t)
+    exact = solve(scenario, shifted.t).trajectory
+    np.testing.assert_array_equal(run.truth.omega_body, exact.omega_body)
 
 
 def test_blow_ups_do_not_squeeze_the_rest() -> None:

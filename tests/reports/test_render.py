@@ -1,6 +1,7 @@
 """The report as files: complete, well formed, self-contained, safe, and the same every time."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -11,6 +12,7 @@ from page import Page, read_page
 from spincheck.reports import scene_tables
 from spincheck.reports.records import Verdict
 from spincheck.reports.render import TEMPLATES, render
+from spincheck.reports.store import SceneResult
 from spincheck.reports.wording import ERROR_HEADINGS, number
 
 #: Bytes; what a page may weigh.
@@ -208,6 +210,19 @@ def test_markdown_tables_are_rectangular(folder: Path) -> None:
     for path in folder.rglob("*.md"):
         for table in _markdown_tables(path):
             assert len({len(row) for row in table}) == 1, table
+
+
+def test_a_window_cut_by_chaos_is_told(tmp_path: Path) -> None:
+    found = results()
+    top = found.scenes["made-up-top"]
+    chaotic = SceneResult(top.scenario, replace(top.solution, horizon=1.234))
+    render(replace(found, scenes=found.scenes | {"made-up-top": chaotic}), tmp_path)
+    for suffix in ("html", "md"):
+        text = (tmp_path / "scenes" / f"made-up-top.{suffix}").read_text(encoding="utf-8")
+        assert "chaotic" in text
+        assert "1.23 s" in text
+    brick = (tmp_path / "scenes" / "made-up-brick.html").read_text(encoding="utf-8")
+    assert "chaotic" not in brick
 
 
 def test_the_same_results_give_the_same_bytes(folder: Path, tmp_path: Path) -> None:
