@@ -1,6 +1,5 @@
 """The figures: complete, valid, never claiming too much, alike on every page."""
 
-import base64
 import json
 import math
 import re
@@ -12,6 +11,7 @@ import plotly.graph_objects as go
 import pytest
 from contrast import contrast
 from made_up import METHODS, TIMESTEPS, UNCERTAINTY, results
+from plotted import coloured, values_of
 from spincheck.reference import facts, solve
 from spincheck.reports import figures as figures_module
 from spincheck.reports import ladder_figures
@@ -19,11 +19,11 @@ from spincheck.reports.figures import Titled, figures
 from spincheck.reports.gather import SceneRuns, gather
 from spincheck.reports.ladder_figures import cost
 from spincheck.reports.looks import COLOURS, looks
-from spincheck.reports.plot import INK, MOST_SAMPLES, WIRE, claimed, error_range, peaks, thinned
+from spincheck.reports.plot import MOST_SAMPLES, claimed, error_range, peaks, thinned
 from spincheck.reports.records import Key, Row
 from spincheck.reports.render import TEMPLATES
 from spincheck.reports.store import Results
-from spincheck.scenarios import FloatArray, Trajectory
+from spincheck.scenarios import Trajectory
 
 TOP, BRICK, UNSOLVED = "made-up-top", "made-up-brick", "unsolved"
 #: WCAG 2.1, 1.4.11: contrast of what must be seen in a figure.
@@ -65,13 +65,13 @@ def test_a_scene_without_a_truth_has_none() -> None:
 @pytest.mark.parametrize("name", [TOP, BRICK])
 def test_plotly_accepts_every_figure(name: str) -> None:
     for titled in drawn(name).values():
-        go.Figure(_coloured(titled.figure))
+        go.Figure(coloured(titled.figure))
 
 
 def test_plotly_refuses_what_it_does_not_know(top: dict[str, Titled]) -> None:
     planted = top["omega"].figure | {"layout": {"xaxes": {}}}
     with pytest.raises(ValueError, match="xaxes"):
-        go.Figure(_coloured(planted))
+        go.Figure(coloured(planted))
 
 
 @pytest.mark.parametrize("name", [TOP, BRICK])
@@ -97,7 +97,7 @@ def test_no_line_has_more_samples_than_a_page_carries() -> None:
     for titled in drawn(TOP, samples=2001).values():
         for trace in titled.figure["data"]:
             if "legendgroup" in trace:
-                assert len(_values(trace["x"])) <= MOST_SAMPLES
+                assert len(values_of(trace["x"])) <= MOST_SAMPLES
 
 
 def test_thinning_keeps_both_ends() -> None:
@@ -121,8 +121,8 @@ def test_convergence_shows_the_error_of_every_finished_run(top: dict[str, Titled
     )
     rows = [row for row in results().rows if _label(row.key) == "mujoco Euler" and row.errors]
     wanted = [row.errors.omega for row in rows if row.key.scenario == TOP and row.errors]
-    np.testing.assert_array_equal(_values(euler["x"]), np.float32(TIMESTEPS))
-    np.testing.assert_array_equal(_values(euler["y"]), np.float32(wanted))
+    np.testing.assert_array_equal(values_of(euler["x"]), np.float32(TIMESTEPS))
+    np.testing.assert_array_equal(values_of(euler["y"]), np.float32(wanted))
 
 
 def test_diverged_runs_are_crosses(top: dict[str, Titled]) -> None:
@@ -136,7 +136,7 @@ def test_guides_have_the_declared_slopes(top: dict[str, Titled]) -> None:
     guides = [t for t in top["convergence"].figure["data"] if t.get("name", "").startswith("order")]
     assert {t["name"] for t in guides} == {"order 1", "order 4"}
     for guide in guides:
-        slope = np.polyfit(np.log(_values(guide["x"])), np.log(_values(guide["y"])), 1)[0]
+        slope = np.polyfit(np.log(values_of(guide["x"])), np.log(values_of(guide["y"])), 1)[0]
         # Single precision: 2⁻²⁴ of each value over an octave or more.
         assert slope == pytest.approx(int(guide["name"].split()[1]), abs=4 * 2.0**-23 / math.log(2))
 
@@ -146,7 +146,7 @@ def test_cost_is_seconds_a_simulated_second(top: dict[str, Titled]) -> None:
     assert row.seconds_per_step is not None
     assert cost(row) == row.seconds_per_step / row.timestep
     first = next(t for t in top["cost"].figure["data"] if t.get("legendgroup") == _label(row.key))
-    assert _values(first["x"])[0] == np.float32(cost(row))
+    assert values_of(first["x"])[0] == np.float32(cost(row))
 
 
 def test_untimed_runs_have_no_cost_figure() -> None:
@@ -164,13 +164,13 @@ def test_turning_points_of_the_well_are_the_bounds_of_nutation(top: dict[str, Ti
     exact = {fact.name: fact.value for fact in facts(found.scenario)}
     dots = next(t for t in top["potential"].figure["data"] if t["mode"] == "markers")
     bounds = np.float32([exact["nutation from"], exact["nutation to"]])
-    np.testing.assert_array_equal(_values(dots["x"]), bounds)
+    np.testing.assert_array_equal(values_of(dots["x"]), bounds)
 
 
 def test_the_axis_stays_on_the_sphere(top: dict[str, Titled]) -> None:
     curves = [t for t in top["axis"].figure["data"] if t["type"] == "scatter3d" and "name" in t]
     for curve in curves:
-        radius = np.sqrt(sum(_values(curve[axis]) ** 2 for axis in "xyz"))
+        radius = np.sqrt(sum(values_of(curve[axis]) ** 2 for axis in "xyz"))
         np.testing.assert_allclose(radius, 1.0, atol=4 * np.finfo(np.float32).eps)
 
 
@@ -182,7 +182,7 @@ def test_the_polhode_starts_on_the_scene_s_own_rates() -> None:
     moments = np.diag(found.scenario.body.inertia_com)
     scale = np.sqrt((omega**2 @ moments).max())
     exact = next(t for t in figure["data"] if t["type"] == "scatter3d" and t.get("name") == "exact")
-    start = [_values(exact[axis])[0] for axis in "xyz"]
+    start = [values_of(exact[axis])[0] for axis in "xyz"]
     np.testing.assert_array_equal(start, np.float32(omega[0] / scale))
 
 
@@ -252,10 +252,10 @@ def test_a_run_that_blows_up_leaves_the_figures_readable(size: float) -> None:
     brick = next(scene for scene in gathered.scenes if scene.name == BRICK)
     drawn_now = {titled.name: titled for titled in figures(brick)}
     ellipsoid = [t for t in drawn_now["polhode"].figure["data"] if t["type"] == "scatter3d"]
-    assert all(np.nanmax(np.abs(_values(t[axis]))) < 2 for t in ellipsoid for axis in "xyz")
+    assert all(np.nanmax(np.abs(values_of(t[axis]))) < 2 for t in ellipsoid for axis in "xyz")
     for titled in drawn_now.values():
         for trace in titled.figure["data"]:
-            assert not np.isinf(_values(trace["y"])).any()
+            assert not np.isinf(values_of(trace["y"])).any()
         json.dumps(titled.figure, allow_nan=False)
 
 
@@ -284,22 +284,9 @@ def _errors_too_small(found: dict[str, Titled]) -> Iterator[tuple[str, float]]:
             if "legendgroup" in trace and panel in panels:
                 # Values are drawn in single precision, and so is their limit.
                 limit = np.float32(getattr(UNCERTAINTY, panels[panel]))
-                values = _values(trace["y"])
+                values = values_of(trace["y"])
                 yield from ((name, float(v)) for v in values[values < limit])
-
-
-def _values(spec: dict[str, str]) -> FloatArray:
-    return np.frombuffer(base64.b64decode(spec["bdata"]), dtype="<f4")
 
 
 def _label(key: Any) -> str:
     return f"{key.engine} {key.method}"
-
-
-def _coloured(value: Any) -> Any:
-    """A figure as the page's script completes it."""
-    if isinstance(value, dict):
-        return {name: _coloured(item) for name, item in value.items()}
-    if isinstance(value, list):
-        return [_coloured(item) for item in value]
-    return "#123456" if value in (INK, WIRE) else value

@@ -8,6 +8,7 @@ from urllib.parse import unquote
 import pytest
 from contrast import contrast
 from made_up import METHODS, MISCHIEF, PRINTED, UNCERTAINTY, MadeUp, results
+from markdown_text import markdown_tables, outside_code, plain
 from page import Page, read_page
 from spincheck.reports import scene_tables
 from spincheck.reports.records import Verdict
@@ -73,7 +74,7 @@ def test_reasons_of_what_does_not_converge_are_on_both_pages(
         assert any(reason in cell.text for cell in pages["index"].all("td"))
         assert any(reason in cell.text for cell in pages[verdict.key.scenario].all("td"))
         for path in (folder / "report.md", folder / "scenes" / f"{verdict.key.scenario}.md"):
-            assert _plain(reason) in _plain(path.read_text(encoding="utf-8"))
+            assert plain(reason) in plain(path.read_text(encoding="utf-8"))
 
 
 def test_the_headline_counts_what_is_there(pages: dict[str, Page]) -> None:
@@ -134,7 +135,7 @@ def test_what_users_wrote_stays_text(pages: dict[str, Page], folder: Path) -> No
         assert MISCHIEF not in page.path.read_text(encoding="utf-8")
         assert not page.all("img")
     for path in folder.rglob("*.md"):
-        assert MISCHIEF not in _outside_code(path)
+        assert MISCHIEF not in outside_code(path)
 
 
 def test_what_users_wrote_is_shown(pages: dict[str, Page]) -> None:
@@ -177,18 +178,18 @@ def test_an_error_at_the_limit_says_so(pages: dict[str, Page]) -> None:
 
 def test_markdown_has_a_row_for_every_run(folder: Path) -> None:
     for name in ("made-up-top", "made-up-brick", "unsolved"):
-        tables = _markdown_tables(folder / "scenes" / f"{name}.md")
+        tables = markdown_tables(folder / "scenes" / f"{name}.md")
         runs = [row[:3] for table in tables if " steps " in table[0] for row in table[2:]]
-        assert sorted(_plain("|".join(row)) for row in runs) == sorted(
-            _plain(f"{row.key.engine}|{row.engine_version}|{row.key.method}")
+        assert sorted(plain("|".join(row)) for row in runs) == sorted(
+            plain(f"{row.key.engine}|{row.engine_version}|{row.key.method}")
             for row in results().rows
             if row.key.scenario == name
         )
 
 
 def test_markdown_has_a_row_for_every_verdict(folder: Path) -> None:
-    tables = _markdown_tables(folder / "report.md")
-    rows = [_plain("|".join(row)) for table in tables for row in table[2:] if len(row) == 9]
+    tables = markdown_tables(folder / "report.md")
+    rows = [plain("|".join(row)) for table in tables for row in table[2:] if len(row) == 9]
     for verdict in verdicts():
         assert any(
             row.startswith(f"{verdict.key.engine}|{verdict.key.method}|")
@@ -200,7 +201,7 @@ def test_markdown_has_a_row_for_every_verdict(folder: Path) -> None:
 
 def test_markdown_links_lead_to_files(folder: Path) -> None:
     for path in folder.rglob("*.md"):
-        targets = re.findall(r"(?<!\\)\]\(([^)]+)\)", _outside_code(path))
+        targets = re.findall(r"(?<!\\)\]\(([^)]+)\)", outside_code(path))
         assert targets
         for target in targets:
             assert (path.parent / unquote(target)).is_file(), target
@@ -208,7 +209,7 @@ def test_markdown_links_lead_to_files(folder: Path) -> None:
 
 def test_markdown_tables_are_rectangular(folder: Path) -> None:
     for path in folder.rglob("*.md"):
-        for table in _markdown_tables(path):
+        for table in markdown_tables(path):
             assert len({len(row) for row in table}) == 1, table
 
 
@@ -278,26 +279,3 @@ def _value(text: str) -> float:
     """A printed number as a number."""
     plain = text.removeprefix("≤ ").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-"))
     return float(plain.replace("×10", "e"))
-
-
-def _outside_code(path: Path) -> str:
-    markdown = path.read_text(encoding="utf-8")
-    return re.sub(r"^(```+).*?^\1$", "", markdown, flags=re.MULTILINE | re.DOTALL)
-
-
-def _markdown_tables(path: Path) -> list[list[list[str]]]:
-    """The cells of every table, row by row, the headings and the dashes among them."""
-    found = re.findall(r"(?:^\|.*\|\n)+", _outside_code(path), re.MULTILINE)
-    return [_cells(table) for table in found]
-
-
-def _cells(table: str) -> list[list[str]]:
-    return [re.split(r"(?<!\\)\|", line)[1:-1] for line in table.strip().splitlines()]
-
-
-def _plain(markdown: str) -> str:
-    """Without what escaping adds."""
-    text = (
-        markdown.replace("\\", "").replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
-    )
-    return re.sub(r"\s*\|\s*", "|", text).strip()
