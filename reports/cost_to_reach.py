@@ -6,7 +6,7 @@ rules, and which constant sets each, are in docs/cost.md.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from .verdict import SETTLING_ORDER
@@ -43,6 +43,7 @@ class Reach:
     word : how its cost is known, or why it is out of reach
     reason : the same in a sentence
     timestep : s, and `cost`, CPU seconds a simulated second; None where out of reach
+    floor : what rounding may cause at the timestep that it takes; None where runs are within it
     """
 
     level: float
@@ -50,6 +51,7 @@ class Reach:
     reason: str
     timestep: float | None = None
     cost: float | None = None
+    floor: float | None = None
 
 
 def reach(curve: Curve, level: float) -> Reach:
@@ -123,8 +125,9 @@ def _below_the_ladder(curve: Curve, level: float) -> Reach:
     if any(math.isinf(point.error) for point in curve.stable):
         return Reach(level, "undefined", "the error is relative to an exact value of zero")
     if not above_round_off(curve):
-        least = min(point.error for point in curve.stable)
-        return Reach(level, "round-off", f"errors are at round-off, {least:.1e} at the least")
+        least = min(curve.stable, key=lambda point: point.error)
+        reason = f"errors are at round-off, {least.error:.1e} at the least"
+        return Reach(level, "round-off", reason, floor=curve.floor(least.timestep))
     order = observed_order(curve)
     if order is None or order < SETTLING_ORDER:
         return Reach(level, "no order", "no run is within it, and the errors show no order")
@@ -132,11 +135,11 @@ def _below_the_ladder(curve: Curve, level: float) -> Reach:
     floor = curve.floor(timestep)
     if floor >= level:
         reason = f"at the timestep it takes, {timestep:.1e} s, rounding alone may cause {floor:.1e}"
-        return Reach(level, "round-off", reason)
+        return Reach(level, "round-off", reason, floor=floor)
     reason = (
         f"below the finest run, by the order found, {order:.2f}; rounding may cause {floor:.1e}"
     )
-    return _priced(curve, level, "extrapolated", reason, timestep)
+    return replace(_priced(curve, level, "extrapolated", reason, timestep), floor=floor)
 
 
 def _priced(curve: Curve, level: float, how: How, reason: str, timestep: float) -> Reach:
