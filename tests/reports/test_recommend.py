@@ -1,4 +1,4 @@
-"""Recommendations: cautious where curves bend, in whole steps, checked by a run, honest on failure."""
+"""Recommendations: cautious where curves bend, in whole steps, checked, honest on failure."""
 
 import json
 import math
