@@ -2,8 +2,9 @@
 
 from .free_asymmetric import free_asymmetric
 from .free_symmetric import free_symmetric
+from .lagrange import lagrange
 from .problem import Problem
-from .symmetry import is_free, symmetry_axis
+from .symmetry import is_free, is_undriven, symmetry_axis
 from .theta_quotients import ClosedForm
 
 __all__ = ["ClosedForm", "closed_form"]
@@ -11,7 +12,8 @@ __all__ = ["ClosedForm", "closed_form"]
 
 def closed_form(problem: Problem) -> ClosedForm | None:
     """The exact motion of a problem, None where no closed form covers it."""
+    symmetric = symmetry_axis(problem) is not None
     if is_free(problem):
-        symmetric = symmetry_axis(problem) is not None or len({*problem.moments}) == 1
-        return free_symmetric(problem) if symmetric else free_asymmetric(problem)
-    return None
+        sphere = len({*problem.moments}) == 1
+        return free_symmetric(problem) if symmetric or sphere else free_asymmetric(problem)
+    return lagrange(problem) if symmetric and is_undriven(problem) else None

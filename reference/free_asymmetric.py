@@ -18,15 +18,15 @@ from mpmath import mp, mpc, mpf
 
 from ..scenarios.exact import DIGITS, Vector, conjugate, cross, product
 from ..scenarios.principal import from_matrix
-from .cayley_klein import CayleyKlein, along, transverse, with_L_upright
+from .cayley_klein import CayleyKlein, along, with_L_upright
 from .elliptic import Jacobi, Lattice, first_kind, jacobi, scaled, theta
 from .problem import Problem
 from .steady_motions import rigid_rotation, turns_rigidly
 from .symmetry import UNIT_VECTORS, equal, is_free, moment_about
 from .theta_quotients import (
     NOTHING,
-    ClosedForm,
     Clock,
+    ClosedForm,
     Frames,
     Quotient,
     Start,
@@ -171,32 +171,30 @@ def _attitude(
     body: JacobiMotion, clock: Clock, functions: Jacobi, start: CayleyKlein, omega: Vector
 ) -> tuple[Quotient, Quotient, mpf]:
     """A and B, and the residual of both."""
-    y_A, y_B = _zeros(body)
 
-    def log_rates(x: mpf) -> tuple[mpc, mpc]:
-        """A'/A = ½ (iω3 − W B/A) and B'/B = ½ (W* A/B − iω3), where L points along z."""
+    def at(x: mpf) -> tuple[CayleyKlein, tuple[mpc, mpc]]:
+        """A and B where L points along z, up to their phases, and A' and B' with those phases."""
         sn, cn, dn = functions(x)
-        w = tuple(a * f for a, f in zip(body.amplitudes, (cn, sn, dn), strict=True))
-        at_x = with_L_upright(tuple(I * w_k for I, w_k in zip(body.moments, w, strict=True)))
-        A_rate, B_rate = at_x.rates(w)
-        return A_rate / at_x.A, B_rate / at_x.B
+        (a1, a2, a3), (I1, I2, I3) = body.amplitudes, body.moments
+        w = (a1 * cn, a2 * sn, a3 * dn)
+        attitude = with_L_upright((I1 * w[0], I2 * w[1], I3 * w[2]))
+        return attitude, attitude.rates(w)
+
+    def log_rate_of_A(x: mpf) -> mpc:
+        attitude, rates = at(x)
+        return rates[0] / attitude.A
+
+    def log_rate_of_B(x: mpf) -> mpc:
+        attitude, rates = at(x)
+        return rates[1] / attitude.B
 
     A_rate, B_rate = start.rates(omega)
-    A, of_A = fitted(
-        clock,
-        theta(1, clock.lattice, y_A, doubled=True),
-        1,
-        Start(start.A, A_rate),
-        lambda x: log_rates(x)[0],
-    )
-    B, of_B = fitted(
-        clock,
-        theta(1, clock.lattice, y_B, doubled=True),
-        1,
-        Start(start.B, B_rate),
-        lambda x: log_rates(x)[1],
-    )
-    return A, B, of_A + of_B
+    y_A, y_B = _zeros(body)
+    over_A = theta(1, clock.lattice, y_A, doubled=True)
+    over_B = theta(1, clock.lattice, y_B, doubled=True)
+    A, residual_A = fitted(clock, over_A, 1, Start(start.A, A_rate), log_rate_of_A)
+    B, residual_B = fitted(clock, over_B, 1, Start(start.B, B_rate), log_rate_of_B)
+    return A, B, residual_A + residual_B
 
 
 def _zeros(body: JacobiMotion) -> tuple[mpf, mpf]:

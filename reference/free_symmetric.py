@@ -1,5 +1,7 @@
 """The free top with two equal moments: regular precession about L (Landau & Lifshitz §33)."""
 
+from dataclasses import replace
+
 from mpmath import mp
 
 from ..scenarios.exact import DIGITS, conjugate, dot, product
@@ -45,10 +47,6 @@ def free_symmetric(problem: Problem) -> ClosedForm:
         I3 = moment_about(problem, axis)
         I1 = (mp.fsum(problem.moments) - I3) / 2
         precession, spin = norm(L) / I1, omega[2] * (1 - I3 / I1)
-        return regular_precession(
-            Frames(q_left, q_frame_axes, triad),
-            start,
-            omega,
-            ((precession + spin) / 2, (precession - spin) / 2),
-            float(2 * mp.pi / abs(spin)),
-        )
+        rates = ((precession + spin) / 2, (precession - spin) / 2)
+        form = regular_precession(Frames(q_left, q_frame_axes, triad), start, omega, rates)
+        return replace(form, period=float(2 * mp.pi / abs(spin)))

@@ -45,7 +45,6 @@ def regular_precession(
     start: CayleyKlein,
     omega: Vector,
     rates: tuple[mpf, mpf],
-    period: float | None = None,
 ) -> ClosedForm:
     """Steady precession and spin at a constant tilt, in the frames that `frames` leads to.
 
@@ -54,7 +53,6 @@ def regular_precession(
     start, omega : attitude and angular velocity at t = 0
     rates : rad/s, of the phases of A and B, (α' + γ')/2 and (α' − γ')/2; W, ∝ A B* by
         A' = ½ (iω3 A − W B), turns at their difference γ'
-    period : that the closed form is to state, s
     """
     of_A, of_B = rates
     quotients = (
@@ -63,4 +61,4 @@ def regular_precession(
         turning(transverse(omega), of_A - of_B),
         turning(mpc(omega[2])),
     )
-    return ClosedForm("Regular precession", tables(None, quotients, frames), 0.0, period)
+    return ClosedForm("Regular precession", tables(None, quotients, frames), 0.0, None)

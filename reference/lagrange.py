@@ -1,0 +1,206 @@
+"""Lagrange's heavy symmetric top, by theta quotients.
+
+With its axis from the pivot to the centre of mass as e3, the upward vertical as z and u = cos β as
+in `nutation` (F. Klein & A. Sommerfeld, Über die Theorie des Kreisels, ch. VI; Whittaker,
+Analytical Dynamics, §71; derivation: docs/closed-forms.md)::
+
+    A ∝ e^{iΩt} θ1(z − iη_A)/θ4(z)        B ∝ e^{iΩt} θ2(z − iη_B)/θ4(z)
+    W ∝ e^{iΩt} θ2(z − iη_W)/θ4(z)        z = π (p t + u0)/2K
+
+A, B and W vanish where u = −1, 1 and U. A pole is a simple zero of a theta function: a top that
+passes through it, or starts there, is no exception.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from mpmath import mp, mpc, mpf
+
+from ..scenarios.exact import DIGITS, Quaternion, Vector, conjugate, product
+from ..scenarios.principal import from_matrix
+from .cayley_klein import CayleyKlein, along, of_quaternion, transverse
+from .elliptic import Theta, first_kind, jacobi, theta
+from .nutation import Constants, Nutation, constants, nutation
+from .problem import Problem
+from .steady_motions import regular_precession, rigid_rotation
+from .symmetry import (
+    across,
+    equal,
+    gravity_torque_scale,
+    is_undriven,
+    moment_about,
+    norm,
+    scaled,
+    symmetry_axis,
+)
+from .theta_quotients import Clock, ClosedForm, Frames, Start, fitted, tables, turning
+
+#: Where two or three roots of the nutation cubic meet, a root has half or a third of the digits.
+ROOT_DIGITS = 3 * DIGITS
+
+LogRate = Callable[[mpf], mpc]
+
+
+def lagrange(problem: Problem) -> ClosedForm:
+    """The motion of a symmetric body with the fixed point on its axis, under gravity alone.
+
+    The axis may be any principal axis, in either sense, and any direction in a sphere.
+
+    Raises
+    ------
+    ValueError
+        If the body is not symmetric about its lever, gravity does not turn it, or a torque acts.
+    """
+    axis, kappa = symmetry_axis(problem), gravity_torque_scale(problem)
+    if axis is None or kappa == 0 or not is_undriven(problem):
+        raise ValueError(
+            "'problem' must be a body symmetric about the lever that gravity alone pulls at."
+        )
+    with mp.workdps(ROOT_DIGITS):
+        triad = (*across(axis), axis)
+        frames = _frames(problem, triad)
+        start = _attitude(problem, frames)
+        omega = along(triad, problem.omega_axes)
+        I3 = moment_about(problem, axis)
+        I1 = (mp.fsum(problem.moments) - I3) / 2
+        if _rests_at_a_pole(start, omega, mp.sqrt(kappa / I1)):
+            return rigid_rotation(problem)
+        known = constants(start, omega, 2 * kappa / I1, I3 * omega[2] / I1)
+        swing = nutation(known)
+    with mp.workdps(DIGITS):
+        if swing is None:
+            return _steady(frames, start, omega, known)
+        return _swinging(frames, start, omega, known, swing)
+
+
+def _frames(problem: Problem, triad: tuple[Vector, Vector, Vector]) -> Frames:
+    up_world = scaled(problem.gravity_world, -1 / norm(problem.gravity_world))
+    return Frames(conjugate(_upright(up_world)), from_matrix(triad), triad)
+
+
+def _upright(up: Vector) -> Quaternion:
+    """A rotation that takes a unit vector to z: exact, and no turn at all, if it is there."""
+    x, y, z = up
+    if z < 0:
+        return product(_upright((x, -y, -z)), (mpf(0), mpf(1), mpf(0), mpf(0)))
+    length = mp.sqrt(2 * (1 + z))
+    return ((1 + z) / length, y / length, -x / length, mpf(0))
+
+
+def _attitude(problem: Problem, frames: Frames) -> CayleyKlein:
+    """From the frame of the top to the upright one, of unit norm to the caller's precision."""
+    q = product(product(conjugate(frames.q_left), problem.q_world_axes), conjugate(frames.q_right))
+    length = mp.sqrt(mp.fsum(c * c for c in q))
+    w, x, y, z = (c / length for c in q)
+    return of_quaternion((w, x, y, z))
+
+
+def _rests_at_a_pole(start: CayleyKlein, omega: Vector, rate: mpf) -> bool:
+    """Whether the axis stands or hangs upright and stays: sleeping, or at rest."""
+    near = min(abs(start.A), abs(start.B))
+    return equal(near, 0, 1) and equal(abs(transverse(omega)), 0, rate + abs(omega[2]))
+
+
+def _steady(frames: Frames, start: CayleyKlein, omega: Vector, known: Constants) -> ClosedForm:
+    """Steady precession: the phases of A and B turn at constant rates, and |A|, |B| stay."""
+    delta, spin = known.delta, omega[2] - known.d
+    above, below = (2 - delta, delta) if known.pole > 0 else (delta, 2 - delta)
+    rates = ((known.c_plus_d / above + spin) / 2, (known.c_minus_d / below - spin) / 2)
+    u = float(known.pole * (1 - delta))
+    return replace(regular_precession(frames, start, omega, rates), turning_points=(u, u))
+
+
+def _swinging(
+    frames: Frames, start: CayleyKlein, omega: Vector, known: Constants, swing: Nutation
+) -> ClosedForm:
+    lattice = swing.lattice
+    u0 = first_kind(swing.sin_squared, swing.cos_squared, lattice.m1)
+    at_start = (u0 if known.rising else -u0) * lattice.scale
+    clock = Clock(lattice, swing.p * lattice.scale, at_start)
+    rows, residual = [], mpf(0)
+    for numerator, begin, log_rate in zip(
+        _numerators(known, swing),
+        _starts(start, omega, known),
+        _log_rates(omega, known, swing),
+        strict=True,
+    ):
+        quotient, error = fitted(clock, numerator, 2, begin, log_rate)
+        rows.append(quotient)
+        residual += error
+    u1, u2, _ = ((above - below) / 2 for above, below in zip(swing.above, swing.below, strict=True))
+    return ClosedForm(
+        "Lagrange's top in Klein and Sommerfeld's closed form, theta quotients",
+        tables(clock, [*rows, turning(mpc(omega[2]))], frames),
+        float(residual),
+        float(2 * lattice.K / swing.p),
+        (float(u1), float(u2)),
+    )
+
+
+def _starts(start: CayleyKlein, omega: Vector, known: Constants) -> tuple[Start, Start, Start]:
+    """A, B and W at t = 0; W' = i (ω3 − d) W + b A B* is Euler's equation."""
+    W = transverse(omega)
+    W_rate = mpc(0, omega[2] - known.d) * W + known.b * start.A * mp.conj(start.B)
+    A_rate, B_rate = start.rates(omega)
+    return Start(start.A, A_rate), Start(start.B, B_rate), Start(W, W_rate)
+
+
+def _numerators(known: Constants, swing: Nutation) -> tuple[Theta, Theta, Theta]:
+    """θ1 or θ2 with the imaginary part of u at which A, B and W vanish.
+
+    u = −1 at u = iy with sc²(y|m1) = (1 + u1)/(u2 − u1); u = 1 and u = U at K + iy with
+    nd²(y|m1) = (1 − u1)/(u2 − u1), (U − u1)/(u2 − u1). An amplitude's sine and cosine follow.
+    On the separatrix θ2 is constant, wherever its zero.
+    """
+    lattice, below, above = swing.lattice, swing.below, swing.above
+    y_A = first_kind(above[0] / above[1], swing.u21 / above[1], lattice.m)
+    y_B = y_W = mpf(0)
+    if lattice.m1:
+        y_B = _zero_beyond(below[1], -below[2], swing)
+        y_W = _zero_beyond(swing.U2, max(swing.u32 - swing.U2, mpf(0)), swing)
+    at_U = known.c_minus_d_times(below[1] - swing.U2, above[1] + swing.U2)
+    return (
+        theta(1, lattice, _sign(known.c_plus_d) * y_A),
+        theta(2, lattice, _sign(known.c_minus_d) * y_B),
+        theta(2, lattice, _sign(at_U) * y_W),
+    )
+
+
+def _zero_beyond(to_u2: mpf, to_u3: mpf, swing: Nutation) -> mpf:
+    """y of the height between u2 and u3 that is so far from them."""
+    whole = (to_u2 + swing.u21) * swing.u32
+    return first_kind(to_u2 * swing.u31 / whole, to_u3 * swing.u21 / whole, swing.lattice.m)
+
+
+def _sign(value: mpf) -> int:
+    """The sign of a number; of zero, where both signs are right, 1."""
+    return -1 if value < 0 else 1
+
+
+def _log_rates(
+    omega: Vector, known: Constants, swing: Nutation
+) -> tuple[LogRate, LogRate, LogRate]:
+    """A'/A, B'/B and W'/W as functions of x, from u, u̇ and the constants of motion."""
+    functions, spin = jacobi(swing.lattice), omega[2] - known.d
+
+    def height(x: mpf) -> tuple[mpf, mpf, mpf]:
+        """sn², cn² and u̇."""
+        sn, cn, dn = functions(x)
+        return sn**2, cn**2, 2 * swing.p * swing.u21 * sn * cn * dn
+
+    def of_A(x: mpf) -> mpc:
+        sn2, _, u_rate = height(x)
+        return (mpc(u_rate, known.c_plus_d) / (swing.above[0] + swing.u21 * sn2) + mpc(0, spin)) / 2
+
+    def of_B(x: mpf) -> mpc:
+        _, cn2, u_rate = height(x)
+        below = swing.below[1] + swing.u21 * cn2
+        return (mpc(-u_rate, known.c_minus_d) / below - mpc(0, spin)) / 2
+
+    def of_W(x: mpf) -> mpc:
+        sn2, cn2, u_rate = height(x)
+        below, above = swing.below[1] + swing.u21 * cn2, swing.above[0] + swing.u21 * sn2
+        turn = mpc(-u_rate, known.c_minus_d_times(below, above))
+        return turn / (2 * (swing.U2 + swing.u21 * cn2)) + mpc(0, spin)
+
+    return of_A, of_B, of_W

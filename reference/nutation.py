@@ -1,0 +1,173 @@
+"""How the tilt of a heavy symmetric top swings: u(t) = cos β by Jacobi's functions.
+
+β is the angle from the upward vertical to the axis, from the pivot to the centre of mass; κ = M g l.
+In units of I1, the constants of motion and the cubic are (Goldstein §5.7; Whittaker §71)::
+
+    b = 2κ/I1    c = L·(−ĝ)/I1    d = I3 ω3/I1    |W|² = b (U − u),  W = ω2 + iω1
+    u̇² = b (U − u)(1 − u²) − (c − d u)² = b (u − u1)(u − u2)(u − u3)
+    u = u1 + (u2 − u1) sn²(p t + u0 | m)    p² = b (u3 − u1)/4    m = (u2 − u1)/(u3 − u1)
+
+A top that sleeps, or passes close to a pole, has roots that agree in many digits. So heights are
+measured from the pole nearer to the start: u = σ (1 − δ), σ = ±1, and all small numbers keep
+their relative accuracy.
+"""
+
+from typing import NamedTuple
+
+from mpmath import mp, mpf
+
+from ..scenarios.exact import Vector
+from .cayley_klein import CayleyKlein, transverse
+from .elliptic import Lattice
+from .symmetry import equal
+
+
+class Constants(NamedTuple):
+    """Of a top at t = 0.
+
+    Attributes
+    ----------
+    pole : σ, 1 for the upper pole, −1 for the lower
+    b, d : as above, s⁻² and 1/s
+    excess : |W|² at the pole, if its energy took it there, s⁻²; may be negative
+    e : c − σ d, 1/s: zero for a top that can reach the pole
+    delta : δ
+    W_squared : |W|², s⁻²
+    rising : whether u̇ >= 0
+    """
+
+    pole: int
+    b: mpf
+    d: mpf
+    excess: mpf
+    e: mpf
+    delta: mpf
+    W_squared: mpf
+    rising: bool
+
+    @property
+    def c_plus_d(self) -> mpf:
+        """c + d, 1/s."""
+        return self.e + (1 + self.pole) * self.d
+
+    @property
+    def c_minus_d(self) -> mpf:
+        """c − d, 1/s."""
+        return self.e - (1 - self.pole) * self.d
+
+    def c_minus_d_times(self, below: mpf, above: mpf) -> mpf:
+        """c − d u, 1/s, from 1 − u and 1 + u."""
+        return self.e + self.pole * self.d * (below if self.pole > 0 else above)
+
+
+def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
+    """The constants from a start, differences of what agrees to working precision being zero.
+
+    With γ the upward vertical along the top's axes, −γ1 + iγ2 = 2 A B*.
+    """
+    W = transverse(omega)
+    pole = 1 if abs(start.A) >= abs(start.B) else -1
+    delta = 2 * min(abs(start.A), abs(start.B)) ** 2
+    turned = 2 * start.A * mp.conj(start.B) * mp.conj(W)  # −u̇ + i (ω1 γ1 + ω2 γ2)
+    W_squared = abs(W) ** 2
+    return Constants(
+        pole,
+        b,
+        d,
+        _difference(W_squared, pole * b * delta),
+        _difference(turned.imag, pole * d * delta),
+        delta,
+        W_squared,
+        bool(turned.real <= 0),
+    )
+
+
+class Nutation(NamedTuple):
+    """The swing between u1 and u2.
+
+    Attributes
+    ----------
+    below, above : 1 − u and 1 + u at u1, u2, u3
+    u21, u31, u32 : u2 − u1, u3 − u1, u3 − u2
+    U2 : U − u2
+    p : 1/s
+    lattice : of parameter m
+    sin_squared, cos_squared : sn² and cn² at t = 0
+    """
+
+    below: Vector
+    above: Vector
+    u21: mpf
+    u31: mpf
+    u32: mpf
+    U2: mpf
+    p: mpf
+    lattice: Lattice
+    sin_squared: mpf
+    cos_squared: mpf
+
+
+def nutation(start: Constants) -> Nutation | None:
+    """The swing from a start that is not at rest at a pole; None if u stays where it is."""
+    pole, delta = start.pole, start.delta
+    deltas = sorted(_deltas(start), key=lambda x: -pole * x)  # u1 <= u2 <= u3
+    d1, d2, d3 = _within_bounds(deltas, pole)
+    if equal(d1, d2):
+        return None
+    u21, u31, u32 = pole * (d1 - d2), pole * (d1 - d3), pole * (d2 - d3)
+    sin_squared = min(max(pole * (d1 - delta) / u21, mpf(0)), mpf(1))
+    cos_squared = min(max(pole * (delta - d2) / u21, mpf(0)), mpf(1))
+    near, far = (d1, d2, d3), (2 - d1, 2 - d2, 2 - d3)
+    return Nutation(
+        below=near if pole > 0 else far,
+        above=far if pole > 0 else near,
+        u21=u21,
+        u31=u31,
+        u32=u32,
+        U2=max(start.W_squared / start.b - cos_squared * u21, mpf(0)),
+        p=mp.sqrt(start.b * u31) / 2,
+        lattice=Lattice(u21 / u31, u32 / u31),
+        sin_squared=sin_squared,
+        cos_squared=cos_squared,
+    )
+
+
+def _deltas(start: Constants) -> list[mpf]:
+    """Zeros of (excess + sδ) δ(2 − δ) − (e + gδ)², s = σb, g = σd: the cubic in u = σ(1 − δ).
+
+    The largest root by Viète's cosines (DLMF 1.11.iii; all are real); its division leaves a
+    quadratic, whose roots may be many orders smaller and still come out to relative accuracy.
+    """
+    s, g = start.pole * start.b, start.pole * start.d
+    excess, e = start.excess, start.e
+    a2, a1, a0 = (excess + g * g) / s - 2, 2 * (e * g - excess) / s, e * e / s
+    largest = max(_by_cosines(a2, a1, a0), key=abs)
+    if largest == 0:
+        return [mpf(0)] * 3
+    product = -a0 / largest
+    half_sum = (a1 - product) / largest / 2
+    root = mp.sqrt(max(half_sum**2 - product, mpf(0)))
+    further = half_sum + (root if half_sum >= 0 else -root)
+    return [largest, further, product / further if further else mpf(0)]
+
+
+def _by_cosines(a2: mpf, a1: mpf, a0: mpf) -> list[mpf]:
+    """Roots of x³ + a2 x² + a1 x + a0, all real."""
+    spread = max(a2 * a2 - 3 * a1, mpf(0)) / 9
+    if spread == 0:
+        return [-a2 / 3] * 3
+    cosine = (9 * a2 * a1 - 2 * a2**3 - 27 * a0) / (54 * spread * mp.sqrt(spread))
+    third = mp.acos(min(max(cosine, mpf(-1)), mpf(1))) / 3
+    return [2 * mp.sqrt(spread) * mp.cos(third + k * 2 * mp.pi / 3) - a2 / 3 for k in range(3)]
+
+
+def _within_bounds(deltas: list[mpf], pole: int) -> Vector:
+    """The roots, u1, u2 <= 1 <= u3, where rounding has put one past a pole."""
+    d1, d2, d3 = deltas
+    if pole > 0:
+        return min(d1, mpf(2)), max(d2, mpf(0)), min(d3, mpf(0))
+    return max(d1, mpf(0)), min(d2, mpf(2)), max(d3, mpf(2))
+
+
+def _difference(a: mpf, b: mpf) -> mpf:
+    return mpf(0) if equal(a, b) else a - b
