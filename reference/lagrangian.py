@@ -206,7 +206,7 @@ def steady_angle(top: LagrangeTop) -> float:
     points, where they enclose one sign change.
     """
     with mp.workdps(ROOT_DIGITS):
-        return float(mp.acos(_bottom(top)))
+        return float(mp.acos(_at_most_one(_bottom(top))))
 
 
 def small_nutation_frequency(top: LagrangeTop) -> float:

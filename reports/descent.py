@@ -127,6 +127,8 @@ class Descent:
     def _judge(self) -> tuple[Signal, Judgement]:
         """The worse of the judgements on ω and attitude."""
         steps = self._steps()
+        if not self.rungs:
+            return "omega", Judgement("unresolved", "no ladder was run, only single timesteps")
         if len(steps) < LEAST_RUNGS:
             reason = f"only {len(steps)} timesteps ran to the end; {LEAST_RUNGS} make a verdict"
             return "omega", Judgement("unresolved", reason)

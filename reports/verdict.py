@@ -77,7 +77,10 @@ def judge(
     ----------
     uncertainty : of `truth` in this signal
     """
-    error = _ERROR[signal]
+
+    def error(motion: Trajectory, other: Trajectory) -> float:
+        return float(_SERIES[signal](motion, other).max())
+
     errors = np.array([error(step.motion, truth) for step in ladder])
     floors = np.array([step.round_off[signal] for step in ladder])
     if (errors <= floors + uncertainty).all():
@@ -89,12 +92,23 @@ def judge(
     moves = np.array([error(a, b) for a, b in pairwise(limits)])
     best = _finest_above_round_off(moves, floors[2:])
     estimate = _estimate(moves, best, declared_order)
-    limit_error = error(limits[best + 1], truth)
+    off = _SERIES[signal](limits[best + 1], truth)
+    limit_error = float(off.max())
     order = _order(ladder, errors, floors, uncertainty)
     allowance = estimate + uncertainty + float(floors[best + 2])
-    seen = moves[: best + 1]
     return _weigh(
-        _Found(ladder, errors, order, declared_order, estimate, limit_error, allowance, seen)
+        _Found(
+            ladder,
+            errors,
+            order,
+            declared_order,
+            estimate,
+            limit_error,
+            allowance,
+            moves=moves[: best + 1],
+            uncertainty=uncertainty,
+            since=float(truth.t[np.argmax(off > allowance)]),
+        )
     )
 
 
@@ -108,6 +122,8 @@ class _Found:
     limit_error: float
     allowance: float
     moves: FloatArray
+    uncertainty: float
+    since: float
 
 
 def _weigh(found: _Found) -> Judgement:
@@ -116,12 +132,17 @@ def _weigh(found: _Found) -> Judgement:
     in_order = found.order is None or found.order >= found.declared - ORDER_SLACK
     sharp = found.estimate <= SHARP
     numbers = (found.order, found.limit_error, found.estimate)
-    limit = f"the limit dt → 0 is {found.limit_error:.1e} off, known to {found.allowance:.1e}"
+    limit = (
+        f"the limit dt → 0 is {max(found.limit_error, found.uncertainty):.1e} off, "
+        f"which may be {found.allowance:.1e}"
+    )
     if sharp and at_limit and in_order:
         return Judgement("converges", f"{_order_words(found)}; {limit}", *numbers)
     elsewhere = found.limit_error > DISTINCT * found.allowance
     if sharp and elsewhere and _settles(found.moves):
-        return Judgement("disagrees", f"settles elsewhere: {limit}", *numbers)
+        return Judgement(
+            "disagrees", f"settles elsewhere, from t = {found.since:.3g} s on: {limit}", *numbers
+        )
     needed = _needed_timestep(found)
     reason = (
         f"not in its asymptotic range: {_order_words(found)}, {limit}; "
@@ -200,17 +221,17 @@ def _extrapolate(coarse: Trajectory, fine: Trajectory, order: int) -> Trajectory
     )
 
 
-def _omega_error(motion: Trajectory, truth: Trajectory) -> float:
+def _omega_series(motion: Trajectory, truth: Trajectory) -> FloatArray:
     base = np.linalg.norm(truth.omega_body, axis=1).max()
-    difference = np.linalg.norm(motion.omega_body - truth.omega_body, axis=1).max()
-    return float(difference / base) if base else float(difference > 0)
+    off = np.asarray(np.linalg.norm(motion.omega_body - truth.omega_body, axis=1))
+    return off / base if base else (off > 0).astype(float)
 
 
-def _attitude_error(motion: Trajectory, truth: Trajectory) -> float:
-    return float((motion.R_world_body.inv() * truth.R_world_body).magnitude().max())
+def _attitude_series(motion: Trajectory, truth: Trajectory) -> FloatArray:
+    return np.asarray((motion.R_world_body.inv() * truth.R_world_body).magnitude())
 
 
-_ERROR: dict[Signal, Callable[[Trajectory, Trajectory], float]] = {
-    "omega": _omega_error,
-    "attitude": _attitude_error,
+_SERIES: dict[Signal, Callable[[Trajectory, Trajectory], FloatArray]] = {
+    "omega": _omega_series,
+    "attitude": _attitude_series,
 }

@@ -56,6 +56,22 @@ def test_a_limit_that_is_not_the_truth_disagrees(signal, order):
     assert found.limit_error == pytest.approx(offset, rel=0.1)
 
 
+def test_a_limit_that_leaves_the_truth_midway_says_when():
+    late = np.where(TIMES > 3.0, 1e-3, 0.0)
+    steps = [
+        Step(
+            dt := COARSEST / 2**k,
+            round(5 / dt),
+            turning(dt**2 * np.sin(TIMES), SPIN * (late + dt**2 * np.sin(TIMES))),
+            {"omega": 4 * EPS, "attitude": 4 * EPS},
+        )
+        for k in range(8)
+    ]
+    found = judge("omega", steps, TRUTH, 2, 4 * EPS)
+    assert found.word == "disagrees"
+    assert "from t = 3.1 s on" in found.reason
+
+
 def test_an_order_below_the_declared_one_does_not_converge():
     assert judged(lambda dt: 0.1 * dt, order=4).word != "converges"
 
