@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from ..scenarios import Scenario
 from .cost_to_reach import Barrier, How, Reach, below_finest, first_within, reach
 from .gather import MethodRuns, SceneRuns
 from .records import Key
@@ -47,6 +48,17 @@ def candidates(scene: SceneRuns, bounds: Bounds) -> list[Candidate]:
     return sorted(found, key=lambda candidate: candidate.cost or math.inf)
 
 
+def above_the_ladder(scenario: Scenario, coarsest: float) -> tuple[float, ...]:
+    """Timesteps coarser than a ladder's, each about twice the one before, up to one a sample, s."""
+    interval = _sample_interval(scenario)
+    timesteps = []
+    steps = round(interval / coarsest)
+    while steps > 1:
+        steps = math.ceil(steps / 2)
+        timesteps.append(interval / steps)
+    return tuple(timesteps)
+
+
 def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:
     """The others that the spread of the timings cannot tell from the first."""
     best, *others = candidates
@@ -71,7 +83,8 @@ def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: Bounds) -> Candidate:
     candidate = Candidate(key, found.word, found.reason, signal, stable)
     if not timesteps[signal] or curve.seconds_per_step is None:
         return candidate
-    timestep = _whole(_sample_interval(scene), timesteps[signal])
+    assert scene.found is not None, "only a solved scene has candidates"
+    timestep = _whole(_sample_interval(scene.found.scenario), timesteps[signal])
     spread = next((row.seconds_spread for row in reversed(runs.rows) if row.seconds_spread), 0.0)
     return replace(
         candidate,
@@ -109,7 +122,5 @@ def _whole(interval: float, timestep: float) -> float:
     return interval / math.ceil(interval / timestep * (1 - 4 * EPS))
 
 
-def _sample_interval(scene: SceneRuns) -> float:
-    assert scene.found is not None, "only a solved scene has candidates"
-    window = scene.found.scenario.window
-    return float(window.duration / (window.samples - 1))
+def _sample_interval(scenario: Scenario) -> float:
+    return float(scenario.window.duration / (scenario.window.samples - 1))

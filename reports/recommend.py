@@ -1,12 +1,13 @@
 """What the command `recommend` does: the cheapest method and timestep that stay within bounds.
 
-The scene is run and timed on this machine; what comes out as the cheapest is then run at exactly
-its timestep. A check that misses a bound is one more run to interpolate between.
+The scene is run and timed on this machine, its ladder continued upwards to one step a sample. What
+comes out as the cheapest is then run at exactly its timestep; a check that misses a bound is one
+more run to interpolate between.
 """
 
 import math
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,12 +16,13 @@ from typing import Any
 from ..engines import engines
 from ..scenarios import Scenario
 from . import running
-from .candidates import Bounds, Candidate, as_cheap, candidates
+from .candidates import Bounds, Candidate, above_the_ladder, as_cheap, candidates
 from .gather import gather
+from .ladder import ladder
 from .records import Key, Row
 from .store import Results, open_store
 from .study import Choice, run_study
-from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, table
+from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table
 from .workers import TIME_LIMIT
 
 #: Checks before it is given up: each that misses is taken into account by the next.
@@ -72,7 +74,9 @@ def recommend(scene: str, bounds: Bounds, engine_names: Sequence[str], jobs: int
         results = running.run([scene], engine_names, [], [], jobs, Path(folder) / "ladder.sqlite")
         if running.exit_code(results) == NOT_RUN:
             raise Complaint(f"{scene}: nothing could be run: {results.rows[0].reason}", NOT_RUN)
-        return _checked(scene, bounds, results, Path(folder))
+        say("Trying timesteps coarser than the ladder's.")
+        coarser = _coarser_runs(results, jobs, Path(folder) / "coarser.sqlite")
+        return _checked(scene, bounds, _with_runs(results, coarser), Path(folder))
 
 
 def within(row: Row, bounds: Bounds) -> bool:
@@ -158,7 +162,7 @@ def _checked(scene: str, bounds: Bounds, results: Results, folder: Path) -> Reco
         if unchecked or within(checks[-1], bounds) or len(checks) == CHECKS:
             command = _command(scene, best)
             return Recommendation(tried.name, bounds, found, tuple(checks), unchecked, command)
-        results = _with_run(results, checks[-1])
+        results = _with_runs(results, checks[-1:])
 
 
 def _too_long(best: Candidate, duration: float) -> str:
@@ -169,25 +173,42 @@ def _too_long(best: Candidate, duration: float) -> str:
     return f"it would take {seconds:.0f} s, and a run may take {TIME_LIMIT:.0f} s"
 
 
+def _coarser_runs(results: Results, jobs: int, out: Path) -> list[Row]:
+    """Every method above its ladder, up to one step from sample to sample."""
+    (found,) = results.scenes.values()
+    names = dict.fromkeys(row.key.engine for row in results.rows)
+    chosen = tuple(engines()[name] for name in names)
+    coarsest = ladder(found.solution.trajectory)[0].timestep
+    timesteps = above_the_ladder(found.scenario, coarsest)
+    return _rows_at(found.scenario, Choice(chosen, (), timesteps), jobs, out) if timesteps else []
+
+
 def _run_again(scenario: Scenario, key: Key, timestep: float, out: Path) -> Row:
     """One run at exactly that timestep."""
+    say(f"Checking {key.engine} {key.method} at {timestep!r} s.")
     choice = Choice((engines()[key.engine],), (key.method,), (timestep,))
+    return _rows_at(scenario, choice, 1, out)[0]
+
+
+def _rows_at(scenario: Scenario, choice: Choice, jobs: int, out: Path) -> list[Row]:
+    """What comes out at the timesteps chosen."""
     with open_store(out, create=True) as store:
-        run_study([scenario], choice, store, 1, lambda _: None)
-        rows = store.read().rows
-    return next(row for row in rows if row.timestep == timestep)
+        run_study([scenario], choice, store, jobs, lambda _: None)
+        return [row for row in store.read().rows if row.timestep in choice.timesteps]
 
 
-def _with_run(results: Results, row: Row) -> Results:
-    """The results with one more run, at the price of the method's other runs."""
-    alike = next(known for known in results.rows if known.key == row.key)
-    priced = replace(
-        row,
-        seconds_per_step=alike.seconds_per_step,
-        seconds_spread=alike.seconds_spread,
-    )
-    others = [r for r in results.rows if (r.key, r.timestep) != (row.key, row.timestep)]
-    return replace(results, rows=[*others, priced])
+def _with_runs(results: Results, rows: Iterable[Row]) -> Results:
+    """The results with more runs, at the price of their methods' other runs."""
+    priced = {row.key: row for row in results.rows}
+    known = {(row.key, row.timestep): row for row in results.rows}
+    for row in rows:
+        alike = priced[row.key]
+        known[row.key, row.timestep] = replace(
+            row,
+            seconds_per_step=alike.seconds_per_step,
+            seconds_spread=alike.seconds_spread,
+        )
+    return replace(results, rows=list(known.values()))
 
 
 def _command(scene: str, best: Candidate) -> str:

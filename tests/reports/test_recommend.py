@@ -13,7 +13,7 @@ import pytest
 from made_up import METHODS, TIMESTEPS, MadeUp, results
 from spincheck.reports import recommend as recommend_module
 from spincheck.reports import running
-from spincheck.reports.candidates import Candidate, as_cheap, candidates
+from spincheck.reports.candidates import Candidate, above_the_ladder, as_cheap, candidates
 from spincheck.reports.cost_to_reach import reach
 from spincheck.reports.gather import SceneRuns, gather
 from spincheck.reports.recommend import CHECKS, exit_code, recommend
@@ -106,6 +106,17 @@ def test_the_interval_between_samples_is_a_whole_number_of_steps(bound: float) -
     assert steps == pytest.approx(round(steps), rel=ROUNDING)
 
 
+@pytest.mark.parametrize(
+    ("steps", "wanted"), [(1, []), (2, [1]), (3, [2, 1]), (16, [8, 4, 2, 1]), (13, [7, 4, 2, 1])]
+)
+def test_the_ladder_is_continued_upwards_to_one_step_a_sample(
+    steps: int, wanted: list[int]
+) -> None:
+    scenario = scene_of(with_law(straight)).found.scenario
+    found = above_the_ladder(scenario, INTERVAL / steps)
+    assert [INTERVAL / timestep for timestep in found] == pytest.approx(wanted, rel=ROUNDING)
+
+
 def test_a_rung_that_fits_is_not_cut() -> None:
     """Rounding down must not take a step off a quotient that is whole but for its last bits."""
     found = with_law(straight)
@@ -160,6 +171,7 @@ def recommended(
 
     monkeypatch.setattr(running, "run", lambda *arguments: ladder)
     monkeypatch.setattr(recommend_module, "_run_again", check)
+    monkeypatch.setattr(recommend_module, "_coarser_runs", lambda *arguments: [])
     return recommend(TOP, bounds, [], 1)
 
 
@@ -276,6 +288,7 @@ def test_from_outside_it_chooses_checks_and_its_command_repeats_it(
     found = json.loads(out)
     assert (code, found["verified"]) == (0, True), err
     assert found["recommended"]["method"] == "RK4"
+    assert found["recommended"]["known"] == "measured"
     assert found["checks"][-1]["omega"] <= 1e-7
     code, out, _ = spincheck(*found["command"].split()[1:])
     (row,) = json.loads(out)["rows"]
