@@ -117,6 +117,9 @@ def print_recommendation(found: Recommendation) -> None:
     bounds = ", ".join(f"{_named(signal)} to {bound:g}" for signal, bound in found.bounds.items())
     print(f"{found.scenario}: {bounds}")
     table([_line(candidate) for candidate in found.candidates])
+    for candidate in found.candidates:
+        if candidate.timestep is None:
+            print(f"{candidate.label}: {candidate.word}: {candidate.reason}")
     best = found.best
     if best is None:
         print("No method reaches it.")
@@ -239,7 +242,6 @@ def _line(candidate: Candidate) -> dict[str, object]:
         "known": candidate.word,
         "decided by": _named(candidate.decided_by),
         "largest stable tried, s": candidate.largest_stable,
-        "why": candidate.reason,
     }
 
 
