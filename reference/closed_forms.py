@@ -4,7 +4,7 @@ from .free_asymmetric import free_asymmetric
 from .free_symmetric import free_symmetric
 from .lagrange import lagrange
 from .problem import Problem
-from .symmetry import is_free, is_undriven, symmetry_axis
+from .symmetry import equal, is_free, is_undriven, symmetry_axis
 from .theta_quotients import ClosedForm
 
 __all__ = ["ClosedForm", "closed_form"]
@@ -14,6 +14,6 @@ def closed_form(problem: Problem) -> ClosedForm | None:
     """The exact motion of a problem, None where no closed form covers it."""
     symmetric = symmetry_axis(problem) is not None
     if is_free(problem):
-        sphere = len({*problem.moments}) == 1
+        sphere = equal(min(problem.moments), max(problem.moments))
         return free_symmetric(problem) if symmetric or sphere else free_asymmetric(problem)
     return lagrange(problem) if symmetric and is_undriven(problem) else None

@@ -12,6 +12,7 @@ from .steady_motions import regular_precession, rigid_rotation, turns_rigidly
 from .symmetry import (
     across,
     angular_momentum_axes,
+    equal,
     is_free,
     moment_about,
     norm,
@@ -33,9 +34,10 @@ def free_symmetric(problem: Problem) -> ClosedForm:
         If a torque acts or the moments are distinct.
     """
     axis = symmetry_axis(problem)
-    if not is_free(problem) or (axis is None and len({*problem.moments}) > 1):
+    sphere = equal(min(problem.moments), max(problem.moments))
+    if not is_free(problem) or (axis is None and not sphere):
         raise ValueError("'problem' must be a free body with two equal moments.")
-    if axis is None or turns_rigidly(problem):
+    if sphere or turns_rigidly(problem):
         return rigid_rotation(problem)
     with mp.workdps(DIGITS):
         if dot(axis, problem.omega_axes) < 0:

@@ -1,7 +1,7 @@
 """How the tilt of a heavy symmetric top swings: u(t) = cos β by Jacobi's functions.
 
-β is the angle from the upward vertical to the axis, from the pivot to the centre of mass; κ = M g l.
-In units of I1, the constants of motion and the cubic are (Goldstein §5.7; Whittaker §71)::
+β is the angle from the upward vertical to the axis, which points from the pivot to the centre of
+mass, and κ = M g l. In units of I1, constants and cubic are (Goldstein §5.7; Whittaker §71)::
 
     b = 2κ/I1    c = L·(−ĝ)/I1    d = I3 ω3/I1    |W|² = b (U − u),  W = ω2 + iω1
     u̇² = b (U − u)(1 − u²) − (c − d u)² = b (u − u1)(u − u2)(u − u3)
