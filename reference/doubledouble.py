@@ -53,7 +53,7 @@ def two_sum(a: float, b: float) -> DoubleDouble:
 
 @kernel
 def quick_two_sum(a: float, b: float) -> DoubleDouble:
-    """Return a + b and its rounding error, for a = 0 or |a| >= |b| (Dekker, section 4)."""
+    """Return a + b and its rounding error, for a = 0 or |a| >= |b| (Dekker)."""
     s = a + b
     return s, b - (s - a)
 
@@ -95,7 +95,7 @@ def dd_sub(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
 
 @kernel
 def dd_mul(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
-    """Return a b within 7 u² (Hida, Li & Bailey, section 3.3, with fused multiply-adds).
+    """Return a b within 7 u² (as Joldes, Muller & Popescu, algorithm 11, with every sum fused).
 
     The product of the low parts, u², is left out; the two roundings add 2 u² and 3 u².
     """
@@ -112,7 +112,7 @@ def dd_mul_double(a: DoubleDouble, b: float) -> DoubleDouble:
 
 @kernel
 def dd_div(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
-    """Return a / b within 10 u², by long division (Hida, Li & Bailey, section 3.5)."""
+    """Return a / b within 10 u², by long division (Hida, Li & Bailey)."""
     q1 = a[0] / b[0]
     r = dd_sub(a, dd_mul_double(b, q1))
     q2 = r[0] / b[0]

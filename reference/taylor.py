@@ -110,7 +110,7 @@ def _march(problem: Problem, times: FloatArray, orders: Orders, states: Tables) 
         if steps >= MAX_STEPS:
             raise IntegrationError(
                 f"The motion takes more than {MAX_STEPS} steps: {times[-1]} s were asked for, "
-                f"{clock[0]} s reached. Ask for a shorter span."
+                f"{clock[0]} s reached. Ask for a shorter span: its fastest rate sets the step."
             )
         outcome, sample = march(
             constants,

@@ -7,9 +7,9 @@ that are constant in the world as seen from the principal axes::
     q'   = ½ q ⊗ (0, ω)                                    q takes axes to world
     Γ'   = Γ × ω,  Σ' = Σ × ω                              Poisson: a fixed vector, seen turning
 
-(Leimanis, The General Problem of the Motion of Coupled Rigid Bodies about a Fixed Point, 1965,
-§1.) Right-hand sides are sums of products of two series, so that order n + 1 follows from orders
-0..n by Cauchy products (Moore, Kearfott & Cloud, Introduction to Interval Analysis, 2009, §9.3).
+(Goldstein, Poole & Safko, Classical Mechanics, 3rd ed., §5.5, and §4.9 for vectors seen turning.)
+Right-hand sides are sums of products of two series, so that order n + 1 follows from orders 0..n
+by Cauchy products (Jorba & Zou, Experimental Mathematics 14 (2005) 99-117, section 2.1).
 Γ and Σ are no part of the state, which could not keep them consistent with q: every step makes
 them anew from q, and only their higher orders come from their own equation.
 

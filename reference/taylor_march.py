@@ -51,7 +51,7 @@ def _size(coefficients: FloatArray, n: int, first: int, last: int) -> float:
 def step_size(coefficients: FloatArray, order: int) -> float:
     """Return a step for which the series ends at e⁻²ᴺ of the state, from its last two orders.
 
-    As Jorba & Zou 2005, section 3.3, with q measured against 1 and ω against the larger of
+    As Jorba & Zou 2005, section 3, with q measured against 1 and ω against the larger of
     itself and its change in the step, so that a body may start from rest. Infinite for a body
     at rest, 0 where numbers overflowed.
     """
