@@ -59,7 +59,7 @@ def ratio_table(scenes: Sequence[SceneCurves]) -> Table:
 
 
 def _level_headings() -> list[str]:
-    return [f"to {number(level, 1)}" for level in LEVELS]
+    return [f"to {number(level, 1).removeprefix('1×')}" for level in LEVELS]
 
 
 def _reach_cell(found: Reach) -> Cell:

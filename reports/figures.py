@@ -87,7 +87,8 @@ def _figures(scene: SceneRuns) -> Iterator[Titled]:
             "cost",
             "Error against cost",
             "The same runs by what they cost: CPU seconds of native stepping a simulated second. "
-            "Further down and further left is better; compare methods along a horizontal line.",
+            "Further down and further left is better; compare methods along a horizontal line. "
+            "Light steps: the Pareto front, the runs more accurate than all cheaper ones.",
             work_precision(scene),
         )
 

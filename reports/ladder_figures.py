@@ -9,6 +9,7 @@ import numpy as np
 from ..scenarios import FloatArray
 from .gather import MethodRuns, SceneRuns
 from .plot import (
+    WIRE,
     Figure,
     Panel,
     Range,
@@ -22,6 +23,7 @@ from .plot import (
 from .records import Row
 from .verdict import ABOVE_UNCERTAINTY, ASYMPTOTIC
 from .wording import number
+from .work_precision import Signal, cost, curves, front
 
 SIGNALS = {"omega": "ω error, relative", "attitude": "attitude error, rad"}
 HEADINGS = {"omega": "Angular velocity", "attitude": "Attitude"}
@@ -31,6 +33,9 @@ GUIDE_BELOW, GUIDE_SPAN = 4.0, 8.0
 GUIDE_POINTS = 25
 #: Room beside the outermost points of a log axis, as a factor.
 BESIDE = 1.5
+
+#: Broad enough to be seen behind the curves that touch it.
+FRONT_WIDTH = 7.0
 
 Abscissa = Callable[[Row], float | None]
 
@@ -44,15 +49,11 @@ def convergence(scene: SceneRuns) -> Figure:
 
 
 def work_precision(scene: SceneRuns) -> Figure:
-    """The same errors against CPU seconds a simulated second."""
-    return _against(scene, cost, "CPU seconds a simulated second")
-
-
-def cost(row: Row) -> float | None:
-    """CPU seconds that one simulated second takes; None where steps were not timed."""
-    if row.seconds_per_step is None or not row.timestep:
-        return None
-    return row.seconds_per_step / row.timestep
+    """The same errors against CPU seconds a simulated second, over the best of all methods."""
+    figure = _against(scene, cost, "CPU seconds a simulated second")
+    signals: tuple[Signal, ...] = ("omega", "attitude")
+    fronts = [_front(scene, signal, k) for k, signal in enumerate(signals, start=1)]
+    return figure | {"data": fronts + figure["data"]}
 
 
 def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Figure:
@@ -73,6 +74,19 @@ def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Figure:
         heading = HEADINGS[signal]
         panels.append(Panel(x_title, SIGNALS[signal], heading, True, y_range, x_range, True, floor))
     return {"data": traces, "layout": layout([panels], height=520)}
+
+
+def _front(scene: SceneRuns, signal: Signal, k: int) -> Trace:
+    """The Pareto front as steps: what no cheaper run is as accurate as."""
+    best = [point for _, point in front(curves(scene, signal))]
+    return line(
+        np.array([point.cost for point in best], dtype=float),
+        np.array([point.error for point in best]),
+        k,
+        line={"color": WIRE, "width": FRONT_WIDTH, "shape": "hv"},
+        name="Pareto front",
+        hoverinfo="skip",
+    )
 
 
 def _curves(

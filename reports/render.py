@@ -8,6 +8,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 from markupsafe import Markup
 
 from . import overview, scene_tables
+from .cost_section import LEGEND, cost_section, scene_costs
 from .figures import figures
 from .gather import Gathered, SceneRuns, gather
 from .links import scene_page
@@ -77,6 +78,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
+    environment.globals["cost_legend"] = LEGEND
     environment.filters |= {
         "markdown": lambda text: Markup(to_html(text)),
         "md": escaped,
@@ -92,6 +94,7 @@ def _overview(gathered: Gathered) -> dict[str, Any]:
         "counts": overview.counts(gathered),
         "matrix": overview.matrix(gathered),
         "methods": overview.methods_table(gathered),
+        "costs": cost_section(gathered),
         "complaints": [overview.complaints(gathered, words) for words in COMPLAINTS],
         "environment": overview.environment_table(gathered),
     }
@@ -110,7 +113,7 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
             "effects": scene_tables.effects_table(scene.found.scenario),
             "truth": scene_tables.truth_table(scene.found),
             "facts": scene_tables.facts_table(scene.found),
-            "accuracy": scene_tables.accuracy_table(scene),
+            "costs": scene_costs(scene),
             "drifts": scene_tables.drifts_table(scene),
             "observables": scene_tables.observables_table(scene),
         }

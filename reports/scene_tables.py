@@ -1,10 +1,9 @@
-"""A scene's tables: its truth, verdicts, accuracy at a price, conserved quantities, every run."""
+"""A scene's tables: its truth, verdicts, conserved quantities, every run."""
 
 from ..reference import facts, invariants
 from ..reference.observables import observables
 from ..scenarios import EFFECTS, Scenario
 from .gather import Compared, MethodRuns, SceneRuns
-from .ladder_figures import cost
 from .links import method_anchor
 from .overview import reason_of
 from .records import Row
@@ -21,11 +20,7 @@ from .wording import (
     observed,
     order,
 )
-
-#: Errors in ω at which methods are compared: useful, good, excellent.
-TARGETS = (1e-2, 1e-4, 1e-6)
-#: In a second.
-MICROSECONDS = 1e6
+from .work_precision import cost
 
 
 def effects_table(scenario: Scenario) -> Table:
@@ -75,22 +70,6 @@ def verdict_table(scene: SceneRuns) -> Table:
     made = table(headings, [_verdict_row(scene, runs) for runs in scene.methods])
     anchors = tuple(method_anchor(runs.engine, runs.method) for runs in scene.methods)
     return Table(made.headings, made.rows, anchors)
-
-
-def accuracy_table(scene: SceneRuns) -> Table:
-    """What each method needs for an accuracy: its coarsest timestep, and the cost of that."""
-    headings = ["engine", "method", "CPU a step, µs", "spread, µs"]
-    for target in TARGETS:
-        headings += [f"timestep for ω to {number(target, 1)}, s", "CPU s a simulated s"]
-    rows = []
-    for runs in scene.methods:
-        row: list[Cell | str] = [*_named(runs), *_step_cost(runs)]
-        for target in TARGETS:
-            reached = _coarsest_within(runs, target)
-            row.append(figure(number(reached.timestep) if reached else "not reached"))
-            row.append(figure(number(cost(reached)) if reached else NOTHING))
-        rows.append(row)
-    return table(headings, rows)
 
 
 def drifts_table(scene: SceneRuns) -> Table | None:
@@ -183,26 +162,6 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
 
 def _named(runs: MethodRuns) -> tuple[Cell, Cell]:
     return Cell(runs.engine, "name"), Cell(runs.method, "name")
-
-
-def _step_cost(runs: MethodRuns) -> tuple[Cell, Cell]:
-    """The least over the repeats, and how far the largest is above it."""
-    timed = [row for row in runs.rows if row.seconds_per_step is not None]
-    if not timed:
-        return figure(NOTHING), figure(NOTHING)
-    seconds = (timed[-1].seconds_per_step, timed[-1].seconds_spread)
-    least, spread = (None if s is None else MICROSECONDS * s for s in seconds)
-    return figure(number(least)), figure(number(spread))
-
-
-def _coarsest_within(runs: MethodRuns, target: float) -> Row | None:
-    """The coarsest run that is within the target, and every finer one with it."""
-    reached = None
-    for row in reversed(runs.rows):
-        if row.outcome != "ok" or row.errors is None or not row.errors.omega <= target:
-            break
-        reached = row
-    return reached
 
 
 def _observables_row(scenario: Scenario, run: Compared, names: list[str]) -> list[Cell | str]:
