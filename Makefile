@@ -40,4 +40,5 @@ $(READY): pyproject.toml
 	touch $@
 
 clean:
-	rm -rf $(VENV) build spincheck-report spincheck.sqlite*
+	rm -rf $(VENV) build spincheck-report spincheck.sqlite spincheck.sqlite-shm spincheck.sqlite-wal
+	find $(CODE) tests -name __pycache__ -prune -exec rm -rf {} +
