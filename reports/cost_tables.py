@@ -39,7 +39,7 @@ def reached_table(gathered: Gathered, scenes: Sequence[SceneCurves]) -> Table:
 
 
 def median_table(gathered: Gathered, scenes: Sequence[SceneCurves]) -> Table:
-    """What each error costs each method: the median over the scenes that it reaches."""
+    """What each error costs each method: the median over the scenes that it can simulate."""
     rows = []
     for pair in gathered.pairs:
         found = [tally(scenes, pair, level).median_cost for level in LEVELS]
@@ -69,7 +69,7 @@ def _reach_cell(found: Reach) -> Cell:
     kind = "number extrapolated" if found.word == "extrapolated" else "number"
     parts = [f"{number(found.timestep)} s", floor]
     text = f"{MARKS[found.word]}{number(found.cost)}"
-    return Cell(text, kind, ", ".join(part for part in parts if part))
+    return Cell(text, kind, "\n".join(part for part in parts if part))
 
 
 def _step_cost(runs: MethodRuns) -> Cell:

@@ -23,7 +23,7 @@ def profile_figure(profiles: Sequence[Profile], drawn: Mapping[Pair, Look]) -> F
     panels = []
     traces: list[Trace] = []
     for k, profile in enumerate(profiles, start=1):
-        heading = f"{SIGNALS[profile.signal]} to {number(profile.level, 1)}"
+        heading = f"{SIGNALS[profile.signal]}: error up to {number(profile.level, 1)}"
         x_title = "cost over the cheapest method's, τ"
         panels.append(Panel(x_title, "fraction of scenes", heading, True, FRACTIONS, x_range))
         traces += _steps(profile, drawn, x_range[1], k)

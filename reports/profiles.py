@@ -5,9 +5,10 @@ cheapest method there (Dolan & Moré, Math. Program. 91 (2002) 201, eqs. 2.1 and
 method does not reach counts as one of infinite cost.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from statistics import median
+from statistics import median, median_high
 
 from .cost_to_reach import Reach, cheapest, order_ratio, reach
 from .gather import Pair
@@ -45,7 +46,8 @@ class Tally:
     Attributes
     ----------
     reached, extrapolated : scenes within reach, and those of them known by extrapolation only
-    median_cost : CPU seconds a simulated second, over the scenes within reach; None without any
+    median_cost : CPU seconds a simulated second, over the scenes that it can simulate, infinite
+        where out of reach; None without any such scene
     """
 
     reached: int
@@ -85,9 +87,11 @@ def tally(scenes: Sequence[SceneCurves], pair: Pair, level: float) -> Tally:
     reached: list[Reach] = []
     for curves in scenes:
         reached += [reach(curve, level) for curve in curves if _pair(curve) == pair]
-    costs = [found.cost for found in reached if found.cost is not None]
     extrapolated = sum(found.word == "extrapolated" for found in reached)
-    return Tally(len(costs), extrapolated, median(costs) if costs else None)
+    costs = [found.cost or math.inf for found in reached if found.word != "unsupported"]
+    within = sum(cost < math.inf for cost in costs)
+    # Of two middle ones the greater: no mean with infinity.
+    return Tally(within, extrapolated, median_high(costs) if costs else None)
 
 
 def order_ratios(scenes: Sequence[SceneCurves], level: float) -> OrderRatio:

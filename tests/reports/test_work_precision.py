@@ -328,9 +328,18 @@ def test_a_tally_tells_what_is_extrapolated() -> None:
     assert (measured.reached, measured.extrapolated) == (3, 0)
 
 
-def test_a_median_is_over_the_scenes_within_reach() -> None:
+def test_a_median_counts_what_is_out_of_reach_as_infinite() -> None:
     found = tally(three_scenes(), ("e", "a"), BELOW)
-    assert found.median_cost == pytest.approx(2e-6 / (COARSEST / 1000), rel=ROUNDING)
+    assert found.median_cost == pytest.approx(3e-6 / (COARSEST / 1000), rel=ROUNDING)
+    assert tally(three_scenes()[1:], ("e", "a"), BELOW).median_cost == math.inf
+
+
+def test_a_median_leaves_out_what_a_method_cannot_simulate() -> None:
+    cannot = [
+        curve_of_law(law(1), engine="e", method="a", verdict="unsupported", points=(), stable=())
+    ]
+    found = tally([*three_scenes()[:1], cannot, cannot], ("e", "a"), BELOW)
+    assert found.median_cost == pytest.approx(1e-6 / (COARSEST / 1000), rel=ROUNDING)
 
 
 def test_ratios_of_orders_are_over_the_scenes_where_both_reach() -> None:
