@@ -5,7 +5,7 @@ default for contacts, constraints, sensors and the like is switched off.
 """
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
 from mpmath import mp
 
@@ -39,25 +39,32 @@ NEVER_CALLED_FOR = (
 )
 
 
-def mjcf(scenario: Scenario, timestep: float, integrator: str, pruned: bool = True) -> str:
+def mjcf(
+    scenario: Scenario,
+    timestep: float,
+    integrator: str | None,
+    left_in: Collection[str] = (),
+) -> str:
     """The scene as an MJCF document.
 
     Parameters
     ----------
     timestep : s
-    integrator : as MuJoCo spells it
-    pruned : if false, passes the scene has no use for stay on as they are by default
+    integrator : as MuJoCo spells it; None for its default
+    left_in : passes that stay on as they are by default, though the scene has no use for them;
+        names out of `switched_off`
     """
     root = ET.Element("mujoco", model=scenario.name)
     option = ET.SubElement(
         root,
         "option",
         timestep=decimals([timestep]),
-        integrator=integrator,
         gravity=decimals(scenario.gravity_world),
     )
-    if pruned:
-        ET.SubElement(option, "flag", dict.fromkeys(switched_off(scenario), "disable"))
+    if integrator is not None:
+        option.set("integrator", integrator)
+    if disabled := [name for name in switched_off(scenario) if name not in left_in]:
+        ET.SubElement(option, "flag", dict.fromkeys(disabled, "disable"))
     _add_body(ET.SubElement(root, "worldbody"), scenario)
     if actuators := list(_actuators(scenario)):
         ET.SubElement(root, "actuator").extend(actuators)

@@ -4,14 +4,14 @@ Forces in MuJoCo come out of the model, out of what was applied to its data, and
 of the process; all three are looked through.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import mujoco
 import numpy as np
 
-from ..scenarios import FloatArray
+from ..scenarios import FloatArray, Scenario
 
 #: Parts of a model that no scene calls for; anything non-zero there is named.
 FOREIGN: dict[str, Callable[[Any], Any]] = {
@@ -87,8 +87,11 @@ class EffectsReading:
     other: frozenset[str]
 
 
-def acting(model: Any, data: Any) -> frozenset[str]:
-    """Names of the effects that act, and a name in words for whatever else is switched on."""
+def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
+    """Names of the effects that act, and a name in words for whatever else is switched on.
+
+    An effect that the scene calls for at another strength is named in words besides.
+    """
     effects = read_effects(model)
     drag = effects.joint_damping + effects.servo_drag
     named = {
@@ -103,7 +106,24 @@ def acting(model: Any, data: Any) -> frozenset[str]:
     found = {name for name, acts in named.items() if acts}
     found |= {name for name, part in FOREIGN.items() if np.any(part(model))}
     found |= {f"callback {n}" for n in CALLBACKS if getattr(mujoco, f"get_mjcb_{n}")() is not None}
+    found |= set(_wrong_strengths(effects, drag, scenario))
     return frozenset(found) | effects.other | _idle_passes(model, effects)
+
+
+def _wrong_strengths(
+    effects: EffectsReading, drag: FloatArray, scenario: Scenario
+) -> Iterator[str]:
+    """Effects that act as strongly as the scene does not say, in words."""
+    pairs = {
+        "gravity": (effects.gravity_world, scenario.gravity_world),
+        "drag": (np.diag(drag), np.full(3, scenario.drag)),
+        "torque_body": (effects.torque_body, scenario.torque_body),
+        "torque_world": (effects.torque_world, scenario.torque_world),
+    }
+    for name, (held, wanted) in pairs.items():
+        # One that is not called for, or not there, is named as such.
+        if wanted.any() and held.any() and (held != wanted).any():
+            yield f"{name} of {held.tolist()}, not {wanted.tolist()}"
 
 
 def read_effects(model: Any) -> EffectsReading:
@@ -173,7 +193,7 @@ def _idle_passes(model: Any, effects: EffectsReading) -> frozenset[str]:
     return frozenset(FLAG_WORDS.get(name, f"flag '{name}'") for name in on - needed)
 
 
-def disable(model: Any, passes: tuple[str, ...]) -> None:
+def disable(model: Any, passes: Iterable[str]) -> None:
     """Switch passes off in a compiled model, by MuJoCo's names for its flags."""
     bits = _flags(mujoco.mjtDisableBit, "mjDSBL_")
     for name in passes:

@@ -5,19 +5,25 @@ set at rest, for one tiny step each without gravity: what its angular momentum t
 acts.
 """
 
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 import pybullet as p
+from scipy.spatial.transform import Rotation
 
-from ..scenarios import FloatArray, Scenario, Trajectory, angular_momentum_world
+from ..scenarios import FloatArray, Scenario
+from .pybullet_defaults import TAKEN_AWAY
 from .pybullet_model import BASE, Model
+from .read_back import BodyReading, State
 
 #: s. A gain of L over a step is rounded to EPS L / h a second, and off by h times whatever turns:
 #: least together where h is the root of EPS.
 PROBE_STEP = 2.0**-26
 #: rad/s, and m/s of a free body's com; slow, so that gyroscopic terms stay below both errors.
 PROBE_SPIN = 2.0**-7
+#: rad/s, above the default clamp: a coordinate of the body keeps that only where it is off.
+PROBE_RUSH = 2.0**9
 #: Of roundings and of such terms there are a few each. PyBullet's default damping, 0.04 I ω, is a
 #: hundred thousand times as much.
 SLACK = 16 * PROBE_STEP
@@ -34,10 +40,10 @@ class Steps(Protocol):
 
 
 def what_acts(steps: Steps, model: Model, scenario: Scenario) -> frozenset[str]:
-    """Effects by their names, and in words whatever else acts. The state is lost."""
+    """Effects by their names, and in words whatever else acts. The state and defaults are lost."""
     found = {*_world(model, scenario), *_holds(model), *_extras(model)}
     if np.isfinite(model.read_state().omega_body).all():
-        found |= _felt(steps, model, scenario)
+        found |= _felt(_Probe.of(steps, model, scenario))
     return frozenset(found)
 
 
@@ -89,53 +95,119 @@ def _has_shape(client: int, body: int, link: int) -> bool:
     return bool(max(np.subtract(high, low)) > 2 * np.sqrt(3) * margin * (1 + SLACK))
 
 
-def _felt(steps: Steps, model: Model, scenario: Scenario) -> set[str]:
-    """Torques, drag and whatever slows the com, from what a step adds to the momenta."""
-    p.setGravity(0, 0, 0, physicsClientId=model.client)
-    steps.set_timestep(PROBE_STEP)
-    if scenario.has_pivot and model.link == BASE:
-        model.put_on_pivot()
-    world_from_body = model.world_from_body()
-    push_world = world_from_body.apply(np.array(scenario.torque_body)) + scenario.torque_world
-    spin_world = world_from_body.apply(np.full(3, PROBE_SPIN))
-    _, at_rest = _gains(steps, model, scenario, np.zeros(3))
-    force, spinning = _gains(steps, model, scenario, spin_world)
-    largest_moment = float(np.abs(scenario.body.inertia_origin).max())
-    noise = SLACK * (PROBE_SPIN * largest_moment + float(np.linalg.norm(push_world)))
+@dataclass(frozen=True, eq=False)
+class _Probe:
+    """A body that is set to a motion, for a step that tells what acts on it.
+
+    Attributes
+    ----------
+    held : the body as PyBullet has it: whether that is the scene's, the read-back tells
+    push_world : N m, the scene's torques at the attitude of all probes, (3,)
+    spin_world : rad/s, slow, (3,)
+    """
+
+    steps: Steps
+    model: Model
+    scenario: Scenario
+    held: BodyReading
+    push_world: FloatArray
+    spin_world: FloatArray
+
+    @classmethod
+    def of(cls, steps: Steps, model: Model, scenario: Scenario) -> "_Probe":
+        """Prepare for probing; gravity ends."""
+        p.setGravity(0, 0, 0, physicsClientId=model.client)
+        steps.set_timestep(PROBE_STEP)
+        if scenario.has_pivot and model.link == BASE:
+            model.put_on_pivot()
+        world_from_body = model.world_from_body()
+        push_world = world_from_body.apply(np.array(scenario.torque_body)) + scenario.torque_world
+        spin_world = world_from_body.apply(np.full(3, PROBE_SPIN))
+        return cls(steps, model, scenario, model.read_body(), push_world, spin_world)
+
+    def after(self, omega_world: FloatArray) -> tuple[State, State]:
+        """The states before and after a step from this ω.
+
+        A free body starts with a velocity besides, in m/s the same vector.
+        """
+        arm_world = self.model.world_from_body().apply(self.model.com)
+        at_pivot = np.cross(omega_world, arm_world)
+        self.model.set_velocity(omega_world, at_pivot if self.scenario.has_pivot else omega_world)
+        before = self.model.read_state()
+        self.steps.advance(1)
+        return before, self.model.read_state()
+
+    def gains(self, omega_world: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Momentum gained, N, and angular momentum, N m, a second of such a step; (3,) each."""
+        before, after = self.after(omega_world)
+        force = self.held.mass * (after.velocity_world - before.velocity_world) / PROBE_STEP
+        return force, (self._momentum(after) - self._momentum(before)) / PROBE_STEP
+
+    def resistance(self) -> FloatArray:
+        """What spinning adds to the torque at rest, N m, (3,)."""
+        return self.gains(self.spin_world)[1] - self.gains(np.zeros(3))[1]
+
+    def resists_as_the_scene(self) -> bool:
+        """Whether that is the scene's drag, or nothing where there is none."""
+        drag_world = -self.scenario.drag * self.spin_world
+        return _near(self.resistance(), drag_world, self.noise)
+
+    @property
+    def noise(self) -> float:
+        """A torque no larger than this is felt where there is none, N m."""
+        arm = float(np.linalg.norm(self.held.com))
+        largest_moment = float(np.abs(self.held.inertia_com).max()) + self.held.mass * arm**2
+        return SLACK * (PROBE_SPIN * largest_moment + float(np.linalg.norm(self.push_world)))
+
+    def _momentum(self, state: State) -> FloatArray:
+        """L about the pivot, or the com where there is none, world axes, kg m²/s, (3,)."""
+        world_from_body = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
+        L_world = world_from_body.apply(self.held.inertia_com @ state.omega_body)
+        if self.scenario.has_pivot:
+            L_world += self.held.mass * np.cross(state.com_world, state.velocity_world)
+        return np.asarray(L_world)
+
+
+def _felt(probe: _Probe) -> set[str]:
+    """Torques, drag and whatever slows the body, from what a step adds to the momenta."""
     found: set[str] = set()
-    if _near(at_rest, push_world, noise):
-        found |= scenario.called_for & {"torque_body", "torque_world"}
-    else:
+    _, at_rest = probe.gains(np.zeros(3))
+    if not _near(at_rest, probe.push_world, probe.noise):
         found.add(f"a torque of {_size(at_rest)} N m at rest")
-    if _near(spinning - at_rest, -scenario.drag * spin_world, noise):
-        found |= scenario.called_for & {"drag"}
-    else:
-        found.add(f"a resistance of {_size(spinning - at_rest)} N m at {_size(spin_world)} rad/s")
-    if not (
-        scenario.has_pivot or _near(force, np.zeros(3), SLACK * PROBE_SPIN * scenario.body.mass)
-    ):
-        found.add(f"a force of {_size(force)} N at {_size(spin_world)} m/s")
+    slow = _size(probe.spin_world)
+    if not probe.resists_as_the_scene():
+        found.add(f"a resistance of {_size(probe.resistance())} N m at {slow} rad/s")
+    force, _ = probe.gains(probe.spin_world)
+    faint = SLACK * PROBE_SPIN * probe.held.mass
+    if not (probe.scenario.has_pivot or _near(force, np.zeros(3), faint)):
+        found.add(f"a force of {_size(force)} N at {slow} m/s")
+    found |= _slowing_defaults(probe)
+    # Of what the scene calls for, once nothing else acts.
+    _, at_rest = probe.gains(np.zeros(3))
+    if _near(at_rest, probe.push_world, probe.noise):
+        found |= probe.scenario.called_for & {"torque_body", "torque_world"}
+    if probe.resists_as_the_scene():
+        found |= probe.scenario.called_for & {"drag"}
+    # Last: the attitude is another after so fast a step.
+    return found | ({"velocity clamp"} if _is_clamped(probe) else set())
+
+
+def _slowing_defaults(probe: _Probe) -> set[str]:
+    """Which of PyBullet's defaults are at work: what makes a difference when it is taken away."""
+    found = set()
+    for name in ("joint motor", "damping"):
+        with_it = probe.resistance()
+        TAKEN_AWAY[name](probe.model)
+        if not _near(probe.resistance(), with_it, probe.noise):
+            found.add(name)
     return found
 
 
-def _gains(
-    steps: Steps, model: Model, scenario: Scenario, omega_world: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Momentum gained, N, and angular momentum, N m, in a step that starts at this ω; (3,) each.
-
-    A free body starts with a velocity besides, in m/s the same vector.
-    """
-    arm_world = model.world_from_body().apply(model.com)
-    at_pivot = np.cross(omega_world, arm_world)
-    model.set_velocity(omega_world, at_pivot if scenario.has_pivot else omega_world)
-    before = model.read_state()
-    steps.advance(1)
-    after = model.read_state()
-    pair = {name: np.array([value, getattr(after, name)]) for name, value in vars(before).items()}
-    motion = Trajectory(t=np.array([0.0, PROBE_STEP]), **pair)
-    L_world = angular_momentum_world(scenario, motion)
-    force = scenario.body.mass * (after.velocity_world - before.velocity_world) / PROBE_STEP
-    return force, np.asarray((L_world[1] - L_world[0]) / PROBE_STEP)
+def _is_clamped(probe: _Probe) -> bool:
+    """Whether a fast body is slow a step later, though nothing slows it."""
+    before, after = probe.after(probe.spin_world * (PROBE_RUSH / PROBE_SPIN))
+    speed = float(np.linalg.norm(before.omega_body))
+    return bool(np.linalg.norm(after.omega_body) < speed / 2)
 
 
 def _near(got: FloatArray, wanted: FloatArray, noise: float) -> bool:

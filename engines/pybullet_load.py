@@ -4,6 +4,7 @@ Why each call is there, and what happens without it: docs/engines-pybullet.md.
 """
 
 import tempfile
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,12 +14,13 @@ from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray, Scenario
 from ..scenarios.document import Effects
+from .pybullet_defaults import TAKEN_AWAY, idle_motor
 from .pybullet_model import BASE, HUNG, Model
 from .read_back import EngineError, UnsupportedError
 from .urdf import urdf
 
-#: rad/s and m/s. The default clamps every velocity coordinate at 100; this is out of reach.
-UNREACHED_VELOCITY = 1e100
+#: Names of what is left out that would change no motion.
+SHAPE, MOTOR = "collision shape", "idle joint motor"
 #: N. A constraint's default limit is an impulse of 500 N s a step; this is out of reach.
 UNREACHED_FORCE = 1e100
 #: SIMD_EPSILON of Bullet's LinearMath/btScalar.h: what is not above it is taken for zero, in SI.
@@ -33,14 +35,27 @@ class Holding:
     ----------
     maximal : six coordinates a body (btRigidBody) instead of joint coordinates (btMultiBody)
     hung : the pivot is a spherical joint; otherwise a point-to-point constraint
+    as_shipped : loaded with no flag and stripped of no default
     """
 
     maximal: bool
     hung: bool
+    as_shipped: bool = False
 
 
-def load(client: int, scenario: Scenario, holding: Holding) -> Model:
+def left_out(scenario: Scenario, holding: Holding) -> tuple[str, ...]:
+    """What a body could have besides and move alike."""
+    if holding.as_shipped:
+        return ()
+    return (SHAPE, MOTOR) if holding.hung and scenario.has_pivot else (SHAPE,)
+
+
+def load(client: int, scenario: Scenario, holding: Holding, left_in: Collection[str]) -> Model:
     """Put the scene's body into an empty world, at its start, held as the scene says.
+
+    Parameters
+    ----------
+    left_in : what of `left_out` it is to have
 
     Raises
     ------
@@ -52,19 +67,25 @@ def load(client: int, scenario: Scenario, holding: Holding) -> Model:
     hung = holding.hung and scenario.has_pivot
     world_from_body = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
     arm_world = world_from_body.apply(np.array(scenario.body.com))
-    _check_not_lost(scenario, holding)
+    if not holding.as_shipped:
+        _check_not_lost(scenario, holding)
+    radius = _gyration_radius(scenario) if SHAPE in left_in else 0.0
+    text = urdf(scenario if hung else _set_free(scenario), shape_radius=radius)
     if hung:
-        body = _load_urdf(client, urdf(scenario), np.zeros(3), Rotation.identity(), fixed=True)
+        body = _load_urdf(client, text, holding, np.zeros(3), Rotation.identity())
         model = _model_of_link(client, body, HUNG)
     else:
-        text = urdf(_set_free(scenario))
         position = np.zeros(3) if scenario.has_pivot else scenario.start.position_world - arm_world
-        body = _load_urdf(client, text, position, world_from_body, maximal=holding.maximal)
+        body = _load_urdf(client, text, holding, position, world_from_body)
         if holding.maximal:
             model = _model_of_rigid_body(client, body, position, world_from_body)
         else:
             model = _model_of_link(client, body, BASE)
-    _strip(model)
+    if not holding.as_shipped:
+        for take_away in TAKEN_AWAY.values():
+            take_away(model)
+    if MOTOR in left_in:
+        idle_motor(model)
     if hung:
         model.set_joint_attitude(world_from_body)
     elif scenario.has_pivot:
@@ -78,13 +99,7 @@ def load(client: int, scenario: Scenario, holding: Holding) -> Model:
 
 
 def _load_urdf(
-    client: int,
-    text: str,
-    position: FloatArray,
-    attitude: Rotation,
-    *,
-    maximal: bool = False,
-    fixed: bool = False,
+    client: int, text: str, holding: Holding, position: FloatArray, attitude: Rotation
 ) -> int:
     """Load a model with its frame's origin at `position` (3,) m; PyBullet's number for it.
 
@@ -101,9 +116,8 @@ def _load_urdf(
                     str(file),
                     position,
                     attitude.as_quat(),
-                    useMaximalCoordinates=maximal,
-                    useFixedBase=fixed,
-                    flags=p.URDF_USE_INERTIA_FROM_FILE,
+                    useMaximalCoordinates=holding.maximal,
+                    flags=0 if holding.as_shipped else p.URDF_USE_INERTIA_FROM_FILE,
                     physicsClientId=client,
                 )
             )
@@ -134,6 +148,11 @@ def _set_free(scenario: Scenario) -> Scenario:
     return replace(scenario, document=scenario.document.model_copy(update={"effects": Effects()}))
 
 
+def _gyration_radius(scenario: Scenario) -> float:
+    """Of the body about its com, m: what could collide is about that large."""
+    return float(np.sqrt(scenario.body.principal_moments[-1] / scenario.body.mass))
+
+
 def _check_not_lost(scenario: Scenario, holding: Holding) -> None:
     """Raise where Bullet would leave terms out: it compares with a constant, whatever the unit."""
     mass, moments = scenario.body.mass, scenario.body.principal_moments
@@ -148,31 +167,6 @@ def _check_not_lost(scenario: Scenario, holding: Holding) -> None:
         raise UnsupportedError(
             f"PyBullet takes a mass or moment for zero unless it exceeds {TAKEN_FOR_ZERO:.2g} "
             f"(kg, kg m²), got {min(mass, *moments):.2g}; scale the scene up"
-        )
-
-
-def _strip(model: Model) -> None:
-    """Take away damping, velocity clamp and motor: defaults that nobody asked for."""
-    # Of a body with joints these are one number each, and set at its base.
-    p.changeDynamics(
-        model.body,
-        BASE,
-        linearDamping=0,
-        angularDamping=0,
-        maxJointVelocity=UNREACHED_VELOCITY,
-        physicsClientId=model.client,
-    )
-    if model.link == HUNG:
-        # Gains as single numbers: only so does a force of zero take the motor out of the solver.
-        p.setJointMotorControlMultiDof(
-            model.body,
-            HUNG,
-            p.POSITION_CONTROL,
-            targetPosition=(0, 0, 0, 1),
-            positionGain=0,
-            velocityGain=0,
-            force=[0, 0, 0],
-            physicsClientId=model.client,
         )
 
 

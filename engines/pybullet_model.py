@@ -1,5 +1,6 @@
 """A body in a PyBullet world: what PyBullet holds, in the program's own frames."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,9 +10,12 @@ from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray
 from .read_back import BodyReading, State
+from .rotation import conjugate, product, rotated
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
+#: Com, attitude of the principal axes as x, y, z, w, velocity of the com, ω; world axes.
+Motion = tuple[Vector, Quaternion, Vector, Vector]
 
 #: PyBullet's index of a body's base; its links count from 0.
 BASE = -1
@@ -45,25 +49,45 @@ class Model:
         return BodyReading(mass, self.com, tensor)
 
     def read_state(self) -> State:
-        """Pose and velocities now; a link's are computed afresh, its cache is a step old."""
-        com_world, q_xyzw, velocity_world, omega_world = self._motion()
-        q_world_body = _product((q_xyzw[3], *q_xyzw[:3]), self._q_principal_body)
-        omega_body = _product(_product(_conjugate(q_world_body), (0.0, *omega_world)), q_world_body)
-        return State(
-            q_world_body_wxyz=np.array(q_world_body),
-            omega_body=np.array(omega_body[1:]),
-            com_world=np.array(com_world),
-            velocity_world=np.array(velocity_world),
-        )
+        """Pose and velocities now."""
+        return State(*(column[0] for column in vars(self.states([self.motion()])).values()))
 
-    def drift(self) -> float:
-        """How far the body's origin is from the world's, m."""
-        state = self.read_state()
-        arm_world = _product(
-            _product(state.q_world_body_wxyz, (0.0, *self.com)),
-            _conjugate(state.q_world_body_wxyz),
+    def motion(self) -> Motion:
+        """Com, attitude of the principal axes as x, y, z, w, velocity, ω; world axes.
+
+        A link's are computed afresh: its cache is a step old.
+        """
+        if self.link == BASE:
+            com_world, q_xyzw = p.getBasePositionAndOrientation(self.body, self.client)
+            velocity_world, omega_world = p.getBaseVelocity(self.body, self.client)
+            return com_world, q_xyzw, velocity_world, omega_world
+        state = p.getLinkState(
+            self.body,
+            self.link,
+            computeLinkVelocity=1,
+            computeForwardKinematics=1,
+            physicsClientId=self.client,
         )
-        return float(np.linalg.norm(state.com_world - arm_world[1:]))
+        return state[0], state[1], state[6], state[7]
+
+    def states(self, motions: Sequence[Motion]) -> State:
+        """What was read, n times, in the program's own frames."""
+        com_world, q_xyzw, velocity_world, omega_world = columns(motions)
+        q_world_body = product(np.roll(q_xyzw, 1, axis=1), self._q_principal_body)
+        omega_body = rotated(conjugate(q_world_body), omega_world)
+        return State(q_world_body, omega_body, com_world, velocity_world)
+
+    def coordinates(self, motions: Sequence[Motion]) -> FloatArray:
+        """The velocity coordinates that PyBullet clamps, rad/s and m/s, (n, 3) or (n, 6)."""
+        _, q_xyzw, velocity_world, omega_world = columns(motions)
+        if self.link == BASE:
+            return np.hstack([omega_world, velocity_world])
+        return rotated(conjugate(np.roll(q_xyzw, 1, axis=1)), omega_world)
+
+    def drift(self, states: State) -> FloatArray:
+        """How far the body's origin is from the world's, m, (n,)."""
+        arm_world = rotated(states.q_world_body_wxyz, self.com[None])
+        return np.asarray(np.linalg.norm(states.com_world - arm_world, axis=1))
 
     def world_from_body(self) -> Rotation:
         """The body's attitude now."""
@@ -71,7 +95,7 @@ class Model:
 
     def put_on_pivot(self) -> None:
         """Take back what a constraint let the origin drift; the attitude stays, the motion ends."""
-        q_xyzw = self._motion()[1]
+        q_xyzw = self.motion()[1]
         com_world = self.world_from_body().apply(self.com)
         p.resetBasePositionAndOrientation(self.body, com_world, q_xyzw, self.client)
 
@@ -81,7 +105,7 @@ class Model:
             p.resetBaseVelocity(self.body, velocity_world, omega_world, self.client)
             return
         q_joint_xyzw, *_ = p.getJointStateMultiDof(self.body, self.link, self.client)
-        world_from_principal = Rotation.from_quat(self._motion()[1])
+        world_from_principal = Rotation.from_quat(self.motion()[1])
         omega_principal = world_from_principal.inv().apply(omega_world)
         self._set_joint(q_joint_xyzw, omega_principal)
 
@@ -96,36 +120,11 @@ class Model:
         )
 
     @cached_property
-    def _q_principal_body(self) -> Quaternion:
-        x, y, z, w = self.body_from_principal.inv().as_quat().tolist()
-        return (w, x, y, z)
-
-    def _motion(self) -> tuple[Vector, Quaternion, Vector, Vector]:
-        """Com, attitude of the principal axes as x, y, z, w, velocity, ω; world axes."""
-        if self.link == BASE:
-            com_world, q_xyzw = p.getBasePositionAndOrientation(self.body, self.client)
-            velocity_world, omega_world = p.getBaseVelocity(self.body, self.client)
-            return com_world, q_xyzw, velocity_world, omega_world
-        state = p.getLinkState(
-            self.body,
-            self.link,
-            computeLinkVelocity=1,
-            computeForwardKinematics=1,
-            physicsClientId=self.client,
-        )
-        return state[0], state[1], state[6], state[7]
+    def _q_principal_body(self) -> FloatArray:
+        return self.body_from_principal.inv().as_quat(scalar_first=True)[None]
 
 
-def _product(a: Quaternion | FloatArray, b: Quaternion | FloatArray) -> Quaternion:
-    """Hamilton product a b, scalar first: twenty times as fast as scipy's, and NaN may pass."""
-    (a0, a1, a2, a3), (b0, b1, b2, b3) = a, b
-    return (
-        a0 * b0 - a1 * b1 - a2 * b2 - a3 * b3,
-        a0 * b1 + a1 * b0 + a2 * b3 - a3 * b2,
-        a0 * b2 - a1 * b3 + a2 * b0 + a3 * b1,
-        a0 * b3 + a1 * b2 - a2 * b1 + a3 * b0,
-    )
-
-
-def _conjugate(q: Quaternion | FloatArray) -> Quaternion:
-    return (q[0], -q[1], -q[2], -q[3])
+def columns(motions: Sequence[Motion]) -> list[FloatArray]:
+    """Com (n, 3), x, y, z, w (n, 4), velocity (n, 3) and ω (n, 3)."""
+    rows = np.array([(*com, *q, *velocity, *omega) for com, q, velocity, omega in motions])
+    return np.split(rows, (3, 7, 10), axis=1)

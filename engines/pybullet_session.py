@@ -1,22 +1,25 @@
 """A scene running in PyBullet: its steps, and the torques that no model element gives."""
 
-from collections.abc import Callable, Iterator
-from functools import partial
+from collections.abc import Callable, Collection, Sequence
+from functools import cache, partial
 from typing import final
 
 import numpy as np
 import pybullet as p
 
 from ..scenarios import Scenario
-from .engine import Session
 from .native_output import native_output
 from .pybullet_audit import what_acts
-from .pybullet_load import UNREACHED_VELOCITY, Holding, load
-from .pybullet_model import BASE, Model
+from .pybullet_defaults import DEFAULT_CLAMP, UNREACHED_VELOCITY
+from .pybullet_load import Holding, load
+from .pybullet_model import BASE, Model, Motion
 from .read_back import BodyReading, EngineError, State
+from .session import Session
 
 #: Steps a native call, some 20 ms: nothing can interrupt one.
 MOST_STEPS_A_CALL = 2**14
+#: A velocity that was clamped comes back through a rotation, a few roundings off.
+ROTATED = 8 * float(np.finfo(float).eps)
 #: How PyBullet marks what it warns of.
 WARNING = "b3Warning"
 
@@ -31,9 +34,16 @@ class PyBulletSession(Session):
         If PyBullet cannot load the scene, or warns while it does; with what it printed.
     """
 
-    def __init__(self, scenario: Scenario, holding: Holding, timestep: float) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        holding: Holding,
+        timestep: float,
+        left_in: Collection[str] = (),
+    ) -> None:
         self._scenario = scenario
-        self.client, self.model = _open(scenario, holding)
+        self.client, self.model = _open(scenario, holding, left_in)
+        self._clamp = DEFAULT_CLAMP if holding.as_shipped else UNREACHED_VELOCITY
         self._tied = scenario.has_pivot and self.model.link == BASE
         self._torques, self.at_once = _torques(self.model, scenario)
         self.set_timestep(timestep)
@@ -52,13 +62,10 @@ class PyBulletSession(Session):
         self._substeps = 0
 
     def advance(self, steps: int) -> None:
-        """Take `steps` whole steps, many a call where no torque has to be renewed in between.
-
-        A call of k steps is told k · dt and divides by k; with k a power of two both are exact.
-        """
+        """Take `steps` whole steps, many a call where no torque has to be renewed in between."""
         if self.at_once:
-            for chunk in _powers_of_two(steps):
-                self._step(chunk)
+            for substeps in calls(steps, self._timestep):
+                self._step(substeps)
         else:
             for _ in range(steps):
                 self._step(1)
@@ -83,13 +90,31 @@ class PyBulletSession(Session):
         got = (world["fixedTimeStep"], world["numSubSteps"])
         if self._substeps and got != wanted:
             raise EngineError(f"PyBullet's time and steps a call must be {wanted}, got {got}")
-        state = self.read_state()
-        fastest = np.abs([state.omega_body, state.velocity_world]).max()
-        if fastest >= UNREACHED_VELOCITY:
-            raise EngineError(f"PyBullet clamps velocities at {UNREACHED_VELOCITY:g}")
+        snapshots = [self.snapshot()]
+        if fault := self.first_fault(snapshots, self.states(snapshots)):
+            raise EngineError(fault[1])
+
+    def snapshot(self) -> Motion:
+        """The motion as PyBullet tells it."""
+        return self.model.motion()
+
+    def states(self, snapshots: Sequence[Motion]) -> State:
+        """The same in the program's own frames."""
+        return self.model.states(snapshots)
+
+    def first_fault(self, snapshots: Sequence[Motion], states: State) -> tuple[int, str] | None:
+        """The first snapshot in which a velocity is clamped or the pivot has given way."""
+        fastest = np.abs(self.model.coordinates(snapshots)).max(axis=1)
+        clamped = fastest >= self._clamp * (1 - ROTATED)
         arm = float(np.linalg.norm(self.model.com))
-        if self._tied and self.model.drift() > arm > 0:
-            raise EngineError(f"the pivot gave way by {self.model.drift():.3g} m")
+        drift = self.model.drift(states) if self._tied and arm > 0 else np.zeros(len(snapshots))
+        fallen = drift > arm
+        if not (clamped | fallen).any():
+            return None
+        first = int(np.argmax(clamped | fallen))
+        if clamped[first]:
+            return first, f"PyBullet clamps velocities at {self._clamp:g}"
+        return first, f"the pivot gave way by {drift[first]:.3g} m"
 
     def active(self) -> frozenset[str]:
         """What acts, read back and felt: see `pybullet_audit`."""
@@ -100,7 +125,7 @@ class PyBulletSession(Session):
         p.disconnect(self.client)
 
 
-def _open(scenario: Scenario, holding: Holding) -> tuple[int, Model]:
+def _open(scenario: Scenario, holding: Holding, left_in: Collection[str]) -> tuple[int, Model]:
     """A world with the scene's body and gravity in it."""
     client = -1
     try:
@@ -108,7 +133,7 @@ def _open(scenario: Scenario, holding: Holding) -> tuple[int, Model]:
             client = p.connect(p.DIRECT)
             if client < 0:
                 raise EngineError("PyBullet cannot open another world")
-            model = load(client, scenario, holding)
+            model = load(client, scenario, holding, left_in)
             p.setGravity(*scenario.gravity_world, physicsClientId=client)
         if WARNING in printed.text:
             raise EngineError("PyBullet warns")
@@ -168,9 +193,17 @@ def _drag(model: Model, coefficient: float) -> None:
     p.applyExternalTorque(model.body, model.link, torque, p.WORLD_FRAME, model.client)
 
 
-def _powers_of_two(steps: int) -> Iterator[int]:
-    """Powers of two that add up to `steps`, the largest first, none too long for a call."""
-    while steps:
-        chunk = min(1 << (steps.bit_length() - 1), MOST_STEPS_A_CALL)
-        yield chunk
-        steps -= chunk
+@cache
+def calls(steps: int, timestep: float) -> tuple[int, ...]:
+    """Steps a call that add up to `steps`: one call where PyBullet takes exactly that many.
+
+    It is told k dt and k, divides the one by the other, and takes as many steps as fit. With k a
+    power of two that is exact; with another it may be a step less, or of another length.
+    """
+    span = steps * timestep
+    each = span / steps
+    if steps <= MOST_STEPS_A_CALL and each == timestep and int(span / each) == steps:
+        return (steps,)
+    chunk = min(1 << (steps.bit_length() - 1), MOST_STEPS_A_CALL)
+    rest = steps - chunk
+    return (chunk, *calls(rest, timestep)) if rest else (chunk,)

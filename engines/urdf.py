@@ -17,7 +17,7 @@ WORLD_LINK = "world"
 PIVOT_JOINT = "pivot"
 
 
-def urdf(scenario: Scenario, thickness: float = 0.0) -> str:
+def urdf(scenario: Scenario, thickness: float = 0.0, shape_radius: float = 0.0) -> str:
     """The scene's body, and its pivot where there is one, as a URDF document.
 
     A pivoted body hangs by a ``spherical`` joint at its own origin on a fixed link at the world's
@@ -30,11 +30,14 @@ def urdf(scenario: Scenario, thickness: float = 0.0) -> str:
     Parameters
     ----------
     thickness : as of `principal_frame`, for a reader that cannot take an entirely flat body
+    shape_radius : m, of a sphere about the com to collide with; none if zero
     """
     robot = ET.Element("robot", name=scenario.name)
     if scenario.has_pivot:
         ET.SubElement(robot, "link", name=WORLD_LINK)
     _add_body(robot, scenario, thickness)
+    if shape_radius:
+        _add_shape(robot, scenario, shape_radius)
     if scenario.has_pivot:
         _add_pivot(robot)
     return xml_text(robot)
@@ -48,6 +51,12 @@ def _add_body(robot: ET.Element, scenario: Scenario, thickness: float) -> None:
     ET.SubElement(inertial, "mass", value=decimals([body.mass]))
     ixx, iyy, izz = (decimals([moment]) for moment in frame.moments)
     ET.SubElement(inertial, "inertia", ixx=ixx, ixy="0", ixz="0", iyy=iyy, iyz="0", izz=izz)
+
+
+def _add_shape(robot: ET.Element, scenario: Scenario, radius: float) -> None:
+    collision = ET.SubElement(robot.findall("link")[-1], "collision")
+    ET.SubElement(collision, "origin", xyz=decimals(scenario.body.com), rpy="0 0 0")
+    ET.SubElement(ET.SubElement(collision, "geometry"), "sphere", radius=decimals([radius]))
 
 
 def _add_pivot(robot: ET.Element) -> None:

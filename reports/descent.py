@@ -1,6 +1,7 @@
 """One method's way down the ladder of one scene: which rung next, and the verdict at the end."""
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -94,20 +95,24 @@ class Descent:
     def verdict(self) -> Verdict:
         """Judge the ladder."""
         last = (self.rows or self.single_rows)[-1]
-        broken = tuple(self.broken)
+        known: dict[str, Any] = {
+            "broken": tuple(self.broken),
+            "as_shipped": self.method.as_shipped,
+        }
         if last.outcome in ("failed", "diverged", "unsupported"):
             word = "diverges" if last.outcome == "diverged" else last.outcome
-            return Verdict(self.key, word, _with_time(last), broken=broken)
+            return Verdict(self.key, word, _with_time(last), **known)
         signal, judgement = self._judge()
         return Verdict(
             self.key,
             judgement.word,
-            judgement.reason,
+            # Of an engine as shipped, what differs from the scene.
+            "; ".join(said for said in (judgement.reason, last.reason) if said),
             signal,
             judgement.order,
             judgement.limit_error,
             judgement.limit_estimate,
-            broken,
+            **known,
         )
 
     def _hopeless(self, last: Row) -> bool:

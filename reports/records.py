@@ -23,7 +23,7 @@ class Row:
 
     Attributes
     ----------
-    reason : why, where the outcome is not ok
+    reason : why, where the outcome is not ok; of an engine as shipped, what differs from the scene
     stopped_at : s, when it diverged or failed
     errors : at the run's sample times, up to where it stopped; None without samples
     drifts : largest change of each conserved quantity, relative, by name
@@ -59,6 +59,7 @@ class Verdict:
     order, limit_error, limit_estimate : of the signal that decided
     signal : which one that was
     broken : the scene's own promises that this method broke, in words
+    as_shipped : of the engine with all its defaults: nobody promised that it simulates the scene
     """
 
     key: Key
@@ -69,8 +70,10 @@ class Verdict:
     limit_error: float | None = None
     limit_estimate: float | None = None
     broken: tuple[str, ...] = ()
+    as_shipped: bool = False
 
     @property
     def agrees(self) -> bool:
         """Whether a study with this verdict passes."""
-        return self.verdict not in ("disagrees", "failed") and not self.broken
+        wrong = self.verdict in ("disagrees", "failed") and not self.as_shipped
+        return not wrong and not self.broken

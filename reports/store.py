@@ -32,7 +32,7 @@ CREATE TABLE rows (
 CREATE TABLE verdicts (
     scenario TEXT, engine TEXT, method TEXT, verdict TEXT NOT NULL, reason TEXT NOT NULL,
     signal TEXT NOT NULL, "order" REAL, limit_error REAL, limit_estimate REAL,
-    broken TEXT NOT NULL, PRIMARY KEY (scenario, engine, method));
+    broken TEXT NOT NULL, as_shipped INTEGER NOT NULL, PRIMARY KEY (scenario, engine, method));
 """
 
 
@@ -105,6 +105,7 @@ class Store:
         """Record a verdict."""
         record = {name: getattr(verdict, name) for name in _PLAIN_VERDICT} | asdict(verdict.key)
         record["broken"] = json.dumps(verdict.broken)
+        record["as_shipped"] = verdict.as_shipped
         self._insert_many("verdicts", [record])
 
     def read(self) -> Results:
@@ -218,9 +219,9 @@ def _row(record: sqlite3.Row) -> Row:
 
 def _verdict(record: sqlite3.Row) -> Verdict:
     broken = tuple(json.loads(record["broken"]))
-    return Verdict(
-        key=_key(record), broken=broken, **{name: record[name] for name in _PLAIN_VERDICT}
-    )
+    plain = {name: record[name] for name in _PLAIN_VERDICT}
+    as_shipped = bool(record["as_shipped"])
+    return Verdict(key=_key(record), broken=broken, as_shipped=as_shipped, **plain)
 
 
 def _key(record: sqlite3.Row) -> Key:

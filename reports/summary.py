@@ -10,7 +10,10 @@ from .terminal import table
 
 def print_results(results: Results) -> None:
     """Print the verdicts, scenes down and methods across, then why each is not `converges`."""
-    methods = list(dict.fromkeys((v.key.engine, v.key.method) for v in results.verdicts))
+    methods = {
+        (v.key.engine, v.key.method): ", as shipped" if v.as_shipped else ""
+        for v in results.verdicts
+    }
     words = {
         (v.key.scenario, v.key.engine, v.key.method): v.verdict + ("!" if v.broken else "")
         for v in results.verdicts
@@ -18,7 +21,10 @@ def print_results(results: Results) -> None:
     table(
         [
             {"scene": scene}
-            | {f"{e} {m}": words.get((scene, e, m), "") for e, m in sorted(methods)}
+            | {
+                f"{e} {m}{how}": words.get((scene, e, m), "")
+                for (e, m), how in sorted(methods.items())
+            }
             for scene in sorted({v.key.scenario for v in results.verdicts})
         ]
     )
@@ -38,7 +44,8 @@ def results_as_json(results: Results) -> dict[str, Any]:
 def _sentence(verdict: Verdict) -> str:
     key = verdict.key
     broken = "".join(f"\n  broken promise: {line}" for line in verdict.broken)
-    where = f"{key.scenario}, {key.engine} {key.method}"
+    how = " (as shipped)" if verdict.as_shipped else ""
+    where = f"{key.scenario}, {key.engine} {key.method}{how}"
     return f"{where}: {verdict.verdict}: {verdict.reason}{broken}"
 
 
@@ -71,4 +78,5 @@ def _verdict(verdict: Verdict) -> dict[str, Any]:
         "limit_error": verdict.limit_error,
         "limit_estimate": verdict.limit_estimate,
         "broken": list(verdict.broken),
+        "as_shipped": verdict.as_shipped,
     }

@@ -1,12 +1,13 @@
 """MuJoCo, from the scene as MJCF: every integrator it has is a method."""
 
+from collections.abc import Collection
 from typing import final
 
 import mujoco
 
 from ...scenarios import EFFECTS, Scenario
 from ..engine import Engine, Method
-from ..mjcf import mjcf
+from ..mjcf import mjcf, switched_off
 from ..mujoco_session import MuJoCoSession, compiled
 
 ALL_EFFECTS = frozenset(EFFECTS)
@@ -37,6 +38,9 @@ class MuJoCo(Engine):
             "implicit in velocity and position, one solve with the constraints",
             ALL_EFFECTS,
         ),
+        Method(
+            "default", 1, 1, "as shipped: Euler, with every pass on", ALL_EFFECTS, as_shipped=True
+        ),
     )
 
     @property
@@ -46,14 +50,29 @@ class MuJoCo(Engine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
         """Compile the scene's MJCF and set its keyframe."""
-        return _open(mjcf(scenario, timestep, method.name))
+        if method.as_shipped:
+            return _open(scenario, mjcf(scenario, timestep, None, switched_off(scenario)))
+        return _open(scenario, mjcf(scenario, timestep, method.name))
 
-    def open_unpruned(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
-        """The same with MuJoCo's default passes left on, to time what they cost."""
-        return _open(mjcf(scenario, timestep, method.name, pruned=False))
+    def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
+        """The passes that are switched off."""
+        return () if method.as_shipped else switched_off(scenario)
+
+    def open_unpruned(
+        self,
+        scenario: Scenario,
+        method: Method,
+        timestep: float,
+        left_in: Collection[str] | None = None,
+    ) -> MuJoCoSession | None:
+        """The same with passes left on, to time what they cost."""
+        if not (left_out := self.left_out(scenario, method)):
+            return None
+        kept = left_out if left_in is None else left_in
+        return _open(scenario, mjcf(scenario, timestep, method.name, kept))
 
 
-def _open(text: str) -> MuJoCoSession:
+def _open(scenario: Scenario, text: str) -> MuJoCoSession:
     model = compiled(lambda: mujoco.MjModel.from_xml_string(text))
     start = model.key(0)
-    return MuJoCoSession(model, start.qpos, start.qvel)
+    return MuJoCoSession(scenario, model, start.qpos, start.qvel)

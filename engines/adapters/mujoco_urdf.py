@@ -4,13 +4,14 @@ What differs from the MJCF adapter is MuJoCo's URDF reader alone, so a differenc
 is the reader's.
 """
 
+from collections.abc import Collection
 from typing import Any, final
 
 import mujoco
 import numpy as np
 
 from ...scenarios import Scenario
-from ..engine import Engine, Method, Session
+from ..engine import Engine, Method
 from ..mjcf import start_coordinates, switched_off
 from ..mujoco_audit import disable
 from ..mujoco_session import MuJoCoSession, compiled
@@ -42,15 +43,36 @@ class MuJoCoURDF(Engine):
         """Of the library that runs, which is what counts."""
         return str(mujoco.mj_versionString())
 
-    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
         """Read the URDF, then set on the model what URDF cannot say."""
-        text = urdf(scenario, READER_ROUNDOFF)
-        model = compiled(lambda: _spec(text, scenario.has_pivot).compile())
-        model.opt.timestep = timestep
-        model.opt.gravity = scenario.gravity_world
-        model.opt.integrator = mujoco.mjtIntegrator.__members__[f"mjINT_{method.name}"]
-        disable(model, switched_off(scenario))
-        return MuJoCoSession(model, *start_coordinates(scenario))
+        return _open(scenario, method, timestep, left_in=())
+
+    def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
+        """The passes that are switched off."""
+        return switched_off(scenario)
+
+    def open_unpruned(
+        self,
+        scenario: Scenario,
+        method: Method,
+        timestep: float,
+        left_in: Collection[str] | None = None,
+    ) -> MuJoCoSession:
+        """The same with passes left on, to time what they cost."""
+        kept = switched_off(scenario) if left_in is None else left_in
+        return _open(scenario, method, timestep, kept)
+
+
+def _open(
+    scenario: Scenario, method: Method, timestep: float, left_in: Collection[str]
+) -> MuJoCoSession:
+    text = urdf(scenario, READER_ROUNDOFF)
+    model = compiled(lambda: _spec(text, scenario.has_pivot).compile())
+    model.opt.timestep = timestep
+    model.opt.gravity = scenario.gravity_world
+    model.opt.integrator = mujoco.mjtIntegrator.__members__[f"mjINT_{method.name}"]
+    disable(model, (name for name in switched_off(scenario) if name not in left_in))
+    return MuJoCoSession(scenario, model, *start_coordinates(scenario))
 
 
 def _spec(text: str, has_pivot: bool) -> Any:

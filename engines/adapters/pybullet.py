@@ -3,16 +3,18 @@
 What it does to a top when nobody asks, and how each was measured: docs/engines-pybullet.md.
 """
 
+from collections.abc import Collection
 from importlib.metadata import version
 from math import pi
 
 from ...scenarios import EFFECTS, Scenario
-from ..engine import Engine, Method, Session
+from ..engine import Engine, Method
 from ..native_output import native_output
+from ..session import Session
 
 with native_output():
     # Bullet prints when it was built as soon as it is imported.
-    from ..pybullet_load import Holding
+    from ..pybullet_load import Holding, left_out
     from ..pybullet_session import PyBulletSession
 
 ALL_EFFECTS = frozenset(EFFECTS)
@@ -24,6 +26,7 @@ HOLDINGS = {
     "multibody": Holding(maximal=False, hung=True),
     "multibody-p2p": Holding(maximal=False, hung=False),
     "maximal": Holding(maximal=True, hung=False),
+    "default": Holding(maximal=False, hung=True, as_shipped=True),
 }
 
 
@@ -57,6 +60,15 @@ class PyBullet(Engine):
             ALL_EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
         ),
+        Method(
+            "default",
+            1,
+            1,
+            "as shipped: the URDF without flags, with damping, joint motor and velocity clamp",
+            ALL_EFFECTS,
+            max_rotation_per_step=MOST_ROTATION_A_STEP,
+            as_shipped=True,
+        ),
     )
 
     @property
@@ -67,3 +79,20 @@ class PyBullet(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Load the scene's URDF and set its start."""
         return PyBulletSession(scenario, HOLDINGS[method.name], timestep)
+
+    def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
+        """A shape to collide with, and on a joint a motor without force."""
+        return left_out(scenario, HOLDINGS[method.name])
+
+    def open_unpruned(
+        self,
+        scenario: Scenario,
+        method: Method,
+        timestep: float,
+        left_in: Collection[str] | None = None,
+    ) -> Session | None:
+        """The same with these, to time what they cost."""
+        if not (names := self.left_out(scenario, method)):
+            return None
+        kept = names if left_in is None else left_in
+        return PyBulletSession(scenario, HOLDINGS[method.name], timestep, kept)

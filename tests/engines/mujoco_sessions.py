@@ -1,24 +1,24 @@
 """MuJoCo sessions for tests: from any MJCF text, so that a trap can be planted in it."""
 
 import mujoco
+from read_backs import check_read_back
 from spincheck.engines.mjcf import mjcf
 from spincheck.engines.mujoco_session import MuJoCoSession
-from spincheck.engines.read_back import READ_BACK_SLACK, check_read_back
 from spincheck.scenarios import Scenario
 
 TIMESTEP = 1e-3
 
 
-def loaded(text: str) -> MuJoCoSession:
+def loaded(scene: Scenario, text: str) -> MuJoCoSession:
     """A session on the model of an MJCF text, at its first keyframe."""
     model = mujoco.MjModel.from_xml_string(text)
     start = model.key(0)
-    return MuJoCoSession(model, start.qpos, start.qvel)
+    return MuJoCoSession(scene, model, start.qpos, start.qvel)
 
 
 def session_of(scene: Scenario, integrator: str = "RK4") -> MuJoCoSession:
     """A session as the adapter opens it."""
-    return loaded(mjcf(scene, TIMESTEP, integrator))
+    return loaded(scene, mjcf(scene, TIMESTEP, integrator))
 
 
 def planted(scene: Scenario, *traps: tuple[str, str]) -> MuJoCoSession:
@@ -27,9 +27,9 @@ def planted(scene: Scenario, *traps: tuple[str, str]) -> MuJoCoSession:
     for old, new in traps:
         assert old in text
         text = text.replace(old, new)
-    return loaded(text)
+    return loaded(scene, text)
 
 
 def read_back(scene: Scenario, session: MuJoCoSession) -> None:
     """What the run loop does before the first step."""
-    check_read_back(scene, session.read_body(), session.read_state(), READ_BACK_SLACK)
+    check_read_back(scene, session.read_body(), session.read_state())

@@ -12,7 +12,8 @@ from spincheck.engines.pybullet_session import PyBulletSession
 from spincheck.scenarios import Scenario
 
 ENGINE = PyBullet()
-MULTIBODY, BY_CONSTRAINT, MAXIMAL = ENGINE.methods
+METHODS = [method for method in ENGINE.methods if not method.as_shipped]
+MULTIBODY, BY_CONSTRAINT, MAXIMAL = METHODS
 TIMESTEP = 1e-3
 STEPS = np.arange(0, 51, 10)
 

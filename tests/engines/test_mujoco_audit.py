@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 from scenes import SCENES
-from spincheck.engines.mjcf import mjcf
+from spincheck.engines.mjcf import mjcf, switched_off
 from spincheck.engines.mujoco_audit import acting, read_effects
 
 TIMESTEP = 1e-3
@@ -21,8 +21,9 @@ def model_of(name: str, edit: Edit | None = None) -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"))
 
 
-def active(model: mujoco.MjModel) -> frozenset[str]:
-    return acting(model, mujoco.MjData(model))
+def active(name: str, edit: Edit | None = None) -> frozenset[str]:
+    model = model_of(name, edit)
+    return acting(model, mujoco.MjData(model), SCENES[name])
 
 
 def having(path: str, **attributes: str) -> Edit:
@@ -102,13 +103,13 @@ PLANTED: dict[str, Edit] = {
 
 @pytest.mark.parametrize("name", SCENES)
 def test_what_acts_is_what_the_scene_calls_for(name: str) -> None:
-    assert active(model_of(name)) == SCENES[name].called_for
+    assert active(name) == SCENES[name].called_for
 
 
 @pytest.mark.parametrize("planted", PLANTED)
 def test_anything_planted_is_named(planted: str) -> None:
-    assert planted not in active(model_of("pivot"))
-    assert planted in active(model_of("pivot", PLANTED[planted]))
+    assert planted not in active("pivot")
+    assert planted in active("pivot", PLANTED[planted])
 
 
 def test_damping_of_a_free_joint_is_named_for_it_brakes_the_translation() -> None:
@@ -122,25 +123,28 @@ def test_damping_of_a_free_joint_is_named_for_it_brakes_the_translation() -> Non
         freejoint.attrib.update(name="joint", type="free", damping="0.3")
         having(FLAG, damper="enable", eulerdamp="enable")(root)
 
-    assert active(model_of("free", edit)) == {"drag", "drag on the translation"}
+    assert active("free", edit) == {"drag", "drag on the translation"}
 
 
 def test_an_unpruned_model_shows_every_pass_it_did_not_need() -> None:
-    model = mujoco.MjModel.from_xml_string(mjcf(SCENES["free"], TIMESTEP, "RK4", pruned=False))
-    assert {"automatic reset", "collision detection", "constraint solver"} <= active(model)
+    scene = SCENES["free"]
+    text = mjcf(scene, TIMESTEP, "RK4", left_in=switched_off(scene))
+    model = mujoco.MjModel.from_xml_string(text)
+    found = acting(model, mujoco.MjData(model), scene)
+    assert {"automatic reset", "collision detection", "constraint solver"} <= found
 
 
 def test_forces_applied_to_the_data_are_named() -> None:
     model = model_of("pivot")
     data = mujoco.MjData(model)
     data.qfrc_applied[0] = 1e-6
-    assert acting(model, data) == {"pivot", "applied forces"}
+    assert acting(model, data, SCENES["pivot"]) == {"pivot", "applied forces"}
 
 
 def test_a_callback_somebody_installed_in_the_process_is_named() -> None:
     mujoco.set_mjcb_passive(lambda model, data: None)
     try:
-        assert active(model_of("pivot")) == {"pivot", "callback passive"}
+        assert active("pivot") == {"pivot", "callback passive"}
     finally:
         mujoco.set_mjcb_passive(None)
 
@@ -156,5 +160,27 @@ def test_effects_read_back_at_their_strengths(name: str) -> None:
 
 
 def test_an_effect_that_is_disabled_reads_back_as_absent() -> None:
-    model = model_of("everything", having(FLAG, gravity="disable", damper="disable"))
-    assert active(model) == {"pivot", "torque_world", "implicit joint damping"}
+    planted = having(FLAG, gravity="disable", damper="disable")
+    expected = {"pivot", "torque_world", "implicit joint damping"}
+    assert active("everything", planted) == expected
+
+
+STRENGTHS: dict[str, tuple[str, Edit]] = {
+    "gravity of [1.0, -2.0, -9.1], not": ("heavy-tilted", having("option", gravity="1 -2 -9.1")),
+    "drag of [0.31, 0.31, 0.31], not": ("pivot-drag", having(JOINT, damping="0.31")),
+    "torque_body of [0.4, -0.3, 0.3], not": (
+        "pivot-torque-body",
+        having("actuator/general", gear="0.4 -0.3 0.3"),
+    ),
+    "torque_world of [0.4, -0.3, 0.3], not": (
+        "pivot-torque-world",
+        having("actuator/general", gear="0.4 -0.3 0.3"),
+    ),
+}
+
+
+@pytest.mark.parametrize("words", STRENGTHS)
+def test_an_effect_at_another_strength_than_the_scenes_is_told(words: str) -> None:
+    name, planted = STRENGTHS[words]
+    (told,) = active(name, planted) - SCENES[name].called_for
+    assert told.startswith(words)

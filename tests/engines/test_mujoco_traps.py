@@ -33,7 +33,9 @@ def sample(session: MuJoCoSession) -> Trajectory:
 def blown_up(autoreset: str, cwd: Path) -> tuple[MuJoCoSession, float]:
     """The heavy top after it blew up under Euler, and the time its clock should show."""
     text = mjcf(SCENES["heavy-top"], COARSE_TIMESTEP, "Euler")
-    session = loaded(text.replace('autoreset="disable"', f'autoreset="{autoreset}"'))
+    session = loaded(
+        SCENES["heavy-top"], text.replace('autoreset="disable"', f'autoreset="{autoreset}"')
+    )
     session.advance(TO_BLOW_UP)
     assert list(cwd.iterdir()) == []
     return session, TO_BLOW_UP * COARSE_TIMESTEP

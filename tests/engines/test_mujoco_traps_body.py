@@ -106,7 +106,9 @@ def test_an_inertial_frame_lost_on_the_way_through_urdf_does_not_read_back() -> 
     origin.set("rpy", "0 0 0")
     model = mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"))
     start = scene.start
-    session = MuJoCoSession(model, start.q_world_body_wxyz.tolist(), start.omega_body.tolist())
+    session = MuJoCoSession(
+        scene, model, start.q_world_body_wxyz.tolist(), start.omega_body.tolist()
+    )
     with pytest.raises(EngineError, match="'inertia_com' must read back"):
         read_back(scene, session)
 

@@ -6,8 +6,8 @@ import numpy as np
 import pybullet as p
 import pytest
 from pybullet_planted import (
-    ENGINE,
     MAXIMAL,
+    METHODS,
     MULTIBODY,
     TIMESTEP,
     opened,
@@ -22,7 +22,7 @@ EPS = np.finfo(float).eps
 # Torques
 
 
-@pytest.mark.parametrize("method", ENGINE.methods, ids=lambda method: method.name)
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 @pytest.mark.parametrize("name", ["pivot-torque-body", "pivot-torque-world", "pivot-drag"])
 def test_the_audit_feels_a_torque_that_is_not_applied(name: str, method: Method) -> None:
     scenario = SCENES[name]
@@ -56,7 +56,7 @@ def test_a_torque_that_turns_must_be_renewed_every_step(name: str, method: Metho
 # Extras
 
 
-@pytest.mark.parametrize("method", ENGINE.methods, ids=lambda method: method.name)
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 def test_gravity_that_the_scene_does_not_call_for_fails_the_audit(
     method: Method, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -70,7 +70,7 @@ def test_gravity_that_the_scene_does_not_call_for_fails_the_audit(
 SHAPE = '<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>'
 
 
-@pytest.mark.parametrize("method", ENGINE.methods, ids=lambda method: method.name)
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 def test_a_shape_to_collide_with_fails_the_audit(
     method: Method, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -78,7 +78,9 @@ def test_a_shape_to_collide_with_fails_the_audit(
     monkeypatch.setattr(
         pybullet_load,
         "urdf",
-        lambda scenario: real(scenario).replace('<link name="top">', '<link name="top">' + SHAPE),
+        lambda scenario, **given: real(scenario, **given).replace(
+            '<link name="top">', '<link name="top">' + SHAPE
+        ),
     )
     result = run(SCENES["pivot"], method)
     assert result.outcome == "failed"

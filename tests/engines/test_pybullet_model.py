@@ -8,8 +8,8 @@ import numpy as np
 import pybullet as p
 import pytest
 from pybullet_planted import (
-    ENGINE,
     MAXIMAL,
+    METHODS,
     MULTIBODY,
     STEPS,
     TIMESTEP,
@@ -19,10 +19,11 @@ from pybullet_planted import (
     rotor,
     run,
 )
+from read_backs import check_read_back
 from scenes import SCENES
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError, Method, pybullet_load
-from spincheck.engines.read_back import READ_BACK_SLACK, check_read_back
+from spincheck.engines.read_back import READ_BACK_SLACK
 
 EPS = np.finfo(float).eps
 #: A few products of rotations a step, over `STEPS`.
@@ -87,7 +88,9 @@ def test_a_world_that_has_read_another_of_its_name_does_not_read_it(
 def test_a_warning_while_loading_fails_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     real = pybullet_load.urdf
     monkeypatch.setattr(
-        pybullet_load, "urdf", lambda scenario: real(scenario).replace("<axis", "<no-axis")
+        pybullet_load,
+        "urdf",
+        lambda scenario, **given: real(scenario, **given).replace("<axis", "<no-axis"),
     )
     result = run(SCENES["pivot"], MULTIBODY)
     assert result.outcome == "failed"
@@ -97,7 +100,7 @@ def test_a_warning_while_loading_fails_the_run(monkeypatch: pytest.MonkeyPatch) 
 def test_a_file_that_does_not_load_fails_the_run_with_what_was_printed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(pybullet_load, "urdf", lambda _: "<robot")
+    monkeypatch.setattr(pybullet_load, "urdf", lambda *_, **__: "<robot")
     result = run(SCENES["free"], MULTIBODY)
     assert result.outcome == "failed"
     assert result.reason.startswith("PyBullet cannot load the body")
@@ -107,27 +110,27 @@ def test_a_file_that_does_not_load_fails_the_run_with_what_was_printed(
 # Frames
 
 
-@pytest.mark.parametrize("method", ENGINE.methods, ids=lambda method: method.name)
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 @pytest.mark.parametrize("fault", ["axes", "com"])
 def test_a_body_read_in_the_engines_own_frame_is_another_body(method: Method, fault: str) -> None:
     scenario = SCENES["heavy-tilted"]
     with opened(scenario, method) as session:
         model, state = session.model, session.read_state()
-        check_read_back(scenario, model.read_body(), state, READ_BACK_SLACK)
+        check_read_back(scenario, model.read_body(), state)
         faults = {"axes": {"body_from_principal": Rotation.identity()}, "com": {"com": np.zeros(3)}}
         misread = replace(model, **faults[fault])
         with pytest.raises(EngineError, match="must read back as"):
-            check_read_back(scenario, misread.read_body(), state, READ_BACK_SLACK)
+            check_read_back(scenario, misread.read_body(), state)
 
 
-@pytest.mark.parametrize("method", ENGINE.methods, ids=lambda method: method.name)
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 def test_a_state_read_in_the_engines_own_axes_is_another_state(method: Method) -> None:
     scenario = SCENES["heavy-tilted"]
     with opened(scenario, method) as session:
         body = session.read_body()
         misread = replace(session.model, body_from_principal=Rotation.identity()).read_state()
         with pytest.raises(EngineError, match="must read back as"):
-            check_read_back(scenario, body, misread, READ_BACK_SLACK)
+            check_read_back(scenario, body, misread)
 
 
 def test_a_spherical_joints_velocity_is_along_the_childs_principal_axes(

@@ -10,6 +10,7 @@ from pybullet_planted import (
     BY_CONSTRAINT,
     ENGINE,
     MAXIMAL,
+    METHODS,
     MULTIBODY,
     STEPS,
     change,
@@ -21,7 +22,13 @@ from pybullet_planted import (
 )
 from scenes import SCENES, scene
 from scipy.spatial.transform import Rotation
-from spincheck.engines import EngineError, Method, pybullet_load, pybullet_session
+from spincheck.engines import (
+    EngineError,
+    Method,
+    pybullet_defaults,
+    pybullet_load,
+    pybullet_session,
+)
 from spincheck.scenarios import Scenario
 
 EPS = np.finfo(float).eps
@@ -32,7 +39,7 @@ ROUND_OFF = 16 * EPS * STEPS[-1]
 # Damping
 
 
-@pytest.mark.parametrize("method", ENGINE.methods, ids=lambda method: method.name)
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 def test_a_rotor_keeps_its_spin(method: Method) -> None:
     motion = run(rotor(10.0), method).trajectory
     assert motion is not None
@@ -78,7 +85,7 @@ def test_the_default_motor_kills_the_spin_and_fails_the_audit(
 FAST = 150.0
 
 
-@pytest.mark.parametrize("method", ENGINE.methods, ids=lambda method: method.name)
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 def test_a_fast_rotor_is_not_clamped(method: Method) -> None:
     motion = run(rotor(FAST), method).trajectory
     assert motion is not None
@@ -96,7 +103,7 @@ def test_the_default_clamp_holds_every_velocity_to_a_hundred(
 
 
 def test_a_velocity_at_the_clamp_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pybullet_load, "UNREACHED_VELOCITY", 100.0)
+    monkeypatch.setattr(pybullet_defaults, "UNREACHED_VELOCITY", 100.0)
     monkeypatch.setattr(pybullet_session, "UNREACHED_VELOCITY", 100.0)
     result = run(rotor(FAST, effects=""), MULTIBODY)
     assert (result.outcome, result.reason) == ("diverged", "PyBullet clamps velocities at 100")
@@ -106,7 +113,7 @@ def test_a_velocity_at_the_clamp_ends_the_run(monkeypatch: pytest.MonkeyPatch) -
 # The rotation clamp
 
 
-@pytest.mark.parametrize("method", ENGINE.methods, ids=lambda method: method.name)
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 def test_a_step_beyond_the_rotation_clamp_is_refused(method: Method) -> None:
     timestep = 1.01 * method.max_rotation_per_step / FAST
     result = ENGINE.run(rotor(FAST), method, timestep, STEPS)
@@ -123,7 +130,7 @@ def turned(method: Method, rotation: float) -> tuple[float, float]:
         return float(attitude.magnitude()), float(state.omega_body[2])
 
 
-@pytest.mark.parametrize("method", ENGINE.methods, ids=lambda method: method.name)
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 def test_the_attitude_keeps_up_below_the_clamp_and_lags_above(method: Method) -> None:
     below, above = 0.99 * method.max_rotation_per_step, 1.5 * method.max_rotation_per_step
     assert turned(method, below) == pytest.approx((below, FAST), rel=ROUND_OFF)
@@ -153,7 +160,7 @@ def test_calls_are_split_into_powers_of_two_which_lose_no_step(
             return float(Rotation.from_quat(q, scalar_first=True).magnitude())
 
     assert turned() == pytest.approx(steps * dt, rel=steps * EPS)
-    monkeypatch.setattr(pybullet_session, "_powers_of_two", lambda k: [k])
+    monkeypatch.setattr(pybullet_session, "calls", lambda k, _: [k])
     assert turned() == pytest.approx((steps - 1) * dt, rel=steps * EPS)
 
 

@@ -1,0 +1,43 @@
+"""What acted on the body in a run, compared with what the scene calls for, after the last step."""
+
+from dataclasses import dataclass
+
+from ..scenarios import Scenario
+from .read_back import EngineError
+from .sampling import Sampled
+from .session import Session
+
+
+@dataclass(frozen=True)
+class Audit:
+    """What acted, and what there is to say about it.
+
+    Attributes
+    ----------
+    active : as `Session.active` has it
+    differs : in words, empty where exactly what the scene calls for acted
+    """
+
+    active: frozenset[str] = frozenset()
+    differs: str = ""
+
+
+def audit(session: Session, scenario: Scenario, sampled: Sampled) -> Audit:
+    """Audit a session whose run has ended; only of a run that is ok anything is said."""
+    if sampled.outcome == "failed":
+        return Audit()
+    try:
+        active = session.active()
+    except EngineError as error:
+        # A run that blew up may have taken the engine with it.
+        return Audit(differs=f"cannot be audited: {error}" if sampled.outcome == "ok" else "")
+    return Audit(active, _differs(active, scenario.called_for) if sampled.outcome == "ok" else "")
+
+
+def _differs(active: frozenset[str], called_for: frozenset[str]) -> str:
+    parts = []
+    if extra := sorted(active - called_for):
+        parts.append(f"active though the scene does not call for it: {', '.join(extra)}")
+    if absent := sorted(called_for - active):
+        parts.append(f"called for but not active: {', '.join(absent)}")
+    return "; ".join(parts)

@@ -1,0 +1,84 @@
+"""A scene loaded in an engine: what every adapter fills in."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+
+from .read_back import BodyReading, State
+
+
+class Session(ABC):
+    """A scene loaded in an engine: set to its start, ready to step.
+
+    An engine whose readings take as long as its steps gives them raw, as `snapshot`, and turns
+    them into states many at a time; for any other `read_state` and `check` are enough.
+
+    Raises
+    ------
+    EngineError
+        From any method, when the engine reports trouble of its own.
+    """
+
+    @abstractmethod
+    def read_body(self) -> BodyReading:
+        """Mass, com and tensor as the engine holds them."""
+
+    @abstractmethod
+    def read_state(self) -> State:
+        """The state now, nothing of it a step old."""
+
+    @abstractmethod
+    def advance(self, steps: int) -> None:
+        """Take `steps` whole steps, natively: nothing but stepping happens in here."""
+
+    @abstractmethod
+    def check(self) -> None:
+        """Raise `EngineError` if a step so far was not one: warning, reset, clamp, clock."""
+
+    @abstractmethod
+    def active(self) -> frozenset[str]:
+        """What acts on the body, read back from the engine after the run.
+
+        Names out of `scenarios.EFFECTS`, plus a name for whatever else is switched on. A mechanism
+        that implements an effect (a constraint that is the pivot) counts as that effect.
+        """
+
+    @abstractmethod
+    def close(self) -> None:
+        """Free the engine's memory."""
+
+    def snapshot(self) -> Any:
+        """What is read at a sample, in the engine's own terms.
+
+        Raises `EngineError` for trouble that the engine has reported by now.
+        """
+        self.check()
+        return self.read_state()
+
+    def states(self, snapshots: Sequence[Any]) -> State:
+        """The states of n snapshots, one a row of each column."""
+        return State(**{name: np.array([getattr(s, name) for s in snapshots]) for name in _COLUMNS})
+
+    def first_fault(self, snapshots: Sequence[Any], states: State) -> tuple[int, str] | None:  # noqa: ARG002
+        """Index of the first snapshot that is not a step's outcome, and why; None if all are.
+
+        For what `check` would have said there, as far as `snapshot` has left it to be told later.
+        """
+        return None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+_COLUMNS = tuple(State.__dataclass_fields__)
