@@ -31,10 +31,12 @@ class CostSection:
 
     Attributes
     ----------
+    scenes : how many were solved, reached or not
     methods : label and look of every method, for the figure's key
     profiles : None where nothing was timed
     """
 
+    scenes: int
     methods: tuple[tuple[str, Look], ...]
     profiles: Titled | None
     reached: Table
@@ -58,6 +60,7 @@ def cost_section(gathered: Gathered) -> CostSection:
         profile_figure(profiles, drawn),
     )
     return CostSection(
+        len(scenes),
         tuple((" ".join(pair), look) for pair, look in drawn.items()),
         titled if timed else None,
         reached_table(gathered, scenes),
