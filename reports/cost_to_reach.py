@@ -56,7 +56,7 @@ class Reach:
 
 def reach(curve: Curve, level: float) -> Reach:
     """What it takes to stay within an error: interpolated, extrapolated, or why it cannot be."""
-    if level < curve.uncertainty:
+    if curve.points and level < curve.uncertainty:
         reason = f"the reference itself is known to {curve.uncertainty:.1e}"
         return Reach(level, "reference limit", reason)
     k = first_within(curve, level)

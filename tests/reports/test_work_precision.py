@@ -213,6 +213,7 @@ def test_what_is_measured_counts_whatever_the_verdict() -> None:
 def test_a_method_without_runs_has_its_verdict_s_word() -> None:
     curve = curve_of_law(law(1), points=(), stable=(), verdict="unsupported")
     assert reach(curve, LEVELS[0]).word == "unsupported"
+    assert reach(curve, curve.uncertainty / 2).word == "unsupported"
 
 
 def test_a_study_stopped_early_has_no_verdict() -> None:
