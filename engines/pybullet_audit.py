@@ -13,8 +13,8 @@ import pybullet as p
 from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray, Scenario
-from .pybullet_defaults import TAKEN_AWAY
-from .pybullet_model import BASE, Model
+from .pybullet_defaults import take_away_damping, take_away_motor
+from .pybullet_model import BASE, HUNG, Model
 from .read_back import BodyReading, State
 
 #: s. A gain of L over a step is rounded to EPS L / h a second, and off by h times whatever turns:
@@ -194,10 +194,13 @@ def _felt(probe: _Probe) -> set[str]:
 
 def _slowing_defaults(probe: _Probe) -> set[str]:
     """Which of PyBullet's defaults are at work: what makes a difference when it is taken away."""
+    slowing = {"damping": take_away_damping}
+    if probe.model.link == HUNG:
+        slowing["joint motor"] = take_away_motor
     found = set()
-    for name in ("joint motor", "damping"):
+    for name, take_away in slowing.items():
         with_it = probe.resistance()
-        TAKEN_AWAY[name](probe.model)
+        take_away(probe.model)
         if not _near(probe.resistance(), with_it, probe.noise):
             found.add(name)
     return found

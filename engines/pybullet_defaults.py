@@ -1,7 +1,5 @@
 """What PyBullet does to a body when nobody asks, and how each of it is taken away."""
 
-from collections.abc import Callable
-
 import pybullet as p
 
 from .pybullet_model import BASE, HUNG, Model
@@ -15,9 +13,8 @@ UNREACHED_VELOCITY = 1e100
 
 def take_away_motor(model: Model) -> None:
     """Of a spherical joint: it holds the joint's velocity at zero."""
-    if model.link == HUNG:
-        # Gains as single numbers: only so does a force of zero take the motor out of the solver.
-        _set_motor(model, 0)
+    # Gains as single numbers: only so does a force of zero take the motor out of the solver.
+    _set_motor(model, 0)
 
 
 def idle_motor(model: Model) -> None:
@@ -37,14 +34,6 @@ def take_away_clamp(model: Model) -> None:
     p.changeDynamics(
         model.body, BASE, maxJointVelocity=UNREACHED_VELOCITY, physicsClientId=model.client
     )
-
-
-#: By the names under which the audit tells of them.
-TAKEN_AWAY: dict[str, Callable[[Model], None]] = {
-    "joint motor": take_away_motor,
-    "damping": take_away_damping,
-    "velocity clamp": take_away_clamp,
-}
 
 
 def _set_motor(model: Model, gain: float | tuple[float, float, float]) -> None:

@@ -14,7 +14,12 @@ from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray, Scenario
 from ..scenarios.document import Effects
-from .pybullet_defaults import TAKEN_AWAY, idle_motor
+from .pybullet_defaults import (
+    idle_motor,
+    take_away_clamp,
+    take_away_damping,
+    take_away_motor,
+)
 from .pybullet_model import BASE, HUNG, Model
 from .read_back import EngineError, UnsupportedError
 from .urdf import urdf
@@ -82,10 +87,11 @@ def load(client: int, scenario: Scenario, holding: Holding, left_in: Collection[
         else:
             model = _model_of_link(client, body, BASE)
     if not holding.as_shipped:
-        for take_away in TAKEN_AWAY.values():
-            take_away(model)
-    if MOTOR in left_in:
-        idle_motor(model)
+        take_away_damping(model)
+        take_away_clamp(model)
+        if hung:
+            # Taken away first, it would not come back.
+            idle_motor(model) if MOTOR in left_in else take_away_motor(model)
     if hung:
         model.set_joint_attitude(world_from_body)
     elif scenario.has_pivot:

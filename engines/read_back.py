@@ -72,7 +72,7 @@ class Difference:
     @property
     def remark(self) -> str:
         """For a run that goes on with it."""
-        wanted, got = _rounded(self.wanted.tolist()), _rounded(self.got.tolist())
+        wanted, got = _rounded(self.wanted), _rounded(self.got)
         return f"'{self.what}' reads back as {got}, not {wanted}: off by {self.relative:.1%}"
 
 
@@ -123,8 +123,14 @@ def _rotation(q_wxyz: FloatArray) -> Rotation:
     return Rotation.from_quat(q_wxyz, scalar_first=True)
 
 
-def _rounded(values: object) -> str:
-    """Numbers, or lists of them, to three digits."""
-    if isinstance(values, list):
-        return f"[{', '.join(_rounded(value) for value in values)}]"
-    return f"{values:.3g}"
+def _rounded(values: FloatArray) -> str:
+    """A number or nested lists of them, to three digits, round-off left out."""
+    least = float(np.finfo(float).eps) * np.abs(values).max()
+    shown = np.where(np.abs(values) > least, values, 0.0)
+
+    def written(part: object) -> str:
+        if isinstance(part, list):
+            return f"[{', '.join(written(item) for item in part)}]"
+        return f"{part:.3g}"
+
+    return written(shown.tolist())
