@@ -1,0 +1,103 @@
+"""What each method needs for several bounds: cautious where curves bend, in whole steps."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from ladders import (
+    BELOW,
+    BETWEEN,
+    INTERVAL,
+    ROUNDING,
+    TOP,
+    Law,
+    bending_down,
+    bending_up,
+    chosen,
+    only_top,
+    scene_of,
+    straight,
+    with_law,
+)
+from made_up import METHODS, TIMESTEPS, results
+from spincheck.reports.candidates import Candidate, above_the_ladder, as_cheap, candidates
+from spincheck.reports.cost_to_reach import reach
+from spincheck.reports.records import Key
+from spincheck.reports.work_precision import curve_of
+
+LAWS = [straight, bending_up, bending_down]
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("bound", [2.3e-2, 7e-3, BELOW], ids=["between", "lower", "below"])
+def test_a_curve_that_bends_does_not_break_the_bound(law: Law, bound: float) -> None:
+    best = chosen(with_law(law), "Euler", omega=bound)
+    assert law(best.timestep) <= bound * (1 + ROUNDING)
+
+
+def test_plain_interpolation_would_break_it() -> None:
+    scene = scene_of(with_law(bending_down))
+    euler = next(runs for runs in scene.methods if runs.method == "Euler")
+    plain = reach(curve_of(scene, euler, "omega"), 2.3e-2)
+    assert bending_down(plain.timestep) > 2.3e-2 * (1 + ROUNDING)
+
+
+@pytest.mark.parametrize("bound", [2e-2, 7e-3, BELOW])
+def test_the_interval_between_samples_is_a_whole_number_of_steps(bound: float) -> None:
+    steps = INTERVAL / chosen(with_law(straight), "Euler", omega=bound).timestep
+    assert steps == pytest.approx(round(steps), rel=ROUNDING)
+
+
+@pytest.mark.parametrize(
+    ("steps", "wanted"), [(1, []), (2, [1]), (3, [2, 1]), (16, [8, 4, 2, 1]), (13, [7, 4, 2, 1])]
+)
+def test_the_ladder_is_continued_upwards_to_one_step_a_sample(
+    steps: int, wanted: list[int]
+) -> None:
+    scenario = scene_of(with_law(straight)).found.scenario
+    found = above_the_ladder(scenario, INTERVAL / steps)
+    assert [INTERVAL / timestep for timestep in found] == pytest.approx(wanted, rel=ROUNDING)
+
+
+def test_a_rung_that_fits_is_not_cut() -> None:
+    """Rounding down must not take a step off a quotient that is whole but for its last bits."""
+    found = with_law(straight)
+    assert chosen(found, "Euler", omega=1.0).timestep == pytest.approx(TIMESTEPS[0], rel=ROUNDING)
+
+
+def test_the_tightest_of_several_bounds_decides() -> None:
+    found = with_law(straight)
+    both = chosen(found, "Euler", omega=1e-2, energy=1e-3)
+    assert both == replace(chosen(found, "Euler", energy=1e-3), decided_by="energy")
+    assert both.timestep < chosen(found, "Euler", omega=1e-2).timestep
+
+
+def test_the_cheapest_comes_first_and_what_is_out_of_reach_last() -> None:
+    found = candidates(scene_of(only_top(results())), {"omega": BETWEEN})
+    costs = [candidate.cost or math.inf for candidate in found]
+    assert costs == sorted(costs)
+    assert found[0].key.method == "RK4"
+    assert {candidate.word for candidate in found} > {"diverges", "failed", "unsupported"}
+    assert len(found) == len(METHODS)
+
+
+def test_the_largest_stable_timestep_is_below_the_last_blow_up() -> None:
+    found = with_law(straight)
+    rows = [
+        replace(row, outcome="diverged")
+        if row.key.method == "Euler" and row.timestep == TIMESTEPS[1]
+        else row
+        for row in found.rows
+    ]
+    assert chosen(found, "Euler", omega=BETWEEN).largest_stable == TIMESTEPS[0]
+    after = chosen(replace(found, rows=rows), "Euler", omega=BETWEEN)
+    assert after.largest_stable == TIMESTEPS[2]
+
+
+def test_costs_within_the_spread_of_the_timings_are_called_alike() -> None:
+    key = Key(TOP, "e", "m")
+    best = Candidate(key, "measured", "", "omega", None, 1e-3, cost=1.0, spread=0.1)
+    near, far = replace(best, cost=1.05), replace(best, cost=1.2)
+    lost = replace(best, timestep=None, cost=None)
+    assert as_cheap([best, near, far, lost]) == [near]
+    assert as_cheap([lost, lost]) == []
