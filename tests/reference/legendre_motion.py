@@ -15,7 +15,7 @@ from spincheck.scenarios.exact import Quaternion, Vector, conjugate, cross, dot,
 from spincheck.scenarios.principal import from_matrix
 
 #: Differences of E and L², or of roots that nearly agree, may cost a half of them.
-DIGITS = 150
+DIGITS = 120
 
 Motion = Callable[[float], tuple[Quaternion, Vector]]
 
