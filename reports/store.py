@@ -125,7 +125,7 @@ class Store:
                     _verdict(r) for r in self._select("verdicts", "scenario, engine, method")
                 ],
             )
-        except (sqlite3.DatabaseError, ValueError, KeyError) as error:
+        except (sqlite3.DatabaseError, ValueError, KeyError, IndexError) as error:
             raise ResultFileError(f"a record cannot be read: {error}") from error
 
     def _select(self, table: str, order: str) -> list[sqlite3.Row]:

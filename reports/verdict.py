@@ -94,7 +94,8 @@ def judge(
     estimate = _estimate(moves, best, declared_order)
     off = _SERIES[signal](limits[best + 1], truth)
     limit_error = float(off.max())
-    order = _order(ladder, errors, floors, uncertainty)
+    timesteps = np.array([step.timestep for step in ladder])
+    order = fitted_order(timesteps, errors, floors, uncertainty)
     allowance = estimate + uncertainty + float(floors[best + 2])
     return _weigh(
         _Found(
@@ -179,16 +180,19 @@ def _estimate(moves: FloatArray, best: int, order: int) -> float:
     return float(max(moves[best], before))
 
 
-def _order(
-    ladder: Sequence[Step], errors: FloatArray, floors: FloatArray, uncertainty: float
+def fitted_order(
+    timesteps: FloatArray, errors: FloatArray, floors: FloatArray, uncertainty: float
 ) -> float | None:
-    """Signed least-squares slope of log error against log dt over the finest usable rungs."""
+    """Signed least-squares slope of log error against log dt over the finest usable rungs.
+
+    Usable are errors in the asymptotic range and above round-off and the reference's uncertainty;
+    of fewer than two there is no slope. All arrays are (n,), coarse to fine.
+    """
     usable = (errors > ABOVE_UNCERTAINTY * uncertainty) & (errors > floors) & (errors < ASYMPTOTIC)
     finest = np.flatnonzero(usable)[-FITTED_RUNGS:]
     if len(finest) < 2:
         return None
-    log_dt = np.log([ladder[k].timestep for k in finest])
-    return float(np.polyfit(log_dt, np.log(errors[finest]), 1)[0])
+    return float(np.polyfit(np.log(timesteps[finest]), np.log(errors[finest]), 1)[0])
 
 
 def _needed_timestep(found: _Found) -> float:

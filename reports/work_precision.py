@@ -14,7 +14,7 @@ import numpy as np
 
 from .gather import MethodRuns, SceneRuns
 from .records import Row
-from .verdict import ABOVE_UNCERTAINTY, ASYMPTOTIC, FITTED_RUNGS, VerdictWord
+from .verdict import VerdictWord, fitted_order
 
 Signal = Literal["omega", "attitude", "angular_momentum", "energy"]
 #: The four errors, in the order of `Errors`.
@@ -120,17 +120,11 @@ def observed_order(curve: Curve) -> float | None:
     Usable are those that the verdict reads its order off: asymptotic, and above all floors. Where
     this error has too few of them, the order is the one that the verdict rests on.
     """
-    usable = [
-        point
-        for point in curve.stable
-        if ABOVE_UNCERTAINTY * curve.uncertainty < point.error < ASYMPTOTIC
-        and point.error > curve.floor(point.timestep)
-    ]
-    finest = usable[-FITTED_RUNGS:]
-    if len(finest) < 2:
-        return curve.order
-    log_dt = np.log([point.timestep for point in finest])
-    return float(np.polyfit(log_dt, np.log([point.error for point in finest]), 1)[0])
+    timesteps = np.array([point.timestep for point in curve.stable])
+    errors = np.array([point.error for point in curve.stable])
+    floors = np.array([curve.floor(timestep) for timestep in timesteps])
+    order = fitted_order(timesteps, errors, floors, curve.uncertainty)
+    return curve.order if order is None else order
 
 
 def front(drawn: Iterable[Curve]) -> list[tuple[Curve, Point]]:
