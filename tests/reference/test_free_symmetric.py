@@ -1,0 +1,130 @@
+"""Free bodies with two or three equal moments: exact turns, whichever axis is the odd one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from closed_form_checks import GOAL, apart, one_ulp_heavier
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mpmath import mp, mpf
+from spincheck.reference.closed_forms import closed_form
+from spincheck.reference.free_symmetric import free_symmetric
+from spincheck.reference.problem import Problem
+from spincheck.reference.taylor import integrate
+from spincheck.scenarios.exact import Quaternion, dot, product, rotate
+from taylor_problems import problem
+
+DIGITS = 60
+TILTED = (1.0, 0.2, -0.3, 0.4)
+OBLATE = problem((1.0, 1.0, 1.7), (0.4, -0.9, 2.0), TILTED)
+#: The odd axis first, second, third; slower and faster than it precesses; both ways round.
+BODIES = {
+    "about x": problem((1.7, 1.0, 1.0), (2.0, 0.4, -0.9), TILTED),
+    "about y": problem((1.0, 0.3, 1.0), (0.1, -2.0, 0.7), TILTED),
+    "about z": OBLATE,
+    "backwards": problem((1.0, 1.0, 0.3), (0.1, 0.7, -2.0), TILTED),
+    "nearly a sphere": problem((1.0, 1.0, 1.0 + 1e-14), (0.4, -0.9, 2.0), TILTED),
+    "nearly upright": problem((1.0, 1.0, 1.7), (1e-12, 0.0, 2.0), TILTED),
+    "nearly across": problem((1.0, 1.0, 1.7), (1.0, 0.5, 1e-12), TILTED),
+    "across": problem((1.0, 1.0, 1.7), (1.0, 0.5, 0.0), TILTED),
+    "along": problem((1.0, 1.0, 1.7), (0.0, 0.0, -3.0), TILTED),
+    "sphere": problem((2.0, 2.0, 2.0), (0.3, 0.5, -0.7), TILTED),
+}
+TIMES = np.concatenate([[0.0], *(np.linspace(0.3, 7.7, 8) + 10.0**k for k in (0, 3, 6, 9))])
+
+
+def turn(vector: tuple[mpf, ...], angle: mpf) -> Quaternion:
+    """The quaternion of a turn about a vector."""
+    length = mp.sqrt(dot(vector, vector))
+    return (mp.cos(angle / 2), *(mp.sin(angle / 2) * c / length for c in vector))
+
+
+def by_two_turns(p: Problem, odd: int, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """q(t) = exp(L t/2 I1) q(0) exp(e3 γ' t/2) and ω(t), in sixty digits."""
+    with mp.workdps(DIGITS):
+        I1, I3 = p.moments[(odd + 1) % 3], p.moments[odd]
+        L = tuple(i * w for i, w in zip(p.moments, p.omega_axes, strict=True))
+        L_world, size = rotate(p.q_world_axes, L), mp.sqrt(dot(L, L))
+        axis = tuple(mpf(int(k == odd)) for k in range(3))
+        spin = p.omega_axes[odd] * (1 - I3 / I1)
+        q, omega = [], []
+        for t in map(mpf, times):
+            own = turn(axis, spin * t)
+            q.append(product(product(turn(L_world, size / I1 * t), p.q_world_axes), own))
+            omega.append(rotate((own[0], *(-c for c in own[1:])), p.omega_axes))
+        return np.array(q, dtype=float), np.array(omega, dtype=float)
+
+
+def odd_axis(p: Problem) -> int:
+    return max(
+        range(3),
+        key=lambda k: abs(p.moments[k] - p.moments[k - 1]) * (p.moments[k - 1] == p.moments[k - 2]),
+    )
+
+
+@pytest.mark.parametrize("p", BODIES.values(), ids=BODIES)
+def test_the_motion_is_two_turns_at_any_time(p):
+    assert apart(free_symmetric(p).states(TIMES), by_two_turns(p, odd_axis(p), TIMES)) < GOAL
+
+
+def test_one_ulp_in_a_moment_would_show():
+    off = free_symmetric(one_ulp_heavier(OBLATE)).states(TIMES)
+    assert apart(off, by_two_turns(OBLATE, 2, TIMES)) > GOAL
+
+
+@pytest.mark.parametrize("p", BODIES.values(), ids=BODIES)
+def test_the_ode_agrees(p):
+    times = np.linspace(0.0, 30.0, 61)
+    assert apart(closed_form(p).states(times), integrate(p, times)) < GOAL
+
+
+def test_a_small_wobble_is_half_as_fast_as_a_thin_disc_precesses():
+    """Feynman's plate: I3 = 2 I1, so γ' = −ω3 and α' = 2 ω3 for small tilts."""
+    plate = free_symmetric(problem((1.0, 1.0, 2.0), (1e-9, 0.0, 3.0), TILTED))
+    assert plate.period == pytest.approx(2 * np.pi / 3.0, rel=GOAL)
+
+
+@pytest.mark.parametrize(
+    "p",
+    [BODIES["sphere"], BODIES["along"], BODIES["across"]],
+    ids=["sphere", "along", "across"],
+)
+def test_where_omega_stays_it_is_not_rounded_at_all(p):
+    _, omega = free_symmetric(p).states(TIMES)
+    assert (omega == np.array(p.omega_axes, dtype=float)).all()
+
+
+def test_a_body_at_rest_stays():
+    still = problem((1.0, 2.0, 2.0), (0.0, 0.0, 0.0), TILTED)
+    q, omega = closed_form(still).states(TIMES)
+    assert not omega.any()
+    assert np.abs(q - np.array(still.q_world_axes, dtype=float)).max() < GOAL
+
+
+@settings(max_examples=50, deadline=None)
+@given(
+    ratio=st.floats(1e-3, 2.0),
+    omega=st.tuples(*[st.floats(-10.0, 10.0)] * 3),
+    q=st.tuples(*[st.floats(-1.0, 1.0)] * 4).filter(lambda q: np.linalg.norm(q) > 0.1),
+    odd=st.integers(0, 2),
+)
+def test_any_body_and_start_are_two_turns(ratio, omega, q, odd):
+    moments = tuple(ratio if k == odd else 1.0 for k in range(3))
+    p = problem(moments, omega, q)
+    if any(omega):
+        assert apart(free_symmetric(p).states(TIMES), by_two_turns(p, odd, TIMES)) < GOAL
+
+
+@pytest.mark.parametrize(
+    "p",
+    [
+        problem((1.0, 2.0, 2.5), (1.0, 1.0, 1.0)),
+        replace(OBLATE, drag=mpf(1)),
+        replace(OBLATE, lever_axes=(0, 0, mpf(1)), gravity_world=(0, 0, mpf(-9))),
+    ],
+    ids=["asymmetric", "drag", "heavy"],
+)
+def test_what_is_not_free_and_symmetric_is_refused(p):
+    with pytest.raises(ValueError, match="must be a free body with two equal moments"):
+        free_symmetric(p)
