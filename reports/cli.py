@@ -28,7 +28,11 @@ Scenes = Annotated[
     typer.Argument(metavar="[SCENARIO|FOLDER]...", help="Files, folders or library scenes."),
 ]
 Scene = Annotated[str, typer.Argument(metavar="SCENARIO", help="A file or a library scene.")]
+Stored = Annotated[
+    Path, typer.Argument(metavar="[RESULT FILE]", help="What 'spincheck run' wrote.")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+AsCsv = Annotated[bool, typer.Option("--csv", help="Print CSV.")]
 Engines = Annotated[list[str] | None, typer.Option("--engine", help="Only this engine.")]
 Methods = Annotated[list[str] | None, typer.Option("--method", help="Only this method.")]
 Timesteps = Annotated[
@@ -54,14 +58,19 @@ def run(
     method: Methods = None,
     timestep: Timesteps = None,
     jobs: Jobs = CORES,
-    out: Annotated[Path, typer.Option(help="The result file.")] = RESULT_FILE,
+    out: Annotated[Path, typer.Option(help="The result file; added to.")] = RESULT_FILE,
+    quick: Annotated[bool, typer.Option("--quick", help="Short ladders; steps not timed.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Simulate scenes, compare with the truth, and store what was found."""
+    """Simulate scenes, compare with the truth, and store what was found.
+
+    What the file holds already is not run again, unless its scene, engine or spincheck changed.
+    """
     from . import running
     from .summary import print_results, results_as_json
 
-    results = running.run(scenes or [], engine or [], method or [], timestep or [], jobs, out)
+    asked = (scenes or [], engine or [], method or [], timestep or [])
+    results = running.run(*asked, jobs, out, quick=quick)
     if as_json:
         print(to_json(results_as_json(results)))
     else:
@@ -91,6 +100,43 @@ def report(
     except OSError as error:
         raise Complaint(f"{out}: cannot be written: {error.strerror}", BAD_INPUT) from None
     raise typer.Exit(running.exit_code(found))
+
+
+@app.command()
+def compare(
+    old: Annotated[Path, typer.Argument(metavar="OLD", help="A result file.")],
+    new: Annotated[Path, typer.Argument(metavar="NEW", help="Another one, made later.")],
+    as_json: AsJson = False,
+) -> None:
+    """Show what changed between two result files; exits with 1 if anything got worse."""
+    from .compare import changes_as_json, exit_code, print_changes
+    from .compare import compare as find_changes
+
+    found = find_changes(old, new)
+    if as_json:
+        print(to_json(changes_as_json(found)))
+    else:
+        print_changes(found)
+    raise typer.Exit(exit_code(found))
+
+
+@app.command()
+def rows(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
+    """Print every run of a result file."""
+    from . import running
+    from .summary import row_record
+
+    _print_records([row_record(row) for row in running.read(results).rows], as_csv, as_json)
+
+
+@app.command()
+def verdicts(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
+    """Print every verdict of a result file."""
+    from . import running
+    from .summary import verdict_record
+
+    found = running.read(results).verdicts
+    _print_records([verdict_record(verdict) for verdict in found], as_csv, as_json)
 
 
 @app.command()
@@ -227,6 +273,19 @@ def export(
         raise Complaint(f"{folder}: cannot be written: {error.strerror}", BAD_INPUT) from None
     for path in written:
         print(path)
+
+
+def _print_records(records: list[dict[str, Any]], as_csv: bool, as_json: bool) -> None:
+    from .export import csv_text
+
+    if as_csv and as_json:
+        raise Complaint("takes '--csv' or '--json', not both", BAD_INPUT)
+    if as_csv:
+        print(csv_text(records), end="")
+    elif as_json:
+        print(to_json(records))
+    else:
+        table(records)
 
 
 def _scenarios(names: list[str]) -> list[Any]:

@@ -57,6 +57,7 @@ class Descent:
     rows: list[Row] = field(default_factory=list)
     single_rows: list[Row] = field(default_factory=list)
     broken: list[str] = field(default_factory=list)
+    _judged: dict[int, tuple[Signal, Judgement]] = field(default_factory=dict)
 
     @property
     def key(self) -> Key:
@@ -72,25 +73,46 @@ class Descent:
             return None
         return None if taken >= MIN_RUNGS and self._known() else self.rungs[taken]
 
-    def add(self, result: Run | Lost) -> Row:
+    def add(self, result: Run | Lost, printed: str = "") -> Row:
         """Turn what came back from a worker for the next rung into a row."""
         rung = self.next_rung()
         assert rung is not None
-        single = next(iter(self.singles[len(self.single_rows) :]), None)
+        single = self._next_single()
         solution = single.solution if single else self.solution
         row = row_of(self.scenario, self.key, self.engine.version, rung, result, solution)
-        if single:
-            self.single_rows.append(row)
-            for promise in single.promises:
-                self.broken += broken_promises(promise, row)
-        else:
-            self.rows.append(row)
+        row = replace(row, printed=printed)
+        self.take(row)
         return row
 
-    def finest_motion(self) -> Row | None:
-        """The row of the finest run that left samples."""
-        rows = [row for row in self.rows + self.single_rows if row.motion is not None]
-        return min(rows, key=lambda row: row.timestep) if rows else None
+    def take(self, row: Row) -> None:
+        """Take the row of the next rung, whether it was run just now or is known from before."""
+        single = self._next_single()
+        if single is None:
+            self.rows.append(row)
+            return
+        self.single_rows.append(row)
+        for promise in single.promises:
+            self.broken += broken_promises(promise, row)
+
+    def can_take(self, row: Row) -> bool:
+        """Whether the row of the next rung is enough: a ladder is judged on motions."""
+        return bool(self._next_single() or row.outcome != "ok" or row.motion is not None)
+
+    @property
+    def cut_short(self) -> bool:
+        """Whether finer rungs, had there been any, would have been run."""
+        if not self.rungs or len(self.rows) < len(self.rungs):
+            return False
+        return not (self._hopeless(self.rows[-1]) or self._known())
+
+    def spent(self) -> list[float]:
+        """Timesteps of the runs whose samples nobody wants once there is a verdict: all but one.
+
+        A report shows the finest run that left any.
+        """
+        rows = self.rows + self.single_rows
+        shown = min((row.timestep for row in rows if row.motion is not None), default=None)
+        return [row.timestep for row in rows if row.timestep != shown]
 
     def verdict(self) -> Verdict:
         """Judge the ladder."""
@@ -115,6 +137,9 @@ class Descent:
             **known,
         )
 
+    def _next_single(self) -> Single | None:
+        return next(iter(self.singles[len(self.single_rows) :]), None)
+
     def _hopeless(self, last: Row) -> bool:
         """Whether no finer timestep can help: it failed, or lacks an effect at any timestep."""
         if last.outcome == "unsupported":
@@ -130,7 +155,15 @@ class Descent:
         return worst.word != "unresolved" and known
 
     def _judge(self) -> tuple[Signal, Judgement]:
-        """The worse of the judgements on ω and attitude."""
+        """The worse of the judgements on ω and attitude; each set of rows is judged once."""
+        taken = len(self.rows)
+        if taken not in self._judged:
+            self._judged[taken] = self._judge_anew()
+        return self._judged[taken]
+
+    def _judge_anew(self) -> tuple[Signal, Judgement]:
+        if not self.rungs:
+            return "omega", Judgement("unresolved", "no ladder was run, and no limit is known")
         steps = self._steps()
         if not self.rungs:
             return "omega", Judgement("unresolved", "no ladder was run, only single timesteps")

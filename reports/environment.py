@@ -12,20 +12,26 @@ from ..engines import Engine
 PACKAGES = ("spincheck", "numpy", "scipy", "numba", "mpmath")
 
 
-def environment(engines: Iterable[Engine]) -> dict[str, str]:
-    """Name and value of everything that results may depend on."""
+def environment(engines: Iterable[Engine], max_steps: int) -> dict[str, str]:
+    """Name and value of everything that results may depend on.
+
+    Parameters
+    ----------
+    max_steps : of the runs of a ladder
+    """
     return {
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "processor": _processor(),
+        "processor": processor(),
         "cores": str(os.cpu_count()),
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
         "python": platform.python_version(),
         **{name: version(name) for name in PACKAGES},
         **{engine.name: engine.version for engine in engines},
+        "longest ladder run": f"{max_steps} steps",
     }
 
 
-def _processor() -> str:
+def processor() -> str:
     """The processor's name; Linux alone keeps it where the standard library does not look."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()

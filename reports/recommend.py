@@ -17,11 +17,12 @@ from ..engines import engines
 from ..scenarios import Scenario
 from . import running
 from .candidates import Bounds, Candidate, above_the_ladder, as_cheap, candidates
+from .choice import Choice
 from .gather import gather
 from .ladder import ladder
 from .records import Key, Row
 from .store import Results, open_store
-from .study import Choice, run_study
+from .study import run_study
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table
 from .workers import TIME_LIMIT
 

@@ -7,6 +7,9 @@ from ..engines import Outcome
 from ..scenarios import Errors, Trajectory
 from .verdict import VerdictWord
 
+#: s; the timestep of the one row of a method on a scene whose reference could not be solved.
+UNSOLVED = 0.0
+
 
 @dataclass(frozen=True)
 class Key:

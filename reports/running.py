@@ -1,13 +1,21 @@
 """What the command `run` does, and how its results are read back."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from ..engines import Engine, engines, missing
 from ..scenarios import Scenario, ScenarioError, find, load
-from .store import ResultFileError, Results, open_store
-from .study import Choice, run_study
-from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress
+from .choice import QUICK_STEPS, Choice
+from .plan import plan
+from .records import UNSOLVED, Key, Row
+from .result_file import ResultFileError
+from .store import Results, open_store
+from .study import carry_out
+from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress, say
+
+#: 128 + SIGINT, as shells have it.
+INTERRUPTED = 130
 
 
 def run(
@@ -17,24 +25,59 @@ def run(
     timesteps: Sequence[float],
     jobs: int,
     out: Path,
+    *,
+    quick: bool = False,
 ) -> Results:
-    """Run what was named (nothing named: everything) and read back what was stored.
+    """Run what was named (nothing named: everything) and read back what was found of it.
+
+    What the file holds already is not run again.
 
     Raises
     ------
     Complaint
-        If a scene, engine, method or timestep cannot be used, or the file cannot be written.
+        If a scene, engine, method or timestep cannot be used, the file cannot be written, or
+        Ctrl-C stopped it.
     """
     scenarios = _load(scenes)
     choice = _choice(engine_names, methods, timesteps)
+    if quick:
+        choice = replace(choice, max_steps=QUICK_STEPS, timed=False)
     _check_timesteps(scenarios, choice)
     try:
         with open_store(out, create=True) as store:
-            with progress(len(scenarios) * (len(choice.pairs()) + 1)) as advance:
-                run_study(scenarios, choice, store, jobs, advance)
-            return store.read()
+            left = plan(scenarios, choice, store)
+            if str(left):
+                say(f"{out}: {left}")
+            with progress(left.total) as advance:
+                carry_out(left, choice, store, jobs, advance)
+            return _asked_for(store.read(choice.timesteps), scenarios, choice)
     except ResultFileError as error:
         raise Complaint(str(error), BAD_INPUT) from None
+    except KeyboardInterrupt:
+        raise Complaint(
+            f"stopped; what was finished is in {out}, and the same command goes on from there",
+            INTERRUPTED,
+        ) from None
+
+
+def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) -> Results:
+    """Leave out what a result file holds besides."""
+    pairs = [(engine.name, method.name) for engine, method in choice.pairs()]
+    scenes = {scenario.name: scenario for scenario in scenarios}
+
+    def named(key: Key) -> bool:
+        return key.scenario in scenes and (key.engine, key.method) in pairs
+
+    def at_asked_timestep(row: Row) -> bool:
+        promised = {expected.timestep for expected in scenes[row.key.scenario].expect}
+        return not choice.timesteps or row.timestep in {UNSOLVED, *choice.timesteps, *promised}
+
+    return replace(
+        results,
+        scenes={name: found for name, found in results.scenes.items() if name in scenes},
+        rows=[row for row in results.rows if named(row.key) and at_asked_timestep(row)],
+        verdicts=[verdict for verdict in results.verdicts if named(verdict.key)],
+    )
 
 
 def read(path: Path) -> Results:

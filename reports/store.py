@@ -1,43 +1,48 @@
-"""The result file: SQLite, each row written as its run ends."""
+"""What a result file holds: each run is written as it ends, so that a study can be gone on with.
 
-import io
-import json
+It holds what is true now: before a study goes on, whatever rests on another text of a scene,
+another engine or another spincheck is dropped (`Store.keep_made_by`).
+"""
+
 import sqlite3
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..reference import Solution
-from ..scenarios import Errors, Scenario, Trajectory, loads
-from .records import Key, Row, Verdict
-
-#: "spin" in ASCII: tells a result file from any other SQLite database.
-APPLICATION_ID = 0x7370696E
-FORMAT = 1
+from ..scenarios import Scenario
+from . import table_records
+from .records import UNSOLVED, Key, Row, Verdict
+from .result_file import opened
 
 _SCHEMA = """
 CREATE TABLE environment (name TEXT PRIMARY KEY, value TEXT NOT NULL);
+-- What results rest on: where the engine is empty the scene and this program, else the engine.
+CREATE TABLE made_by (
+    scenario TEXT, engine TEXT, digest TEXT NOT NULL, PRIMARY KEY (scenario, engine));
 CREATE TABLE scenes (
-    name TEXT PRIMARY KEY, digest TEXT NOT NULL, toml TEXT NOT NULL, method TEXT NOT NULL,
+    scenario TEXT PRIMARY KEY, digest TEXT NOT NULL, toml TEXT NOT NULL, method TEXT NOT NULL,
     uncertainty TEXT NOT NULL, conditioning TEXT NOT NULL, horizon REAL, truth BLOB NOT NULL);
 CREATE TABLE rows (
     scenario TEXT, engine TEXT, method TEXT, timestep REAL, engine_version TEXT NOT NULL,
     outcome TEXT NOT NULL, reason TEXT NOT NULL, stopped_at REAL, errors TEXT, drifts TEXT,
-    uncertainty REAL NOT NULL, steps INTEGER NOT NULL, seconds_per_step REAL, seconds_spread REAL,
-    motion BLOB, printed TEXT NOT NULL, PRIMARY KEY (scenario, engine, method, timestep));
+    uncertainty REAL NOT NULL, steps INTEGER NOT NULL, motion BLOB, printed TEXT NOT NULL,
+    PRIMARY KEY (scenario, engine, method, timestep));
+CREATE TABLE costs (
+    scenario TEXT, engine TEXT, method TEXT, processor TEXT NOT NULL, seconds_per_step REAL,
+    seconds_spread REAL, PRIMARY KEY (scenario, engine, method));
+-- Timesteps are empty for a ladder; the step limit is that of a ladder it cut short, else null.
 CREATE TABLE verdicts (
-    scenario TEXT, engine TEXT, method TEXT, verdict TEXT NOT NULL, reason TEXT NOT NULL,
-    signal TEXT NOT NULL, "order" REAL, limit_error REAL, limit_estimate REAL,
-    broken TEXT NOT NULL, as_shipped INTEGER NOT NULL, PRIMARY KEY (scenario, engine, method));
+    scenario TEXT, engine TEXT, method TEXT, timesteps TEXT, verdict TEXT NOT NULL,
+    reason TEXT NOT NULL, signal TEXT NOT NULL, "order" REAL, limit_error REAL,
+    limit_estimate REAL, broken TEXT NOT NULL, as_shipped INTEGER NOT NULL, step_limit INTEGER,
+    PRIMARY KEY (scenario, engine, method, timesteps));
 """
-
-
-class ResultFileError(ValueError):
-    """A result file is missing, not one of ours, or of another format version."""
+_OF_SCENES = ("made_by", "scenes", "rows", "costs", "verdicts")
+_ONE_ENGINE = "scenario = ? AND engine = ?"
+_ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,178 +67,179 @@ class Store:
     """An open result file."""
 
     def __init__(self, connection: sqlite3.Connection) -> None:
+        connection.row_factory = sqlite3.Row
         self._connection = connection
 
     def put_environment(self, environment: dict[str, str]) -> None:
         """Record machine and versions."""
-        self._insert_many("environment", [{"name": k, "value": v} for k, v in environment.items()])
+        with self._connection:
+            for name, value in environment.items():
+                self._put("environment", {"name": name, "value": value})
+
+    def keep_made_by(self, scenario: str, digests: dict[str, str]) -> int:
+        """Drop what is known of a scene but rests on something else; returns how many verdicts.
+
+        Parameters
+        ----------
+        digests : of what results rest on now, by engine; of scene and program under ""
+        """
+        dropped = 0
+        with self._connection:
+            for engine, digest in digests.items():
+                known = self._select("made_by", _ONE_ENGINE, (scenario, engine))
+                if not (known and known[0]["digest"] == digest):
+                    dropped += self._drop(scenario, engine)
+                    self._put("made_by", {"scenario": scenario, "engine": engine, "digest": digest})
+        return dropped
+
+    def _drop(self, scenario: str, engine: str) -> int:
+        """Drop what an engine did on a scene, or with no engine the scene and all of them."""
+        tables = ("rows", "costs", "verdicts") if engine else _OF_SCENES
+        where = _ONE_ENGINE if engine else "scenario = ?"
+        names = (scenario, engine) if engine else (scenario,)
+        verdicts = self._select("verdicts", where, names)
+        for table in tables:
+            self._connection.execute(f"DELETE FROM {table} WHERE {where}", names)
+        return len(verdicts)
 
     def put_scene(self, scenario: Scenario, solution: Solution) -> None:
-        """Record a scene and its truth, in place of all that was known of a scene of that name."""
-        for table, column in (("scenes", "name"), ("rows", "scenario"), ("verdicts", "scenario")):
-            self._connection.execute(f"DELETE FROM {table} WHERE {column} = ?", (scenario.name,))
-        record = {
-            "name": scenario.name,
-            "digest": scenario.digest,
-            "toml": scenario.text,
-            "method": solution.method,
-            "uncertainty": json.dumps(asdict(solution.uncertainty)),
-            "conditioning": json.dumps(asdict(solution.conditioning)),
-            "horizon": solution.horizon,
-            "truth": _pack(solution.trajectory),
-        }
-        self._insert_many("scenes", [record])
+        """Record a scene and its truth."""
+        with self._connection:
+            self._put("scenes", table_records.of_scene(scenario, solution))
+            # Such a row says that the scene could not be solved, which was an accident then.
+            unsolved = "DELETE FROM rows WHERE scenario = ? AND timestep = ?"
+            self._connection.execute(unsolved, (scenario.name, UNSOLVED))
 
     def put_row(self, row: Row) -> None:
-        """Record a run."""
-        record: dict[str, Any] = {name: getattr(row, name) for name in _PLAIN_ROW} | asdict(row.key)
-        record["errors"] = json.dumps(asdict(row.errors)) if row.errors else None
-        record["drifts"] = json.dumps(row.drifts) if row.drifts is not None else None
-        record["motion"] = _pack(row.motion) if row.motion is not None else None
-        self._insert_many("rows", [record])
-
-    def put_cost(self, key: Key, seconds_per_step: float, seconds_spread: float) -> None:
-        """Record what a step of a method costs on a scene, in all its rows."""
+        """Record a run, with its samples: the verdict may have to be reached by another process."""
         with self._connection:
-            self._connection.execute(
-                "UPDATE rows SET seconds_per_step = ?, seconds_spread = ? "
-                "WHERE scenario = ? AND engine = ? AND method = ?",
-                (seconds_per_step, seconds_spread, key.scenario, key.engine, key.method),
+            self._put("rows", table_records.of_row(row))
+
+    def put_verdict(
+        self,
+        verdict: Verdict,
+        timesteps: Sequence[float] = (),
+        step_limit: int | None = None,
+        spent: Sequence[float] = (),
+    ) -> None:
+        """Record a verdict, and drop the samples it no longer takes.
+
+        Parameters
+        ----------
+        timesteps : s, those that were asked for; none for a verdict on a ladder
+        step_limit : of a ladder that ended there with more to find out; else None
+        spent : timesteps, s, of the runs whose samples are dropped
+        """
+        record = table_records.of_verdict(verdict)
+        record |= {"timesteps": _asked(timesteps), "step_limit": step_limit}
+        names = _names(verdict.key)
+        with self._connection:
+            self._put("verdicts", record)
+            self._connection.executemany(
+                f"UPDATE rows SET motion = NULL WHERE {_ONE_METHOD} AND timestep = ?",
+                [(*names, timestep) for timestep in spent],
             )
 
-    def put_verdict(self, verdict: Verdict) -> None:
-        """Record a verdict."""
-        record = {name: getattr(verdict, name) for name in _PLAIN_VERDICT} | asdict(verdict.key)
-        record["broken"] = json.dumps(verdict.broken)
-        record["as_shipped"] = verdict.as_shipped
-        self._insert_many("verdicts", [record])
+    def put_cost(
+        self,
+        key: Key,
+        processor: str,
+        seconds_per_step: float | None,
+        seconds_spread: float | None,
+    ) -> None:
+        """Record what a step of a method costs on a scene; None where it cannot be timed."""
+        record = asdict(key) | {
+            "processor": processor,
+            "seconds_per_step": seconds_per_step,
+            "seconds_spread": seconds_spread,
+        }
+        with self._connection:
+            self._put("costs", record)
 
-    def read(self) -> Results:
-        """Everything in the file.
+    def settled(self, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
+        """The verdicts there are on what is asked for; not those that a lesser limit cut short.
+
+        Parameters
+        ----------
+        timesteps : s; none for verdicts on ladders
+        step_limit : of the ladders asked for
+        """
+        where = "timesteps = ? AND (step_limit IS NULL OR step_limit >= ?)"
+        records = self._select("verdicts", where, (_asked(timesteps), step_limit))
+        return [table_records.verdict(record) for record in records]
+
+    def rows_of(self, key: Key) -> list[Row]:
+        """The runs there are of a method on a scene."""
+        return [table_records.row(r) for r in self._select("rows", _ONE_METHOD, _names(key))]
+
+    def timed_on(self, processor: str) -> set[Key]:
+        """The methods whose steps were timed; what was timed elsewhere is dropped."""
+        with self._connection:
+            self._connection.execute("DELETE FROM costs WHERE processor != ?", (processor,))
+        return {table_records.key(record) for record in self._select("costs")}
+
+    def read(self, timesteps: Sequence[float] = ()) -> Results:
+        """Everything in the file, and of several verdicts on a method one.
+
+        Parameters
+        ----------
+        timesteps : s, whose verdict is wanted; with none it is the ladder's, or the latest of the
+            others where there is none
 
         Raises
         ------
         ResultFileError
             If a record cannot be read.
         """
-        try:
-            return Results(
-                environment={r["name"]: r["value"] for r in self._select("environment", "name")},
-                scenes={r["name"]: _scene(r) for r in self._select("scenes", "name")},
-                rows=[_row(r) for r in self._select("rows", "scenario, engine, method, -timestep")],
-                verdicts=[
-                    _verdict(r) for r in self._select("verdicts", "scenario, engine, method")
-                ],
-            )
-        except (sqlite3.DatabaseError, ValueError, KeyError, IndexError) as error:
-            raise ResultFileError(f"a record cannot be read: {error}") from error
+        costs = {table_records.key(record): record for record in self._select("costs")}
+        rows = self._select("rows", order="scenario, engine, method, -timestep")
+        scenes = self._select("scenes", order="scenario")
+        environment = self._select("environment", order="name")
+        return Results(
+            environment={record["name"]: record["value"] for record in environment},
+            scenes={r["scenario"]: SceneResult(*table_records.scene(r)) for r in scenes},
+            rows=[table_records.row(r, costs.get(table_records.key(r))) for r in rows],
+            verdicts=self._verdicts(_asked(timesteps)),
+        )
 
-    def _select(self, table: str, order: str) -> list[sqlite3.Row]:
-        return self._connection.execute(f"SELECT * FROM {table} ORDER BY {order}").fetchall()
+    def _verdicts(self, asked: str) -> list[Verdict]:
+        order = "scenario, engine, method, timesteps = '' DESC, rowid DESC"
+        where = "timesteps = ?" if asked else "TRUE"
+        first: dict[Key, Verdict] = {}
+        for record in self._select("verdicts", where, (asked,) if asked else (), order):
+            first.setdefault(table_records.key(record), table_records.verdict(record))
+        return list(first.values())
 
-    def _insert_many(self, table: str, records: list[dict[str, Any]]) -> None:
-        if not records:
-            return
-        columns = ", ".join(f'"{name}"' for name in records[0])
-        marks = ", ".join(f":{name}" for name in records[0])
-        with self._connection:
-            self._connection.executemany(
-                f"INSERT OR REPLACE INTO {table} ({columns}) VALUES ({marks})", records
-            )
+    def _select(
+        self, table: str, where: str = "TRUE", values: Sequence[Any] = (), order: str = "rowid"
+    ) -> list[sqlite3.Row]:
+        query = f"SELECT * FROM {table} WHERE {where} ORDER BY {order}"
+        return self._connection.execute(query, values).fetchall()
+
+    def _put(self, table: str, record: dict[str, Any]) -> None:
+        columns = ", ".join(f'"{name}"' for name in record)
+        marks = ", ".join(f":{name}" for name in record)
+        self._connection.execute(
+            f"INSERT OR REPLACE INTO {table} ({columns}) VALUES ({marks})", record
+        )
 
 
-_PLAIN_ROW = (
-    "engine_version",
-    "timestep",
-    "outcome",
-    "reason",
-    "stopped_at",
-    "uncertainty",
-    "steps",
-    "seconds_per_step",
-    "seconds_spread",
-    "printed",
-)
-_PLAIN_VERDICT = ("verdict", "reason", "signal", "order", "limit_error", "limit_estimate")
+def _names(key: Key) -> tuple[str, str, str]:
+    return key.scenario, key.engine, key.method
+
+
+def _asked(timesteps: Sequence[float]) -> str:
+    return " ".join(repr(timestep) for timestep in sorted(timesteps))
 
 
 @contextmanager
 def open_store(path: Path, *, create: bool = False) -> Iterator[Store]:
-    """Open a result file, and with `create` begin one where there is none.
+    """Open a result file to read it, or with `create` to write it, begun where there is none.
 
     Raises
     ------
     ResultFileError
-        If the file is missing, cannot be opened, or is not a result file of this format.
+        As `result_file.opened`.
     """
-    new = not path.exists()
-    if new and not create:
-        raise ResultFileError(f"{path}: no such result file; 'spincheck run' writes one")
-    try:
-        with closing(sqlite3.connect(path)) as connection:
-            connection.row_factory = sqlite3.Row
-            _begin(connection) if new else _check(connection)
-            yield Store(connection)
-    except sqlite3.DatabaseError as error:
-        raise ResultFileError(f"{path}: not a usable result file: {error}") from error
-    except ResultFileError as error:
-        raise ResultFileError(f"{path}: {error}") from error
-
-
-def _begin(connection: sqlite3.Connection) -> None:
-    connection.execute("PRAGMA journal_mode = WAL")
-    connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
-    connection.execute(f"PRAGMA user_version = {FORMAT}")
-    connection.executescript(_SCHEMA)
-
-
-def _check(connection: sqlite3.Connection) -> None:
-    if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION_ID:
-        raise ResultFileError("not a result file of spincheck")
-    version = connection.execute("PRAGMA user_version").fetchone()[0]
-    if version != FORMAT:
-        raise ResultFileError(f"result file format {version}, this version reads {FORMAT}")
-
-
-def _scene(record: sqlite3.Row) -> SceneResult:
-    scenario = loads(record["toml"], record["name"])
-    solution = Solution(
-        trajectory=_unpack(record["truth"]),
-        method=record["method"],
-        uncertainty=Errors(**json.loads(record["uncertainty"])),
-        conditioning=Errors(**json.loads(record["conditioning"])),
-        horizon=record["horizon"],
-    )
-    return SceneResult(scenario, solution)
-
-
-def _row(record: sqlite3.Row) -> Row:
-    return Row(
-        key=_key(record),
-        errors=Errors(**json.loads(record["errors"])) if record["errors"] else None,
-        drifts=json.loads(record["drifts"]) if record["drifts"] else None,
-        motion=_unpack(record["motion"]) if record["motion"] else None,
-        **{name: record[name] for name in _PLAIN_ROW},
-    )
-
-
-def _verdict(record: sqlite3.Row) -> Verdict:
-    broken = tuple(json.loads(record["broken"]))
-    plain = {name: record[name] for name in _PLAIN_VERDICT}
-    as_shipped = bool(record["as_shipped"])
-    return Verdict(key=_key(record), broken=broken, as_shipped=as_shipped, **plain)
-
-
-def _key(record: sqlite3.Row) -> Key:
-    return Key(record["scenario"], record["engine"], record["method"])
-
-
-def _pack(motion: Trajectory) -> bytes:
-    buffer = io.BytesIO()
-    np.savez_compressed(buffer, **vars(motion))
-    return buffer.getvalue()
-
-
-def _unpack(blob: bytes) -> Trajectory:
-    with np.load(io.BytesIO(blob), allow_pickle=False) as arrays:
-        return Trajectory(**{name: arrays[name] for name in arrays.files})
+    with opened(path, _SCHEMA, writing=create) as connection:
+        yield Store(connection)

@@ -1,8 +1,11 @@
-"""Runs the grid: scenes × engines × methods × timesteps, each run in a worker of its own."""
+"""Runs the grid: scenes × engines × methods × timesteps, in workers, scene by scene.
+
+Whatever ends is stored at once, and whatever is stored is not run again: a study that was stopped
+at any moment is gone on with by running it again.
+"""
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,39 +13,18 @@ import numpy as np
 from ..engines import Engine, Method, Run
 from ..reference import Solution, solve
 from ..scenarios import Scenario
-from .cost import step_costs
+from .choice import Choice
+from .cost import one_thread
 from .descent import Descent, Single
 from .environment import environment
-from .ladder import MAX_STEPS, Rung, ladder, single
-from .records import Key, Row, Verdict
+from .ladder import Rung, ladder, single
+from .plan import Plan, SceneLeft, plan
+from .records import UNSOLVED, Key, Row, Verdict
 from .store import Store
-from .workers import Lost, Workers
+from .timing import time_steps
+from .workers import KILLED, Lost, Task, Workers
 
 Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class Choice:
-    """Which part of the grid to run; empty means all.
-
-    Attributes
-    ----------
-    timesteps : s; the ladder is run where there are none
-    """
-
-    engines: tuple[Engine, ...]
-    methods: tuple[str, ...] = ()
-    timesteps: tuple[float, ...] = ()
-    max_steps: int = MAX_STEPS
-
-    def pairs(self) -> list[tuple[Engine, Method]]:
-        """Every engine and method chosen."""
-        return [
-            (engine, method)
-            for engine in self.engines
-            for method in engine.methods
-            if not self.methods or method.name in self.methods
-        ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,14 +37,19 @@ class Prepared:
 
 
 def prepare(scenario: Scenario, timesteps: Sequence[float], max_steps: int) -> Prepared:
-    """Solve a scene at the sample times of its ladder and of every single timestep."""
+    """Solve a scene at the sample times of its ladder and of every single timestep.
+
+    Where the truth ends at its horizon, so do the runs.
+    """
     rough = solve(scenario, scenario.times)
     rungs = ladder(rough.trajectory, max_steps)
     solution = solve(scenario, _times(rungs[0]))
-    within = len(solution.trajectory.t)
-    rungs = [Rung(rung.timestep, rung.sample_steps[:within]) for rung in rungs]
-    wanted = [single(dt, rough.trajectory.t) for dt in timesteps]
-    return Prepared(solution, rungs, [(rung, solve(scenario, _times(rung))) for rung in wanted])
+    singles = []
+    for timestep in timesteps:
+        rung = single(timestep, rough.trajectory.t)
+        truth = solve(scenario, _times(rung))
+        singles.append((_within(rung, truth), truth))
+    return Prepared(solution, [_within(rung, solution) for rung in rungs], singles)
 
 
 def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
@@ -98,37 +85,24 @@ def run_study(
     jobs: int,
     progress: Progress,
 ) -> None:
-    """Run every scene and store each row as it ends, then the verdicts, then what a step costs."""
-    store.put_environment(environment(choice.engines))
+    """Run what is missing of every scene."""
+    carry_out(plan(scenarios, choice, store), choice, store, jobs, progress)
+
+
+def carry_out(left: Plan, choice: Choice, store: Store, jobs: int, progress: Progress) -> None:
+    """Run what is left, storing each row and each verdict as it ends, then time the steps."""
+    store.put_environment(environment(choice.engines, choice.max_steps))
     with Workers(jobs) as workers:
         grid = _Grid(choice, store, workers, progress)
-        for scenario in scenarios:
-            grid.start(scenario)
+        for rank, scene in enumerate(left.scenes):
+            if scene.to_run:
+                grid.start(scene, rank)
         grid.drain()
     # Nothing else runs while steps are timed.
-    with Workers(jobs=1) as workers:
-        for scenario in scenarios:
-            _time_steps(scenario, choice, store, workers, progress)
-
-
-def _time_steps(
-    scenario: Scenario, choice: Choice, store: Store, workers: Workers, progress: Progress
-) -> None:
-    """Time the methods that can simulate a scene, interleaved, in one worker."""
-    pairs = [
-        (engine, method.name)
-        for engine, method in choice.pairs()
-        if not engine.unsupported(scenario, method)
-    ]
-    costs = workers.result(workers.submit(step_costs, scenario, pairs))
-    if isinstance(costs, Lost):
-        progress(f"{scenario.name}: steps could not be timed: {costs.reason}")
-        return
-    for (engine, method), cost in zip(pairs, costs, strict=True):
-        if cost is not None:
-            key = Key(scenario.name, engine.name, method)
-            store.put_cost(key, cost.seconds_per_step, cost.spread)
-    progress(f"{scenario.name}  timed")
+    with one_thread(), Workers(jobs=1) as workers:
+        for scene in left.scenes:
+            if scene.to_time:
+                time_steps(scene.scenario, choice, store, workers, progress)
 
 
 class _Grid:
@@ -139,62 +113,78 @@ class _Grid:
         self._store = store
         self._workers = workers
         self._progress = progress
-        self._waiting: dict[Future[Any], Callable[[Any], None]] = {}
+        self._under_way: dict[Task, Callable[[Task], None]] = {}
 
-    def start(self, scenario: Scenario) -> None:
-        """Solve the scene, and start its runs when that is done."""
-        timesteps = {*self._choice.timesteps, *(e.timestep for e in scenario.expect)}
+    def start(self, scene: SceneLeft, rank: int) -> None:
+        """Solve a scene, and start its runs when that is done; scenes of lower rank go first."""
+        promised = {expected.timestep for expected in scene.scenario.expect}
+        timesteps = sorted({*self._choice.timesteps, *promised})
         self._submit(
-            lambda result: self._prepared(scenario, result),
+            lambda task: self._prepared(scene, rank, task.result),
+            rank,
             prepare,
-            scenario,
-            sorted(timesteps),
+            scene.scenario,
+            timesteps,
             self._choice.max_steps,
         )
 
     def drain(self) -> None:
         """Run until nothing is under way."""
-        while self._waiting:
-            done, _ = wait(self._waiting, return_when=FIRST_COMPLETED)
-            for future in done:
-                self._waiting.pop(future)(self._workers.result(future))
+        while done := self._workers.finished():
+            for task in done:
+                self._under_way.pop(task)(task)
 
-    def _submit(self, then: Callable[[Any], None], call: Callable[..., Any], *args: Any) -> None:
-        self._waiting[self._workers.submit(call, *args)] = then
+    def _submit(
+        self, then: Callable[[Task], None], rank: int, call: Callable[..., Any], *arguments: Any
+    ) -> None:
+        self._under_way[self._workers.submit(call, *arguments, rank=rank)] = then
 
-    def _prepared(self, scenario: Scenario, prepared: Prepared | Lost) -> None:
-        pairs = self._choice.pairs()
+    def _prepared(self, scene: SceneLeft, rank: int, prepared: Prepared | Lost) -> None:
+        scenario = scene.scenario
         if isinstance(prepared, Lost):
-            for engine, method in pairs:
+            for engine, method in scene.to_run:
                 key = Key(scenario.name, engine.name, method.name)
                 reason = f"the reference could not be solved: {prepared.reason}"
-                self._store.put_row(Row(key, engine.version, 0.0, "failed", reason))
+                self._store.put_row(Row(key, engine.version, UNSOLVED, "failed", reason))
                 self._finish(Verdict(key, "failed", reason))
             return
         self._store.put_scene(scenario, prepared.solution)
-        for engine, method in pairs:
-            self._descend(descent_of(scenario, engine, method, prepared, self._choice.timesteps))
+        for engine, method in scene.to_run:
+            descent = descent_of(scenario, engine, method, prepared, self._choice.timesteps)
+            rows = self._store.rows_of(descent.key)
+            there = {row.timestep: row for row in rows if KILLED not in row.reason}
+            self._descend(descent, there, rank)
 
-    def _descend(self, descent: Descent) -> None:
-        """Run the next rung, and the one after when that is done, to the verdict."""
-        rung = descent.next_rung()
-        if rung is None:
-            if finest := descent.finest_motion():
-                self._store.put_row(finest)
-            self._finish(descent.verdict())
+    def _descend(self, descent: Descent, there: dict[float, Row], rank: int) -> None:
+        """Take the rungs that are there already, then run the next one, down to the verdict."""
+        while rung := descent.next_rung():
+            row = there.get(rung.timestep)
+            if row is None or not descent.can_take(row):
+                break
+            descent.take(row)
+        else:
+            limit = self._choice.max_steps if descent.cut_short else None
+            self._finish(descent.verdict(), limit, descent.spent())
             return
 
-        def then(result: Run | Lost) -> None:
-            # One motion a method is enough for a report: the finest, stored at the end.
-            self._store.put_row(replace(descent.add(result), motion=None))
-            self._descend(descent)
+        def then(task: Task) -> None:
+            row = descent.add(task.result, task.printed)
+            self._store.put_row(row)
+            self._descend(descent, there | {row.timestep: row}, rank)
 
-        self._submit(then, simulate, descent.engine, descent.scenario, descent.method.name, rung)
+        scenario, engine, method = descent.scenario, descent.engine, descent.method.name
+        self._submit(then, rank, simulate, engine, scenario, method, rung)
 
-    def _finish(self, verdict: Verdict) -> None:
-        self._store.put_verdict(verdict)
+    def _finish(
+        self, verdict: Verdict, step_limit: int | None = None, spent: Sequence[float] = ()
+    ) -> None:
+        self._store.put_verdict(verdict, self._choice.timesteps, step_limit, spent)
         key = verdict.key
         self._progress(f"{key.scenario}  {key.engine} {key.method}: {verdict.verdict}")
+
+
+def _within(rung: Rung, truth: Solution) -> Rung:
+    return Rung(rung.timestep, rung.sample_steps[: len(truth.trajectory.t)])
 
 
 def _times(rung: Rung) -> np.ndarray[Any, np.dtype[np.float64]]:

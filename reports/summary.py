@@ -36,20 +36,13 @@ def print_results(results: Results) -> None:
 def results_as_json(results: Results) -> dict[str, Any]:
     """Rows and verdicts with the names that scripts rely on."""
     return {
-        "rows": [_row(row) for row in results.rows],
-        "verdicts": [_verdict(verdict) for verdict in results.verdicts],
+        "rows": [row_record(row) for row in results.rows],
+        "verdicts": [verdict_record(verdict) for verdict in results.verdicts],
     }
 
 
-def _sentence(verdict: Verdict) -> str:
-    key = verdict.key
-    broken = "".join(f"\n  broken promise: {line}" for line in verdict.broken)
-    how = " (as shipped)" if verdict.as_shipped else ""
-    where = f"{key.scenario}, {key.engine} {key.method}{how}"
-    return f"{where}: {verdict.verdict}: {verdict.reason}{broken}"
-
-
-def _row(row: Row) -> dict[str, Any]:
+def row_record(row: Row) -> dict[str, Any]:
+    """A run with the names that scripts rely on."""
     errors = row.errors
     return asdict(row.key) | {
         "engine_version": row.engine_version,
@@ -69,7 +62,8 @@ def _row(row: Row) -> dict[str, Any]:
     }
 
 
-def _verdict(verdict: Verdict) -> dict[str, Any]:
+def verdict_record(verdict: Verdict) -> dict[str, Any]:
+    """A verdict with the names that scripts rely on."""
     return asdict(verdict.key) | {
         "verdict": verdict.verdict,
         "reason": verdict.reason,
@@ -80,3 +74,11 @@ def _verdict(verdict: Verdict) -> dict[str, Any]:
         "broken": list(verdict.broken),
         "as_shipped": verdict.as_shipped,
     }
+
+
+def _sentence(verdict: Verdict) -> str:
+    key = verdict.key
+    broken = "".join(f"\n  broken promise: {line}" for line in verdict.broken)
+    how = " (as shipped)" if verdict.as_shipped else ""
+    where = f"{key.scenario}, {key.engine} {key.method}{how}"
+    return f"{where}: {verdict.verdict}: {verdict.reason}{broken}"

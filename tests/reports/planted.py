@@ -5,6 +5,7 @@ fault, so that a study of the faultless one converges.
 """
 
 import ctypes
+import os
 import time
 from dataclasses import replace
 from functools import cache
@@ -74,6 +75,20 @@ class Planted(Engine):
 class SegfaultSession(HeunSession):
     def advance(self, steps: int) -> None:
         ctypes.string_at(0)
+
+
+class AbortSession(HeunSession):
+    """Says why, where no Python can catch it, and aborts."""
+
+    def advance(self, steps: int) -> None:
+        os.write(2, b"solver.cpp:42\nassertion failed: norm(q) > 0\n")
+        os.abort()
+
+
+class ChattySession(HeunSession):
+    def advance(self, steps: int) -> None:
+        os.write(1, b"stepping\n")
+        super().advance(steps)
 
 
 class HangSession(HeunSession):

@@ -1,7 +1,12 @@
 """A study of planted engines: what is wrong is told, and costs one row."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from planted import (
+    AbortSession,
+    ChattySession,
     DampedInSecretSession,
     DampedOpenlySession,
     ExplodingSession,
@@ -17,9 +22,12 @@ from planted import (
     XyzwSession,
     planted,
 )
+from spincheck.reference import solve
+from spincheck.reports import study as study_module
 from spincheck.reports import workers
+from spincheck.reports.choice import Choice
 from spincheck.reports.store import Results, open_store
-from spincheck.reports.study import Choice, run_study
+from spincheck.reports.study import run_study
 from spincheck.scenarios import loads
 
 BOX = """
@@ -53,6 +61,7 @@ def judged(tmp_path_factory):
     kinds = [
         HeunSession,
         SegfaultSession,
+        AbortSession,
         NotANumberSession,
         ResetSession,
         ExplodingSession,
@@ -89,6 +98,7 @@ def test_a_blow_up_diverges(judged, kind):
     ("kind", "words"),
     [
         (SegfaultSession, "SIGSEGV"),
+        (AbortSession, "SIGABRT; it last printed: assertion failed: norm(q) > 0"),
         (NotANumberSession, "no longer finite"),
         (ResetSession, "has reset itself"),
         (ExplodingSession, "energy"),
@@ -106,6 +116,7 @@ def test_the_reason_names_the_fault(judged, kind, words):
     "kind",
     [
         SegfaultSession,
+        AbortSession,
         LyingAboutBodySession,
         LyingAboutStartSession,
         DampedOpenlySession,
@@ -122,6 +133,29 @@ def test_an_engine_that_hangs_costs_one_row(tmp_path, monkeypatch):
     words = {verdict.key.engine: verdict.verdict for verdict in results.verdicts}
     assert words == {"Hang": "failed", "Heun": "converges"}
     assert any("did not finish within 20 s" in row.reason for row in results.rows)
+
+
+def test_what_an_engine_prints_is_kept_with_its_own_runs(tmp_path, capfd):
+    results = study(tmp_path, ChattySession, AbortSession, HeunSession)
+    printed = {row.key.engine: set(row.printed.splitlines()) for row in results.rows}
+    assert printed == {
+        "Chatty": {"stepping"},
+        "Abort": {"solver.cpp:42", "assertion failed: norm(q) > 0"},
+        "Heun": set(),
+    }
+    assert capfd.readouterr() == ("", "")
+
+
+def test_where_the_truth_ends_at_a_horizon_so_do_all_runs(monkeypatch):
+    def solve_to_a_horizon(scenario, times):
+        found = solve(scenario, times)
+        return replace(found, trajectory=found.trajectory.until(len(times) // 2))
+
+    monkeypatch.setattr(study_module, "solve", solve_to_a_horizon)
+    prepared = study_module.prepare(loads(BOX, "box"), [0.01], BUDGET)
+    for rung, truth in [(rung, prepared.solution) for rung in prepared.rungs] + prepared.singles:
+        times = rung.sample_steps * rung.timestep
+        np.testing.assert_array_equal(times, truth.trajectory.t)
 
 
 PROMISE = """

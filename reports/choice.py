@@ -1,0 +1,38 @@
+"""What a study is asked for."""
+
+from dataclasses import dataclass
+
+from ..engines import Engine, Method
+from .ladder import MAX_STEPS
+
+Pair = tuple[Engine, Method]
+
+#: A quick study's ladders end before a run would take more steps than this.
+QUICK_STEPS = 1 << 14
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Which part of the grid of engines × methods × timesteps to run; empty means all.
+
+    Attributes
+    ----------
+    timesteps : s; the ladder is run where there are none
+    max_steps : a ladder ends before a run would take more
+    timed : whether steps are timed
+    """
+
+    engines: tuple[Engine, ...]
+    methods: tuple[str, ...] = ()
+    timesteps: tuple[float, ...] = ()
+    max_steps: int = MAX_STEPS
+    timed: bool = True
+
+    def pairs(self) -> list[Pair]:
+        """Every engine and method chosen."""
+        return [
+            (engine, method)
+            for engine in self.engines
+            for method in engine.methods
+            if not self.methods or method.name in self.methods
+        ]

@@ -1,0 +1,30 @@
+"""Rows and verdicts as CSV, with the names that they have in JSON."""
+
+import csv
+import io
+from collections.abc import Iterator, Mapping, Sequence
+
+
+def csv_text(records: Sequence[Mapping[str, object]]) -> str:
+    """One line a record under one line of names; numbers read back to the last bit.
+
+    What is not there is empty. A table inside a record has a column for each of its entries, as in
+    ``drifts.energy``; a list is joined by semicolons.
+    """
+    flat = [dict(_flattened(record)) for record in records]
+    names = list(dict.fromkeys(name for record in flat for name in record))
+    text = io.StringIO()
+    writer = csv.DictWriter(text, names, restval="", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(flat)
+    return text.getvalue()
+
+
+def _flattened(record: Mapping[str, object]) -> Iterator[tuple[str, object]]:
+    for name, value in record.items():
+        if isinstance(value, Mapping):
+            yield from ((f"{name}.{entry}", inner) for entry, inner in value.items())
+        elif isinstance(value, list):
+            yield name, "; ".join(map(str, value))
+        else:
+            yield name, value

@@ -1,0 +1,89 @@
+"""What of a study is in the result file already, and what is still to be done."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..scenarios import Scenario
+from .choice import Choice, Pair
+from .environment import processor
+from .made_by import digests
+from .records import Key, Verdict
+from .store import Store
+from .workers import KILLED
+
+
+@dataclass(frozen=True, eq=False)
+class SceneLeft:
+    """A scene, and what is missing of it.
+
+    Attributes
+    ----------
+    to_run : methods without a verdict
+    to_time : whether some method's steps are yet to be timed
+    """
+
+    scenario: Scenario
+    to_run: list[Pair]
+    to_time: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What is left of a study.
+
+    Attributes
+    ----------
+    scenes : in the order asked for, those that are complete left out
+    there : verdicts that are in the file
+    dropped : verdicts that rested on something that has changed since
+    """
+
+    scenes: list[SceneLeft]
+    there: int
+    dropped: int
+
+    @property
+    def total(self) -> int:
+        """How many verdicts and timings are to be made."""
+        return sum(len(scene.to_run) + scene.to_time for scene in self.scenes)
+
+    def __str__(self) -> str:
+        """What is used again, in words; empty where the file knew nothing of it."""
+        verdicts = self.there + sum(len(scene.to_run) for scene in self.scenes)
+        said = [f"{self.there} of {verdicts} results are there already"] if self.there else []
+        if self.dropped:
+            said.append(f"{self.dropped} of another scene, engine or spincheck were dropped")
+        return "; ".join(said)
+
+
+def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
+    """Drop what is out of date, and see what is missing."""
+    pairs = choice.pairs()
+    engines = list({engine.name: engine for engine, _ in pairs}.values())
+    dropped = sum(store.keep_made_by(s.name, digests(s, engines)) for s in scenarios)
+    verdicts = store.settled(choice.timesteps, choice.max_steps)
+    settled = {v.key: v for v in verdicts if KILLED not in v.reason}
+    timed = store.timed_on(processor())
+    scenes, there = [], 0
+    for scenario in scenarios:
+        keys = {
+            Key(scenario.name, engine.name, method.name): (engine, method)
+            for engine, method in pairs
+        }
+        to_run = [pair for key, pair in keys.items() if key not in settled]
+        there += len(keys) - len(to_run)
+        to_time = choice.timed and any(
+            can_be_timed(scenario, pair, settled.get(key))
+            for key, pair in keys.items()
+            if key not in timed
+        )
+        if to_run or to_time:
+            scenes.append(SceneLeft(scenario, to_run, to_time))
+    return Plan(scenes, there, dropped)
+
+
+def can_be_timed(scenario: Scenario, pair: Pair, verdict: Verdict | None) -> bool:
+    """Whether a method can be stepped on a scene, as far as is known."""
+    engine, method = pair
+    failed = verdict is not None and verdict.verdict in ("failed", "unsupported")
+    return not failed and not engine.unsupported(scenario, method)

@@ -1,0 +1,135 @@
+"""Records as they lie in the tables of a result file, and back."""
+
+import io
+import json
+import sqlite3
+import zipfile
+from collections.abc import Callable
+from dataclasses import asdict
+from functools import wraps
+from typing import Any, TypeVar
+
+import numpy as np
+
+from ..reference import Solution
+from ..scenarios import Errors, Scenario, Trajectory, loads
+from .records import Key, Row, Verdict
+from .result_file import ResultFileError
+
+T = TypeVar("T")
+
+#: What damaged JSON, arrays and scenes raise when they are read.
+_DAMAGED = (ValueError, KeyError, TypeError, EOFError, OSError, zipfile.BadZipFile)
+_PLAIN_ROW = (
+    "engine_version",
+    "timestep",
+    "outcome",
+    "reason",
+    "stopped_at",
+    "uncertainty",
+    "steps",
+    "printed",
+)
+_PLAIN_VERDICT = ("verdict", "reason", "signal", "order", "limit_error", "limit_estimate")
+
+
+def of_scene(scenario: Scenario, solution: Solution) -> dict[str, Any]:
+    """A scene and its truth, for the table `scenes`."""
+    return {
+        "scenario": scenario.name,
+        "digest": scenario.digest,
+        "toml": scenario.text,
+        "method": solution.method,
+        "uncertainty": json.dumps(asdict(solution.uncertainty)),
+        "conditioning": json.dumps(asdict(solution.conditioning)),
+        "horizon": solution.horizon,
+        "truth": _pack(solution.trajectory),
+    }
+
+
+def of_row(row: Row) -> dict[str, Any]:
+    """A run, for the table `rows`."""
+    return {
+        **asdict(row.key),
+        **{name: getattr(row, name) for name in _PLAIN_ROW},
+        "errors": json.dumps(asdict(row.errors)) if row.errors else None,
+        "drifts": json.dumps(row.drifts) if row.drifts is not None else None,
+        "motion": _pack(row.motion) if row.motion is not None else None,
+    }
+
+
+def of_verdict(verdict: Verdict) -> dict[str, Any]:
+    """A verdict, for the table `verdicts`."""
+    return {
+        **asdict(verdict.key),
+        **{name: getattr(verdict, name) for name in _PLAIN_VERDICT},
+        "broken": json.dumps(verdict.broken),
+        "as_shipped": verdict.as_shipped,
+    }
+
+
+def _told(read: Callable[..., T]) -> Callable[..., T]:
+    """Turn what a damaged record raises into one kind of error."""
+
+    @wraps(read)
+    def reading(*arguments: Any) -> T:
+        try:
+            return read(*arguments)
+        except _DAMAGED as error:
+            raise ResultFileError(f"a record cannot be read: {error}") from error
+
+    return reading
+
+
+@_told
+def scene(record: sqlite3.Row) -> tuple[Scenario, Solution]:
+    """A record of the table `scenes`."""
+    solution = Solution(
+        trajectory=_unpack(record["truth"]),
+        method=record["method"],
+        uncertainty=Errors(**json.loads(record["uncertainty"])),
+        conditioning=Errors(**json.loads(record["conditioning"])),
+        horizon=record["horizon"],
+    )
+    return loads(record["toml"], record["scenario"]), solution
+
+
+@_told
+def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
+    """A record of the table `rows`, with that of its method in `costs`."""
+    return Row(
+        key=key(record),
+        errors=Errors(**json.loads(record["errors"])) if record["errors"] else None,
+        drifts=json.loads(record["drifts"]) if record["drifts"] else None,
+        motion=_unpack(record["motion"]) if record["motion"] else None,
+        seconds_per_step=cost["seconds_per_step"] if cost else None,
+        seconds_spread=cost["seconds_spread"] if cost else None,
+        **{name: record[name] for name in _PLAIN_ROW},
+    )
+
+
+@_told
+def verdict(record: sqlite3.Row) -> Verdict:
+    """A record of the table `verdicts`."""
+    return Verdict(
+        key=key(record),
+        broken=tuple(json.loads(record["broken"])),
+        as_shipped=bool(record["as_shipped"]),
+        **{name: record[name] for name in _PLAIN_VERDICT},
+    )
+
+
+def key(record: sqlite3.Row) -> Key:
+    """What a record of `rows`, `costs` or `verdicts` is about."""
+    return Key(record["scenario"], record["engine"], record["method"])
+
+
+def _pack(motion: Trajectory) -> bytes:
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, **vars(motion))
+    return buffer.getvalue()
+
+
+def _unpack(blob: bytes) -> Trajectory:
+    with np.load(io.BytesIO(blob), allow_pickle=False) as arrays:
+        return Trajectory(**{name: arrays[name] for name in arrays.files})
