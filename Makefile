@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 TYPES := build/types/spincheck
 CODE := scenarios reference engines reports
 
-.PHONY: report test lint types contract check schema clean
+.PHONY: report test bench lint types contract check schema clean
 
 # Exit code 1 says that something disagrees: the report tells what.
 report: $(READY)
@@ -15,6 +15,10 @@ report: $(READY)
 
 test: $(READY)
 	$(BIN)/pytest -n auto --dist loadfile tests scenarios/library
+
+# Speed, with nothing else running; tables on the terminal, the same as JSON in build/bench.
+bench: $(READY)
+	for script in tests/bench/*.py; do $(BIN)/python $$script || exit 1; done
 
 check: lint types contract
 

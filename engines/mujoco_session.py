@@ -12,13 +12,17 @@ from scipy.spatial.transform import Rotation
 from ..scenarios import FloatArray, Scenario
 from .mujoco_audit import acting
 from .read_back import BodyReading, EngineError, State
-from .rotation import rotated
+from .rotation import across, matrices, turned
 from .session import Session
 
 #: Of a free joint's qpos and qvel, the leading numbers that are the origin's position and velocity.
 TRANSLATION = 3
-#: Steps taken, the clock, and the bytes of qpos and qvel.
-Snapshot = tuple[int, float, bytes, bytes]
+#: What is read at a sample, by MuJoCo's names of it: the clock, qpos and qvel.
+READ = int(
+    mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL
+)
+#: These, and the steps taken, as the bytes of an array.
+Snapshot = bytes
 
 
 @final
@@ -36,13 +40,13 @@ class MuJoCoSession(Session):
         self, scenario: Scenario, model: Any, qpos: Sequence[float], qvel: Sequence[float]
     ) -> None:
         self._scenario = scenario
-        self._model = model
-        self._data = data = mujoco.MjData(model)
-        data.qpos[:] = qpos
-        data.qvel[:] = qvel
-        # Views of what MuJoCo updates in place: fetching them anew takes longer than a copy.
-        self._qpos, self._qvel, self._counts = data.qpos, data.qvel, data.warning.number
-        self._no_counts = bytes(self._counts.nbytes)
+        self.model = model
+        self.data = mujoco.MjData(model)
+        self.data.qpos[:] = qpos
+        self.data.qvel[:] = qvel
+        # Filled anew for each snapshot: fetching MuJoCo's own arrays takes as long again.
+        self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
+        self._read = self._reading[1:]
         self._body = model.nbody - 1
         self._com_body = model.body_ipos[self._body].copy()
         self._steps = 0
@@ -50,7 +54,7 @@ class MuJoCoSession(Session):
 
     def read_body(self) -> BodyReading:
         """From the compiled model, its principal moments turned back into body axes."""
-        model, body = self._model, self._body
+        model, body = self.model, self._body
         R_body_axes = _rotation(model.body_iquat[body]).as_matrix()
         return BodyReading(
             mass=float(model.body_mass[body]),
@@ -60,14 +64,15 @@ class MuJoCoSession(Session):
 
     def read_state(self) -> State:
         """As `states` has it."""
-        return State(*(column[0] for column in vars(self.states([self._reading()])).values()))
+        return State(*(column[0] for column in vars(self.states([self._bytes()])).values()))
 
     def advance(self, steps: int) -> None:
         """One native loop."""
         previous = mujoco.get_mju_user_warning()
         mujoco.set_mju_user_warning(self._warnings.append)
         try:
-            mujoco.mj_step(self._model, self._data, nstep=steps)
+            # By name, the number of steps would take a fifth of a step longer to pass.
+            mujoco.mj_step(self.model, self.data, steps)
         except mujoco.FatalError as error:
             raise EngineError(f"MuJoCo stopped: {error}") from None
         finally:
@@ -79,15 +84,16 @@ class MuJoCoSession(Session):
         snapshots = [self.snapshot()]
         if fault := self.first_fault(snapshots, self.states(snapshots)):
             raise EngineError(fault[1])
+        if counted := np.count_nonzero(self.data.warning.number):
+            raise EngineError(f"MuJoCo counted {counted} kinds of warning")
 
     def snapshot(self) -> Snapshot:
         """The state as MuJoCo holds it; what MuJoCo warned of ends the run."""
         if self._warnings:
-            again = "; it was reset" if self._is_reset(self._steps, self._data.time) else ""
-            raise EngineError(f"MuJoCo warned: {self._warnings[0]}{again}")
-        if self._counts.tobytes() != self._no_counts:
-            raise EngineError(f"MuJoCo counted {np.count_nonzero(self._counts)} kinds of warning")
-        return self._reading()
+            warned = f"MuJoCo warned: {self._warnings[0]}"
+            fault = self.first_fault([self._bytes()], self.read_state())
+            raise EngineError(f"{warned}; {fault[1]}" if fault else warned)
+        return self._bytes()
 
     def states(self, snapshots: Sequence[Snapshot]) -> State:
         """From qpos and qvel alone: derived data (xipos, cvel) is one step old after a step.
@@ -95,18 +101,15 @@ class MuJoCoSession(Session):
         The com is the body's origin plus the compiled arm, its velocity that of the origin plus
         ω × arm; a ball joint's origin stands still.
         """
-        _, _, positions, velocities = zip(*snapshots, strict=True)
-        qpos, qvel = (
-            np.frombuffer(bytearray().join(rows)).reshape(len(snapshots), -1)
-            for rows in (positions, velocities)
-        )
+        nq = self.model.nq
+        _, _, qpos, qvel = np.split(_rows(snapshots), (1, 2, 2 + nq), axis=1)
         q_world_body_wxyz, omega_body = qpos[:, -4:], qvel[:, -3:]
-        com_world = rotated(q_world_body_wxyz, self._com_body[None])
-        swing_body = np.cross(omega_body, self._com_body)
-        velocity_world = rotated(q_world_body_wxyz, swing_body)
+        R_world_body = matrices(q_world_body_wxyz)
+        com_world = R_world_body @ self._com_body
+        velocity_world = turned(R_world_body, omega_body @ across(self._com_body))
         if qvel.shape[1] > TRANSLATION:
-            com_world = com_world + qpos[:, :TRANSLATION]
-            velocity_world = velocity_world + qvel[:, :TRANSLATION]
+            com_world += qpos[:, :TRANSLATION]
+            velocity_world += qvel[:, :TRANSLATION]
         return State(q_world_body_wxyz, omega_body, com_world, velocity_world)
 
     def first_fault(
@@ -115,30 +118,33 @@ class MuJoCoSession(Session):
         states: State,  # noqa: ARG002
     ) -> tuple[int, str] | None:
         """The first snapshot whose clock is not at the steps taken."""
-        steps, times = (np.array(column) for column in tuple(zip(*snapshots, strict=True))[:2])
-        late = self._is_reset(steps, times)
-        if not late.any():
+        timestep = self.model.opt.timestep
+        steps, times = _rows(snapshots)[:, :2].T
+        expected = steps * timestep
+        # The clock is a running sum: right to far less than half a step.
+        is_reset = ~(np.abs(times - expected) < timestep / 2)
+        if not is_reset.any():
             return None
-        first = int(np.argmax(late))
-        expected = float(steps[first] * self._model.opt.timestep)
-        got = float(times[first])
-        return first, f"MuJoCo's clock must be at {expected!r} s, got {got!r} s: it was reset"
+        first = int(np.argmax(is_reset))
+        wanted, got = float(expected[first]), float(times[first])
+        return first, f"MuJoCo's clock must be at {wanted!r} s, got {got!r} s: it was reset"
 
     def active(self) -> frozenset[str]:
         """What acts, from the compiled model, the data and the process."""
-        return acting(self._model, self._data, self._scenario)
+        return acting(self.model, self.data, self._scenario)
 
     def close(self) -> None:
         """Drop model and data; MuJoCo frees them with the last reference."""
-        del self._model, self._data, self._qpos, self._qvel, self._counts
+        del self.model, self.data
 
-    def _reading(self) -> Snapshot:
-        return self._steps, self._data.time, self._qpos.tobytes(), self._qvel.tobytes()
+    def _bytes(self) -> Snapshot:
+        mujoco.mj_getState(self.model, self.data, self._read, READ)
+        self._reading[0] = self._steps
+        return self._reading.tobytes()
 
-    def _is_reset(self, steps: Any, times: Any) -> Any:
-        """Whether a clock, which is a running sum, is off by half a step or more."""
-        timestep = self._model.opt.timestep
-        return ~(np.abs(times - steps * timestep) < timestep / 2)
+
+def _rows(snapshots: Sequence[Snapshot]) -> FloatArray:
+    return np.frombuffer(bytearray().join(snapshots)).reshape(len(snapshots), -1)
 
 
 def compiled(build: Callable[[], Any]) -> Any:

@@ -1,6 +1,5 @@
 """A body in a PyBullet world: what PyBullet holds, in the program's own frames."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray
 from .read_back import BodyReading, State
-from .rotation import conjugate, product, rotated
+from .rotation import matrices, times, turned, turned_back
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -50,7 +49,8 @@ class Model:
 
     def read_state(self) -> State:
         """Pose and velocities now."""
-        return State(*(column[0] for column in vars(self.states([self.motion()])).values()))
+        rows = np.concatenate(self.motion())[None]
+        return State(*(column[0] for column in vars(self.states(rows)).values()))
 
     def motion(self) -> Motion:
         """Com, attitude of the principal axes as x, y, z, w, velocity, ω; world axes.
@@ -61,32 +61,32 @@ class Model:
             com_world, q_xyzw = p.getBasePositionAndOrientation(self.body, self.client)
             velocity_world, omega_world = p.getBaseVelocity(self.body, self.client)
             return com_world, q_xyzw, velocity_world, omega_world
-        state = p.getLinkState(
-            self.body,
-            self.link,
-            computeLinkVelocity=1,
-            computeForwardKinematics=1,
-            physicsClientId=self.client,
-        )
+        # Velocity and forward kinematics too; by name, they would take longer to pass.
+        state = p.getLinkState(self.body, self.link, 1, 1, self.client)
         return state[0], state[1], state[6], state[7]
 
-    def states(self, motions: Sequence[Motion]) -> State:
-        """What was read, n times, in the program's own frames."""
-        com_world, q_xyzw, velocity_world, omega_world = columns(motions)
-        q_world_body = product(np.roll(q_xyzw, 1, axis=1), self._q_principal_body)
-        omega_body = rotated(conjugate(q_world_body), omega_world)
+    def states(self, rows: FloatArray) -> State:
+        """What was read, n times, in the program's own frames.
+
+        Parameters
+        ----------
+        rows : the numbers of a motion, one after the other, (n, 13)
+        """
+        com_world, q_xyzw, velocity_world, omega_world = np.split(rows, (3, 7, 10), axis=1)
+        q_world_body = np.roll(q_xyzw, 1, axis=1) @ self._times_q_principal_body
+        omega_body = turned_back(matrices(q_world_body), omega_world)
         return State(q_world_body, omega_body, com_world, velocity_world)
 
-    def coordinates(self, motions: Sequence[Motion]) -> FloatArray:
+    def coordinates(self, states: State) -> FloatArray:
         """The velocity coordinates that PyBullet clamps, rad/s and m/s, (n, 3) or (n, 6)."""
-        _, q_xyzw, velocity_world, omega_world = columns(motions)
-        if self.link == BASE:
-            return np.hstack([omega_world, velocity_world])
-        return rotated(conjugate(np.roll(q_xyzw, 1, axis=1)), omega_world)
+        if self.link == HUNG:
+            return states.omega_body @ self.body_from_principal.as_matrix()
+        omega_world = turned(matrices(states.q_world_body_wxyz), states.omega_body)
+        return np.hstack([omega_world, states.velocity_world])
 
     def drift(self, states: State) -> FloatArray:
         """How far the body's origin is from the world's, m, (n,)."""
-        arm_world = rotated(states.q_world_body_wxyz, self.com[None])
+        arm_world = matrices(states.q_world_body_wxyz) @ self.com
         return np.asarray(np.linalg.norm(states.com_world - arm_world, axis=1))
 
     def world_from_body(self) -> Rotation:
@@ -120,11 +120,5 @@ class Model:
         )
 
     @cached_property
-    def _q_principal_body(self) -> FloatArray:
-        return self.body_from_principal.inv().as_quat(scalar_first=True)[None]
-
-
-def columns(motions: Sequence[Motion]) -> list[FloatArray]:
-    """Com (n, 3), x, y, z, w (n, 4), velocity (n, 3) and ω (n, 3)."""
-    rows = np.array([(*com, *q, *velocity, *omega) for com, q, velocity, omega in motions])
-    return np.split(rows, (3, 7, 10), axis=1)
+    def _times_q_principal_body(self) -> FloatArray:
+        return times(self.body_from_principal.inv().as_quat(scalar_first=True))

@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Collection, Sequence
 from functools import cache, partial
+from math import isnan
+from struct import Struct
 from typing import final
 
 import numpy as np
@@ -12,7 +14,7 @@ from .native_output import native_output
 from .pybullet_audit import what_acts
 from .pybullet_defaults import DEFAULT_CLAMP, UNREACHED_VELOCITY
 from .pybullet_load import Holding, load
-from .pybullet_model import BASE, Model, Motion
+from .pybullet_model import BASE, Model
 from .read_back import BodyReading, EngineError, State
 from .session import Session
 
@@ -20,6 +22,8 @@ from .session import Session
 MOST_STEPS_A_CALL = 2**14
 #: A velocity that was clamped comes back through a rotation, a few roundings off.
 ROTATED = 8 * float(np.finfo(float).eps)
+#: Three numbers of the com, four of the attitude, three of its velocity, three of ω.
+MOTION = Struct("13d")
 #: How PyBullet marks what it warns of.
 WARNING = "b3Warning"
 
@@ -63,7 +67,9 @@ class PyBulletSession(Session):
 
     def advance(self, steps: int) -> None:
         """Take `steps` whole steps, many a call where no torque has to be renewed in between."""
-        if self.at_once:
+        if steps == self._substeps and self.at_once:
+            self._step(steps)
+        elif self.at_once:
             for substeps in calls(steps, self._timestep):
                 self._step(substeps)
         else:
@@ -94,24 +100,33 @@ class PyBulletSession(Session):
         if fault := self.first_fault(snapshots, self.states(snapshots)):
             raise EngineError(fault[1])
 
-    def snapshot(self) -> Motion:
-        """The motion as PyBullet tells it."""
-        return self.model.motion()
+    def snapshot(self) -> bytes:
+        """The motion as PyBullet tells it: its numbers one after the other."""
+        com_world, q_xyzw, velocity_world, omega_world = self.model.motion()
+        if isnan(omega_world[0]):
+            # Nobody knows how long the solvers take over one that is not a number.
+            raise EngineError("the state is no longer finite")
+        return MOTION.pack(*com_world, *q_xyzw, *velocity_world, *omega_world)
 
-    def states(self, snapshots: Sequence[Motion]) -> State:
+    def states(self, snapshots: Sequence[bytes]) -> State:
         """The same in the program's own frames."""
-        return self.model.states(snapshots)
+        rows = np.frombuffer(bytearray().join(snapshots)).reshape(len(snapshots), -1)
+        return self.model.states(rows)
 
-    def first_fault(self, snapshots: Sequence[Motion], states: State) -> tuple[int, str] | None:
+    def first_fault(
+        self,
+        snapshots: Sequence[bytes],  # noqa: ARG002
+        states: State,
+    ) -> tuple[int, str] | None:
         """The first snapshot in which a velocity is clamped or the pivot has given way."""
-        fastest = np.abs(self.model.coordinates(snapshots)).max(axis=1)
+        fastest = np.abs(self.model.coordinates(states)).max(axis=1)
         clamped = fastest >= self._clamp * (1 - ROTATED)
         arm = float(np.linalg.norm(self.model.com))
-        drift = self.model.drift(states) if self._tied and arm > 0 else np.zeros(len(snapshots))
-        fallen = drift > arm
-        if not (clamped | fallen).any():
+        drift = self.model.drift(states) if self._tied and arm > 0 else np.zeros(len(clamped))
+        bad = clamped | (drift > arm)
+        if not bad.any():
             return None
-        first = int(np.argmax(clamped | fallen))
+        first = int(np.argmax(bad))
         if clamped[first]:
             return first, f"PyBullet clamps velocities at {self._clamp:g}"
         return first, f"the pivot gave way by {drift[first]:.3g} m"

@@ -5,29 +5,47 @@ import numpy as np
 from ..scenarios import FloatArray
 
 
-def rotated(q_wxyz: FloatArray, vectors: FloatArray) -> FloatArray:
-    """Vectors turned by unit quaternions.
-
-    q v q* multiplied out for q = (w, u), w² + u² = 1: v + 2 w (u × v) + 2 u × (u × v).
+def matrices(q_wxyz: FloatArray) -> FloatArray:
+    """Rotation matrices of unit quaternions (Diebel 2006, Representing Attitude, §5.6).
 
     Parameters
     ----------
-    q_wxyz, vectors : (n, 4) and (n, 3); either may be of one row, for all rows of the other
+    q_wxyz : (n, 4)
+
+    Returns
+    -------
+    (n, 3, 3), taking components along the turned axes to those along the fixed ones
     """
-    w, u = q_wxyz[:, :1], q_wxyz[:, 1:]
-    twice = 2.0 * np.cross(u, vectors)
-    return np.asarray(vectors + w * twice + np.cross(u, twice))
+    w, x, y, z = q_wxyz.T
+    R = np.empty((len(q_wxyz), 3, 3))
+    R[:, 0, 0], R[:, 1, 1], R[:, 2, 2] = (
+        1 - 2 * (y * y + z * z),
+        1 - 2 * (x * x + z * z),
+        1 - 2 * (x * x + y * y),
+    )
+    R[:, 0, 1], R[:, 1, 0] = 2 * (x * y - w * z), 2 * (x * y + w * z)
+    R[:, 0, 2], R[:, 2, 0] = 2 * (x * z + w * y), 2 * (x * z - w * y)
+    R[:, 1, 2], R[:, 2, 1] = 2 * (y * z - w * x), 2 * (y * z + w * x)
+    return R
 
 
-def product(p_wxyz: FloatArray, q_wxyz: FloatArray) -> FloatArray:
-    """Hamilton products p q, row by row, (n, 4); either factor may be of one row."""
-    pw, pu = p_wxyz[:, :1], p_wxyz[:, 1:]
-    qw, qu = q_wxyz[:, :1], q_wxyz[:, 1:]
-    scalar = pw * qw - (pu * qu).sum(axis=1, keepdims=True)
-    vector = pw * qu + qw * pu + np.cross(pu, qu)
-    return np.hstack([scalar, vector])
+def turned(R: FloatArray, vectors: FloatArray) -> FloatArray:
+    """R v, row by row: (n, 3, 3) and (n, 3)."""
+    return np.asarray(np.einsum("nij,nj->ni", R, vectors))
 
 
-def conjugate(q_wxyz: FloatArray) -> FloatArray:
-    """Inverses of unit quaternions, (n, 4)."""
-    return np.asarray(q_wxyz * np.array([1.0, -1.0, -1.0, -1.0]))
+def turned_back(R: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Rᵀ v, row by row: (n, 3, 3) and (n, 3)."""
+    return np.asarray(np.einsum("nji,nj->ni", R, vectors))
+
+
+def times(q_wxyz: FloatArray) -> FloatArray:
+    """The matrix M with p q = p M for rows p of quaternions, scalar first, (4, 4)."""
+    w, x, y, z = q_wxyz
+    return np.array([[w, x, y, z], [-x, w, -z, y], [-y, z, w, -x], [-z, -y, x, w]])
+
+
+def across(v: FloatArray) -> FloatArray:
+    """The matrix M with u × v = u M for rows u, (3, 3)."""
+    x, y, z = v
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

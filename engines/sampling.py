@@ -5,7 +5,6 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..scenarios import FloatArray, Trajectory
 from .read_back import EngineError, State
@@ -13,8 +12,8 @@ from .run import Outcome
 from .session import Session
 
 #: Samples read before they are looked at, all at once: one by one, looking takes longer than ten
-#: steps do. A run that has gone wrong is stepped on for so many samples at most.
-BLOCK = 64
+#: steps do. A run that has gone wrong unnoticed is stepped on for so many samples at most.
+BLOCK = 512
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,12 +81,13 @@ def _read(
 ) -> tuple[list[Any], Outcome, str]:
     """Snapshots of a block; fewer where the engine stopped, how it ended then, and why."""
     snapshots: list[Any] = []
+    advance, snapshot, keep = session.advance, session.snapshot, snapshots.append
     try:
         for wanted in sample_steps:
             if wanted > taken:
-                session.advance(wanted - taken)
+                advance(wanted - taken)
                 taken = wanted
-            snapshots.append(session.snapshot())
+            keep(snapshot())
     except EngineError as error:
         return snapshots, "diverged" if _blew_up(session) else "failed", str(error)
     except Exception as error:  # A bug in an adapter costs the rest of the run, not its beginning.
@@ -132,19 +132,21 @@ def _looked_at(
 
 def _faults(states: State, timestep: float, most: float) -> Iterator[tuple[int, str]]:
     """Index and reason of the first sample that is bad, for each way in which it can be."""
-    finite = np.all([np.isfinite(column).all(axis=1) for column in _columns(states)], axis=0)
-    if (first := _first(~finite)) is not None:
-        yield first, "the state is no longer finite"
+    finite = [np.isfinite(column) for column in _columns(states)]
+    if not all(part.all() for part in finite):
+        yield _first(~np.hstack(finite).all(axis=1)), "the state is no longer finite"
     norms = np.linalg.norm(states.q_world_body_wxyz, axis=1)
-    if (first := _first(np.abs(norms - 1) > Trajectory.UNIT_NORM_SLACK)) is not None:
-        yield first, f"the attitude's quaternion is of norm {norms[first]:.3g}"
+    off = np.abs(norms - 1) > Trajectory.UNIT_NORM_SLACK
+    if off.any():
+        yield _first(off), f"the attitude's quaternion is of norm {norms[_first(off)]:.3g}"
     speeds = np.linalg.norm(states.omega_body, axis=1)
-    if (first := _first(speeds * timestep > most)) is not None:
-        yield first, clamped_turn(float(speeds[first]), timestep, most)
+    clamped = speeds * timestep > most
+    if clamped.any():
+        yield _first(clamped), clamped_turn(float(speeds[_first(clamped)]), timestep, most)
 
 
-def _first(bad: NDArray[np.bool_]) -> int | None:
-    return int(np.argmax(bad)) if bad.any() else None
+def _first(bad: Any) -> int:
+    return int(np.argmax(bad))
 
 
 def _columns(states: State) -> list[FloatArray]:

@@ -49,14 +49,14 @@ def cwd(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_a_run_that_blew_up_is_not_reset(cwd: Path) -> None:
     session, time = blown_up("disable", cwd)
-    assert session._data.time == pytest.approx(time, abs=COARSE_TIMESTEP / 2)
+    assert session.data.time == pytest.approx(time, abs=COARSE_TIMESTEP / 2)
     with pytest.raises(EngineError, match=r"MuJoCo warned: .* huge value in QACC"):
         session.check()
 
 
 def test_with_autoreset_a_run_that_blew_up_begins_again_and_is_caught(cwd: Path) -> None:
     session, time = blown_up("enable", cwd)
-    assert session._data.time < time / 2
+    assert session.data.time < time / 2
     assert "automatic reset" in session.active()
     with pytest.raises(EngineError, match=r"MuJoCo warned"):
         session.check()
@@ -66,14 +66,14 @@ def test_a_reset_without_a_warning_is_caught_by_the_clock() -> None:
     session = session_of(SCENES["heavy-top"])
     session.advance(10)
     session.check()
-    mujoco.mj_resetData(session._model, session._data)
+    mujoco.mj_resetData(session.model, session.data)
     with pytest.raises(EngineError, match=r"clock must be at 0.01 s, got 0.0 s: it was reset"):
         session.check()
 
 
 def test_a_warning_nobody_heard_is_caught_by_the_counter() -> None:
     session = session_of(SCENES["heavy-top"])
-    session._data.warning[mujoco.mjtWarning.mjWARN_INERTIA].number = 1
+    session.data.warning[mujoco.mjtWarning.mjWARN_INERTIA].number = 1
     with pytest.raises(EngineError, match="counted 1 kinds of warning"):
         session.check()
 
@@ -82,8 +82,8 @@ def test_warnings_of_a_bare_step_end_up_in_a_log_file(
     cwd: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     session = session_of(SCENES["heavy-top"])
-    session._data.qvel[0] = np.nan
-    mujoco.mj_step(session._model, session._data)
+    session.data.qvel[0] = np.nan
+    mujoco.mj_step(session.model, session.data)
     assert [path.name for path in cwd.iterdir()] == ["MUJOCO_LOG.TXT"]
     assert "WARNING" in capfd.readouterr().err
 
@@ -92,7 +92,7 @@ def test_warnings_of_a_session_end_up_in_its_check_alone(
     cwd: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     session = session_of(SCENES["heavy-top"])
-    session._data.qvel[0] = np.nan
+    session.data.qvel[0] = np.nan
     session.advance(1)
     assert (list(cwd.iterdir()), capfd.readouterr()) == ([], ("", ""))
     with pytest.raises(EngineError, match="huge value in QVEL"):
@@ -103,11 +103,11 @@ def staleness(integrator: str) -> tuple[float, float, float]:
     """How far the com as read, and MuJoCo's xipos, are from the state; how far a step moves it."""
     session = session_of(SCENES["heavy-tilted"], integrator)
     session.advance(100)
-    state, fresh = session.read_state(), copy.copy(session._data)
-    mujoco.mj_forward(session._model, fresh)
+    state, fresh = session.read_state(), copy.copy(session.data)
+    mujoco.mj_forward(session.model, fresh)
     ours, mujocos = (
         float(np.linalg.norm(com_world - fresh.xipos[1]))
-        for com_world in (state.com_world, session._data.xipos[1])
+        for com_world in (state.com_world, session.data.xipos[1])
     )
     return ours, mujocos, float(np.linalg.norm(state.velocity_world)) * TIMESTEP
 
@@ -145,11 +145,11 @@ def test_reading_and_auditing_do_not_disturb_the_run(name: str) -> None:
 def test_velocities_are_those_mujoco_gives_for_the_bodys_com(name: str) -> None:
     session = session_of(SCENES[name])
     session.advance(100)
-    state, fresh = session.read_state(), copy.copy(session._data)
-    mujoco.mj_forward(session._model, fresh)
+    state, fresh = session.read_state(), copy.copy(session.data)
+    mujoco.mj_forward(session.model, fresh)
     spatial = np.zeros(6)
     body = mujoco.mjtObj.mjOBJ_BODY
-    mujoco.mj_objectVelocity(session._model, fresh, body, 1, spatial, 0)
+    mujoco.mj_objectVelocity(session.model, fresh, body, 1, spatial, 0)
     omega_world, velocity_world = spatial[:3], spatial[3:]
     R = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
     slack = ROUNDOFF * np.abs(spatial).max()
@@ -165,7 +165,7 @@ def test_a_velocity_read_in_the_wrong_axes_does_not_read_back(name: str) -> None
     session = session_of(scene)
     read_back(scene, session)
     R = Rotation.from_quat(scene.start.q_world_body_wxyz, scalar_first=True)
-    session._data.qvel[-3:] = R.apply(session._data.qvel[-3:])
+    session.data.qvel[-3:] = R.apply(session.data.qvel[-3:])
     with pytest.raises(EngineError, match="'omega_body' must read back"):
         read_back(scene, session)
 
@@ -173,7 +173,7 @@ def test_a_velocity_read_in_the_wrong_axes_does_not_read_back(name: str) -> None
 def test_the_velocity_of_a_free_joint_is_its_origins_not_the_coms() -> None:
     scene = SCENES["free-tilted"]
     session = session_of(scene)
-    session._data.qvel[:3] = scene.start.velocity_world
+    session.data.qvel[:3] = scene.start.velocity_world
     with pytest.raises(EngineError, match="'velocity_world' must read back"):
         read_back(scene, session)
 
@@ -182,9 +182,9 @@ def test_angular_momentum_about_the_pivot_is_not_mujocos_which_is_about_the_com(
     scene = SCENES["heavy-tilted"]
     session = session_of(scene)
     session.advance(100)
-    state, fresh = session.read_state(), copy.copy(session._data)
-    mujoco.mj_forward(session._model, fresh)
-    mujoco.mj_subtreeVel(session._model, fresh)
+    state, fresh = session.read_state(), copy.copy(session.data)
+    mujoco.mj_forward(session.model, fresh)
+    mujoco.mj_subtreeVel(session.model, fresh)
     about_com = fresh.subtree_angmom[1]
     lever = scene.body.mass * np.cross(state.com_world, state.velocity_world)
     (about_pivot,) = angular_momentum_world(scene, sample(session))
@@ -198,8 +198,8 @@ def test_mujocos_own_energy_is_ours_but_only_where_its_computation_is_on(name: s
     scene = SCENES[name]
     session = session_of(scene)
     session.advance(100)
-    assert session._data.energy.tolist() == [0.0, 0.0]
-    model, fresh = copy.copy(session._model), copy.copy(session._data)
+    assert session.data.energy.tolist() == [0.0, 0.0]
+    model, fresh = copy.copy(session.model), copy.copy(session.data)
     model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
     mujoco.mj_forward(model, fresh)
     (ours,) = energy(scene, sample(session))

@@ -26,7 +26,7 @@ def test_moments_read_without_their_frame_are_another_tensor() -> None:
     scene = SCENES["heavy-tilted"]
     session = session_of(scene)
     read_back(scene, session)
-    session._model.body_iquat[1] = (1, 0, 0, 0)
+    session.model.body_iquat[1] = (1, 0, 0, 0)
     with pytest.raises(EngineError, match="'inertia_com' must read back"):
         read_back(scene, session)
 
