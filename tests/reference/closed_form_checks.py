@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from extended_motion import ExtendedMotion, RepeatedMotion
+from extended_motion import DIGITS, ExtendedMotion, RepeatedMotion
 from mpmath import mp, mpf
 from spincheck.reference.problem import Problem
 from spincheck.reference.theta_quotients import ClosedForm
@@ -45,8 +45,10 @@ def apart_at(closed: ClosedForm, problem: Problem, truth: RepeatedMotion, period
 
 def repeated_free(problem: Problem) -> RepeatedMotion:
     """A free body's motion; ω must circulate about its third axis, and the second be the middle."""
-    L = tuple(i * w for i, w in zip(problem.moments, problem.omega_axes, strict=True))
-    return _repeated(problem, free_body(problem), rotate(problem.q_world_axes, L))
+    with mp.workdps(DIGITS):
+        L = tuple(i * w for i, w in zip(problem.moments, problem.omega_axes, strict=True))
+        L_world = rotate(problem.q_world_axes, L)
+    return _repeated(problem, free_body(problem), L_world)
 
 
 def repeated_heavy(problem: Problem) -> RepeatedMotion:
@@ -56,11 +58,12 @@ def repeated_heavy(problem: Problem) -> RepeatedMotion:
 
 def _repeated(problem: Problem, book: Textbook, vertical: Sequence[mpf]) -> RepeatedMotion:
     """Half a period of ω turns the third axis by π, or brings the tilt back."""
-    period = 2 * book.K / book.p
-    pull = abs(mp.fdot(problem.lever_axes, problem.gravity_world)) / problem.moments[0]
-    rate = mp.sqrt(mp.fdot(problem.omega_axes, problem.omega_axes)) + mp.sqrt(pull)
-    span = period * mpf("1.2")
-    return RepeatedMotion(ExtendedMotion(problem, book.pole, rate, span), period, vertical)
+    with mp.workdps(DIGITS):
+        period = 2 * book.K / book.p
+        pull = abs(mp.fdot(problem.lever_axes, problem.gravity_world)) / problem.moments[0]
+        rate = mp.sqrt(mp.fdot(problem.omega_axes, problem.omega_axes)) + mp.sqrt(pull)
+        motion = ExtendedMotion(problem, book.pole, rate, period * mpf("1.2"))
+    return RepeatedMotion(motion, period, vertical)
 
 
 def one_ulp_heavier(problem: Problem) -> Problem:

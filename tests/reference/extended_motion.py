@@ -6,7 +6,6 @@ vertical (about L, for a free body) and one about the body's third axis, so that
 parameters A(t + nT) = A(t) ρᴬⁿ, B(t + nT) = B(t) ρᴮⁿ with constant ρ of modulus one.
 """
 
-
 from mpmath import mp, mpc, mpf
 from spincheck.reference.problem import Problem
 from spincheck.scenarios.exact import Quaternion, Vector, conjugate, dot, product, rotate
@@ -83,7 +82,8 @@ class ExtendedMotion:
         with mp.workdps(DIGITS):
             piece = int(t / self.h)
             s = t / self.h - piece
-            values = [mp.ldexp(mp.polyval(column[::-1], s), -BITS) for column in self.pieces[piece]]
+            powers = [s**n for n in range(ORDER + 1)]
+            values = [mp.ldexp(mp.fdot(column, powers), -BITS) for column in self.pieces[piece]]
         return tuple(values[3:7]), tuple(values[:3])
 
 

@@ -65,8 +65,8 @@ def heavy_top(problem: Problem) -> Textbook:
         p_alpha, p_gamma = dot(L, vertical) / length**2, L[2]
         alpha = (I1 * (w[0] ** 2 + w[1] ** 2) + 2 * kappa * cosine) / I1
         beta, a, b = 2 * kappa / I1, p_gamma / I1, p_alpha / I1
-        cubic = [beta, -(alpha + a * a), 2 * a * b - beta, alpha - b * b]
-        roots = mp.polyroots(cubic, maxsteps=2000, extraprec=4 * mp.prec)
-        u1, u2, u3 = sorted(mp.re(root) for root in roots)
+        cubic = [(b * b - alpha) / beta, 1 - 2 * a * b / beta, (alpha + a * a) / beta]
+        companion = mp.matrix([[0, 0, cubic[0]], [1, 0, cubic[1]], [0, 1, cubic[2]]])
+        u1, u2, u3 = sorted(mp.re(root) for root in mp.eig(companion, left=False, right=False))
         p = mp.sqrt(beta * (u3 - u1)) / 2
         return Textbook(p, (u2 - u1) / (u3 - u1), (u3 - u2) / (u3 - u1), (u1, u2))
