@@ -24,6 +24,8 @@ PROBE_STEP = 2.0**-26
 PROBE_SPIN = 2.0**-7
 #: rad/s, above the default clamp: a coordinate of the body keeps that only where it is off.
 PROBE_RUSH = 2.0**9
+#: m; PyBullet's default, `gUrdfDefaultCollisionMargin` of its source.
+EMPTY_MARGIN = 0.001
 #: Of roundings and of such terms there are a few each. PyBullet's default damping, 0.04 I ω, is a
 #: hundred thousand times as much.
 SLACK = 16 * PROBE_STEP
@@ -87,12 +89,14 @@ def _extras(model: Model) -> set[str]:
 def _has_shape(client: int, body: int, link: int) -> bool:
     """Whether the bounding box is more than the margin that PyBullet puts around no shape at all.
 
-    (Of the shapes themselves it tells nothing in maximal coordinates.)
+    (Of the shapes themselves it tells nothing in maximal coordinates; the margin of a sphere is its
+    radius.)
     """
     margin = p.getDynamicsInfo(body, link, client)[11]
     low, high = p.getAABB(body, link, client)
-    # A cube of half-width `margin`, turned to reach furthest.
-    return bool(max(np.subtract(high, low)) > 2 * np.sqrt(3) * margin * (1 + SLACK))
+    # A cube of half-width `EMPTY_MARGIN`, turned to reach furthest.
+    furthest = 2 * np.sqrt(3) * EMPTY_MARGIN * (1 + SLACK)
+    return bool(margin > EMPTY_MARGIN or max(np.subtract(high, low)) > furthest)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,9 +198,9 @@ def _felt(probe: _Probe) -> set[str]:
 
 def _slowing_defaults(probe: _Probe) -> set[str]:
     """Which of PyBullet's defaults are at work: what makes a difference when it is taken away."""
-    slowing = {"damping": take_away_damping}
-    if probe.model.link == HUNG:
-        slowing["joint motor"] = take_away_motor
+    slowing = {"joint motor": take_away_motor} if probe.model.link == HUNG else {}
+    # Beside the motor nobody would feel it.
+    slowing["damping"] = take_away_damping
     found = set()
     for name, take_away in slowing.items():
         with_it = probe.resistance()

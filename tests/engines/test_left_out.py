@@ -1,0 +1,130 @@
+"""What a scene does not call for is left out, and nothing else: left in, it changes no motion."""
+
+import numpy as np
+import pybullet as p
+import pytest
+from scenes import SCENES
+from spincheck.engines import Engine, Method, Session, engines
+from spincheck.engines.adapters.mujoco import MuJoCo
+from spincheck.engines.adapters.pybullet import PyBullet
+from spincheck.scenarios import Scenario, find, load
+
+TIMESTEP = 1e-3
+STEPS = 100
+LIBRARY = [load(path) for path in find([])]
+METHODS = [
+    pytest.param(engine, method, id=f"{engine.name}-{method.name}")
+    for engine in engines().values()
+    for method in engine.methods
+    if not method.as_shipped
+]
+#: rad; far below what any method turns in a step without trouble.
+TURN = 0.01
+
+
+def numbers(session: Session | None, steps: int = STEPS) -> np.ndarray:
+    """All of the state after some steps."""
+    assert session is not None
+    with session:
+        session.advance(steps)
+        session.check()
+        return np.concatenate(list(vars(session.read_state()).values()))
+
+
+def supported(engine: Engine, method: Method) -> list[Scenario]:
+    return [scene for scene in SCENES.values() if not engine.unsupported(scene, method)]
+
+
+@pytest.mark.parametrize(("engine", "method"), METHODS)
+def test_in_every_scene_of_the_library_acts_what_it_calls_for(
+    engine: Engine, method: Method
+) -> None:
+    """At its strength too, which the audit compares."""
+    for scene in LIBRARY:
+        if engine.unsupported(scene, method):
+            continue
+        speed = float(np.linalg.norm(scene.start.omega_body)) or 1.0
+        run = engine.run(scene, method, TURN / speed, np.array([0, 10]))
+        assert (scene.name, run.reason) == (scene.name, "")
+        assert run.active == scene.called_for
+
+
+@pytest.mark.parametrize(("engine", "method"), METHODS)
+def test_something_is_left_out(engine: Engine, method: Method) -> None:
+    assert all(engine.left_out(scene, method) for scene in supported(engine, method))
+
+
+@pytest.mark.parametrize(("engine", "method"), METHODS)
+def test_left_in_it_changes_no_bit_of_the_motion(engine: Engine, method: Method) -> None:
+    for scene in supported(engine, method):
+        pruned = numbers(engine.open(scene, method, TIMESTEP))
+        unpruned = numbers(engine.open_unpruned(scene, method, TIMESTEP))
+        assert np.array_equal(pruned, unpruned), scene.name
+        assert not np.array_equal(pruned, numbers(engine.open(scene, method, TIMESTEP), STEPS + 1))
+
+
+@pytest.mark.parametrize(("engine", "method"), METHODS)
+def test_left_in_it_is_seen_by_the_audit(engine: Engine, method: Method) -> None:
+    scene = supported(engine, method)[0]
+    for name in engine.left_out(scene, method):
+        session = engine.open_unpruned(scene, method, TIMESTEP, [name])
+        assert session is not None
+        with session:
+            session.advance(1)
+            extra = session.active() - scene.called_for
+        # A motor without force is felt by nobody, and so it is with gravity that is nothing.
+        assert extra or name in ("idle joint motor", "gravity")
+
+
+@pytest.mark.parametrize(("engine", "method"), METHODS)
+def test_with_nothing_left_in_it_is_the_pruned_session(engine: Engine, method: Method) -> None:
+    scene = supported(engine, method)[0]
+    session = engine.open_unpruned(scene, method, TIMESTEP, [])
+    assert session is not None
+    with session:
+        session.advance(1)
+        assert session.active() == scene.called_for
+
+
+@pytest.mark.parametrize("engine", engines().values(), ids=lambda engine: engine.name)
+def test_of_an_engine_as_shipped_nothing_is_left_out(engine: Engine) -> None:
+    for method in engine.methods:
+        if method.as_shipped:
+            assert engine.left_out(SCENES["free"], method) == ()
+            assert engine.open_unpruned(SCENES["free"], method, TIMESTEP) is None
+
+
+def test_a_motor_that_is_left_in_is_solved_for() -> None:
+    """With a force it holds the joint: it was there all the time."""
+    engine = PyBullet()
+    scene, method = SCENES["pivot"], engine.method("multibody")
+
+    def slowed(left_in: list[str]) -> bool:
+        session = engine.open_unpruned(scene, method, TIMESTEP, left_in)
+        assert session is not None
+        with session:
+            p.setJointMotorControlMultiDof(
+                session.model.body,  # type: ignore[attr-defined]
+                0,
+                p.POSITION_CONTROL,
+                targetPosition=(0, 0, 0, 1),
+                positionGain=(0, 0, 0),
+                velocityGain=(1, 1, 1),
+                force=[100, 100, 100],
+                physicsClientId=session.client,  # type: ignore[attr-defined]
+            )
+            session.advance(10)
+            return bool(np.linalg.norm(session.read_state().omega_body) < 0.5)
+
+    assert slowed(["idle joint motor"])
+    assert not slowed([])
+
+
+def test_mujocos_passes_are_left_in_one_by_one() -> None:
+    engine = MuJoCo()
+    scene, method = SCENES["free"], engine.method("Euler")
+    flags = []
+    for left_in in ([], ["contact"], ["contact", "sensor"]):
+        with engine.open_unpruned(scene, method, TIMESTEP, left_in) as session:  # type: ignore[union-attr]
+            flags.append(int(session.model.opt.disableflags).bit_count())
+    assert flags == [len(engine.left_out(scene, method)) - k for k in range(3)]

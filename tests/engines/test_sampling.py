@@ -1,0 +1,247 @@
+"""The loop that every run goes through: what it keeps of a run that ends before its time, and why.
+
+The engines here are made up: a body that spins about z at one radian a second, and a fault.
+"""
+
+import numpy as np
+import pytest
+from scenes import scene
+from spincheck.engines import BodyReading, Engine, EngineError, Method, Run, Session, State
+from spincheck.engines.sampling import BLOCK
+from spincheck.scenarios import Scenario
+
+TIMESTEP = 0.125
+SPIN = "\nquaternion_wxyz = [1.0, 0.0, 0.0, 0.0]\nomega_body = [0.0, 0.0, 1.0]\n"
+SCENE = scene("spin", start=SPIN)
+STRIDE = 2
+SAMPLES = np.arange(0, STRIDE * BLOCK + 40, STRIDE)
+#: Steps after which a faulty one goes wrong: in the first block, and in the second.
+EARLY, LATE = 21, STRIDE * BLOCK + 21
+MOST_TURN = 0.5
+METHOD = Method("turn", 1, 1, "turns", frozenset(), max_rotation_per_step=MOST_TURN)
+
+
+class Turning(Session):
+    """The faultless one."""
+
+    def __init__(self, fault_after: int) -> None:
+        self.steps, self.fault_after = 0, fault_after
+
+    @property
+    def is_wrong(self) -> bool:
+        return self.steps >= self.fault_after
+
+    def read_body(self) -> BodyReading:
+        return BodyReading(SCENE.body.mass, SCENE.body.com, SCENE.body.inertia_com)
+
+    def read_state(self) -> State:
+        half = self.steps * TIMESTEP / 2
+        q = np.array([np.cos(half), 0.0, 0.0, np.sin(half)])
+        return State(q, np.array([0.0, 0.0, 1.0]), np.zeros(3), np.zeros(3))
+
+    def advance(self, steps: int) -> None:
+        self.steps += steps
+
+    def check(self) -> None:
+        pass
+
+    def active(self) -> frozenset[str]:
+        return frozenset()
+
+    def close(self) -> None:
+        pass
+
+
+class Warns(Turning):
+    def check(self) -> None:
+        if self.is_wrong:
+            raise EngineError("it warns")
+
+
+class NotFinite(Turning):
+    def read_state(self) -> State:
+        state = super().read_state()
+        if self.is_wrong:
+            state.omega_body[:] = np.nan
+        return state
+
+
+class Infinite(Turning):
+    def read_state(self) -> State:
+        state = super().read_state()
+        if self.is_wrong:
+            state.com_world[0] = np.inf
+        return state
+
+
+class TooFast(Turning):
+    def read_state(self) -> State:
+        state = super().read_state()
+        if self.is_wrong:
+            state.omega_body[0] = 1.5 * MOST_TURN / TIMESTEP
+        return state
+
+
+class NoRotation(Turning):
+    def read_state(self) -> State:
+        state = super().read_state()
+        if self.is_wrong:
+            state.q_world_body_wxyz[:] *= 1.1
+        return state
+
+
+class BlownUpInAStep(Turning):
+    """Stops in the middle of its steps, its state no number."""
+
+    stopped = False
+
+    def advance(self, steps: int) -> None:
+        super().advance(steps)
+        if self.is_wrong:
+            self.stopped = True
+            raise EngineError("a step was not possible")
+
+    def read_state(self) -> State:
+        state = super().read_state()
+        if self.stopped:
+            state.omega_body[:] = np.nan
+        return state
+
+
+class GaveUpInAStep(Turning):
+    """Stops for a reason of its own: the motion is in order."""
+
+    def advance(self, steps: int) -> None:
+        super().advance(steps)
+        if self.is_wrong:
+            raise EngineError("out of memory")
+
+
+class Buggy(Turning):
+    def advance(self, steps: int) -> None:
+        super().advance(steps)
+        if self.is_wrong:
+            raise ZeroDivisionError("a bug")
+
+
+class LateFault(Turning):
+    """Takes snapshots without looking, and finds its fault in them later."""
+
+    def snapshot(self) -> tuple[State, bool]:
+        return self.read_state(), self.is_wrong
+
+    def states(self, snapshots: list[tuple[State, bool]]) -> State:
+        return super().states([state for state, _ in snapshots])
+
+    def first_fault(
+        self, snapshots: list[tuple[State, bool]], states: State
+    ) -> tuple[int, str] | None:
+        wrong = [is_wrong for _, is_wrong in snapshots]
+        return (wrong.index(True), "it was reset") if any(wrong) else None
+
+
+class Spinner(Engine):
+    name = "spinner"
+    version = "1"
+    methods = (METHOD,)
+
+    def __init__(self, kind: type[Turning], fault_after: int) -> None:
+        self.kind, self.fault_after = kind, fault_after
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Turning:
+        self.session = self.kind(self.fault_after)
+        return self.session
+
+
+def run(kind: type[Turning], fault_after: int, scenario: Scenario = SCENE) -> Run:
+    return Spinner(kind, fault_after).run(scenario, METHOD, TIMESTEP, SAMPLES)
+
+
+FAULTS = {
+    Warns: ("diverged", "it warns"),
+    NotFinite: ("diverged", "no longer finite"),
+    Infinite: ("diverged", "no longer finite"),
+    TooFast: ("diverged", "the rotation a step, 0.76 rad, is beyond 0.5 rad"),
+    NoRotation: ("diverged", "quaternion is of norm 1.1"),
+    LateFault: ("diverged", "it was reset"),
+    BlownUpInAStep: ("diverged", "a step was not possible"),
+    GaveUpInAStep: ("failed", "out of memory"),
+    Buggy: ("failed", "ZeroDivisionError: a bug"),
+}
+
+
+def test_a_run_without_a_fault_has_every_sample() -> None:
+    done = run(Turning, SAMPLES[-1] + 1)
+    assert (done.outcome, done.reason, done.stopped_at) == ("ok", "", None)
+    assert done.steps == SAMPLES[-1]
+    assert done.trajectory is not None
+    assert np.array_equal(done.trajectory.t, SAMPLES * TIMESTEP)
+
+
+@pytest.mark.parametrize("fault_after", [EARLY, LATE], ids=["first block", "second block"])
+@pytest.mark.parametrize("kind", FAULTS, ids=lambda kind: kind.__name__)
+def test_a_run_that_goes_wrong_keeps_what_was_right(kind: type[Turning], fault_after: int) -> None:
+    done = run(kind, fault_after)
+    outcome, words = FAULTS[kind]
+    assert done.outcome == outcome
+    assert words in done.reason
+    good = SAMPLES[: np.searchsorted(SAMPLES, fault_after)]
+    assert done.steps == good[-1]
+    assert done.stopped_at == SAMPLES[len(good)] * TIMESTEP
+    assert done.trajectory is not None
+    assert np.array_equal(done.trajectory.t, good * TIMESTEP)
+
+
+@pytest.mark.parametrize("kind", [Warns, NotFinite, LateFault], ids=lambda kind: kind.__name__)
+def test_a_run_that_goes_wrong_at_its_last_sample_is_not_ok(kind: type[Turning]) -> None:
+    assert run(kind, int(SAMPLES[-1])).outcome == "diverged"
+    assert run(kind, int(SAMPLES[-1]) + 1).outcome == "ok"
+
+
+@pytest.mark.parametrize("kind", [Warns, BlownUpInAStep], ids=lambda kind: kind.__name__)
+def test_an_engine_that_stops_is_not_stepped_on(kind: type[Turning]) -> None:
+    engine = Spinner(kind, EARLY)
+    engine.run(SCENE, METHOD, TIMESTEP, SAMPLES)
+    assert engine.session.steps == EARLY + 1
+
+
+def test_what_goes_wrong_unnoticed_is_stepped_on_to_the_end_of_its_block_at_most() -> None:
+    engine = Spinner(NotFinite, EARLY)
+    engine.run(SCENE, METHOD, TIMESTEP, SAMPLES)
+    assert engine.session.steps == SAMPLES[BLOCK - 1]
+
+
+class CheckedAtTheEnd(Turning):
+    """What it checks is not in its snapshots: nobody knows when it went wrong."""
+
+    def snapshot(self) -> State:
+        return self.read_state()
+
+    def check(self) -> None:
+        if self.is_wrong:
+            raise EngineError("the clock was set by somebody else")
+
+
+def test_a_block_that_went_wrong_nobody_knows_when_is_not_kept() -> None:
+    done = run(CheckedAtTheEnd, STRIDE * BLOCK + EARLY)
+    assert (done.outcome, done.reason) == ("diverged", "the clock was set by somebody else")
+    assert done.steps == SAMPLES[BLOCK - 1]
+    assert run(CheckedAtTheEnd, EARLY).trajectory is None
+
+
+class Unauditable(Turning):
+    def active(self) -> frozenset[str]:
+        raise EngineError("no answer")
+
+
+def test_a_run_that_cannot_be_audited_fails_with_its_samples() -> None:
+    done = run(Unauditable, 0)
+    assert (done.outcome, done.reason) == ("failed", "cannot be audited: no answer")
+    assert done.trajectory is not None
+
+
+def test_a_run_that_diverged_stays_so_though_it_cannot_be_audited() -> None:
+    class Both(Warns, Unauditable):
+        pass
+
+    assert run(Both, EARLY).reason == "it warns"
