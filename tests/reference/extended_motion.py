@@ -14,10 +14,10 @@ DIGITS = 60
 BITS = 260
 #: Step over the distance of the nearest pole of the motion as a function of complex time.
 STEP = mpf(1) / 3
-#: rad, at most, turned in a step: of e^{8i}, the series leaves out 8^91/91! = 1e-58.
+#: rad, at most, turned in a step: of e^{8i}, the series leaves out 8^101/101! = 2e-69.
 TURN = 8
-#: STEP^ORDER = 1e-43, to be multiplied by a few hundred steps.
-ORDER = 90
+#: STEP^ORDER = 2e-48, to be multiplied by a few hundred steps.
+ORDER = 100
 CYCLIC = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
 

@@ -1,0 +1,99 @@
+"""Lagrange's top whichever axis is its own, whichever way gravity pulls."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from closed_form_checks import GOAL, apart
+from heavy_tops import tilted, top
+from mpmath import mp, mpf
+from spincheck.reference.closed_forms import closed_form
+from spincheck.reference.lagrange import lagrange
+from spincheck.reference.problem import Problem
+from spincheck.reference.taylor import integrate
+from spincheck.scenarios.exact import Quaternion, conjugate, normalised, product, rotate
+from taylor_problems import problem
+
+DIGITS = 60
+TIMES = np.linspace(0.0, 20.0, 41)
+TOP = top((0.1, 0.4, 3.0), tilted(0.5))
+#: Turns of a cube that take the third axis to each of the six directions, and two others.
+CUBE = {
+    "+x": (1, 0, 1, 0),
+    "-x": (1, 0, -1, 0),
+    "+y": (1, -1, 0, 0),
+    "-y": (1, 1, 0, 0),
+    "+z": (1, 0, 0, 1),
+    "-z": (0, 1, 0, 0),
+    "-z, turned": (0, 1, 1, 0),
+}
+TURNS = {**CUBE, "anywhere": (1, -2, 3, 5), "almost −z": (1e-9, 1, 0, 0)}
+
+
+def quaternion(components: tuple[float, ...]) -> Quaternion:
+    return normalised(components)
+
+
+def with_axes_turned(p: Problem, turn: Quaternion) -> Problem:
+    """The same body in axes from which `turn` leads to the old ones; moments stay diagonal."""
+    with mp.workdps(DIGITS):
+
+        def to_new(v: tuple[mpf, ...]) -> tuple[mpf, ...]:
+            # A turn of a cube moves integers: rounding must not tilt the lever off the axis.
+            return tuple(c if abs(c) > mpf(10) ** -50 else mpf(0) for c in rotate(turn, v))
+
+        third = [abs(c) for c in to_new((mpf(0), mpf(0), mpf(1)))]
+        odd = third.index(max(third))
+        return replace(
+            p,
+            moments=tuple(p.moments[2 if k == odd else 0] for k in range(3)),
+            q_world_axes=product(p.q_world_axes, conjugate(turn)),
+            omega_axes=to_new(p.omega_axes),
+            lever_axes=to_new(p.lever_axes),
+        )
+
+
+def with_world_turned(p: Problem, turn: Quaternion) -> Problem:
+    with mp.workdps(DIGITS):
+        return replace(
+            p,
+            q_world_axes=product(turn, p.q_world_axes),
+            gravity_world=rotate(turn, p.gravity_world),
+        )
+
+
+@pytest.mark.parametrize("turn", CUBE.values(), ids=CUBE)
+def test_the_axis_may_be_any_principal_axis_either_way(turn):
+    p = with_axes_turned(TOP, quaternion(turn))
+    assert apart(lagrange(p).states(TIMES), integrate(p, TIMES)) < GOAL
+
+
+@pytest.mark.parametrize("turn", TURNS.values(), ids=TURNS)
+def test_gravity_may_pull_in_any_direction(turn):
+    p = with_world_turned(TOP, quaternion(turn))
+    assert apart(lagrange(p).states(TIMES), integrate(p, TIMES)) < GOAL
+
+
+@pytest.mark.parametrize("lever", [(0.3, 0.6, -0.2), (0.0, -1.0, 0.0), (1e-9, 0.0, -1.0)])
+def test_the_lever_of_a_sphere_may_point_anywhere(lever):
+    p = problem((2.0, 2.0, 2.0), (2.0, 0.3, 0.1), (1, 0.2, 0.3, 0.4), lever, (0.0, -1.0, 3.0))
+    assert apart(closed_form(p).states(TIMES), integrate(p, TIMES)) < GOAL
+
+
+def test_a_negative_lever_is_not_a_positive_one():
+    reversed_lever = replace(TOP, lever_axes=tuple(-c for c in TOP.lever_axes))
+    assert apart(lagrange(reversed_lever).states(TIMES), integrate(TOP, TIMES)) > GOAL
+
+
+@pytest.mark.parametrize("turn", TURNS.values(), ids=TURNS)
+def test_asleep_it_stays_so_in_any_world(turn):
+    """The world's turn is exact to sixty digits only: a tilt of 1e-60 must not grow to a fall."""
+    p = with_world_turned(top((0.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0)), quaternion(turn))
+    _, omega = lagrange(p).states(np.array([1e3, 1e6]))
+    assert (omega == [0.0, 0.0, 1.0]).all()
+
+
+def test_the_sign_of_a_quaternion_is_kept():
+    minus = replace(TOP, q_world_axes=tuple(-c for c in TOP.q_world_axes))
+    q, omega = lagrange(TOP).states(TIMES)
+    assert apart(lagrange(minus).states(TIMES), (-q, omega)) < GOAL

@@ -1,0 +1,149 @@
+"""Motions of Lagrange's top that formulas divide by zero at: poles, rest, steady, separatrix."""
+
+import numpy as np
+import pytest
+from closed_form_checks import GOAL, apart
+from extended_motion import DIGITS, ExtendedMotion
+from heavy_tops import DOWN, UP, tilted, top
+from mpmath import mp, mpf
+from spincheck.reference.lagrange import lagrange
+from spincheck.reference.problem import Problem
+from spincheck.reference.taylor import integrate
+
+LATER = np.array([0.0, 1.0, 1e3, 1e9])
+#: |B| = sin β/2 of a top that has fallen far from upright.
+FALLEN = 0.9
+
+UPRIGHT = {
+    "asleep": top((0.0, 0.0, 5.0), UP),
+    "asleep, barely": top((0.0, 0.0, 4.0), UP),  # (I3 ω3)² = 4 M g l I1
+    "asleep, unstably": top((0.0, 0.0, 0.1), UP),
+    "asleep, turned": top((0.0, 0.0, -5.0), (0.6, 0.0, 0.0, 0.8)),
+    "balanced": top((0.0, 0.0, 0.0), UP),
+    "hanging": top((0.0, 0.0, 0.0), DOWN),
+    "hanging, spinning": top((0.0, 0.0, 3.0), (0.0, 0.6, 0.8, 0.0)),
+    "hanging by a negative lever": top((0.0, 0.0, 3.0), UP, kappa=-1.0),
+}
+
+
+@pytest.mark.parametrize("p", UPRIGHT.values(), ids=UPRIGHT)
+def test_an_axis_that_stands_or_hangs_upright_stays(p):
+    q, omega = lagrange(p).states(LATER)
+    assert (omega == np.array(p.omega_axes, dtype=float)).all()
+    start = [float(abs(c)) for c in (mp.mpc(*p.q_world_axes[::3]), mp.mpc(*p.q_world_axes[1:3]))]
+    standing = np.stack([np.hypot(q[:, 0], q[:, 3]), np.hypot(q[:, 1], q[:, 2])], axis=1)
+    assert np.abs(standing - start).max() < GOAL
+
+
+@pytest.mark.parametrize("p", UPRIGHT.values(), ids=UPRIGHT)
+def test_it_turns_at_its_spin(p):
+    times = np.linspace(0.0, 10.0, 21)
+    assert apart(lagrange(p).states(times), integrate(p, times)) < GOAL
+
+
+def test_a_kick_of_a_millionth_wakes_an_unstable_one():
+    times = np.linspace(0.0, 40.0, 401)
+    q, _ = lagrange(top((1e-6, 0.0, 0.1), UP)).states(times)
+    assert np.hypot(q[:, 1], q[:, 2]).max() > FALLEN
+
+
+def steady(cos_beta: mpf, precession: mpf) -> Problem:
+    """κ = Ω (p_γ − I1 Ω cos β) (Goldstein §5.7) for I1 = κ = 1, I3 = 1/2, in sixty digits."""
+    p = top((0.0, 0.0, 0.0), UP)
+    with mp.workdps(DIGITS):
+        spin = 2 * (1 / precession + precession * cos_beta)
+        half = mp.acos(cos_beta) / 2
+        q = (mp.cos(half), mpf(0), mp.sin(half), mpf(0))
+        omega = (-precession * mp.sin(2 * half), mpf(0), spin)
+        return Problem(**{**vars(p), "q_world_axes": q, "omega_axes": omega})
+
+
+STEADY = {
+    "slow": steady(mpf(1) / 2, mpf(1) / 3),
+    "fast": steady(mpf(1) / 2, mpf(5)),
+    "level": steady(mpf(0), mpf(1)),
+    "low": steady(-mpf(3) / 4, mpf(2)),
+    "nearly upright": steady(1 - mpf(10) ** -24, mpf(1)),
+    "conical pendulum": steady(-mpf(1) / 4, mpf(2)),  # 1/Ω = −Ω cos β: no spin
+}
+
+
+@pytest.mark.parametrize("p", STEADY.values(), ids=STEADY)
+def test_steady_precession_is_steady(p):
+    q, omega = lagrange(p).states(np.concatenate([LATER, np.linspace(1e6, 1e6 + 10, 50)]))
+    A = np.abs(complex(p.q_world_axes[0]))
+    assert np.abs(np.hypot(q[:, 0], q[:, 3]) - A).max() < GOAL
+    across = float(abs(p.omega_axes[0]))
+    assert np.abs(np.hypot(omega[:, 0], omega[:, 1]) - across).max() < GOAL * max(1.0, across)
+
+
+@pytest.mark.parametrize(("name", "rate"), [("slow", 1 / 3), ("fast", 5.0), ("level", 1.0)])
+def test_it_precesses_at_the_rate_it_was_made_for(name, rate):
+    half_a_turn = np.array([0.0, np.pi / rate])
+    q, _ = lagrange(STEADY[name]).states(half_a_turn)
+    A, B = q[:, 0] + 1j * q[:, 3], q[:, 2] - 1j * q[:, 1]
+    # arg(A B) = α: half a turn changes its sign.
+    assert abs(A[1] * B[1] + A[0] * B[0]) < 4 * GOAL
+
+
+@pytest.mark.parametrize("p", STEADY.values(), ids=STEADY)
+def test_a_nudge_makes_it_nutate(p):
+    w1, w2, w3 = p.omega_axes
+    nudged = Problem(**{**vars(p), "omega_axes": (w1, w2 + mpf(10) ** -5, w3)})
+    q, _ = lagrange(nudged).states(np.linspace(0.0, 20.0, 200))
+    assert np.ptp(np.hypot(q[:, 1], q[:, 2])) > 1e6 * GOAL
+
+
+def falling(cos_beta: mpf, spin: mpf) -> Problem:
+    """Energy and L of a top asleep at this spin, below the threshold, met on its way down."""
+    p = top((0.0, 0.0, 0.0), UP)
+    with mp.workdps(DIGITS):
+        d, delta = spin / 2, 1 - cos_beta  # I3 = 1/2, I1 = κ = 1
+        sine = mp.sqrt(1 - cos_beta**2)
+        # (L − L3 e3)·(−ĝ) = d δ and |ω⊥|² = 2 δ; −γ = (sin β, 0, −cos β) at this attitude.
+        w1 = -d * delta / sine
+        w2 = mp.sqrt(2 * delta - w1**2)
+        half = mp.acos(cos_beta) / 2
+        q = (mp.cos(half), mpf(0), mp.sin(half), mpf(0))
+        return Problem(**{**vars(p), "q_world_axes": q, "omega_axes": (w1, w2, spin)})
+
+
+SEPARATRICES = {
+    "pendulum, from below": top((0.0, 2.0, 0.0), DOWN),
+    "pendulum, the other way": top((-2.0, 0.0, 0.0), DOWN),
+    "pendulum, on its way": falling(mpf(1) / 2, mpf(0)),
+    "top, falling": falling(mpf(1) / 2, mpf(1)),
+    "top, falling fast": falling(mpf(9) / 10, mpf(3)),
+}
+
+
+@pytest.mark.parametrize("p", SEPARATRICES.values(), ids=SEPARATRICES)
+def test_the_separatrix_is_exact(p):
+    """Against sixty digits, until e^t has grown their errors to a double's."""
+    times = np.linspace(0.0, 25.0, 11)
+    with mp.workdps(DIGITS):
+        motion = ExtendedMotion(p, mpf(1), mpf(3), mpf(26))
+    states = [motion.state(mpf(t)) for t in times]
+    truth = tuple(np.array([s[k] for s in states], dtype=float) for k in range(2))
+    assert apart(lagrange(p).states(times), truth) < GOAL
+
+
+@pytest.mark.parametrize("p", SEPARATRICES.values(), ids=SEPARATRICES)
+def test_the_separatrix_ends_upright(p):
+    q, _ = lagrange(p).states(np.array([1e3, 1e9]))
+    assert np.hypot(q[:, 1], q[:, 2]).max() < GOAL
+    assert lagrange(p).period == np.inf
+
+
+def test_a_pendulum_an_ulp_faster_goes_on():
+    q, _ = lagrange(top((0.0, np.nextafter(2.0, 3.0), 0.0), DOWN)).states(np.linspace(0, 1e3, 1001))
+    assert np.hypot(q[200:, 1], q[200:, 2]).max() > FALLEN
+
+
+def test_a_pendulum_is_huygens():
+    """Small swings have period 2π√(I1/M g l), and amplitude β0 lengthens them by 1 + β0²/16."""
+    beta0 = 1e-3
+    pendulum = lagrange(top((0.0, 0.0, 0.0), tilted(np.pi - beta0)))
+    # cos β has twice the frequency; the next term of the series is 11 β0⁴/3072.
+    assert 2 * pendulum.period == pytest.approx(2 * np.pi * (1 + beta0**2 / 16), rel=beta0**4)
+    assert 2 * pendulum.period != pytest.approx(2 * np.pi, rel=beta0**4)
