@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from statistics import median
 
 import numpy as np
 
@@ -18,6 +19,8 @@ COMPARED_TURN = 0.01
 MOST_STEPS = 1 << 14
 #: Times at which the two motions are compared.
 COMPARED = 64
+#: Equal sessions, where passes are timed one by one: what they differ by is noise.
+CONTROLS = 3
 
 
 @dataclass(frozen=True)
@@ -91,7 +94,7 @@ class PassCosts:
     Attributes
     ----------
     pruned : CPU seconds a step with none of them
-    noise : what two equal sessions differ by, in the same units as `added` and `saved`
+    noise : what equal sessions differ by, in the same units as `added` and `saved`
     """
 
     key: Key
@@ -145,23 +148,22 @@ def pass_costs(scenario: Scenario, engine: Engine, method: Method) -> PassCosts 
         return partial(_unpruned, engine, scenario, method, timestep, left_in)
 
     others = [[other for other in names if other != name] for name in names]
-    timed = interleaved(
-        [
-            opening([]),
-            opening([]),
-            opening(names),
-            *(opening([name]) for name in names),
-            *(opening(left_in) for left_in in others),
-        ]
-    )
+    groups: list[Sequence[Sequence[str]]] = [
+        CONTROLS * [()],
+        CONTROLS * [names],
+        [(name,) for name in names],
+        others,
+    ]
+    timed = interleaved([opening(left_in) for group in groups for left_in in group])
     if not all(timed):
         return None
-    pruned, again, unpruned, *rest = (_least(stretches) for stretches in timed)
-    alone, without = rest[: len(names)], rest[len(names) :]
+    seconds = iter(_least(stretches) for stretches in timed)
+    bare, whole, alone, without = ([next(seconds) for _ in group] for group in groups)
+    pruned, unpruned = median(bare), median(whole)
     return PassCosts(
         Key(scenario.name, engine.name, method.name),
         pruned,
-        abs(again / pruned - 1),
+        max(max(control) - min(control) for control in (bare, whole)) / pruned,
         tuple(
             PassCost(name, (added - pruned) / pruned, (unpruned - saved) / pruned)
             for name, added, saved in zip(names, alone, without, strict=True)

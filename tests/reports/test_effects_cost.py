@@ -138,7 +138,7 @@ def test_a_pass_that_costs_only_beside_another_is_saved_and_not_added(clock: Clo
         assert saved == pytest.approx(0.25, abs=TICK)
 
 
-def test_the_noise_is_what_two_equal_sessions_differ_by(clock: Clock) -> None:
+def test_the_noise_is_what_equal_sessions_differ_by(clock: Clock) -> None:
     opened: list[Clockwork] = []
 
     def make(left_in: Collection[str]) -> Clockwork:
