@@ -26,7 +26,7 @@ ODD_SINE, ODD_COSINE, EVEN_SINE, EVEN_COSINE = range(4)
 
 @dataclass(frozen=True)
 class Lattice:
-    """The periods that belong to a parameter.
+    """The periods that belong to a parameter, in the digits they are first asked for with.
 
     Attributes
     ----------

@@ -37,7 +37,7 @@ def free_symmetric(problem: Problem) -> ClosedForm:
     sphere = equal(min(problem.moments), max(problem.moments))
     if not is_free(problem) or (axis is None and not sphere):
         raise ValueError("'problem' must be a free body with two equal moments.")
-    if sphere or turns_rigidly(problem):
+    if axis is None or turns_rigidly(problem):
         return rigid_rotation(problem)
     with mp.workdps(DIGITS):
         if dot(axis, problem.omega_axes) < 0:

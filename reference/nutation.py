@@ -8,8 +8,8 @@ mass, and κ = M g l. In units of I1, constants and cubic are (Goldstein §5.7; 
     u = u1 + (u2 − u1) sn²(p t + u0 | m)    p² = b (u3 − u1)/4    m = (u2 − u1)/(u3 − u1)
 
 A top that sleeps, or passes close to a pole, has roots that agree in many digits. So heights are
-measured from the pole nearer to the start: u = σ (1 − δ), σ = ±1, and all small numbers keep
-their relative accuracy.
+measured from the pole nearer to the start, or from the upper one if the energy is just enough to
+reach it: u = σ (1 − δ), σ = ±1, and all small numbers keep their relative accuracy.
 """
 
 from typing import NamedTuple
@@ -61,13 +61,21 @@ class Constants(NamedTuple):
 
 
 def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
-    """The constants from a start, differences of what agrees to working precision being zero.
+    """The constants from a start, told from the pole that is nearer or that it can just reach."""
+    upper = _constants_from(1, start, omega, b, d)
+    if upper.delta <= 1 or (upper.excess == 0 and upper.e == 0):
+        return upper
+    return _constants_from(-1, start, omega, b, d)
+
+
+def _constants_from(pole: int, start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
+    """The constants, differences of what agrees to working precision being zero.
 
     With γ the upward vertical along the top's axes, −γ1 + iγ2 = 2 A B*.
     """
     W = transverse(omega)
-    pole = 1 if abs(start.A) >= abs(start.B) else -1
-    delta = 2 * min(abs(start.A), abs(start.B)) ** 2
+    tilt = abs(start.B if pole > 0 else start.A)
+    delta = 2 * tilt**2
     turned = 2 * start.A * mp.conj(start.B) * mp.conj(W)  # −u̇ + i (ω1 γ1 + ω2 γ2)
     W_squared = abs(W) ** 2
     return Constants(
@@ -75,7 +83,7 @@ def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
         b,
         d,
         _difference(W_squared, pole * b * delta),
-        _difference(turned.imag, pole * d * delta),
+        _difference(turned.imag, pole * d * delta, 2 * tilt * abs(W)),
         delta,
         W_squared,
         bool(turned.real <= 0),
@@ -169,5 +177,5 @@ def _within_bounds(deltas: list[mpf], pole: int) -> Vector:
     return max(d1, mpf(0)), min(d2, mpf(2)), max(d3, mpf(2))
 
 
-def _difference(a: mpf, b: mpf) -> mpf:
-    return mpf(0) if equal(a, b) else a - b
+def _difference(a: mpf, b: mpf, scale: mpf = 0) -> mpf:
+    return mpf(0) if equal(a, b, scale) else a - b

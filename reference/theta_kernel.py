@@ -9,11 +9,16 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..scenarios import FloatArray
 from .doubledouble import two_prod, two_sum
 from .elliptic import EVEN_SINE, ODD_COSINE, ODD_SINE
 from .kernel import kernel
+
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+Quaternion = tuple[float, float, float, float]
 
 #: Beyond this argument a motion that ends on the separatrix's saddle is there: e^-300 = 5e-131.
 FAR = 300.0
@@ -42,17 +47,14 @@ class Tables(NamedTuple):
     hyperbolic: bool
     endless: bool
     clock: FloatArray
-    kinds: FloatArray
+    kinds: IntArray
     coefficients: FloatArray
-    halved: FloatArray
-    power: FloatArray
+    halved: BoolArray
+    power: IntArray
     phases: FloatArray
     left: FloatArray
     right: FloatArray
     axes: FloatArray
-
-
-Quaternion = tuple[float, float, float, float]
 
 
 @kernel

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from closed_form_checks import GOAL, apart
-from heavy_tops import tilted, top
+from heavy_tops import DOWN, tilted, top
 from mpmath import mp, mpf
 from spincheck.reference.closed_forms import closed_form
 from spincheck.reference.lagrange import lagrange
@@ -91,6 +91,13 @@ def test_asleep_it_stays_so_in_any_world(turn):
     p = with_world_turned(top((0.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0)), quaternion(turn))
     _, omega = lagrange(p).states(np.array([1e3, 1e6]))
     assert (omega == [0.0, 0.0, 1.0]).all()
+
+
+@pytest.mark.parametrize("turn", TURNS.values(), ids=TURNS)
+def test_on_the_separatrix_it_ends_upright_in_any_world(turn):
+    """As above: what is off by 1e-60 must not come down again."""
+    p = with_world_turned(top((0.0, 2.0, 0.0), DOWN), quaternion(turn))
+    assert lagrange(p).period == np.inf
 
 
 def test_the_sign_of_a_quaternion_is_kept():
