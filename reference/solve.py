@@ -18,6 +18,8 @@ from .taylor import CHECK_ORDERS, integrate
 EPS = float(np.finfo(float).eps)
 #: Rounding of the states to double and of L and E computed from them, in ulp.
 ROUNDING = 8 * EPS
+#: rad a radian turned: a closed form's phase is a rate in double-double, within EPS²/4, times t.
+PHASE_ROUNDING = EPS**2
 #: rad; how far along a closed form is compared with the ODE: a tenth of a second of its time.
 CHECKED_TURN = 5e3
 #: Samples at which it is compared.
@@ -72,10 +74,11 @@ def _solve_closed(
     checked = _checked_samples(trajectory)
     other = motion(scenario, problem, times[checked], integrate(problem, times[checked]))
     difference = errors_between(scenario, _take(trajectory, checked), other)
+    turned = _fastest(trajectory) * float(times[-1])
     return Solution(
         trajectory=trajectory,
         method=closed.label,
-        uncertainty=_at_least(difference, ROUNDING + closed.residual),
+        uncertainty=_at_least(difference, ROUNDING + closed.residual + PHASE_ROUNDING * turned),
         conditioning=_conditioning(scenario, trajectory, shadow),
     )
 
@@ -101,10 +104,15 @@ def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
 
 def _checked_samples(trajectory: Trajectory) -> FloatArray:
     """Indices of a few samples, spread over the span that the ODE reaches in good time."""
-    fastest = float(np.linalg.norm(trajectory.omega_body, axis=1).max())
+    fastest = _fastest(trajectory)
     reach = CHECKED_TURN / fastest if fastest else np.inf
     reached = int(np.searchsorted(trajectory.t, reach, side="right"))
     return np.unique(np.linspace(0, max(reached - 1, 0), CHECKED_SAMPLES).astype(int))
+
+
+def _fastest(trajectory: Trajectory) -> float:
+    """max |ω|, rad/s."""
+    return float(np.linalg.norm(trajectory.omega_body, axis=1).max())
 
 
 def _take(trajectory: Trajectory, indices: FloatArray) -> Trajectory:
