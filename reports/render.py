@@ -11,6 +11,7 @@ from . import overview, scene_tables
 from .cost_section import LEGEND, cost_section, scene_costs
 from .figures import figures
 from .gather import Gathered, SceneRuns, gather
+from .left_out_tables import effects_table, harm_in_words, passes_tables
 from .links import scene_page
 from .markdown import code_block, escaped, to_html
 from .protocol import constants
@@ -42,7 +43,13 @@ def render(results: Results, folder: Path) -> Path:
     protocol = environment.get_template("protocol.md").render(p=constants())
     (folder / "scenes").mkdir(parents=True, exist_ok=True)
     _write_assets(folder / "assets")
-    shared = {"gathered": gathered, **_overview(gathered), "protocol": protocol}
+    left_out = (
+        effects_table(results.effects),
+        passes_tables(results.passes),
+        harm_in_words(results.effects),
+    )
+    shared = {**_overview(gathered), "gathered": gathered, "left_out": left_out}
+    shared["protocol"] = protocol
     index = folder / "index.html"
     _write(index, environment.get_template("index.html").render(root="", **shared))
     contents = [_scene(scene) for scene in gathered.scenes]

@@ -7,13 +7,14 @@ another engine or another spincheck is dropped (`Store.keep_made_by`).
 import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 from ..reference import Solution
 from ..scenarios import Scenario
 from . import table_records
+from .effects_cost import EffectsCost, PassCosts
 from .records import UNSOLVED, Key, Row, Verdict
 from .result_file import opened
 
@@ -33,6 +34,10 @@ CREATE TABLE rows (
 CREATE TABLE costs (
     scenario TEXT, engine TEXT, method TEXT, processor TEXT NOT NULL, seconds_per_step REAL,
     seconds_spread REAL, PRIMARY KEY (scenario, engine, method));
+-- What pruning saves: an EffectsCost, or the PassCosts of a method, as JSON.
+CREATE TABLE left_out (
+    scenario TEXT, engine TEXT, method TEXT, kind TEXT, record TEXT NOT NULL,
+    PRIMARY KEY (scenario, engine, method, kind));
 -- Timesteps are empty for a ladder; the step limit is that of a ladder it cut short, else null.
 CREATE TABLE verdicts (
     scenario TEXT, engine TEXT, method TEXT, timesteps TEXT, verdict TEXT NOT NULL,
@@ -40,7 +45,7 @@ CREATE TABLE verdicts (
     limit_estimate REAL, broken TEXT NOT NULL, as_shipped INTEGER NOT NULL, step_limit INTEGER,
     PRIMARY KEY (scenario, engine, method, timesteps));
 """
-_OF_SCENES = ("made_by", "scenes", "rows", "costs", "verdicts")
+_OF_SCENES = ("made_by", "scenes", "rows", "costs", "left_out", "verdicts")
 _ONE_ENGINE = "scenario = ? AND engine = ?"
 _ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
 
@@ -61,6 +66,8 @@ class Results:
     scenes: dict[str, SceneResult]
     rows: list[Row]
     verdicts: list[Verdict]
+    effects: list[EffectsCost] = field(default_factory=list)
+    passes: list[PassCosts] = field(default_factory=list)
 
 
 class Store:
@@ -94,7 +101,7 @@ class Store:
 
     def _drop(self, scenario: str, engine: str) -> int:
         """Drop what an engine did on a scene, or with no engine the scene and all of them."""
-        tables = ("rows", "costs", "verdicts") if engine else _OF_SCENES
+        tables = ("rows", "costs", "left_out", "verdicts") if engine else _OF_SCENES
         where = _ONE_ENGINE if engine else "scenario = ?"
         names = (scenario, engine) if engine else (scenario,)
         verdicts = self._select("verdicts", where, names)
@@ -156,6 +163,11 @@ class Store:
         with self._connection:
             self._put("costs", record)
 
+    def put_left_out(self, found: EffectsCost | PassCosts) -> None:
+        """Record what a method leaves out of a scene saves."""
+        with self._connection:
+            self._put("left_out", table_records.of_left_out(found))
+
     def settled(self, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
         """The verdicts there are on what is asked for; not those that a lesser limit cut short.
 
@@ -195,11 +207,17 @@ class Store:
         rows = self._select("rows", order="scenario, engine, method, -timestep")
         scenes = self._select("scenes", order="scenario")
         environment = self._select("environment", order="name")
+        left_out = [
+            table_records.left_out(record)
+            for record in self._select("left_out", order="scenario, engine, method")
+        ]
         return Results(
             environment={record["name"]: record["value"] for record in environment},
             scenes={r["scenario"]: SceneResult(*table_records.scene(r)) for r in scenes},
             rows=[table_records.row(r, costs.get(table_records.key(r))) for r in rows],
             verdicts=self._verdicts(_asked(timesteps)),
+            effects=[found for found in left_out if isinstance(found, EffectsCost)],
+            passes=[found for found in left_out if isinstance(found, PassCosts)],
         )
 
     def _verdicts(self, asked: str) -> list[Verdict]:

@@ -9,7 +9,7 @@ from .terminal import table
 
 
 def print_results(results: Results) -> None:
-    """Print the verdicts, scenes down and methods across, then why each is not `converges`."""
+    """Print the verdicts, scenes down and methods across, then why any is not `converges`."""
     methods = {
         (v.key.engine, v.key.method): ", as shipped" if v.as_shipped else ""
         for v in results.verdicts
@@ -28,9 +28,12 @@ def print_results(results: Results) -> None:
             for scene in sorted({v.key.scenario for v in results.verdicts})
         ]
     )
+    differing = [v for v in results.verdicts if v.verdict not in ("converges", "unsupported")]
     for verdict in results.verdicts:
-        if verdict.verdict not in ("converges", "unsupported") or verdict.broken:
+        if verdict.broken or (verdict in differing and not verdict.as_shipped):
             print(_sentence(verdict))
+    if shipped := sum(verdict.as_shipped for verdict in differing):
+        print(f"{shipped} times an engine as shipped does not converge; the report says why.")
 
 
 def results_as_json(results: Results) -> dict[str, Any]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..reference import Solution
 from ..scenarios import Errors, Scenario, Trajectory, loads
+from .effects_cost import EffectsCost, PassCost, PassCosts, Ratio
 from .records import Key, Row, Verdict
 from .result_file import ResultFileError
 
@@ -66,6 +67,12 @@ def of_verdict(verdict: Verdict) -> dict[str, Any]:
         "broken": json.dumps(verdict.broken),
         "as_shipped": verdict.as_shipped,
     }
+
+
+def of_left_out(found: EffectsCost | PassCosts) -> dict[str, Any]:
+    """What pruning saves, for the table `left_out`."""
+    record = asdict(found)
+    return {**record.pop("key"), "kind": type(found).__name__, "record": json.dumps(record)}
 
 
 def _told(read: Callable[..., T]) -> Callable[..., T]:
@@ -122,6 +129,17 @@ def verdict(record: sqlite3.Row) -> Verdict:
 def key(record: sqlite3.Row) -> Key:
     """What a record of `rows`, `costs` or `verdicts` is about."""
     return Key(record["scenario"], record["engine"], record["method"])
+
+
+@_told
+def left_out(record: sqlite3.Row) -> EffectsCost | PassCosts:
+    """What pruning saves, of the table `left_out`."""
+    found = json.loads(record["record"])
+    if record["kind"] == EffectsCost.__name__:
+        left_out, ratio = tuple(found.pop("left_out")), Ratio(**found.pop("ratio"))
+        return EffectsCost(key(record), left_out, ratio=ratio, **found)
+    passes = tuple(PassCost(**one) for one in found.pop("passes"))
+    return PassCosts(key(record), passes=passes, **found)
 
 
 def _pack(motion: Trajectory) -> bytes:
