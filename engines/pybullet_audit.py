@@ -151,10 +151,23 @@ class _Probe:
         """What spinning adds to the torque at rest, N m, (3,)."""
         return self.gains(self.spin_world)[1] - self.gains(np.zeros(3))[1]
 
-    def resists_as_the_scene(self) -> bool:
-        """Whether that is the scene's drag, or nothing where there is none."""
-        drag_world = -self.scenario.drag * self.spin_world
-        return _near(self.resistance(), drag_world, self.noise)
+    def unlike(self) -> tuple[str, str, str]:
+        """How torque, resistance and force differ from the scene's, in words; empty if they do not.
+
+        Gravity, which has ended, is no part of the force; nor has a pivot one.
+        """
+        torque, force, resistance = "", "", ""
+        _, at_rest = self.gains(np.zeros(3))
+        momentum, spinning = self.gains(self.spin_world)
+        slow = _size(self.spin_world)
+        if not _near(at_rest, self.push_world, self.noise):
+            torque = f"a torque of {_size(at_rest)} N m at rest"
+        if not _near(spinning - at_rest, -self.scenario.drag * self.spin_world, self.noise):
+            resistance = f"a resistance of {_size(spinning - at_rest)} N m at {slow} rad/s"
+        faint = SLACK * PROBE_SPIN * self.held.mass
+        if not (self.scenario.has_pivot or _near(momentum, np.zeros(3), faint)):
+            force = f"a force of {_size(momentum)} N at {slow} m/s"
+        return torque, resistance, force
 
     @property
     def noise(self) -> float:
@@ -174,23 +187,15 @@ class _Probe:
 
 def _felt(probe: _Probe) -> set[str]:
     """Torques, drag and whatever slows the body, from what a step adds to the momenta."""
-    found: set[str] = set()
-    _, at_rest = probe.gains(np.zeros(3))
-    if not _near(at_rest, probe.push_world, probe.noise):
-        found.add(f"a torque of {_size(at_rest)} N m at rest")
-    slow = _size(probe.spin_world)
-    if not probe.resists_as_the_scene():
-        found.add(f"a resistance of {_size(probe.resistance())} N m at {slow} rad/s")
-    force, _ = probe.gains(probe.spin_world)
-    faint = SLACK * PROBE_SPIN * probe.held.mass
-    if not (probe.scenario.has_pivot or _near(force, np.zeros(3), faint)):
-        found.add(f"a force of {_size(force)} N at {slow} m/s")
-    found |= _slowing_defaults(probe)
-    # Of what the scene calls for, once nothing else acts.
-    _, at_rest = probe.gains(np.zeros(3))
-    if _near(at_rest, probe.push_world, probe.noise):
+    torque, resistance, force = probe.unlike()
+    found = {words for words in (torque, resistance, force) if words}
+    if found:
+        found |= _slowing_defaults(probe)
+        # Of what the scene calls for, once nothing else acts.
+        torque, resistance, _ = probe.unlike()
+    if not torque:
         found |= probe.scenario.called_for & {"torque_body", "torque_world"}
-    if probe.resists_as_the_scene():
+    if not resistance:
         found |= probe.scenario.called_for & {"drag"}
     # Last: the attitude is another after so fast a step.
     return found | ({"velocity clamp"} if _is_clamped(probe) else set())
