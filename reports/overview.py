@@ -44,21 +44,27 @@ class Matrix:
 
 
 def headline(gathered: Gathered) -> str:
-    """What came out, counted."""
-    verdicts = gathered.verdicts
+    """What came out, counted; engines as shipped are counted apart."""
+    verdicts = [verdict for verdict in gathered.verdicts if not verdict.as_shipped]
+    shipped = [verdict for verdict in gathered.verdicts if verdict.as_shipped]
     counts = Counter(verdict.verdict for verdict in verdicts)
     said = [f"{counts[word]} {_SAID[word][counts[word] > 1]}" for word in VERDICTS if counts[word]]
     broken = sum(bool(verdict.broken) for verdict in verdicts)
     promises = f" {plural(broken, 'method')} broke a promise of the scene's file." if broken else ""
     scenes = plural(len(gathered.scenes), "scene")
-    methods = plural(len(gathered.pairs), "method")
+    methods = plural(len({(v.key.engine, v.key.method) for v in verdicts}), "method")
     pairs = plural(len(verdicts), "pair")
-    return f"{scenes} × {methods}. Of {pairs} of a scene and a method, {_listed(said)}.{promises}"
+    text = f"{scenes} × {methods}. Of {pairs} of a scene and a method, {_listed(said)}.{promises}"
+    if shipped:
+        good = sum(verdict.verdict == "converges" for verdict in shipped)
+        text += f" Left as shipped, with all their defaults, engines converge {good} times of "
+        text += f"{len(shipped)}."
+    return text
 
 
 def counts(gathered: Gathered) -> list[Cell]:
-    """How many pairs got each verdict, those with none left out."""
-    found = Counter(verdict.verdict for verdict in gathered.verdicts)
+    """How many pairs got each verdict, those with none and engines as shipped left out."""
+    found = Counter(v.verdict for v in gathered.verdicts if not v.as_shipped)
     return [verdict_cell(word, str(found[word])) for word in VERDICTS if found[word]]
 
 
@@ -99,15 +105,22 @@ def methods_table(gathered: Gathered) -> Table:
     return table(headings, [_method_row(pair, gathered) for pair in gathered.pairs])
 
 
-def complaints(gathered: Gathered, words: Iterable[VerdictWord]) -> Table:
-    """Every verdict out of `words`, and every broken promise, with its reason."""
+def complaints(
+    gathered: Gathered, words: Iterable[VerdictWord], *, as_shipped: bool = False
+) -> Table:
+    """Every verdict out of `words`, and every broken promise, with its reason.
+
+    Either of engines as shipped or of the others.
+    """
     wanted = list(words)
     rows = []
     for word in VERDICTS:
         for scene in gathered.scenes:
             for runs in scene.methods:
                 verdict = runs.verdict
-                if verdict and verdict.verdict == word and (word in wanted or verdict.broken):
+                if not verdict or verdict.as_shipped != as_shipped or verdict.verdict != word:
+                    continue
+                if word in wanted or verdict.broken:
                     rows.append(_complaint(scene, runs, verdict))
     return table(("scene", "engine", "method", "verdict", "reason"), rows)
 

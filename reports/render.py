@@ -27,6 +27,9 @@ COMPLAINTS: tuple[tuple[VerdictWord, ...], ...] = (
     ("unsupported",),
 )
 
+#: What is said of an engine as shipped.
+SHIPPED: tuple[VerdictWord, ...] = ("disagrees", "failed", "diverges", "unresolved")
+
 
 def render(results: Results, folder: Path) -> Path:
     """Write index.html, report.md, assets/, and scenes/ as .html and .md; returns index.html.
@@ -103,6 +106,7 @@ def _overview(gathered: Gathered) -> dict[str, Any]:
         "methods": overview.methods_table(gathered),
         "costs": cost_section(gathered),
         "complaints": [overview.complaints(gathered, words) for words in COMPLAINTS],
+        "shipped": overview.complaints(gathered, SHIPPED, as_shipped=True),
         "environment": overview.environment_table(gathered),
     }
 

@@ -11,6 +11,8 @@ from made_up import METHODS, MISCHIEF, PRINTED, UNCERTAINTY, MadeUp, results
 from markdown_text import markdown_tables, outside_code, plain
 from page import Page, read_page
 from spincheck.reports import scene_tables
+from spincheck.reports.gather import gather
+from spincheck.reports.overview import complaints, headline
 from spincheck.reports.records import Verdict
 from spincheck.reports.render import TEMPLATES, render
 from spincheck.reports.store import SceneResult
@@ -279,3 +281,13 @@ def _value(text: str) -> float:
     """A printed number as a number."""
     plain = text.removeprefix("≤ ").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-"))
     return float(plain.replace("×10", "e"))
+
+
+def test_what_engines_do_as_shipped_is_told_apart() -> None:
+    made = results()
+    verdicts = [replace(v, as_shipped=True) for v in made.verdicts if v.verdict == "disagrees"]
+    assert verdicts
+    gathered = gather(replace(made, verdicts=verdicts))
+    assert complaints(gathered, ("disagrees",)).rows == ()
+    assert len(complaints(gathered, ("disagrees",), as_shipped=True).rows) == len(verdicts)
+    assert f"engines converge 0 times of {len(verdicts)}" in headline(gathered)
