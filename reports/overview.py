@@ -54,7 +54,9 @@ def headline(gathered: Gathered) -> str:
     scenes = plural(len(gathered.scenes), "scene")
     methods = plural(len({(v.key.engine, v.key.method) for v in verdicts}), "method")
     pairs = plural(len(verdicts), "pair")
-    text = f"{scenes} × {methods}. Of {pairs} of a scene and a method, {_listed(said)}.{promises}"
+    text = f"{scenes} × {methods}."
+    if verdicts:
+        text += f" Of {pairs} of a scene and a method, {_listed(said)}.{promises}"
     if shipped:
         good = sum(verdict.verdict == "converges" for verdict in shipped)
         text += f" Left as shipped, with all their defaults, engines converge {good} times of "
