@@ -71,9 +71,10 @@ def _solve_closed(
     shadow_form = closed_form(nudged)
     assert shadow_form is not None, "a nudge keeps the symmetry that the closed form rests on"
     shadow = motion(scenario, nudged, times, shadow_form.states(times))
-    checked = _checked_samples(trajectory)
-    other = motion(scenario, problem, times[checked], integrate(problem, times[checked]))
-    difference = errors_between(scenario, _take(trajectory, checked), other)
+    checked = _checked_times(trajectory)
+    by_ode = motion(scenario, problem, checked, integrate(problem, checked))
+    by_form = motion(scenario, problem, checked, closed.states(checked))
+    difference = errors_between(scenario, by_form, by_ode)
     turned = _fastest(trajectory) * float(times[-1])
     return Solution(
         trajectory=trajectory,
@@ -102,21 +103,19 @@ def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
     )
 
 
-def _checked_samples(trajectory: Trajectory) -> FloatArray:
-    """Indices of a few samples, spread over the span that the ODE reaches in good time."""
+def _checked_times(trajectory: Trajectory) -> FloatArray:
+    """A few samples, spread over the span that the ODE reaches in good time, and its end."""
     fastest = _fastest(trajectory)
     reach = CHECKED_TURN / fastest if fastest else np.inf
-    reached = int(np.searchsorted(trajectory.t, reach, side="right"))
-    return np.unique(np.linspace(0, max(reached - 1, 0), CHECKED_SAMPLES).astype(int))
+    within = trajectory.t[trajectory.t <= reach]
+    end = min(reach, trajectory.t[-1])
+    few = within[within < end][:: max(len(within) // CHECKED_SAMPLES, 1)]
+    return np.append(few, end)
 
 
 def _fastest(trajectory: Trajectory) -> float:
     """max |ω|, rad/s."""
     return float(np.linalg.norm(trajectory.omega_body, axis=1).max())
-
-
-def _take(trajectory: Trajectory, indices: FloatArray) -> Trajectory:
-    return Trajectory(**{name: values[indices] for name, values in vars(trajectory).items()})
 
 
 def _nudged(problem: Problem) -> Problem:

@@ -13,14 +13,11 @@ from legendre_motion import LegendreMotion, free_body, free_symmetric_body
 from legendre_top import heavy_top
 from mpmath import mp, mpf
 from spincheck.reference.closed_forms import closed_form
-from spincheck.reference.pose import pose
 from spincheck.reference.problem import Problem
-from spincheck.reference.solve import ROUNDING, solve
 from spincheck.reference.taylor import FINE_ORDERS, integrate_double_double
 from spincheck.reference.theta_quotients import ClosedForm
 from spincheck.scenarios.exact import DIGITS, exact, normalised
 from taylor_problems import TILTED, distance, problem, q_and_omega, truncation
-from top_scenes import TOP, scene
 
 EPS = float(np.finfo(float).eps)
 #: To half an ulp each: the argument, numerator, denominator and their quotient, the phase and its
@@ -144,19 +141,3 @@ def test_one_ulp_in_the_attitude_is_noticed(name):
     t = float(truth.period)
     states = integrate_double_double(turned, np.array([t]), FINE_ORDERS)
     assert distance_of_states(q_and_omega(states, 0), truth.state(t)) > truncation(FINE_ORDERS)
-
-
-#: s; where double-doubles no longer hold the phase of a top of about 1 rad/s to an ulp.
-AGES = 1e20
-#: The stated error may miss the true one by this factor at the most.
-HONESTY = 10.0
-
-
-def test_what_is_stated_of_a_closed_form_grows_with_the_turns_it_has_made():
-    scenario = scene(TOP, "euler_zyz_deg = [10, 50, 20]\nomega_body = [0.4, 0.3, 1.1]", effects="")
-    q, omega = free_symmetric_body(pose(scenario)).state(AGES)
-    stated = solve(scenario, np.array([0.0, AGES]))
-    got = stated.trajectory.q_world_body_wxyz[1], stated.trajectory.omega_body[1]
-    true_error = distance_of_states(tuple(exact(v) for v in got), (q, omega))
-    assert true_error > HONESTY * ROUNDING
-    assert true_error <= HONESTY * stated.uncertainty.attitude

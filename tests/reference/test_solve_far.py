@@ -1,0 +1,58 @@
+"""`solve` at times far beyond what the ODE reaches: closed forms still answer, and say how well."""
+
+from dataclasses import replace
+from importlib import import_module
+
+import numpy as np
+import pytest
+from legendre_motion import DIGITS, free_symmetric_body
+from mpmath import mp, mpf
+from spincheck.reference import solve
+from spincheck.reference.closed_forms import closed_form
+from spincheck.reference.pose import pose
+from spincheck.reference.solve import CHECKED_TURN, ROUNDING
+from taylor_problems import distance
+from top_scenes import ASYMMETRIC, TOP, scene
+
+START = "euler_zyz_deg = [10, 50, 20]\nomega_body = [0.4, 0.3, 1.1]"
+FREE = ""
+#: The stated error may miss the true one by this factor at the most.
+HONESTY = 10.0
+#: s; of a top of about 1 rad/s, ten thousand times what the ODE is taken to.
+FAR = 1e4 * CHECKED_TURN
+#: s; where double-doubles no longer hold its phase to an ulp.
+AGES = 1e20
+#: Relative, of a closed form's rates: far above rounding, and small.
+FAULT = 1e-9
+
+
+def test_what_is_stated_of_a_closed_form_grows_with_the_turns_it_has_made():
+    scenario = scene(TOP, START, FREE)
+    stated = solve(scenario, np.array([0.0, AGES]))
+    got = [mpf(x) for x in stated.trajectory.q_world_body_wxyz[1].tolist()]
+    q, _ = free_symmetric_body(pose(scenario)).state(AGES)
+    with mp.workdps(DIGITS):
+        true_error = min(distance([sign * x for x in got], q) for sign in (1, -1))
+    assert true_error > HONESTY * ROUNDING
+    assert true_error <= HONESTY * stated.uncertainty.attitude
+
+
+@pytest.mark.parametrize("body", [TOP, ASYMMETRIC], ids=["symmetric", "asymmetric"])
+@pytest.mark.parametrize("times", [[FAR], [0.0, FAR]], ids=["alone", "after the start"])
+class TestBeyondReach:
+    def test_a_right_closed_form_is_certain(self, body, times):
+        stated = solve(scene(body, START, FREE), np.array(times))
+        assert stated.uncertainty.attitude <= 2 * ROUNDING
+
+    def test_a_wrong_one_is_not(self, body, times, monkeypatch):
+        def faulty(problem):
+            form = closed_form(problem)
+            tables = form.tables
+            phases, clock = tables.phases.copy(), tables.clock.copy()
+            phases[:, 0] *= 1 + FAULT
+            clock[0] *= 1 + FAULT
+            return replace(form, tables=tables._replace(phases=phases, clock=clock))
+
+        monkeypatch.setattr(import_module("spincheck.reference.solve"), "closed_form", faulty)
+        stated = solve(scene(body, START, FREE), np.array(times))
+        assert stated.uncertainty.attitude > FAULT
