@@ -51,6 +51,29 @@ def test_a_scene_gives_an_item_for_its_reference_and_one_a_method(run):
     result.stdout.fnmatch_lines(["*sphere.toml::reference", "*sphere.toml::mujoco-RK4"])
 
 
+SHIPPED_PROMISE = """
+[[expect]]
+engine = "pybullet"
+method = "default"
+timestep = 0.01
+omega = {bound}
+"""
+
+
+def test_an_engine_as_shipped_is_no_item_unless_the_scene_promises_about_it(run):
+    promised = SPHERE.replace("A spinning", "A promised") + SHIPPED_PROMISE.format(bound=1.0)
+    result = run("--collect-only", "-q", sphere=SPHERE, promised=promised)
+    collected = [line for line in result.outlines if "-default" in line]
+    assert collected == ["promised.toml::pybullet-default"]
+
+
+@pytest.mark.parametrize(("bound", "outcome"), [(1.0, "passed"), (1e-12, "failed")])
+def test_of_an_engine_as_shipped_the_promise_is_judged_and_not_the_motion(run, bound, outcome):
+    text = SPHERE + SHIPPED_PROMISE.format(bound=bound)
+    result = run("-k", "pybullet-default", sphere=text)
+    assert {outcome: 1}.items() <= result.parseoutcomes().items()
+
+
 def test_a_good_scene_passes_on_both_engines_and_skips_with_the_reason(run):
     result = run(sphere=SPHERE)
     result.assert_outcomes(passed=9, skipped=1)
