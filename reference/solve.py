@@ -13,6 +13,7 @@ from .motion import motion
 from .pose import pose
 from .problem import Problem
 from .solution import MAX_UNCERTAINTY, Solution
+from .symmetry import gravity_torque_scale
 from .taylor import CHECK_ORDERS, integrate
 
 EPS = float(np.finfo(float).eps)
@@ -71,11 +72,12 @@ def _solve_closed(
     shadow_form = closed_form(nudged)
     assert shadow_form is not None, "a nudge keeps the symmetry that the closed form rests on"
     shadow = motion(scenario, nudged, times, shadow_form.states(times))
-    checked = _checked_times(trajectory)
+    rate = _rate(problem, trajectory)
+    checked = _checked_times(times, rate)
     by_ode = motion(scenario, problem, checked, integrate(problem, checked))
     by_form = motion(scenario, problem, checked, closed.states(checked))
     difference = errors_between(scenario, by_form, by_ode)
-    turned = _fastest(trajectory) * float(times[-1])
+    turned = rate * float(times[-1])
     return Solution(
         trajectory=trajectory,
         method=closed.label,
@@ -103,19 +105,19 @@ def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
     )
 
 
-def _checked_times(trajectory: Trajectory) -> FloatArray:
+def _rate(problem: Problem, trajectory: Trajectory) -> float:
+    """rad/s: of the turning, and of the swinging, which may be small and is no slower for that."""
+    turning = float(np.linalg.norm(trajectory.omega_body, axis=1).max())
+    across = sorted(problem.moments)[1]  # of a symmetric top, about the axes that it swings about
+    with mp.workdps(DIGITS):
+        return max(turning, float(mp.sqrt(gravity_torque_scale(problem) / across)))
+
+
+def _checked_times(times: FloatArray, rate: float) -> FloatArray:
     """A few samples, spread over the span that the ODE reaches in good time, and its end."""
-    fastest = _fastest(trajectory)
-    reach = CHECKED_TURN / fastest if fastest else np.inf
-    within = trajectory.t[trajectory.t <= reach]
-    end = min(reach, trajectory.t[-1])
-    few = within[within < end][:: max(len(within) // CHECKED_SAMPLES, 1)]
-    return np.append(few, end)
-
-
-def _fastest(trajectory: Trajectory) -> float:
-    """max |ω|, rad/s."""
-    return float(np.linalg.norm(trajectory.omega_body, axis=1).max())
+    end = min(CHECKED_TURN / rate, times[-1]) if rate else times[-1]
+    within = times[times < end]
+    return np.append(within[:: max(len(within) // CHECKED_SAMPLES, 1)], end)
 
 
 def _nudged(problem: Problem) -> Problem:

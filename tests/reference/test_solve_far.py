@@ -11,8 +11,9 @@ from spincheck.reference import solve
 from spincheck.reference.closed_forms import closed_form
 from spincheck.reference.pose import pose
 from spincheck.reference.solve import CHECKED_TURN, ROUNDING
+from spincheck.reference.taylor import integrate
 from taylor_problems import distance
-from top_scenes import ASYMMETRIC, TOP, scene
+from top_scenes import ASYMMETRIC, HEAVY, TOP, scene
 
 START = "euler_zyz_deg = [10, 50, 20]\nomega_body = [0.4, 0.3, 1.1]"
 FREE = ""
@@ -56,3 +57,19 @@ class TestBeyondReach:
         monkeypatch.setattr(import_module("spincheck.reference.solve"), "closed_form", faulty)
         stated = solve(scene(body, START, FREE), np.array(times))
         assert stated.uncertainty.attitude > FAULT
+
+
+@pytest.mark.parametrize("speed", [1e-9, 1.0])
+def test_a_pendulum_is_followed_over_as_many_swings_however_small(speed, monkeypatch):
+    module = import_module("spincheck.reference.solve")
+    reached = []
+
+    def watched(problem, times):
+        reached.append(times[-1])
+        return integrate(problem, times)
+
+    monkeypatch.setattr(module, "integrate", watched)
+    hanging = f"quaternion_wxyz = [0, 1, 0, 0]\nomega_body = [{speed}, 0, 0]"
+    solve(scene(TOP, hanging, HEAVY), np.array([0.0, FAR]))
+    natural = np.sqrt(10.0 / 2.0)  # √(M g l/I1) of `TOP`
+    assert reached == [pytest.approx(CHECKED_TURN / natural)]
