@@ -15,7 +15,7 @@ from time import process_time
 import numpy as np
 from bench_rivals import HEYOKA, Solver, dop853, heyoka
 from rich.console import Console
-from rich.table import Table
+from rich.table import Column, Table
 from spincheck.reference.closed_forms import closed_form
 from spincheck.reference.pose import pose
 from spincheck.reference.problem import Problem
@@ -230,7 +230,7 @@ def shown(found: tuple[float, float]) -> str:
 
 def scene_table(rows: list[Measured]) -> Table:
     grid = Table(
-        "method",
+        Column("method", no_wrap=True),
         "ms a period",
         "over the series",
         "samples a second",
