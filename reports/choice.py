@@ -3,7 +3,9 @@
 from dataclasses import dataclass
 
 from ..engines import Engine, Method
+from ..scenarios import Scenario
 from .ladder import MAX_STEPS
+from .records import Key
 
 Pair = tuple[Engine, Method]
 
@@ -36,3 +38,10 @@ class Choice:
             for method in engine.methods
             if not self.methods or method.name in self.methods
         ]
+
+    def methods_on(self, scenario: Scenario) -> dict[Key, Pair]:
+        """The same, by what results on a scene are known by."""
+        return {
+            Key(scenario.name, engine.name, method.name): (engine, method)
+            for engine, method in self.pairs()
+        }

@@ -21,7 +21,7 @@ from .ladder import Rung, ladder, single
 from .plan import Plan, SceneLeft, plan
 from .records import UNSOLVED, Key, Row, Verdict
 from .store import Store
-from .timing import time_passes, time_steps
+from .timing import time_scene
 from .workers import KILLED, Lost, Task, Workers
 
 Progress = Callable[[str], None]
@@ -100,11 +100,9 @@ def carry_out(left: Plan, choice: Choice, store: Store, jobs: int, progress: Pro
         grid.drain()
     # Nothing else runs while steps are timed.
     with one_thread(), Workers(jobs=1) as workers:
-        timed = [scene.scenario for scene in left.scenes if scene.to_time]
-        for scenario in timed:
-            time_steps(scenario, choice, store, workers, progress)
-        if timed:
-            time_passes(timed, choice, store, workers)
+        for scene in left.scenes:
+            if scene.to_time:
+                time_scene(scene, choice, store, workers, progress)
 
 
 class _Grid:

@@ -10,7 +10,7 @@ from spincheck.reports.store import Results
 
 def differences(a: Results, b: Results) -> list[str]:
     """What the second says otherwise, in words."""
-    return [*_rows(a, b), *_verdicts(a, b), *_scenes(a, b)]
+    return [*_rows(a, b), *_verdicts(a, b), *_scenes(a, b), *_left_out(a, b)]
 
 
 def _rows(a: Results, b: Results) -> Iterator[str]:
@@ -42,6 +42,13 @@ def _scenes(a: Results, b: Results) -> Iterator[str]:
         truths = (first.solution.trajectory, second.solution.trajectory)
         if known[0] != known[1] or not _same_arrays(*truths):
             yield f"truth differs: {name}"
+
+
+def _left_out(a: Results, b: Results) -> Iterator[str]:
+    """What pruning saves is a matter of time: whether it is there at all."""
+    first, second = ([found.key for found in [*r.effects, *r.passes]] for r in (a, b))
+    if first != second:
+        yield f"what is left out was timed otherwise: {first} {second}"
 
 
 def _plain(row: Row) -> dict[str, object]:

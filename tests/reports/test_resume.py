@@ -40,7 +40,9 @@ omega = 1e-12
 #: Steps; Heun's method in Python takes some 30 µs each.
 BUDGET = 1 << 9
 ENGINES = (planted(HeunSession), planted(RaisingSession))
-LADDER = Choice(ENGINES, max_steps=BUDGET)
+LADDER = Choice(ENGINES, max_steps=BUDGET, timed=False)
+TIMED = replace(LADDER, timed=True)
+ALONE = Choice(ENGINES[:1], timesteps=(0.02,), timed=False)
 COMMAND = Path(sys.executable).with_name("spincheck")
 
 
@@ -111,13 +113,15 @@ def test_a_study_stopped_after_some_rows_runs_only_the_others(
     assert differences(read(path), undisturbed) == []
 
 
-def test_a_study_stopped_before_steps_are_timed_has_them_timed(path, undisturbed, monkeypatch):
+def test_a_study_stopped_before_steps_are_timed_has_them_timed(path, monkeypatch):
     with monkeypatch.context() as patch:
-        patch.setattr(study, "time_steps", _interrupted)
+        patch.setattr(study, "time_scene", _interrupted)
         with pytest.raises(KeyboardInterrupt):
-            run(path)
-    assert run(path) == ["box  timed"]
-    assert differences(read(path), undisturbed) == []
+            run(path, TIMED)
+    assert run(path, TIMED) == ["box  timed"]
+    assert run(path, TIMED) == []
+    timed = {row.key.engine for row in read(path).rows if row.seconds_per_step is not None}
+    assert timed == {"Heun"}
 
 
 def _interrupted(*_: object) -> None:
@@ -155,9 +159,9 @@ def test_another_spincheck_runs_everything_anew(path, runs, monkeypatch):
 
 
 def test_costs_measured_on_another_processor_are_taken_anew(path, monkeypatch):
-    run(path)
+    run(path, TIMED)
     monkeypatch.setattr("spincheck.reports.plan.processor", lambda: "another")
-    assert run(path) == ["box  timed"]
+    assert run(path, TIMED) == ["box  timed"]
 
 
 def test_an_engine_added_later_is_run_alone(path, runs, undisturbed):
@@ -183,7 +187,7 @@ def test_a_scene_run_later_leaves_the_others_as_they_are(path, undisturbed):
 
 
 def test_a_broken_promise_is_told_by_a_study_that_was_gone_on_with(path, runs, monkeypatch):
-    run(path, replace(LADDER, timed=False))
+    run(path)
     told = [verdict.broken for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
     with open_store(path, create=True) as store:
         store._connection.execute("DELETE FROM verdicts")
@@ -195,16 +199,15 @@ def test_a_broken_promise_is_told_by_a_study_that_was_gone_on_with(path, runs, m
 
 
 def test_a_timestep_is_run_once_however_often_it_is_asked_for(path, runs):
-    alone = Choice(ENGINES[:1], timesteps=(0.02,))
-    run(path, alone)
+    run(path, ALONE)
     runs.clear()
-    assert run(path, alone) == []
+    assert run(path, ALONE) == []
     assert runs == []
 
 
 def test_a_timestep_asked_for_leaves_the_ladder_and_its_verdict(path, undisturbed):
     run(path)
-    run(path, Choice(ENGINES[:1], timesteps=(0.02,)))
+    run(path, ALONE)
     found = read(path)
     ladder = replace(found, rows=[row for row in found.rows if row.timestep != 0.02])
     assert differences(ladder, undisturbed) == []
@@ -212,7 +215,7 @@ def test_a_timestep_asked_for_leaves_the_ladder_and_its_verdict(path, undisturbe
 
 def test_the_verdict_on_a_timestep_is_its_own(path):
     run(path)
-    run(path, Choice(ENGINES[:1], timesteps=(0.02,)))
+    run(path, ALONE)
     (verdict,) = read(path, timesteps=(0.02,)).verdicts
     assert (verdict.verdict, "no ladder was run" in verdict.reason) == ("unresolved", True)
 

@@ -1,0 +1,29 @@
+"""Arguments and options that commands of the command line share."""
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+RESULT_FILE = Path("spincheck.sqlite")
+REPORT_FOLDER = Path("spincheck-report")
+CORES = os.cpu_count() or 1
+
+Scenes = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="[SCENARIO|FOLDER]...", help="Files, folders or library scenes."),
+]
+Scene = Annotated[str, typer.Argument(metavar="SCENARIO", help="A file or a library scene.")]
+Stored = Annotated[
+    Path, typer.Argument(metavar="[RESULT FILE]", help="What 'spincheck run' wrote.")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+AsCsv = Annotated[bool, typer.Option("--csv", help="Print CSV.")]
+Engines = Annotated[list[str] | None, typer.Option("--engine", help="Only this engine.")]
+Methods = Annotated[list[str] | None, typer.Option("--method", help="Only this method.")]
+Timesteps = Annotated[
+    list[float] | None, typer.Option("--timestep", help="Run this timestep, s; no ladder.")
+]
+Bound = Annotated[float | None, typer.Option(help="Largest error allowed.")]
+Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Worker processes.")]
