@@ -18,9 +18,9 @@ from .verdict import ASYMPTOTIC, VerdictWord
 #: computes the same makes the same error, to rounding.
 ERROR_FACTOR = 1.1
 #: A cost that is this many times what it was, and differs by more than both spreads, has changed.
-#: Of 497 methods timed three times on one processor busy with other work, no two times were further
-#: apart than 1.18, though up to 12 % of them by more than both spreads; of steps twice as dear, 99 %
-#: are told.
+#: Of 497 methods timed three times on one processor, busy with other work, no two times were more
+#: than 1.18 apart, though up to 12 % of them by more than both spreads; of steps twice as dear,
+#: 99 % are told.
 COST_FACTOR = 1.25
 #: From good to bad.
 VERDICTS: tuple[VerdictWord, ...] = (
