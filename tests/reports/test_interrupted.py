@@ -17,6 +17,7 @@ from spincheck.reports.store import Results, open_store
 COMMAND = Path(sys.executable).with_name("spincheck")
 #: A scene of short ladders.
 SCENE = "gazebo-box-tumbling"
+METHODS = ("--engine", "mujoco", "--method", "Euler", "--method", "RK4")
 #: Times that a run is killed before it is let go on to its end.
 KILLS = 8
 SEED = 20260101
@@ -27,7 +28,7 @@ PATIENCE = 5.0
 def start(path: Path, *options: str) -> subprocess.Popen[str]:
     """`spincheck run` in a process group of its own."""
     return subprocess.Popen(
-        [COMMAND, "run", SCENE, "--engine", "mujoco", "--jobs", "2", "--out", path, *options],
+        [COMMAND, "run", SCENE, *METHODS, "--jobs", "2", "--out", path, *options],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -82,17 +83,18 @@ def _belongs(process: Path, group: int) -> bool:
 
 
 @pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory) -> tuple[Results, float]:
-    """The results of a run that nobody disturbed, and how long it took, s."""
+def undisturbed(tmp_path_factory) -> Results:
+    """The results of a quick run that nobody disturbed."""
     path = tmp_path_factory.mktemp("undisturbed") / "results.sqlite"
+    finish(path, "--quick")
+    return read(path)
+
+
+def test_killed_at_random_moments_it_ends_as_if_it_had_not_been(tmp_path):
+    path, other = tmp_path / "results.sqlite", tmp_path / "undisturbed.sqlite"
     began = time.monotonic()
-    finish(path)
-    return read(path), time.monotonic() - began
-
-
-def test_killed_at_random_moments_it_ends_as_if_it_had_not_been(tmp_path, undisturbed):
-    path = tmp_path / "results.sqlite"
-    results, seconds = undisturbed
+    finish(other)
+    seconds = time.monotonic() - began
     moments = random.Random(SEED)
     for _ in range(KILLS):
         run = start(path)
@@ -100,37 +102,37 @@ def test_killed_at_random_moments_it_ends_as_if_it_had_not_been(tmp_path, undist
         os.killpg(run.pid, signal.SIGKILL)
         run.communicate()
     finish(path)
-    assert differences(read(path), results) == []
+    assert differences(read(path), read(other)) == []
 
 
 def test_a_killed_run_leaves_its_rows_and_no_process(tmp_path, undisturbed):
     path = tmp_path / "results.sqlite"
-    run = start(path)
+    run = start(path, "--quick")
     wait_for_rows(path, 10)
     run.kill()
     run.communicate()
     assert gone(run.pid)
     before = rows_in(path)
     assert before >= 10
-    finish(path)
-    assert differences(read(path), undisturbed[0]) == []
+    finish(path, "--quick")
+    assert differences(read(path), undisturbed) == []
 
 
 def test_what_is_there_already_is_said(tmp_path):
     path = tmp_path / "results.sqlite"
-    finish(path, "--method", "RK4", "--quick")
-    assert "1 of 1 results are there already" in finish(path, "--method", "RK4", "--quick")
+    finish(path, "--quick")
+    assert "2 of 2 results are there already" in finish(path, "--quick")
 
 
 def test_a_killed_worker_is_replaced_and_its_run_made_again(tmp_path, undisturbed):
     path = tmp_path / "results.sqlite"
-    run = start(path)
+    run = start(path, "--quick")
     wait_for_rows(path, 5)
     for worker in _children(run.pid):
         os.kill(worker, signal.SIGKILL)
     run.communicate()
     assert run.returncode == 0
-    assert differences(read(path), undisturbed[0]) == []
+    assert differences(read(path), undisturbed) == []
 
 
 def _children(parent: int) -> list[int]:
@@ -146,7 +148,7 @@ def _children(parent: int) -> list[int]:
 @pytest.mark.parametrize("rows", [0, 5])
 def test_ctrl_c_ends_it_with_130_one_line_and_no_process(tmp_path, rows):
     path = tmp_path / "results.sqlite"
-    run = start(path)
+    run = start(path, "--quick")
     wait_for_rows(path, rows)
     if not rows:
         while not path.exists():
@@ -164,12 +166,12 @@ def test_ctrl_c_ends_it_with_130_one_line_and_no_process(tmp_path, rows):
 
 def test_a_second_run_into_the_same_file_is_refused(tmp_path, undisturbed):
     path = tmp_path / "results.sqlite"
-    first = start(path)
+    first = start(path, "--quick")
     wait_for_rows(path, 1)
-    second = start(path)
+    second = start(path, "--quick")
     _, err = second.communicate()
     assert second.returncode == 2
     assert err == f"spincheck: {path}: another 'spincheck run' is writing to it\n"
     first.communicate()
     assert first.returncode == 0
-    assert differences(read(path), undisturbed[0]) == []
+    assert differences(read(path), undisturbed) == []
