@@ -78,7 +78,10 @@ def matrix(gathered: Gathered) -> Matrix:
         scenes = [scene for scene in gathered.scenes if group_of(scene) == title]
         if scenes:
             groups.append(Group(title, tuple(_matrix_row(scene, gathered) for scene in scenes)))
-    methods = tuple(method for _, method in gathered.pairs)
+    shipped = {(v.key.engine, v.key.method) for v in gathered.verdicts if v.as_shipped}
+    methods = tuple(
+        f"{pair[1]}, as shipped" if pair in shipped else pair[1] for pair in gathered.pairs
+    )
     return Matrix(tuple(engines.items()), methods, tuple(groups))
 
 
