@@ -13,7 +13,8 @@ from functools import cache
 import numpy as np
 from scipy.spatial.transform import Rotation
 from spincheck.engines import BodyReading, Engine, EngineError, Method, Session, State
-from spincheck.scenarios import EFFECTS, Scenario
+from spincheck.engines.adapters.mujoco import MuJoCo
+from spincheck.scenarios import EFFECTS, Scenario, loads
 
 METHOD = Method("Heun", 2, 2, "Heun's method on rotation vectors", frozenset(EFFECTS) - {"pivot"})
 
@@ -182,3 +183,15 @@ def _engine(kind: type[HeunSession]) -> Engine:
 
 _ENGINES = {kind: _engine(kind) for kind in [HeunSession, *HeunSession.__subclasses__()]}
 _ENGINES[DampedOpenlySession] = _engine(DampedOpenlySession)
+
+
+class UpsideDown(MuJoCo):
+    """MuJoCo, told of a scene whose gravity points the other way, and honest about that one."""
+
+    name = "upside-down"
+    methods = tuple(method for method in MuJoCo.methods if method.name == "RK4")
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        flipped = scenario.text.replace("-9.81]", "9.81]")
+        assert flipped != scenario.text
+        return super().open(loads(flipped, scenario.name), method, timestep)

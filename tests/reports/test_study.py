@@ -19,6 +19,7 @@ from planted import (
     ResetSession,
     SegfaultSession,
     SwappedMomentsSession,
+    UpsideDown,
     XyzwSession,
     planted,
 )
@@ -28,7 +29,7 @@ from spincheck.reports import workers
 from spincheck.reports.choice import Choice
 from spincheck.reports.store import Results, open_store
 from spincheck.reports.study import run_study
-from spincheck.scenarios import loads
+from spincheck.scenarios import find, load, loads
 
 BOX = """
 spincheck = 1
@@ -186,3 +187,11 @@ def test_a_run_expected_to_diverge_that_does_not_is_told(tmp_path):
 def test_a_timestep_asked_for_is_run_alone(tmp_path):
     results = study(tmp_path, HeunSession, timesteps=(0.01,))
     assert [row.timestep for row in results.rows] == [0.01]
+
+
+def test_gravity_with_its_sign_flipped_disagrees(tmp_path):
+    heavy = load(find(["nutation-loops"])[0])
+    with open_store(tmp_path / "results.sqlite", create=True) as store:
+        run_study([heavy], Choice((UpsideDown(),)), store, jobs=2, progress=lambda _: None)
+        (verdict,) = store.read().verdicts
+    assert verdict.verdict == "disagrees"
