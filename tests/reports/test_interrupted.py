@@ -22,7 +22,7 @@ METHODS = ("--engine", "mujoco", "--method", "Euler", "--method", "RK4")
 KILLS = 8
 SEED = 20260101
 #: s; what Ctrl-C may take, on a machine that is busy with other tests.
-PATIENCE = 5.0
+PATIENCE = 30.0
 
 
 def start(path: Path, *options: str) -> subprocess.Popen[str]:
@@ -33,7 +33,13 @@ def start(path: Path, *options: str) -> subprocess.Popen[str]:
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        preexec_fn=hear_interrupts,
     )
+
+
+def hear_interrupts() -> None:
+    """Undo what a shell does to commands in the background: they are deaf to Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def finish(path: Path, *options: str) -> str:
