@@ -70,6 +70,8 @@ def _to_write(path: Path, schema: str) -> Iterator[sqlite3.Connection]:
         begun = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
         if begun:
             _check(connection)
+        # Can be chosen before there is anything in the file, and has no effect later.
+        connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
         connection.execute("PRAGMA journal_mode = WAL")
         connection.execute("PRAGMA synchronous = NORMAL")
         if not begun:
@@ -77,9 +79,11 @@ def _to_write(path: Path, schema: str) -> Iterator[sqlite3.Connection]:
         try:
             yield connection
         finally:
-            # A file at rest is one file, which can be read where nothing may be written; where
-            # somebody reads it just now it stays as it is.
+            # A file at rest is one file without gaps, which can be read where nothing may be
+            # written; where somebody reads it just now it stays as it is.
             with suppress(sqlite3.OperationalError):
+                connection.execute("PRAGMA busy_timeout = 0")
+                connection.executescript("PRAGMA incremental_vacuum")
                 connection.execute("PRAGMA journal_mode = DELETE")
 
 

@@ -152,10 +152,14 @@ def test_a_row_is_on_disk_as_soon_as_it_is_put(path, row):
             assert len(other.read().rows) == 1
 
 
-def test_a_file_at_rest_is_one_file(path, row):
+def test_a_file_at_rest_is_one_file_without_gaps(path, row):
     with open_store(path, create=True) as store:
-        store.put_row(row)
+        store.put_row(replace(row, motion=motion(10_000)))
+        store.put_verdict(Verdict(KEY, "converges", ""), spent=[row.timestep])
+        assert store._connection.execute("PRAGMA freelist_count").fetchone()[0] > 0
     assert [file.name for file in path.parent.iterdir()] == [path.name]
+    with open_store(path) as store:
+        assert store._connection.execute("PRAGMA freelist_count").fetchone()[0] == 0
 
 
 def test_an_empty_file_is_begun(path):
