@@ -3,18 +3,10 @@
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-import numpy as np
-
 from ..engines import Engine, Method, Run
-from ..reference import Solution, drifts
-from ..scenarios import (
-    Expect,
-    Scenario,
-    Trajectory,
-    energy,
-    energy_base,
-    errors_between,
-)
+from ..reference import Solution
+from ..scenarios import Expect, Scenario
+from .compared_run import broken_promises, row_of
 from .ladder import MIN_RUNGS, Rung
 from .records import Key, Row, Verdict
 from .verdict import Judgement, Signal, Step, judge
@@ -22,8 +14,6 @@ from .workers import Lost
 
 #: A ladder goes on until its limit is known to this, relative (ω) and in rad, or steps run out.
 GOAL = 1e-4
-#: Energy beyond this many times its base is a blow-up, however finite.
-ABSURD_ENERGY = 10.0
 #: Rungs an extrapolated limit with an error estimate takes.
 LEAST_RUNGS = 3
 
@@ -195,67 +185,6 @@ class Descent:
         """What rounding may do: each step is good for one ulp, grown as the motion grows it."""
         conditioning = self.solution.conditioning
         return {"omega": steps * conditioning.omega, "attitude": steps * conditioning.attitude}
-
-
-def row_of(
-    scenario: Scenario,
-    key: Key,
-    version: str,
-    rung: Rung,
-    result: Run | Lost,
-    solution: Solution,
-) -> Row:
-    """Compare a run with the truth at its own sample times."""
-    if isinstance(result, Lost):
-        return Row(key, version, rung.timestep, "failed", result.reason)
-    row = Row(
-        key,
-        result.engine_version,
-        rung.timestep,
-        result.outcome,
-        result.reason,
-        result.stopped_at,
-        uncertainty=solution.uncertainty.omega,
-        steps=result.steps,
-    )
-    motion = result.trajectory
-    if motion is None or not len(motion.t):
-        return row
-    absurd = _first_absurd(scenario, motion, solution.trajectory)
-    if absurd is not None:
-        reason = f"the energy exceeds {ABSURD_ENERGY:g} times its base"
-        stopped_at = float(motion.t[absurd])
-        row = replace(row, outcome="diverged", reason=reason, stopped_at=stopped_at)
-    return replace(
-        row,
-        errors=errors_between(scenario, motion, solution.trajectory.until(len(motion.t))),
-        drifts=drifts(scenario, motion),
-        motion=motion,
-    )
-
-
-def broken_promises(expected: Expect, row: Row) -> list[str]:
-    """Which of a scene's promises about one run it did not keep, in words."""
-    where = f"{row.key.engine} {row.key.method} at {row.timestep:g} s"
-    if expected.outcome == "diverges":
-        return (
-            [] if row.outcome == "diverged" else [f"{where} was expected to diverge: {row.outcome}"]
-        )
-    if row.errors is None or row.outcome != "ok":
-        return [f"{where}: {row.outcome}, {row.reason}"]
-    return [
-        f"{where}: {name} error {error:.3g} exceeds the expected {bound:g}"
-        for name, bound in expected.bounds().items()
-        if not (error := getattr(row.errors, name)) <= bound
-    ]
-
-
-def _first_absurd(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> int | None:
-    """Index of the first sample whose energy differs from the truth's by an absurd amount."""
-    n = len(motion.t)
-    excess = np.abs(energy(scenario, motion) - energy(scenario, truth)[:n])
-    beyond = np.flatnonzero(excess > ABSURD_ENERGY * energy_base(scenario, truth))
-    return int(beyond[0]) if len(beyond) else None
 
 
 def _with_time(row: Row) -> str:

@@ -2,7 +2,7 @@
 
 from ..engines.read_back import READ_BACK_SLACK, READ_BACK_SLACK_SINGLE
 from ..reference.solution import MAX_UNCERTAINTY
-from . import cost, descent, ladder, verdict, workers
+from . import compared_run, cost, descent, ladder, verdict, workers
 from .wording import count, number
 
 
@@ -14,7 +14,7 @@ def constants() -> dict[str, str]:
         "min_rungs": str(ladder.MIN_RUNGS),
         "goal": number(descent.GOAL),
         "least_rungs": str(descent.LEAST_RUNGS),
-        "absurd_energy": f"{descent.ABSURD_ENERGY:g}",
+        "absurd_energy": f"{compared_run.ABSURD_ENERGY:g}",
         "order_slack": f"{verdict.ORDER_SLACK:g}",
         "above_uncertainty": f"{verdict.ABOVE_UNCERTAINTY:g}",
         "asymptotic": f"{verdict.ASYMPTOTIC:g}",
