@@ -17,6 +17,7 @@ from . import table_records
 from .effects_cost import EffectsCost, PassCosts
 from .records import UNSOLVED, Key, Row, Verdict
 from .result_file import opened
+from .sweep import EnsembleResult, MapResult
 
 _SCHEMA = """
 CREATE TABLE environment (name TEXT PRIMARY KEY, value TEXT NOT NULL);
@@ -68,6 +69,8 @@ class Results:
     verdicts: list[Verdict]
     effects: list[EffectsCost] = field(default_factory=list)
     passes: list[PassCosts] = field(default_factory=list)
+    maps: list[MapResult] = field(default_factory=list)
+    ensembles: list[EnsembleResult] = field(default_factory=list)
 
 
 class Store:
