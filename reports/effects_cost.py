@@ -14,9 +14,9 @@ from .cost import Stretch, interleaved, timed_timestep
 from .records import Key
 
 #: Angle turned a step at the start where motions are compared, rad: fine enough for any method.
-COMPARED_TURN = 0.01
+COMPARED_TURN = 0.05
 #: Steps that the window is given at most for that.
-MOST_STEPS = 1 << 14
+MOST_STEPS = 1 << 13
 #: Times at which the two motions are compared.
 COMPARED = 64
 #: Equal sessions, where passes are timed one by one: what they differ by is noise.
@@ -101,6 +101,29 @@ class PassCosts:
     pruned: float
     noise: float
     passes: tuple[PassCost, ...]
+
+
+def effects_costs(
+    scenario: Scenario, engine: Engine, methods: Sequence[Method]
+) -> list[EffectsCost]:
+    """Time every distinct set of what an engine leaves out of a scene, by its first method."""
+    first: dict[tuple[str, ...], Method] = {}
+    for method in _able(scenario, engine, methods):
+        first.setdefault(engine.left_out(scenario, method), method)
+    found = (effects_cost(scenario, engine, method) for method in first.values())
+    return [one for one in found if one is not None]
+
+
+def first_pass_costs(
+    scenario: Scenario, engine: Engine, methods: Sequence[Method]
+) -> list[PassCosts]:
+    """Time pass by pass what the first method leaves out that can simulate the scene."""
+    found = (pass_costs(scenario, engine, m) for m in _able(scenario, engine, methods)[:1])
+    return [one for one in found if one is not None]
+
+
+def _able(scenario: Scenario, engine: Engine, methods: Sequence[Method]) -> list[Method]:
+    return [method for method in methods if not engine.unsupported(scenario, method)]
 
 
 def effects_cost(scenario: Scenario, engine: Engine, method: Method) -> EffectsCost | None:

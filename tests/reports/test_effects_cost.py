@@ -4,11 +4,17 @@ from collections.abc import Collection
 
 import pytest
 from clockwork import METHOD, SCENE, Clock, Clockwork, Works, clock, steadily
-from spincheck.engines import Engine, EngineError, engines
+from spincheck.engines import Engine, EngineError, Method, engines
 from spincheck.reports import cost, effects_cost
-from spincheck.reports.effects_cost import EffectsCost, PassCosts, pass_costs
+from spincheck.reports.effects_cost import (
+    EffectsCost,
+    PassCosts,
+    effects_costs,
+    first_pass_costs,
+    pass_costs,
+)
 from spincheck.reports.records import Key
-from spincheck.scenarios import find, load
+from spincheck.scenarios import Scenario, find, load
 
 __all__ = ["clock"]
 
@@ -149,6 +155,33 @@ def test_the_noise_is_what_equal_sessions_differ_by(clock: Clock) -> None:
     found = pass_costs(SCENE, Works(make, tuple(PASSES)), METHOD)
     assert found is not None
     assert found.noise == pytest.approx(0.125, abs=TICK)
+
+
+class Various(Works):
+    """Its methods leave out different things, the last two the same, the first cannot do it."""
+
+    methods = tuple(
+        Method(name, 1, 1, name, frozenset(), frozenset({"pivot"} if name == "tied" else ()))
+        for name in ("tied", "bare", "one", "both", "both-again")
+    )
+
+    def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
+        return tuple(PASSES)[: {"bare": 0, "one": 1}.get(method.name, 2)]
+
+
+def test_every_distinct_set_of_what_is_left_out_is_timed_once(clock: Clock) -> None:
+    engine = Various(lambda _: Clockwork(clock, steadily(TAKES)), tuple(PASSES))
+    found = effects_costs(SCENE, engine, engine.methods)
+    assert [(one.key.method, one.left_out) for one in found] == [
+        ("one", tuple(PASSES)[:1]),
+        ("both", tuple(PASSES)),
+    ]
+
+
+def test_the_first_method_that_can_do_it_is_timed_pass_by_pass(clock: Clock) -> None:
+    engine = Various(lambda _: Clockwork(clock, steadily(TAKES)), tuple(PASSES))
+    (found,) = first_pass_costs(SCENE, engine, [m for m in engine.methods if m.name != "bare"])
+    assert found.key.method == "one"
 
 
 REAL = [
