@@ -20,12 +20,12 @@ def reach_table(scene: SceneRuns, signal: Signal) -> Table:
 
     The second lines, which HTML alone shows: the timestep, or what rounding may cause at it.
     """
-    headings = ("engine", "method", "CPU a step, µs", *_level_headings())
+    headings = ("engine", "method", "CPU a step, µs", "wall a step, µs", *_level_headings())
     rows = []
     for runs in scene.methods:
         curve = curve_of(scene, runs, signal)
         cells = [_reach_cell(reach(curve, level)) for level in LEVELS]
-        rows.append([*_named((runs.engine, runs.method)), _step_cost(runs), *cells])
+        rows.append([*_named((runs.engine, runs.method)), *_step_costs(runs), *cells])
     return table(headings, rows)
 
 
@@ -72,15 +72,20 @@ def _reach_cell(found: Reach) -> Cell:
     return Cell(text, kind, "\n".join(part for part in parts if part))
 
 
-def _step_cost(runs: MethodRuns) -> Cell:
-    """The least over the repeats, and how far the largest is above it."""
+def _step_costs(runs: MethodRuns) -> tuple[Cell, Cell]:
+    """CPU time, the least over the repeats and how far the largest is above; least on the wall."""
     timed = [row for row in runs.rows if row.seconds_per_step is not None]
     if not timed:
-        return figure(NOTHING)
-    least, spread = timed[-1].seconds_per_step, timed[-1].seconds_spread
-    assert least is not None, "only timed rows are looked at"
-    above = f"+ {number(MICROSECONDS * spread)}" if spread is not None else ""
-    return Cell(number(MICROSECONDS * least), "number", above)
+        return figure(NOTHING), figure(NOTHING)
+    row = timed[-1]
+    spread = _microseconds(row.seconds_spread)
+    above = f"+ {spread}" if row.seconds_spread is not None else ""
+    cpu = Cell(_microseconds(row.seconds_per_step), "number", above)
+    return cpu, figure(_microseconds(row.wall_seconds_per_step))
+
+
+def _microseconds(seconds: float | None) -> str:
+    return number(None if seconds is None else MICROSECONDS * seconds)
 
 
 def _named(pair: Pair) -> tuple[Cell, Cell]:

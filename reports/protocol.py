@@ -22,6 +22,7 @@ def constants() -> dict[str, str]:
         "sharp": f"{verdict.SHARP:g}",
         "settling_order": f"{verdict.SETTLING_ORDER:g}",
         "time_limit": f"{workers.TIME_LIMIT:g}",
+        "resolutions": str(cost.RESOLUTIONS),
         "stretch_ms": f"{1e3 * cost.STRETCH:g}",
         "repeats": str(cost.REPEATS),
         "warm_up": count(cost.WARM_UP),

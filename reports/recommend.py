@@ -211,6 +211,7 @@ def _with_runs(results: Results, rows: Iterable[Row]) -> Results:
             row,
             seconds_per_step=alike.seconds_per_step,
             seconds_spread=alike.seconds_spread,
+            wall_seconds_per_step=alike.wall_seconds_per_step,
         )
     return replace(results, rows=list(known.values()))
 

@@ -33,6 +33,7 @@ class Row:
     uncertainty : the reference's, in ω, relative
     seconds_per_step, seconds_spread : CPU seconds, least over the repeats, and (max − min) of them;
         None where it was not timed
+    wall_seconds_per_step : likewise the least by the clock on the wall
     motion : the samples; None where there are none, and where a finer run of the method has them
     printed : what the engine wrote to the terminal
     """
@@ -49,6 +50,7 @@ class Row:
     steps: int = 0
     seconds_per_step: float | None = None
     seconds_spread: float | None = None
+    wall_seconds_per_step: float | None = None
     motion: Trajectory | None = None
     printed: str = ""
 

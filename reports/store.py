@@ -7,13 +7,14 @@ another engine or another spincheck is dropped (`Store.keep_made_by`).
 import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from ..reference import Solution
 from ..scenarios import Scenario
 from . import table_records
+from .cost import StepCost
 from .effects_cost import EffectsCost, PassCosts
 from .records import UNSOLVED, Key, Row, Verdict
 from .result_file import opened
@@ -34,7 +35,7 @@ CREATE TABLE rows (
     PRIMARY KEY (scenario, engine, method, timestep));
 CREATE TABLE costs (
     scenario TEXT, engine TEXT, method TEXT, processor TEXT NOT NULL, seconds_per_step REAL,
-    seconds_spread REAL, PRIMARY KEY (scenario, engine, method));
+    seconds_spread REAL, wall_seconds_per_step REAL, PRIMARY KEY (scenario, engine, method));
 -- What pruning saves: an EffectsCost, or the PassCosts of a method, as JSON.
 CREATE TABLE left_out (
     scenario TEXT, engine TEXT, method TEXT, kind TEXT, record TEXT NOT NULL,
@@ -150,21 +151,10 @@ class Store:
                 [(*names, timestep) for timestep in spent],
             )
 
-    def put_cost(
-        self,
-        key: Key,
-        processor: str,
-        seconds_per_step: float | None,
-        seconds_spread: float | None,
-    ) -> None:
+    def put_cost(self, key: Key, processor: str, cost: StepCost | None) -> None:
         """Record what a step of a method costs on a scene; None where it cannot be timed."""
-        record = asdict(key) | {
-            "processor": processor,
-            "seconds_per_step": seconds_per_step,
-            "seconds_spread": seconds_spread,
-        }
         with self._connection:
-            self._put("costs", record)
+            self._put("costs", table_records.of_cost(key, processor, cost))
 
     def put_left_out(self, found: EffectsCost | PassCosts) -> None:
         """Record what a method leaves out of a scene saves."""

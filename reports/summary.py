@@ -62,6 +62,7 @@ def row_record(row: Row) -> dict[str, Any]:
         "steps": row.steps,
         "seconds_per_step": row.seconds_per_step,
         "seconds_spread": row.seconds_spread,
+        "wall_seconds_per_step": row.wall_seconds_per_step,
     }
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..reference import Solution
 from ..scenarios import Errors, Scenario, Trajectory, loads
+from .cost import StepCost
 from .effects_cost import EffectsCost, PassCost, PassCosts, Ratio
 from .records import Key, Row, Verdict
 from .result_file import ResultFileError
@@ -69,6 +70,17 @@ def of_verdict(verdict: Verdict) -> dict[str, Any]:
     }
 
 
+def of_cost(key: Key, processor: str, cost: StepCost | None) -> dict[str, Any]:
+    """What a step costs, for the table `costs`; None where it cannot be timed."""
+    return {
+        **asdict(key),
+        "processor": processor,
+        "seconds_per_step": cost.seconds_per_step if cost else None,
+        "seconds_spread": cost.spread if cost else None,
+        "wall_seconds_per_step": cost.wall_seconds_per_step if cost else None,
+    }
+
+
 def of_left_out(found: EffectsCost | PassCosts) -> dict[str, Any]:
     """What pruning saves, for the table `left_out`."""
     record = asdict(found)
@@ -111,6 +123,7 @@ def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
         motion=_unpack(record["motion"]) if record["motion"] else None,
         seconds_per_step=cost["seconds_per_step"] if cost else None,
         seconds_spread=cost["seconds_spread"] if cost else None,
+        wall_seconds_per_step=cost["wall_seconds_per_step"] if cost else None,
         **{name: record[name] for name in _PLAIN_ROW},
     )
 

@@ -19,6 +19,7 @@ TIMESTEPS = tuple(0.02 / 2**k for k in range(6))
 #: That of order 4 falls below the uncertainty of the truth.
 SIZE = {1: 0.05, 2: 1e-3, 3: 1e-5, 4: 1e-8}
 SECONDS_PER_STEP = 1.5e-6
+WALL_SECONDS_PER_STEP = 1.75e-6
 #: In titles and descriptions, where a user could have written it.
 MISCHIEF = "<script>alert('x')</script>"
 
@@ -131,6 +132,7 @@ def _rows(scenario: Scenario, truth: Trajectory, key: Key, method: MadeUp) -> li
                 steps=round(truth.t[n - 1] / dt),
                 seconds_per_step=SECONDS_PER_STEP,
                 seconds_spread=SECONDS_PER_STEP / 10,
+                wall_seconds_per_step=WALL_SECONDS_PER_STEP,
                 motion=motion,
             )
         )

@@ -52,7 +52,8 @@ def _left_out(a: Results, b: Results) -> Iterator[str]:
 
 
 def _plain(row: Row) -> dict[str, object]:
-    return asdict(replace(row, motion=None, seconds_per_step=None, seconds_spread=None))
+    untimed = {"seconds_per_step": None, "seconds_spread": None, "wall_seconds_per_step": None}
+    return asdict(replace(row, motion=None, **untimed))
 
 
 def _same_arrays(a: object, b: object) -> bool:

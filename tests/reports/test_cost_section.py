@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import plotly.graph_objects as go
 import pytest
-from made_up import METHODS, results
+from made_up import METHODS, SECONDS_PER_STEP, WALL_SECONDS_PER_STEP, results
 from markdown_text import markdown_tables
 from page import Page, read_page
 from plotted import coloured, values_of
@@ -15,6 +15,7 @@ from spincheck.reports.cost_to_reach import LEVELS
 from spincheck.reports.gather import gather
 from spincheck.reports.ladder_figures import work_precision
 from spincheck.reports.render import render
+from spincheck.reports.wording import number
 from spincheck.reports.work_precision import SIGNALS, curves, front
 
 TOP = "made-up-top"
@@ -75,6 +76,16 @@ def test_a_scene_has_a_table_an_error(folder: Path) -> None:
     page = read_page(folder / "scenes" / f"{TOP}.html")
     for tables in (page.tables(), markdown_tables(folder / "scenes" / f"{TOP}.md")):
         assert len(columns_of_levels(tables)) == len(SIGNALS)
+
+
+def test_the_time_of_a_step_is_told_in_cpu_time_and_on_the_wall(folder: Path) -> None:
+    page = read_page(folder / "scenes" / f"{TOP}.html")
+    expected = [number(1e6 * seconds) for seconds in (SECONDS_PER_STEP, WALL_SECONDS_PER_STEP)]
+    for tables in (page.tables(), markdown_tables(folder / "scenes" / f"{TOP}.md")):
+        headings, *rows = columns_of_levels(tables)[0]
+        assert headings[2:4] == ["CPU a step, µs", "wall a step, µs"]
+        (row,) = (row for row in rows if row[:2] == ["mujoco", "Euler"])
+        assert [cell.split()[0] for cell in row[2:4]] == expected
 
 
 @pytest.mark.parametrize(("signal", "axis"), [("omega", "x"), ("attitude", "x2")])

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import made_up
 import pytest
+from spincheck.reports.cost import StepCost
 from spincheck.reports.export import csv_text
 from spincheck.reports.store import open_store
 from spincheck.reports.summary import results_as_json, row_record, verdict_record
@@ -32,7 +33,7 @@ def path(tmp_path_factory):
             store.put_scene(found.scenario, found.solution)
         for row in RESULTS.rows:
             store.put_row(row)
-            store.put_cost(row.key, "a processor", row.seconds_per_step, row.seconds_spread)
+            store.put_cost(row.key, "a processor", StepCost(1e-6, 1e-7, 2e-6))
         for verdict in RESULTS.verdicts:
             store.put_verdict(verdict)
     return path
@@ -79,6 +80,12 @@ def test_a_command_prints_what_run_prints_as_json(path, command):
     with open_store(path) as store:
         expected = results_as_json(store.read())[command]
     assert json.loads(printed(command, path, "--json")) == json.loads(json.dumps(expected))
+
+
+def test_what_a_step_takes_is_printed_in_cpu_time_and_on_the_wall(path):
+    (record, *_) = records(printed("rows", path, "--csv"))
+    names = ("seconds_per_step", "seconds_spread", "wall_seconds_per_step")
+    assert [float(record[name]) for name in names] == [1e-6, 1e-7, 2e-6]
 
 
 @pytest.mark.parametrize("command", ["rows", "verdicts"])

@@ -9,6 +9,7 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 from spincheck.reference import Solution
+from spincheck.reports.cost import StepCost
 from spincheck.reports.records import Key, Row, Verdict
 from spincheck.reports.result_file import FORMAT, ResultFileError
 from spincheck.reports.store import open_store
@@ -82,15 +83,19 @@ def test_a_scene_comes_back_with_its_truth(path):
 
 def test_a_cost_reaches_every_row_of_its_method(path, row):
     with open_store(path, create=True) as store:
-        store.put_cost(KEY, "a processor", 3e-6, 1e-7)
+        store.put_cost(KEY, "a processor", StepCost(3e-6, 1e-7, 4e-6))
         store.put_row(row)
         store.put_row(replace(row, timestep=0.002))
-        assert [r.seconds_per_step for r in store.read().rows] == [3e-6, 3e-6]
+        known = [
+            (r.seconds_per_step, r.seconds_spread, r.wall_seconds_per_step)
+            for r in store.read().rows
+        ]
+    assert known == 2 * [(3e-6, 1e-7, 4e-6)]
 
 
 def test_costs_of_another_processor_are_dropped(path):
     with open_store(path, create=True) as store:
-        store.put_cost(KEY, "a processor", 3e-6, 1e-7)
+        store.put_cost(KEY, "a processor", StepCost(3e-6, 1e-7, 4e-6))
         assert store.timed_on("a processor") == {KEY}
         assert store.timed_on("another") == set()
         assert store.timed_on("a processor") == set()
