@@ -50,6 +50,7 @@ def second_opinion(scenario: Scenario, times: FloatArray) -> SecondOpinion:
         t_eval=times,
         rtol=RELATIVE_TOLERANCE,
         atol=RELATIVE_TOLERANCE * _sizes(scenario),
+        max_step=_time_of_drag(scenario),
     )
     if not solution.success:
         raise RuntimeError(f"DOP853 gave up: {solution.message}")
@@ -99,6 +100,16 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], FloatArray]:
         return np.concatenate([omega_rate, q_rate, falls * y[10:], falls * gravity])
 
     return rate
+
+
+def _time_of_drag(scenario: Scenario) -> float:
+    """s, in which drag takes e from the fastest to slow down; inf without drag.
+
+    Stability alone would let DOP853 step six times as far, where it misjudges its error.
+    """
+    inertia = scenario.body.inertia_origin if scenario.has_pivot else scenario.body.inertia_com
+    fastest = scenario.drag * np.linalg.norm(np.linalg.inv(inertia), 2)
+    return float(1 / fastest) if fastest else np.inf
 
 
 def _sizes(scenario: Scenario) -> FloatArray:

@@ -75,13 +75,16 @@ def test_scene_is_symmetric_where_its_tags_say_so(scenario: Scenario) -> None:
 
 
 def shape_about_fixed_point(scenario: Scenario) -> str:
-    """Symmetric: two moments equal about the fixed point, and the com on the third axis."""
+    """Symmetric: two moments equal about the fixed point, and the com on the third axis.
+
+    Where all three are, about a pivot, any axis is the third.
+    """
     body = scenario.body
     if not scenario.has_pivot:
         return shape(np.linalg.eigvalsh(body.inertia_com))
     moments, axes = np.linalg.eigh(body.inertia_origin)
-    if shape(moments) == "asymmetric":
-        return "asymmetric"
+    if shape(moments) != "symmetric":
+        return "asymmetric" if shape(moments) == "asymmetric" else "symmetric"
     odd = 0 if np.isclose(moments[1], moments[2], rtol=8 * EPS, atol=0) else 2
     off_axis = body.com - axes[:, odd] * (axes[:, odd] @ body.com)
     on_axis = np.linalg.norm(off_axis) <= 8 * EPS * np.linalg.norm(body.com)
