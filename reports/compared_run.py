@@ -8,8 +8,8 @@ from ..engines import Run
 from ..reference import Solution, drifts
 from ..scenarios import Expect, Scenario, Trajectory, energy, energy_base, errors_between
 from .ladder import Rung
+from .lane import Lost
 from .records import Key, Row
-from .workers import Lost
 
 #: Energy beyond this many times its base is a blow-up, however finite.
 ABSURD_ENERGY = 10.0

@@ -11,7 +11,8 @@ import numpy as np
 
 from ..engines import Engine, EngineError, Session
 from ..scenarios import Scenario
-from .workers import Lost, Workers
+from .lane import Lost
+from .workers import Workers
 
 #: s of CPU time a timed stretch must last, at the least.
 STRETCH = 0.005
@@ -87,13 +88,13 @@ def measure(
     -------
     The costs, None where there is none, and complaints.
     """
-    together = workers.result(workers.submit(step_costs, scenario, pairs))
+    together = workers.submit(step_costs, scenario, pairs).outcome()
     if not isinstance(together, Lost):
         return together, []
     costs: list[StepCost | None] = []
     complaints = []
     for engine, method in pairs:
-        alone = workers.result(workers.submit(step_costs, scenario, [(engine, method)]))
+        alone = workers.submit(step_costs, scenario, [(engine, method)]).outcome()
         costs += [None] if isinstance(alone, Lost) else alone
         if isinstance(alone, Lost):
             complaints.append(f"{engine.name} {method} could not be timed: {alone.reason}")

@@ -8,9 +8,9 @@ from ..reference import Solution
 from ..scenarios import Expect, Scenario
 from .compared_run import broken_promises, row_of
 from .ladder import MIN_RUNGS, Rung
+from .lane import Lost
 from .records import Key, Row, Verdict
 from .verdict import Judgement, Signal, Step, judge
-from .workers import Lost
 
 #: A ladder goes on until its limit is known to this, relative (ω) and in rad, or steps run out.
 GOAL = 1e-4

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from ..scenarios import Scenario
 from .choice import Choice, Pair
 from .environment import processor
+from .lane import KILLED
 from .made_by import digests
 from .records import Key, Verdict
 from .store import Store
-from .workers import KILLED
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,7 +36,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 def pytest_unconfigure(config: pytest.Config) -> None:
     """Stop the workers, if any were started."""
     if workers := config.stash.get(_WORKERS, None):
-        workers.__exit__(None, None, None)
+        workers.kill()
 
 
 class ScenarioFile(pytest.File):
@@ -121,8 +121,8 @@ class EngineItem(SceneItem):
         workers = _workers(self.config)
         descent = descent_of(scenario, self.engine, self.method, self.parent.prepared)
         while rung := descent.next_rung():
-            future = workers.submit(simulate, self.engine, scenario, self.method.name, rung)
-            descent.add(workers.result(future))
+            run = workers.submit(simulate, self.engine, scenario, self.method.name, rung)
+            descent.add(run.outcome())
         verdict = descent.verdict()
         if not verdict.agrees:
             raise Disagreement(

@@ -6,6 +6,7 @@ at any moment is gone on with by running it again.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from queue import SimpleQueue
 from typing import Any
 
 import numpy as np
@@ -18,11 +19,12 @@ from .cost import one_thread
 from .descent import Descent, Single
 from .environment import environment
 from .ladder import Rung, ladder, single
+from .lane import KILLED, Lost
 from .plan import Plan, SceneLeft, plan
 from .records import UNSOLVED, Key, Row, Verdict
 from .store import Store
 from .timing import time_scene
-from .workers import KILLED, Lost, Task, Workers
+from .workers import Call, Workers
 
 Progress = Callable[[str], None]
 
@@ -113,14 +115,15 @@ class _Grid:
         self._store = store
         self._workers = workers
         self._progress = progress
-        self._under_way: dict[Task, Callable[[Task], None]] = {}
+        self._under_way: dict[Call[Any], Callable[[Call[Any]], None]] = {}
+        self._done: SimpleQueue[Call[Any]] = SimpleQueue()
 
     def start(self, scene: SceneLeft, rank: int) -> None:
         """Solve a scene, and start its runs when that is done; scenes of lower rank go first."""
         promised = {expected.timestep for expected in scene.scenario.expect}
         timesteps = sorted({*self._choice.timesteps, *promised})
         self._submit(
-            lambda task: self._prepared(scene, rank, task.result),
+            lambda done: self._prepared(scene, rank, done.outcome()),
             rank,
             prepare,
             scene.scenario,
@@ -130,14 +133,20 @@ class _Grid:
 
     def drain(self) -> None:
         """Run until nothing is under way."""
-        while done := self._workers.finished():
-            for task in done:
-                self._under_way.pop(task)(task)
+        while self._under_way:
+            done = self._done.get()
+            self._under_way.pop(done)(done)
 
     def _submit(
-        self, then: Callable[[Task], None], rank: int, call: Callable[..., Any], *arguments: Any
+        self,
+        then: Callable[[Call[Any]], None],
+        rank: int,
+        call: Callable[..., Any],
+        *arguments: Any,
     ) -> None:
-        self._under_way[self._workers.submit(call, *arguments, rank=rank)] = then
+        future = self._workers.submit_ranked(rank, call, *arguments)
+        self._under_way[future] = then
+        future.add_done_callback(lambda _: self._done.put(future))
 
     def _prepared(self, scene: SceneLeft, rank: int, prepared: Prepared | Lost) -> None:
         scenario = scene.scenario
@@ -167,8 +176,8 @@ class _Grid:
             self._finish(descent.verdict(), limit, descent.spent())
             return
 
-        def then(task: Task) -> None:
-            row = descent.add(task.result, task.printed)
+        def then(done: Call[Any]) -> None:
+            row = descent.add(done.outcome(), done.printed)
             self._store.put_row(row)
             self._descend(descent, there | {row.timestep: row}, rank)
 

@@ -1,52 +1,69 @@
-"""One worker: a spawned process, a pipe to it, and a file that holds all it prints."""
+"""One worker: a process of its own, a socket to it, and a file that holds all it prints.
+
+It is started like any program, by its path, and knows nothing of the program that started it but
+where modules are found: no `__main__` is imported twice, and a process that may have no children
+of `multiprocessing`'s, such as a worker of a cluster, may have this one.
+"""
 
 import ctypes
 import fcntl
 import io
-import multiprocessing
 import os
 import pickle
 import signal
+import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from multiprocessing import Pipe
 from multiprocessing.connection import Connection
-from multiprocessing.reduction import recv_handle, send_handle
 from typing import Any
 
-STDOUT, STDERR = 1, 2
 #: <stdio.h>, _IONBF: nothing that was printed before a crash is lost in a buffer.
 UNBUFFERED = 2
 #: <sys/prctl.h>, Linux: choose the signal to be sent when the parent is gone.
 PR_SET_PDEATHSIG = 1
 #: Bytes of what a call printed that are kept, from its end.
 KEPT_OUTPUT = 4096
+#: What the process runs; its arguments are the socket's descriptor and the parent's id.
+_PROGRAM = """
+import pickle, sys
+from multiprocessing.connection import Connection
+pipe = Connection(int(sys.argv[1]))
+sys.path[:] = pickle.loads(pipe.recv_bytes())
+from spincheck.reports.worker_process import serve
+serve(pipe, int(sys.argv[2]))
+"""
 
 
 class WorkerProcess:
-    """The parent's side of it."""
+    """The parent's side of it. It lives no longer than the thread that starts it."""
 
     def __init__(self) -> None:
         self._output = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115, closed by `end`
         # Appended to, so that emptying it between calls leaves no hole at its beginning.
         flags = fcntl.fcntl(self._output, fcntl.F_GETFL)
         fcntl.fcntl(self._output, fcntl.F_SETFL, flags | os.O_APPEND)
-        # Forking a process that holds engine threads is unsafe; a spawned one starts clean.
-        context = multiprocessing.get_context("spawn")
-        self.pipe, theirs = context.Pipe()
-        self._process = context.Process(target=_serve, args=(theirs, os.getpid()), daemon=True)
-        with _interrupts_held_back():
-            self._process.start()
-        theirs.close()
-        send_handle(self.pipe, self._output.fileno(), self._process.pid)
+        self._pipe, theirs = Pipe()
+        # -P: no module of the current folder is taken for one of Python's own.
+        command = [sys.executable, "-P", "-c", _PROGRAM, str(theirs.fileno()), str(os.getpid())]
+        with theirs, _interrupts_held_back():
+            self._process = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=self._output,
+                stderr=self._output,
+                pass_fds=[theirs.fileno()],
+            )
+        self._pipe.send_bytes(pickle.dumps(sys.path))
 
     @property
     def alive(self) -> bool:
         """Whether the process is there."""
-        return self._process.is_alive()
+        return self._process.poll() is None
 
-    def give(self, call: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+    def give(self, call: Callable[[], Any]) -> None:
         """Let it call.
 
         Raises
@@ -56,11 +73,15 @@ class WorkerProcess:
         """
         self._output.truncate(0)
         try:
-            request = pickle.dumps((call, arguments))
+            request = pickle.dumps((call, ()))
         except Exception as error:
             # Comes back like a call that failed.
             request = pickle.dumps((_refuse, (f"{type(error).__name__}: {error}",)))
-        self.pipe.send_bytes(request)
+        self._pipe.send_bytes(request)
+
+    def has_answered(self, seconds: float) -> bool:
+        """Wait until it has answered or is gone, so long at most."""
+        return self._pipe.poll(seconds)
 
     def take(self) -> tuple[bool, Any]:
         """Wait for what the call returned, after True, or what it raised, in words, after False.
@@ -70,7 +91,7 @@ class WorkerProcess:
         EOFError, OSError
             If the process is gone.
         """
-        answer: tuple[bool, Any] = pickle.loads(self.pipe.recv_bytes())
+        answer: tuple[bool, Any] = pickle.loads(self._pipe.recv_bytes())
         return answer
 
     def printed(self) -> str:
@@ -79,13 +100,17 @@ class WorkerProcess:
         kept = os.pread(self._output.fileno(), KEPT_OUTPUT, max(size - KEPT_OUTPUT, 0))
         return kept.decode(errors="replace")
 
+    def kill(self) -> None:
+        """Put an end to it, from whichever thread; `end` is still to be called."""
+        self._process.kill()
+
     def end(self) -> int:
         """Make an end of it; returns the exit code, its own if it had died before."""
         self._process.kill()
-        self._process.join()
-        self.pipe.close()
+        code = self._process.wait()
+        self._pipe.close()
         self._output.close()
-        return self._process.exitcode or 0
+        return code
 
 
 @contextmanager
@@ -98,12 +123,13 @@ def _interrupts_held_back() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _serve(pipe: Connection, parent: int) -> None:
+def serve(pipe: Connection, parent: int) -> None:
     """The process itself: take calls until the parent is gone."""
     # Ctrl-C reaches the whole process group; what it means is the parent's to decide.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _die_with(parent)
-    _print_to(recv_handle(pipe))
+    os.set_inheritable(pipe.fileno(), False)
+    _print_at_once()
     while True:
         try:
             request = pipe.recv_bytes()
@@ -126,18 +152,18 @@ def _refuse(reason: str) -> None:
 
 
 def _die_with(parent: int) -> None:
-    """Have the system kill this process as soon as its parent is gone, whatever it is doing."""
+    """Have the system kill this process as soon as its parent's thread is gone, whatever it does.
+
+    See prctl(2): the parent is the thread that started this process.
+    """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:
         os._exit(1)
 
 
-def _print_to(output: int) -> None:
-    """Send both streams, Python's and C's, to a file, each byte as soon as it is written."""
-    for descriptor in (STDOUT, STDERR):
-        os.dup2(output, descriptor)
-    os.close(output)
+def _print_at_once() -> None:
+    """Have both streams, Python's and C's, write each byte as soon as it is printed."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(write_through=True)

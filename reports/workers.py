@@ -1,162 +1,112 @@
 """Runs calls in worker processes that may crash, hang or print without harming the study.
 
-One process, one pipe, one call at a time: nothing is shared, so a process that is killed at any
-instruction takes no other down.
+An executor like those of `concurrent.futures`. Each process has a thread that waits for it, and
+one socket; nothing else is shared, so a process that is killed at any instruction takes no other
+down.
 """
 
 import heapq
-import signal
-import time
+import threading
 from collections.abc import Callable
-from contextlib import suppress
+from concurrent.futures import Executor, Future
 from dataclasses import dataclass
+from functools import partial
 from itertools import count
-from multiprocessing.connection import wait
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, ParamSpec, TypeVar
 
-from .worker_process import WorkerProcess
+from .lane import Lane, Lost
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 #: s; a run of the largest ladder takes a few seconds.
 TIME_LIMIT = 120.0
-#: A call whose worker was killed from outside is tried this often in all.
-ATTEMPTS = 2
-#: Characters of a worker's last line that go into the reason of its death.
-LAST_WORDS = 200
-#: What somebody else sends to a process that is in the way; no engine ends by these.
-FROM_OUTSIDE = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP)
-#: Begins the reason of a call that was lost so.
-KILLED = "the worker process was killed from outside"
 
 
-@dataclass(frozen=True)
-class Lost:
-    """A call that gave no result, and why."""
-
-    reason: str
-
-    @property
-    def killed(self) -> bool:
-        """Whether somebody else put an end to it: it may be tried again."""
-        return self.reason.startswith(KILLED)
-
-
-@dataclass(eq=False)
-class Task:
+class Call(Future[T]):
     """A call on its way through the workers.
 
     Attributes
     ----------
-    result : what it returned, or `Lost` if it crashed, hung or raised
     printed : what it wrote to the terminal, by Python or by C; the end of it if that is long
     """
 
-    call: Callable[..., Any]
-    arguments: tuple[Any, ...]
-    priority: tuple[int, int]
-    attempts: int = 0
-    result: Any = None
     printed: str = ""
-    done: bool = False
 
-    def __lt__(self, other: "Task") -> bool:
-        """Whether it is to be called before another."""
-        return self.priority < other.priority
+    def outcome(self) -> T | Lost:
+        """What the call returned, as soon as it has, or why it gave no result."""
+        try:
+            return self.result()
+        except Lost as lost:
+            return lost
 
 
 @dataclass(eq=False)
-class _Busy:
-    task: Task
-    deadline: float
+class _Waiting:
+    priority: tuple[int, int]
+    call: Callable[[], Any]
+    future: Call[Any]
+
+    def __lt__(self, other: "_Waiting") -> bool:
+        return self.priority < other.priority
 
 
-class Workers:
-    """A number of processes, started as they are needed; to be used from one thread."""
+class Workers(Executor):
+    """A number of processes, started as they are needed.
+
+    A call that gives no result has `Lost` for its exception. Left by an exception, or by Ctrl-C,
+    a ``with`` block kills the processes at once.
+    """
 
     def __init__(self, jobs: int) -> None:
         self._jobs = jobs
         self._time_limit = TIME_LIMIT
         self._numbers = count()
-        self._waiting: list[Task] = []
-        self._idle: list[WorkerProcess] = []
-        self._busy: dict[WorkerProcess, _Busy] = {}
+        self._changed = threading.Condition()
+        self._waiting: list[_Waiting] = []
+        self._lanes: dict[threading.Thread, Lane] = {}
+        self._idle = 0
+        self._closed = False
 
-    def submit(self, call: Callable[..., Any], *arguments: Any, rank: int = 0) -> Task:
-        """Schedule a call; of those that wait the one of least rank is called first.
+    def submit(self, call: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Call[T]:
+        """Schedule a call, behind those that wait; what it takes and returns is pickled."""
+        return self.submit_ranked(0, call, *args, **kwargs)
 
-        What it takes and returns is pickled.
-        """
-        task = Task(call, arguments, (rank, next(self._numbers)))
-        heapq.heappush(self._waiting, task)
-        return task
+    def submit_ranked(
+        self, rank: int, call: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
+    ) -> Call[T]:
+        """Schedule a call; of those that wait the one of least rank is called first."""
+        future: Call[T] = Call()
+        with self._changed:
+            if self._closed:
+                raise RuntimeError("'submit' must come before 'shutdown'.")
+            waiting = _Waiting((rank, next(self._numbers)), partial(call, *args, **kwargs), future)
+            heapq.heappush(self._waiting, waiting)
+            if self._idle < len(self._waiting) and len(self._lanes) < self._jobs:
+                self._start_lane()
+            self._changed.notify()
+        return future
 
-    def result(self, task: Task) -> Any:
-        """What a call returned, as soon as it has."""
-        while not task.done:
-            self.finished()
-        return task.result
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Take no more calls, and end the processes when those there are are done."""
+        with self._changed:
+            self._closed = True
+            if cancel_futures:
+                self._cancel_waiting()
+            self._changed.notify_all()
+        if wait:
+            self._join()
 
-    def finished(self) -> list[Task]:
-        """Let the workers work until a call is done, or more; empty if none is under way."""
-        self._hand_out()
-        done: list[Task] = []
-        while self._busy and not done:
-            nearest = min(busy.deadline for busy in self._busy.values())
-            ready = wait(
-                [worker.pipe for worker in self._busy],
-                timeout=max(0.0, nearest - time.monotonic()),
-            )
-            for worker in list(self._busy):
-                if worker.pipe in ready:
-                    done += self._receive(worker)
-                elif time.monotonic() >= self._busy[worker].deadline:
-                    done += self._stop(worker)
-            # Before the results are looked at, so that nobody waits for that.
-            self._hand_out()
-        return done
-
-    def _hand_out(self) -> None:
-        """Give waiting calls to idle workers, and start those that are lacking."""
-        while self._waiting and len(self._busy) < self._jobs:
-            worker = self._idle.pop() if self._idle else WorkerProcess()
-            if not worker.alive:
-                worker.end()
-                continue
-            task = heapq.heappop(self._waiting)
-            task.attempts += 1
-            self._busy[worker] = _Busy(task, time.monotonic() + self._time_limit)
-            # One that dies meanwhile is found to have died when its answer is waited for.
-            with suppress(OSError):
-                worker.give(task.call, task.arguments)
-
-    def _receive(self, worker: WorkerProcess) -> list[Task]:
-        task = self._busy.pop(worker).task
-        try:
-            returned, value = worker.take()
-        except (EOFError, OSError):
-            return self._bury(worker, task)
-        self._idle.append(worker)
-        return [_settled(task, value if returned else Lost(value), worker.printed())]
-
-    def _bury(self, worker: WorkerProcess, task: Task) -> list[Task]:
-        """A worker has died: by its call, or by somebody else, when the call is tried again."""
-        printed = worker.printed()
-        lost = Lost(_cause_of_death(worker.end()) + _last_words(printed))
-        if lost.killed and task.attempts < ATTEMPTS:
-            heapq.heappush(self._waiting, task)
-            return []
-        return [_settled(task, lost, printed)]
-
-    def _stop(self, worker: WorkerProcess) -> list[Task]:
-        """Stop a worker whose call overruns its time."""
-        task = self._busy.pop(worker).task
-        printed = worker.printed()
-        worker.end()
-        reason = f"did not finish within {self._time_limit:g} s{_last_words(printed)}"
-        return [_settled(task, Lost(reason), printed)]
-
-    def __enter__(self) -> Self:
-        return self
+    def kill(self) -> None:
+        """End everything at once: what waits is cancelled, what is under way is lost."""
+        with self._changed:
+            self._closed = True
+            self._cancel_waiting()
+            self._changed.notify_all()
+        for lane in self._lanes.values():
+            lane.stop()
+        self._join()
 
     def __exit__(
         self,
@@ -164,26 +114,52 @@ class Workers:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        for worker in [*self._idle, *self._busy]:
-            worker.end()
-        self._idle.clear()
-        self._busy.clear()
+        if kind is not None:
+            self.kill()
+            return
+        try:
+            self.shutdown()
+        except BaseException:
+            self.kill()
+            raise
+
+    def _cancel_waiting(self) -> None:
+        for waiting in self._waiting:
+            if waiting.future.cancel():
+                # Tells those that wait for it.
+                waiting.future.set_running_or_notify_cancel()
         self._waiting.clear()
 
+    def _join(self) -> None:
+        for thread in self._lanes:
+            if thread.is_alive():
+                thread.join()
 
-def _settled(task: Task, result: Any, printed: str) -> Task:
-    task.result, task.printed, task.done = result, printed, True
-    return task
+    def _start_lane(self) -> None:
+        lane = Lane(self._time_limit)
+        # A program that ends without a word to its workers does not wait for them.
+        thread = threading.Thread(target=self._work, args=(lane,), daemon=True)
+        self._lanes[thread] = lane
+        thread.start()
 
+    def _work(self, lane: Lane) -> None:
+        """A thread: make calls until there will be no more."""
+        while (waiting := self._next()) is not None:
+            future = waiting.future
+            if not future.set_running_or_notify_cancel():
+                continue
+            answer = lane.call(waiting.call)
+            future.printed = answer.printed
+            if isinstance(answer.value, Lost):
+                future.set_exception(answer.value)
+            else:
+                future.set_result(answer.value)
+        lane.end()
 
-def _cause_of_death(exit_code: int) -> str:
-    if exit_code >= 0:
-        return f"the worker process ended with exit code {exit_code}"
-    by = signal.Signals(-exit_code)
-    return f"{KILLED if by in FROM_OUTSIDE else 'the worker process was killed'} by {by.name}"
-
-
-def _last_words(printed: str) -> str:
-    """The last line that a worker printed, to go on with the reason of its death."""
-    lines = printed.strip().splitlines()
-    return f"; it last printed: {lines[-1][-LAST_WORDS:]}" if lines else ""
+    def _next(self) -> _Waiting | None:
+        with self._changed:
+            self._idle += 1
+            while not self._waiting and not self._closed:
+                self._changed.wait()
+            self._idle -= 1
+            return heapq.heappop(self._waiting) if self._waiting else None

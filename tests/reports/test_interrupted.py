@@ -142,13 +142,13 @@ def test_a_killed_worker_is_replaced_and_its_run_made_again(tmp_path, undisturbe
 
 
 def _children(parent: int) -> list[int]:
-    """Its workers; multiprocessing's own resource tracker is left alone."""
-    listed = Path(f"/proc/{parent}/task/{parent}/children").read_text().split()
-    return [
-        int(child)
-        for child in listed
-        if b"spawn_main" in (Path("/proc") / child / "cmdline").read_bytes()
-    ]
+    """Its workers, each a child of one of its threads."""
+    threads = Path(f"/proc/{parent}/task").iterdir()
+    return [int(child) for thread in threads for child in _listed(thread / "children")]
+
+
+def _listed(children: Path) -> list[str]:
+    return children.read_text().split()
 
 
 @pytest.mark.parametrize("rows", [0, 5])
@@ -174,8 +174,11 @@ def test_a_second_run_into_the_same_file_is_refused(tmp_path, undisturbed):
     path = tmp_path / "results.sqlite"
     first = start(path, "--quick")
     wait_for_rows(path, 1)
+    # Stopped, so that it cannot end before the second has begun.
+    first.send_signal(signal.SIGSTOP)
     second = start(path, "--quick")
     _, err = second.communicate()
+    first.send_signal(signal.SIGCONT)
     assert second.returncode == 2
     assert err == f"spincheck: {path}: another 'spincheck run' is writing to it\n"
     first.communicate()

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 from spincheck.reports import workers
+from spincheck.reports.lane import LAST_WORDS, Lost
 from spincheck.reports.worker_process import KEPT_OUTPUT
-from spincheck.reports.workers import LAST_WORDS, Lost, Workers
+from spincheck.reports.workers import Workers
 
 LIBC = ctypes.CDLL(None)
 #: s; far longer than any test waits.
@@ -76,17 +77,17 @@ def pool():
 
 
 def reason(pool: Workers, call, *arguments) -> str:
-    lost = pool.result(pool.submit(call, *arguments))
+    lost = pool.submit(call, *arguments).outcome()
     assert isinstance(lost, Lost)
     return lost.reason
 
 
 def test_a_call_returns(pool):
-    assert pool.result(pool.submit(double, 21)) == 42
+    assert pool.submit(double, 21).outcome() == 42
 
 
 def test_a_result_larger_than_any_pipe_arrives(pool):
-    assert pool.result(pool.submit(big)) == big()
+    assert pool.submit(big).outcome() == big()
 
 
 @pytest.mark.parametrize(
@@ -102,7 +103,7 @@ def test_a_result_larger_than_any_pipe_arrives(pool):
 )
 def test_a_lost_call_says_why_and_the_next_one_runs(pool, call, words):
     assert words in reason(pool, call)
-    assert pool.result(pool.submit(double, 1)) == 2
+    assert pool.submit(double, 1).outcome() == 2
 
 
 def test_a_call_that_leaves_tells_its_exit_code(pool):
@@ -121,18 +122,18 @@ def test_a_call_that_hangs_is_stopped(monkeypatch):
 
 def test_what_is_printed_by_c_and_python_is_kept_with_its_own_call(pool):
     tasks = [pool.submit(say, "one"), pool.submit(double, 1), pool.submit(say, "two")]
-    assert [pool.result(task) for task in tasks] == [1, 2, 1]
+    assert [task.outcome() for task in tasks] == [1, 2, 1]
     assert [task.printed for task in tasks] == ["from C\none\n", "", "from C\ntwo\n"]
 
 
 def test_nothing_printed_reaches_the_terminal(capfd, pool):
-    pool.result(pool.submit(say, "secret"))
+    pool.submit(say, "secret").outcome()
     assert capfd.readouterr() == ("", "")
 
 
 def test_of_much_output_the_end_is_kept(pool):
     task = pool.submit(say, "x" * KEPT_OUTPUT + "the end")
-    pool.result(task)
+    task.outcome()
     assert len(task.printed) == KEPT_OUTPUT
     assert task.printed.endswith("the end\n")
 
@@ -149,29 +150,29 @@ def _abort_saying(text: str) -> None:
 
 def test_a_call_whose_worker_is_killed_from_outside_is_tried_again(tmp_path, pool):
     task = pool.submit(killed_the_first_time, tmp_path / "mark")
-    assert pool.result(task) == "second attempt"
+    assert task.outcome() == "second attempt"
 
 
 def test_a_call_that_is_killed_again_is_lost_through_no_fault_of_its_own(pool):
-    lost = pool.result(pool.submit(killed_every_time))
+    lost = pool.submit(killed_every_time).outcome()
     assert lost.killed
     assert "SIGKILL" in lost.reason
 
 
 def test_a_crash_is_its_own_fault(pool):
-    assert not pool.result(pool.submit(crash)).killed
+    assert not pool.submit(crash).outcome().killed
 
 
 def test_a_worker_killed_while_idle_costs_no_call(pool):
-    pid = pool.result(pool.submit(os.getpid))
+    pid = pool.submit(os.getpid).outcome()
     os.kill(pid, signal.SIGKILL)
-    assert pool.result(pool.submit(killed_every_time)).killed
-    assert pool.result(pool.submit(os.getpid)) != pid
+    assert pool.submit(killed_every_time).outcome().killed
+    assert pool.submit(os.getpid).outcome() != pid
 
 
 def test_of_calls_that_wait_the_least_rank_is_called_first(pool):
-    tasks = {rank: pool.submit(time.monotonic, rank=rank) for rank in (3, 1, 2)}
-    called = {rank: pool.result(task) for rank, task in tasks.items()}
+    tasks = {rank: pool.submit_ranked(rank, time.monotonic) for rank in (3, 1, 2)}
+    called = {rank: task.outcome() for rank, task in tasks.items()}
     assert sorted(called, key=called.__getitem__) == [1, 2, 3]
 
 
@@ -179,8 +180,8 @@ def test_calls_run_side_by_side():
     with Workers(jobs=2) as pool:
         tasks = [pool.submit(os.getpid) for _ in range(2)] + [pool.submit(time.sleep, 0.1)]
         for task in tasks:
-            pool.result(task)
-    assert tasks[0].result != tasks[1].result
+            task.outcome()
+    assert tasks[0].result() != tasks[1].result()
 
 
 PARENT = """
@@ -188,9 +189,8 @@ import os, sys, time
 from spincheck.reports.workers import Workers
 if __name__ == "__main__":
     pool = Workers(jobs=2)
-    print(pool.result(pool.submit(os.getpid)), flush=True)
-    pool.submit(time.sleep, 600.0)
-    pool.finished()
+    print(pool.submit(os.getpid).outcome(), flush=True)
+    pool.submit(time.sleep, 600.0).outcome()
 """
 
 
