@@ -8,9 +8,10 @@ from .choice import Choice
 from .cost import measure
 from .effects_cost import EffectsCost, PassCosts, effects_cost, pass_costs
 from .environment import processor
+from .lane import Lost
 from .plan import SceneLeft, can_be_timed
 from .store import Store
-from .workers import Lost, Workers
+from .workers import Workers
 
 
 def time_scene(
@@ -52,6 +53,6 @@ def _time_left_out(
     """Time what each engine's first method leaves out; its other methods leave out the same."""
     first = {engine.name: (engine, method) for engine, method in reversed(choice.pairs())}
     for engine, method in first.values():
-        found = workers.result(workers.submit(call, scenario, engine, method))
+        found = workers.submit(call, scenario, engine, method).outcome()
         if found is not None and not isinstance(found, Lost):
             store.put_left_out(found)
