@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 
 from .cost_to_reach import LEVELS, Reach, reach
-from .gather import Gathered, MethodRuns, Pair, SceneRuns
+from .gather import Gathered, MethodRuns, SceneRuns
 from .profiles import SceneCurves, order_ratios, tally
+from .records import Pair
 from .tables import Cell, Table, figure, table
 from .wording import NOTHING, number
 from .work_precision import Signal, curve_of

@@ -5,15 +5,12 @@ from functools import cached_property
 
 import numpy as np
 
-from ..engines import Method, engines
+from ..engines import Method
 from ..reference import solve
 from ..scenarios import Errors, ErrorSeries, Trajectory, error_series
 from .looks import Look, looks
-from .records import Row, Verdict
+from .records import Pair, Row, Verdict
 from .store import Results, SceneResult
-
-#: An engine and one of its methods.
-Pair = tuple[str, str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +21,7 @@ class MethodRuns:
     ----------
     rows : coarse to fine
     verdict : None where the study was stopped before there was one
-    declared : what the adapter says of the method; None where the engine is not installed here
+    declared : what the adapter said of the method when it ran; None where the file does not tell
     """
 
     engine: str
@@ -122,7 +119,14 @@ class Gathered:
 def gather(results: Results) -> Gathered:
     """Sort a result file's records by scene and method."""
     keys = [row.key for row in results.rows] + [verdict.key for verdict in results.verdicts]
-    pairs = tuple(sorted({(key.engine, key.method) for key in keys}, key=_reading_order))
+    listed = {pair: rank for rank, pair in enumerate(results.methods)}
+    pairs = tuple(
+        # Engines by name; their methods as the adapter lists them, those not listed at the end.
+        sorted(
+            {(key.engine, key.method) for key in keys},
+            key=lambda pair: (pair[0], listed.get(pair, len(listed)), pair[1]),
+        )
+    )
     names = sorted({key.scenario for key in keys} | set(results.scenes))
     drawn = looks(pairs)
     verdicts = {verdict.key: verdict for verdict in results.verdicts}
@@ -133,7 +137,7 @@ def gather(results: Results) -> Gathered:
 
     def method_runs(name: str, pair: Pair) -> MethodRuns:
         rows, verdict = tuple(tried.get((name, pair), ())), known.get((name, pair))
-        return MethodRuns(*pair, rows, verdict, declared(*pair), drawn[pair])
+        return MethodRuns(*pair, rows, verdict, results.methods.get(pair), drawn[pair])
 
     scenes = tuple(
         SceneRuns(
@@ -148,21 +152,6 @@ def gather(results: Results) -> Gathered:
         for name in names
     )
     return Gathered(results.environment, pairs, scenes)
-
-
-def declared(engine: str, method: str) -> Method | None:
-    """What an adapter declares of a method, where the engine is installed here."""
-    installed = engines().get(engine)
-    known = {m.name: m for m in installed.methods} if installed else {}
-    return known.get(method)
-
-
-def _reading_order(pair: Pair) -> tuple[str, int, str]:
-    """Engines by name; their methods as the adapter lists them, those unknown here at the end."""
-    engine, method = pair
-    installed = engines().get(engine)
-    listed = [m.name for m in installed.methods] if installed else []
-    return engine, listed.index(method) if method in listed else len(listed), method
 
 
 def _truth_at(scene: SceneResult, motion: Trajectory) -> Trajectory:

@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from .gather import Pair
 from .looks import Look
 from .plot import Figure, Panel, Range, Trace, layout, line, method_look
 from .profiles import Profile
+from .records import Pair
 from .wording import SIGNALS, number
 
 #: Room beside the largest factor of a log axis, as a factor: a curve's last step is seen to stay.

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from statistics import median, median_high
 
 from .cost_to_reach import Reach, cheapest, order_ratio, reach
-from .gather import Pair
+from .records import Pair
 from .work_precision import Curve, Signal
 
 #: One scene's curves, in one error, one a method.

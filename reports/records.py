@@ -7,6 +7,8 @@ from ..engines import Outcome
 from ..scenarios import Errors, Trajectory
 from .verdict import VerdictWord
 
+#: Names of an engine and of one of its methods.
+Pair = tuple[str, str]
 #: s; the timestep of the one row of a method on a scene whose reference could not be solved.
 UNSOLVED = 0.0
 

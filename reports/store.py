@@ -5,23 +5,30 @@ another engine or another spincheck is dropped (`Store.keep_made_by`).
 """
 
 import sqlite3
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..engines import Engine, Method
 from ..reference import Solution
 from ..scenarios import Scenario
 from . import table_records
 from .cost import StepCost
 from .effects_cost import EffectsCost, PassCosts
-from .records import UNSOLVED, Key, Row, Verdict
+from .records import UNSOLVED, Key, Pair, Row, Verdict
 from .result_file import opened
 from .sweep import EnsembleResult, MapResult
 
 _SCHEMA = """
 CREATE TABLE environment (name TEXT PRIMARY KEY, value TEXT NOT NULL);
+-- As the adapters declared them to the study, so that a report needs no engine.
+CREATE TABLE methods (
+    engine TEXT, method TEXT, "order" INTEGER NOT NULL, attitude_order INTEGER NOT NULL,
+    summary TEXT NOT NULL, effects TEXT NOT NULL, requires TEXT NOT NULL,
+    max_rotation_per_step REAL NOT NULL, as_shipped INTEGER NOT NULL,
+    PRIMARY KEY (engine, method));
 -- What results rest on: where the engine is empty the scene and this program, else the engine.
 CREATE TABLE made_by (
     scenario TEXT, engine TEXT, digest TEXT NOT NULL, PRIMARY KEY (scenario, engine));
@@ -62,7 +69,12 @@ class SceneResult:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """Everything a report is made from."""
+    """Everything a report is made from.
+
+    Attributes
+    ----------
+    methods : what each engine's adapter declared of its methods, in the order it lists them
+    """
 
     environment: dict[str, str]
     scenes: dict[str, SceneResult]
@@ -70,6 +82,7 @@ class Results:
     verdicts: list[Verdict]
     effects: list[EffectsCost] = field(default_factory=list)
     passes: list[PassCosts] = field(default_factory=list)
+    methods: dict[Pair, Method] = field(default_factory=dict)
     maps: list[MapResult] = field(default_factory=list)
     ensembles: list[EnsembleResult] = field(default_factory=list)
 
@@ -86,6 +99,14 @@ class Store:
         with self._connection:
             for name, value in environment.items():
                 self._put("environment", {"name": name, "value": value})
+
+    def put_methods(self, engines: Iterable[Engine]) -> None:
+        """Record what adapters declare of all their methods."""
+        with self._connection:
+            for engine in engines:
+                self._connection.execute("DELETE FROM methods WHERE engine = ?", (engine.name,))
+                for method in engine.methods:
+                    self._put("methods", table_records.of_method(engine.name, method))
 
     def keep_made_by(self, scenario: str, digests: dict[str, str]) -> int:
         """Drop what is known of a scene but rests on something else; returns how many verdicts.
@@ -211,6 +232,7 @@ class Store:
             verdicts=self._verdicts(_asked(timesteps)),
             effects=[found for found in left_out if isinstance(found, EffectsCost)],
             passes=[found for found in left_out if isinstance(found, PassCosts)],
+            methods=dict(table_records.method(record) for record in self._select("methods")),
         )
 
     def _verdicts(self, asked: str) -> list[Verdict]:

@@ -11,11 +11,12 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from ..engines import Method
 from ..reference import Solution
 from ..scenarios import Errors, Scenario, Trajectory, loads
 from .cost import StepCost
 from .effects_cost import EffectsCost, PassCost, PassCosts, Ratio
-from .records import Key, Row, Verdict
+from .records import Key, Pair, Row, Verdict
 from .result_file import ResultFileError
 
 T = TypeVar("T")
@@ -32,6 +33,7 @@ _PLAIN_ROW = (
     "steps",
     "printed",
 )
+_PLAIN_METHOD = ("order", "attitude_order", "summary", "max_rotation_per_step", "as_shipped")
 _PLAIN_VERDICT = ("verdict", "reason", "signal", "order", "limit_error", "limit_estimate")
 
 
@@ -78,6 +80,17 @@ def of_cost(key: Key, processor: str, cost: StepCost | None) -> dict[str, Any]:
         "seconds_per_step": cost.seconds_per_step if cost else None,
         "seconds_spread": cost.spread if cost else None,
         "wall_seconds_per_step": cost.wall_seconds_per_step if cost else None,
+    }
+
+
+def of_method(engine: str, method: Method) -> dict[str, Any]:
+    """What an adapter declares of a method, for the table `methods`."""
+    return {
+        "engine": engine,
+        "method": method.name,
+        **{name: getattr(method, name) for name in _PLAIN_METHOD},
+        "effects": json.dumps(sorted(method.effects)),
+        "requires": json.dumps(sorted(method.requires)),
     }
 
 
@@ -136,6 +149,18 @@ def verdict(record: sqlite3.Row) -> Verdict:
         broken=tuple(json.loads(record["broken"])),
         as_shipped=bool(record["as_shipped"]),
         **{name: record[name] for name in _PLAIN_VERDICT},
+    )
+
+
+@_told
+def method(record: sqlite3.Row) -> tuple[Pair, Method]:
+    """A record of the table `methods`, and whose it is."""
+    declared = {name: record[name] for name in _PLAIN_METHOD}
+    return (record["engine"], record["method"]), Method(
+        name=record["method"],
+        effects=frozenset(json.loads(record["effects"])),
+        requires=frozenset(json.loads(record["requires"])),
+        **declared | {"as_shipped": bool(declared["as_shipped"])},
     )
 
 

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.transform import Rotation
+from spincheck.engines import Method
 from spincheck.reference import Solution
 from spincheck.reports.records import Key, Row, Verdict
 from spincheck.reports.store import Results, SceneResult
-from spincheck.scenarios import Errors, Scenario, Trajectory, errors_between, loads
+from spincheck.scenarios import EFFECTS, Errors, Scenario, Trajectory, errors_between, loads
 
 #: What the made-up truth is good for; the finest runs of high order are below it.
 UNCERTAINTY = Errors(omega=1e-13, attitude=2e-13, angular_momentum=3e-13, energy=4e-13)
@@ -104,7 +105,13 @@ def results(samples: int = 101, methods: Sequence[MadeUp] = METHODS) -> Results:
     rows.append(Row(unsolved, "1.0", 0.0, "failed", reason))
     verdicts.append(Verdict(unsolved, "failed", reason))
     environment = {"date": "2026-01-01T00:00:00+00:00", "processor": "a <fast> one"}
-    return Results(environment, scenes, rows, verdicts)
+    declared = {(m.engine, m.method): _declared(m) for m in methods}
+    return Results(environment, scenes, rows, verdicts, methods=declared)
+
+
+def _declared(method: MadeUp) -> Method:
+    summary = f"a method of order {method.order} | {MISCHIEF}"
+    return Method(method.method, method.order, method.order, summary, frozenset(EFFECTS))
 
 
 def _rows(scenario: Scenario, truth: Trajectory, key: Key, method: MadeUp) -> list[Row]:
