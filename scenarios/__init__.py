@@ -4,8 +4,8 @@ from .agreement import Errors, ErrorSeries, error_series, errors_between
 from .body import Body, FloatArray
 from .catalogue import LIBRARY, find, scenario_files
 from .document import Document, Effects, Expect, Published, Window
-from .errors import ScenarioError
-from .load import is_scenario, load, loads
+from .errors import Misfit, ScenarioError, printable
+from .load import is_scenario, load, load_all, loads
 from .mechanics import (
     angular_momentum_world,
     energy,
@@ -13,6 +13,7 @@ from .mechanics import (
     kinetic_energy,
     potential_energy,
 )
+from .scales import check_scales
 from .scenario import EFFECTS, Scenario, Start
 from .trajectory import Trajectory
 
@@ -26,6 +27,7 @@ __all__ = [
     "Errors",
     "Expect",
     "FloatArray",
+    "Misfit",
     "Published",
     "Scenario",
     "ScenarioError",
@@ -33,6 +35,7 @@ __all__ = [
     "Trajectory",
     "Window",
     "angular_momentum_world",
+    "check_scales",
     "energy",
     "energy_base",
     "error_series",
@@ -41,7 +44,9 @@ __all__ = [
     "is_scenario",
     "kinetic_energy",
     "load",
+    "load_all",
     "loads",
     "potential_energy",
+    "printable",
     "scenario_files",
 ]

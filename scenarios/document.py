@@ -6,47 +6,24 @@ concern. `schema.json` is generated from these models.
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Discriminator,
-    Field,
-    Tag,
-    model_validator,
-)
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from .body import Body, body_about_com, body_about_origin, body_of_particles
-
-#: TOML integers are numbers too; strings and booleans are not, nor are inf and nan.
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
-Vector = tuple[Number, Number, Number]
-Quaternion = tuple[Number, Number, Number, Number]
-Matrix = tuple[Vector, Vector, Vector]
-Text = Annotated[str, Field(strict=True, min_length=1)]
-
-
-def _whole_number(value: Any) -> Any:
-    """Python takes true and 1.0 for 1; a format version is neither."""
-    if type(value) is not int:
-        raise ValueError(f"must be a whole number, got {value!r}")
-    return value
-
-
-def _inertia_form(value: Any) -> str:
-    nested = isinstance(value, list | tuple) and value and isinstance(value[0], list | tuple)
-    return "matrix" if nested else "moments"
-
-
-Inertia = Annotated[
-    Annotated[Vector, Tag("moments")] | Annotated[Matrix, Tag("matrix")],
-    Discriminator(_inertia_form),
-]
+from .errors import Misfit
+from .values import (
+    Inertia,
+    Matrix,
+    Number,
+    Positive,
+    Prose,
+    Quaternion,
+    Text,
+    Vector,
+    Version,
+    check_unit,
+)
 
 MAX_SAMPLES = 1_000_000
-#: Typed digits rarely give a norm of 1 exactly; further off than this, something else was meant.
-QUATERNION_NORM_SLACK = 1e-3
 
 
 class Table(BaseModel):
@@ -86,8 +63,11 @@ class BodyTable(Table):
         if matrix is not None and any(
             matrix[i][j] != matrix[j][i] for i in range(3) for j in range(i)
         ):
-            raise ValueError("'inertia' must be a symmetric matrix")
-        self.body()
+            raise Misfit("must be a symmetric matrix", "inertia")
+        try:
+            self.body()
+        except ValueError as error:
+            raise Misfit(str(error), "inertia" if self.particles is None else "particles") from None
         return self
 
     @property
@@ -128,9 +108,7 @@ class StartTable(Table):
         if self.euler_zyz_rates is not None and self.euler_zyz_deg is None:
             raise ValueError("'euler_zyz_rates' needs the attitude as 'euler_zyz_deg'")
         if self.quaternion_wxyz is not None:
-            norm = sum(c * c for c in self.quaternion_wxyz) ** 0.5
-            if abs(norm - 1) > QUATERNION_NORM_SLACK:
-                raise ValueError(f"'quaternion_wxyz' must have norm 1, got norm {norm:.6g}")
+            check_unit(self.quaternion_wxyz)
         return self
 
     def _exactly_one(self, what: str, keys: tuple[str, ...]) -> None:
@@ -204,6 +182,8 @@ class Published(Table):
     def _something(self) -> Self:
         if not self.values():
             raise ValueError("names no value to compare with")
+        if self.quaternion_wxyz is not None:
+            check_unit(self.quaternion_wxyz)
         return self
 
     def values(self) -> dict[str, Any]:
@@ -239,12 +219,10 @@ class Expect(Table):
 class Document(Table):
     """A spincheck scenario: a rigid body, how it starts, what acts on it, and for how long."""
 
-    spincheck: Annotated[Literal[1], BeforeValidator(_whole_number)] = Field(
-        description="format version; marks the file as a scenario"
-    )
+    spincheck: Version = Field(description="format version; marks the file as a scenario")
     title: Text
     source: Text = Field(description="book, section or paper the scene comes from")
-    description: Annotated[str, Field(strict=True)] = Field("", description="Markdown")
+    description: Prose = Field("", description="Markdown")
     tags: tuple[Text, ...] = ()
     body: BodyTable
     start: StartTable
@@ -257,14 +235,22 @@ class Document(Table):
     def _consistent(self) -> Self:
         if self.effects.pivot is not None:
             if self.body.com is None and self.body.particles is None:
-                raise ValueError("[body] needs 'com' with a pivot")
-            if moved := {"position", "velocity"} & self.start.model_fields_set:
-                raise ValueError(f"[start] {_names(moved)}: for free bodies; this one has a pivot")
-        for index, value in enumerate(self.published, start=1):
-            if value.t > self.window.duration:
-                raise ValueError(
-                    f"[[published]] number {index}: 't' must lie in the window, "
-                    f"got {value.t:g} s of {self.window.duration:g} s"
+                raise Misfit("needs 'com' with a pivot", "body")
+            for key in ("position", "velocity"):
+                if key in self.start.model_fields_set:
+                    raise Misfit("for free bodies; this one has a pivot", "start", key)
+        duration = self.window.duration
+        for index, value in enumerate(self.published):
+            if value.t > duration:
+                raise Misfit(
+                    f"must lie in the window, got {value.t:g} s of {duration:g} s",
+                    *("published", index, "t"),
+                )
+        for index, promise in enumerate(self.expect):
+            if promise.timestep > duration:
+                raise Misfit(
+                    f"must not exceed the window, got {promise.timestep:g} s of {duration:g} s",
+                    *("expect", index, "timestep"),
                 )
         return self
 

@@ -1,5 +1,32 @@
-"""What is raised about a scenario file that cannot be used."""
+"""What is raised about a scenario file that cannot be used; how foreign text is quoted in it."""
+
+import unicodedata
 
 
 class ScenarioError(ValueError):
     """A scenario file is wrong; the message names file, line, table, key, value and rule."""
+
+
+class Misfit(ValueError):
+    """A value that does not go with others, or that no scene can have.
+
+    Attributes
+    ----------
+    keys : lead from where this was found to the key that is to blame
+    """
+
+    def __init__(self, message: str, *keys: int | str) -> None:
+        super().__init__(message)
+        self.keys = keys
+
+
+def is_control(character: str) -> bool:
+    """Whether a character moves the cursor, ends a line or colours a terminal: not one to print."""
+    return unicodedata.category(character) in ("Cc", "Zl", "Zp", "Cs")
+
+
+def printable(text: str, limit: int | None = None) -> str:
+    """Text of foreign origin on one line: control characters as escapes, cut off at a limit."""
+    if limit is not None and len(text) > limit:
+        text = f"{text[:limit]}…"
+    return "".join(c.encode("unicode_escape").decode("ascii") if is_control(c) else c for c in text)

@@ -2,11 +2,14 @@
 
 import re
 
+#: Lead to a place in a file as they do in what the parser returns.
+Keys = tuple[int | str, ...]
+
 _HEADER = re.compile(r"^\s*(\[\[?)\s*([\w.\-\s]+?)\s*\]\]?")
 _KEY = re.compile(r"^\s*([\w.\-]+)\s*=")
 
 
-def line_of(text: str, keys: tuple[int | str, ...]) -> int | None:
+def line_of(text: str, keys: Keys) -> int | None:
     """The 1-based line of the longest prefix of `keys` that stands in the text.
 
     Parameters
@@ -21,13 +24,13 @@ def line_of(text: str, keys: tuple[int | str, ...]) -> int | None:
     return None
 
 
-def _key_lines(text: str) -> dict[tuple[int | str, ...], int]:
+def _key_lines(text: str) -> dict[Keys, int]:
     """Where every table and key begins. Keys inside inline tables are not looked for."""
-    found: dict[tuple[int | str, ...], int] = {}
-    table: tuple[int | str, ...] = ()
+    found: dict[Keys, int] = {}
+    table: Keys = ()
     seen: dict[str, int] = {}
     quote: str | None = None
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(text.split("\n"), start=1):
         if quote is None:
             if header := _HEADER.match(line):
                 table = _table_path(header[1], header[2], seen)
@@ -38,7 +41,7 @@ def _key_lines(text: str) -> dict[tuple[int | str, ...], int]:
     return found
 
 
-def _table_path(brackets: str, name: str, seen: dict[str, int]) -> tuple[int | str, ...]:
+def _table_path(brackets: str, name: str, seen: dict[str, int]) -> Keys:
     if brackets == "[":
         return tuple(part.strip() for part in name.split("."))
     seen[name] = seen.get(name, -1) + 1

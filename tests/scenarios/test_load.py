@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scene_texts import TEXT
 from spincheck.scenarios import ScenarioError, is_scenario, load, loads
-from spincheck.scenarios.load import MAX_BYTES
+from spincheck.scenarios.read_text import MAX_BYTES
 
 
 def test_a_file_is_a_scene_named_by_its_stem(tmp_path):
@@ -28,7 +28,7 @@ def test_a_missing_file_is_named(tmp_path):
 
 
 def test_a_folder_is_no_file(tmp_path):
-    with pytest.raises(ScenarioError, match=r"cannot be read: Is a directory"):
+    with pytest.raises(ScenarioError, match=r"cannot be read: it is a folder"):
         load(tmp_path)
 
 
@@ -47,7 +47,7 @@ def test_a_huge_file_is_not_read(tmp_path):
 
 
 def test_broken_toml_is_told_with_its_line():
-    with pytest.raises(ScenarioError, match=r"made: not valid TOML: .* \(at line 2"):
+    with pytest.raises(ScenarioError, match=r"made:2: not valid TOML: .* \(at line 2"):
         loads("spincheck = 1\ntitle = \n", name="made")
 
 

@@ -1,0 +1,126 @@
+"""What is wrong with a scenario file, in the house's words: file, line, table, key, value, rule."""
+
+import difflib
+from collections.abc import Iterable
+from typing import Any, get_args
+
+from pydantic import BaseModel
+from pydantic_core import ErrorDetails
+
+from .document import Document
+from .errors import Misfit, printable
+from .locate import Keys, line_of
+
+#: Of a file with more wrong than this no more is told.
+MAX_COMPLAINTS = 20
+#: Characters of a key, a value or a parser's message that are shown.
+MAX_SHOWN = 100
+_TABLES = ("body", "start", "effects", "window")
+_TABLE_ARRAYS = ("published", "expect")
+_UNION_ARMS = (("inertia", "moments"), ("inertia", "matrix"))
+#: Where pydantic would speak of Python's types, by its name for the error.
+_IN_TOML = {"model_type": "must be a table", "tuple_type": "must be an array"}
+
+
+def told(details: list[ErrorDetails], text: str, where: str) -> str:
+    """What is wrong, one line for a key, however much is wrong with its entries."""
+    told: dict[Keys, str] = {}
+    for detail in details:
+        keys = _keys(detail)
+        if (key := _without_entries(keys)) not in told and len(told) < MAX_COMPLAINTS:
+            told[key] = at(where, line_of(text, keys), _explain(detail, keys))
+    if len(details) > MAX_COMPLAINTS:
+        return "\n".join([*told.values(), f"{where}: and more is wrong"])
+    return "\n".join(told.values())
+
+
+def misfit(error: Misfit, text: str, where: str) -> str:
+    """A complaint about values that are right one by one."""
+    return at(where, line_of(text, error.keys), f"{_spell(error.keys)}{error}")
+
+
+def at(where: str, line: int | None, complaint: str) -> str:
+    """A complaint with its place before it."""
+    return f"{where}:{line}: {complaint}" if line else f"{where}: {complaint}"
+
+
+def _keys(detail: ErrorDetails) -> Keys:
+    """Where in the file an error is."""
+    keys = detail["loc"]
+    # Names of union arms are pydantic's own, not the file's.
+    loc = tuple(k for n, k in enumerate(keys) if n == 0 or (keys[n - 1], k) not in _UNION_ARMS)
+    error = detail.get("ctx", {}).get("error")
+    return (*loc, *error.keys) if isinstance(error, Misfit) else loc
+
+
+def _without_entries(keys: Keys) -> Keys:
+    """The keys down to the last that is not an index into its value."""
+    least = 2 if keys[:1] and keys[0] in _TABLE_ARRAYS else 1
+    while len(keys) > least and isinstance(keys[-1], int):
+        keys = keys[:-1]
+    return keys
+
+
+def _explain(detail: ErrorDetails, keys: Keys) -> str:
+    """One pydantic error in the house's words."""
+    return f"{_spell(keys)}{_rule(detail, keys)}"
+
+
+def _spell(keys: Keys) -> str:
+    """("body", "com", 1) as "[body] com[1]: "."""
+    if not keys:
+        return ""
+    tables = [key for key in keys if isinstance(key, str)]
+    if len(keys) == 1 and keys[0] in _TABLES:
+        return f"[{keys[0]}]: "
+    if len(keys) == 2 and keys[0] in _TABLE_ARRAYS and isinstance(keys[1], int):
+        return f"[[{keys[0]}]] number {keys[1] + 1}: "
+    parents, last = tables[:-1], tables[-1]
+    if len(keys) > 1 and isinstance(keys[1], int) and parents:
+        head = f"[[{parents[0]}]] number {keys[1] + 1} "
+        entries = keys[3:]
+    else:
+        head = f"[{'.'.join(parents)}] " if parents else ""
+        entries = keys[len(tables) :]
+    return printable(head + last + "".join(f"[{entry}]" for entry in entries), MAX_SHOWN) + ": "
+
+
+def _rule(detail: ErrorDetails, keys: Keys) -> str:
+    if detail["type"] == "extra_forbidden":
+        return _unknown_key(str(keys[-1]), _known_keys(keys[:-1]))
+    if detail["type"] == "missing":
+        return "is missing"
+    if detail["type"] == "value_error":
+        return str(detail["ctx"]["error"])
+    if detail["type"] == "too_short":
+        least = detail["ctx"]["min_length"]
+        return f"must have at least {least} entries, got {_shown(detail['input'])}"
+    message = _IN_TOML.get(detail["type"]) or detail["msg"][0].lower() + detail["msg"][1:]
+    return f"{message}, got {_shown(detail['input'])}"
+
+
+def _unknown_key(key: str, known: Iterable[str]) -> str:
+    known = sorted(known)
+    close = difflib.get_close_matches(key, known, n=1)
+    hint = f"did you mean '{close[0]}'? " if close else ""
+    return f"unknown key; {hint}known keys: {', '.join(known)}"
+
+
+def _known_keys(table: Keys) -> list[str]:
+    """The keys the model at this place of the file knows."""
+    model: type[BaseModel] = Document
+    for key in table:
+        if isinstance(key, str):
+            model = _model_in(model.model_fields[key].annotation)
+    return list(model.model_fields)
+
+
+def _model_in(annotation: Any) -> type[BaseModel]:
+    """The table model inside an annotation such as ``Table | None`` or ``tuple[Table, ...]``."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next(_model_in(arm) for arm in get_args(annotation) if arm not in (type(None), ...))
+
+
+def _shown(value: Any) -> str:
+    return printable(repr(value), MAX_SHOWN)

@@ -1,0 +1,67 @@
+"""What a value of a scenario file may be: numbers, vectors, texts."""
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
+
+from .errors import Misfit, is_control
+
+#: Typed digits rarely give a norm of 1 exactly; further off than this, something else was meant.
+QUATERNION_NORM_SLACK = 1e-3
+
+
+def _line(text: str) -> str:
+    if not text.strip():
+        raise ValueError(f"must say something, got {text!r}")
+    if any(is_control(c) for c in text):
+        raise ValueError(f"must be one line without control characters, got {text!r}")
+    return text
+
+
+def _prose(text: str) -> str:
+    if any(is_control(c) and c not in "\n\t" for c in text):
+        raise ValueError(f"must have no control characters, got {text!r}")
+    return text
+
+
+def _whole_number(value: Any) -> Any:
+    """Python takes true and 1.0 for 1; a format version is neither."""
+    if type(value) is not int:
+        raise ValueError(f"must be a whole number, got {value!r}")
+    return value
+
+
+def _inertia_form(value: Any) -> str:
+    nested = isinstance(value, list | tuple) and value and isinstance(value[0], list | tuple)
+    return "matrix" if nested else "moments"
+
+
+Version = Annotated[Literal[1], BeforeValidator(_whole_number)]
+#: TOML integers are numbers too; strings and booleans are not, nor are inf and nan.
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
+Vector = tuple[Number, Number, Number]
+Quaternion = tuple[Number, Number, Number, Number]
+Matrix = tuple[Vector, Vector, Vector]
+Inertia = Annotated[
+    Annotated[Vector, Tag("moments")] | Annotated[Matrix, Tag("matrix")],
+    Discriminator(_inertia_form),
+]
+#: What a terminal shows as it stands: no escape sequences, no second line.
+Text = Annotated[str, Field(strict=True, min_length=1), AfterValidator(_line)]
+#: Of any number of lines.
+Prose = Annotated[str, Field(strict=True), AfterValidator(_prose)]
+
+
+def check_unit(q: Quaternion) -> None:
+    """See that a quaternion of a table is a rotation.
+
+    Raises
+    ------
+    Misfit
+        If it is not of norm 1, within what typed digits allow.
+    """
+    norm = math.hypot(*q)
+    if abs(norm - 1) > QUATERNION_NORM_SLACK:
+        raise Misfit(f"must have norm 1, got norm {norm:.6g}", "quaternion_wxyz")
