@@ -1,5 +1,6 @@
 """What a step costs: native stepping, nothing recorded, nothing but steps in the timed region."""
 
+import math
 import os
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -14,12 +15,18 @@ from ..scenarios import Scenario
 from .lane import Lost
 from .workers import Workers
 
-#: s of CPU time a timed stretch must last, at the least.
-STRETCH = 0.005
+#: s of CPU time a timed stretch must last, at the least: so short that many a stretch falls between
+#: two ticks of the system's clock.
+STRETCH = 0.002
 #: And as many times the clock's resolution, as that is measured.
 RESOLUTIONS = 100
 #: Timed stretches a method; the least is quoted, the rest tell the noise.
-REPEATS = 7
+REPEATS = 9
+#: A stretch is aimed this much longer than it must be, so as not to fall just short of it.
+AIMED_BEYOND = 1.1
+#: Binary digits of how many steps a stretch has, the rest zeros: engines that take powers of two a
+#: call take them in as many calls at the most.
+DIGITS_OF_STEPS = 3
 #: Steps before the first timed one: caches, lazy allocation, branch predictors.
 WARM_UP = 200
 #: Steps are timed at a timestep this small, 1/rad, so that no method blows up while it is timed.
@@ -164,7 +171,8 @@ class _Timed:
         least = max(STRETCH, RESOLUTIONS * resolution())
         while (seconds := self._stretch(self.steps).cpu * self.steps) < least:
             # A stretch too short for the clock says only that it must be much longer.
-            self.steps = int(self.steps * max(2.0, least / max(seconds, least / RESOLUTIONS)))
+            longer = AIMED_BEYOND * least / max(seconds, least / RESOLUTIONS)
+            self.steps = _in_few_calls(math.ceil(self.steps * longer))
 
     def time(self) -> None:
         """One stretch."""
@@ -182,6 +190,12 @@ class _Timed:
         self.session.advance(steps)
         cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
         return Stretch(cpu / steps, wall / steps)
+
+
+def _in_few_calls(steps: int) -> int:
+    """No fewer steps, in as many binary digits as `DIGITS_OF_STEPS`."""
+    unit = 1 << max(0, steps.bit_length() - DIGITS_OF_STEPS)
+    return math.ceil(steps / unit) * unit
 
 
 @cache

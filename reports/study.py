@@ -94,6 +94,7 @@ def run_study(
 def carry_out(left: Plan, choice: Choice, store: Store, jobs: int, progress: Progress) -> None:
     """Run what is left, storing each row and each verdict as it ends, then time the steps."""
     store.put_environment(environment(choice.engines, choice.max_steps))
+    store.put_methods(choice.engines)
     with Workers(jobs) as workers:
         grid = _Grid(choice, store, workers, progress)
         for rank, scene in enumerate(left.scenes):

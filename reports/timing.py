@@ -1,12 +1,13 @@
 """Times the steps of a scene's methods and stores what they cost, once all runs are done."""
 
 from collections.abc import Callable
+from typing import Any
 
 from ..engines import Engine, Method
 from ..scenarios import Scenario
 from .choice import Choice
 from .cost import measure
-from .effects_cost import EffectsCost, PassCosts, effects_cost, pass_costs
+from .effects_cost import effects_costs, first_pass_costs
 from .environment import processor
 from .lane import Lost
 from .plan import SceneLeft, can_be_timed
@@ -27,9 +28,9 @@ def time_scene(
     not to be compared. They come last: a scene whose steps were timed is complete.
     """
     scenario = scene.scenario
-    _time_left_out(effects_cost, scenario, choice, store, workers)
+    _time_left_out(effects_costs, scenario, choice, store, workers)
     if scene.by_pass:
-        _time_left_out(pass_costs, scenario, choice, store, workers)
+        _time_left_out(first_pass_costs, scenario, choice, store, workers)
     verdicts = {v.key: v for v in store.settled(choice.timesteps, choice.max_steps)}
     pairs = {
         key: (engine, method.name)
@@ -38,21 +39,22 @@ def time_scene(
     }
     costs, complaints = measure(workers, scenario, list(pairs.values())) if pairs else ([], [])
     for key, cost in zip(pairs, costs, strict=True):
-        seconds = (cost.seconds_per_step, cost.spread) if cost else (None, None)
-        store.put_cost(key, processor(), *seconds)
+        store.put_cost(key, processor(), cost)
     progress("; ".join([f"{scenario.name}  timed", *complaints]))
 
 
 def _time_left_out(
-    call: Callable[[Scenario, Engine, Method], EffectsCost | PassCosts | None],
+    call: Callable[[Scenario, Engine, list[Method]], list[Any]],
     scenario: Scenario,
     choice: Choice,
     store: Store,
     workers: Workers,
 ) -> None:
-    """Time what each engine's first method leaves out; its other methods leave out the same."""
-    first = {engine.name: (engine, method) for engine, method in reversed(choice.pairs())}
-    for engine, method in first.values():
-        found = workers.submit(call, scenario, engine, method).outcome()
-        if found is not None and not isinstance(found, Lost):
-            store.put_left_out(found)
+    """Time what each engine leaves out of a scene."""
+    methods: dict[str, tuple[Engine, list[Method]]] = {}
+    for engine, method in choice.pairs():
+        methods.setdefault(engine.name, (engine, []))[1].append(method)
+    for engine, chosen in methods.values():
+        found = workers.submit(call, scenario, engine, chosen).outcome()
+        for one in [] if isinstance(found, Lost) else found:
+            store.put_left_out(one)

@@ -202,3 +202,13 @@ def test_real_engines_move_alike_with_and_without_what_is_left_out(engine, metho
     assert found.key == Key("tiring-top", engine.name, method.name)
     assert found.left_out == engine.left_out(scenario, method)
     assert (found.difference, found.compared_until) == (0.0, scenario.window.duration)
+
+
+@pytest.mark.parametrize("engine", engines().values(), ids=lambda engine: engine.name)
+def test_real_engines_are_timed_for_all_that_they_leave_out(engine) -> None:
+    scenario = load(find(["fast-top"])[0])
+    able = [m for m in engine.methods if not engine.unsupported(scenario, m)]
+    found = effects_costs(scenario, engine, able)
+    sets = [one.left_out for one in found]
+    assert len(sets) == len(set(sets))
+    assert set(sets) == {engine.left_out(scenario, method) for method in able} - {()}
