@@ -181,7 +181,8 @@ class Published(Table):
     @model_validator(mode="after")
     def _something(self) -> Self:
         if not self.values():
-            raise ValueError("names no value to compare with")
+            known = set(type(self).model_fields) - {"t", "tolerance", "source"}
+            raise ValueError(f"names no value to compare with; give any of {_names(known)}")
         if self.quaternion_wxyz is not None:
             check_unit(self.quaternion_wxyz)
         return self
@@ -190,6 +191,9 @@ class Published(Table):
         """The quantities given, by name."""
         given = self.model_dump(exclude={"t", "tolerance", "source"})
         return {name: value for name, value in given.items() if value is not None}
+
+
+_BOUNDS = ("omega", "attitude", "angular_momentum", "energy")
 
 
 class Expect(Table):
@@ -207,13 +211,12 @@ class Expect(Table):
     @model_validator(mode="after")
     def _bounds_or_outcome(self) -> Self:
         if bool(self.bounds()) == (self.outcome is not None):
-            raise ValueError("takes bounds, or 'outcome'; one of the two")
+            raise ValueError(f"takes bounds ({_names(_BOUNDS)}), or 'outcome'; one of the two")
         return self
 
     def bounds(self) -> dict[str, float]:
         """The bounds given, by the error they bound."""
-        names = ("omega", "attitude", "angular_momentum", "energy")
-        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+        return {name: getattr(self, name) for name in _BOUNDS if getattr(self, name) is not None}
 
 
 class Document(Table):

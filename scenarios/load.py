@@ -1,6 +1,7 @@
 """Reads scenario files; every complaint names file, line, table, key, value and rule."""
 
 import re
+import sys
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
@@ -16,6 +17,8 @@ from .scales import check_scales
 from .scenario import Scenario, build
 
 MARKER = "spincheck"
+#: More digits than Python makes an integer of.
+_MANY_DIGITS = re.compile(rf"[0-9_]{{{sys.get_int_max_str_digits()}}}")
 #: Where the parser says that it stopped.
 _PARSER_LINE = re.compile(r"\(at line (\d+), column \d+\)$")
 
@@ -79,14 +82,17 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
         raise RecursionError
     try:
         tables = tomllib.loads(text)
-    except ValueError as error:
-        # One that is no TOMLDecodeError is about an integer of thousands of digits.
-        if not isinstance(error, tomllib.TOMLDecodeError):
-            raise ScenarioError(f"{where}: not valid TOML: an integer is too large") from None
+    except tomllib.TOMLDecodeError as error:
         message = printable(str(error), MAX_SHOWN)
         found = _PARSER_LINE.search(str(error))
-        line = int(found[1]) if found else None
+        # It names no line at the end of the text.
+        line = int(found[1]) if found else len(text.splitlines())
         raise ScenarioError(at(where, line, f"not valid TOML: {message}")) from None
+    except ValueError:
+        # Python's own limit on the digits of an integer.
+        found = _MANY_DIGITS.search(text)
+        line = text.count("\n", 0, found.start()) + 1 if found else None
+        raise ScenarioError(at(where, line, "not valid TOML: an integer is too large")) from None
     if MARKER not in tables:
         raise ScenarioError(f"{where}: not a scenario: the first key must be 'spincheck = 1'")
     return tables
