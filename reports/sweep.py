@@ -5,29 +5,13 @@ from typing import Literal
 
 from ..engines import Outcome
 from ..scenarios import Errors, Scenario
+from ..scenarios.vary import TIMESTEP as TIMESTEP
+from ..scenarios.vary import Axis as Axis
 from .records import Key
 
 #: Besides how a run can end: the varied numbers make no scene, or the run would take more steps
 #: than a point may. Neither is run.
 PointOutcome = Outcome | Literal["invalid", "skipped"]
-#: The one axis that is no number of the scene file, s.
-TIMESTEP = "timestep"
-
-
-@dataclass(frozen=True)
-class Axis:
-    """A number that is varied.
-
-    Attributes
-    ----------
-    path : where it stands in the scene file, as in `start.omega_body[2]`, or `timestep`
-    values : in the scene file's units, increasing
-    logarithmic : whether they are evenly spaced in their logarithms
-    """
-
-    path: str
-    values: tuple[float, ...]
-    logarithmic: bool
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,96 @@
+"""Members of an ensemble: a scene with its start and its body scattered at random.
+
+The distribution, with every n a standard normal of its own:
+
+- attitude: uniform on SO(3) where no direction of the world is special; where gravity or a torque
+  fixed in the world acts, the scene's, turned about the body axes by the rotation vector
+  SCATTER · (n, n, n) rad;
+- angular velocity, in body axes: the scene's, turned by the rotation vector SCATTER · (n, n, n)
+  rad and made longer by the factor exp(SCATTER · n); a body at rest stays at rest;
+- second moments of mass ∫ x² dm, ∫ y² dm, ∫ z² dm along the principal axes: each times
+  exp(SCATTER · n), those that are equal by the same factor. They add up in pairs to the moments of
+  inertia, so that the triangle inequality holds and a symmetric top stays one;
+- mass, and the arm from the pivot to the com: each times exp(SCATTER · n).
+"""
+
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from .body import Body, FloatArray
+from .scenario import Scenario
+from .vary import own_tables, rewritten
+
+#: rad, and relative: a tenth, so that a member is of its scene's kind and no two are alike.
+SCATTER = 0.1
+#: Normals that a member takes, drawn all at once.
+_NUMBERS = 13
+#: Effects by which some attitudes differ from others.
+_MAKE_A_DIRECTION_SPECIAL = {"gravity", "torque_world"}
+#: Second moments of mass that agree this far, relative to the largest, are equal.
+_EQUAL = 16 * np.finfo(float).eps
+#: A body's shape by either of these, besides what a member always has.
+_BODY_KEYS = ("particles", "inertia_about")
+_ATTITUDES = ("euler_zyz_deg", "rotation_vector_deg")
+_OMEGAS = ("omega_world", "euler_zyz_rates")
+
+
+def member(scenario: Scenario, seed: int, number: int) -> Scenario:
+    """A member of the ensemble: the same for the same seed and number, however many there are.
+
+    Parameters
+    ----------
+    seed, number : from 0 on
+    """
+    sequence = np.random.SeedSequence(seed, spawn_key=(number,))
+    n = np.random.Generator(np.random.PCG64(sequence)).standard_normal(_NUMBERS)
+    attitude, turn, longer, shape, mass, arm = n[:4], n[4:7], n[7], n[8:11], n[11], n[12]
+    tables = own_tables(scenario)
+    start, body = dict(tables["start"]), dict(tables["body"])
+    for key in (*_ATTITUDES, *_OMEGAS, *_BODY_KEYS):
+        (body if key in _BODY_KEYS else start).pop(key, None)
+    start["quaternion_wxyz"] = _attitude(scenario, attitude).as_quat(scalar_first=True).tolist()
+    turned = Rotation.from_rotvec(SCATTER * turn).apply(np.array(scenario.start.omega_body))
+    start["omega_body"] = (turned * _factor(longer)).tolist()
+    body["mass"] = float(scenario.body.mass * _factor(mass))
+    body["inertia"] = _inertia(scenario.body, shape)
+    if scenario.has_pivot:
+        body["com"] = (scenario.body.com * _factor(arm)).tolist()
+    changed = tables | {"start": start, "body": body}
+    return rewritten(scenario, changed, f"member {number} of seed {seed}")
+
+
+def _attitude(scenario: Scenario, n: FloatArray) -> Rotation:
+    if not scenario.called_for & _MAKE_A_DIRECTION_SPECIAL:
+        # The direction of four normals is uniform on the sphere of unit quaternions.
+        return Rotation.from_quat(n)
+    base = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
+    return base * Rotation.from_rotvec(SCATTER * n[:3])
+
+
+def _inertia(body: Body, n: FloatArray) -> list[Any]:
+    """Inertia about the com, kg m²: moments along the body axes, or a matrix as nested lists."""
+    tensor = body.inertia_com
+    # ∫ r rᵀ dm, of which the inertia is the trace less itself.
+    second = np.trace(tensor) / 2 * np.eye(3) - tensor
+    diagonal = not np.any(tensor - np.diag(np.diag(tensor)))
+    sizes, axes = (np.diag(second), np.eye(3)) if diagonal else np.linalg.eigh(second)
+    # Of a flat body one is zero, but for rounding.
+    sizes = np.maximum(sizes, 0.0) * [_factor(n[k]) for k in _alike(sizes)]
+    if diagonal:
+        x, y, z = sizes.tolist()
+        return [y + z, z + x, x + y]
+    scattered = np.sum(sizes) * np.eye(3) - axes @ np.diag(sizes) @ axes.T
+    entries: list[Any] = ((scattered + scattered.T) / 2).tolist()
+    return entries
+
+
+def _alike(sizes: FloatArray) -> list[int]:
+    """Of each size, the index of the first that is equal to it."""
+    slack = _EQUAL * float(np.abs(sizes).max())
+    return [int(np.flatnonzero(np.abs(sizes - size) <= slack)[0]) for size in sizes]
+
+
+def _factor(n: float) -> float:
+    return float(np.exp(SCATTER * n))

@@ -1,0 +1,47 @@
+"""Writes the tables of a scenario as TOML: the standard library reads that format only."""
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+#: Of the control characters that TOML wants escaped, the one that JSON leaves as it is.
+DELETE, ESCAPED_DELETE = "\x7f", "\\u007f"
+
+
+def to_toml(tables: Mapping[str, Any]) -> str:
+    """A file that reads back as the same tables, numbers to the last bit.
+
+    Parameters
+    ----------
+    tables : as `tomllib` gives them; keys are bare, arrays hold numbers, strings or arrays
+    """
+    return "\n".join(_lines(tables, "")) + "\n"
+
+
+def _lines(table: Mapping[str, Any], name: str) -> Iterator[str]:
+    """Plain keys first: in TOML whatever follows a heading belongs to it."""
+    inner = {key: value for key, value in table.items() if _is_table(value)}
+    for key, value in table.items():
+        if key not in inner:
+            yield f"{key} = {_value(value)}"
+    for key, value in inner.items():
+        path = f"{name}.{key}" if name else key
+        for one in [value] if isinstance(value, Mapping) else value:
+            # A table whose own tables say it all needs no heading of its own.
+            if not (one and all(_is_table(entry) for entry in one.values())):
+                yield f"\n[{path}]" if one is value else f"\n[[{path}]]"
+            yield from _lines(one, path)
+
+
+def _is_table(value: Any) -> bool:
+    listed = isinstance(value, list) and bool(value)
+    return isinstance(value, Mapping) or (listed and isinstance(value[0], Mapping))
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(_value(entry) for entry in value)}]"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace(DELETE, ESCAPED_DELETE)
+    # The shortest digits that read back as the same double are TOML, and so are whole numbers.
+    return json.dumps(value) if isinstance(value, bool) else repr(value)
