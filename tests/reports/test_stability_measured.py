@@ -1,0 +1,146 @@
+"""What theory says of a step's stability, measured on the engines themselves."""
+
+import math
+
+import numpy as np
+import pytest
+from spincheck.engines import engines
+from spincheck.reference.stability_bounds import (
+    LEAPFROG_LIMIT,
+    RK4_LIMIT,
+    euler_log_amplification,
+    rk4_log_amplification,
+    stability_numbers,
+)
+from spincheck.scenarios import Scenario, loads
+
+EPS = float(np.finfo(float).eps)
+STEPS = 12
+#: Of ω; small enough for linear equations, whose next terms are of the order of its square.
+NUDGE = 1e-6
+#: ω across the axis after a step is known to an ulp of the spin; the nudge is that much smaller,
+#: and damping makes it smaller still, up to 2⁻¹² of it here.
+ROUNDED = 4 * EPS / NUDGE * 2**STEPS / STEPS + NUDGE**2
+DISC, ROD = "[1.0, 1.0, 2.0]", "[1.0, 1.0, 0.1]"
+FREE, PIVOT = "", "[effects.pivot]"
+EXPLICIT = [
+    ("mujoco", "Euler", FREE),
+    ("mujoco", "Euler", PIVOT),
+    ("mujoco", "implicitfast", PIVOT),
+    ("mujoco", "discrete", PIVOT),
+    ("pybullet", "multibody", FREE),
+    ("pybullet", "multibody", PIVOT),
+    ("pybullet", "multibody-p2p", PIVOT),
+]
+IMPLICIT = [
+    ("mujoco", "implicit", FREE),
+    ("mujoco", "implicit", PIVOT),
+    ("mujoco", "implicitfast", FREE),
+    ("mujoco", "discrete", FREE),
+    ("pybullet", "maximal", FREE),
+    ("pybullet", "maximal", PIVOT),
+]
+#: λ h; PyBullet takes no turn beyond π/4.
+COARSE = (0.05, 0.5, 0.75)
+
+
+def spinning(inertia: str, effects: str) -> Scenario:
+    return _scene(inertia, "[0.0, 0.0, 0.0]", "[0.0, 0.0, 0.0]", f"[{NUDGE}, 0.0, 1.0]", effects)
+
+
+def hanging() -> Scenario:
+    """I1 = 2 kg m², M g l = 20 N m."""
+    gravity = "[effects.gravity]\nacceleration = [0.0, 0.0, -20.0]\n[effects.pivot]"
+    return _scene("[1.0, 1.0, 1.0]", "[0.0, 0.0, 1.0]", "[0, 180, 0]", f"[{NUDGE}, 0, 0]", gravity)
+
+
+def _scene(inertia: str, com: str, euler: str, omega: str, effects: str) -> Scenario:
+    return loads(
+        f"""spincheck = 1
+title = "made for a test"
+source = "no book"
+[body]
+mass = 1.0
+inertia = {inertia}
+com = {com}
+[start]
+euler_zyz_deg = {euler}
+omega_body = {omega}
+{effects}
+[window]
+duration = 1.0
+samples = 2
+""",
+        "made",
+    )
+
+
+def across(scene: Scenario, engine: str, method: str, timestep: float, steps: int) -> np.ndarray:
+    """ω across the axis at every step, rad/s, up to where the run ended."""
+    found = engines()[engine]
+    run = found.run(scene, found.method(method), timestep, np.arange(steps + 1, dtype=np.int64))
+    assert run.trajectory is not None, run.reason
+    return np.hypot(*run.trajectory.omega_body[:, :2].T)
+
+
+def log_amplification(scene: Scenario, engine: str, method: str, y: float) -> float:
+    """ln of what a step multiplies the nudge by, at λ h = y."""
+    timestep = y / stability_numbers(scene).gyration
+    found = across(scene, engine, method, timestep, STEPS)
+    assert len(found) == STEPS + 1
+    return math.log(found[-1] / found[0]) / STEPS
+
+
+@pytest.mark.parametrize("y", COARSE)
+@pytest.mark.parametrize(("engine", "method", "effects"), EXPLICIT)
+def test_these_are_explicit_euler_in_free_precession(engine, method, effects, y):
+    measured = log_amplification(spinning(DISC, effects), engine, method, y)
+    assert measured == pytest.approx(euler_log_amplification(y), abs=ROUNDED)
+
+
+@pytest.mark.parametrize("y", COARSE)
+@pytest.mark.parametrize(("engine", "method", "effects"), IMPLICIT)
+def test_these_are_implicit_euler_in_free_precession(engine, method, effects, y):
+    measured = log_amplification(spinning(DISC, effects), engine, method, y)
+    assert measured == pytest.approx(-euler_log_amplification(y), abs=ROUNDED)
+    assert measured != pytest.approx(euler_log_amplification(y), abs=ROUNDED)
+
+
+@pytest.mark.parametrize("y", [0.5, 2.0, 2.7, 2.84, 3.2])
+@pytest.mark.parametrize("inertia", [DISC, ROD], ids=["disc", "rod"])
+@pytest.mark.parametrize("effects", [FREE, PIVOT], ids=["free", "pivot"])
+def test_mujoco_s_runge_kutta_has_the_classical_stability_function(effects, inertia, y):
+    measured = log_amplification(spinning(inertia, effects), "mujoco", "RK4", y)
+    assert measured == pytest.approx(rk4_log_amplification(y), abs=ROUNDED)
+    # The rate is that of ω in the body: the rod's nutation in space is nine times slower.
+    assert measured != pytest.approx(rk4_log_amplification(y / 9), abs=ROUNDED)
+
+
+@pytest.mark.parametrize("effects", [FREE, PIVOT], ids=["free", "pivot"])
+def test_runge_kutta_s_limit_divides_growth_from_decay(effects):
+    scene = spinning(ROD, effects)
+    beside = 0.01
+    below, above = (1 - beside) * RK4_LIMIT, (1 + beside) * RK4_LIMIT
+    assert log_amplification(scene, "mujoco", "RK4", below) < -ROUNDED
+    assert log_amplification(scene, "mujoco", "RK4", above) > ROUNDED
+
+
+@pytest.mark.parametrize(
+    ("engine", "method", "limit"),
+    [
+        ("mujoco", "Euler", LEAPFROG_LIMIT),
+        ("mujoco", "implicit", LEAPFROG_LIMIT),
+        ("mujoco", "RK4", RK4_LIMIT),
+        ("pybullet", "multibody", LEAPFROG_LIMIT),
+        ("pybullet", "maximal", LEAPFROG_LIMIT),
+    ],
+)
+def test_swings_stay_small_up_to_the_limit_and_grow_beyond(engine, method, limit):
+    scene, steps, beside = hanging(), 200, 0.005
+    rate = stability_numbers(scene).swinging
+    below = across(scene, engine, method, (1 - beside) * limit / rate, steps)
+    above = across(scene, engine, method, (1 + beside) * limit / rate, steps)
+    # Semi-implicit Euler from θ = 0: ω_n = ω_0 cos((n − ½)φ)/cos ½φ with sin ½φ = ½ λh.
+    bounded = (1 + NUDGE) / math.cos(math.asin(1 - beside))
+    assert below.max() / NUDGE < bounded
+    assert above.max() / NUDGE > bounded
