@@ -2,14 +2,17 @@
 
 from .discovery import Missing, engines, missing
 from .engine import Engine, Method
+from .fault import Cause, Fault
 from .read_back import BodyReading, EngineError, State
 from .run import Outcome, Run
 from .session import Session
 
 __all__ = [
     "BodyReading",
+    "Cause",
     "Engine",
     "EngineError",
+    "Fault",
     "Method",
     "Missing",
     "Outcome",

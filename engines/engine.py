@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from ..scenarios import Scenario, Trajectory
 from .audit import audit
+from .fault import Cause
+from .faults import Bounds, clamped_turn
 from .read_back import (
     READ_BACK_SLACK,
     READ_BACK_SLACK_SINGLE,
@@ -18,7 +20,7 @@ from .read_back import (
     differences,
 )
 from .run import Outcome, Run
-from .sampling import Sampled, clamped_turn, sample
+from .sampling import Sampled, sample
 from .session import Session
 
 
@@ -115,32 +117,35 @@ class Engine(ABC):
         sample_steps : (n,) increasing whole numbers of steps, the first of them 0
         """
 
-        def ended(outcome: Outcome, reason: str, **known: object) -> Run:
-            return Run(self.name, self.version, method.name, timestep, outcome, reason, **known)  # type: ignore[arg-type]
+        def ended(outcome: Outcome, reason: str, cause: Cause, **known: object) -> Run:
+            named = (self.name, self.version, method.name, timestep)
+            return Run(*named, outcome, reason, cause, **known)  # type: ignore[arg-type]
 
         if reason := self.unsupported(scenario, method):
-            return ended("unsupported", reason)
+            return ended("unsupported", reason, "effects")
         most = method.max_rotation_per_step
         if turn := clamped_turn(float(np.linalg.norm(scenario.start.omega_body)), timestep, most):
-            return ended("unsupported", turn)
+            return ended("unsupported", turn, "clamp")
         slack = READ_BACK_SLACK_SINGLE if self.single_precision else READ_BACK_SLACK
         try:
             with self.open(scenario, method, timestep) as session:
                 held = session.read_body(), session.read_state()
                 unlike = differences(scenario, *held, slack)
                 if unlike and not method.as_shipped:
-                    return ended("failed", unlike[0].complaint)
-                sampled = sample(session, sample_steps.tolist(), timestep, most)
+                    return ended("failed", unlike[0].complaint, "read-back")
+                arm = held[0].com if scenario.has_pivot else None
+                sampled = sample(session, sample_steps, Bounds(timestep, most, slack, arm))
                 audited = audit(session, scenario, sampled)
         except UnsupportedError as error:
-            return ended("unsupported", str(error))
+            return ended("unsupported", str(error), error.cause)
         except EngineError as error:
-            return ended("failed", str(error))
+            return ended("failed", str(error), error.cause or "refused")
         known = _samples(sampled, sample_steps, timestep) | {"active": audited.active}
         if audited.differs and not method.as_shipped:
-            return ended("failed", audited.differs, **known)
+            return ended("failed", audited.differs, "model", **known)
         said = [*(found.remark for found in unlike), audited.differs, sampled.reason]
-        return ended(sampled.outcome, "; ".join(part for part in said if part), **known)
+        cause = sampled.cause or ("read-back" if unlike else "model" if audited.differs else "")
+        return ended(sampled.outcome, "; ".join(part for part in said if part), cause, **known)
 
 
 def _samples(

@@ -10,8 +10,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray, Scenario
+from .fault import Fault
 from .mujoco_audit import acting
-from .read_back import BodyReading, EngineError, State
+from .read_back import BodyReading, EngineError, State, UnsupportedError
 from .rotation import across, matrices, turned
 from .session import Session
 
@@ -74,7 +75,7 @@ class MuJoCoSession(Session):
             # By name, the number of steps would take a fifth of a step longer to pass.
             mujoco.mj_step(self.model, self.data, steps)
         except mujoco.FatalError as error:
-            raise EngineError(f"MuJoCo stopped: {error}") from None
+            raise EngineError(f"MuJoCo stopped: {error}", "warning") from None
         finally:
             mujoco.set_mju_user_warning(previous)
         self._steps += steps
@@ -83,16 +84,18 @@ class MuJoCoSession(Session):
         """Any warning, or a clock that is not at the steps taken, is an error."""
         snapshots = [self.snapshot()]
         if fault := self.first_fault(snapshots, self.states(snapshots)):
-            raise EngineError(fault[1])
+            raise EngineError(fault.reason, fault.cause)
         if counted := np.count_nonzero(self.data.warning.number):
-            raise EngineError(f"MuJoCo counted {counted} kinds of warning")
+            raise EngineError(f"MuJoCo counted {counted} kinds of warning", "warning")
 
     def snapshot(self) -> Snapshot:
         """The state as MuJoCo holds it; what MuJoCo warned of ends the run."""
         if self._warnings:
             warned = f"MuJoCo warned: {self._warnings[0]}"
             fault = self.first_fault([self._bytes()], self.read_state())
-            raise EngineError(f"{warned}; {fault[1]}" if fault else warned)
+            if fault:
+                raise EngineError(f"{warned}; {fault.reason}", fault.cause)
+            raise EngineError(warned, "warning")
         return self._bytes()
 
     def states(self, snapshots: Sequence[Snapshot]) -> State:
@@ -116,18 +119,21 @@ class MuJoCoSession(Session):
         self,
         snapshots: Sequence[Snapshot],
         states: State,  # noqa: ARG002
-    ) -> tuple[int, str] | None:
+    ) -> Fault | None:
         """The first snapshot whose clock is not at the steps taken."""
         timestep = self.model.opt.timestep
         steps, times = _rows(snapshots)[:, :2].T
         expected = steps * timestep
         # The clock is a running sum: right to far less than half a step.
-        is_reset = ~(np.abs(times - expected) < timestep / 2)
-        if not is_reset.any():
+        is_off = ~(np.abs(times - expected) < timestep / 2)
+        if not is_off.any():
             return None
-        first = int(np.argmax(is_reset))
+        first = int(np.argmax(is_off))
         wanted, got = float(expected[first]), float(times[first])
-        return first, f"MuJoCo's clock must be at {wanted!r} s, got {got!r} s: it was reset"
+        reason = f"MuJoCo's clock must be at {wanted!r} s, got {got!r} s"
+        if got < wanted:
+            return Fault(first, "reset", f"{reason}: it was reset")
+        return Fault(first, "clock", reason)
 
     def active(self) -> frozenset[str]:
         """What acts, from the compiled model, the data and the process."""
@@ -145,6 +151,16 @@ class MuJoCoSession(Session):
 
 def _rows(snapshots: Sequence[Snapshot]) -> FloatArray:
     return np.frombuffer(bytearray().join(snapshots)).reshape(len(snapshots), -1)
+
+
+def check_not_too_small(scenario: Scenario) -> None:
+    """Raise `UnsupportedError` for a body that MuJoCo takes none of, whatever the unit."""
+    least = min(scenario.body.mass, *scenario.body.principal_moments)
+    if least <= mujoco.mjMINVAL:
+        raise UnsupportedError(
+            f"MuJoCo takes no mass or moment unless it exceeds {mujoco.mjMINVAL:g} (kg, kg m²), "
+            f"got {least:.2g}; scale the scene up"
+        )
 
 
 def compiled(build: Callable[[], Any]) -> Any:

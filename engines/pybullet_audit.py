@@ -173,8 +173,12 @@ class _Probe:
     def noise(self) -> float:
         """A torque no larger than this is felt where there is none, N m."""
         arm = float(np.linalg.norm(self.held.com))
-        largest_moment = float(np.abs(self.held.inertia_com).max()) + self.held.mass * arm**2
-        return SLACK * (PROBE_SPIN * largest_moment + float(np.linalg.norm(self.push_world)))
+        moments = np.linalg.eigvalsh(self.held.inertia_com)
+        largest_moment = float(moments[-1]) + self.held.mass * arm**2
+        push = float(np.linalg.norm(self.push_world))
+        # What a torque adds to ω in the step turns the body, and with it the L it had.
+        turned = (push + self.scenario.drag * PROBE_SPIN) * largest_moment / float(moments[0])
+        return SLACK * (PROBE_SPIN * (largest_moment + turned) + push)
 
     def _momentum(self, state: State) -> FloatArray:
         """L about the pivot, or the com where there is none, world axes, kg m²/s, (3,)."""

@@ -84,11 +84,6 @@ class Model:
         omega_world = turned(matrices(states.q_world_body_wxyz), states.omega_body)
         return np.hstack([omega_world, states.velocity_world])
 
-    def drift(self, states: State) -> FloatArray:
-        """How far the body's origin is from the world's, m, (n,)."""
-        arm_world = matrices(states.q_world_body_wxyz) @ self.com
-        return np.asarray(np.linalg.norm(states.com_world - arm_world, axis=1))
-
     def world_from_body(self) -> Rotation:
         """The body's attitude now."""
         return Rotation.from_quat(self.read_state().q_world_body_wxyz, scalar_first=True)

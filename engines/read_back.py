@@ -7,6 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray, Scenario
+from .fault import Cause
 
 #: A model or state that was set must read back to this, relative to its size. Text with 17 digits
 #: and a few products of rotations lose some ulp; a dropped frame or a default loses everything.
@@ -16,11 +17,24 @@ READ_BACK_SLACK_SINGLE = 1e-5
 
 
 class EngineError(Exception):
-    """The engine did something other than step: a warning, a reset, a clamp, a wrong read-back."""
+    """The engine did something other than step: a warning, a reset, a clamp, a wrong read-back.
+
+    Parameters
+    ----------
+    reason : in words
+    cause : in a word, where the engine or its adapter knows one
+    """
+
+    def __init__(self, reason: str, cause: Cause = "") -> None:
+        super().__init__(reason)
+        self.cause: Cause = cause
 
 
 class UnsupportedError(EngineError):
     """The engine is known to get this body wrong, without saying so: the run is not made."""
+
+    def __init__(self, reason: str, cause: Cause = "body") -> None:
+        super().__init__(reason, cause)
 
 
 @dataclass(frozen=True, eq=False)

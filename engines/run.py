@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ..scenarios import Trajectory
+from .fault import Cause
 
 Outcome = Literal["ok", "diverged", "unsupported", "failed"]
 
@@ -17,6 +18,7 @@ class Run:
     outcome : ok, diverged, unsupported or failed
     reason : why, in words; of a run that is ok empty, unless its method is the engine as shipped:
         then what differs from the scene
+    cause : the same in a word
     stopped_at : s, the time at which it diverged or failed, else None
     trajectory : the samples up to there, or None where there are none
     steps : whole steps up to the last of these samples
@@ -30,6 +32,7 @@ class Run:
     timestep: float
     outcome: Outcome
     reason: str = ""
+    cause: Cause = ""
     stopped_at: float | None = None
     trajectory: Trajectory | None = None
     steps: int = 0

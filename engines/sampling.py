@@ -1,19 +1,26 @@
 """The loop that every run goes through: step, read, and look at what was read."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..scenarios import FloatArray, Trajectory
+from .fault import WRONG_AT_ANY_TIMESTEP, Cause, Fault
+from .faults import Bounds, columns, faults
 from .read_back import EngineError, State
 from .run import Outcome
 from .session import Session
+from .turn_faults import Reading
 
-#: Samples read before they are looked at, all at once: one by one, looking takes longer than ten
-#: steps do. A run that has gone wrong unnoticed is stepped on for so many samples at most.
+#: States read before they are looked at, all at once: one by one, looking takes longer than ten
+#: steps do. A run that has gone wrong unnoticed is stepped on for so many readings at most.
 BLOCK = 512
+#: A run of no more steps is read at every one of them: coarse ones are those that go wrong.
+READ_THROUGHOUT = 1 << 12
+#: Of any other, so many samples are read once more a step later, the first of them included.
+READ_IN_PAIRS = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,12 +30,13 @@ class Sampled:
     Attributes
     ----------
     states : one a row; no rows where the first sample was bad
-    reason : why there are no more; empty where the outcome is ok
+    reason, cause : why there are no more, in words and in a word; empty where the outcome is ok
     """
 
     states: State
     outcome: Outcome
     reason: str
+    cause: Cause
 
     @property
     def count(self) -> int:
@@ -36,126 +44,113 @@ class Sampled:
         return len(self.states.omega_body)
 
 
-def sample(session: Session, sample_steps: Sequence[int], timestep: float, most: float) -> Sampled:
+@dataclass(frozen=True, eq=False)
+class _Block:
+    """The good states of a block, samples or not, and how it ended."""
+
+    states: State
+    outcome: Outcome = "ok"
+    reason: str = ""
+    cause: Cause = ""
+
+
+def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) -> Sampled:
     """Step through all the samples, or until the engine diverges or fails.
 
     Parameters
     ----------
-    sample_steps : increasing whole numbers of steps, the first of them 0
-    timestep : s
-    most : rad a step, beyond which the engine clamps the rotation
+    sample_steps : (n,) increasing whole numbers of steps, the first of them 0
     """
-    parts: list[Sampled] = []
+    steps = steps_to_read(sample_steps)
+    parts: list[State] = []
+    start = _stacked([])
+    end = _Block(start)
     taken = 0
-    for first in range(0, len(sample_steps), BLOCK):
-        block = sample_steps[first : first + BLOCK]
-        snapshots, outcome, reason = _read(session, taken, block)
-        taken = block[-1]
+    for first in range(0, len(steps), BLOCK):
+        read = steps[first : first + BLOCK]
+        snapshots, end = _read(session, taken, read.tolist())
+        taken = int(read[-1])
         if snapshots:
             # What has blown up may overflow here; it is found to be infinite then.
             with np.errstate(all="ignore"):
-                parts.append(_looked_at(session, snapshots, outcome, reason, timestep, most))
-            outcome, reason = parts[-1].outcome, parts[-1].reason
-        if outcome != "ok":
+                states = session.states(snapshots)
+                start = start if first else _rows(states, slice(2))
+                reading = Reading(states, read[: len(snapshots)], start)
+                end = _looked_at(session, snapshots, reading, end, bounds)
+        is_sample = np.isin(read[: len(end.states.omega_body)], sample_steps)
+        parts.append(_rows(end.states, is_sample))
+        if end.outcome != "ok":
             break
-    return Sampled(_stacked([part.states for part in parts]), outcome, reason)
+    return Sampled(_stacked(parts), end.outcome, end.reason, end.cause)
 
 
-def clamped_turn(speed: float, timestep: float, most: float) -> str:
-    """Say so if the body turns further in a step than the engine lets it; else empty.
-
-    Parameters
-    ----------
-    speed, timestep, most : |ω| in rad/s, s, and rad a step
-    """
-    if speed * timestep <= most:
-        return ""
-    return (
-        f"the rotation a step, {speed * timestep:.3g} rad, is beyond {most:.3g} rad, "
-        "where the engine clamps it"
-    )
+def steps_to_read(sample_steps: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The samples, and steps next to each other besides: a step at a time faults have a name."""
+    last = int(sample_steps[-1])
+    if last <= READ_THROUGHOUT:
+        return np.arange(last + 1)
+    every = -(-len(sample_steps) // READ_IN_PAIRS)
+    return np.union1d(sample_steps, sample_steps[:-1:every] + 1)
 
 
-def _read(
-    session: Session, taken: int, sample_steps: Sequence[int]
-) -> tuple[list[Any], Outcome, str]:
-    """Snapshots of a block; fewer where the engine stopped, how it ended then, and why."""
+def _read(session: Session, taken: int, steps: Sequence[int]) -> tuple[list[Any], _Block]:
+    """Snapshots of a block; fewer where the engine stopped, and how it ended then."""
     snapshots: list[Any] = []
     advance, snapshot, keep = session.advance, session.snapshot, snapshots.append
+    nothing = _stacked([])
     try:
-        for wanted in sample_steps:
+        for wanted in steps:
             if wanted > taken:
                 advance(wanted - taken)
                 taken = wanted
             keep(snapshot())
     except EngineError as error:
-        return snapshots, "diverged" if _blew_up(session) else "failed", str(error)
+        blown_up = _blown_up(session)
+        if blown_up and error.cause not in WRONG_AT_ANY_TIMESTEP:
+            return snapshots, _Block(nothing, "diverged", str(error), error.cause or blown_up)
+        return snapshots, _Block(nothing, "failed", str(error), error.cause or "refused")
     except Exception as error:  # A bug in an adapter costs the rest of the run, not its beginning.
-        return snapshots, "failed", f"{type(error).__name__}: {error}"
-    return snapshots, "ok", ""
+        return snapshots, _Block(nothing, "failed", f"{type(error).__name__}: {error}", "bug")
+    return snapshots, _Block(nothing)
 
 
-def _blew_up(session: Session) -> bool:
-    """Whether it is the motion that an engine stopped for, and not some trouble of its own."""
+def _blown_up(session: Session) -> Cause:
+    """What is wrong with the motion that an engine stopped in; empty for trouble of its own."""
     try:
         session.check()
         state = session.read_state()
-    except EngineError:
-        return True
-    return not all(np.isfinite(values).all() for values in vars(state).values())
+    except EngineError as error:
+        return error.cause or "warning"
+    return "" if all(np.isfinite(values).all() for values in vars(state).values()) else "not-finite"
 
 
 def _looked_at(
-    session: Session,
-    snapshots: list[Any],
-    outcome: Outcome,
-    reason: str,
-    timestep: float,
-    most: float,
-) -> Sampled:
+    session: Session, snapshots: list[Any], reading: Reading, end: _Block, bounds: Bounds
+) -> _Block:
     """A block's states up to the first that is bad."""
-    states = session.states(snapshots)
-    faults = list(_faults(states, timestep, most))
-    if found := session.first_fault(snapshots, states):
-        faults.insert(0, found)
-    elif outcome == "ok":
+    found = list(faults(reading, bounds))
+    if fault := session.first_fault(snapshots, reading.states):
+        found.insert(0, fault)
+    elif end.outcome == "ok":
         try:
             session.check()
         except EngineError as error:
             # It happened somewhere in the block.
-            faults.insert(0, (0, str(error)))
-    if not faults:
-        return Sampled(states, outcome, reason)
-    kept, fault = min(faults, key=lambda index_and_reason: index_and_reason[0])
-    return Sampled(_stacked([states], kept), "diverged", fault)
+            found.insert(0, Fault(0, error.cause or "warning", str(error)))
+    if not found:
+        return _Block(reading.states, end.outcome, end.reason, end.cause)
+    worst = min(found, key=lambda fault: fault.index)
+    outcome: Outcome = "failed" if worst.cause in WRONG_AT_ANY_TIMESTEP else "diverged"
+    return _Block(_rows(reading.states, slice(worst.index)), outcome, worst.reason, worst.cause)
 
 
-def _faults(states: State, timestep: float, most: float) -> Iterator[tuple[int, str]]:
-    """Index and reason of the first sample that is bad, for each way in which it can be."""
-    finite = [np.isfinite(column) for column in _columns(states)]
-    if not all(part.all() for part in finite):
-        yield _first(~np.hstack(finite).all(axis=1)), "the state is no longer finite"
-    norms = np.linalg.norm(states.q_world_body_wxyz, axis=1)
-    off = np.abs(norms - 1) > Trajectory.UNIT_NORM_SLACK
-    if off.any():
-        yield _first(off), f"the attitude's quaternion is of norm {norms[_first(off)]:.3g}"
-    speeds = np.linalg.norm(states.omega_body, axis=1)
-    clamped = speeds * timestep > most
-    if clamped.any():
-        yield _first(clamped), clamped_turn(float(speeds[_first(clamped)]), timestep, most)
+def _rows(states: State, kept: slice | NDArray[np.bool_]) -> State:
+    return State(*(column[kept] for column in columns(states)))
 
 
-def _first(bad: Any) -> int:
-    return int(np.argmax(bad))
-
-
-def _columns(states: State) -> list[FloatArray]:
-    return [getattr(states, field.name) for field in fields(State)]
-
-
-def _stacked(parts: Sequence[State], count: int | None = None) -> State:
-    """The rows of all parts, or the first `count` of them."""
+def _stacked(parts: Sequence[State]) -> State:
+    """The rows of all parts."""
     if not parts:
         return State(np.empty((0, 4)), *(np.empty((0, 3)) for _ in range(3)))
-    columns = zip(*(_columns(part) for part in parts), strict=True)
-    return State(*(np.concatenate(column)[:count] for column in columns))
+    together = zip(*(columns(part) for part in parts), strict=True)
+    return State(*(np.concatenate(column) for column in together))

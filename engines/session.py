@@ -7,6 +7,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from .fault import Fault
 from .read_back import BodyReading, State
 
 
@@ -62,8 +63,8 @@ class Session(ABC):
         """The states of n snapshots, one a row of each column."""
         return State(**{name: np.array([getattr(s, name) for s in snapshots]) for name in _COLUMNS})
 
-    def first_fault(self, snapshots: Sequence[Any], states: State) -> tuple[int, str] | None:  # noqa: ARG002
-        """Index of the first snapshot that is not a step's outcome, and why; None if all are.
+    def first_fault(self, snapshots: Sequence[Any], states: State) -> Fault | None:  # noqa: ARG002
+        """The first snapshot that is not a step's outcome; None if all are.
 
         For what `check` would have said there, as far as `snapshot` has left it to be told later.
         """

@@ -8,7 +8,7 @@ import mujoco
 from ...scenarios import EFFECTS, Scenario
 from ..engine import Engine, Method
 from ..mjcf import mjcf, switched_off
-from ..mujoco_session import MuJoCoSession, compiled
+from ..mujoco_session import MuJoCoSession, check_not_too_small, compiled
 
 ALL_EFFECTS = frozenset(EFFECTS)
 
@@ -73,6 +73,7 @@ class MuJoCo(Engine):
 
 
 def _open(scenario: Scenario, text: str) -> MuJoCoSession:
+    check_not_too_small(scenario)
     model = compiled(lambda: mujoco.MjModel.from_xml_string(text))
     start = model.key(0)
     return MuJoCoSession(scenario, model, start.qpos, start.qvel)

@@ -14,7 +14,7 @@ from ...scenarios import Scenario
 from ..engine import Engine, Method
 from ..mjcf import start_coordinates, switched_off
 from ..mujoco_audit import disable
-from ..mujoco_session import MuJoCoSession, compiled
+from ..mujoco_session import MuJoCoSession, check_not_too_small, compiled
 from ..urdf import BODY_LINK, urdf
 
 #: The reader diagonalises the principal moments again, wrong by up to 12 ulp, and then refuses
@@ -66,6 +66,7 @@ class MuJoCoURDF(Engine):
 def _open(
     scenario: Scenario, method: Method, timestep: float, left_in: Collection[str]
 ) -> MuJoCoSession:
+    check_not_too_small(scenario)
     text = urdf(scenario, READER_ROUNDOFF)
     model = compiled(lambda: _spec(text, scenario.has_pivot).compile())
     model.opt.timestep = timestep

@@ -6,9 +6,10 @@ import mujoco
 import numpy as np
 import pytest
 from scenes import SCENES, SPUN_UP, scene
-from spincheck.engines import Engine, Method, Run, engines
+from spincheck.engines import Engine, EngineError, Method, Run, engines
 from spincheck.engines.adapters.mujoco import MuJoCo
 from spincheck.engines.adapters.mujoco_urdf import MuJoCoURDF
+from spincheck.engines.mujoco_session import compiled
 
 EPS = np.finfo(float).eps
 MUJOCO, BY_URDF = MuJoCo(), MuJoCoURDF()
@@ -153,18 +154,25 @@ def test_urdf_and_mjcf_are_one_body(name: str) -> None:
     ["\nmass = 1.0\ninertia = [1e-18, 1e-18, 1e-18]\n", "\nmass = 1e-18\ninertia = [1, 1, 1]\n"],
     ids=["inertia", "mass"],
 )
-def test_a_body_the_compiler_refuses_is_a_failed_run_in_its_words(
-    engine: Engine, body: str
-) -> None:
+def test_a_body_too_small_for_the_compiler_is_unsupported(engine: Engine, body: str) -> None:
     done = engine.run(scene("tiny", body=body), engine.method("RK4"), TIMESTEP, STEPS)
-    assert done.outcome == "failed"
-    assert done.reason.startswith("MuJoCo's compiler: Error: ")
-    assert "inertia" in done.reason
+    assert (done.outcome, done.cause) == ("unsupported", "body")
+    assert "scale the scene up" in done.reason
+
+
+def test_what_the_compiler_refuses_is_told_in_its_words() -> None:
+    # No body has such moments: one exceeds the sum of the others.
+    inertial = "<inertial pos='0 0 0' mass='1' diaginertia='1 1 3'/>"
+    text = f"<mujoco><worldbody><body><freejoint/>{inertial}</body></worldbody></mujoco>"
+    with pytest.raises(EngineError, match=r"MuJoCo's compiler: .*inertia"):
+        compiled(lambda: mujoco.MjModel.from_xml_string(text))
 
 
 def test_a_start_beyond_what_mujoco_allows_diverges_in_its_words() -> None:
     fast = SPUN_UP.replace("40.0", "1e11")
-    done = MUJOCO.run(scene("fast", start=fast), MUJOCO.method("RK4"), TIMESTEP, STEPS)
+    done = MUJOCO.run(
+        scene("fast", start=fast, duration=1e-3), MUJOCO.method("RK4"), TIMESTEP, STEPS
+    )
     assert done.outcome == "diverged"
     assert "huge value in QVEL" in done.reason
 

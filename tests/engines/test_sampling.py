@@ -6,7 +6,7 @@ The engines here are made up: a body that spins about z at one radian a second, 
 import numpy as np
 import pytest
 from scenes import scene
-from spincheck.engines import BodyReading, Engine, EngineError, Method, Run, Session, State
+from spincheck.engines import BodyReading, Engine, EngineError, Fault, Method, Run, Session, State
 from spincheck.engines.sampling import BLOCK
 from spincheck.scenarios import Scenario
 
@@ -133,11 +133,9 @@ class LateFault(Turning):
     def states(self, snapshots: list[tuple[State, bool]]) -> State:
         return super().states([state for state, _ in snapshots])
 
-    def first_fault(
-        self, snapshots: list[tuple[State, bool]], states: State
-    ) -> tuple[int, str] | None:
+    def first_fault(self, snapshots: list[tuple[State, bool]], states: State) -> Fault | None:
         wrong = [is_wrong for _, is_wrong in snapshots]
-        return (wrong.index(True), "it was reset") if any(wrong) else None
+        return Fault(wrong.index(True), "reset", "it was reset") if any(wrong) else None
 
 
 class Spinner(Engine):
@@ -158,15 +156,15 @@ def run(kind: type[Turning], fault_after: int, scenario: Scenario = SCENE) -> Ru
 
 
 FAULTS = {
-    Warns: ("diverged", "it warns"),
-    NotFinite: ("diverged", "no longer finite"),
-    Infinite: ("diverged", "no longer finite"),
-    TooFast: ("diverged", "the rotation a step, 0.76 rad, is beyond 0.5 rad"),
-    NoRotation: ("diverged", "quaternion is of norm 1.1"),
-    LateFault: ("diverged", "it was reset"),
-    BlownUpInAStep: ("diverged", "a step was not possible"),
-    GaveUpInAStep: ("failed", "out of memory"),
-    Buggy: ("failed", "ZeroDivisionError: a bug"),
+    Warns: ("diverged", "warning", "it warns"),
+    NotFinite: ("diverged", "not-finite", "no longer finite"),
+    Infinite: ("diverged", "not-finite", "no longer finite"),
+    TooFast: ("diverged", "clamp", "the rotation a step, 0.76 rad, is beyond 0.5 rad"),
+    NoRotation: ("diverged", "not-unit", "quaternion is of norm 1.1"),
+    LateFault: ("diverged", "reset", "it was reset"),
+    BlownUpInAStep: ("diverged", "not-finite", "a step was not possible"),
+    GaveUpInAStep: ("failed", "refused", "out of memory"),
+    Buggy: ("failed", "bug", "ZeroDivisionError: a bug"),
 }
 
 
@@ -182,8 +180,8 @@ def test_a_run_without_a_fault_has_every_sample() -> None:
 @pytest.mark.parametrize("kind", FAULTS, ids=lambda kind: kind.__name__)
 def test_a_run_that_goes_wrong_keeps_what_was_right(kind: type[Turning], fault_after: int) -> None:
     done = run(kind, fault_after)
-    outcome, words = FAULTS[kind]
-    assert done.outcome == outcome
+    outcome, cause, words = FAULTS[kind]
+    assert (done.outcome, done.cause) == (outcome, cause)
     assert words in done.reason
     good = SAMPLES[: np.searchsorted(SAMPLES, fault_after)]
     assert done.steps == good[-1]
@@ -202,13 +200,13 @@ def test_a_run_that_goes_wrong_at_its_last_sample_is_not_ok(kind: type[Turning])
 def test_an_engine_that_stops_is_not_stepped_on(kind: type[Turning]) -> None:
     engine = Spinner(kind, EARLY)
     engine.run(SCENE, METHOD, TIMESTEP, SAMPLES)
-    assert engine.session.steps == EARLY + 1
+    assert engine.session.steps == EARLY
 
 
 def test_what_goes_wrong_unnoticed_is_stepped_on_to_the_end_of_its_block_at_most() -> None:
     engine = Spinner(NotFinite, EARLY)
     engine.run(SCENE, METHOD, TIMESTEP, SAMPLES)
-    assert engine.session.steps == SAMPLES[BLOCK - 1]
+    assert engine.session.steps == BLOCK - 1
 
 
 class CheckedAtTheEnd(Turning):

@@ -1,0 +1,55 @@
+"""What can go wrong with a run, one word each, and where in a run it did."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+#: What each means, how it is found, and what cannot be: docs/outcomes.md.
+Cause = Literal[
+    "",
+    # Of runs that diverged: the motion went wrong at some time.
+    "not-finite",
+    "not-unit",
+    "reset",
+    "clamp",
+    "lag",
+    "pivot",
+    "energy",
+    "warning",
+    # Of runs that failed: what came of them is no motion of the scene, whatever the timestep.
+    "read-back",
+    "model",
+    "clock",
+    "frozen",
+    "late",
+    "frames",
+    "refused",
+    "bug",
+    "crash",
+    "time-out",
+    "killed",
+    "unsolved",
+    # Of runs that were not made ("clamp" too).
+    "effects",
+    "body",
+    # Of runs that came to their end.
+    "lost",
+    "law",
+]
+
+#: What no smaller timestep can mend: such a run has failed, and not only diverged.
+WRONG_AT_ANY_TIMESTEP: frozenset[Cause] = frozenset({"clock", "frozen", "late", "frames"})
+
+
+@dataclass(frozen=True)
+class Fault:
+    """The first of a row of states that is bad.
+
+    Attributes
+    ----------
+    index : which one
+    cause, reason : what is bad about it, in a word and in words
+    """
+
+    index: int
+    cause: Cause
+    reason: str

@@ -1,0 +1,86 @@
+"""What can be seen to be bad in the states of a run, whatever the engine and the scene."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from ..scenarios import FloatArray, Trajectory
+from .fault import Fault
+from .read_back import State
+from .rotation import matrices
+from .turn_faults import Reading, turn_faults
+
+
+@dataclass(frozen=True, eq=False)
+class Bounds:
+    """What a state must keep to.
+
+    Attributes
+    ----------
+    timestep : s
+    most_turn : rad a step, beyond which the engine clamps the rotation
+    round_off : of a state that is read, relative
+    arm : m, body axes, from the pivot to the com, (3,); None where nothing holds the body
+    """
+
+    timestep: float
+    most_turn: float
+    round_off: float
+    arm: FloatArray | None = None
+
+
+def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
+    """The first bad state for each way in which one can be bad."""
+    states, timestep = reading.states, bounds.timestep
+    finite = np.hstack([np.isfinite(column) for column in columns(states)]).all(axis=1)
+    if not finite.all():
+        yield Fault(_first(~finite), "not-finite", "the state is no longer finite")
+    norms = np.linalg.norm(states.q_world_body_wxyz, axis=1)
+    off = np.abs(norms - 1) > Trajectory.UNIT_NORM_SLACK
+    if off.any():
+        norm = norms[_first(off)]
+        yield Fault(_first(off), "not-unit", f"the attitude's quaternion is of norm {norm:.3g}")
+    speeds = np.linalg.norm(states.omega_body, axis=1)
+    clamped = speeds * timestep > bounds.most_turn
+    if clamped.any():
+        speed = float(speeds[_first(clamped)])
+        yield Fault(_first(clamped), "clamp", clamped_turn(speed, timestep, bounds.most_turn))
+    if bounds.arm is not None:
+        yield from _pivot_faults(states, bounds.arm)
+    yield from turn_faults(reading, timestep, bounds.round_off)
+
+
+def clamped_turn(speed: float, timestep: float, most: float) -> str:
+    """Say so if the body turns further in a step than the engine lets it; else empty.
+
+    Parameters
+    ----------
+    speed, timestep, most : |ω| in rad/s, s, and rad a step
+    """
+    if speed * timestep <= most:
+        return ""
+    return (
+        f"the rotation a step, {speed * timestep:.3g} rad, is beyond {most:.3g} rad, "
+        "where the engine clamps it"
+    )
+
+
+def columns(states: State) -> list[FloatArray]:
+    """The arrays of a state, one a quantity."""
+    return [getattr(states, field.name) for field in fields(State)]
+
+
+def _pivot_faults(states: State, arm_body: FloatArray) -> Iterator[Fault]:
+    """A pivot that is further from the world's origin than the com is from the pivot is none."""
+    arm = float(np.linalg.norm(arm_body))
+    arm_world = matrices(states.q_world_body_wxyz) @ arm_body
+    drift = np.linalg.norm(states.com_world - arm_world, axis=1)
+    if arm > 0 and (drift > arm).any():
+        first = _first(drift > arm)
+        yield Fault(first, "pivot", f"the pivot gave way by {drift[first]:.3g} m")
+
+
+def _first(bad: Any) -> int:
+    return int(np.argmax(bad))

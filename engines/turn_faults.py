@@ -1,0 +1,140 @@
+"""Whether the attitude turns as the ω that is read beside it says, one step at a time.
+
+Both are read before and after single steps. However coarse a step is, an honest one turns the body
+at a rate between the ω before and the ω after it, give or take as much again: explicit and implicit
+rules take one or the other, those of higher order something in between, a multistep rule goes
+beyond the one by half their difference. Where ω does not change in a step, what is left is how well
+the rule follows a rotation about a fixed axis: the coarsest there is, q (1, hω/2) normalised, and
+Cayley's rule alike turn by 2 atan(h|ω|/2), short of h|ω| by (h|ω|)³/12 at most.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from ..scenarios import FloatArray
+from .fault import Cause, Fault
+from .read_back import State
+
+#: rad. A turn is told from one the other way round up to π, and this far off it to be sure.
+FURTHEST = 3.0
+#: Of the x³ by which the coarsest rule for a turn by x about a fixed axis falls short.
+ATAN = 1 / 12
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """States as they were read, and what to compare them with.
+
+    Attributes
+    ----------
+    states : n of them, one a row
+    steps : (n,) taken until each of them
+    start : the first two states of the run that were read, or fewer; rows as in `states`
+    """
+
+    states: State
+    steps: NDArray[np.int64]
+    start: State
+
+
+def turn_faults(reading: Reading, timestep: float, round_off: float) -> Iterator[Fault]:
+    """The first state whose attitude does not follow from the one a step before, and a reset.
+
+    Parameters
+    ----------
+    timestep : s
+    round_off : rad, of an attitude that is read
+    """
+    with np.errstate(all="ignore"):
+        yield from _resets(reading)
+        pairs = np.flatnonzero(np.diff(reading.steps) == 1)
+        pairs = pairs[_is_sound(reading.states)[pairs] & _is_sound(reading.states)[pairs + 1]]
+        if len(pairs):
+            yield from _turns(reading, pairs, timestep, round_off)
+
+
+def _turns(
+    reading: Reading, pairs: NDArray[np.int64], timestep: float, round_off: float
+) -> Iterator[Fault]:
+    states = reading.states
+    attitudes = Rotation.from_quat(states.q_world_body_wxyz[pairs], scalar_first=True)
+    after = Rotation.from_quat(states.q_world_body_wxyz[pairs + 1], scalar_first=True)
+    rate_body = (attitudes.inv() * after).as_rotvec() / timestep
+    before_body, after_body = states.omega_body[pairs], states.omega_body[pairs + 1]
+    said_body = (before_body + after_body) / 2
+    speeds = np.linalg.norm(said_body, axis=1)
+    fastest = np.maximum(_norms(before_body), _norms(after_body))
+    # ω may turn back within a step; so it is its fastest change so far that counts.
+    change = np.maximum.accumulate(_norms(after_body - before_body))
+    allowed = change + ATAN * timestep**2 * fastest**3 + round_off / timestep
+    bad = (_norms(rate_body - said_body) > allowed) & (fastest * timestep < FURTHEST)
+    if not bad.any():
+        return
+    k = int(np.argmax(bad))
+    along = float(rate_body[k] @ said_body[k]) / speeds[k] if speeds[k] else 0.0
+    aside = float(np.sqrt(max(0.0, float(rate_body[k] @ rate_body[k]) - along**2)))
+    cause = _cause(reading, int(pairs[k]), along, aside, speeds[k], allowed[k])
+    turned = float(np.linalg.norm(rate_body[k])) * timestep
+    reason = (
+        f"in a step the attitude turns by {turned:.3g} rad{_WAYS[cause]}, "
+        f"where ω makes {speeds[k] * timestep:.3g} rad"
+    )
+    yield Fault(int(pairs[k]) + 1, cause, reason)
+
+
+_WAYS: dict[Cause, str] = {
+    "frozen": ": the state stands still",
+    "late": " at first and then more: what is read is a step old",
+    "lag": "",
+    "clock": ": the step is of another length",
+    "frames": " about another axis: its frame or order of components is not that of ω",
+}
+
+
+def _cause(
+    reading: Reading, k: int, along: float, aside: float, speed: float, allowed: float
+) -> Cause:
+    """What the turn from state k to the next is like, beside ω."""
+    states = reading.states
+    if _same(states, k, k + 1):
+        moves_on = k + 2 < len(reading.steps) and not _same(states, k, k + 2)
+        return "late" if reading.steps[k] == 0 and moves_on else "frozen"
+    if aside > allowed or along < 0:
+        return "frames"
+    return "lag" if along < speed else "clock"
+
+
+def _resets(reading: Reading) -> Iterator[Fault]:
+    """A state that is one of the first two to the last bit, after another one.
+
+    An engine that is set back shows its start, or the step after it, once more.
+    """
+    for first in range(len(reading.start.omega_body)):
+        pairs = zip(_motion(reading.states), _motion(reading.start), strict=True)
+        is_first = np.all([(column == start[first]).all(axis=1) for column, start in pairs], axis=0)
+        again = np.flatnonzero(is_first[1:] & ~is_first[:-1] & (reading.steps[1:] > first)) + 1
+        if len(again):
+            reason = "the state is that of the start again: it was reset"
+            yield Fault(int(again[0]), "reset", reason)
+
+
+def _motion(states: State) -> list[FloatArray]:
+    return list(vars(states).values())
+
+
+def _same(states: State, i: int, j: int) -> bool:
+    return all(bool((column[i] == column[j]).all()) for column in _motion(states))
+
+
+def _is_sound(states: State) -> NDArray[np.bool_]:
+    """Whether a state is finite and its attitude one, row by row."""
+    finite = np.isfinite(states.omega_body).all(axis=1)
+    return finite & (np.abs(_norms(states.q_world_body_wxyz) - 1) < 0.5)
+
+
+def _norms(vectors: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.norm(vectors, axis=1))
