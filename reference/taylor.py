@@ -15,8 +15,11 @@ from .problem import Problem
 from .taylor_coefficients import AFTER, COLUMNS, NEXT, OMEGA, STATE, Q, Terms
 from .taylor_march import PAUSED, STUCK, Tables, march
 
-#: A step takes 2 to 10 µs; more than this would take a quarter of an hour.
-MAX_STEPS = 100_000_000
+#: A step takes 2 to 10 µs; more than this would take minutes, and a study does not wait for it.
+MAX_STEPS = 20_000_000
+#: Where the steps so far are this much too short to get there, the rest is not waited for: only a
+#: motion that slows down so far could still finish.
+HOPELESS = 2
 #: Steps between looks at the keyboard: compiled code cannot be interrupted.
 STEPS_AT_ONCE = 100_000
 # Room for (I₂ − I₃)/I₁ of doubles that differ in the last bit and by any scale met in practice.
@@ -107,7 +110,8 @@ def _march(problem: Problem, times: FloatArray, orders: Orders, states: Tables) 
     clock = np.zeros(2)
     sample, steps, outcome = 0, 0, PAUSED
     while outcome == PAUSED:
-        if steps >= MAX_STEPS:
+        expected = steps * times[-1] / clock[0] if steps else 0.0
+        if steps >= MAX_STEPS or expected > HOPELESS * MAX_STEPS:
             raise IntegrationError(
                 f"The motion takes more than {MAX_STEPS} steps: {times[-1]} s were asked for, "
                 f"{clock[0]} s reached. Ask for a shorter span: its fastest rate sets the step."

@@ -1,6 +1,7 @@
 """What a step-size rule may trip over: rest, turning points, scales, long decay, overflow."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -177,6 +178,22 @@ def test_a_motion_of_too_many_steps_is_an_error(monkeypatch: pytest.MonkeyPatch)
     assert integrate(HEAVY, np.array([1.0]))[0].shape == (1, 4)
     with pytest.raises(IntegrationError, match="more than 20 steps: 100"):
         integrate(HEAVY, np.array([100.0]))
+
+
+def test_a_span_that_is_out_of_reach_is_seen_to_be_so_at_the_first_look(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    calls = []
+
+    def counted(*arguments: Any) -> Any:
+        calls.append(1)
+        return march(*arguments)
+
+    march = taylor.march
+    monkeypatch.setattr(taylor, "march", counted)
+    with pytest.raises(IntegrationError, match=r"1000000000\.0 s were asked for"):
+        integrate(HEAVY, np.array([1e9]))
+    assert len(calls) == 1
 
 
 def test_states_cannot_be_written_to() -> None:
