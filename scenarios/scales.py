@@ -14,9 +14,11 @@ from .exact import DIGITS
 from .principal import principal_axes
 from .scenario import Scenario
 
-#: SI. Squares and products of three such numbers are doubles still; the moment of inertia of a
-#: hydrogen molecule is 1e-48 kg m², that of the Milky Way 1e82.
-SMALLEST, LARGEST = mpf("1e-100"), mpf("1e100")
+#: SI. The square of such a number is a double still; the moment of inertia of a hydrogen molecule
+#: is 1e-48 kg m², that of the Milky Way 1e82.
+SMALLEST, LARGEST = mpf("1e-150"), mpf("1e150")
+#: What is divided by. Anything else acts as 0 does where it is smaller.
+NEVER_SMALL = ("the time", "the mass", "the least moment of inertia")
 #: Of the moments about the fixed point: a grain of 1e-8 m on a thread of 1 m. Conversions with
 #: `DIGITS` digits then leave each moment exact to far more than a double-double.
 MAX_MOMENT_RATIO = mpf("1e16")
@@ -47,10 +49,11 @@ def check_scales(scenario: Scenario, until: float | None = None) -> None:
     with mp.workdps(DIGITS):
         moments = _moments(scenario)
         for keys, what, size, unit in _sizes(scenario, span, moments):
-            if size and not SMALLEST <= size <= LARGEST:
+            too_small = size < SMALLEST and what in NEVER_SMALL
+            if too_small or size > LARGEST:
                 raise Misfit(
-                    f"{what} is {mp.nstr(size, 3)} {unit}; "
-                    "only sizes from 1e-100 to 1e100 in SI units, and 0, can be computed with",
+                    f"{what} is {mp.nstr(size, 3)} {unit}, too {'small' if too_small else 'large'} "
+                    "to be computed with: sizes must lie between 1e-150 and 1e150 in SI units",
                     *keys,
                 )
         for keys, what, rate in _rates(scenario, span, moments):
