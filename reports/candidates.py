@@ -43,20 +43,13 @@ class Candidate:
 
 
 def candidates(scene: SceneRuns, bounds: Bounds) -> list[Candidate]:
-    """What it takes each method to stay within all bounds, the cheapest first."""
-    found = [_candidate(scene, runs, bounds) for runs in scene.methods]
+    """What it takes each method to stay within all bounds, the cheapest first.
+
+    Engines as shipped are none: what they do besides the scene, a bound on errors does not tell.
+    """
+    offered = [runs for runs in scene.methods if not (runs.declared and runs.declared.as_shipped)]
+    found = [_candidate(scene, runs, bounds) for runs in offered]
     return sorted(found, key=lambda candidate: candidate.cost or math.inf)
-
-
-def above_the_ladder(scenario: Scenario, coarsest: float) -> tuple[float, ...]:
-    """Timesteps coarser than a ladder's, each about twice the one before, up to one a sample, s."""
-    interval = _sample_interval(scenario)
-    timesteps = []
-    steps = round(interval / coarsest)
-    while steps > 1:
-        steps = math.ceil(steps / 2)
-        timesteps.append(interval / steps)
-    return tuple(timesteps)
 
 
 def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:

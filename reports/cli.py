@@ -157,7 +157,10 @@ def recommend(
     engine: Engines = None,
     as_json: AsJson = False,
 ) -> None:
-    """Find the cheapest method and timestep that stay within bounds, and check it."""
+    """Find the cheapest method and timestep that stay within bounds, and check it.
+
+    An engine as shipped, with its damping and clamps, is never recommended.
+    """
     from .recommend import exit_code, print_recommendation, recommendation_as_json
     from .recommend import recommend as find_cheapest
 

@@ -1,8 +1,8 @@
 """What the command `recommend` does: the cheapest method and timestep that stay within bounds.
 
-The scene is run and timed on this machine, its ladder continued upwards to one step a sample. What
-comes out as the cheapest is then run at exactly its timestep; a check that misses a bound is one
-more run to interpolate between.
+The scene is run and timed on this machine, down its ladder and above it. What comes out as the
+cheapest is then run at exactly its timestep; a check that misses a bound is one more run to
+interpolate between.
 """
 
 import math
@@ -16,10 +16,9 @@ from typing import Any
 from ..engines import engines
 from ..scenarios import Scenario
 from . import running
-from .candidates import Bounds, Candidate, above_the_ladder, as_cheap, candidates
+from .candidates import Bounds, Candidate, as_cheap, candidates
 from .choice import Choice
 from .gather import gather
-from .ladder import ladder
 from .records import Key, Row
 from .store import Results, open_store
 from .study import run_study
@@ -62,7 +61,7 @@ class Recommendation:
 
 
 def recommend(scene: str, bounds: Bounds, engine_names: Sequence[str], jobs: int) -> Recommendation:
-    """Run a scene's ladders, choose, and check the choice.
+    """Run a scene's ladders, choose, and check the choice; of engines as shipped there is none.
 
     Raises
     ------
@@ -71,13 +70,13 @@ def recommend(scene: str, bounds: Bounds, engine_names: Sequence[str], jobs: int
         nothing could be run.
     """
     _check_bounds(bounds)
+    methods = _methods(engine_names)
     with TemporaryDirectory() as folder:
-        results = running.run([scene], engine_names, [], [], jobs, Path(folder) / "ladder.sqlite")
+        out = Path(folder) / "ladder.sqlite"
+        results = running.run([scene], engine_names, methods, [], jobs, out)
         if running.exit_code(results) == NOT_RUN:
             raise Complaint(f"{scene}: nothing could be run: {results.rows[0].reason}", NOT_RUN)
-        say("Trying timesteps coarser than the ladder's.")
-        coarser = _coarser_runs(results, jobs, Path(folder) / "coarser.sqlite")
-        return _checked(scene, bounds, _with_runs(results, coarser), Path(folder))
+        return _checked(scene, bounds, results, Path(folder))
 
 
 def within(row: Row, bounds: Bounds) -> bool:
@@ -150,6 +149,19 @@ def _check_bounds(bounds: Bounds) -> None:
             raise Complaint(f"'--{option}' must be positive, got {bound:g}", BAD_INPUT)
 
 
+def _methods(engine_names: Sequence[str]) -> list[str]:
+    """Names of the methods of the engines named (none named: all), but those as shipped.
+
+    Engines that are not there are for the run to complain of.
+    """
+    chosen = [e for name, e in engines().items() if name in engine_names or not engine_names]
+    offered = [method.name for e in chosen for method in e.methods if not method.as_shipped]
+    if chosen and not offered:
+        names = ", ".join(engine_names)
+        raise Complaint(f"{names}: has no method but as shipped, which is not recommended", NOT_RUN)
+    return list(dict.fromkeys(offered))
+
+
 def _checked(scene: str, bounds: Bounds, results: Results, folder: Path) -> Recommendation:
     """Choose and check until a check keeps the bounds, or there is nothing left to choose."""
     checks: list[Row] = []
@@ -175,16 +187,6 @@ def _too_long(best: Candidate, duration: float) -> str:
     if seconds <= TIME_LIMIT:
         return ""
     return f"it would take {seconds:.0f} s, and a run may take {TIME_LIMIT:.0f} s"
-
-
-def _coarser_runs(results: Results, jobs: int, out: Path) -> list[Row]:
-    """Every method above its ladder, up to one step from sample to sample."""
-    (found,) = results.scenes.values()
-    names = dict.fromkeys(row.key.engine for row in results.rows)
-    chosen = tuple(engines()[name] for name in names)
-    coarsest = ladder(found.solution.trajectory)[0].timestep
-    timesteps = above_the_ladder(found.scenario, coarsest)
-    return _rows_at(found.scenario, Choice(chosen, (), timesteps), jobs, out) if timesteps else []
 
 
 def _run_again(scenario: Scenario, key: Key, timestep: float, out: Path) -> Row:

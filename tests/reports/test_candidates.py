@@ -23,7 +23,21 @@ from made_up import METHODS, TIMESTEPS, results
 from spincheck.reports.candidates import Candidate, above_the_ladder, as_cheap, candidates
 from spincheck.reports.cost_to_reach import reach
 from spincheck.reports.records import Key
+from spincheck.reports.store import Results
 from spincheck.reports.work_precision import curve_of
+
+
+def test_an_engine_as_shipped_is_no_candidate() -> None:
+    found = with_law(straight)
+    pair = ("mujoco", "Euler")
+    assert pair in labels_of(found)
+    shipped = {pair: replace(found.methods[pair], as_shipped=True)}
+    assert pair not in labels_of(replace(found, methods=found.methods | shipped))
+
+
+def labels_of(found: Results) -> list[tuple[str, str]]:
+    return [(c.key.engine, c.key.method) for c in candidates(scene_of(found), {"omega": BETWEEN})]
+
 
 LAWS = [straight, bending_up, bending_down]
 

@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from clockwork import METHOD, Works
 from ladders import BELOW, BETWEEN, TOP, Law, errors_of, straight, with_law
+from spincheck.engines import engines
 from spincheck.reports import recommend as recommend_module
 from spincheck.reports import running
 from spincheck.reports.recommend import CHECKS, exit_code, recommend
@@ -74,6 +76,30 @@ def test_a_run_that_would_last_too_long_is_not_started(monkeypatch: pytest.Monke
     found = recommended(monkeypatch, euler_alone(straight), straight, omega=BETWEEN)
     assert (found.checks, found.verified) == ((), False)
     assert "it would take" in found.unchecked
+
+
+def test_engines_as_shipped_are_not_even_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[list[str]] = []
+
+    def run(scenes: object, engines: object, methods: list[str], *others: object) -> Results:
+        asked.append(methods)
+        return euler_alone(straight)
+
+    monkeypatch.setattr(running, "run", run)
+    monkeypatch.setattr(recommend_module, "_coarser_runs", lambda *arguments: [])
+    recommend(TOP, {"omega": 1e-300}, [], 1)
+    every = [method for engine in engines().values() for method in engine.methods]
+    assert any(method.as_shipped for method in every)
+    assert set(asked[0]) == {method.name for method in every if not method.as_shipped}
+
+
+def test_an_engine_that_is_there_as_shipped_only_is_one_message(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    raw = type("Raw", (Works,), {"name": "raw", "methods": (replace(METHOD, as_shipped=True),)})
+    monkeypatch.setattr(recommend_module, "engines", lambda: {"raw": raw(lambda _: None)})
+    with pytest.raises(Complaint, match="raw: has no method but as shipped"):
+        recommend(TOP, {"omega": BETWEEN}, ["raw"], 1)
 
 
 def test_what_no_method_reaches_is_said_and_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> None:
