@@ -22,6 +22,8 @@ TRANSLATION = 3
 READ = int(
     mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL
 )
+#: How it begins to say that a coordinate is beyond 1e10 (mjMAXVAL), if it is a number at all.
+BLOWN_UP = "Nan, Inf or huge value"
 #: These, and the steps taken, as the bytes of an array.
 Snapshot = bytes
 
@@ -95,7 +97,7 @@ class MuJoCoSession(Session):
             fault = self.first_fault([self._bytes()], self.read_state())
             if fault:
                 raise EngineError(f"{warned}; {fault.reason}", fault.cause)
-            raise EngineError(warned, "warning")
+            raise EngineError(warned, "not-finite" if BLOWN_UP in warned else "warning")
         return self._bytes()
 
     def states(self, snapshots: Sequence[Snapshot]) -> State:

@@ -9,6 +9,7 @@ from ..reference import Solution, drifts
 from ..scenarios import Expect, Scenario, Trajectory, energy, energy_base, errors_between
 from .ladder import Rung
 from .lane import Lost
+from .lost import lost
 from .records import Key, Row
 
 #: Energy beyond this many times its base is a blow-up, however finite.
@@ -25,13 +26,14 @@ def row_of(
 ) -> Row:
     """Compare a run with the truth at its own sample times."""
     if isinstance(result, Lost):
-        return Row(key, version, rung.timestep, "failed", result.reason)
+        return Row(key, version, rung.timestep, "failed", result.reason, result.cause)
     row = Row(
         key,
         result.engine_version,
         rung.timestep,
         result.outcome,
         result.reason,
+        result.cause,
         result.stopped_at,
         uncertainty=solution.uncertainty.omega,
         steps=result.steps,
@@ -39,14 +41,18 @@ def row_of(
     motion = result.trajectory
     if motion is None or not len(motion.t):
         return row
-    absurd = _first_absurd(scenario, motion, solution.trajectory)
+    truth = solution.trajectory.until(len(motion.t))
+    absurd = _first_absurd(scenario, motion, truth)
     if absurd is not None:
         reason = f"the energy exceeds {ABSURD_ENERGY:g} times its base"
         stopped_at = float(motion.t[absurd])
-        row = replace(row, outcome="diverged", reason=reason, stopped_at=stopped_at)
+        row = replace(row, outcome="diverged", reason=reason, cause="energy", stopped_at=stopped_at)
+    elif row.outcome == "ok" and (said := lost(scenario, motion, truth)):
+        # What else there is to say of it is said first: it may be why.
+        row = replace(row, cause="lost", reason="; ".join(filter(None, (row.reason, said))))
     return replace(
         row,
-        errors=errors_between(scenario, motion, solution.trajectory.until(len(motion.t))),
+        errors=errors_between(scenario, motion, truth),
         drifts=drifts(scenario, motion),
         motion=motion,
     )
@@ -70,7 +76,6 @@ def broken_promises(expected: Expect, row: Row) -> list[str]:
 
 def _first_absurd(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> int | None:
     """Index of the first sample whose energy differs from the truth's by an absurd amount."""
-    n = len(motion.t)
-    excess = np.abs(energy(scenario, motion) - energy(scenario, truth)[:n])
+    excess = np.abs(energy(scenario, motion) - energy(scenario, truth))
     beyond = np.flatnonzero(excess > ABSURD_ENERGY * energy_base(scenario, truth))
     return int(beyond[0]) if len(beyond) else None

@@ -8,6 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
+from ..engines import Cause
 from .worker_process import WorkerProcess
 
 #: A call whose worker was killed from outside is tried this often in all.
@@ -21,11 +22,12 @@ KILLED = "the worker process was killed from outside"
 
 
 class Lost(Exception):
-    """A call that gave no result, and why."""
+    """A call that gave no result, and why: in words, and in a word."""
 
-    def __init__(self, reason: str) -> None:
+    def __init__(self, reason: str, cause: Cause = "bug") -> None:
         super().__init__(reason)
         self.reason = reason
+        self.cause: Cause = cause
 
     @property
     def killed(self) -> bool:
@@ -63,7 +65,7 @@ class Lane:
 
     def call(self, call: Callable[[], Any]) -> Answer:
         """What a call gives; what it is and returns is pickled."""
-        answer = Answer(Lost(KILLED))
+        answer = Answer(Lost(KILLED, "killed"))
         for _ in range(ATTEMPTS):
             answer = self._attempt(call)
             if self._stopped or not (isinstance(answer.value, Lost) and answer.value.killed):
@@ -88,7 +90,7 @@ class Lane:
     def _attempt(self, call: Callable[[], Any]) -> Answer:
         worker = self._ready()
         if worker is None:
-            return Answer(Lost("it was stopped"))
+            return Answer(Lost("it was stopped", "killed"))
         deadline = time.monotonic() + self._time_limit
         # One that dies meanwhile is found to have died when its answer is waited for.
         with suppress(OSError):
@@ -117,12 +119,13 @@ class Lane:
         printed = worker.printed()
         self._forget(worker)
         reason = f"did not finish within {self._time_limit:g} s{_last_words(printed)}"
-        return Answer(Lost(reason), printed)
+        return Answer(Lost(reason, "time-out"), printed)
 
     def _bury(self, worker: WorkerProcess) -> Answer:
         printed = worker.printed()
         reason = _cause_of_death(self._forget(worker)) + _last_words(printed)
-        return Answer(Lost(reason), printed)
+        cause: Cause = "killed" if reason.startswith(KILLED) else "crash"
+        return Answer(Lost(reason, cause), printed)
 
     def _forget(self, worker: WorkerProcess) -> int:
         with self._changing:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from ..engines import Outcome
+from ..engines import Cause, Outcome
 from ..scenarios import Errors, Trajectory
 from .verdict import VerdictWord
 
@@ -29,6 +29,7 @@ class Row:
     Attributes
     ----------
     reason : why, where the outcome is not ok; of an engine as shipped, what differs from the scene
+    cause : the same in a word, or "lost": see `survived`
     stopped_at : s, when it diverged or failed
     errors : at the run's sample times, up to where it stopped; None without samples
     drifts : largest change of each conserved quantity, relative, by name
@@ -45,6 +46,7 @@ class Row:
     timestep: float
     outcome: Outcome
     reason: str = ""
+    cause: Cause = ""
     stopped_at: float | None = None
     errors: Errors | None = None
     drifts: dict[str, float] | None = None
@@ -55,6 +57,14 @@ class Row:
     wall_seconds_per_step: float | None = None
     motion: Trajectory | None = None
     printed: str = ""
+
+    @property
+    def survived(self) -> bool:
+        """Whether the run came to its end, and is nearer to the truth than no motion would be.
+
+        One that is not so near is ok, and lost: see `lost.lost`.
+        """
+        return self.outcome == "ok" and self.cause != "lost"
 
 
 @dataclass(frozen=True)

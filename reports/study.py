@@ -155,7 +155,9 @@ class _Grid:
             for engine, method in scene.to_run:
                 key = Key(scenario.name, engine.name, method.name)
                 reason = f"the reference could not be solved: {prepared.reason}"
-                self._store.put_row(Row(key, engine.version, UNSOLVED, "failed", reason))
+                self._store.put_row(
+                    Row(key, engine.version, UNSOLVED, "failed", reason, "unsolved")
+                )
                 self._finish(Verdict(key, "failed", reason))
             return
         self._store.put_scene(scenario, prepared.solution)

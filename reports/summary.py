@@ -52,6 +52,8 @@ def row_record(row: Row) -> dict[str, Any]:
         "timestep": row.timestep,
         "outcome": row.outcome,
         "reason": row.reason,
+        "cause": row.cause,
+        "survived": row.survived,
         "stopped_at": row.stopped_at,
         "omega_error": errors.omega if errors else None,
         "attitude_error": errors.attitude if errors else None,

@@ -28,6 +28,7 @@ _PLAIN_ROW = (
     "timestep",
     "outcome",
     "reason",
+    "cause",
     "stopped_at",
     "uncertainty",
     "steps",
