@@ -12,13 +12,14 @@ from ..engines import Engine
 PACKAGES = ("spincheck", "numpy", "scipy", "numba", "mpmath")
 
 
-def environment(engines: Iterable[Engine], max_steps: int) -> dict[str, str]:
+def environment(engines: Iterable[Engine], max_steps: int | None = None) -> dict[str, str]:
     """Name and value of everything that results may depend on.
 
     Parameters
     ----------
-    max_steps : of the runs of a ladder
+    max_steps : of the runs of a ladder; None where none is run
     """
+    ladders = {} if max_steps is None else {"longest ladder run": f"{max_steps} steps"}
     return {
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "processor": processor(),
@@ -27,8 +28,7 @@ def environment(engines: Iterable[Engine], max_steps: int) -> dict[str, str]:
         "python": platform.python_version(),
         **{name: version(name) for name in PACKAGES},
         **{engine.name: engine.version for engine in engines},
-        "longest ladder run": f"{max_steps} steps",
-    }
+    } | ladders
 
 
 def processor() -> str:

@@ -13,7 +13,19 @@ from ..engines import Engine
 from ..scenarios import Scenario
 
 #: What decides here which runs are made, and what is said of them; the other modules only show it.
-_DECIDING = ("compared_run", "cost", "descent", "ladder", "lane", "study", "verdict", "workers")
+_DECIDING = (
+    "compared_run",
+    "cost",
+    "descent",
+    "ladder",
+    "lane",
+    "pace",
+    "places",
+    "point_run",
+    "study",
+    "verdict",
+    "workers",
+)
 
 
 def digests(scenario: Scenario, engines: Sequence[Engine]) -> dict[str, str]:

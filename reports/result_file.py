@@ -16,7 +16,7 @@ from pathlib import Path
 
 #: "spin" in ASCII: tells a result file from any other SQLite database.
 APPLICATION_ID = 0x7370696E
-FORMAT = 4
+FORMAT = 5
 
 _IN_WORDS = {
     sqlite3.SQLITE_FULL: "cannot be written: the disk is full",

@@ -20,6 +20,8 @@ from .effects_cost import EffectsCost, PassCosts
 from .records import UNSOLVED, Key, Pair, Row, Verdict
 from .result_file import opened
 from .sweep import EnsembleResult, MapResult
+from .sweep_tables import SCHEMA as SWEEPS_SCHEMA
+from .sweep_tables import SweepTables
 
 _SCHEMA = """
 CREATE TABLE environment (name TEXT PRIMARY KEY, value TEXT NOT NULL);
@@ -55,7 +57,8 @@ CREATE TABLE verdicts (
     limit_estimate REAL, broken TEXT NOT NULL, as_shipped INTEGER NOT NULL, step_limit INTEGER,
     PRIMARY KEY (scenario, engine, method, timesteps));
 """
-_OF_SCENES = ("made_by", "scenes", "rows", "costs", "left_out", "verdicts")
+_OF_ENGINES = ("rows", "costs", "left_out", "verdicts", "points")
+_OF_SCENES = ("made_by", "scenes", "sweeps", *_OF_ENGINES)
 _ONE_ENGINE = "scenario = ? AND engine = ?"
 _ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
 
@@ -94,6 +97,7 @@ class Store:
     def __init__(self, connection: sqlite3.Connection) -> None:
         connection.row_factory = sqlite3.Row
         self._connection = connection
+        self.sweeps = SweepTables(connection)
 
     def put_environment(self, environment: dict[str, str]) -> None:
         """Record machine and versions."""
@@ -127,7 +131,7 @@ class Store:
 
     def _drop(self, scenario: str, engine: str) -> int:
         """Drop what an engine did on a scene, or with no engine the scene and all of them."""
-        tables = ("rows", "costs", "left_out", "verdicts") if engine else _OF_SCENES
+        tables = _OF_ENGINES if engine else _OF_SCENES
         where = _ONE_ENGINE if engine else "scenario = ?"
         names = (scenario, engine) if engine else (scenario,)
         verdicts = self._select("verdicts", where, names)
@@ -233,6 +237,8 @@ class Store:
             verdicts=self._verdicts(_asked(timesteps)),
             effects=[found for found in left_out if isinstance(found, EffectsCost)],
             passes=[found for found in left_out if isinstance(found, PassCosts)],
+            maps=self.sweeps.maps(),
+            ensembles=self.sweeps.ensembles(),
             methods=dict(table_records.method(record) for record in self._select("methods")),
         )
 
@@ -275,5 +281,5 @@ def open_store(path: Path, *, create: bool = False) -> Iterator[Store]:
     ResultFileError
         As `result_file.opened`.
     """
-    with opened(path, _SCHEMA, writing=create) as connection:
+    with opened(path, _SCHEMA + SWEEPS_SCHEMA, writing=create) as connection:
         yield Store(connection)

@@ -101,7 +101,7 @@ def of_left_out(found: EffectsCost | PassCosts) -> dict[str, Any]:
     return {**record.pop("key"), "kind": type(found).__name__, "record": json.dumps(record)}
 
 
-def _told(read: Callable[..., T]) -> Callable[..., T]:
+def told(read: Callable[..., T]) -> Callable[..., T]:
     """Turn what a damaged record raises into one kind of error."""
 
     @wraps(read)
@@ -114,7 +114,7 @@ def _told(read: Callable[..., T]) -> Callable[..., T]:
     return reading
 
 
-@_told
+@told
 def scene(record: sqlite3.Row) -> tuple[Scenario, Solution]:
     """A record of the table `scenes`."""
     solution = Solution(
@@ -127,7 +127,7 @@ def scene(record: sqlite3.Row) -> tuple[Scenario, Solution]:
     return loads(record["toml"], record["scenario"]), solution
 
 
-@_told
+@told
 def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
     """A record of the table `rows`, with that of its method in `costs`."""
     return Row(
@@ -142,7 +142,7 @@ def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
     )
 
 
-@_told
+@told
 def verdict(record: sqlite3.Row) -> Verdict:
     """A record of the table `verdicts`."""
     return Verdict(
@@ -153,7 +153,7 @@ def verdict(record: sqlite3.Row) -> Verdict:
     )
 
 
-@_told
+@told
 def method(record: sqlite3.Row) -> tuple[Pair, Method]:
     """A record of the table `methods`, and whose it is."""
     declared = {name: record[name] for name in _PLAIN_METHOD}
@@ -170,7 +170,7 @@ def key(record: sqlite3.Row) -> Key:
     return Key(record["scenario"], record["engine"], record["method"])
 
 
-@_told
+@told
 def left_out(record: sqlite3.Row) -> EffectsCost | PassCosts:
     """What pruning saves, of the table `left_out`."""
     found = json.loads(record["record"])
