@@ -23,8 +23,8 @@ Range = tuple[float, float]
 
 #: Samples a line is drawn with; more would not be seen, and pages grow with every one.
 MOST_SAMPLES = 400
-#: Stand for the colours of text and of wires, which the page's script puts in.
-INK, WIRE = "ink", "wire"
+#: Stand for the colours of text, of wires and of the page, which the page's script puts in.
+INK, WIRE, GROUND = "ink", "wire", "ground"
 #: Errors beyond this are a blow-up, not a curve to read; axes end here.
 OFF_THE_CHART = 1e2
 #: Where a blow-up is cut: beyond this a browser loses its way.

@@ -37,7 +37,12 @@ def number(value: float | None, digits: int = SIGNIFICANT_DIGITS) -> str:
     power = int(exponent)
     if power in PLAIN_POWERS:
         return f"{sign}{abs(value):.{digits - 1 - power}f}"
-    return f"{sign}{mantissa}×10{str(power).translate(_SUPERSCRIPT)}"
+    return f"{sign}{mantissa}×{power_of_ten(power)}"
+
+
+def power_of_ten(exponent: int) -> str:
+    """`10⁻⁶`."""
+    return f"10{str(exponent).translate(_SUPERSCRIPT)}"
 
 
 def observed(value: float) -> str:

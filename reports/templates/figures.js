@@ -62,7 +62,11 @@
 
   function draw() {
     const template = theme();
-    const colours = { ink: colour("--ink"), wire: colour("--wire") };
+    const colours = {
+      ink: colour("--ink"),
+      wire: colour("--wire"),
+      ground: colour("--paper"),
+    };
     for (const { div, spec } of plots) {
       const figure = inked(spec, colours);
       for (const trace of figure.data) trace.visible = shown(trace);

@@ -4,7 +4,7 @@ import base64
 from typing import Any
 
 import numpy as np
-from spincheck.reports.plot import INK, WIRE
+from spincheck.reports.plot import GROUND, INK, WIRE
 from spincheck.scenarios import FloatArray
 
 
@@ -18,4 +18,4 @@ def coloured(value: Any) -> Any:
         return {name: coloured(item) for name, item in value.items()}
     if isinstance(value, list):
         return [coloured(item) for item in value]
-    return "#123456" if value in (INK, WIRE) else value
+    return "#123456" if value in (INK, WIRE, GROUND) else value

@@ -1,0 +1,275 @@
+"""A map as a figure: one panel a method on common axes, colour the error of ω, lines by theory."""
+
+import math
+from collections.abc import Iterator, Sequence
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from ..scenarios import FloatArray
+from .map_axes import (
+    ABOVE,
+    BELOW,
+    LEFT,
+    RIGHT,
+    cell_side,
+    columns_of,
+    domains,
+    edges,
+    height_of,
+    shared,
+    titles,
+)
+from .map_bounds import Bound, bounds_of
+from .map_contour import zero_lines
+from .map_grid import Grid, axis_title, places
+from .map_labels import Placed, place
+from .map_marks import Mark, is_coloured, marks
+from .plot import GROUND, INK, Figure, Panel, Trace, axis_suffix, layout, packed
+from .records import Pair
+from .sweep import Point
+from .wording import limited, number, power_of_ten
+
+#: Perceptually uniform, and the same to all kinds of colour vision (Nathaniel Smith & Stéfan van
+#: der Walt, matplotlib 2.0): equal ratios of errors look equally far apart.
+COLOURS = "Viridis"
+#: An error of one is as wrong as the motion is large: nothing worse is told apart.
+NOTHING_RIGHT = 1.0
+#: Of the smaller side of a cell; and px, so that it is seen and does not hide its neighbours.
+SIGN_PART, SMALLEST_SIGN, LARGEST_SIGN = 0.62, 3.0, 8.0
+LINE_WIDTH, CASING_WIDTH, LABEL_SIZE = 1.6, 4.0, 10
+
+
+def map_figure(grid: Grid) -> Figure:
+    """All methods of a map."""
+    pairs = list(grid.methods)
+    columns = columns_of(len(pairs))
+    areas = list(domains(len(pairs), columns))
+    panels = [
+        Panel(x_title, y_title, escape(" ".join(pair)), domain=domain)
+        for pair, domain, (x_title, y_title) in zip(
+            pairs, areas, titles(grid, len(pairs), columns), strict=True
+        )
+    ]
+    made = layout([panels], height_of(len(pairs), columns))
+    floor = _least(grid)
+    made["coloraxis"] = _colour_axis(floor)
+    made["margin"] = {"l": LEFT, "r": RIGHT, "t": ABOVE, "b": BELOW}
+    made["legend"] = {
+        "orientation": "h",
+        "yref": "container",
+        "y": 0,
+        "yanchor": "bottom",
+        "x": 0,
+        "itemclick": False,
+        "itemdoubleclick": False,
+        "itemsizing": "constant",
+    }
+    for k, (x_title, y_title) in enumerate(titles(grid, len(pairs), columns), start=1):
+        for letter, axis, title in zip("xy", grid.axes, (x_title, y_title), strict=True):
+            made[f"{letter}axis{axis_suffix(k)}"] |= shared(letter, axis, bool(title))
+    signs = marks(grid.found.points)
+    traces = list(_legend(grid, signs))
+    for k, pair in enumerate(pairs, start=1):
+        traces += _errors(grid, pair, k)
+        traces += _signs(grid, pair, k, signs, cell_side(grid.shape, columns))
+        lines, labels = _bounds(grid, pair, k)
+        traces += lines
+        made["annotations"] += labels
+    return {"data": traces, "layout": made}
+
+
+def _least(grid: Grid) -> float:
+    """The power of ten below all errors and above what no reference can tell."""
+    found = [_claimed(point) for point in grid.found.points if is_coloured(point)]
+    positive = [error for error in found if 0 < error < math.inf]
+    return float(math.floor(math.log10(min(positive, default=1e-1))))
+
+
+def _claimed(point: Point) -> float:
+    assert point.errors is not None
+    return max(point.errors.omega, point.uncertainty)
+
+
+def _colour_axis(low: float) -> dict[str, Any]:
+    high = math.log10(NOTHING_RIGHT)
+    low = min(low, high - 1)
+    step = max(1, math.ceil((high - low) / 8))
+    ticks = list(range(int(high), int(low) - 1, -step))
+    return {
+        "colorscale": COLOURS,
+        "cmin": low,
+        "cmax": high,
+        "colorbar": {
+            "title": {"text": "ω error,<br>relative", "side": "top"},
+            "tickvals": ticks,
+            "ticktext": [f"≥ {power_of_ten(k)}" if k == high else power_of_ten(k) for k in ticks],
+            "thickness": 14,
+            "outlinewidth": 0,
+            "x": 1.012,
+            "xpad": 0,
+        },
+    }
+
+
+def _errors(grid: Grid, pair: Pair, k: int) -> Iterator[Trace]:
+    shown = {n: point for n, point in grid.points[pair].items() if is_coloured(point)}
+    if not shown:
+        return
+    values = np.full(grid.shape, math.nan)
+    texts = [[""] * grid.shape[1] for _ in range(grid.shape[0])]
+    for (row, column), point in shown.items():
+        error = _claimed(point)
+        values[row, column] = math.log10(error) if 0 < error < math.inf else math.nan
+        texts[row][column] = _told(grid, pair, point)
+    across, up = grid.axes
+    yield {
+        "type": "heatmap",
+        "x": packed(edges(across)),
+        "y": packed(edges(up)),
+        "z": packed(values) | {"shape": ", ".join(map(str, grid.shape))},
+        "text": texts,
+        "hovertemplate": "%{text}<extra></extra>",
+        "hoverongaps": False,
+        "coloraxis": "coloraxis",
+        "xaxis": f"x{axis_suffix(k)}",
+        "yaxis": f"y{axis_suffix(k)}",
+        "showlegend": False,
+    }
+
+
+def _signs(grid: Grid, pair: Pair, k: int, signs: dict[Any, Mark], cell: float) -> Iterator[Trace]:
+    size = min(max(SIGN_PART * cell, SMALLEST_SIGN), LARGEST_SIGN)
+    across, up = (places(axis) for axis in grid.axes)
+    for kind, mark in signs.items():
+        of_kind = {
+            node: point
+            for node, point in grid.points[pair].items()
+            if not is_coloured(point) and (point.outcome, point.cause) == kind
+        }
+        if of_kind:
+            yield {
+                "type": "scatter",
+                "mode": "markers",
+                "x": packed(np.array([across[column] for _, column in of_kind])),
+                "y": packed(np.array([up[row] for row, _ in of_kind])),
+                "marker": _marker(mark, size),
+                "text": [_told(grid, pair, point) for point in of_kind.values()],
+                "hovertemplate": "%{text}<extra></extra>",
+                "xaxis": f"x{axis_suffix(k)}",
+                "yaxis": f"y{axis_suffix(k)}",
+                "showlegend": False,
+            }
+
+
+def _marker(mark: Mark, size: float) -> dict[str, Any]:
+    return {
+        "symbol": mark.symbol,
+        "size": size,
+        "color": mark.colour,
+        "line": {"color": mark.colour, "width": 1.2},
+    }
+
+
+def _told(grid: Grid, pair: Pair, point: Point) -> str:
+    """What a pointer on a place shows."""
+    across, up = grid.axes
+    lines = [
+        " ".join(pair),
+        f"{axis_title(across)}: {point.at[0]:.4g}",
+        f"{axis_title(up)}: {point.at[1]:.4g}",
+        f"timestep {number(point.timestep)} s" if point.timestep else "",
+        f"ω error {limited(point.errors.omega, point.uncertainty)}" if point.errors else "",
+        "" if point.outcome == "ok" else _ended(point),
+        point.reason,
+    ]
+    return "<br>".join(escape(line) for line in lines if line)
+
+
+def _ended(point: Point) -> str:
+    at = f" at {number(point.stopped_at)} s" if point.stopped_at is not None else ""
+    return f"{point.outcome}{at}" + (f" ({point.cause})" if point.cause else "")
+
+
+def drawn_bounds(grid: Grid, pair: Pair) -> list[tuple[Bound, list[FloatArray]]]:
+    """The bounds that pass through a method's panel, as curves in the places of the axes."""
+    across, up = (places(axis) for axis in grid.axes)
+    found = []
+    for bound in bounds_of(grid.methods[pair]):
+        curves = zero_lines(across, up, grid.evaluated(bound.value))
+        if curves:
+            found.append((bound, curves))
+    return found
+
+
+def _bounds(grid: Grid, pair: Pair, k: int) -> tuple[list[Trace], list[dict[str, Any]]]:
+    drawn = drawn_bounds(grid, pair)
+    traces = [
+        trace for bound, curves in drawn for curve in curves for trace in _line(bound, curve, k)
+    ]
+    spans = tuple((float(at[0]), float(at[-1])) for at in map(places, grid.axes))
+    placed = place([(bound.label, curves) for bound, curves in drawn], spans)
+    return traces, [_label(label, k) for label in placed]
+
+
+def _line(bound: Bound, curve: FloatArray, k: int) -> Iterator[Trace]:
+    """A line that is seen on every colour: in that of text, on a broader one in that of paper."""
+    for colour, width, dash in ((GROUND, CASING_WIDTH, "solid"), (INK, LINE_WIDTH, bound.dash)):
+        yield {
+            "type": "scatter",
+            "mode": "lines",
+            "x": packed(curve[:, 0]),
+            "y": packed(curve[:, 1]),
+            "line": {"color": colour, "width": width, "dash": dash},
+            "name": bound.meaning,
+            "hoverinfo": "skip",
+            "xaxis": f"x{axis_suffix(k)}",
+            "yaxis": f"y{axis_suffix(k)}",
+            "showlegend": False,
+        }
+
+
+def _label(label: Placed, k: int) -> dict[str, Any]:
+    return {
+        "text": label.text,
+        "x": label.x,
+        "y": label.y,
+        "xref": f"x{axis_suffix(k)}",
+        "yref": f"y{axis_suffix(k)}",
+        "showarrow": False,
+        "font": {"size": LABEL_SIZE, "color": INK},
+        "bgcolor": GROUND,
+        "opacity": 0.9,
+        "borderpad": 1,
+    }
+
+
+def _legend(grid: Grid, signs: dict[Any, Mark]) -> Iterator[Trace]:
+    """An entry for every sign and every line in any panel."""
+    known: dict[str, Bound] = {}
+    for pair in grid.methods:
+        known |= {bound.meaning: bound for bound, _ in drawn_bounds(grid, pair)}
+    nowhere: dict[str, Any] = {"type": "scatter", "x": [None], "y": [None], "hoverinfo": "skip"}
+    for mark in signs.values():
+        yield nowhere | {
+            "mode": "markers",
+            "marker": _marker(mark, LARGEST_SIGN),
+            "name": escape(mark.label),
+            "showlegend": True,
+        }
+    for bound in known.values():
+        yield nowhere | {
+            "mode": "lines",
+            "line": {"color": INK, "width": LINE_WIDTH, "dash": bound.dash},
+            "name": bound.label,
+            "showlegend": True,
+        }
+
+
+def legend_of_bounds(grid: Grid) -> Sequence[Bound]:
+    """Every line in any panel, once."""
+    known: dict[str, Bound] = {}
+    for pair in grid.methods:
+        known |= {bound.meaning: bound for bound, _ in drawn_bounds(grid, pair)}
+    return list(known.values())
