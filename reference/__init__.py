@@ -4,5 +4,6 @@ from .facts import facts
 from .invariants import drifts, invariants
 from .solution import Solution
 from .solve import solve, solve_ode
+from .taylor import IntegrationError
 
-__all__ = ["Solution", "drifts", "facts", "invariants", "solve", "solve_ode"]
+__all__ = ["IntegrationError", "Solution", "drifts", "facts", "invariants", "solve", "solve_ode"]

@@ -183,17 +183,11 @@ def recommend(
 @app.command("list")
 def list_scenes(scenes: Scenes = None, as_json: AsJson = False) -> None:
     """List scenes with what they are about."""
-    from ..scenarios import LIBRARY
+    from .named_scenes import complain, listed
 
-    rows = []
-    for scenario in _scenarios(scenes or []):
-        folder = scenario.path.parent if scenario.path else Path()
-        kind = folder.relative_to(LIBRARY) if folder.is_relative_to(LIBRARY) else folder
-        effects = ", ".join(sorted(scenario.called_for)) or "none"
-        rows.append(
-            {"scene": scenario.name, "kind": str(kind), "effects": effects, "title": scenario.title}
-        )
+    rows, wrong = listed(scenes or [])
     print(to_json(rows)) if as_json else table(rows)
+    complain(wrong)
 
 
 @app.command()
@@ -212,19 +206,15 @@ def show(scenario: Scene, as_json: AsJson = False) -> None:
 
 @app.command()
 def check(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Scenario files.")],
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Files or folders.")],
 ) -> None:
     """Check scenario files against the format; say all that is wrong."""
-    from ..scenarios import ScenarioError, load
+    from .named_scenes import checked, complain
 
-    wrong = []
-    for path in files:
-        try:
-            print(f"{path}: {load(path).title}")
-        except ScenarioError as error:
-            wrong.append(str(error))
-    if wrong:
-        raise Complaint("\n".join(wrong), BAD_INPUT)
+    lines, wrong = checked(files)
+    for line in lines:
+        print(line)
+    complain(wrong)
 
 
 @app.command("engines")
@@ -283,20 +273,10 @@ def _print_records(records: list[dict[str, Any]], as_csv: bool, as_json: bool) -
         table(records)
 
 
-def _scenarios(names: list[str]) -> list[Any]:
-    from ..scenarios import ScenarioError, find, load
-
-    try:
-        return [load(path) for path in find(names)]
-    except ScenarioError as error:
-        raise Complaint(str(error), BAD_INPUT) from None
-
-
 def _scenario(name: str) -> Any:
-    found = _scenarios([name])
-    if len(found) != 1:
-        raise Complaint(f"{name}: takes one scene, this is {len(found)}", BAD_INPUT)
-    return found[0]
+    from .named_scenes import one_scene
+
+    return one_scene(name)
 
 
 def _inline(value: object) -> str:

@@ -5,8 +5,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..engines import Engine, engines, missing
-from ..scenarios import Scenario, ScenarioError, find, load
+from ..scenarios import Scenario
 from .choice import QUICK_STEPS, Choice
+from .named_scenes import scenes_to_run
 from .plan import plan
 from .records import UNSOLVED, Key, Row
 from .result_file import ResultFileError
@@ -38,7 +39,7 @@ def run(
         If a scene, engine, method or timestep cannot be used, the file cannot be written, or
         Ctrl-C stopped it.
     """
-    scenarios = _load(scenes)
+    scenarios = scenes_to_run(scenes)
     choice = _choice(engine_names, methods, timesteps)
     if quick:
         choice = replace(choice, max_steps=QUICK_STEPS, timed=False)
@@ -103,13 +104,6 @@ def exit_code(results: Results) -> int:
     if all(row.outcome == "failed" for row in results.rows):
         return NOT_RUN
     return AGREES if all(verdict.agrees for verdict in results.verdicts) else DISAGREES
-
-
-def _load(names: Sequence[str]) -> list[Scenario]:
-    try:
-        return [load(path) for path in find(names)]
-    except ScenarioError as error:
-        raise Complaint(str(error), BAD_INPUT) from None
 
 
 def _choice(

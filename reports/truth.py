@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..reference import drifts, facts, solve
-from ..scenarios import Scenario, angular_momentum_world, energy
-from .terminal import BAD_INPUT, Complaint, table
+from ..reference import IntegrationError, drifts, facts, solve
+from ..scenarios import Misfit, Scenario, angular_momentum_world, check_scales, energy
+from .terminal import BAD_INPUT, NOT_RUN, Complaint, table
 
 #: Where a user names no times: the start, the end, and three between.
 QUARTERS = 5
@@ -20,13 +20,19 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
     Raises
     ------
     Complaint
-        If a time is negative or not a number.
+        If a time is negative, not a number, or out of reach, or the motion cannot be solved.
     """
     for time in at:
         if not 0 <= time < float("inf"):
             raise Complaint(f"'--at' must be a time from 0 on, got {time:g}", BAD_INPUT)
     wanted = np.array(sorted(set(at))) if at else np.linspace(0, scenario.window.duration, QUARTERS)
-    solution = solve(scenario, wanted)
+    try:
+        check_scales(scenario, until=max(scenario.window.duration, float(wanted[-1])))
+        solution = solve(scenario, wanted)
+    except Misfit as error:
+        raise Complaint(f"'--at': {error}", BAD_INPUT) from None
+    except IntegrationError as error:
+        raise Complaint(f"{scenario.name}: {error}", NOT_RUN) from None
     motion = solution.trajectory
     columns = {
         "t": motion.t,

@@ -5,7 +5,7 @@ from .body import Body, FloatArray
 from .catalogue import LIBRARY, find, scenario_files
 from .document import Document, Effects, Expect, Published, Window
 from .errors import Misfit, ScenarioError, printable
-from .load import is_scenario, load, load_all, loads
+from .load import is_scenario, load, load_each, loads
 from .mechanics import (
     angular_momentum_world,
     energy,
@@ -44,7 +44,7 @@ __all__ = [
     "is_scenario",
     "kinetic_energy",
     "load",
-    "load_all",
+    "load_each",
     "loads",
     "potential_energy",
     "printable",

@@ -35,23 +35,15 @@ def load(path: str | Path) -> Scenario:
     return loads(read_text(path), name=path.stem, path=path)
 
 
-def load_all(paths: Iterable[str | Path]) -> list[Scenario]:
-    """Read several scenario files.
-
-    Raises
-    ------
-    ScenarioError
-        As `load`, with what is wrong with any of them.
-    """
+def load_each(paths: Iterable[str | Path]) -> tuple[list[Scenario], list[str]]:
+    """The scenarios of those files that are right, and what is wrong with the others."""
     scenarios, wrong = [], []
     for path in paths:
         try:
             scenarios.append(load(path))
         except ScenarioError as error:
             wrong.append(str(error))
-    if wrong:
-        raise ScenarioError("\n".join(wrong))
-    return scenarios
+    return scenarios, wrong
 
 
 def loads(text: str, name: str, path: Path | None = None) -> Scenario:
@@ -86,8 +78,8 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
         message = printable(str(error), MAX_SHOWN)
         found = _PARSER_LINE.search(str(error))
         # It names no line at the end of the text.
-        line = int(found[1]) if found else len(text.splitlines())
-        raise ScenarioError(at(where, line, f"not valid TOML: {message}")) from None
+        last = int(found[1]) if found else len(text.splitlines())
+        raise ScenarioError(at(where, last, f"not valid TOML: {message}")) from None
     except ValueError:
         # Python's own limit on the digits of an integer.
         found = _MANY_DIGITS.search(text)
