@@ -134,7 +134,9 @@ class Engine(ABC):
                 if unlike and not method.as_shipped:
                     return ended("failed", unlike[0].complaint, "read-back")
                 arm = held[0].com if scenario.has_pivot else None
-                sampled = sample(session, sample_steps, Bounds(timestep, most, slack, arm))
+                decay = scenario.drag / float(scenario.body.principal_moments[0])
+                bounds = Bounds(timestep, most, slack, decay, arm)
+                sampled = sample(session, sample_steps, bounds)
                 audited = audit(session, scenario, sampled)
         except UnsupportedError as error:
             return ended("unsupported", str(error), error.cause)

@@ -22,21 +22,24 @@ class Bounds:
     timestep : s
     most_turn : rad a step, beyond which the engine clamps the rotation
     round_off : of a state that is read, relative
+    decay : 1/s, the fastest rate at which drag slows the body
     arm : m, body axes, from the pivot to the com, (3,); None where nothing holds the body
     """
 
     timestep: float
     most_turn: float
     round_off: float
+    decay: float = 0.0
     arm: FloatArray | None = None
 
 
 def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
     """The first bad state for each way in which one can be bad."""
     states, timestep = reading.states, bounds.timestep
-    finite = np.hstack([np.isfinite(column) for column in columns(states)]).all(axis=1)
+    finite = np.hstack([np.isfinite(column) for column in columns(states)])
     if not finite.all():
-        yield Fault(_first(~finite), "not-finite", "the state is no longer finite")
+        first = _first(~finite.all(axis=1))
+        yield Fault(first, "not-finite", "the state is no longer finite")
     norms = np.linalg.norm(states.q_world_body_wxyz, axis=1)
     off = np.abs(norms - 1) > Trajectory.UNIT_NORM_SLACK
     if off.any():
@@ -49,7 +52,7 @@ def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
         yield Fault(_first(clamped), "clamp", clamped_turn(speed, timestep, bounds.most_turn))
     if bounds.arm is not None:
         yield from _pivot_faults(states, bounds.arm)
-    yield from turn_faults(reading, timestep, bounds.round_off)
+    yield from turn_faults(reading, timestep, bounds.round_off, bounds.decay)
 
 
 def clamped_turn(speed: float, timestep: float, most: float) -> str:

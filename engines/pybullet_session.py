@@ -121,12 +121,11 @@ class PyBulletSession(Session):
         states: State,
     ) -> Fault | None:
         """The first snapshot in which a velocity is clamped."""
-        fastest = np.abs(self.model.coordinates(states)).max(axis=1)
-        clamped = fastest >= self._clamp * (1 - ROTATED)
+        clamped = np.abs(self.model.coordinates(states)) >= self._clamp * (1 - ROTATED)
         if not clamped.any():
             return None
         reason = f"PyBullet clamps velocities at {self._clamp:g}"
-        return Fault(int(np.argmax(clamped)), "clamp", reason)
+        return Fault(int(np.argmax(clamped.any(axis=1))), "clamp", reason)
 
     def active(self) -> frozenset[str]:
         """What acts, read back and felt: see `pybullet_audit`."""

@@ -3,8 +3,9 @@
 Both are read before and after single steps. However coarse a step is, an honest one turns the body
 at a rate between the ω before and the ω after it, give or take as much again: explicit and implicit
 rules take one or the other, those of higher order something in between, a multistep rule goes
-beyond the one by half their difference. Where ω does not change in a step, what is left is how well
-the rule follows a rotation about a fixed axis: the coarsest there is, q (1, hω/2) normalised, and
+beyond the one by half their difference; where drag stops the body within a step, the ω in between
+is another still, by as much as drag takes. Where ω does not change, what is left is how well the
+rule follows a rotation about a fixed axis: the coarsest there is, q (1, hω/2) normalised, and
 Cayley's rule alike turn by 2 atan(h|ω|/2), short of h|ω| by (h|ω|)³/12 at most.
 """
 
@@ -41,24 +42,31 @@ class Reading:
     start: State
 
 
-def turn_faults(reading: Reading, timestep: float, round_off: float) -> Iterator[Fault]:
+def turn_faults(
+    reading: Reading, timestep: float, round_off: float, decay: float
+) -> Iterator[Fault]:
     """The first state whose attitude does not follow from the one a step before, and a reset.
 
     Parameters
     ----------
     timestep : s
     round_off : rad, of an attitude that is read
+    decay : 1/s, of ω by drag
     """
     with np.errstate(all="ignore"):
         yield from _resets(reading)
         pairs = np.flatnonzero(np.diff(reading.steps) == 1)
         pairs = pairs[_is_sound(reading.states)[pairs] & _is_sound(reading.states)[pairs + 1]]
         if len(pairs):
-            yield from _turns(reading, pairs, timestep, round_off)
+            yield from _turns(reading, pairs, timestep, round_off, decay)
 
 
 def _turns(
-    reading: Reading, pairs: NDArray[np.int64], timestep: float, round_off: float
+    reading: Reading,
+    pairs: NDArray[np.int64],
+    timestep: float,
+    round_off: float,
+    decay: float,
 ) -> Iterator[Fault]:
     states = reading.states
     attitudes = Rotation.from_quat(states.q_world_body_wxyz[pairs], scalar_first=True)
@@ -70,6 +78,7 @@ def _turns(
     fastest = np.maximum(_norms(before_body), _norms(after_body))
     # ω may turn back within a step; so it is its fastest change so far that counts.
     change = np.maximum.accumulate(_norms(after_body - before_body))
+    change += decay * timestep * fastest
     allowed = change + ATAN * timestep**2 * fastest**3 + round_off / timestep
     bad = (_norms(rate_body - said_body) > allowed) & (fastest * timestep < FURTHEST)
     if not bad.any():
@@ -114,12 +123,21 @@ def _resets(reading: Reading) -> Iterator[Fault]:
     An engine that is set back shows its start, or the step after it, once more.
     """
     for first in range(len(reading.start.omega_body)):
-        pairs = zip(_motion(reading.states), _motion(reading.start), strict=True)
-        is_first = np.all([(column == start[first]).all(axis=1) for column, start in pairs], axis=0)
+        is_first = _is_same(reading.states, reading.start, first)
         again = np.flatnonzero(is_first[1:] & ~is_first[:-1] & (reading.steps[1:] > first)) + 1
         if len(again):
             reason = "the state is that of the start again: it was reset"
             yield Fault(int(again[0]), "reset", reason)
+
+
+def _is_same(states: State, others: State, k: int) -> NDArray[np.bool_]:
+    """Which states are one of the others to the last bit, row by row."""
+    is_same = states.q_world_body_wxyz[:, 0] == others.q_world_body_wxyz[k, 0]
+    # Few are, as far as that goes: it is all that most have to be looked at for.
+    likely = np.flatnonzero(is_same)
+    pairs = zip(_motion(states), _motion(others), strict=True)
+    is_same[likely] = np.all([(a[likely] == b[k]).all(axis=1) for a, b in pairs], axis=0)
+    return is_same
 
 
 def _motion(states: State) -> list[FloatArray]:

@@ -29,7 +29,7 @@ def test_a_constraint_that_is_taken_away_is_noticed() -> None:
         p.removeConstraint(p.getConstraintUniqueId(0, session.client), session.client)
         session.advance(1000)
         states = session.states([session.snapshot()])
-        bounds = Bounds(TIMESTEP, np.inf, EPS, session.read_body().com)
+        bounds = Bounds(TIMESTEP, np.inf, EPS, arm=session.read_body().com)
         (fault,) = faults(Reading(states, np.array([1001]), states), bounds)
         assert fault.cause == "pivot"
         assert "pivot" not in session.active()
