@@ -2,6 +2,7 @@
 
 import json
 import sys
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -36,6 +37,10 @@ app = typer.Typer(
 
 def main() -> None:
     """Run the command line; every complaint is one message and an exit code."""
+    # A title's Greek letters, or a file's name of bytes, where the terminal has no such letters.
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
         app()
     except Complaint as complaint:

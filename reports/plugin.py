@@ -46,11 +46,14 @@ class ScenarioFile(pytest.File):
         """Yield the items; an engine as shipped is one only where the scene promises about it."""
         from ..engines import engines
         from ..scenarios import ScenarioError, load
+        from .promises import unknown_promises
 
         try:
             self.scenario: Scenario = load(self.path)
         except ScenarioError as error:
             raise self.CollectError(str(error)) from None
+        if wrong := unknown_promises([self.scenario]):
+            raise self.CollectError("\n".join(wrong))
         yield ReferenceItem.from_parent(self, name="reference")
         promised = {(promise.engine, promise.method) for promise in self.scenario.expect}
         for engine in engines().values():
@@ -153,6 +156,9 @@ def _workers(config: pytest.Config) -> "Workers":
 
 def _may_be_scenario(path: Path) -> bool:
     try:
+        # A pipe would be waited for.
+        if not path.is_file():
+            return False
         with path.open("rb") as file:
             return b"spincheck" in file.read(_HEAD)
     except OSError:

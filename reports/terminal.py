@@ -20,8 +20,10 @@ class Complaint(Exception):
 
 
 def say(text: str) -> None:
-    """Print beside the results, on stderr."""
-    print(text, file=sys.stderr)
+    """Print beside the results, on stderr; what would command a terminal is shown instead."""
+    from ..scenarios import printable
+
+    print("\n".join(printable(line) for line in text.split("\n")), file=sys.stderr)
 
 
 def to_json(value: Any) -> str:
@@ -61,7 +63,9 @@ def cell(value: object) -> str:
     """A value as tables show it: three digits, nothing for None."""
     if value is None:
         return ""
-    return f"{value:.3g}" if isinstance(value, float) else str(value)
+    from ..scenarios import printable
+
+    return f"{value:.3g}" if isinstance(value, float) else printable(str(value))
 
 
 @contextmanager

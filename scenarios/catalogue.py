@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from importlib.resources import files
 from pathlib import Path
 
-from .errors import ScenarioError
+from .errors import ScenarioError, printable
 from .load import is_scenario
 
 LIBRARY = Path(str(files(__package__))) / "library"
@@ -46,18 +46,21 @@ def _library() -> list[Path]:
 
 def _find_one(name: str) -> list[Path]:
     path = Path(name)
-    if path.is_file():
-        return [path]
+    try:
+        if path.exists() and not path.is_dir():
+            return [path]
+    except OSError as error:  # such as a name that is too long
+        raise ScenarioError(f"{printable(name)}: cannot be read: {error.strerror}") from None
     folder = path if path.is_dir() or not name.isidentifier() else LIBRARY / name
     if folder.is_dir():
         found = scenario_files(folder)
         if not found:
-            raise ScenarioError(f"{name}: no scenario in this folder")
+            raise ScenarioError(f"{printable(name)}: no scenario in this folder")
         return found
     matches = [path for path in _library() if path.stem == name]
     if not matches:
         raise ScenarioError(
-            f"{name}: neither a file, a folder, nor a scene of the library; "
+            f"{printable(name)}: neither a file, a folder, nor a scene of the library; "
             "'spincheck list' shows the library"
         )
     return matches
@@ -68,6 +71,7 @@ def _check_unique(paths: Iterable[Path]) -> None:
     for path in paths:
         if path.stem in first:
             raise ScenarioError(
-                f"{path}: another scene has the same name, {first[path.stem]}; rename one"
+                f"{printable(str(path))}: another scene has the same name, "
+                f"{printable(str(first[path.stem]))}; rename one"
             )
         first[path.stem] = path

@@ -29,21 +29,24 @@ def read_text(path: Path) -> str:
     try:
         mode = path.stat().st_mode
         # To open a pipe is to wait for a writer that may never come.
-        if not stat.S_ISREG(mode):
-            kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
-            raise ScenarioError(f"{where}: cannot be read: it is {kind}")
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise ScenarioError(f"{where}: cannot be read: {error.strerror}") from None
-    except ValueError as error:
-        raise ScenarioError(f"{where}: cannot be read: {error}") from None
+        content = _bytes(path) if stat.S_ISREG(mode) else None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise ScenarioError(f"{where}: cannot be read: {reason}") from None
+    if content is None:
+        kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
+        raise ScenarioError(f"{where}: cannot be read: it is {kind}")
     if len(content) > MAX_BYTES:
         raise ScenarioError(f"{where}: too large for a scenario, the limit is {MAX_BYTES} bytes")
     try:
         return content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError:
         raise ScenarioError(f"{where}: not a text file in UTF-8") from None
+
+
+def _bytes(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(MAX_BYTES + 1)
 
 
 def first_key(path: Path) -> str:
