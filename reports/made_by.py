@@ -30,13 +30,13 @@ _DECIDING = (
 
 def digests(scenario: Scenario, engines: Sequence[Engine]) -> dict[str, str]:
     """By engine name, of its version and adapter; under "", of the scene and of this program."""
-    return {"": _digest(scenario.text.encode(), _program())} | {
+    return {"": _digest(scenario.text.encode(), program())} | {
         engine.name: _digest(engine.version.encode(), _adapter(type(engine))) for engine in engines
     }
 
 
 @cache
-def _program() -> bytes:
+def program() -> bytes:
     """The version, and the sources themselves: who changes them does not always count it up."""
     folders = [Path(package.__path__[0]) for package in (scenarios, reference, engines_package)]
     sources = [path for folder in folders for path in sorted(folder.glob("*.py"))]

@@ -40,10 +40,10 @@ def run(
         Ctrl-C stopped it.
     """
     scenarios = scenes_to_run(scenes)
-    choice = _choice(engine_names, methods, timesteps)
+    choice = choose(engine_names, methods, timesteps)
     if quick:
         choice = replace(choice, max_steps=QUICK_STEPS, timed=False)
-    _check_timesteps(scenarios, choice)
+    check_timesteps(scenarios, choice)
     try:
         with open_store(out, create=True) as store:
             left = plan(scenarios, choice, store)
@@ -94,21 +94,28 @@ def read(path: Path) -> Results:
             results = store.read()
     except ResultFileError as error:
         raise Complaint(str(error), BAD_INPUT) from None
-    if not results.verdicts:
+    if not (results.verdicts or results.maps or results.ensembles):
         raise Complaint(f"{path}: holds no results; 'spincheck run' fills it", BAD_INPUT)
     return results
 
 
 def exit_code(results: Results) -> int:
     """0 if everything agrees, 1 if something does not, 3 if nothing could be run."""
-    if all(row.outcome == "failed" for row in results.rows):
+    if results.rows and all(row.outcome == "failed" for row in results.rows):
         return NOT_RUN
     return AGREES if all(verdict.agrees for verdict in results.verdicts) else DISAGREES
 
 
-def _choice(
+def choose(
     engine_names: Sequence[str], methods: Sequence[str], timesteps: Sequence[float]
 ) -> Choice:
+    """The part of the grid that was asked for.
+
+    Raises
+    ------
+    Complaint
+        If there is no such engine, method or timestep.
+    """
     chosen = tuple(_engine(name) for name in dict.fromkeys(engine_names or engines()))
     if not chosen:
         raise Complaint("no engine is installed; 'pip install mujoco pybullet'", NOT_RUN)
@@ -136,7 +143,14 @@ def _engine(name: str) -> Engine:
     raise Complaint(f"'--engine' must be one of {', '.join(engines())}, got '{name}'", BAD_INPUT)
 
 
-def _check_timesteps(scenarios: Sequence[Scenario], choice: Choice) -> None:
+def check_timesteps(scenarios: Sequence[Scenario], choice: Choice) -> None:
+    """See that every scene's window is longer than the timesteps asked for.
+
+    Raises
+    ------
+    Complaint
+        If one is not.
+    """
     for scenario in scenarios:
         for timestep in choice.timesteps:
             if timestep > scenario.window.duration:

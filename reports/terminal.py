@@ -69,15 +69,21 @@ def cell(value: object) -> str:
 
 
 @contextmanager
-def progress(total: int) -> Iterator[Callable[[str], None]]:
-    """A bar on a terminal, plain lines elsewhere; each call counts as one of `total`."""
+def progress(total: int, lines: int | None = None) -> Iterator[Callable[[str], None]]:
+    """A bar on a terminal, plain lines elsewhere; each call counts as one of `total`.
+
+    Parameters
+    ----------
+    lines : of these at most so many are printed, evenly spaced; all of them if None
+    """
     if not sys.stderr.isatty():
         done = 0
 
         def line(text: str) -> None:
             nonlocal done
             done += 1
-            say(f"[{done}/{total}] {text}")
+            if lines is None or done * lines // total > (done - 1) * lines // total:
+                say(f"[{done}/{total}] {text}")
 
         yield line
         return

@@ -153,7 +153,7 @@ def test_another_version_of_an_engine_has_its_own_runs_made_anew(path, runs, mon
 def test_another_spincheck_runs_everything_anew(path, runs, monkeypatch):
     run(path)
     before = len(runs)
-    monkeypatch.setattr(made_by, "_program", lambda: b"another")
+    monkeypatch.setattr(made_by, "program", lambda: b"another")
     run(path)
     assert len(runs) == 2 * before
 
