@@ -5,12 +5,14 @@ from typing import Any
 
 from ..engines import Engine, Method, Run
 from ..reference import Solution
+from ..reference.solution import MAX_UNCERTAINTY
 from ..scenarios import Expect, Scenario
+from .approach import Approach, Signal
 from .compared_run import broken_promises, row_of
-from .ladder import MIN_RUNGS, Rung
+from .ladder import COARSEST_TURN, MAX_STEPS, MIN_RUNGS, Ladder, Rung
 from .lane import Lost
 from .records import Key, Row, Verdict
-from .verdict import Judgement, Signal, Step, judge
+from .verdict import Judgement, judge
 
 #: A ladder goes on until its limit is known to this, relative (ω) and in rad, or steps run out.
 GOAL = 1e-4
@@ -29,12 +31,15 @@ class Single:
 
 @dataclass(eq=False)
 class Descent:
-    """A scene, an engine and a method; first the single timesteps, then the ladder.
+    """A scene, an engine and a method: first the single timesteps, then the ladder.
+
+    Last come timesteps above the ladder, as long as they survive.
 
     Attributes
     ----------
-    solution, rungs : the ladder, coarse to fine, and the truth at its sample times
-    rows, single_rows : what was found so far
+    solution : the truth at the ladder's sample times
+    ladder : None where only single timesteps are asked for
+    rows, single_rows, above_rows : what was found so far
     broken : promises of the scene that were not kept, in words
     """
 
@@ -42,12 +47,14 @@ class Descent:
     engine: Engine
     method: Method
     solution: Solution
-    rungs: list[Rung]
+    ladder: Ladder | None
     singles: list[Single] = field(default_factory=list)
     rows: list[Row] = field(default_factory=list)
     single_rows: list[Row] = field(default_factory=list)
+    above_rows: list[Row] = field(default_factory=list)
     broken: list[str] = field(default_factory=list)
-    _judged: dict[int, tuple[Signal, Judgement]] = field(default_factory=dict)
+    _approaches: list[Approach] = field(default_factory=list)
+    _judged: tuple[Signal, Judgement] | None = None
 
     @property
     def key(self) -> Key:
@@ -56,19 +63,18 @@ class Descent:
 
     def next_rung(self) -> Rung | None:
         """The rung to run now, or None when enough is known."""
-        if len(self.single_rows) < len(self.singles):
-            return self.singles[len(self.single_rows)].rung
-        taken = len(self.rows)
-        if taken == len(self.rungs) or (self.rows and self._hopeless(self.rows[-1])):
+        if single := self._next_single():
+            return single.rung
+        if self.ladder is None:
             return None
-        return None if taken >= MIN_RUNGS and self._known() else self.rungs[taken]
+        return self._next_above() if self._down else self.ladder.rungs[len(self.rows)]
 
     def add(self, result: Run | Lost, printed: str = "") -> Row:
         """Turn what came back from a worker for the next rung into a row."""
         rung = self.next_rung()
         assert rung is not None
         single = self._next_single()
-        solution = single.solution if single else self.solution
+        solution = single.solution if single else thinned(self.solution, rung.every)
         row = row_of(self.scenario, self.key, self.engine.version, rung, result, solution)
         row = replace(row, printed=printed)
         self.take(row)
@@ -76,22 +82,25 @@ class Descent:
 
     def take(self, row: Row) -> None:
         """Take the row of the next rung, whether it was run just now or is known from before."""
-        single = self._next_single()
-        if single is None:
+        if single := self._next_single():
+            self.single_rows.append(row)
+            for promise in single.promises:
+                self.broken += broken_promises(promise, row)
+        elif self._down:
+            self.above_rows.append(row)
+        else:
             self.rows.append(row)
-            return
-        self.single_rows.append(row)
-        for promise in single.promises:
-            self.broken += broken_promises(promise, row)
+            self._approach(row)
 
     def can_take(self, row: Row) -> bool:
         """Whether the row of the next rung is enough: a ladder is judged on motions."""
-        return bool(self._next_single() or row.outcome != "ok" or row.motion is not None)
+        judged = not (self._next_single() or self._down)
+        return not judged or row.outcome != "ok" or row.motion is not None
 
     @property
     def cut_short(self) -> bool:
         """Whether finer rungs, had there been any, would have been run."""
-        if not self.rungs or len(self.rows) < len(self.rungs):
+        if self.ladder is None or not self.rows or len(self.rows) < len(self.ladder.rungs):
             return False
         return not (self._hopeless(self.rows[-1]) or self._known())
 
@@ -100,18 +109,20 @@ class Descent:
 
         A report shows the finest run that left any.
         """
-        rows = self.rows + self.single_rows
+        rows = self.rows + self.single_rows + self.above_rows
         shown = min((row.timestep for row in rows if row.motion is not None), default=None)
         return [row.timestep for row in rows if row.timestep != shown]
 
     def verdict(self) -> Verdict:
         """Judge the ladder."""
-        last = (self.rows or self.single_rows)[-1]
+        last = self._last
         known: dict[str, Any] = {
             "broken": tuple(self.broken),
             "as_shipped": self.method.as_shipped,
         }
-        if last.outcome in ("failed", "diverged", "unsupported"):
+        if last is None and (lacking := self.engine.unsupported(self.scenario, self.method)):
+            return Verdict(self.key, "unsupported", lacking, **known)
+        if last and last.outcome in ("failed", "diverged", "unsupported"):
             word = "diverges" if last.outcome == "diverged" else last.outcome
             return Verdict(self.key, word, _with_time(last), **known)
         signal, judgement = self._judge()
@@ -119,7 +130,7 @@ class Descent:
             self.key,
             judgement.word,
             # Of an engine as shipped, what differs from the scene.
-            "; ".join(said for said in (judgement.reason, last.reason) if said),
+            "; ".join(said for said in (judgement.reason, last.reason if last else "") if said),
             signal,
             judgement.order,
             judgement.limit_error,
@@ -130,6 +141,31 @@ class Descent:
     def _next_single(self) -> Single | None:
         return next(iter(self.singles[len(self.single_rows) :]), None)
 
+    def _next_above(self) -> Rung | None:
+        """One more doubling while the timestep before it survives."""
+        assert self.ladder is not None, "without a ladder there is nothing above it"
+        before = self.above_rows[-1:] or self.rows[:1]
+        if before and not before[0].survived:
+            return None
+        return next(iter(self.ladder.above[len(self.above_rows) :]), None)
+
+    @property
+    def _down(self) -> bool:
+        """Whether the ladder is at its end: no finer rung is there, is wanted, or can help."""
+        assert self.ladder is not None, "only a ladder has an end"
+        taken = len(self.rows)
+        if taken == len(self.ladder.rungs) or (self.rows and self._hopeless(self.rows[-1])):
+            return True
+        return taken >= MIN_RUNGS and self._known()
+
+    @property
+    def _last(self) -> Row | None:
+        """The run that tells of trouble, where there is any."""
+        if self.rows or self.ladder is None:
+            return (self.rows or self.single_rows)[-1]
+        # Those above a ladder that does not fit are too coarse to say more than this.
+        return next((row for row in self.above_rows if self._hopeless(row)), None)
+
     def _hopeless(self, last: Row) -> bool:
         """Whether no finer timestep can help: it failed, or lacks an effect at any timestep."""
         if last.outcome == "unsupported":
@@ -138,53 +174,68 @@ class Descent:
 
     def _known(self) -> bool:
         """Whether every signal is judged and its limit known to the goal."""
-        if self.rows[-1].outcome != "ok" or len(self._steps()) < LEAST_RUNGS:
+        if not self._approaches or len(self._approaches[0]) < LEAST_RUNGS:
             return False
         _, worst = self._judge()
         known = worst.limit_estimate is None or worst.limit_estimate <= GOAL
         return worst.word != "unresolved" and known
 
+    def _approach(self, row: Row) -> None:
+        """Compare a rung's motion; what counts are those below the last that did not finish."""
+        self._judged = None
+        if row.outcome != "ok" or row.motion is None:
+            self._approaches.clear()
+            return
+        if not self._approaches:
+            orders: dict[Signal, int] = {
+                "omega": self.method.order,
+                "attitude": self.method.attitude_order,
+            }
+            known, truth = dict(self.solution.uncertainty), self.solution.trajectory
+            self._approaches += [
+                Approach(signal, truth, order, known[signal]) for signal, order in orders.items()
+            ]
+        # Each step is good for one ulp, grown as the motion grows it.
+        growth = dict(self.solution.conditioning)
+        for approach in self._approaches:
+            approach.add(row.timestep, row.motion, row.steps * growth[approach.signal])
+
     def _judge(self) -> tuple[Signal, Judgement]:
         """The worse of the judgements on ω and attitude; each set of rows is judged once."""
-        taken = len(self.rows)
-        if taken not in self._judged:
-            self._judged[taken] = self._judge_anew()
-        return self._judged[taken]
+        if self._judged is None:
+            self._judged = self._judge_anew()
+        return self._judged
 
     def _judge_anew(self) -> tuple[Signal, Judgement]:
-        if not self.rungs:
-            return "omega", Judgement("unresolved", "no ladder was run, and no limit is known")
-        steps = self._steps()
-        if not self.rungs:
+        if self.ladder is None:
             return "omega", Judgement("unresolved", "no ladder was run, only single timesteps")
-        if len(steps) < LEAST_RUNGS:
-            reason = f"only {len(steps)} timesteps ran to the end; {LEAST_RUNGS} make a verdict"
+        if not self.ladder.rungs:
+            return "omega", Judgement("unresolved", self._no_ladder(self.ladder))
+        finished = len(self._approaches[0]) if self._approaches else 0
+        if finished < LEAST_RUNGS:
+            reason = f"only {finished} timesteps ran to the end; {LEAST_RUNGS} make a verdict"
             return "omega", Judgement("unresolved", reason)
-        uncertainty = self.solution.uncertainty
-        truth = self.solution.trajectory
-        orders = {"omega": self.method.order, "attitude": self.method.attitude_order}
-        judged: list[tuple[Signal, Judgement]] = [
-            (signal, judge(signal, steps, truth, orders[signal], getattr(uncertainty, signal)))
-            for signal in ("omega", "attitude")
-        ]
+        judged = [(approach.signal, judge(approach)) for approach in self._approaches]
         severity = ("converges", "unresolved", "disagrees")
         return max(judged, key=lambda pair: severity.index(pair[1].word))
 
-    def _steps(self) -> list[Step]:
-        """The finished rungs below the last that did not finish."""
-        finished: list[Step] = []
-        for row in self.rows:
-            if row.outcome != "ok" or row.motion is None:
-                finished.clear()
-                continue
-            round_off = self._round_off(row.steps)
-            finished.append(Step(row.timestep, row.steps, row.motion, round_off))
-        return finished
+    def _no_ladder(self, ladder: Ladder) -> str:
+        """Why there is none, and what one would take."""
+        if not ladder.least_steps:
+            known = f"the motion is known to {MAX_UNCERTAINTY:g} up to {self.solution.horizon:g} s"
+            return f"{known} only, before the first sample"
+        return (
+            f"at {COARSEST_TURN:g} rad a step a run takes {ladder.least_steps:.1e} steps, and "
+            f"{MAX_STEPS} is the most that are taken; {LEAST_RUNGS} timesteps, which make a "
+            f"verdict, would take {ladder.least_steps * (2**LEAST_RUNGS - 1):.1e}"
+        )
 
-    def _round_off(self, steps: int) -> dict[Signal, float]:
-        """What rounding may do: each step is good for one ulp, grown as the motion grows it."""
-        conditioning = self.solution.conditioning
-        return {"omega": steps * conditioning.omega, "attitude": steps * conditioning.attitude}
+
+def thinned(solution: Solution, every: int) -> Solution:
+    """The truth at every so many-th of its sample times."""
+    if every == 1:
+        return solution
+    return replace(solution, trajectory=solution.trajectory.every(every))
 
 
 def _with_time(row: Row) -> str:

@@ -18,8 +18,9 @@ from .choice import Choice
 from .cost import one_thread
 from .descent import Descent, Single
 from .environment import environment
-from .ladder import Rung, ladder, single
+from .ladder import Ladder, Rung, ladder, single
 from .lane import KILLED, Lost
+from .pace import pace
 from .plan import Plan, SceneLeft, plan
 from .records import UNSOLVED, Key, Row, Verdict
 from .store import Store
@@ -34,7 +35,7 @@ class Prepared:
     """A scene's truth on its ladder, and on the single timesteps asked for."""
 
     solution: Solution
-    rungs: list[Rung]
+    ladder: Ladder
     singles: list[tuple[Rung, Solution]]
 
 
@@ -44,14 +45,15 @@ def prepare(scenario: Scenario, timesteps: Sequence[float], max_steps: int) -> P
     Where the truth ends at its horizon, so do the runs.
     """
     rough = solve(scenario, scenario.times)
-    rungs = ladder(rough.trajectory, max_steps)
-    solution = solve(scenario, _times(rungs[0]))
+    samples = len(rough.trajectory.t)
+    found = ladder(scenario.window, pace(scenario, rough.trajectory), samples, max_steps)
+    solution = solve(scenario, found.times)
     singles = []
     for timestep in timesteps:
         rung = single(timestep, rough.trajectory.t)
         truth = solve(scenario, _times(rung))
-        singles.append((_within(rung, truth), truth))
-    return Prepared(solution, [_within(rung, solution) for rung in rungs], singles)
+        singles.append((rung.until(len(truth.trajectory.t)), truth))
+    return Prepared(solution, found.until(len(solution.trajectory.t)), singles)
 
 
 def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
@@ -76,8 +78,8 @@ def descent_of(
         promises = tuple(e for e in scenario.expect if (e.engine, e.method, e.timestep) == wanted)
         if promises or rung.timestep in timesteps:
             singles.append(Single(rung, solution, promises))
-    rungs = [] if timesteps else prepared.rungs
-    return Descent(scenario, engine, method, prepared.solution, rungs, singles)
+    taken = None if timesteps else prepared.ladder
+    return Descent(scenario, engine, method, prepared.solution, taken, singles)
 
 
 def run_study(
@@ -193,10 +195,6 @@ class _Grid:
         self._store.put_verdict(verdict, self._choice.timesteps, step_limit, spent)
         key = verdict.key
         self._progress(f"{key.scenario}  {key.engine} {key.method}: {verdict.verdict}")
-
-
-def _within(rung: Rung, truth: Solution) -> Rung:
-    return Rung(rung.timestep, rung.sample_steps[: len(truth.trajectory.t)])
 
 
 def _times(rung: Rung) -> np.ndarray[Any, np.dtype[np.float64]]:

@@ -1,17 +1,14 @@
 """Judges a method on its ladder: does it go to the truth as its timestep goes to zero."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from ..scenarios import FloatArray, Trajectory
+from ..scenarios import FloatArray
+from .approach import Approach
 
 VerdictWord = Literal["converges", "disagrees", "unresolved", "diverges", "unsupported", "failed"]
-Signal = Literal["omega", "attitude"]
 
 #: The order found must reach the order declared to within this.
 ORDER_SLACK = 0.25
@@ -28,19 +25,6 @@ SHARP = 1e-2
 DISTINCT = 4.0
 #: Differences between rungs must at least shrink like dt to this power for a ladder to settle.
 SETTLING_ORDER = 0.5
-
-
-@dataclass(frozen=True, eq=False)
-class Step:
-    """A finished rung: its timestep (s), steps taken, motion, and the round-off to expect of it.
-
-    `round_off` maps a signal to the error that rounding alone may have caused.
-    """
-
-    timestep: float
-    steps: int
-    motion: Trajectory
-    round_off: dict[Signal, float]
 
 
 @dataclass(frozen=True)
@@ -64,77 +48,53 @@ class Judgement:
     needed_timestep: float | None = None
 
 
-def judge(
-    signal: Signal,
-    ladder: Sequence[Step],
-    truth: Trajectory,
-    declared_order: int,
-    uncertainty: float,
-) -> Judgement:
-    """Judge one signal of a ladder of at least three halved timesteps, coarse to fine.
-
-    Parameters
-    ----------
-    uncertainty : of `truth` in this signal
-    """
-
-    def error(motion: Trajectory, other: Trajectory) -> float:
-        return float(_SERIES[signal](motion, other).max())
-
-    errors = np.array([error(step.motion, truth) for step in ladder])
-    floors = np.array([step.round_off[signal] for step in ladder])
-    if (errors <= floors + uncertainty).all():
+def judge(ladder: Approach) -> Judgement:
+    """Judge a ladder of at least three rungs in one signal."""
+    errors, floors = np.array(ladder.errors), np.array(ladder.floors)
+    uncertainty = ladder.uncertainty
+    if errors.max() <= SHARP and (errors <= floors + uncertainty).all():
         return Judgement("converges", "errors are at round-off throughout")
-    limits = [
-        _extrapolate(coarse.motion, fine.motion, declared_order)
-        for coarse, fine in pairwise(ladder)
-    ]
-    moves = np.array([error(a, b) for a, b in pairwise(limits)])
+    moves = np.array(ladder.moves)
     best = _finest_above_round_off(moves, floors[2:])
-    estimate = _estimate(moves, best, declared_order)
-    off = _SERIES[signal](limits[best + 1], truth)
-    limit_error = float(off.max())
-    timesteps = np.array([step.timestep for step in ladder])
-    order = fitted_order(timesteps, errors, floors, uncertainty)
-    allowance = estimate + uncertainty + float(floors[best + 2])
+    estimate = _estimate(moves, best, ladder.declared_order)
+    off = ladder.limits_off[best + 1]
+    given = uncertainty + float(floors[best + 2])
+    allowance = estimate + given
     return _weigh(
         _Found(
             ladder,
-            errors,
-            order,
-            declared_order,
+            fitted_order(np.array(ladder.timesteps), errors, floors, uncertainty),
             estimate,
-            limit_error,
-            allowance,
+            given,
+            limit_error=float(off.max()),
+            allowance=allowance,
             moves=moves[: best + 1],
-            uncertainty=uncertainty,
-            since=float(truth.t[np.argmax(off > allowance)]),
+            since=float(ladder.truth.t[np.argmax(off > allowance)]),
         )
     )
 
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    ladder: Sequence[Step]
-    errors: FloatArray
+    ladder: Approach
     order: float | None
-    declared: int
     estimate: float
+    given: float
     limit_error: float
     allowance: float
     moves: FloatArray
-    uncertainty: float
     since: float
 
 
 def _weigh(found: _Found) -> Judgement:
     """Turn what was found into a verdict."""
     at_limit = found.limit_error <= found.allowance
-    in_order = found.order is None or found.order >= found.declared - ORDER_SLACK
-    sharp = found.estimate <= SHARP
+    declared = found.ladder.declared_order
+    in_order = found.order is None or found.order >= declared - ORDER_SLACK
+    sharp = found.estimate <= SHARP and found.given <= SHARP
     numbers = (found.order, found.limit_error, found.estimate)
     limit = (
-        f"the limit dt → 0 is {max(found.limit_error, found.uncertainty):.1e} off, "
+        f"the limit dt → 0 is {max(found.limit_error, found.ladder.uncertainty):.1e} off, "
         f"which may be {found.allowance:.1e}"
     )
     if sharp and at_limit and in_order:
@@ -144,10 +104,14 @@ def _weigh(found: _Found) -> Judgement:
         return Judgement(
             "disagrees", f"settles elsewhere, from t = {found.since:.3g} s on: {limit}", *numbers
         )
+    if found.given > SHARP:
+        reason = f"rounding and the reference's own uncertainty alone may cause {found.given:.1e}"
+        return Judgement("unresolved", f"{reason}: no timestep would tell; {limit}", *numbers)
     needed = _needed_timestep(found)
+    steps = float(found.ladder.truth.t[-1]) / needed
     reason = (
         f"not in its asymptotic range: {_order_words(found)}, {limit}; "
-        f"a timestep of {needed:.1e} s would tell"
+        f"a timestep of {needed:.1e} s would tell, {steps:.1e} steps"
     )
     return Judgement("unresolved", reason, *numbers, needed)
 
@@ -155,8 +119,9 @@ def _weigh(found: _Found) -> Judgement:
 def _order_words(found: _Found) -> str:
     if found.order is None:
         return "too few errors above round-off to read an order"
-    above = " or better" if found.order > found.declared + ORDER_SLACK else ""
-    return f"order {found.order:.2f}, declared {found.declared}{above}"
+    declared = found.ladder.declared_order
+    above = " or better" if found.order > declared + ORDER_SLACK else ""
+    return f"order {found.order:.2f}, declared {declared}{above}"
 
 
 def _settles(moves: FloatArray) -> bool:
@@ -197,45 +162,8 @@ def fitted_order(
 
 def _needed_timestep(found: _Found) -> float:
     """The timestep at which errors are asymptotic and the limit is sharp, by the declared order."""
-    finest = found.ladder[-1].timestep
-    by_error = (ASYMPTOTIC / max(found.errors[-1], ASYMPTOTIC)) ** (1 / found.declared)
-    by_limit = (SHARP / max(found.estimate, SHARP)) ** (1 / (found.declared + 1))
+    ladder, order = found.ladder, found.ladder.declared_order
+    by_error = (ASYMPTOTIC / max(ladder.errors[-1], ASYMPTOTIC)) ** (1 / order)
+    by_limit = (SHARP / max(found.estimate, SHARP)) ** (1 / (order + 1))
     # Three rungs are read, so the finest must lie below the point where the range begins.
-    return float(finest * min(by_error, by_limit) / 2 ** (FITTED_RUNGS - 1))
-
-
-def _extrapolate(coarse: Trajectory, fine: Trajectory, order: int) -> Trajectory:
-    """Richardson's limit of two runs at dt and dt / 2 (Hairer, Nørsett & Wanner I, §II.4).
-
-    Vectors linearly; attitudes along the rotation from the coarse to the fine one.
-    """
-    weight = 1.0 / (2**order - 1)
-    turn = (coarse.R_world_body.inv() * fine.R_world_body).as_rotvec()
-    attitude = fine.R_world_body * Rotation.from_rotvec(weight * turn)
-
-    def limit(a: FloatArray, b: FloatArray) -> FloatArray:
-        return np.asarray(b + weight * (b - a), dtype=float)
-
-    return Trajectory(
-        t=fine.t,
-        q_world_body_wxyz=attitude.as_quat(scalar_first=True),
-        omega_body=limit(coarse.omega_body, fine.omega_body),
-        com_world=limit(coarse.com_world, fine.com_world),
-        velocity_world=limit(coarse.velocity_world, fine.velocity_world),
-    )
-
-
-def _omega_series(motion: Trajectory, truth: Trajectory) -> FloatArray:
-    base = np.linalg.norm(truth.omega_body, axis=1).max()
-    off = np.asarray(np.linalg.norm(motion.omega_body - truth.omega_body, axis=1))
-    return off / base if base else (off > 0).astype(float)
-
-
-def _attitude_series(motion: Trajectory, truth: Trajectory) -> FloatArray:
-    return np.asarray((motion.R_world_body.inv() * truth.R_world_body).magnitude())
-
-
-_SERIES: dict[Signal, Callable[[Trajectory, Trajectory], FloatArray]] = {
-    "omega": _omega_series,
-    "attitude": _attitude_series,
-}
+    return float(ladder.timesteps[-1] * min(by_error, by_limit) / 2 ** (FITTED_RUNGS - 1))

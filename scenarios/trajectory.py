@@ -74,5 +74,9 @@ class Trajectory:
         """The first n samples."""
         return Trajectory(**{field.name: getattr(self, field.name)[:n] for field in fields(self)})
 
+    def every(self, n: int) -> "Trajectory":
+        """The first sample, and each n-th after it."""
+        return Trajectory(**{field.name: getattr(self, field.name)[::n] for field in fields(self)})
+
 
 _WIDTHS = {"q_world_body_wxyz": 4, "omega_body": 3, "com_world": 3, "velocity_world": 3}

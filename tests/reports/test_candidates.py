@@ -20,7 +20,7 @@ from ladders import (
     with_law,
 )
 from made_up import METHODS, TIMESTEPS, results
-from spincheck.reports.candidates import Candidate, above_the_ladder, as_cheap, candidates
+from spincheck.reports.candidates import Candidate, as_cheap, candidates
 from spincheck.reports.cost_to_reach import reach
 from spincheck.reports.records import Key
 from spincheck.reports.store import Results
@@ -60,17 +60,6 @@ def test_plain_interpolation_would_break_it() -> None:
 def test_the_interval_between_samples_is_a_whole_number_of_steps(bound: float) -> None:
     steps = INTERVAL / chosen(with_law(straight), "Euler", omega=bound).timestep
     assert steps == pytest.approx(round(steps), rel=ROUNDING)
-
-
-@pytest.mark.parametrize(
-    ("steps", "wanted"), [(1, []), (2, [1]), (3, [2, 1]), (16, [8, 4, 2, 1]), (13, [7, 4, 2, 1])]
-)
-def test_the_ladder_is_continued_upwards_to_one_step_a_sample(
-    steps: int, wanted: list[int]
-) -> None:
-    scenario = scene_of(with_law(straight)).found.scenario
-    found = above_the_ladder(scenario, INTERVAL / steps)
-    assert [INTERVAL / timestep for timestep in found] == pytest.approx(wanted, rel=ROUNDING)
 
 
 def test_a_rung_that_fits_is_not_cut() -> None:

@@ -4,47 +4,123 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from spincheck.reports.ladder import COARSEST_TURN, MAX_STEPS, MIN_RUNGS, ladder, single
-from spincheck.scenarios import Trajectory
+from spincheck.reports.ladder import (
+    COARSEST_TURN,
+    LARGEST_TURN,
+    MAX_STEPS,
+    MIN_RUNGS,
+    Ladder,
+    ladder,
+    single,
+)
+from spincheck.scenarios import Window
+
+#: Quotients of times, and products of them.
+ROUNDING = 8 * np.finfo(float).eps
 
 
-def spinning(speed: float, duration: float = 3.0, samples: int = 31) -> Trajectory:
-    times = np.linspace(0.0, duration, samples)
-    q = np.tile([1.0, 0, 0, 0], (samples, 1))
-    omega = np.tile([0.0, 0, speed], (samples, 1))
-    return Trajectory(times, q, omega, 0 * omega, 0 * omega)
+def ladder_of(
+    pace: float, duration: float = 3.0, samples: int = 31, max_steps: int = MAX_STEPS
+) -> Ladder:
+    return ladder(Window(duration=duration, samples=samples), pace, samples, max_steps)
 
 
-@pytest.mark.parametrize("speed", [1e-3, 1.0, 40.0, 1e4])
-def test_the_coarsest_step_turns_the_body_no_further_than_it_should(speed):
-    assert ladder(spinning(speed))[0].timestep * speed <= COARSEST_TURN * (1 + 1e-12)
+@pytest.mark.parametrize("pace", [1e-3, 1.0, 40.0, 1e4])
+def test_the_coarsest_step_turns_the_body_no_further_than_it_should(pace):
+    assert ladder_of(pace).rungs[0].timestep * pace <= COARSEST_TURN * (1 + ROUNDING)
 
 
-@pytest.mark.parametrize("speed", [1e-3, 7.0, 40.0])
-def test_every_rung_is_sampled_at_the_same_times_to_the_last_bit(speed):
-    rungs = ladder(spinning(speed))
-    times = [rung.sample_steps * rung.timestep for rung in rungs]
-    assert all(np.array_equal(times[0], other) for other in times)
+@pytest.mark.parametrize("pace", [0.0, 1e-3, 7.0, 40.0])
+def test_every_rung_is_sampled_at_the_same_times_to_the_last_bit(pace):
+    found = ladder_of(pace)
+    for rung in found.rungs:
+        assert np.array_equal(rung.sample_steps * rung.timestep, found.times)
+
+
+@pytest.mark.parametrize("pace", [0.0, 1e-3, 3.0, 7.0, 40.0])
+def test_timesteps_above_the_ladder_meet_the_ladders_own_samples_to_the_last_bit(pace):
+    found = ladder_of(pace)
+    assert found.above
+    for rung in found.above:
+        assert np.array_equal(rung.sample_steps * rung.timestep, found.times[:: rung.every])
 
 
 def test_samples_are_those_of_the_window():
-    truth = spinning(7.0)
-    rung = ladder(truth)[0]
-    assert np.allclose(rung.sample_steps * rung.timestep, truth.t, rtol=1e-15)
+    assert np.allclose(ladder_of(7.0).times, np.linspace(0, 3.0, 31), rtol=ROUNDING)
 
 
 def test_timesteps_are_halved_exactly():
-    rungs = ladder(spinning(40.0))
-    assert all(b.timestep == a.timestep / 2 for a, b in pairwise(rungs))
+    rungs = ladder_of(40.0).rungs
+    assert all(fine.timestep == coarse.timestep / 2 for coarse, fine in pairwise(rungs))
+
+
+def test_timesteps_above_are_doubled_up_to_half_a_turn():
+    found = ladder_of(40.0)
+    steps = [found.rungs[0].timestep, *(rung.timestep for rung in found.above)]
+    assert all(coarse == 2 * fine for fine, coarse in pairwise(steps))
+    assert LARGEST_TURN / 2 < steps[-1] * 40.0 <= LARGEST_TURN
+
+
+def test_what_does_not_move_is_stepped_from_its_start_to_its_end_at_the_most():
+    assert ladder_of(0.0).above[-1].sample_steps.tolist() == [0, 1]
 
 
 def test_the_budget_of_steps_is_used_and_kept():
-    finest = ladder(spinning(40.0))[-1].steps
+    finest = ladder_of(40.0).rungs[-1].steps
     assert MAX_STEPS / 2 < finest <= MAX_STEPS
 
 
-def test_a_fast_spin_still_has_enough_rungs_for_a_trend():
-    assert len(ladder(spinning(1e8))) == MIN_RUNGS
+def test_a_small_budget_still_leaves_enough_rungs_for_a_trend():
+    assert len(ladder_of(1e3, max_steps=1).rungs) == MIN_RUNGS
+
+
+@pytest.mark.parametrize("pace", [2e4, 1e5])
+def test_rungs_that_take_too_many_steps_are_left_out(pace):
+    found = ladder_of(pace)
+    rungs = [*found.rungs, *found.above]
+    assert len(found.rungs) < MIN_RUNGS
+    assert found.least_steps >= 3.0 * pace / COARSEST_TURN * (1 - ROUNDING)
+    assert rungs
+    assert all(rung.steps <= MAX_STEPS for rung in rungs)
+
+
+@pytest.mark.parametrize("pace", [1e9, 1e300, np.inf])
+def test_where_nothing_fits_there_is_no_ladder_but_its_cost(pace):
+    found = ladder_of(pace)
+    assert (found.rungs, found.above) == ((), ())
+    assert found.least_steps > MAX_STEPS
+
+
+@pytest.mark.parametrize("duration", [1e-12, 1e12])
+def test_windows_of_any_length_have_the_same_ladder(duration):
+    here, there = ladder_of(40.0 / duration, duration), ladder_of(40.0, 1.0)
+    assert [rung.steps for rung in here.rungs] == [rung.steps for rung in there.rungs]
+
+
+def test_a_window_that_one_step_covers_has_a_full_ladder():
+    found = ladder_of(1e-3, 1e-3, samples=2)
+    assert found.rungs[0].steps == 1
+    assert len(found.rungs) > MIN_RUNGS
+
+
+def test_samples_as_close_as_steps_are_thinned_to_leave_room_for_a_ladder():
+    found = ladder_of(1.0, 10.0, samples=500_001)
+    assert len(found.rungs) >= MIN_RUNGS
+    assert found.rungs[0].timestep <= COARSEST_TURN
+    assert found.times[-1] == pytest.approx(10.0, rel=1e-3)
+
+
+def test_without_time_to_sample_at_there_is_nothing_to_run():
+    found = ladder(Window(duration=3.0, samples=31), 1.0, samples=1)
+    assert (found.rungs, found.above, found.least_steps) == ((), (), 0)
+
+
+def test_a_ladder_is_cut_where_the_truth_ends():
+    found = ladder_of(3.0).until(7)
+    for rung in [*found.rungs, *found.above]:
+        assert np.array_equal(rung.sample_steps * rung.timestep, found.times[:: rung.every])
+        assert rung.steps * rung.timestep <= found.times[-1]
+    assert found.until(1).rungs == ()
 
 
 def test_a_single_timestep_is_sampled_at_the_nearest_whole_steps():
@@ -55,3 +131,8 @@ def test_a_single_timestep_is_sampled_at_the_nearest_whole_steps():
 def test_a_timestep_longer_than_the_window_is_refused():
     with pytest.raises(ValueError, match="'timestep' must be shorter than the window"):
         single(3.0, np.linspace(0, 1, 11))
+
+
+def test_a_timestep_of_more_steps_than_can_be_counted_is_refused():
+    with pytest.raises(ValueError, match="more steps than"):
+        single(1e-12, np.linspace(0, 1e12, 11))

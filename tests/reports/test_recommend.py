@@ -32,7 +32,6 @@ def recommended(
 
     monkeypatch.setattr(running, "run", lambda *arguments: ladder)
     monkeypatch.setattr(recommend_module, "_run_again", check)
-    monkeypatch.setattr(recommend_module, "_coarser_runs", lambda *arguments: [])
     return recommend(TOP, bounds, [], 1)
 
 
@@ -86,7 +85,6 @@ def test_engines_as_shipped_are_not_even_run(monkeypatch: pytest.MonkeyPatch) ->
         return euler_alone(straight)
 
     monkeypatch.setattr(running, "run", run)
-    monkeypatch.setattr(recommend_module, "_coarser_runs", lambda *arguments: [])
     recommend(TOP, {"omega": 1e-300}, [], 1)
     every = [method for engine in engines().values() for method in engine.methods]
     assert any(method.as_shipped for method in every)

@@ -154,7 +154,8 @@ def test_where_the_truth_ends_at_a_horizon_so_do_all_runs(monkeypatch):
 
     monkeypatch.setattr(study_module, "solve", solve_to_a_horizon)
     prepared = study_module.prepare(loads(BOX, "box"), [0.01], BUDGET)
-    for rung, truth in [(rung, prepared.solution) for rung in prepared.rungs] + prepared.singles:
+    ladder = [(rung, prepared.solution) for rung in prepared.ladder.rungs]
+    for rung, truth in ladder + prepared.singles:
         times = rung.sample_steps * rung.timestep
         np.testing.assert_array_equal(times, truth.trajectory.t)
 

@@ -1,9 +1,12 @@
 """Verdicts on made-up ladders whose errors are known."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from spincheck.reports.verdict import SHARP, Judgement, Step, judge
+from spincheck.reports.approach import Approach
+from spincheck.reports.verdict import SHARP, Judgement, judge
 from spincheck.scenarios import Trajectory
 
 TIMES = np.linspace(0.0, 5.0, 51)
@@ -24,19 +27,30 @@ def turning(angle_error: np.ndarray, omega_error: np.ndarray) -> Trajectory:
 TRUTH = turning(0 * TIMES, 0 * TIMES)
 
 
-def ladder(error_of_dt, rungs: int = 8, round_off: float = 4 * EPS) -> list[Step]:
-    """Rungs whose speed and angle are off by `error_of_dt(dt)` times a shape in time."""
-    steps = []
+def approach(
+    errors_of_dt: Callable[[float], tuple[np.ndarray, np.ndarray]],
+    order: int,
+    signal: str = "omega",
+    rungs: int = 8,
+    round_off: float = 4 * EPS,
+    uncertainty: float = 4 * EPS,
+) -> Approach:
+    """Rungs whose angle and speed are off by `errors_of_dt(dt)`, both (n,)."""
+    ladder = Approach(signal, TRUTH, order, uncertainty)
     for k in range(rungs):
         dt = COARSEST / 2**k
+        ladder.add(dt, turning(*errors_of_dt(dt)), round_off)
+    return ladder
+
+
+def judged(error_of_dt: Callable[[float], float], order: int, *known, **more) -> Judgement:
+    """Of rungs that are off by `error_of_dt(dt)` times a shape in time."""
+
+    def errors(dt: float) -> tuple[np.ndarray, np.ndarray]:
         error = error_of_dt(dt) * np.sin(TIMES)
-        floors = {"omega": round_off, "attitude": round_off}
-        steps.append(Step(dt, round(5 / dt), turning(error, SPIN * error), floors))
-    return steps
+        return error, SPIN * error
 
-
-def judged(error_of_dt, order: int, signal: str = "omega", **known) -> Judgement:
-    return judge(signal, ladder(error_of_dt, **known), TRUTH, order, 4 * EPS)
+    return judge(approach(errors, order, *known, **more))
 
 
 @pytest.mark.parametrize("signal", ["omega", "attitude"])
@@ -58,16 +72,12 @@ def test_a_limit_that_is_not_the_truth_disagrees(signal, order):
 
 def test_a_limit_that_leaves_the_truth_midway_says_when():
     late = np.where(TIMES > 3.0, 1e-3, 0.0)
-    steps = [
-        Step(
-            dt := COARSEST / 2**k,
-            round(5 / dt),
-            turning(dt**2 * np.sin(TIMES), SPIN * (late + dt**2 * np.sin(TIMES))),
-            {"omega": 4 * EPS, "attitude": 4 * EPS},
-        )
-        for k in range(8)
-    ]
-    found = judge("omega", steps, TRUTH, 2, 4 * EPS)
+
+    def errors(dt: float) -> tuple[np.ndarray, np.ndarray]:
+        off = dt**2 * np.sin(TIMES)
+        return off, SPIN * (late + off)
+
+    found = judge(approach(errors, 2))
     assert found.word == "disagrees"
     assert "from t = 3.1 s on" in found.reason
 
@@ -114,3 +124,32 @@ def test_a_blurred_limit_is_no_convergence():
     found = judged(lambda dt: dt**0.3, order=1)
     assert found.word == "unresolved"
     assert found.limit_estimate > SHARP
+
+
+@pytest.mark.parametrize("signal", ["omega", "attitude"])
+def test_rungs_added_one_by_one_are_judged_as_all_at_once(signal):
+    ladder = Approach(signal, TRUTH, 1, 4 * EPS)
+    for k in range(8):
+        dt = COARSEST / 2**k
+        error = (dt + dt**2) * np.sin(TIMES)
+        ladder.add(dt, turning(error, SPIN * error), 4 * EPS)
+        if k >= 2:
+            found = judge(ladder)
+    assert found == judged(lambda dt: dt + dt**2, 1, signal)
+
+
+@pytest.mark.parametrize("given", ["round_off", "uncertainty"])
+def test_where_rounding_or_the_reference_hides_the_limit_nothing_is_claimed(given):
+    found = judged(lambda dt: 5 * dt**2, 2, **{given: 2 * SHARP})
+    assert found.word == "unresolved"
+    assert "no timestep would tell" in found.reason
+
+
+def test_errors_within_a_round_off_that_is_no_small_error_are_no_convergence():
+    assert judged(lambda dt: 0.5, 2, round_off=1.0).word == "unresolved"
+    assert judged(lambda dt: 0.5 * SHARP, 2, round_off=1.0).word == "converges"
+
+
+def test_what_would_resolve_a_ladder_is_told_in_steps_too():
+    found = judged(lambda dt: np.sin(2000 * dt), order=1, rungs=4)
+    assert f"{TIMES[-1] / found.needed_timestep:.1e} steps" in found.reason
