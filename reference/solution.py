@@ -14,7 +14,9 @@ class Solution:
     trajectory : the motion
     method : how it was solved, in words
     uncertainty : bound on its own errors, in the norms that runs are judged by
-    conditioning : what a relative change of one ulp in the start and the body does to the motion
+    conditioning : what a relative change of one ulp in the start and the body does to the motion,
+        to first order and in its worst direction; beyond the reach of the ODE, where equal
+        moments stay equal and the lever on its axis
     horizon : s, the time at which the uncertainty of a chaotic motion exceeds `MAX_UNCERTAINTY`;
         the trajectory ends before it. None where it never does
     """

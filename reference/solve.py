@@ -1,14 +1,14 @@
 """Solves a scene by the simplest method that covers its effects, and bounds the error."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
-from mpmath import mp, mpf
+from mpmath import mp
 
 from ..scenarios import Errors, FloatArray, Scenario, Trajectory, error_series, errors_between
-from ..scenarios.exact import DIGITS, Vector, normalised, product
+from ..scenarios.exact import DIGITS
 from .closed_forms import ClosedForm, closed_form
+from .conditioning import conditioning, nudged, nudged_alike
 from .motion import motion
 from .pose import pose
 from .problem import Problem
@@ -24,13 +24,7 @@ PHASE_ROUNDING = EPS**2
 #: rad; how far along a closed form is compared with the ODE: a tenth of a second of its time.
 CHECKED_TURN = 5e3
 #: Samples at which it is compared.
-CHECKED_SAMPLES = 16
-#: Relative change by which conditioning is measured: large against rounding, small against 1.
-NUDGE = 2.0**-30
-#: Directions of the nudge: no axis is left out, no two moments change alike.
-NUDGED_OMEGA = (mpf(3) / 7, -mpf(6) / 7, mpf(2) / 7)
-NUDGED_MOMENTS = (mpf(1), -mpf(1) / 2, mpf(1) / 3)
-
+CHECKED_SAMPLES = 64
 Solver = Callable[[Problem, FloatArray], Trajectory]
 
 
@@ -54,7 +48,9 @@ def solve(scenario: Scenario, times: FloatArray) -> Solution:
     problem = pose(scenario)
     closed = closed_form(problem)
     if closed is not None:
-        return _solve_closed(scenario, problem, closed, times)
+        solution = _solve_closed(scenario, problem, closed, times)
+        if max(value for _, value in solution.uncertainty) <= MAX_UNCERTAINTY:
+            return solution
     return _solve_ode(scenario, problem, times)
 
 
@@ -68,10 +64,6 @@ def _solve_closed(
     scenario: Scenario, problem: Problem, closed: ClosedForm, times: FloatArray
 ) -> Solution:
     trajectory = motion(scenario, problem, times, closed.states(times))
-    nudged = _nudged(problem)
-    shadow_form = closed_form(nudged)
-    assert shadow_form is not None, "a nudge keeps the symmetry that the closed form rests on"
-    shadow = motion(scenario, nudged, times, shadow_form.states(times))
     rate = _rate(problem, trajectory)
     checked = _checked_times(times, rate)
     by_ode = motion(scenario, problem, checked, integrate(problem, checked))
@@ -82,25 +74,48 @@ def _solve_closed(
         trajectory=trajectory,
         method=closed.label,
         uncertainty=_at_least(difference, ROUNDING + closed.residual + PHASE_ROUNDING * turned),
-        conditioning=_conditioning(scenario, trajectory, shadow),
+        conditioning=_conditioning_of_closed(scenario, problem, trajectory, by_form),
     )
+
+
+def _conditioning_of_closed(
+    scenario: Scenario, problem: Problem, trajectory: Trajectory, within_reach: Trajectory
+) -> Errors:
+    """Within reach of the ODE by it, for a neighbour has no closed form; beyond, of those alike."""
+
+    def by_ode(neighbour: Problem) -> Trajectory:
+        times = within_reach.t
+        return motion(scenario, neighbour, times, integrate(neighbour, times, CHECK_ORDERS))
+
+    def by_form(neighbour: Problem) -> Trajectory:
+        form = closed_form(neighbour)
+        assert form is not None, "a nudge keeps the symmetry that the closed form rests on"
+        return motion(scenario, neighbour, trajectory.t, form.states(trajectory.t))
+
+    near = conditioning(scenario, problem, within_reach, by_ode, nudged)
+    if trajectory.t[-1] <= within_reach.t[-1]:
+        return near
+    far = conditioning(scenario, problem, trajectory, by_form, nudged_alike)
+    return Errors(*(max(one, other) for (_, one), (_, other) in zip(near, far, strict=True)))
 
 
 def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solution:
     trajectory = motion(scenario, problem, times, integrate(problem, times))
     coarser = motion(scenario, problem, times, integrate(problem, times, CHECK_ORDERS))
-    nudged = _nudged(problem)
-    shadow = motion(scenario, nudged, times, integrate(nudged, times, CHECK_ORDERS))
     series = error_series(scenario, trajectory, coarser)
     beyond = np.flatnonzero(np.maximum(series.omega, series.attitude) > MAX_UNCERTAINTY)
     horizon = float(times[beyond[0]]) if len(beyond) else None
     n = int(beyond[0]) if len(beyond) else len(times)
     within = trajectory.until(n)
+
+    def solved(neighbour: Problem) -> Trajectory:
+        return motion(scenario, neighbour, within.t, integrate(neighbour, within.t, CHECK_ORDERS))
+
     return Solution(
         trajectory=within,
         method="Taylor series of the equations of motion, low orders in double-double",
         uncertainty=_at_least(errors_between(scenario, within, coarser.until(n)), ROUNDING),
-        conditioning=_conditioning(scenario, within, shadow.until(n)),
+        conditioning=conditioning(scenario, problem, within, solved, nudged),
         horizon=horizon,
     )
 
@@ -118,35 +133,6 @@ def _checked_times(times: FloatArray, rate: float) -> FloatArray:
     end = min(CHECKED_TURN / rate, times[-1]) if rate else times[-1]
     within = times[times < end]
     return np.append(within[:: max(len(within) // CHECKED_SAMPLES, 1)], end)
-
-
-def _nudged(problem: Problem) -> Problem:
-    """The problem with its start and body changed by `NUDGE`, keeping what is symmetric so."""
-    with mp.workdps(DIGITS):
-        delta = mpf(NUDGE)
-        speed = mp.sqrt(sum(w * w for w in problem.omega_axes))
-        omega = _plus(problem.omega_axes, NUDGED_OMEGA, delta * speed)
-        x, y, z = (direction * delta for direction in NUDGED_OMEGA)
-        turn = normalised((mpf(1), x, y, z))
-        scales = {m: 1 + delta * s for m, s in zip(problem.moments, NUDGED_MOMENTS, strict=True)}
-        first, second, third = (moment * scales[moment] for moment in problem.moments)
-        return replace(
-            problem,
-            moments=(first, second, third),
-            omega_axes=omega,
-            q_world_axes=product(problem.q_world_axes, turn),
-        )
-
-
-def _plus(vector: Vector, direction: Vector, size: mpf) -> Vector:
-    x, y, z = (v + size * d for v, d in zip(vector, direction, strict=True))
-    return (x, y, z)
-
-
-def _conditioning(scenario: Scenario, trajectory: Trajectory, shadow: Trajectory) -> Errors:
-    """Growth of the nudge, scaled to one ulp."""
-    apart = errors_between(scenario, shadow, trajectory)
-    return Errors(**{name: max(value * EPS / NUDGE, EPS) for name, value in apart})
 
 
 def _at_least(errors: Errors, least: float) -> Errors:

@@ -64,12 +64,12 @@ def test_a_pendulum_is_followed_over_as_many_swings_however_small(speed, monkeyp
     module = import_module("spincheck.reference.solve")
     reached = []
 
-    def watched(problem, times):
+    def watched(problem, times, *orders):
         reached.append(times[-1])
-        return integrate(problem, times)
+        return integrate(problem, times, *orders)
 
     monkeypatch.setattr(module, "integrate", watched)
     hanging = f"quaternion_wxyz = [0, 1, 0, 0]\nomega_body = [{speed}, 0, 0]"
     solve(scene(TOP, hanging, HEAVY), np.array([0.0, FAR]))
     natural = np.sqrt(10.0 / 2.0)  # √(M g l/I1) of `TOP`
-    assert reached == [pytest.approx(CHECKED_TURN / natural)]
+    assert set(reached) == {pytest.approx(CHECKED_TURN / natural)}

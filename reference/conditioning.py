@@ -1,0 +1,109 @@
+"""What one ulp in the start and the body does to a motion.
+
+Nudged are, in extended precision, ω and attitude at t = 0, the principal moments, and the lever's
+three components: every number by as much, relative to the largest of its kind, which takes a
+symmetric body's symmetry from it. To first order the change of the motion is J x, x being the dozen
+nudges. It is measured for four x of signs only; the root mean square of |J x| over random signs is
+the Frobenius norm of J (M. F. Hutchinson, Commun. Stat. Simul. Comput. 19 (1990) 433), which
+bounds |J x| for every x of length one.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from mpmath import mp, mpf
+
+from ..scenarios import Errors, Scenario, Trajectory, errors_between
+from ..scenarios.exact import DIGITS, Vector, normalised, product
+from .problem import Problem
+from .symmetry import gravity_torque_scale, norm, scaled
+
+EPS = float(np.finfo(float).eps)
+#: Relative nudges. The first is large against rounding; where the motion grows it out of the
+#: linear range, the next is what the result is about: an ulp.
+NUDGES = (2.0**-30, EPS)
+#: A motion moved by more than this, relative or in rad, has left the linear range.
+LINEAR = 2.0**-10
+
+#: Signs of a number in the four nudges. Numbers of a kind have orthogonal ones: none cancel.
+_A, _B, _C, _D = (1, 1, 1, 1), (1, -1, 1, -1), (1, 1, -1, -1), (1, -1, -1, 1)
+SIGNS_OF_OMEGA, SIGNS_OF_TURN = (_B, _C, _D), (_A, _B, _C)
+SIGNS_OF_MOMENTS, SIGNS_OF_LEVER = (_D, _A, _B), (_C, _D, _A)
+COUNT = len(_A)
+
+Nudge = Callable[[Problem, int, mpf], Problem]
+Solved = Callable[[Problem], Trajectory]
+
+
+def conditioning(
+    scenario: Scenario, problem: Problem, truth: Trajectory, solved: Solved, nudge: Nudge
+) -> Errors:
+    """Change of a motion by one ulp, at least one ulp itself.
+
+    Parameters
+    ----------
+    truth : the motion of `problem`
+    solved : what finds that of a neighbour, at the same times
+    nudge : `nudged` or `nudged_alike`
+    """
+    responses = [_response(scenario, problem, truth, solved, nudge, k) for k in range(COUNT)]
+    squares = zip(*([value**2 for _, value in response] for response in responses), strict=True)
+    return Errors(*(max(float(np.sqrt(np.mean(column))), EPS) for column in squares))
+
+
+def nudged(problem: Problem, k: int, size: mpf) -> Problem:
+    """The problem with all of its numbers changed, by the k-th choice of signs."""
+    with mp.workdps(DIGITS):
+        length = norm(problem.lever_axes)
+        arm = [size * length * signs[k] for signs in SIGNS_OF_LEVER]
+        x, y, z = (a + b for a, b in zip(problem.lever_axes, arm, strict=True))
+        scales = [1 + size * signs[k] for signs in SIGNS_OF_MOMENTS]
+        return _moved(problem, k, size, scales, (x, y, z))
+
+
+def nudged_alike(problem: Problem, k: int, size: mpf) -> Problem:
+    """The same, but equal moments stay equal, and the lever keeps its direction."""
+    with mp.workdps(DIGITS):
+        by_moment = {
+            moment: 1 + size * signs[k]
+            for moment, signs in zip(problem.moments, SIGNS_OF_MOMENTS, strict=True)
+        }
+        scales = [by_moment[moment] for moment in problem.moments]
+        lever = scaled(problem.lever_axes, 1 + size * SIGNS_OF_LEVER[0][k])
+        return _moved(problem, k, size, scales, lever)
+
+
+def _moved(problem: Problem, k: int, size: mpf, scales: Sequence[mpf], lever: Vector) -> Problem:
+    """ω and attitude changed as well; ω relative to its size or, if larger, the swing's rate."""
+    swing = mp.sqrt(gravity_torque_scale(problem) / max(problem.moments))
+    speed = max(norm(problem.omega_axes), swing)
+    w1, w2, w3 = (
+        w + size * speed * signs[k]
+        for w, signs in zip(problem.omega_axes, SIGNS_OF_OMEGA, strict=True)
+    )
+    first, second, third = (m * s for m, s in zip(problem.moments, scales, strict=True))
+    turn = normalised((mpf(1), *(size / 2 * signs[k] for signs in SIGNS_OF_TURN)))
+    return replace(
+        problem,
+        moments=(first, second, third),
+        omega_axes=(w1, w2, w3),
+        q_world_axes=product(problem.q_world_axes, turn),
+        lever_axes=lever,
+    )
+
+
+def _response(
+    scenario: Scenario,
+    problem: Problem,
+    truth: Trajectory,
+    solved: Solved,
+    nudge: Nudge,
+    k: int,
+) -> Errors:
+    """Change of the motion by one ulp of the k-th nudge."""
+    for size in NUDGES:
+        apart = errors_between(scenario, solved(nudge(problem, k, mpf(size))), truth)
+        if max(apart.omega, apart.attitude) <= LINEAR:
+            break
+    return Errors(**{name: value * EPS / size for name, value in apart})
