@@ -17,7 +17,7 @@ from .turn_faults import Reading
 #: States read before they are looked at, all at once: one by one, looking takes longer than ten
 #: steps do, and a look at many takes hardly longer than one at few. A run that has gone wrong
 #: unnoticed is stepped on for so many readings at most.
-BLOCK = 3 << 9
+BLOCK = 1 << 11
 #: A run of no more steps is read at every one of them: coarse ones are those that go wrong.
 READ_THROUGHOUT = 1 << 12
 #: Of any other, so many samples are read once more a step later, the first of them included.

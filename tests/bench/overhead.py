@@ -16,8 +16,10 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 from spincheck.engines import Engine, Method, Session, engines
+from spincheck.engines.faults import Bounds
 from spincheck.engines.mujoco_session import MuJoCoSession
 from spincheck.engines.native_output import native_output
+from spincheck.engines.read_back import READ_BACK_SLACK
 from spincheck.engines.sampling import sample
 from spincheck.reports.cost import timed_timestep
 from spincheck.scenarios import find, load
@@ -81,7 +83,9 @@ def overhead(engine: Engine, method: Method, scene: str) -> Overhead:
     """Measure one case."""
     scenario = load(find([scene])[0])
     timestep = timed_timestep(scenario)
-    counts = list(range(0, STEPS + 1, PER_SAMPLE))
+    counts = np.arange(0, STEPS + 1, PER_SAMPLE)
+    arm = np.array(scenario.body.com) if scenario.has_pivot else None
+    bounds = Bounds(timestep, method.max_rotation_per_step, READ_BACK_SLACK, arm=arm)
     with (
         engine.open(scenario, method, timestep) as bare,
         engine.open(scenario, method, timestep) as timed,
@@ -91,7 +95,7 @@ def overhead(engine: Engine, method: Method, scene: str) -> Overhead:
         actions = [
             bare_stepping(bare, timestep),
             lambda: timed.advance(STEPS),
-            lambda: sample(recorded, counts, timestep, method.max_rotation_per_step),
+            lambda: sample(recorded, counts, bounds),
             recording_by_hand(by_hand, timestep),
         ]
         seconds = np.array([in_turn(actions) for _ in range(ROUNDS)])[1:]
