@@ -14,16 +14,27 @@ from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray, Scenario, Trajectory
 
+EPS = float(np.finfo(float).eps)
 #: The tightest relative tolerance that scipy accepts without a warning, rounded up.
 RELATIVE_TOLERANCE = 1e-13
+#: How far it is followed, in radians turned or swung and in times of the drag: seconds of its time.
+REACH = 1e3
 
 
 @dataclass(frozen=True, eq=False)
 class SecondOpinion:
-    """A motion, and the steps it took: each commits about `RELATIVE_TOLERANCE`."""
+    """A motion, the steps it took, and the relative error that each of them commits."""
 
     trajectory: Trajectory
     steps: int
+    tolerance: float
+
+
+def times_within_reach(scenario: Scenario, truth: Trajectory) -> FloatArray:
+    """The sample times up to which it follows in good time, and the last time to which it does."""
+    rates = _rates(scenario, float(np.linalg.norm(truth.omega_body, axis=1).max()))
+    end = REACH / max(rates) if any(rates) else np.inf
+    return truth.t if truth.t[-1] <= end else np.append(truth.t[truth.t < end], end)
 
 
 def second_opinion(scenario: Scenario, times: FloatArray) -> SecondOpinion:
@@ -38,7 +49,7 @@ def second_opinion(scenario: Scenario, times: FloatArray) -> SecondOpinion:
     RuntimeError
         If the integrator gives up.
     """
-    start = scenario.start
+    start, tolerance = scenario.start, _tolerance(scenario)
     y0 = np.concatenate(
         [start.omega_body, start.q_world_body_wxyz, start.position_world, start.velocity_world]
     )
@@ -48,8 +59,8 @@ def second_opinion(scenario: Scenario, times: FloatArray) -> SecondOpinion:
         y0,
         method="DOP853",
         t_eval=times,
-        rtol=RELATIVE_TOLERANCE,
-        atol=RELATIVE_TOLERANCE * _sizes(scenario),
+        rtol=tolerance,
+        atol=tolerance * _sizes(scenario),
         max_step=_time_of_drag(scenario),
     )
     if not solution.success:
@@ -61,13 +72,13 @@ def second_opinion(scenario: Scenario, times: FloatArray) -> SecondOpinion:
         com = R_world_body.apply(np.array(scenario.body.com))
         velocity = R_world_body.apply(np.cross(omega, scenario.body.com))
     # Twelve evaluations a step, and one more that the next step begins with.
-    return SecondOpinion(Trajectory(times, q, omega, com, velocity), int(solution.nfev // 11))
+    steps = int(solution.nfev // 11)
+    return SecondOpinion(Trajectory(times, q, omega, com, velocity), steps, tolerance)
 
 
 def _equations(scenario: Scenario) -> Callable[[float, FloatArray], FloatArray]:
     """dy/dt of y = (ω in body axes, q, r, v): Euler's equations and ½ q ω (Goldstein §5.5)."""
-    inertia = scenario.body.inertia_origin if scenario.has_pivot else scenario.body.inertia_com
-    inverse = np.linalg.inv(inertia)
+    inverse, differences = np.linalg.inv(_inertia(scenario)), _differences(scenario)
     lever = scenario.body.mass * scenario.body.com * float(scenario.has_pivot)
     gravity, torque_world = scenario.gravity_world, scenario.torque_world
     torque_body, drag = scenario.torque_body, scenario.drag
@@ -87,7 +98,7 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], FloatArray]:
             / norm
         )
         torque = np.cross(lever, gravity @ R) + torque_body + torque_world @ R - drag * omega
-        omega_rate = inverse @ (torque - np.cross(omega, inertia @ omega))
+        omega_rate = inverse @ (torque - np.cross(omega, differences @ omega))
         a, b, c = omega
         q_rate = 0.5 * np.array(
             [
@@ -102,14 +113,46 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], FloatArray]:
     return rate
 
 
+def _inertia(scenario: Scenario) -> FloatArray:
+    """kg m², about the fixed point, (3, 3)."""
+    body = scenario.body
+    return body.inertia_origin if scenario.has_pivot else body.inertia_com
+
+
+def _differences(scenario: Scenario) -> FloatArray:
+    """The tensor less one of its moments, kg m², (3, 3): ω × Iω needs no more, as ω × ω = 0.
+
+    So that a rod's spin is not driven by what rounding leaves of its two large moments.
+    """
+    inertia = _inertia(scenario)
+    return np.asarray(inertia - inertia[1, 1] * np.eye(3), dtype=float)
+
+
+def _tolerance(scenario: Scenario) -> float:
+    """Relative error to ask of a step: not below the rounding of ω' in a radian.
+
+    Of a thin body in skew axes, I⁻¹ (ω × Iω) is a small difference of large numbers.
+    """
+    inverse, differences = np.abs(np.linalg.inv(_inertia(scenario))), np.abs(_differences(scenario))
+    return max(RELATIVE_TOLERANCE, EPS * float(np.linalg.norm(inverse @ differences, 2)))
+
+
+def _rates(scenario: Scenario, turning: float) -> tuple[float, float, float]:
+    """rad/s and 1/s: of turning, of swinging, and of drag about the axis it slows down most."""
+    body, inverse = scenario.body, np.linalg.inv(_inertia(scenario))
+    least = float(np.linalg.norm(inverse, 2))
+    lever = body.mass * float(np.linalg.norm(body.com)) * float(scenario.has_pivot)
+    swinging = np.sqrt(lever * float(np.linalg.norm(scenario.gravity_world)) * least)
+    return turning, float(swinging), scenario.drag * least
+
+
 def _time_of_drag(scenario: Scenario) -> float:
     """s, in which drag takes e from the fastest to slow down; inf without drag.
 
     Stability alone would let DOP853 step six times as far, where it misjudges its error.
     """
-    inertia = scenario.body.inertia_origin if scenario.has_pivot else scenario.body.inertia_com
-    fastest = scenario.drag * np.linalg.norm(np.linalg.inv(inertia), 2)
-    return float(1 / fastest) if fastest else np.inf
+    *_, fastest = _rates(scenario, 0.0)
+    return 1 / fastest if fastest else np.inf
 
 
 def _sizes(scenario: Scenario) -> FloatArray:

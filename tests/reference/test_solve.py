@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from spincheck.reference import solve
 from spincheck.reference.motion import motion
 from spincheck.reference.pose import pose
-from spincheck.reference.second_method import RELATIVE_TOLERANCE, second_opinion
+from spincheck.reference.second_method import second_opinion
 from spincheck.reference.solution import MAX_UNCERTAINTY
 from spincheck.reference.solve import ROUNDING
 from spincheck.reference.taylor import FINE_ORDERS, integrate
@@ -110,7 +110,7 @@ def test_an_independent_integrator_finds_the_same_motion(scenario):
     other = second_opinion(scenario, TIMES)
     for name, error in errors_between(scenario, other.trajectory, solution.trajectory):
         growth = getattr(solution.conditioning, name) / EPS
-        assert error <= other.steps * RELATIVE_TOLERANCE * growth + ROUNDING, name
+        assert error <= other.steps * other.tolerance * growth + ROUNDING, name
 
 
 def test_a_chaotic_motion_ends_where_its_uncertainty_exceeds_the_bound():
