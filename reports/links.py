@@ -8,6 +8,16 @@ def scene_page(name: str) -> str:
     return f"scenes/{quote(name)}.html"
 
 
+def map_page(name: str) -> str:
+    """A map's page, likewise."""
+    return f"maps/{quote(name)}.html"
+
+
+def ensemble_page(name: str) -> str:
+    """An ensemble's page, likewise."""
+    return f"ensembles/{quote(name)}.html"
+
+
 def method_anchor(engine: str, method: str) -> str:
     """The place of a method's verdict on a scene's page."""
     return ":".join(("method", _plain(engine), _plain(method)))

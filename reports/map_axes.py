@@ -10,13 +10,48 @@ import numpy as np
 from ..scenarios import FloatArray
 from ..scenarios.vary import Axis
 from .map_grid import Grid, axis_title, places
+from .plot import Panel, axis_suffix, layout
 
 #: Panels side by side, px high, and the px around them for titles, legend and colour bar.
 ACROSS, PANEL_HEIGHT = 4, 215
-ABOVE, BELOW, LEFT, RIGHT = 36, 150, 66, 92
+ABOVE, BELOW, LEFT, RIGHT = 36, 62, 66, 92
+#: A line of the legend, px, and the entries that one holds.
+LEGEND_LINE, LEGEND_ACROSS = 20, 3
 GAP_ACROSS, GAP_DOWN = 0.022, 44
 #: px: a page's width is taken for this.
 WIDTH = 1216
+
+
+def panels(grid: Grid, entries: int) -> dict[str, Any]:
+    """Layout of a panel for each method, over a legend of so many entries."""
+    count = len(grid.methods)
+    columns, below = columns_of(count), below_panels(entries)
+    said = list(titles(grid, count, columns))
+    made = layout(
+        [
+            [
+                Panel(x_title, y_title, escape(" ".join(pair)), domain=area)
+                for pair, area, (x_title, y_title) in zip(
+                    grid.methods, domains(count, columns), said, strict=True
+                )
+            ]
+        ],
+        height_of(count, columns, below),
+    )
+    for k, outer in enumerate(said, start=1):
+        for letter, axis, title in zip("xy", grid.axes, outer, strict=True):
+            made[f"{letter}axis{axis_suffix(k)}"] |= shared(letter, axis, bool(title))
+    made["margin"] = {"l": LEFT, "r": RIGHT, "t": ABOVE, "b": below}
+    made["legend"] = {
+        "orientation": "h",
+        "yref": "container",
+        "y": 0,
+        "yanchor": "bottom",
+        "x": 0,
+        "itemclick": False,
+        "itemdoubleclick": False,
+    }
+    return made
 
 
 def columns_of(count: int) -> int:
@@ -24,10 +59,15 @@ def columns_of(count: int) -> int:
     return min(ACROSS, count)
 
 
-def height_of(count: int, columns: int) -> int:
+def height_of(count: int, columns: int, below: int) -> int:
     """Of a figure of that many panels, px."""
     rows = math.ceil(count / columns)
-    return ABOVE + BELOW + rows * PANEL_HEIGHT + (rows - 1) * GAP_DOWN
+    return ABOVE + below + rows * PANEL_HEIGHT + (rows - 1) * GAP_DOWN
+
+
+def below_panels(entries: int) -> int:
+    """Room for the titles of the axes and a legend of so many entries, px."""
+    return BELOW + LEGEND_LINE * math.ceil(entries / LEGEND_ACROSS)
 
 
 def cell_side(shape: tuple[int, int], columns: int) -> float:

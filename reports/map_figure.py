@@ -8,25 +8,13 @@ from typing import Any
 import numpy as np
 
 from ..scenarios import FloatArray
-from .map_axes import (
-    ABOVE,
-    BELOW,
-    LEFT,
-    RIGHT,
-    cell_side,
-    columns_of,
-    domains,
-    edges,
-    height_of,
-    shared,
-    titles,
-)
+from .map_axes import cell_side, columns_of, edges, panels
 from .map_bounds import Bound, bounds_of
 from .map_contour import zero_lines
-from .map_grid import Grid, axis_title, places
+from .map_grid import Grid, axis_title, place_of, places
 from .map_labels import Placed, place
-from .map_marks import Mark, is_coloured, marks
-from .plot import GROUND, INK, Figure, Panel, Trace, axis_suffix, layout, packed
+from .map_marks import HORIZON, Mark, is_coloured, marks
+from .plot import GROUND, INK, Figure, Trace, axis_suffix, packed
 from .records import Pair
 from .sweep import Point
 from .wording import limited, number, power_of_ten
@@ -43,40 +31,20 @@ LINE_WIDTH, CASING_WIDTH, LABEL_SIZE = 1.6, 4.0, 10
 
 def map_figure(grid: Grid) -> Figure:
     """All methods of a map."""
-    pairs = list(grid.methods)
-    columns = columns_of(len(pairs))
-    areas = list(domains(len(pairs), columns))
-    panels = [
-        Panel(x_title, y_title, escape(" ".join(pair)), domain=domain)
-        for pair, domain, (x_title, y_title) in zip(
-            pairs, areas, titles(grid, len(pairs), columns), strict=True
-        )
-    ]
-    made = layout([panels], height_of(len(pairs), columns))
-    floor = _least(grid)
-    made["coloraxis"] = _colour_axis(floor)
-    made["margin"] = {"l": LEFT, "r": RIGHT, "t": ABOVE, "b": BELOW}
-    made["legend"] = {
-        "orientation": "h",
-        "yref": "container",
-        "y": 0,
-        "yanchor": "bottom",
-        "x": 0,
-        "itemclick": False,
-        "itemdoubleclick": False,
-        "itemsizing": "constant",
-    }
-    for k, (x_title, y_title) in enumerate(titles(grid, len(pairs), columns), start=1):
-        for letter, axis, title in zip("xy", grid.axes, (x_title, y_title), strict=True):
-            made[f"{letter}axis{axis_suffix(k)}"] |= shared(letter, axis, bool(title))
     signs = marks(grid.found.points)
-    traces = list(_legend(grid, signs))
-    for k, pair in enumerate(pairs, start=1):
+    legend = _legend(grid, signs)
+    traces = [*legend]
+    labels = []
+    cell = cell_side(grid.shape, columns_of(len(grid.methods)))
+    for k, pair in enumerate(grid.methods, start=1):
         traces += _errors(grid, pair, k)
-        traces += _signs(grid, pair, k, signs, cell_side(grid.shape, columns))
-        lines, labels = _bounds(grid, pair, k)
+        traces += _signs(grid, pair, k, signs, cell)
+        lines, words = _bounds(grid, pair, k)
         traces += lines
-        made["annotations"] += labels
+        labels += words
+    made = panels(grid, len(legend))
+    made["coloraxis"] = _colour_axis(_least(grid))
+    made["annotations"] += labels
     return {"data": traces, "layout": made}
 
 
@@ -104,7 +72,7 @@ def _colour_axis(low: float) -> dict[str, Any]:
         "colorbar": {
             "title": {"text": "ω error,<br>relative", "side": "top"},
             "tickvals": ticks,
-            "ticktext": [f"≥ {power_of_ten(k)}" if k == high else power_of_ten(k) for k in ticks],
+            "ticktext": [f"≥ {NOTHING_RIGHT:g}" if k == high else power_of_ten(k) for k in ticks],
             "thickness": 14,
             "outlinewidth": 0,
             "x": 1.012,
@@ -141,26 +109,26 @@ def _errors(grid: Grid, pair: Pair, k: int) -> Iterator[Trace]:
 
 def _signs(grid: Grid, pair: Pair, k: int, signs: dict[Any, Mark], cell: float) -> Iterator[Trace]:
     size = min(max(SIGN_PART * cell, SMALLEST_SIGN), LARGEST_SIGN)
-    across, up = (places(axis) for axis in grid.axes)
-    for kind, mark in signs.items():
-        of_kind = {
-            node: point
-            for node, point in grid.points[pair].items()
-            if not is_coloured(point) and (point.outcome, point.cause) == kind
+    by_mark: dict[Mark, list[Point]] = {}
+    for point in grid.points[pair].values():
+        if not is_coloured(point):
+            by_mark.setdefault(signs[point.outcome, point.cause], []).append(point)
+        elif grid.is_cut(point):
+            by_mark.setdefault(HORIZON, []).append(point)
+    across, up = grid.axes
+    for mark, points in by_mark.items():
+        yield {
+            "type": "scatter",
+            "mode": "markers",
+            "x": packed(np.array([place_of(across, point.at[0]) for point in points])),
+            "y": packed(np.array([place_of(up, point.at[1]) for point in points])),
+            "marker": _marker(mark, size),
+            "text": [_told(grid, pair, point) for point in points],
+            "hovertemplate": "%{text}<extra></extra>",
+            "xaxis": f"x{axis_suffix(k)}",
+            "yaxis": f"y{axis_suffix(k)}",
+            "showlegend": False,
         }
-        if of_kind:
-            yield {
-                "type": "scatter",
-                "mode": "markers",
-                "x": packed(np.array([across[column] for _, column in of_kind])),
-                "y": packed(np.array([up[row] for row, _ in of_kind])),
-                "marker": _marker(mark, size),
-                "text": [_told(grid, pair, point) for point in of_kind.values()],
-                "hovertemplate": "%{text}<extra></extra>",
-                "xaxis": f"x{axis_suffix(k)}",
-                "yaxis": f"y{axis_suffix(k)}",
-                "showlegend": False,
-            }
 
 
 def _marker(mark: Mark, size: float) -> dict[str, Any]:
@@ -182,6 +150,7 @@ def _told(grid: Grid, pair: Pair, point: Point) -> str:
         f"timestep {number(point.timestep)} s" if point.timestep else "",
         f"ω error {limited(point.errors.omega, point.uncertainty)}" if point.errors else "",
         "" if point.outcome == "ok" else _ended(point),
+        "the reference is known no further" if grid.is_cut(point) else "",
         point.reason,
     ]
     return "<br>".join(escape(line) for line in lines if line)
@@ -245,26 +214,26 @@ def _label(label: Placed, k: int) -> dict[str, Any]:
     }
 
 
-def _legend(grid: Grid, signs: dict[Any, Mark]) -> Iterator[Trace]:
-    """An entry for every sign and every line in any panel."""
-    known: dict[str, Bound] = {}
-    for pair in grid.methods:
-        known |= {bound.meaning: bound for bound, _ in drawn_bounds(grid, pair)}
-    nowhere: dict[str, Any] = {"type": "scatter", "x": [None], "y": [None], "hoverinfo": "skip"}
-    for mark in signs.values():
-        yield nowhere | {
-            "mode": "markers",
-            "marker": _marker(mark, LARGEST_SIGN),
-            "name": escape(mark.label),
-            "showlegend": True,
-        }
-    for bound in known.values():
-        yield nowhere | {
-            "mode": "lines",
-            "line": {"color": INK, "width": LINE_WIDTH, "dash": bound.dash},
-            "name": bound.label,
-            "showlegend": True,
-        }
+def _legend(grid: Grid, signs: dict[Any, Mark]) -> list[Trace]:
+    """An entry for every sign and every kind of line in any panel."""
+    nowhere: dict[str, Any] = {
+        "type": "scatter",
+        "x": [None],
+        "y": [None],
+        "hoverinfo": "skip",
+        "showlegend": True,
+    }
+    shown = [*signs.values(), *([HORIZON] if any(map(grid.is_cut, grid.found.points)) else [])]
+    dashes = {bound.label: bound.dash for bound in legend_of_bounds(grid)}
+    return [
+        nowhere
+        | {"mode": "markers", "marker": _marker(mark, LARGEST_SIGN), "name": escape(mark.label)}
+        for mark in shown
+    ] + [
+        nowhere
+        | {"mode": "lines", "line": {"color": INK, "width": LINE_WIDTH, "dash": dash}, "name": name}
+        for name, dash in dashes.items()
+    ]
 
 
 def legend_of_bounds(grid: Grid) -> Sequence[Bound]:

@@ -116,6 +116,15 @@ class Grid:
                     chosen[node] = point.timestep
         return chosen
 
+    def is_cut(self, point: Point) -> bool:
+        """Whether a run finished that is shorter than the window: the truth is known no further."""
+        across, up = self.axes
+        node = up.values.index(point.at[1]), across.values.index(point.at[0])
+        if point.outcome != "ok" or point.errors is None or node not in self.numbers:
+            return False
+        # The last sample is at the whole step nearest to the end.
+        return self.numbers[node].duration - point.steps * point.timestep > point.timestep
+
     def evaluated(self, value: Callable[[StabilityNumbers, float], float]) -> FloatArray:
         """A function of the scene's numbers and the timestep at each place, (rows, columns)."""
         values = np.full(self.shape, math.nan)
@@ -133,6 +142,10 @@ def axis_title(axis: Axis) -> str:
 
 
 def places(axis: Axis) -> FloatArray:
-    """Where an axis's values are drawn: their logarithms to base 10 if it is logarithmic."""
-    values = np.array(axis.values)
-    return np.log10(values) if axis.logarithmic else values
+    """Where an axis's values are drawn."""
+    return np.array([place_of(axis, value) for value in axis.values])
+
+
+def place_of(axis: Axis, value: float) -> float:
+    """Where a value is drawn: at its logarithm to base 10 if the axis is logarithmic."""
+    return math.log10(value) if axis.logarithmic else value

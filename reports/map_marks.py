@@ -41,8 +41,13 @@ class Mark:
     @property
     def label(self) -> str:
         """As in `diverged: not finite`."""
-        told = "no error known" if self.outcome == "ok" else self.outcome
-        return f"{told}: {self.cause}" if self.cause else told
+        if self.outcome == "ok":
+            return self.cause or "no error known"
+        return f"{self.outcome}: {self.cause}" if self.cause else self.outcome
+
+
+#: On a coloured cell: the error is that of the part of the window in which the truth is known.
+HORIZON = Mark("ok", "compared up to the reference's horizon", "diamond-tall", "#9a6b3f")
 
 
 def is_coloured(point: Point) -> bool:
