@@ -14,7 +14,7 @@ from .pose import pose
 from .problem import Problem
 from .solution import MAX_UNCERTAINTY, Solution
 from .symmetry import gravity_torque_scale
-from .taylor import CHECK_ORDERS, integrate
+from .taylor import CHECK_ORDERS, FINE_ORDERS, TRUTH_ORDERS, Orders, integrate
 
 EPS = float(np.finfo(float).eps)
 #: Rounding of the states to double and of L and E computed from them, in ulp.
@@ -48,9 +48,7 @@ def solve(scenario: Scenario, times: FloatArray) -> Solution:
     problem = pose(scenario)
     closed = closed_form(problem)
     if closed is not None:
-        solution = _solve_closed(scenario, problem, closed, times)
-        if max(value for _, value in solution.uncertainty) <= MAX_UNCERTAINTY:
-            return solution
+        return _solve_closed(scenario, problem, closed, times)
     return _solve_ode(scenario, problem, times)
 
 
@@ -66,9 +64,8 @@ def _solve_closed(
     trajectory = motion(scenario, problem, times, closed.states(times))
     rate = _rate(problem, trajectory)
     checked = _checked_times(times, rate)
-    by_ode = motion(scenario, problem, checked, integrate(problem, checked))
     by_form = motion(scenario, problem, checked, closed.states(checked))
-    difference = errors_between(scenario, by_form, by_ode)
+    difference = _apart_from_ode(scenario, problem, by_form)
     turned = rate * float(times[-1])
     return Solution(
         trajectory=trajectory,
@@ -76,6 +73,32 @@ def _solve_closed(
         uncertainty=_at_least(difference, ROUNDING + closed.residual + PHASE_ROUNDING * turned),
         conditioning=_conditioning_of_closed(scenario, problem, trajectory, by_form),
     )
+
+
+def _apart_from_ode(scenario: Scenario, problem: Problem, by_form: Trajectory) -> Errors:
+    """How far a closed form is from the ODE, as far as the ODE is known.
+
+    Beside a saddle it is the ODE that errs: its rounding grows, and that of the closed form does
+    not. Where they differ the dearest series is asked, up to where the next one leaves it.
+    """
+
+    def by_ode(orders: Orders) -> Trajectory:
+        return motion(scenario, problem, by_form.t, integrate(problem, by_form.t, orders))
+
+    usual = by_ode(TRUTH_ORDERS)
+    difference = errors_between(scenario, by_form, usual)
+    if max(value for _, value in difference) <= ROUNDING:
+        return difference
+    finest = by_ode(FINE_ORDERS)
+    n = _known(scenario, finest, usual)
+    return errors_between(scenario, by_form.until(n), finest.until(n))
+
+
+def _known(scenario: Scenario, trajectory: Trajectory, coarser: Trajectory) -> int:
+    """Samples up to which a coarser series finds the same motion."""
+    series = error_series(scenario, trajectory, coarser)
+    beyond = np.flatnonzero(np.maximum(series.omega, series.attitude) > MAX_UNCERTAINTY)
+    return int(beyond[0]) if len(beyond) else len(trajectory.t)
 
 
 def _conditioning_of_closed(
@@ -100,12 +123,14 @@ def _conditioning_of_closed(
 
 
 def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solution:
-    trajectory = motion(scenario, problem, times, integrate(problem, times))
-    coarser = motion(scenario, problem, times, integrate(problem, times, CHECK_ORDERS))
-    series = error_series(scenario, trajectory, coarser)
-    beyond = np.flatnonzero(np.maximum(series.omega, series.attitude) > MAX_UNCERTAINTY)
-    horizon = float(times[beyond[0]]) if len(beyond) else None
-    n = int(beyond[0]) if len(beyond) else len(times)
+    def integrated(orders: Orders) -> Trajectory:
+        return motion(scenario, problem, times, integrate(problem, times, orders))
+
+    coarser, trajectory = integrated(CHECK_ORDERS), integrated(TRUTH_ORDERS)
+    n = _known(scenario, trajectory, coarser)
+    if n < len(times):  # chaos: where the usual series ends, the dearest goes on
+        coarser, trajectory = trajectory, integrated(FINE_ORDERS)
+        n = _known(scenario, trajectory, coarser)
     within = trajectory.until(n)
 
     def solved(neighbour: Problem) -> Trajectory:
@@ -116,7 +141,7 @@ def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
         method="Taylor series of the equations of motion, low orders in double-double",
         uncertainty=_at_least(errors_between(scenario, within, coarser.until(n)), ROUNDING),
         conditioning=conditioning(scenario, problem, within, solved, nudged),
-        horizon=horizon,
+        horizon=float(times[n]) if n < len(times) else None,
     )
 
 

@@ -10,7 +10,7 @@ from spincheck.reference.pose import pose
 from spincheck.reference.second_method import second_opinion
 from spincheck.reference.solution import MAX_UNCERTAINTY
 from spincheck.reference.solve import ROUNDING
-from spincheck.reference.taylor import FINE_ORDERS, integrate
+from spincheck.reference.taylor import Orders, integrate
 from spincheck.scenarios import Scenario, Trajectory, errors_between
 from top_scenes import ASYMMETRIC, HEAVY, TOP, scene
 
@@ -19,6 +19,8 @@ TIMES = np.linspace(0.0, 2.0, 41)
 FREE = ""
 #: The stated error may miss the true one by this factor at the most.
 HONESTY = 10.0
+#: All terms in double-double.
+DEAREST_ORDERS = Orders(40, 40)
 #: Two double pendulum-like swings of an asymmetric top, strongly chaotic.
 CHAOTIC = scene(
     body="mass = 1.0\ninertia = [1.0, 2.0, 2.5]\ncom = [0.6, 0.5, 0.4]",
@@ -28,9 +30,9 @@ CHAOTIC = scene(
 
 
 def true_motion(scenario: Scenario, times: np.ndarray) -> Trajectory:
-    """The motion by the dearest series, rounded once."""
+    """The motion by a series dearer than any that `solve` uses, rounded once."""
     problem = pose(scenario)
-    return motion(scenario, problem, times, integrate(problem, times, FINE_ORDERS))
+    return motion(scenario, problem, times, integrate(problem, times, DEAREST_ORDERS))
 
 
 @pytest.mark.parametrize(

@@ -72,4 +72,5 @@ def test_a_pendulum_is_followed_over_as_many_swings_however_small(speed, monkeyp
     hanging = f"quaternion_wxyz = [0, 1, 0, 0]\nomega_body = [{speed}, 0, 0]"
     solve(scene(TOP, hanging, HEAVY), np.array([0.0, FAR]))
     natural = np.sqrt(10.0 / 2.0)  # √(M g l/I1) of `TOP`
-    assert set(reached) == {pytest.approx(CHECKED_TURN / natural)}
+    assert reached
+    assert reached == [pytest.approx(CHECKED_TURN / natural)] * len(reached)
