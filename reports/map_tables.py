@@ -86,7 +86,7 @@ def _survived(points: list[Point]) -> Cell:
         for point in finished
         if point.errors and not math.isnan(point.errors.omega)
     ]
-    detail = f"median error {number(median(errors))}" if errors else ""
+    detail = f"median {number(median(errors))}" if errors else ""
     return Cell(percent(len(finished), len(points)), "number", detail)
 
 
