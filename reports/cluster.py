@@ -4,6 +4,7 @@ A cluster's worker that dies takes no result with it: Dask gives its calls to an
 comes back comes back once (https://distributed.dask.org/en/stable/resilience.html).
 """
 
+import asyncio
 import logging
 import threading
 from collections.abc import Callable, Iterator
@@ -120,11 +121,20 @@ def _connected(address: str) -> Any:
         ) from None
     try:
         with _quiet():
+            # Before there is a client: one that cannot connect takes long to go away.
+            asyncio.run(_greet(address))
             return Client(address, timeout=CONNECT_LIMIT, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, TimeoutError):
         raise Complaint(f"'--dask': no scheduler answers at {address}", NOT_RUN) from None
     except ValueError as error:
         raise Complaint(f"'--dask' must be a scheduler's address: {error}", BAD_INPUT) from None
+
+
+async def _greet(address: str) -> None:
+    from distributed.comm.core import connect
+
+    scheduler = await asyncio.wait_for(connect(address), CONNECT_LIMIT)  # type: ignore[no-untyped-call]
+    await scheduler.close()
 
 
 @contextmanager
