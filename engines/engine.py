@@ -12,6 +12,7 @@ from ..scenarios import Scenario, Trajectory
 from .audit import audit
 from .fault import Cause
 from .faults import Bounds, clamped_turn
+from .first_steps import departures
 from .read_back import (
     READ_BACK_SLACK,
     READ_BACK_SLACK_SINGLE,
@@ -105,6 +106,25 @@ class Engine(ABC):
         if lacking := sorted(method.requires - scenario.called_for):
             return f"{self.name} {method.name} is for scenes with {', '.join(lacking)}"
         return ""
+
+    @final
+    def departures(self, scenario: Scenario, method: Method) -> str:
+        """What the engine's first steps do otherwise than the scene's equations; empty if nothing.
+
+        Of an engine as shipped nothing is asked, and one that cannot even begin is none.
+        """
+        if method.as_shipped or self.unsupported(scenario, method):
+            return ""
+        numbers = np.float32 if self.single_precision else np.float64
+        try:
+            said = departures(
+                lambda timestep: self.open(scenario, method, timestep),
+                scenario,
+                float(np.finfo(numbers).eps),
+            )
+        except EngineError:
+            return ""
+        return "; ".join(said)
 
     @final
     def run(

@@ -44,12 +44,14 @@ def row_of(
     truth = solution.trajectory.until(len(motion.t))
     absurd = _first_absurd(scenario, motion, truth)
     if absurd is not None:
-        reason = f"the energy exceeds {ABSURD_ENERGY:g} times its base"
+        # What the run itself has to say is said too: it may be why.
+        words = (f"the energy exceeds {ABSURD_ENERGY:g} times its base", row.reason)
+        reason = "; ".join(filter(None, words))
         stopped_at = float(motion.t[absurd])
         row = replace(row, outcome="diverged", reason=reason, cause="energy", stopped_at=stopped_at)
     elif row.outcome == "ok" and (said := lost(scenario, motion, truth)):
-        # What else there is to say of it is said first: it may be why.
-        row = replace(row, cause="lost", reason="; ".join(filter(None, (row.reason, said))))
+        reason = "; ".join(filter(None, (row.reason, said)))
+        row = replace(row, cause=row.cause or "lost", reason=reason, lost=True)
     return replace(
         row,
         errors=errors_between(scenario, motion, truth),

@@ -29,7 +29,8 @@ class Row:
     Attributes
     ----------
     reason : why, where the outcome is not ok; of an engine as shipped, what differs from the scene
-    cause : the same in a word, or "lost": see `survived`
+    cause : the same in a word
+    lost : whether a run that is ok is no nearer to the truth than no motion would be (`lost.lost`)
     stopped_at : s, when it diverged or failed
     errors : at the run's sample times, up to where it stopped; None without samples
     drifts : largest change of each conserved quantity, relative, by name
@@ -57,14 +58,12 @@ class Row:
     wall_seconds_per_step: float | None = None
     motion: Trajectory | None = None
     printed: str = ""
+    lost: bool = False
 
     @property
     def survived(self) -> bool:
-        """Whether the run came to its end, and is nearer to the truth than no motion would be.
-
-        One that is not so near is ok, and lost: see `lost.lost`.
-        """
-        return self.outcome == "ok" and self.cause != "lost"
+        """Whether the run came to its end with something of the truth left in it."""
+        return self.outcome == "ok" and not self.lost
 
 
 @dataclass(frozen=True)

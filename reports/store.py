@@ -39,8 +39,8 @@ CREATE TABLE scenes (
     uncertainty TEXT NOT NULL, conditioning TEXT NOT NULL, horizon REAL, truth BLOB NOT NULL);
 CREATE TABLE rows (
     scenario TEXT, engine TEXT, method TEXT, timestep REAL, engine_version TEXT NOT NULL,
-    outcome TEXT NOT NULL, reason TEXT NOT NULL, cause TEXT NOT NULL, stopped_at REAL,
-    errors TEXT, drifts TEXT,
+    outcome TEXT NOT NULL, reason TEXT NOT NULL, cause TEXT NOT NULL, lost INTEGER NOT NULL,
+    stopped_at REAL, errors TEXT, drifts TEXT,
     uncertainty REAL NOT NULL, steps INTEGER NOT NULL, motion BLOB, printed TEXT NOT NULL,
     PRIMARY KEY (scenario, engine, method, timestep));
 CREATE TABLE costs (

@@ -5,7 +5,7 @@ at any moment is gone on with by running it again.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from queue import SimpleQueue
 from typing import Any
 
@@ -57,8 +57,11 @@ def prepare(scenario: Scenario, timesteps: Sequence[float], max_steps: int) -> P
 
 
 def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
-    """One run, in a worker."""
-    return engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
+    """One run, in a worker; if it is ok, what is odd about its first steps besides."""
+    run = engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
+    if run.outcome == "ok" and (said := engine.departures(scenario, engine.method(method))):
+        return replace(run, cause="law", reason="; ".join(filter(None, (run.reason, said))))
+    return run
 
 
 def descent_of(

@@ -58,6 +58,7 @@ def of_row(row: Row) -> dict[str, Any]:
         **asdict(row.key),
         **{name: getattr(row, name) for name in _PLAIN_ROW},
         "errors": json.dumps(asdict(row.errors)) if row.errors else None,
+        "lost": row.lost,
         "drifts": json.dumps(row.drifts) if row.drifts is not None else None,
         "motion": _pack(row.motion) if row.motion is not None else None,
     }
@@ -133,6 +134,7 @@ def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
     return Row(
         key=key(record),
         errors=Errors(**json.loads(record["errors"])) if record["errors"] else None,
+        lost=bool(record["lost"]),
         drifts=json.loads(record["drifts"]) if record["drifts"] else None,
         motion=_unpack(record["motion"]) if record["motion"] else None,
         seconds_per_step=cost["seconds_per_step"] if cost else None,

@@ -33,6 +33,7 @@ def row() -> Row:
         0.001,
         "diverged",
         "the state is no longer finite",
+        "not-finite",
         0.5,
         ERRORS,
         {"energy": 1e-3},
