@@ -27,3 +27,14 @@ Timesteps = Annotated[
 ]
 Bound = Annotated[float | None, typer.Option(help="Largest error allowed.")]
 Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Worker processes.")]
+SweepTimesteps = Annotated[
+    list[float] | None,
+    typer.Option("--timestep", help="s; chosen from each point's spin if left out."),
+]
+Members = Annotated[
+    int | None, typer.Option("--ensemble", min=1, help="Scatter one scene into so many members.")
+]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Of the ensemble's random numbers.")]
+Dask = Annotated[
+    str | None, typer.Option("--dask", metavar="ADDRESS", help="A Dask scheduler to run on.")
+]

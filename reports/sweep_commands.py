@@ -1,0 +1,100 @@
+"""The commands of sweeps; heavy imports wait inside them, so that ``--help`` answers at once."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .options import (
+    CORES,
+    RESULT_FILE,
+    AsJson,
+    Dask,
+    Engines,
+    Jobs,
+    Methods,
+    Scene,
+    Seed,
+    SweepTimesteps,
+)
+from .terminal import say, to_json
+
+app = typer.Typer()
+
+
+@app.command("map")
+def map_scene(
+    scenario: Scene,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="PATH=LO:HI[:COUNT][:log]",
+            help="A number of the scene file, such as start.omega_body[2], or timestep; twice.",
+        ),
+    ] = None,
+    engine: Engines = None,
+    method: Methods = None,
+    timestep: SweepTimesteps = None,
+    jobs: Jobs = CORES,
+    dask: Dask = None,
+    out: Annotated[Path, typer.Option(help="The result file; added to.")] = RESULT_FILE,
+    as_json: AsJson = False,
+) -> None:
+    """Vary two numbers of a scene, and compare every method with the truth at every point.
+
+    What the file holds already is not run again.
+    """
+    from .sweep_running import choose_for_sweep, exit_code, run_map
+    from .sweep_summary import print_sweep, sweep_as_json
+
+    choice = choose_for_sweep(engine or [], method or [], timestep or [])
+    found = run_map(scenario, vary or [], choice, jobs, dask, out)
+    if as_json:
+        print(to_json(sweep_as_json(found)))
+    else:
+        print_sweep(found)
+        say(f"Points are in {out}; 'spincheck report {out}' draws them.")
+    raise typer.Exit(exit_code(found.points))
+
+
+@app.command("member")
+def print_member(
+    scenario: Scene,
+    member: Annotated[int, typer.Option(min=0, help="Its number, from 0 on.")],
+    seed: Seed = 0,
+) -> None:
+    """Print one member of an ensemble as a scenario file, to be looked at and run."""
+    from .sweep_running import member_text
+
+    print(member_text(scenario, seed, member), end="")
+
+
+def run_members(
+    scenes: list[str],
+    members: int,
+    seed: int,
+    asked: tuple[list[str], list[str], list[float]],
+    where: tuple[int, str | None, Path],
+    as_json: bool,
+) -> int:
+    """What `run --ensemble` does; returns the exit code.
+
+    Parameters
+    ----------
+    asked : engines, methods, timesteps
+    where : how many workers, or a Dask scheduler's address, and the result file
+    """
+    from .sweep_running import choose_for_sweep, exit_code, run_ensemble
+    from .sweep_summary import print_sweep, sweep_as_json
+    from .terminal import BAD_INPUT, Complaint
+
+    if len(scenes) != 1:
+        raise Complaint(f"'--ensemble' takes one scene, got {len(scenes)}", BAD_INPUT)
+    found = run_ensemble(scenes[0], members, seed, choose_for_sweep(*asked), *where)
+    if as_json:
+        print(to_json(sweep_as_json(found)))
+    else:
+        print_sweep(found)
+        one = f"spincheck member {scenes[0]} --seed {seed} --member N"
+        say(f"Members are in {where[2]}; '{one}' prints one.")
+    return exit_code(found.points)
