@@ -15,7 +15,6 @@ from .records import Pair
 from .store import Results
 from .sweep import MapResult, Point
 from .tables import Table
-from .wording import number
 
 #: Digits of a range's ends in a command: those that were typed, and none that rounding added.
 TYPED_DIGITS = 12
@@ -110,4 +109,4 @@ def timestep_in_words(timestep: float | None, axes: tuple[Axis, ...] = ()) -> st
         return ""
     if timestep is None:
         return "Timesteps are chosen run by run, so that the body turns equally far in a step."
-    return f"Every run takes steps of {number(timestep)} s."
+    return f"Every run takes steps of {timestep:g} s."
