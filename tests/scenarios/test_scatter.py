@@ -1,0 +1,154 @@
+"""Members of an ensemble: reproducible one by one, valid, and scattered as is said."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from spincheck.scenarios import find, load, loads
+from spincheck.scenarios.scatter import SCATTER, member
+
+EPS = np.finfo(float).eps
+FREE = """
+spincheck = 1
+title = "A body"
+source = "made up"
+[body]
+mass = 2.0
+inertia = {inertia}
+{pivot_body}
+[start]
+euler_zyz_deg = [10.0, 40.0, 70.0]
+omega_body = [1.0, 2.0, 0.5]
+{effects}
+[window]
+duration = 1.0
+samples = 11
+"""
+HEAVY = "[effects.gravity]\nacceleration = [0.0, 0.0, -9.81]\n[effects.pivot]"
+SKEW = "[[2.0, 0.1, 0.0], [0.1, 2.2, 0.3], [0.0, 0.3, 2.4]]"
+MEMBERS = 400
+#: Standard deviations by which a mean of as many members may be off: once in 10⁹.
+SIGMAS = 6.0
+
+
+def scene(inertia: str = "[1.0, 2.0, 2.5]", *, heavy: bool = False):
+    com = "com = [0.0, 0.0, 0.1]" if heavy else ""
+    effects = HEAVY if heavy else ""
+    return loads(FREE.format(inertia=inertia, pivot_body=com, effects=effects), "body")
+
+
+def members(base, seed: int = 1):
+    return [member(base, seed, number) for number in range(MEMBERS)]
+
+
+@pytest.fixture(scope="module")
+def free():
+    return members(scene())
+
+
+@pytest.fixture(scope="module")
+def heavy():
+    return members(scene("[2.0, 2.0, 1.0]", heavy=True))
+
+
+def attitudes(scenes) -> Rotation:
+    return Rotation.from_quat([s.start.q_world_body_wxyz for s in scenes], scalar_first=True)
+
+
+def test_a_member_is_the_same_whenever_it_is_asked_for():
+    base = scene()
+    alone = member(base, 7, 123).text
+    assert [member(base, 7, number).text for number in (122, 123)][1] == alone
+
+
+def test_a_member_is_that_of_numpys_spawned_streams():
+    """So that anybody can draw it again: the first normals make the attitude."""
+    stream = np.random.SeedSequence(7).spawn(3)[2]
+    n = np.random.Generator(np.random.PCG64(stream)).standard_normal(4)
+    expected = Rotation.from_quat(n).as_quat(scalar_first=True)
+    got = member(scene(), 7, 2).start.q_world_body_wxyz
+    assert min(np.abs(got - expected).max(), np.abs(got + expected).max()) <= 8 * EPS
+
+
+def test_seeds_and_numbers_tell_members_apart():
+    texts = {member(scene(), seed, number).text for seed in range(5) for number in range(5)}
+    assert len(texts) == 25
+
+
+def test_a_member_reads_back_from_its_text():
+    one = member(scene(), 7, 3)
+    again = loads(one.text, "again")
+    assert np.array_equal(again.start.omega_body, one.start.omega_body)
+    assert np.array_equal(again.body.inertia_com, one.body.inertia_com)
+
+
+@pytest.mark.parametrize("path", find([]), ids=lambda path: path.stem)
+def test_every_scene_of_the_library_can_be_scattered(path):
+    base = load(path)
+    scattered = member(base, 1, 0)
+    assert scattered.called_for == base.called_for
+
+
+def test_free_attitudes_are_uniform(free):
+    """Of a uniform rotation every entry of the matrix has mean 0 and variance 1/3."""
+    matrices = attitudes(free).as_matrix()
+    off = np.abs(matrices.mean(axis=0)) * np.sqrt(3 * MEMBERS)
+    assert off.max() < SIGMAS
+
+
+def test_attitudes_under_gravity_stay_near_the_scenes(heavy):
+    base = Rotation.from_euler("ZYZ", [10.0, 40.0, 70.0], degrees=True)
+    turns = (base.inv() * attitudes(heavy)).as_rotvec()
+    assert abs(turns.std() / SCATTER - 1) < SIGMAS / np.sqrt(2 * turns.size)
+
+
+def test_those_of_a_free_body_do_not(free):
+    base = Rotation.from_euler("ZYZ", [10.0, 40.0, 70.0], degrees=True)
+    turns = (base.inv() * attitudes(free)).as_rotvec()
+    assert abs(turns.std() / SCATTER - 1) > SIGMAS / np.sqrt(2 * turns.size)
+
+
+def test_spins_are_longer_and_shorter_by_the_factor_that_is_said(free):
+    longer = np.log([np.linalg.norm(s.start.omega_body) / np.sqrt(5.25) for s in free])
+    assert abs(longer.std() / SCATTER - 1) < SIGMAS / np.sqrt(2 * MEMBERS)
+    assert abs(longer.mean()) < SIGMAS * SCATTER / np.sqrt(MEMBERS)
+
+
+def test_second_moments_of_mass_are_scattered_as_is_said(free):
+    moments = np.array([np.diag(s.body.inertia_com) for s in free])
+    second = moments.sum(axis=1, keepdims=True) / 2 - moments
+    factors = np.log(second / [1.75, 0.75, 0.25])
+    assert np.abs(factors.std(axis=0) / SCATTER - 1).max() < SIGMAS / np.sqrt(2 * MEMBERS)
+    assert np.abs(np.corrcoef(factors.T)[np.triu_indices(3, 1)]).max() < SIGMAS / np.sqrt(MEMBERS)
+
+
+def test_a_symmetric_top_stays_one(heavy):
+    assert all(s.body.inertia_com[0, 0] == s.body.inertia_com[1, 1] for s in heavy)
+
+
+def test_its_com_stays_on_its_axis(heavy):
+    assert all(s.body.com[0] == s.body.com[1] == 0.0 for s in heavy)
+
+
+def test_a_flat_body_stays_flat():
+    moments = np.array([np.diag(s.body.inertia_com) for s in members(scene("[1.0, 2.0, 3.0]"))])
+    assert np.abs(moments[:, 0] + moments[:, 1] - moments[:, 2]).max() <= 8 * EPS * moments.max()
+
+
+def test_a_sphere_stays_one():
+    for s in members(scene("[2.0, 2.0, 2.0]"))[:20]:
+        assert len(set(np.diag(s.body.inertia_com))) == 1
+
+
+def test_a_body_in_skew_axes_keeps_them():
+    """To the rounding of its eigenvectors: the tensors commute."""
+    base = scene(SKEW)
+    for s in members(base)[:20]:
+        a, b = base.body.inertia_com, s.body.inertia_com
+        assert np.abs(a @ b - b @ a).max() <= 64 * EPS * np.abs(a).max() * np.abs(b).max()
+        assert np.abs(a / np.trace(a) - b / np.trace(b)).max() > SCATTER**3
+
+
+def test_a_body_at_rest_stays_at_rest():
+    text = FREE.replace("[1.0, 2.0, 0.5]", "[0.0, 0.0, 0.0]")
+    base = loads(text.format(inertia="[1.0, 2.0, 2.5]", pivot_body="", effects=""), "rest")
+    assert not member(base, 1, 1).start.omega_body.any()
