@@ -1,0 +1,278 @@
+"""What makes the hard scenes hard, where numbers of the file can tell."""
+
+import re
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from mpmath import mp
+from spincheck.scenarios import LIBRARY, Scenario, find, load
+from spincheck.scenarios.exact import DIGITS
+
+EPS = float(np.finfo(float).eps)
+HARD = [load(path) for path in find([]) if path.is_relative_to(LIBRARY / "hard")]
+KINDS = ("free", "thrown", "heavy", "driven")
+FEWEST_SCENES = 40
+#: Words too few to say what is hard, and for which method.
+FEWEST_WORDS = 8
+#: Doubles round a distance of 1e-14 by some hundredths of it.
+ROUNDED = 0.05
+#: A scene of another distance, spin or size must fail: it is off by this factor at the least.
+FAULT = 10.0
+#: rad: six rungs of a ladder from 0.2 rad a step take fewer than 2^20 steps.
+LADDER_TURN_RAD = 6500.0
+
+
+def scene(name: str) -> Scenario:
+    (found,) = (scenario for scenario in HARD if scenario.name == name)
+    return found
+
+
+def fractions(values) -> list[Fraction]:
+    return [Fraction(float(x)) for x in values]
+
+
+def moments(scenario: Scenario) -> list[Fraction]:
+    """Moments about the com of a body given by its moments, exactly as typed."""
+    return fractions(scenario.body.inertia_com.diagonal())
+
+
+def near(found: float | Fraction, told: float, within: float) -> bool:
+    """Equal but for a share."""
+    return abs(found - told) <= within * abs(told)
+
+
+def scene_ids(scenario: Scenario) -> str:
+    return scenario.name
+
+
+every_hard_scene = pytest.mark.parametrize("scenario", HARD, ids=scene_ids)
+
+
+def test_there_are_enough_hard_scenes() -> None:
+    assert len(HARD) >= FEWEST_SCENES
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_hard_scenes_are_of_every_kind(kind: str) -> None:
+    assert any(kind in scenario.document.tags for scenario in HARD)
+
+
+@every_hard_scene
+def test_a_hard_scene_says_that_it_is_and_where_it_comes_from(scenario: Scenario) -> None:
+    assert scenario.document.tags[0] == "hard"
+    assert scenario.document.source.strip()
+
+
+@every_hard_scene
+def test_the_first_sentence_says_what_is_hard(scenario: Scenario) -> None:
+    first = re.split(r"[.?!]\s", scenario.document.description.strip())[0]
+    assert len(first.split()) >= FEWEST_WORDS
+    assert first.split() != scenario.document.title.split()
+
+
+@every_hard_scene
+def test_a_full_ladder_of_timesteps_fits(scenario: Scenario) -> None:
+    """A million turns are for the truth, not for an engine."""
+    if scenario.name == "million-turns":
+        return
+    turn = np.linalg.norm(scenario.start.omega_body) * scenario.window.duration
+    assert turn <= LADDER_TURN_RAD
+
+
+def beyond_separatrix(scenario: Scenario) -> Fraction:
+    """(L² − 2T I₂)/2T I₂ of a body in principal axes, exactly; the sign tells the side."""
+    inertia, omega = moments(scenario), fractions(scenario.start.omega_body)
+    L_squared = sum((i * w) ** 2 for i, w in zip(inertia, omega, strict=True))
+    twice_energy = sum(i * w**2 for i, w in zip(inertia, omega, strict=True))
+    return L_squared / (twice_energy * sorted(inertia)[1]) - 1
+
+
+@pytest.mark.parametrize(
+    ("name", "distance"),
+    [
+        ("separatrix-within-1e-3", 1e-3),
+        ("separatrix-within-1e-6", 1e-6),
+        ("separatrix-below-by-1e-6", -1e-6),
+        ("separatrix-within-1e-10", 1e-10),
+        ("separatrix-below-by-1e-14", -1e-14),
+    ],
+)
+def test_the_distance_from_the_separatrix_is_the_one_told(name: str, distance: float) -> None:
+    found = float(beyond_separatrix(scene(name)))
+    assert near(found, distance, ROUNDED)
+    assert not near(found, FAULT * distance, ROUNDED)
+    assert not near(found, -distance, ROUNDED)
+
+
+def test_one_starts_on_the_separatrix_to_the_last_bit() -> None:
+    assert beyond_separatrix(scene("separatrix-exactly")) == 0
+    assert beyond_separatrix(scene("separatrix-below-by-1e-14")) != 0
+
+
+def test_a_steady_spin_about_the_middle_axis_has_no_other_component() -> None:
+    scenario = scene("middle-axis-exactly")
+    middle = int(np.argsort(scenario.body.inertia_com.diagonal())[1])
+    assert [k for k in range(3) if scenario.start.omega_body[k]] == [middle]
+
+
+def test_told_in_skew_axes_the_spin_is_about_the_middle_axis_exactly() -> None:
+    scenario = scene("middle-axis-in-skew-axes")
+    tensor = [fractions(row) for row in scenario.body.inertia_com]
+    omega = fractions(scenario.start.omega_body)
+    L = [sum(a * w for a, w in zip(row, omega, strict=True)) for row in tensor]
+    ratio = L[0] / omega[0]
+    assert [ratio * w for w in omega] == L
+    assert near(ratio, scenario.body.principal_moments[1], 8 * EPS)
+    assert all(omega)
+
+
+def test_all_but_1e_8_of_the_spin_is_about_the_middle_axis() -> None:
+    omega = scene("middle-axis-off-by-1e-8").start.omega_body
+    assert near(abs(omega[0] / omega[1]), 1e-8, 8 * EPS)
+    assert omega[2] == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "pair"),
+    [
+        ("moments-equal-to-1e-14-prolate", (1, 2)),
+        ("moments-equal-to-1e-14-end-over-end", (1, 2)),
+        ("moments-equal-to-1e-14-oblate", (0, 1)),
+    ],
+)
+def test_two_moments_agree_to_1e_14(name: str, pair: tuple[int, int]) -> None:
+    low, high = (sorted(moments(scene(name)))[k] for k in pair)
+    assert near(float(high / low - 1), 1e-14, ROUNDED)
+
+
+def test_three_moments_agree_to_1e_14() -> None:
+    low, middle, high = sorted(moments(scene("moments-all-equal-to-1e-14")))
+    assert near(float(middle / low - 1), 1e-14, ROUNDED)
+    assert near(float(high / middle - 1), 1e-14, ROUNDED)
+
+
+@pytest.mark.parametrize(
+    ("name", "ratio"), [("rod-1e-6", 1e-6), ("rod-1e-12", 1e-12), ("needle-in-skew-axes", 1e-8)]
+)
+def test_the_moment_about_a_rod_is_the_share_told(name: str, ratio: float) -> None:
+    least, _, most = scene(name).body.principal_moments
+    assert near(least / most, ratio, EPS / ratio + 1e-6)
+    assert not near(least / most, FAULT * ratio, ROUNDED)
+
+
+@pytest.mark.parametrize("name", ["rod-1e-12", "needle-in-skew-axes"])
+def test_its_other_moments_differ_by_half_of_it(name: str) -> None:
+    """Where rounding of the large ones leaves some digits of that."""
+    least, middle, most = scene(name).body.principal_moments
+    assert (most - middle) / least == pytest.approx(0.5, abs=2 * EPS * most / least)
+
+
+def test_the_plate_has_no_thickness_in_exact_numbers() -> None:
+    scenario = scene("plate-of-particles")
+    tensor = scenario.body.inertia_com_exact
+    assert tensor[0][2] == tensor[1][2] == 0
+    with mp.workdps(DIGITS):
+        excess = tensor[0][0] + tensor[1][1] - tensor[2][2]
+        assert abs(excess) <= EPS**2 * tensor[2][2]
+
+
+@pytest.mark.parametrize(
+    ("name", "mass", "length"),
+    [
+        ("dust-grain", 1e-15, 1e-6),
+        ("grain-of-sand", 1e-6, 1e-3),
+        ("haumea-wobbling", 1e21, 1e6),
+        ("toutatis", 1e13, 1e3),
+        ("earth-polar-motion", 1e25, 1e6),
+    ],
+)
+def test_body_is_of_the_size_told(name: str, mass: float, length: float) -> None:
+    """Radius of gyration √(I/m) and mass, within a factor of ten."""
+    body = scene(name).body
+    gyration = np.sqrt(body.principal_moments[2] / body.mass)
+    assert 1 / FAULT < body.mass / mass < FAULT
+    assert 1 / FAULT < gyration / length < FAULT
+
+
+@pytest.mark.parametrize(
+    ("name", "speed"),
+    [("spin-of-1e-6", 1e-6), ("steel-ball-at-40-million-rpm", 40e6 * 2 * np.pi / 60)],
+)
+def test_the_spin_is_the_one_told(name: str, speed: float) -> None:
+    assert near(np.linalg.norm(scene(name).start.omega_body), speed, ROUNDED)
+
+
+def test_a_million_turns_are_a_million_turns() -> None:
+    scenario = scene("million-turns")
+    turns = np.linalg.norm(scenario.start.omega_body) * scenario.window.duration / (2 * np.pi)
+    assert near(turns, 1e6, ROUNDED)
+
+
+@pytest.mark.parametrize(
+    ("name", "cosine"),
+    [
+        ("wobble-through-the-pole", 1),
+        ("end-over-end-through-both-poles", 1),
+        ("tumbling-from-the-lower-pole", -1),
+    ],
+)
+def test_the_body_starts_with_its_axis_on_the_vertical_exactly(name: str, cosine: int) -> None:
+    w, x, y, z = scene(name).start.q_exact
+    assert ((x, y) if cosine == 1 else (w, z)) == (0, 0)
+
+
+def test_end_over_end_the_axis_passes_through_both_poles() -> None:
+    """It turns about a level axis across its own."""
+    scenario = scene("end-over-end-through-both-poles")
+    omega = scenario.start.omega_body
+    assert omega[0] == omega[2] == 0
+    assert np.array_equal(scenario.start.q_world_body_wxyz, [1.0, 0.0, 0.0, 0.0])
+
+
+def test_the_wobble_brings_the_axis_back_to_the_pole() -> None:
+    """The axis goes round L, and begins on the vertical, which is not along L."""
+    scenario = scene("wobble-through-the-pole")
+    L = scenario.body.inertia_com @ scenario.start.omega_body
+    assert L[0] != 0
+    precession = np.linalg.norm(L) / scenario.body.inertia_com[0, 0]
+    assert precession * scenario.window.duration > 2 * np.pi
+
+
+def test_drag_lasts_for_many_e_foldings() -> None:
+    scenario = scene("drag-until-rest")
+    slowest = scenario.drag / scenario.body.principal_moments[2]
+    assert np.exp(-slowest * scenario.window.duration) < 1e-13
+
+
+def test_stiff_drag_has_rates_ten_thousand_times_apart() -> None:
+    scenario = scene("stiff-drag")
+    least, middle, _ = scenario.body.principal_moments
+    assert middle / least >= 1e4
+    assert scenario.drag / least * scenario.window.duration >= 1e4
+
+
+@pytest.mark.parametrize(
+    "name", ["torque-to-high-spin", "torque-about-the-middle-axis", "pushed-from-rest"]
+)
+def test_driven_from_exactly_zero(name: str) -> None:
+    assert not scene(name).start.omega_body.any()
+
+
+def test_the_wheel_keeps_its_speed_and_its_axle_is_no_principal_axis() -> None:
+    scenario = scene("reaction-wheel")
+    braking = scenario.drag * scenario.start.omega_body[2]
+    assert near(scenario.torque_body[2], braking, 8 * EPS)
+    inertia = scenario.body.inertia_com
+    tilt = inertia[0, 2] / (inertia[2, 2] - inertia[0, 0])
+    assert near(tilt, 4e-5, 0.2)  # told with one digit
+
+
+def test_far_from_the_origin_is_far_for_single_precision() -> None:
+    start = scene("far-from-the-origin").start
+    assert np.finfo(np.float32).eps * np.abs(start.position_world).max() > 1.0  # m
+
+
+def test_the_racket_is_nearly_flat() -> None:
+    low, middle, high = scene("tennis-racket-thrown").body.principal_moments
+    assert near(high, low + middle, 8 * EPS)
