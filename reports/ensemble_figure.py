@@ -32,9 +32,7 @@ def distribution(members: Sequence[Members], looks: dict[Pair, Look]) -> Figure:
         exact = len(of_method.finished) - len(errors)
         risen = 100 * (exact + np.arange(len(errors) + 1)) / len(of_method.points)
         label = " ".join(of_method.pair)
-        told = {
-            "hovertemplate": f"{escape(label)}<br>%{{y:.3g}} % within %{{x:.2e}}<extra></extra>"
-        }
+        told = f"{escape(label)}<br>%{{y:.3g}} % within %{{x:.2e}}<extra></extra>"
         x = np.concatenate([errors[:1], errors])
         # By steps: the error of a member is where the curve rises.
         look = method_look(label, looks[of_method.pair])

@@ -34,8 +34,9 @@ def worst_table(ensemble: Ensemble, members: Sequence[Members]) -> Table:
 
 def member_command(ensemble: Ensemble, number_of_member: int) -> str:
     """What writes a member as a scene file, as typed in a shell."""
-    words = ["spincheck", "member", ensemble.scenario, str(number_of_member)]
-    return shlex.join([*words, "--seed", str(ensemble.seed)])
+    words = ["spincheck", "member", ensemble.scenario, "--member", str(number_of_member)]
+    path = f"{ensemble.scenario}-{ensemble.seed}-{number_of_member}.toml"
+    return f"{shlex.join([*words, '--seed', str(ensemble.seed)])} > {shlex.quote(path)}"
 
 
 def _quantiles(members: Sequence[Members], signal: Signal) -> Table:

@@ -16,6 +16,7 @@ from .links import scene_page
 from .markdown import code_block, escaped, to_html
 from .protocol import constants
 from .store import Results
+from .sweep_section import sweep_section, write_sweeps
 from .verdict import VerdictWord
 
 TEMPLATES = Path(str(files(__package__))) / "templates"
@@ -32,7 +33,7 @@ SHIPPED: tuple[VerdictWord, ...] = ("disagrees", "failed", "diverges", "unresolv
 
 
 def render(results: Results, folder: Path) -> Path:
-    """Write index.html, report.md, assets/, and scenes/ as .html and .md; returns index.html.
+    """Write index.html, report.md, assets/ and a page a scene, map, ensemble; returns index.html.
 
     The same results give the same files, byte for byte.
 
@@ -53,6 +54,8 @@ def render(results: Results, folder: Path) -> Path:
     )
     shared = {**_overview(gathered), "gathered": gathered, "left_out": left_out}
     shared["protocol"] = protocol
+    shared["sweeps"] = sweeps = sweep_section(results)
+    write_sweeps(environment, folder, sweeps, results.scenes)
     index = folder / "index.html"
     _write(index, environment.get_template("index.html").render(root="", **shared))
     contents = [_scene(scene) for scene in gathered.scenes]
