@@ -75,12 +75,14 @@ def departures(
     # A power of two, so that times are exact.
     timestep = 2.0 ** np.floor(np.log2(balance / rate))
     with open_at(timestep) as session:
+        start = session.read_state()
         session.advance(STEPS)
         before = session.read_state()
         session.advance(STEPS)
         after = session.read_state()
     gains = _gains(scenario, before, after, STEPS * timestep, rate)
-    said = [gain.departure(TERMS * STEPS * timestep * rate) for gain in gains]
+    allowed = TERMS * STEPS * timestep * rate
+    said = [_leap(start, before, allowed), *(gain.departure(allowed) for gain in gains)]
     return [words for words in said if words]
 
 
@@ -99,6 +101,16 @@ def fastest_rate(scenario: Scenario) -> float:
         float(np.sqrt((weight * np.linalg.norm(body.com) + push) / least)),
         1 / scenario.window.duration,
     )
+
+
+def _leap(start: State, soon: State, allowed: float) -> str:
+    """Say so if ω is another one no time after the start."""
+    size = float(np.linalg.norm(start.omega_body))
+    # From rest anything is a leap; what ω gains there is compared below.
+    if not size or _is_near(soon.omega_body, start.omega_body, allowed * size):
+        return ""
+    reads, soon_reads = _numbers(start.omega_body), _numbers(soon.omega_body)
+    return f"ω, rad/s in body axes, reads {reads} at the start and leaps to {soon_reads}"
 
 
 def _gains(
@@ -139,11 +151,13 @@ def _spinning(scenario: Scenario, before: State, after: State, span: float, rate
     wanted_body = torque_body - np.cross(omega_body, L_body)
     left = got_body - wanted_body
     resistance = -float(left @ omega_body) / float(omega_body @ omega_body or 1.0)
+    decay = -float(left @ L_body) / float(L_body @ L_body or 1.0)
     word = "slowed" if resistance > 0 else "sped up"
     if_other = {
         "gravity were turned round": wanted_body - 2 * fall_body,
         "there were no gravity": wanted_body - fall_body,
         f"it were {word} by {abs(resistance):.3g} N m s": wanted_body - resistance * omega_body,
+        f"L were {word} by {abs(decay):.3g} /s": wanted_body - decay * L_body,
     }
     speed = float(np.linalg.norm(omega_body))
     size = float(np.linalg.norm(L_body)) * (speed + rate) + float(np.linalg.norm(torque_body))

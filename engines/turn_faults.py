@@ -76,8 +76,9 @@ def _turns(
     said_body = (before_body + after_body) / 2
     speeds = np.linalg.norm(said_body, axis=1)
     fastest = np.maximum(_norms(before_body), _norms(after_body))
-    # ω may turn back within a step; so it is its fastest change so far that counts.
-    change = np.maximum.accumulate(_norms(after_body - before_body))
+    # ω may turn back within a step; so it is its change there or next to it that counts.
+    change = np.pad(_norms(after_body - before_body), 1)
+    change = np.maximum(change[1:-1], np.maximum(change[:-2], change[2:]))
     change += decay * timestep * fastest
     allowed = change + ATAN * timestep**2 * fastest**3 + round_off / timestep
     bad = (_norms(rate_body - said_body) > allowed) & (fastest * timestep < FURTHEST)
@@ -86,7 +87,9 @@ def _turns(
     k = int(np.argmax(bad))
     along = float(rate_body[k] @ said_body[k]) / speeds[k] if speeds[k] else 0.0
     aside = float(np.sqrt(max(0.0, float(rate_body[k] @ rate_body[k]) - along**2)))
-    cause = _cause(reading, int(pairs[k]), along, aside, speeds[k], allowed[k])
+    # About ω's axis, give or take what ω changes: less than what is missing along it.
+    is_aside = along < 0 or aside > min(float(allowed[k]), abs(along - float(speeds[k])))
+    cause = _cause(reading, int(pairs[k]), is_aside, is_short=along < speeds[k])
     turned = float(np.linalg.norm(rate_body[k])) * timestep
     reason = (
         f"in a step the attitude turns by {turned:.3g} rad{_WAYS[cause]}, "
@@ -104,17 +107,15 @@ _WAYS: dict[Cause, str] = {
 }
 
 
-def _cause(
-    reading: Reading, k: int, along: float, aside: float, speed: float, allowed: float
-) -> Cause:
+def _cause(reading: Reading, k: int, is_aside: bool, is_short: bool) -> Cause:
     """What the turn from state k to the next is like, beside ω."""
     states = reading.states
     if _same(states, k, k + 1):
         moves_on = k + 2 < len(reading.steps) and not _same(states, k, k + 2)
         return "late" if reading.steps[k] == 0 and moves_on else "frozen"
-    if aside > allowed or along < 0:
+    if is_aside:
         return "frames"
-    return "lag" if along < speed else "clock"
+    return "lag" if is_short else "clock"
 
 
 def _resets(reading: Reading) -> Iterator[Fault]:
@@ -137,7 +138,7 @@ def _is_same(states: State, others: State, k: int) -> NDArray[np.bool_]:
     likely = np.flatnonzero(is_same)
     pairs = zip(_motion(states), _motion(others), strict=True)
     is_same[likely] = np.all([(a[likely] == b[k]).all(axis=1) for a, b in pairs], axis=0)
-    return is_same
+    return np.asarray(is_same)
 
 
 def _motion(states: State) -> list[FloatArray]:

@@ -57,11 +57,17 @@ def prepare(scenario: Scenario, timesteps: Sequence[float], max_steps: int) -> P
 
 
 def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
-    """One run, in a worker; if it is ok, what is odd about its first steps besides."""
+    """One run, in a worker; if it is ok or lags, what is odd about its first steps besides."""
     run = engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
-    if run.outcome == "ok" and (said := engine.departures(scenario, engine.method(method))):
-        return replace(run, cause="law", reason="; ".join(filter(None, (run.reason, said))))
-    return run
+    if not (run.outcome == "ok" or run.cause == "lag"):
+        return run
+    if not (said := engine.departures(scenario, engine.method(method))):
+        return run
+    said = "; ".join(filter(None, (run.reason, said)))
+    if run.outcome == "ok":
+        return replace(run, cause="law", reason=said)
+    # What lags however small the step is no clamp.
+    return replace(run, outcome="failed", cause="clock", reason=said)
 
 
 def descent_of(
