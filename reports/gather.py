@@ -9,6 +9,7 @@ from ..engines import Method
 from ..reference import solve
 from ..scenarios import Errors, ErrorSeries, Trajectory, error_series
 from .looks import Look, looks
+from .pace import pace
 from .records import Pair, Row, Verdict
 from .store import Results, SceneResult
 
@@ -62,6 +63,12 @@ class SceneRuns:
     def title(self) -> str:
         """The scene's own title, or its name where there is no scene."""
         return self.found.scenario.title if self.found else self.name
+
+    @cached_property
+    def pace(self) -> float:
+        """The scene's fastest rate, rad/s."""
+        assert self.found is not None, "how fast a motion is, its truth says"
+        return pace(self.found.scenario, self.found.solution.trajectory)
 
     @cached_property
     def compared(self) -> tuple["Compared", ...]:

@@ -15,6 +15,8 @@ COARSEST_TURN = 0.2
 #: Above the ladder timesteps are doubled up to this angle, rad: half a turn, beyond which samples
 #: cannot tell a rotation from its opposite.
 LARGEST_TURN = math.pi
+#: In fewer steps than this nothing has time to blow up.
+LEAST_STEPS = 10
 #: A ladder ends before a run would take more steps than this.
 MAX_STEPS = 1 << 20
 #: Fewer rungs than this show no trend; they are run, as far as `MAX_STEPS` allows, whatever the
@@ -131,6 +133,8 @@ def _above(coarsest: float, counts: NDArray[np.int64], pace: float) -> Iterator[
         if timestep * pace > LARGEST_TURN or every >= len(counts):
             return
         rung = Rung(timestep, counts[::every] >> k, every)
+        if rung.steps < LEAST_STEPS:
+            return
         if rung.steps <= MAX_STEPS:
             yield rung
 

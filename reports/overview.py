@@ -1,14 +1,14 @@
 """The first page's contents: a headline, the matrix of verdicts, methods and complaints."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from statistics import median
 
 from ..engines import Method
 from .gather import Gathered, MethodRuns, SceneRuns
 from .links import method_anchor, scene_page
-from .records import Verdict
+from .records import Pair, Verdict
 from .tables import VERDICTS, Cell, Table, figure, table, verdict_cell
 from .verdict import VerdictWord
 from .wording import NOTHING, number, order, plural
@@ -71,13 +71,23 @@ def counts(gathered: Gathered) -> list[Cell]:
 
 
 def matrix(gathered: Gathered) -> Matrix:
-    """The matrix of verdicts."""
+    """The matrix of verdicts, with the order of accuracy in each cell."""
+    return matrix_of(gathered, gathered.scenes, _order_detail)
+
+
+def matrix_of(
+    gathered: Gathered,
+    shown: Sequence[SceneRuns],
+    detail: Callable[[SceneRuns, MethodRuns], str],
+) -> Matrix:
+    """Verdicts on the scenes shown, and beside each what is to be said of it."""
     engines = Counter(engine for engine, _ in gathered.pairs)
     groups = []
     for title in GROUPS:
-        scenes = [scene for scene in gathered.scenes if group_of(scene) == title]
+        scenes = [scene for scene in shown if group_of(scene) == title]
         if scenes:
-            groups.append(Group(title, tuple(_matrix_row(scene, gathered) for scene in scenes)))
+            rows = tuple(_matrix_row(scene, gathered.pairs, detail) for scene in scenes)
+            groups.append(Group(title, rows))
     shipped = {(v.key.engine, v.key.method) for v in gathered.verdicts if v.as_shipped}
     methods = tuple(
         f"{pair[1]}, as shipped" if pair in shipped else pair[1] for pair in gathered.pairs
@@ -135,25 +145,39 @@ def environment_table(gathered: Gathered) -> Table:
     return table(("", "value"), [(name, value) for name, value in gathered.environment.items()])
 
 
-def _matrix_row(scene: SceneRuns, gathered: Gathered) -> tuple[Cell, tuple[Cell, ...]]:
+def _matrix_row(
+    scene: SceneRuns,
+    pairs: Sequence[Pair],
+    detail: Callable[[SceneRuns, MethodRuns], str],
+) -> tuple[Cell, tuple[Cell, ...]]:
     page = scene_page(scene.name)
     tried = {(runs.engine, runs.method): runs for runs in scene.methods}
-    cells = tuple(_matrix_cell(tried.get(pair), page) for pair in gathered.pairs)
-    return Cell(scene.name, "scene", scene.title, page), cells
+    cells = []
+    for pair in pairs:
+        runs = tried.get(pair)
+        said = detail(scene, runs) if runs else ""
+        cells.append(_matrix_cell(runs, page, said))
+    return Cell(scene.name, "scene", scene.title, page), tuple(cells)
 
 
-def _matrix_cell(runs: MethodRuns | None, page: str) -> Cell:
+def _matrix_cell(runs: MethodRuns | None, page: str, detail: str) -> Cell:
     if runs is None:
         return Cell("not run", "absent")
     link = f"{page}#{method_anchor(runs.engine, runs.method)}"
     if runs.verdict is None:
         return Cell("no verdict", "absent", "", link)
-    detail = f"order {order(runs.verdict.order)}" if runs.verdict.order is not None else ""
-    if runs.verdict.broken:
-        detail = "promise broken"
-    elif not detail and runs.verdict.verdict == "converges":
-        detail = "to round-off"
     return verdict_cell(runs.verdict.verdict, detail, link)
+
+
+def _order_detail(scene: SceneRuns, runs: MethodRuns) -> str:  # noqa: ARG001
+    verdict = runs.verdict
+    if verdict is None:
+        return ""
+    if verdict.broken:
+        return "promise broken"
+    if verdict.order is not None:
+        return f"order {order(verdict.order)}"
+    return "to round-off" if verdict.verdict == "converges" else ""
 
 
 def _method_row(pair: tuple[str, str], gathered: Gathered) -> list[Cell | str]:

@@ -10,6 +10,8 @@ def constants() -> dict[str, str]:
     """Name and printed value of every number that the protocol mentions."""
     return {
         "coarsest_turn": number(ladder.COARSEST_TURN),
+        "largest_turn": number(ladder.LARGEST_TURN),
+        "least_steps": str(ladder.LEAST_STEPS),
         "max_steps": count(ladder.MAX_STEPS),
         "min_rungs": str(ladder.MIN_RUNGS),
         "goal": number(descent.GOAL),

@@ -7,7 +7,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
-from . import overview, scene_tables
+from . import hard_cases, overview, scene_tables
 from .cost_section import LEGEND, cost_section, scene_costs
 from .figures import figures
 from .gather import Gathered, SceneRuns, gather
@@ -56,6 +56,7 @@ def render(results: Results, folder: Path) -> Path:
     shared["protocol"] = protocol
     shared["sweeps"] = sweeps = sweep_section(results)
     write_sweeps(environment, folder, sweeps, results.scenes)
+    shared["hard"] = _hard_cases(gathered, environment)
     index = folder / "index.html"
     _write(index, environment.get_template("index.html").render(root="", **shared))
     contents = [_scene(scene) for scene in gathered.scenes]
@@ -111,6 +112,17 @@ def _overview(gathered: Gathered) -> dict[str, Any]:
         "complaints": [overview.complaints(gathered, words) for words in COMPLAINTS],
         "shipped": overview.complaints(gathered, SHIPPED, as_shipped=True),
         "environment": overview.environment_table(gathered),
+    }
+
+
+def _hard_cases(gathered: Gathered, environment: Environment) -> dict[str, Any]:
+    scenes = hard_cases.hard_scenes(gathered)
+    numbers = constants() | {"count": str(len(scenes))}
+    return {
+        "scenes": scenes,
+        "text": environment.get_template("hard.md").render(h=numbers),
+        "matrix": hard_cases.survivors(gathered),
+        "methods": hard_cases.survivors_table(gathered),
     }
 
 

@@ -8,6 +8,7 @@ from .links import method_anchor
 from .overview import reason_of
 from .records import Row
 from .store import SceneResult
+from .survival import in_words, survival
 from .tables import Cell, Table, figure, table, verdict_cell
 from .wording import (
     ERROR_HEADINGS,
@@ -65,6 +66,8 @@ def verdict_table(scene: SceneRuns) -> Table:
         "decided by",
         "limit dt → 0 off by",
         "its estimate",
+        "survives up to, s",
+        "rad a step",
         "reason",
     )
     made = table(headings, [_verdict_row(scene, runs) for runs in scene.methods])
@@ -138,12 +141,13 @@ def printed(scene: SceneRuns) -> list[tuple[str, str]]:
 def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
     verdict = runs.verdict
     if verdict is None:
-        nothing = [figure(NOTHING)] * 5
+        nothing = [figure(NOTHING)] * 7
         return [*_named(runs), Cell("no verdict", "absent"), *nothing, "stopped early"]
     decided = {"omega": "ω", "attitude": "attitude"}[verdict.signal]
     uncertainty = 0.0
     if scene.found is not None:
         uncertainty = float(getattr(scene.found.solution.uncertainty, verdict.signal))
+    survives = in_words(survival(runs.rows, scene.pace) if scene.found else None)
     declared = NOTHING
     if runs.declared is not None:
         orders = {"omega": runs.declared.order, "attitude": runs.declared.attitude_order}
@@ -156,6 +160,7 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
         decided if verdict.limit_error is not None else NOTHING,
         figure(limited(verdict.limit_error, uncertainty)),
         figure(number(verdict.limit_estimate)),
+        *(figure(words) for words in survives),
         reason_of(verdict),
     ]
 

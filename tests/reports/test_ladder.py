@@ -7,6 +7,7 @@ import pytest
 from spincheck.reports.ladder import (
     COARSEST_TURN,
     LARGEST_TURN,
+    LEAST_STEPS,
     MAX_STEPS,
     MIN_RUNGS,
     Ladder,
@@ -61,8 +62,11 @@ def test_timesteps_above_are_doubled_up_to_half_a_turn():
     assert LARGEST_TURN / 2 < steps[-1] * 40.0 <= LARGEST_TURN
 
 
-def test_what_does_not_move_is_stepped_from_its_start_to_its_end_at_the_most():
-    assert ladder_of(0.0).above[-1].sample_steps.tolist() == [0, 1]
+@pytest.mark.parametrize("pace", [0.0, 0.01, 1.0])
+def test_runs_above_are_of_enough_steps_to_show_a_blow_up(pace):
+    steps = ladder_of(pace).above[-1].steps
+    assert steps >= LEAST_STEPS
+    assert pace or steps < 2 * LEAST_STEPS
 
 
 def test_the_budget_of_steps_is_used_and_kept():

@@ -191,7 +191,7 @@ def test_markdown_has_a_row_for_every_run(folder: Path) -> None:
 
 def test_markdown_has_a_row_for_every_verdict(folder: Path) -> None:
     tables = markdown_tables(folder / "report.md")
-    rows = [plain("|".join(row)) for table in tables for row in table[2:] if len(row) == 9]
+    rows = [plain("|".join(row)) for table in tables for row in table[2:] if len(row) == 11]
     for verdict in verdicts():
         assert any(
             row.startswith(f"{verdict.key.engine}|{verdict.key.method}|")
