@@ -8,16 +8,17 @@ from typing import Any
 import numpy as np
 
 from ..scenarios import FloatArray
+from ..scenarios.vary import TIMESTEP
 from .map_axes import cell_side, columns_of, edges, panels
 from .map_bounds import Bound, bounds_of
 from .map_contour import zero_lines
-from .map_grid import Grid, axis_title, place_of, places
+from .map_grid import Grid, place_of, places, with_unit
 from .map_labels import Placed, place
 from .map_marks import HORIZON, Mark, is_coloured, marks
 from .plot import GROUND, INK, Figure, Trace, axis_suffix, packed
 from .records import Pair
 from .sweep import Point
-from .wording import limited, number, power_of_ten
+from .wording import number, power_of_ten
 
 #: Perceptually uniform, and the same to all kinds of colour vision (Nathaniel Smith & Stéfan van
 #: der Walt, matplotlib 2.0): equal ratios of errors look equally far apart.
@@ -90,7 +91,7 @@ def _errors(grid: Grid, pair: Pair, k: int) -> Iterator[Trace]:
     for (row, column), point in shown.items():
         error = _claimed(point)
         values[row, column] = math.log10(error) if 0 < error < math.inf else math.nan
-        texts[row][column] = _told(grid, pair, point)
+        texts[row][column] = _told(grid, point)
     across, up = grid.axes
     yield {
         "type": "heatmap",
@@ -98,7 +99,7 @@ def _errors(grid: Grid, pair: Pair, k: int) -> Iterator[Trace]:
         "y": packed(edges(up)),
         "z": packed(values) | {"shape": ", ".join(map(str, grid.shape))},
         "text": texts,
-        "hovertemplate": "%{text}<extra></extra>",
+        "hovertemplate": _hover(pair),
         "hoverongaps": False,
         "coloraxis": "coloraxis",
         "xaxis": f"x{axis_suffix(k)}",
@@ -123,8 +124,8 @@ def _signs(grid: Grid, pair: Pair, k: int, signs: dict[Any, Mark], cell: float) 
             "x": packed(np.array([place_of(across, point.at[0]) for point in points])),
             "y": packed(np.array([place_of(up, point.at[1]) for point in points])),
             "marker": _marker(mark, size),
-            "text": [_told(grid, pair, point) for point in points],
-            "hovertemplate": "%{text}<extra></extra>",
+            "text": [_told(grid, point) for point in points],
+            "hovertemplate": _hover(pair),
             "xaxis": f"x{axis_suffix(k)}",
             "yaxis": f"y{axis_suffix(k)}",
             "showlegend": False,
@@ -140,20 +141,22 @@ def _marker(mark: Mark, size: float) -> dict[str, Any]:
     }
 
 
-def _told(grid: Grid, pair: Pair, point: Point) -> str:
-    """What a pointer on a place shows."""
-    across, up = grid.axes
+def _told(grid: Grid, point: Point) -> str:
+    """What a pointer on a place shows, under the method's name."""
+    at = (with_unit(axis, value) for axis, value in zip(grid.axes, point.at, strict=True))
+    chosen = not any(axis.path == TIMESTEP for axis in grid.axes) and point.timestep
     lines = [
-        " ".join(pair),
-        f"{axis_title(across)}: {point.at[0]:.4g}",
-        f"{axis_title(up)}: {point.at[1]:.4g}",
-        f"timestep {number(point.timestep)} s" if point.timestep else "",
-        f"ω error {limited(point.errors.omega, point.uncertainty)}" if point.errors else "",
-        "" if point.outcome == "ok" else _ended(point),
+        ", ".join(at) + (f", timestep {point.timestep:.4g} s" if chosen else ""),
+        f"ω error {_claimed(point):.2e}" if point.errors else "",
         "the reference is known no further" if grid.is_cut(point) else "",
+        "" if point.outcome == "ok" else _ended(point),
         point.reason,
     ]
     return "<br>".join(escape(line) for line in lines if line)
+
+
+def _hover(pair: Pair) -> str:
+    return f"{escape(' '.join(pair))}<br>%{{text}}<extra></extra>"
 
 
 def _ended(point: Point) -> str:

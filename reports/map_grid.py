@@ -137,8 +137,16 @@ class Grid:
 
 def axis_title(axis: Axis) -> str:
     """The path with its unit, as in `start.omega_body[2], rad/s`."""
-    unit = UNITS.get(axis.path.rpartition(".")[2].partition("[")[0], "")
-    return f"{axis.path}, {unit}" if unit else axis.path
+    return f"{axis.path}, {unit}" if (unit := _unit(axis)) else axis.path
+
+
+def with_unit(axis: Axis, value: float) -> str:
+    """One of its values, as in `40 rad/s`."""
+    return f"{value:.4g} {_unit(axis)}".rstrip()
+
+
+def _unit(axis: Axis) -> str:
+    return UNITS.get(axis.path.rpartition(".")[2].partition("[")[0], "")
 
 
 def places(axis: Axis) -> FloatArray:
