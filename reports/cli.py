@@ -15,14 +15,20 @@ from .options import (
     AsCsv,
     AsJson,
     Bound,
+    Dask,
     Engines,
     Jobs,
+    Members,
     Methods,
     Scene,
     Scenes,
+    Seed,
     Stored,
     Timesteps,
 )
+from .stopping import Stopped, raise_when_stopped
+from .sweep_commands import app as sweep_commands
+from .sweep_commands import run_members
 from .terminal import BAD_INPUT, Complaint, say, table, to_json
 
 app = typer.Typer(
@@ -33,6 +39,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
+app.add_typer(sweep_commands)
 
 
 def main() -> None:
@@ -41,11 +48,15 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    raise_when_stopped()
     try:
         app()
     except Complaint as complaint:
         say(f"spincheck: {complaint}")
         sys.exit(complaint.exit_code)
+    except Stopped as stopped:
+        say(f"spincheck: {stopped}")
+        sys.exit(stopped.exit_code)
 
 
 @app.command()
@@ -57,6 +68,9 @@ def run(
     jobs: Jobs = CORES,
     out: Annotated[Path, typer.Option(help="The result file; added to.")] = RESULT_FILE,
     quick: Annotated[bool, typer.Option("--quick", help="Short ladders; steps not timed.")] = False,
+    ensemble: Members = None,
+    seed: Seed = 0,
+    dask: Dask = None,
     as_json: AsJson = False,
 ) -> None:
     """Simulate scenes, compare with the truth, and store what was found.
@@ -66,8 +80,13 @@ def run(
     from . import running
     from .summary import print_results, results_as_json
 
-    asked = (scenes or [], engine or [], method or [], timestep or [])
-    results = running.run(*asked, jobs, out, quick=quick)
+    asked = (engine or [], method or [], timestep or [])
+    if ensemble is not None:
+        where = (jobs, dask, out)
+        raise typer.Exit(run_members(scenes or [], ensemble, seed, asked, where, as_json))
+    if dask is not None:
+        raise Complaint("'--dask' is for sweeps: 'map', or 'run' with '--ensemble'", BAD_INPUT)
+    results = running.run(scenes or [], *asked, jobs, out, quick=quick)
     if as_json:
         print(to_json(results_as_json(results)))
     else:

@@ -11,12 +11,10 @@ from .named_scenes import scenes_to_run
 from .plan import plan
 from .records import UNSOLVED, Key, Row
 from .result_file import ResultFileError
+from .stopping import Stopped
 from .store import Results, open_store
 from .study import carry_out
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress, say
-
-#: 128 + SIGINT, as shells have it.
-INTERRUPTED = 130
 
 
 def run(
@@ -36,8 +34,8 @@ def run(
     Raises
     ------
     Complaint
-        If a scene, engine, method or timestep cannot be used, the file cannot be written, or
-        Ctrl-C stopped it.
+        If a scene, engine, method or timestep cannot be used, the file cannot be written, or it
+        was stopped.
     """
     scenarios = scenes_to_run(scenes)
     choice = choose(engine_names, methods, timesteps)
@@ -54,10 +52,10 @@ def run(
             return _asked_for(store.read(choice.timesteps), scenarios, choice)
     except ResultFileError as error:
         raise Complaint(str(error), BAD_INPUT) from None
-    except KeyboardInterrupt:
+    except Stopped as stopped:
         raise Complaint(
-            f"stopped; what was finished is in {out}, and the same command goes on from there",
-            INTERRUPTED,
+            f"{stopped}; what was finished is in {out}, and the same command goes on from there",
+            stopped.exit_code,
         ) from None
 
 
