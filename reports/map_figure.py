@@ -123,7 +123,7 @@ def _signs(grid: Grid, pair: Pair, k: int, signs: dict[Any, Mark], cell: float) 
             "mode": "markers",
             "x": packed(np.array([place_of(across, point.at[0]) for point in points])),
             "y": packed(np.array([place_of(up, point.at[1]) for point in points])),
-            "marker": _marker(mark, size),
+            "marker": _marker(mark, SMALLEST_SIGN if mark is HORIZON else size),
             "text": [_told(grid, point) for point in points],
             "hovertemplate": _hover(pair),
             "xaxis": f"x{axis_suffix(k)}",
