@@ -12,6 +12,7 @@ from contrast import contrast
 from made_up_sweeps import METHODS, MISCHIEF, UNCERTAINTY, UPRIGHT, map_result
 from plotted import coloured, values_of
 from spincheck.reference.stability_bounds import RK4_LIMIT
+from spincheck.reports import map_figure as map_figure_module
 from spincheck.reports.map_bounds import bounds_of
 from spincheck.reports.map_figure import drawn_bounds, map_figure
 from spincheck.reports.map_grid import Grid, axis_title, places
@@ -211,3 +212,10 @@ def test_a_map_that_is_not_complete_is_drawn() -> None:
 def test_linear_axes_are_drawn_in_their_own_units() -> None:
     assert places(parse_axis("body.mass=1:3:3")).tolist() == [1.0, 2.0, 3.0]
     assert places(parse_axis("body.mass=1:100:3:log")).tolist() == pytest.approx([0.0, 1.0, 2.0])
+
+
+def test_a_large_map_tells_less_of_each_point(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Or its page would weigh many megabytes."""
+    whole = len(json.dumps(map_figure(grid())))
+    monkeypatch.setattr(map_figure_module, "MOST_TOLD", 9 * 7 - 1)
+    assert len(json.dumps(map_figure(grid()))) < 0.8 * whole
