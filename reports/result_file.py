@@ -10,9 +10,12 @@ and the next study makes them again.
 import fcntl
 import os
 import sqlite3
+import stat
 from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
 from pathlib import Path
+
+from ..scenarios import printable
 
 #: "spin" in ASCII: tells a result file from any other SQLite database.
 APPLICATION_ID = 0x7370696E
@@ -43,9 +46,9 @@ def opened(path: Path, schema: str, *, writing: bool) -> Iterator[sqlite3.Connec
         If the file is missing, cannot be opened, read or written, is not a result file of this
         format, or is being written by another process.
     """
-    if not writing and not path.exists():
-        raise ResultFileError(f"{path}: no such result file; 'spincheck run' writes one")
     try:
+        if not _is_there(path, "written" if writing else "read") and not writing:
+            raise ResultFileError("no such result file; 'spincheck run' writes one")
         with _to_write(path, schema) if writing else _to_read(path) as connection:
             yield connection
     except sqlite3.DatabaseError as error:
@@ -54,6 +57,20 @@ def opened(path: Path, schema: str, *, writing: bool) -> Iterator[sqlite3.Connec
         raise ResultFileError(f"{path}: {words}") from error
     except ResultFileError as error:
         raise ResultFileError(f"{path}: {error}") from error
+
+
+def _is_there(path: Path, purpose: str) -> bool:
+    """Whether there is a file to open; a pipe, which would be waited for, is not one."""
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        return False
+    except OSError as error:
+        raise ResultFileError(f"cannot be {purpose}: {error.strerror}") from None
+    if not stat.S_ISREG(mode):
+        kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
+        raise ResultFileError(f"cannot be {purpose}: it is {kind}")
+    return True
 
 
 @contextmanager
@@ -81,7 +98,7 @@ def _to_write(path: Path, schema: str) -> Iterator[sqlite3.Connection]:
         finally:
             # A file at rest is one file without gaps, which can be read where nothing may be
             # written; where somebody reads it just now it stays as it is.
-            with suppress(sqlite3.OperationalError):
+            with suppress(sqlite3.DatabaseError):
                 connection.execute("PRAGMA busy_timeout = 0")
                 connection.executescript("PRAGMA incremental_vacuum")
                 connection.execute("PRAGMA journal_mode = DELETE")
@@ -117,6 +134,10 @@ def _begin(connection: sqlite3.Connection, schema: str) -> None:
 def _check(connection: sqlite3.Connection) -> None:
     if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION_ID:
         raise ResultFileError("not a result file of spincheck")
+    # Damage is told here, rather than stumbled upon in the middle of a report.
+    found = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
+    if found != "ok":
+        raise ResultFileError(f"damaged: {printable(found)}")
     version = connection.execute("PRAGMA user_version").fetchone()[0]
     if version != FORMAT:
         raise ResultFileError(f"result file format {version}, this version reads {FORMAT}")

@@ -231,7 +231,7 @@ class Store:
             for record in self._select("left_out", order="scenario, engine, method")
         ]
         return Results(
-            environment={record["name"]: record["value"] for record in environment},
+            environment=dict(table_records.environment(record) for record in environment),
             scenes={r["scenario"]: SceneResult(*table_records.scene(r)) for r in scenes},
             rows=[table_records.row(r, costs.get(table_records.key(r))) for r in rows],
             verdicts=self._verdicts(_asked(timesteps)),

@@ -3,17 +3,17 @@
 import io
 import json
 import sqlite3
-import zipfile
 from collections.abc import Callable
 from dataclasses import asdict
-from functools import wraps
-from typing import Any, TypeVar
+from functools import cache, wraps
+from typing import Any, TypeVar, get_type_hints
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from ..engines import Method
 from ..reference import Solution
-from ..scenarios import Errors, Scenario, Trajectory, loads
+from ..scenarios import Errors, Scenario, Trajectory, is_scene_name, loads, printable
 from .cost import StepCost
 from .effects_cost import EffectsCost, PassCost, PassCosts, Ratio
 from .records import Key, Pair, Row, Verdict
@@ -21,8 +21,6 @@ from .result_file import ResultFileError
 
 T = TypeVar("T")
 
-#: What damaged JSON, arrays and scenes raise when they are read.
-_DAMAGED = (ValueError, KeyError, TypeError, EOFError, OSError, zipfile.BadZipFile)
 _PLAIN_ROW = (
     "engine_version",
     "timestep",
@@ -109,7 +107,8 @@ def told(read: Callable[..., T]) -> Callable[..., T]:
     def reading(*arguments: Any) -> T:
         try:
             return read(*arguments)
-        except _DAMAGED as error:
+        # Damaged JSON, archives, arrays and scenes raise what their parsers please.
+        except Exception as error:
             raise ResultFileError(f"a record cannot be read: {error}") from error
 
     return reading
@@ -121,8 +120,8 @@ def scene(record: sqlite3.Row) -> tuple[Scenario, Solution]:
     solution = Solution(
         trajectory=_unpack(record["truth"]),
         method=record["method"],
-        uncertainty=Errors(**json.loads(record["uncertainty"])),
-        conditioning=Errors(**json.loads(record["conditioning"])),
+        uncertainty=_errors(record["uncertainty"]),
+        conditioning=_errors(record["conditioning"]),
         horizon=record["horizon"],
     )
     return loads(record["toml"], record["scenario"]), solution
@@ -131,9 +130,9 @@ def scene(record: sqlite3.Row) -> tuple[Scenario, Solution]:
 @told
 def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
     """A record of the table `rows`, with that of its method in `costs`."""
-    return Row(
+    found = Row(
         key=key(record),
-        errors=Errors(**json.loads(record["errors"])) if record["errors"] else None,
+        errors=_errors(record["errors"]) if record["errors"] else None,
         lost=bool(record["lost"]),
         drifts=json.loads(record["drifts"]) if record["drifts"] else None,
         motion=_unpack(record["motion"]) if record["motion"] else None,
@@ -142,34 +141,47 @@ def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
         wall_seconds_per_step=cost["wall_seconds_per_step"] if cost else None,
         **{name: record[name] for name in _PLAIN_ROW},
     )
+    return _typed(found)
 
 
 @told
 def verdict(record: sqlite3.Row) -> Verdict:
     """A record of the table `verdicts`."""
-    return Verdict(
+    found = Verdict(
         key=key(record),
         broken=tuple(json.loads(record["broken"])),
         as_shipped=bool(record["as_shipped"]),
         **{name: record[name] for name in _PLAIN_VERDICT},
     )
+    return _typed(found)
 
 
 @told
 def method(record: sqlite3.Row) -> tuple[Pair, Method]:
     """A record of the table `methods`, and whose it is."""
     declared = {name: record[name] for name in _PLAIN_METHOD}
-    return (record["engine"], record["method"]), Method(
+    found = Method(
         name=record["method"],
         effects=frozenset(json.loads(record["effects"])),
         requires=frozenset(json.loads(record["requires"])),
         **declared | {"as_shipped": bool(declared["as_shipped"])},
     )
+    return (_text(record["engine"]), found.name), _typed(found)
 
 
+@told
 def key(record: sqlite3.Row) -> Key:
     """What a record of `rows`, `costs` or `verdicts` is about."""
-    return Key(record["scenario"], record["engine"], record["method"])
+    # A page is named after it.
+    if not is_scene_name(_text(record["scenario"])):
+        raise ValueError(f"{printable(record['scenario'])!r} is no scene's name")
+    return _typed(Key(record["scenario"], record["engine"], record["method"]))
+
+
+@told
+def environment(record: sqlite3.Row) -> tuple[str, str]:
+    """A record of the table `environment`."""
+    return _text(record["name"]), _text(record["value"])
 
 
 @told
@@ -178,9 +190,38 @@ def left_out(record: sqlite3.Row) -> EffectsCost | PassCosts:
     found = json.loads(record["record"])
     if record["kind"] == EffectsCost.__name__:
         left_out, ratio = tuple(found.pop("left_out")), Ratio(**found.pop("ratio"))
-        return EffectsCost(key(record), left_out, ratio=ratio, **found)
-    passes = tuple(PassCost(**one) for one in found.pop("passes"))
-    return PassCosts(key(record), passes=passes, **found)
+        return _typed(EffectsCost(key(record), left_out, ratio=_typed(ratio), **found))
+    passes = tuple(_typed(PassCost(**one)) for one in found.pop("passes"))
+    return _typed(PassCosts(key(record), passes=passes, **found))
+
+
+def _errors(text: str) -> Errors:
+    return _typed(Errors(**json.loads(text)))
+
+
+def _text(value: Any) -> str:
+    return _adapter(str).validate_python(value, strict=True)  # type: ignore[no-any-return]
+
+
+def _typed(record: T) -> T:
+    """The record, if the values in it are of the types that its class declares.
+
+    Raises
+    ------
+    ValueError
+        If one is not: SQLite takes any value in any column.
+    """
+    for name, declared in get_type_hints(type(record)).items():
+        value = getattr(record, name)
+        # A trajectory sees to itself as it is made.
+        if not isinstance(value, Trajectory | None):
+            _adapter(declared).validate_python(value, strict=True)
+    return record
+
+
+@cache
+def _adapter(declared: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(declared)
 
 
 def _pack(motion: Trajectory) -> bytes:

@@ -5,7 +5,7 @@ from .body import Body, FloatArray
 from .catalogue import LIBRARY, find, scenario_files
 from .document import Document, Effects, Expect, Published, Window
 from .errors import Misfit, ScenarioError, printable
-from .load import is_scenario, load, load_each, loads
+from .load import is_scenario, is_scene_name, load, load_each, loads
 from .mechanics import (
     angular_momentum_world,
     energy,
@@ -42,6 +42,7 @@ __all__ = [
     "errors_between",
     "find",
     "is_scenario",
+    "is_scene_name",
     "kinetic_energy",
     "load",
     "load_each",

@@ -55,7 +55,7 @@ def loads(text: str, name: str, path: Path | None = None) -> Scenario:
         As `load`.
     """
     where = printable(str(path or name))
-    if not all(c.isalnum() or c in "-_." for c in name) or not name[:1].isalnum():
+    if not is_scene_name(name):
         raise ScenarioError(
             f"{where}: a scenario's name is its file's stem; use letters, digits, '-', '_', '.'"
         )
@@ -67,6 +67,11 @@ def loads(text: str, name: str, path: Path | None = None) -> Scenario:
         raise ScenarioError(told(error.errors(), text, where)) from None
     except Misfit as error:
         raise ScenarioError(misfit(error, text, where)) from None
+
+
+def is_scene_name(name: str) -> bool:
+    """Whether a name can be mistaken for nothing else: files and pages are named after it."""
+    return name[:1].isalnum() and all(c.isalnum() or c in "-_." for c in name)
 
 
 def _parsed(text: str, where: str) -> dict[str, Any]:
