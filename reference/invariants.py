@@ -6,6 +6,7 @@ cannot hide behind its own size.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -42,6 +43,7 @@ class Invariant:
         return float(self.drift_series(motion).max())
 
 
+@lru_cache(maxsize=1)
 def invariants(scenario: Scenario) -> tuple[Invariant, ...]:
     """What the exact motion of a scene conserves."""
     scene = Scene(scenario, pose(scenario))

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -32,18 +33,18 @@ class Scene:
     scenario: Scenario
     problem: Problem
 
-    @property
+    @cached_property
     def pull(self) -> float:
         """M g l, N m; 0 without a pivot."""
         return float(gravity_torque_scale(self.problem))
 
-    @property
+    @cached_property
     def rate(self) -> float:
         """Rad/s: |ω| at t = 0 plus 2√(M g l/I), what a fall from the top gives a pendulum."""
         fall = 2 * np.sqrt(self.pull / float(min(self.problem.moments)))
         return float(norm(self.problem.omega_axes)) + float(fall)
 
-    @property
+    @cached_property
     def angular_momentum(self) -> float:
         """kg m²/s: |L| at t = 0, plus 2√(M g l I) for a fall, plus the impulse of a torque."""
         fall = 2 * np.sqrt(self.pull * float(max(self.problem.moments)))
@@ -51,7 +52,7 @@ class Scene:
         impulse = torque * self.duration
         return float(norm(angular_momentum_axes(self.problem))) + float(fall) + impulse
 
-    @property
+    @cached_property
     def energy(self) -> float:
         """J: kinetic at t = 0 plus what gravity can add to it within the window."""
         L, omega = angular_momentum_axes(self.problem), self.problem.omega_axes
@@ -62,21 +63,34 @@ class Scene:
         straight = float(np.linalg.norm(self.scenario.start.velocity_world))
         return turning + self.scenario.body.mass * (straight + fall) ** 2 / 2
 
-    @property
+    @cached_property
     def speed(self) -> float:
         """m/s: the body's, if that energy were all in its flight."""
         return float(np.sqrt(2 * self.energy / self.scenario.body.mass))
 
-    @property
+    @cached_property
     def radius(self) -> float:
         """m: the radius of gyration √(tr I/2m), about the fixed point."""
         trace = float(sum(self.problem.moments))
         return float(np.sqrt(trace / (2 * self.scenario.body.mass)))
 
-    @property
+    @cached_property
     def duration(self) -> float:
         """The window's length, s."""
         return self.scenario.window.duration
+
+
+    @cached_property
+    def up_world(self) -> FloatArray:
+        """Against gravity, which must not be zero: a unit vector, world axes, (3,)."""
+        return up_world(self.problem)
+
+    @cached_property
+    def axis_body(self) -> FloatArray:
+        """The unit vector of a symmetric top's axis, body axes, (3,)."""
+        axis = symmetry_axis(self.problem)
+        assert axis is not None, "a symmetric top has an axis"
+        return np.array(to_body(self.problem, axis), dtype=float)
 
 
 @dataclass(frozen=True)
@@ -112,16 +126,13 @@ def _L_norm(scene: Scene, motion: Trajectory) -> FloatArray:
 
 
 def _L_vertical(scene: Scene, motion: Trajectory) -> FloatArray:
-    return np.asarray(_L_world(scene, motion) @ up_world(scene.problem))
+    return np.asarray(_L_world(scene, motion) @ scene.up_world)
 
 
 def _L_axial(scene: Scene, motion: Trajectory) -> FloatArray:
-    axis = symmetry_axis(scene.problem)
-    assert axis is not None, "the law holds for symmetric tops only"
-    axis_body = np.array(to_body(scene.problem, axis), dtype=float)
-    axis_world = motion.R_world_body.apply(axis_body)
+    axis_world = motion.R_world_body.apply(scene.axis_body)
     L_world = angular_momentum_world(scene.scenario, motion)
-    impulse = motion.t * (scene.scenario.torque_body @ axis_body)
+    impulse = motion.t * (scene.scenario.torque_body @ scene.axis_body)
     return np.asarray(np.einsum("ni,ni->n", L_world, axis_world) - impulse)
 
 

@@ -77,6 +77,9 @@ class Descent:
         solution = single.solution if single else thinned(self.solution, rung.every)
         row = row_of(self.scenario, self.key, self.engine.version, rung, result, solution)
         row = replace(row, printed=printed)
+        if self.rows and not single and self._down:
+            # Nothing is judged or drawn by it: there are finer ones.
+            row = replace(row, motion=None)
         self.take(row)
         return row
 

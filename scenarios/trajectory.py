@@ -71,7 +71,9 @@ class Trajectory:
         return np.asarray(self.R_world_body.apply(np.array(vectors_body)), dtype=float)
 
     def until(self, n: int) -> "Trajectory":
-        """The first n samples."""
+        """The first n samples; itself where there are no more."""
+        if n >= len(self.t):
+            return self
         return Trajectory(**{field.name: getattr(self, field.name)[:n] for field in fields(self)})
 
     def every(self, n: int) -> "Trajectory":

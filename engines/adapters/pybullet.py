@@ -4,6 +4,7 @@ What it does to a top when nobody asks, and how each was measured: docs/engines-
 """
 
 from collections.abc import Collection
+from functools import cache
 from importlib.metadata import version
 from math import pi
 
@@ -74,7 +75,7 @@ class PyBullet(Engine):
     @property
     def version(self) -> str:
         """Of the installed package; the library does not tell its own."""
-        return version("pybullet")
+        return _version()
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Load the scene's URDF and set its start."""
@@ -96,3 +97,9 @@ class PyBullet(Engine):
             return None
         kept = names if left_in is None else left_in
         return PyBulletSession(scenario, HOLDINGS[method.name], timestep, kept)
+
+
+@cache
+def _version() -> str:
+    """Looked up once: it takes as long as a hundred steps."""
+    return version("pybullet")
