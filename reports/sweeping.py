@@ -53,6 +53,7 @@ def plan_sweep(asked: Map | Ensemble, base: Scenario, choice: Choice, store: Sto
     """Record what is asked for, drop what is out of date, and see what is missing."""
     store.keep_made_by(base.name, digests(base, choice.engines))
     store.put_environment(environment(choice.engines))
+    store.put_methods(choice.engines)
     store.sweeps.put(asked, base)
     pairs = [(engine, method.name) for engine, method in choice.pairs()]
     there = store.sweeps.there(base.name)

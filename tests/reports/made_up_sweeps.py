@@ -115,4 +115,5 @@ def ensemble_result(members: int = 10, name: str = "disc") -> EnsembleResult:
 def swept() -> Results:
     """Two maps of one scene, one of another, and an ensemble."""
     maps = [map_result(), map_result(), map_result(UPRIGHT, "upright")]
-    return Results({}, {}, [], [], methods=METHODS, maps=maps, ensembles=[ensemble_result()])
+    where = {"processor": "a fast one"}
+    return Results(where, {}, [], [], methods=METHODS, maps=maps, ensembles=[ensemble_result()])

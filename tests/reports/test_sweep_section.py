@@ -8,16 +8,20 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 from made_up import results
-from made_up_sweeps import METHODS, MISCHIEF, UNCERTAINTY, ensemble_result, map_result, swept
+from made_up_sweeps import METHODS, MISCHIEF, UNCERTAINTY, ensemble_result, map_result, scene, swept
 from markdown_text import markdown_tables, outside_code
 from page import Page, read_page
+from planted import HeunSession, planted
 from plotted import coloured, values_of
+from spincheck.reports.choice import Choice
 from spincheck.reports.ensemble_numbers import Members, members_of
 from spincheck.reports.ensemble_pages import ensemble_pages
 from spincheck.reports.map_pages import map_pages, vary_option
 from spincheck.reports.map_tables import percent
 from spincheck.reports.render import render
-from spincheck.reports.store import Results
+from spincheck.reports.store import Results, open_store
+from spincheck.reports.sweep import Ensemble
+from spincheck.reports.sweeping import plan_sweep
 from spincheck.scenarios.vary import parse_axis
 
 EULER, RK4, MULTIBODY = METHODS
@@ -79,6 +83,24 @@ def test_a_file_without_sweeps_shows_nothing_of_them(tmp_path: Path) -> None:
     assert 'id="maps"' not in (tmp_path / "index.html").read_text(encoding="utf-8")
     assert "maps" not in (tmp_path / "report.md").read_text(encoding="utf-8")
     assert not (tmp_path / "maps").exists()
+
+
+def test_a_file_of_sweeps_alone_shows_no_empty_tables(folder: Path, pages: dict[str, Page]) -> None:
+    assert pages["index.html"].tables()
+    assert all(len(table) > 1 for page in pages.values() for table in page.tables())
+    # Headings, dashes and at least one row.
+    for path in folder.rglob("*.md"):
+        assert all(len(table) > 2 for table in markdown_tables(path)), path
+
+
+def test_a_sweep_keeps_what_adapters_declare(tmp_path: Path) -> None:
+    """Or a report would know no order and no clamp, and draw no lines for them."""
+    asked = Ensemble("disc", 1, seed=7, timestep=0.01)
+    engine = planted(HeunSession)
+    with open_store(tmp_path / "results.sqlite", create=True) as store:
+        plan_sweep(asked, scene(), Choice((engine,), timed=False), store)
+        declared = store.read().methods
+    assert declared == {(engine.name, method.name): method for method in engine.methods}
 
 
 def test_the_command_makes_the_same_axes_again() -> None:
