@@ -75,7 +75,7 @@ def _overview(
 ) -> Table:
     rows = (
         [
-            Cell(page.title, "name", page.scene_title, page.link),
+            Cell(page.title, "page", page.scene_title, page.link),
             Cell(page.command, "command"),
             *_counts(points),
         ]
