@@ -1,6 +1,7 @@
 """Finds the line of a TOML file on which a key stands; the standard parser does not say."""
 
 import re
+from functools import lru_cache
 
 #: Lead to a place in a file as they do in what the parser returns.
 Keys = tuple[int | str, ...]
@@ -24,6 +25,7 @@ def line_of(text: str, keys: Keys) -> int | None:
     return None
 
 
+@lru_cache(maxsize=1)  # every complaint about a file asks for them again
 def _key_lines(text: str) -> dict[Keys, int]:
     """Where every table and key begins. Keys inside inline tables are not looked for."""
     found: dict[Keys, int] = {}

@@ -7,7 +7,7 @@ from pathlib import Path
 from .errors import ScenarioError, printable
 
 #: No scenario is this long; a larger file is something else, given by mistake.
-MAX_BYTES = 1 << 17
+MAX_BYTES = 1 << 16
 #: Bytes, within which the first key stands, after comments at most.
 HEAD = 1 << 14
 #: A key such as a.b.c… of so many parts: the parser takes the square of their number in time.
