@@ -66,9 +66,7 @@ class SweepTables:
 
         Those that somebody killed are to be run again.
         """
-        query = (
-            "SELECT place, engine, method FROM points WHERE scenario = ? AND cause != 'killed'"
-        )
+        query = "SELECT place, engine, method FROM points WHERE scenario = ? AND cause != 'killed'"
         found: dict[str, set[tuple[str, str]]] = defaultdict(set)
         for place, engine, method in self._connection.execute(query, (scenario,)):
             found[place].add((engine, method))
