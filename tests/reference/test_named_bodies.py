@@ -55,7 +55,7 @@ def test_the_pole_of_a_rigid_earth_goes_round_in_eulers_period() -> None:
 
 
 def test_the_wobble_of_the_earth_is_all_but_a_circle() -> None:
-    """A and B differ in the fifth digit, which makes the path of the pole an ellipse by 0.3 %."""
+    """A and B differ in the fifth digit, which makes the path of the pole an ellipse by 0.4 %."""
     scenario = scene("earth-polar-motion")
     low, middle, high = scenario.body.principal_moments
     omega = solve(scenario, scenario.times).trajectory.omega_body
