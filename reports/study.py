@@ -5,7 +5,8 @@ at any moment is gone on with by running it again.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from queue import SimpleQueue
 from typing import Any
 
@@ -26,6 +27,9 @@ from .records import UNSOLVED, Key, Row, Verdict
 from .store import Store
 from .timing import time_scene
 from .workers import Call, Workers
+
+#: More than are under way at a time: the methods of the scenes at hand.
+MODELS = 64
 
 Progress = Callable[[str], None]
 
@@ -56,12 +60,29 @@ def prepare(scenario: Scenario, timesteps: Sequence[float], max_steps: int) -> P
     return Prepared(solution, found.until(len(solution.trajectory.t)), singles)
 
 
+@dataclass(frozen=True)
+class _Model:
+    """A scene in an engine, by one method; told apart by names and digest."""
+
+    engine_name: str
+    method: str
+    digest: str
+    engine: Engine = field(compare=False)
+    scenario: Scenario = field(compare=False)
+
+
+@lru_cache(maxsize=MODELS)
+def _departures(model: _Model) -> str:
+    """What is odd about its first steps, whatever the timestep: found out once a process."""
+    return model.engine.departures(model.scenario, model.engine.method(model.method))
+
+
 def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
     """One run, in a worker; if it is ok or lags, what is odd about its first steps besides."""
     run = engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
     if not (run.outcome == "ok" or run.cause == "lag"):
         return run
-    if not (said := engine.departures(scenario, engine.method(method))):
+    if not (said := _departures(_Model(engine.name, method, scenario.digest, engine, scenario))):
         return run
     said = "; ".join(filter(None, (run.reason, said)))
     if run.outcome == "ok":
