@@ -64,9 +64,10 @@ def broken_promises(expected: Expect, row: Row) -> list[str]:
     """Which of a scene's promises about one run it did not keep, in words."""
     where = f"{row.key.engine} {row.key.method} at {row.timestep:g} s"
     if expected.outcome == "diverges":
-        return (
-            [] if row.outcome == "diverged" else [f"{where} was expected to diverge: {row.outcome}"]
-        )
+        if row.outcome == "diverged":
+            return []
+        ended = f"{row.outcome}{f', {row.reason}' if row.reason else ''}"
+        return [f"{where} was expected to diverge: {ended}"]
     if row.errors is None or row.outcome != "ok":
         return [f"{where}: {row.outcome}, {row.reason}"]
     return [

@@ -71,7 +71,7 @@ def engine(kind):
 def rows_of(tmp_path, engines, scene, timestep):
     """The row of each engine, by its name."""
     with open_store(tmp_path / "results.sqlite", create=True) as store:
-        choice = Choice(tuple(engines), (), (timestep,))
+        choice = Choice(tuple(engines), (), (timestep,), timed=False)
         run_study([scene], choice, store, jobs=2, progress=lambda _: None)
         return {row.key.engine: row for row in store.read().rows}
 
