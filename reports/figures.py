@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from html import escape
 
 import numpy as np
 
@@ -191,7 +192,7 @@ def errors_figure(found: SceneResult, compared: tuple[Compared, ...]) -> Figure:
 def _method_line(run: Compared, y: FloatArray, k: int, said: str) -> Trace:
     """A thinned line of one run over time, in the method's look."""
     shown = thinned(len(run.motion.t))
-    where = f"{run.runs.label}, timestep {number(run.row.timestep)} s"
+    where = f"{escape(run.runs.label, quote=False)}, timestep {number(run.row.timestep)} s"
     hover = {"hovertemplate": f"{where}<br>t = %{{x:.4g}} s<br>{said}<extra></extra>"}
     # A single sample makes no line.
     mode = {"mode": "markers"} if len(shown) == 1 else {}

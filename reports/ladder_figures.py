@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from html import escape
 from itertools import chain
 
 import numpy as np
@@ -144,7 +145,7 @@ def _claimed(scene: SceneRuns, rows: Sequence[Row], signal: str) -> FloatArray:
 def _hover(runs: MethodRuns, row: Row) -> str:
     took = cost(row)
     parts = [
-        f"{runs.label}, timestep {number(row.timestep)} s",
+        f"{escape(runs.label, quote=False)}, timestep {number(row.timestep)} s",
         f"{number(took)} CPU s a simulated second" if took is not None else "",
         f"{row.outcome} at {number(row.stopped_at)} s" if row.stopped_at is not None else "",
     ]

@@ -8,6 +8,7 @@ import base64
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -119,7 +120,8 @@ def method_look(label: str, look: Look) -> dict[str, Any]:
     return {
         "mode": "lines",
         "line": {"color": look.colour, "width": METHOD_WIDTH, "dash": look.dash},
-        "name": label,
+        # Plotly takes some HTML for markup.
+        "name": escape(label, quote=False),
         "legendgroup": label,
         "hoverinfo": "name",
     }
