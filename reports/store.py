@@ -18,7 +18,7 @@ from . import table_records
 from .cost import StepCost
 from .effects_cost import EffectsCost, PassCosts
 from .records import UNSOLVED, Key, Pair, Row, Verdict
-from .result_file import opened
+from .result_file import ResultFileError, opened
 from .sweep import EnsembleResult, MapResult
 from .sweep_tables import SCHEMA as SWEEPS_SCHEMA
 from .sweep_tables import SweepTables
@@ -230,10 +230,15 @@ class Store:
             table_records.left_out(record)
             for record in self._select("left_out", order="scenario, engine, method")
         ]
+        found = [table_records.row(r, costs.get(table_records.key(r))) for r in rows]
+        known = {r["scenario"]: SceneResult(*table_records.scene(r)) for r in scenes}
+        for row in found:
+            if row.errors is not None and row.key.scenario not in known:
+                raise ResultFileError(f"a run has errors, but its scene is not there: {row.key}")
         return Results(
             environment=dict(table_records.environment(record) for record in environment),
-            scenes={r["scenario"]: SceneResult(*table_records.scene(r)) for r in scenes},
-            rows=[table_records.row(r, costs.get(table_records.key(r))) for r in rows],
+            scenes=known,
+            rows=found,
             verdicts=self._verdicts(_asked(timesteps)),
             effects=[found for found in left_out if isinstance(found, EffectsCost)],
             passes=[found for found in left_out if isinstance(found, PassCosts)],

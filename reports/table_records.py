@@ -9,7 +9,7 @@ from functools import cache, wraps
 from typing import Any, TypeVar, get_type_hints
 
 import numpy as np
-from pydantic import TypeAdapter
+from pydantic import TypeAdapter, ValidationError
 
 from ..engines import Method
 from ..reference import Solution
@@ -20,6 +20,9 @@ from .records import Key, Pair, Row, Verdict
 from .result_file import ResultFileError
 
 T = TypeVar("T")
+
+#: Characters of what is wrong with a record.
+SHOWN = 200
 
 _PLAIN_ROW = (
     "engine_version",
@@ -109,7 +112,8 @@ def told(read: Callable[..., T]) -> Callable[..., T]:
             return read(*arguments)
         # Damaged JSON, archives, arrays and scenes raise what their parsers please.
         except Exception as error:
-            raise ResultFileError(f"a record cannot be read: {error}") from error
+            words = printable(str(error), SHOWN)
+            raise ResultFileError(f"a record cannot be read: {words}") from error
 
     return reading
 
@@ -200,7 +204,8 @@ def _errors(text: str) -> Errors:
 
 
 def _text(value: Any) -> str:
-    return _adapter(str).validate_python(value, strict=True)  # type: ignore[no-any-return]
+    _check("a text", value, str)
+    return str(value)
 
 
 def _typed(record: T) -> T:
@@ -215,8 +220,16 @@ def _typed(record: T) -> T:
         value = getattr(record, name)
         # A trajectory sees to itself as it is made.
         if not isinstance(value, Trajectory | None):
-            _adapter(declared).validate_python(value, strict=True)
+            _check(name, value, declared)
     return record
+
+
+def _check(name: str, value: Any, declared: Any) -> None:
+    try:
+        _adapter(declared).validate_python(value, strict=True)
+    except ValidationError as error:
+        rule = error.errors()[0]["msg"]
+        raise ValueError(f"{name}: {rule[0].lower()}{rule[1:]}, got {value!r}") from None
 
 
 @cache
