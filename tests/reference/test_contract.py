@@ -1,0 +1,166 @@
+"""What is promised of the truth, for every scene of the library.
+
+Finite; as certain as it says; conserving what is conserved; and continuous. Each check is also made
+of a motion with a fault in it, and must notice. For the equations of motion see
+`test_contract_equations`.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from contract_scenes import SCENES, every_scene, solved, states
+from contract_truths import (
+    SIXTY_DIGITS,
+    at,
+    by_legendre,
+    by_series,
+    few,
+    in_sixty_digits,
+)
+from mpmath import mp, mpf
+from spincheck.reference.motion import motion
+from spincheck.reference.pose import pose
+from spincheck.reference.problem import Problem
+from spincheck.reference.solution import MAX_UNCERTAINTY
+from spincheck.reference.symmetry import norm
+from spincheck.reports.reference_checks import drifting
+from spincheck.scenarios import Errors, Trajectory, errors_between
+from spincheck.scenarios.exact import DIGITS, normalised, product
+
+EPS = float(np.finfo(float).eps)
+#: Relative, and in rad: a fault that nobody would see and every check must.
+SLIP = 1e-11
+#: Ulp, by which start and body are changed.
+ULPS = 4
+#: Conditioning is measured with a dozen changes at once, which may cancel in part.
+CANCELLED = 2
+
+
+@cache
+def slipped(name: str) -> Trajectory:
+    """The motion of a start turned by `SLIP`, and faster by it."""
+    scenario, solution = solved(name)
+    problem, times = pose(scenario), solution.trajectory.t
+    with mp.workdps(DIGITS):
+        slip = mpf(SLIP)
+        turned = product(problem.q_world_axes, normalised((1, slip / 2, slip / 2, slip / 2)))
+        w1, w2, w3 = (w * (1 + slip) for w in problem.omega_axes)
+    moved = replace(problem, q_world_axes=turned, omega_axes=(w1, w2, w3))
+    return motion(scenario, moved, times, states(moved, times))
+
+
+def found(name: str, other: Trajectory) -> bool:
+    """Whether another way finds the same within the stated uncertainty; and no faulty motion."""
+    scenario, solution = solved(name)
+    mine, faulty = at(solution.trajectory, other.t), at(slipped(name), other.t)
+    assert beyond(errors_between(scenario, other, faulty), solution.uncertainty)
+    return beyond(errors_between(scenario, other, mine), solution.uncertainty) == []
+
+
+def beyond(errors: Errors, bounds: Errors) -> list[str]:
+    """Signals whose error exceeds its bound."""
+    return [name for name, error in errors if not error <= getattr(bounds, name)]
+
+
+@every_scene
+def test_it_is_finite_up_to_its_end_or_a_stated_horizon(name):
+    scenario, solution = solved(name)
+    truth = solution.trajectory
+    assert (truth.t == scenario.times[: len(truth.t)]).all()
+    assert all(np.isfinite(getattr(truth, field)).all() for field in vars(truth))
+    if solution.horizon is None:
+        assert len(truth.t) == len(scenario.times)
+    else:
+        assert solution.horizon == scenario.times[len(truth.t)]
+    assert max(solution.uncertainty.omega, solution.uncertainty.attitude) <= MAX_UNCERTAINTY
+
+
+@pytest.mark.parametrize("name", [name for name in SCENES if name not in SIXTY_DIGITS])
+def test_a_dearer_series_finds_the_same_within_the_stated_uncertainty(name):
+    assert found(name, by_series(*solved(name)))
+
+
+@every_scene
+def test_integrals_in_120_digits_find_the_same(name):
+    scenario, solution = solved(name)
+    other = by_legendre(scenario, few(solution.trajectory.t))
+    if other is None:
+        pytest.skip("Legendre's integrals are of motions with a closed form and a finite period")
+    assert found(name, other)
+
+
+@pytest.mark.parametrize("name", SIXTY_DIGITS)
+def test_sixty_digits_find_the_same(name):
+    assert found(name, in_sixty_digits(*solved(name)))
+
+
+@every_scene
+def test_what_is_conserved_drifts_no_further_than_that_allows(name):
+    scenario, solution = solved(name)
+    assert list(drifting(scenario, solution)) == []
+
+
+@every_scene
+def test_a_drift_of_a_billionth_in_the_spin_is_noticed(name):
+    """Where anything that depends on ω is conserved, and the body turns."""
+    scenario, solution = solved(name)
+    truth = solution.trajectory
+    if not truth.omega_body.any():
+        pytest.skip("a body that does not turn has no spin to lose")
+    growing = 1 + 1e-9 * truth.t / truth.t[-1]
+    faulty = replace(truth, omega_body=truth.omega_body * growing[:, None])
+    if not list(drifting(scenario, replace(solution, trajectory=faulty))):
+        pytest.skip("nothing that depends on the spin is conserved")
+
+
+def neighbours(problem: Problem, ulps: float = ULPS) -> Iterator[tuple[str, Problem]]:
+    """A few ulp more in a number: what was at a pole or symmetric, exactly, no longer is."""
+    with mp.workdps(DIGITS):
+        nudge = mpf(ulps * EPS)
+        tilted = product(problem.q_world_axes, normalised((1, nudge / 2, nudge / 2, 0)))
+        yield "attitude", replace(problem, q_world_axes=tilted)
+        first, second, third = problem.moments
+        yield "moment", replace(problem, moments=(first * (1 + nudge), second, third))
+        w1, w2, w3 = problem.omega_axes
+        aside = nudge * norm(problem.omega_axes)
+        yield "omega", replace(problem, omega_axes=(w1 + aside, w2, w3 + aside))
+        x, y, z = problem.lever_axes
+        if length := norm(problem.lever_axes):
+            yield "lever", replace(problem, lever_axes=(x + nudge * length, y, z))
+
+
+def moved_too_far(name: str, ulps: float) -> list[str]:
+    """Numbers whose change moves the motion further than a few ulp should."""
+    scenario, solution = solved(name)
+    problem, truth = pose(scenario), solution.trajectory
+    bounds = Errors(
+        **{
+            signal: CANCELLED * ULPS * value + 2 * getattr(solution.uncertainty, signal)
+            for signal, value in solution.conditioning
+        }
+    )
+    return [
+        changed
+        for changed, neighbour in neighbours(problem, ulps)
+        if beyond(
+            errors_between(
+                scenario,
+                motion(scenario, neighbour, truth.t, states(neighbour, truth.t)),
+                truth,
+            ),
+            bounds,
+        )
+    ]
+
+
+@every_scene
+def test_a_few_ulp_move_it_no_further_than_its_conditioning_says(name):
+    assert moved_too_far(name, ULPS) == []
+
+
+@pytest.mark.parametrize("name", ["through-the-upright", "t-handle", "sphere", "tiring-top"])
+def test_a_few_thousand_do(name):
+    assert moved_too_far(name, 1e3 * ULPS)
