@@ -12,7 +12,6 @@ from .options import (
     CORES,
     REPORT_FOLDER,
     RESULT_FILE,
-    AsCsv,
     AsJson,
     Bound,
     Dask,
@@ -23,9 +22,9 @@ from .options import (
     Scene,
     Scenes,
     Seed,
-    Stored,
     Timesteps,
 )
+from .result_commands import app as result_commands
 from .stopping import Stopped, raise_when_stopped
 from .sweep_commands import app as sweep_commands
 from .sweep_commands import run_members
@@ -39,6 +38,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
+app.add_typer(result_commands)
 app.add_typer(sweep_commands)
 
 
@@ -82,6 +82,8 @@ def run(
 
     asked = (engine or [], method or [], timestep or [])
     if ensemble is not None:
+        if quick:
+            raise Complaint("'--quick' is for ladders; an ensemble has none", BAD_INPUT)
         where = (jobs, dask, out)
         raise typer.Exit(run_members(scenes or [], ensemble, seed, asked, where, as_json))
     if dask is not None:
@@ -134,25 +136,6 @@ def compare(
     else:
         print_changes(found)
     raise typer.Exit(exit_code(found))
-
-
-@app.command()
-def rows(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
-    """Print every run of a result file."""
-    from . import running
-    from .summary import row_record
-
-    _print_records([row_record(row) for row in running.read(results).rows], as_csv, as_json)
-
-
-@app.command()
-def verdicts(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
-    """Print every verdict of a result file."""
-    from . import running
-    from .summary import verdict_record
-
-    found = running.read(results).verdicts
-    _print_records([verdict_record(verdict) for verdict in found], as_csv, as_json)
 
 
 @app.command()
@@ -282,19 +265,6 @@ def export(
         raise Complaint(f"{folder}: cannot be written: {error.strerror}", BAD_INPUT) from None
     for path in written:
         print(path)
-
-
-def _print_records(records: list[dict[str, Any]], as_csv: bool, as_json: bool) -> None:
-    from .export import csv_text
-
-    if as_csv and as_json:
-        raise Complaint("takes '--csv' or '--json', not both", BAD_INPUT)
-    if as_csv:
-        print(csv_text(records), end="")
-    elif as_json:
-        print(to_json(records))
-    else:
-        table(records)
 
 
 def _scenario(name: str) -> Any:
