@@ -42,8 +42,8 @@ class StabilityNumbers:
     Attributes
     ----------
     turning : ‖ω‖, rad/s
-    gyration : the fastest rate of Euler's equations linearised about ω(0), rad/s; |I3 − I1|/I1 |ω3|
-        of a symmetric body that spins about its axis
+    gyration : the fastest rate of Euler's equations linearised about ω(0), and of a free body about
+        ω where it has none about the middle axis, rad/s; |I3 − I1|/I1 |ω3| of a symmetric one
     swinging : the fastest rate of small swings about hanging at rest, rad/s; 0 without gravity
         and pivot
     duration : of the scene's window, s
@@ -66,7 +66,7 @@ def stability_numbers(scenario: Scenario) -> StabilityNumbers:
     moments, omega = np.array(problem.moments, float), np.array(problem.omega_axes, float)
     return StabilityNumbers(
         turning=float(np.linalg.norm(omega)),
-        gyration=_fastest(_euler_jacobian(moments, omega)),
+        gyration=max(_fastest(_euler_jacobian(moments, omega)), _rate_across(problem)),
         swinging=_swinging(problem),
         duration=scenario.window.duration,
         sleeping=_sleeping(problem),
@@ -111,6 +111,23 @@ def _euler_jacobian(moments: FloatArray, omega: FloatArray) -> FloatArray:
     spins = np.eye(3)
     columns = np.cross(moments * spins, omega) + np.cross(moments * omega, spins)
     return np.asarray(columns.T / moments[:, None])
+
+
+def _rate_across(problem: Problem) -> float:
+    """The rate about ω where it crosses the plane of the extreme axes, rad/s; 0 if not free.
+
+    λ² = [(I3 − I2)(L² − 2 T I1) + (I2 − I1)(2 T I3 − L²)]/(I1 I2 I3), moments ascending, with ω there
+    by Landau & Lifshitz, Mechanics, §37: a body that starts about its middle axis is fastest here.
+    """
+    if not is_free(problem):
+        return 0.0
+    with mp.workdps(DIGITS):
+        low, middle, high = sorted(problem.moments)
+        pairs = list(zip(problem.moments, problem.omega_axes, strict=True))
+        above_low = mp.fsum(m * (m - low) * w**2 for m, w in pairs)
+        below_high = mp.fsum(m * (high - m) * w**2 for m, w in pairs)
+        square = (high - middle) * above_low + (middle - low) * below_high
+        return float(mp.sqrt(square / (low * middle * high)))
 
 
 def _fastest(jacobian: FloatArray) -> float:

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from spincheck.reference import solve
 from spincheck.reference.stability import perturbation_rate_squared
 from spincheck.reference.stability_bounds import (
     RK4_LIMIT,
@@ -47,12 +48,31 @@ def test_the_rate_does_not_depend_on_the_axes():
     assert turned.gyration == pytest.approx(4.0, rel=EIGENVALUES)
 
 
-@pytest.mark.parametrize("axis", [0, 1, 2])
-def test_an_asymmetric_body_s_rate_is_that_of_small_deviations(axis):
+@pytest.mark.parametrize("axis", [0, 2], ids=["smallest", "largest"])
+def test_about_an_extreme_axis_the_rate_is_that_of_the_wobble(axis):
     omega = [0.0, 0.0, 0.0]
     omega[axis] = 2.0
-    by_hand = math.sqrt(abs(perturbation_rate_squared((3.0, 4.0, 6.0), axis, 2.0)))
+    by_hand = math.sqrt(-perturbation_rate_squared((3.0, 4.0, 6.0), axis, 2.0))
     assert numbers(ASYMMETRIC, omega).gyration == pytest.approx(by_hand, rel=EIGENVALUES)
+
+
+def test_about_the_middle_axis_the_rate_is_that_of_the_flip():
+    """There 3 ω1² + 6 ω3² = 16 and 9 ω1² + 36 ω3² = 64, so ω1² = 32/9 and ω3² = 8/9.
+
+    λ² = ω3² (6 − 4)(6 − 3)/(3 · 4) + ω1² (6 − 3)(4 − 3)/(4 · 6) = 4/9 + 4/9.
+    """
+    found = numbers(ASYMMETRIC, (0.0, 2.0, 0.0)).gyration
+    assert found == pytest.approx(math.sqrt(8 / 9), rel=EIGENVALUES)
+    # Faster than small deviations grow about the axis itself, at 2 √(1 · 2/(3 · 6)) = 2/3 a second.
+    assert found > 2 * math.sqrt(perturbation_rate_squared((3.0, 4.0, 6.0), 1, 1.0))
+
+
+def test_the_rate_of_a_free_body_is_the_same_all_along_its_motion():
+    """What is conserved decides, as soon as the plane is where it is fastest."""
+    made = scene(ASYMMETRIC, "euler_zyz_deg = [0, 0, 0]\nomega_body = [0.1, 2.0, 0.1]", "")
+    states = solve(made, np.linspace(0.0, 2.0, 5)).trajectory.omega_body
+    found = [numbers(ASYMMETRIC, state).gyration for state in states.tolist()]
+    assert found == pytest.approx([found[0]] * len(found), rel=64 * EPS)
 
 
 def test_a_sphere_has_no_rate_of_its_own():
