@@ -2,6 +2,9 @@
 
 import unicodedata
 
+#: Of characters that make what follows them run the other way, though it is read as it stands.
+TURNING = ("LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI")
+
 
 class ScenarioError(ValueError):
     """A scenario file is wrong; the message names file, line, table, key, value and rule."""
@@ -21,8 +24,9 @@ class Misfit(ValueError):
 
 
 def is_control(character: str) -> bool:
-    """Whether a character moves the cursor, ends a line or colours a terminal: not one to print."""
-    return unicodedata.category(character) in ("Cc", "Zl", "Zp", "Cs")
+    """Whether a character commands the terminal: ends a line, moves, colours, turns text about."""
+    turns = unicodedata.bidirectional(character) in TURNING
+    return turns or unicodedata.category(character) in ("Cc", "Zl", "Zp", "Cs")
 
 
 def printable(text: str, limit: int | None = None) -> str:
