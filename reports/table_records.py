@@ -128,7 +128,7 @@ def scene(record: sqlite3.Row) -> tuple[Scenario, Solution]:
         conditioning=_errors(record["conditioning"]),
         horizon=record["horizon"],
     )
-    return loads(record["toml"], record["scenario"]), solution
+    return loads(record["toml"], record["scenario"]), _typed(solution)
 
 
 @told
