@@ -29,6 +29,18 @@ def verdicts(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJs
     _print_records([verdict_record(verdict) for verdict in found], as_csv, as_json)
 
 
+@app.command()
+def points(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
+    """Print every point of every map and ensemble of a result file."""
+    from . import running
+    from .sweep_summary import flat_records
+
+    found = running.read(results)
+    sweeps: list[Any] = [*found.maps, *found.ensembles]
+    records = [record for sweep in sweeps for record in flat_records(sweep)]
+    _print_records(records, as_csv, as_json)
+
+
 def _print_records(records: list[dict[str, Any]], as_csv: bool, as_json: bool) -> None:
     from .export import csv_text
 

@@ -1,5 +1,6 @@
 """A sweep on the terminal: a line a method, the worst point, and the same as JSON."""
 
+import json
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
@@ -103,3 +104,11 @@ def _quantile(ascending: Sequence[float], share: float) -> float | None:
 
 def _place(point: Point, names: Sequence[str]) -> str:
     return ", ".join(f"{name} {value:.6g}" for name, value in zip(names, point.at, strict=True))
+
+
+def flat_records(found: MapResult | EnsembleResult) -> list[dict[str, Any]]:
+    """Points for a table: one column for what they are at, as JSON, for sweeps have it differ."""
+    asked = f"seed {found.ensemble.seed}" if isinstance(found, EnsembleResult) else "map"
+    names = _names(found)
+    records = [point_record(point, names) for point in found.points]
+    return [{"sweep": asked, **record, "at": json.dumps(record["at"])} for record in records]
