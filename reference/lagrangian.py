@@ -18,6 +18,7 @@ from mpmath import mp, mpf
 from ..scenarios import FloatArray
 from ..scenarios.exact import DIGITS, Vector, conjugate, dot, rotate
 from ..scenarios.principal import EQUAL_TO_WORKING_PRECISION
+from .nutation import turning_points
 from .problem import Problem
 from .symmetry import (
     angular_momentum_axes,
@@ -64,16 +65,22 @@ class LagrangeTop:
     def roots(self) -> Vector:
         """u1 ≤ u2 ≤ 1 ≤ u3, the zeros of u̇² as a cubic in u = cos β.
 
-        All three are real, so they are found by cosines (Viète); in ROOT_DIGITS digits double
-        roots (steady precession, sleeping) come out to far more than double precision.
+        Told from the pole nearer to the top, as in `nutation`: roots that agree there are told
+        apart however close they are.
         """
         with mp.workdps(ROOT_DIGITS):
-            height, spin = self.E_prime / self.kappa, 1 / (2 * self.kappa * self.I1)
-            a = -height - self.p_gamma**2 * spin
-            b = 2 * self.p_alpha * self.p_gamma * spin - 1
-            c = height - self.p_alpha**2 * spin
-            u1, u2, u3 = sorted(_real_roots(a, b, c))
-            return (_at_most_one(max(u1, mpf(-1))), _at_most_one(u2), max(u3, mpf(1)))
+            pole = 1 if self.cos_beta >= 0 else -1
+            at_pole = pole * self.kappa
+            spare = mpf(0) if equal(self.E_prime, at_pole) else self.E_prime - at_pole
+            deltas = turning_points(
+                pole,
+                2 * self.kappa / self.I1,
+                self.p_gamma / self.I1,
+                2 * spare / self.I1,
+                (self.p_alpha - pole * self.p_gamma) / self.I1,
+            )
+            u1, u2, u3 = (pole * (1 - delta) for delta in deltas)
+            return (_at_most_one(u1), _at_most_one(u2), u3)
 
     @property
     def reaches_the_vertical(self) -> bool:
@@ -237,16 +244,6 @@ def _bottom(top: LagrangeTop) -> mpf:
         middle = (low + high) / 2
         low, high = (middle, high) if slope(middle) < 0 else (low, middle)
     return (low + high) / 2
-
-
-def _real_roots(a: mpf, b: mpf, c: mpf) -> list[mpf]:
-    """Roots of x³ + a x² + b x + c, all known to be real (Viète; DLMF 1.11.iii)."""
-    spread = (a * a - 3 * b) / 9
-    if spread <= 0:
-        return [-a / 3] * 3
-    cosine = (9 * a * b - 2 * a**3 - 27 * c) / 54 / spread ** mpf("1.5")
-    third = mp.acos(min(max(cosine, mpf(-1)), mpf(1))) / 3
-    return [2 * mp.sqrt(spread) * mp.cos(third + k * 2 * mp.pi / 3) - a / 3 for k in range(3)]
 
 
 def _at_most_one(u: mpf) -> mpf:

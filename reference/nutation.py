@@ -118,8 +118,7 @@ class Nutation(NamedTuple):
 def nutation(start: Constants) -> Nutation | None:
     """The swing from a start that is not at rest at a pole; None if u stays where it is."""
     pole, delta = start.pole, start.delta
-    deltas = sorted(_deltas(start), key=lambda x: -pole * x)  # u1 <= u2 <= u3
-    d1, d2, d3 = _within_bounds(deltas, pole)
+    d1, d2, d3 = turning_points(pole, start.b, start.d, start.excess, start.e)
     if equal(d1, d2):
         return None
     u21, u31, u32 = pole * (d1 - d2), pole * (d1 - d3), pole * (d2 - d3)
@@ -140,23 +139,24 @@ def nutation(start: Constants) -> Nutation | None:
     )
 
 
-def _deltas(start: Constants) -> list[mpf]:
-    """Zeros of (excess + sδ) δ(2 − δ) − (e + gδ)², s = σb, g = σd: the cubic in u = σ(1 − δ).
+def turning_points(pole: int, b: mpf, d: mpf, excess: mpf, e: mpf) -> Vector:
+    """δ of u1, u2 and u3, told from a pole; the arguments are those of `Constants`.
 
-    The largest root by Viète's cosines (DLMF 1.11.iii; all are real); its division leaves a
+    The zeros of (excess + sδ) δ(2 − δ) − (e + gδ)², s = σb, g = σd: the cubic in u = σ(1 − δ).
+    The largest by Viète's cosines (DLMF 1.11.iii; all are real); its division leaves a
     quadratic, whose roots may be many orders smaller and still come out to relative accuracy.
     """
-    s, g = start.pole * start.b, start.pole * start.d
-    excess, e = start.excess, start.e
+    s, g = pole * b, pole * d
     a2, a1, a0 = (excess + g * g) / s - 2, 2 * (e * g - excess) / s, e * e / s
     largest = max(_by_cosines(a2, a1, a0), key=abs)
     if largest == 0:
-        return [mpf(0)] * 3
+        return mpf(0), mpf(0), mpf(0)
     product = -a0 / largest
     half_sum = (a1 - product) / largest / 2
     root = mp.sqrt(max(half_sum**2 - product, mpf(0)))
     further = half_sum + (root if half_sum >= 0 else -root)
-    return [largest, further, product / further if further else mpf(0)]
+    deltas = [largest, further, product / further if further else mpf(0)]
+    return _within_bounds(sorted(deltas, key=lambda x: -pole * x), pole)
 
 
 def _by_cosines(a2: mpf, a1: mpf, a0: mpf) -> list[mpf]:
