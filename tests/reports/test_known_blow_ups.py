@@ -8,7 +8,7 @@ import pytest
 from spincheck.engines import engines
 from spincheck.reports.records import Verdict
 from spincheck.reports.study import descent_of, prepare, simulate
-from spincheck.scenarios import loads
+from spincheck.scenarios import Expect, Scenario, find, load, loads
 
 pytest_plugins = ["pytester"]
 COMMAND = Path(sys.executable).with_name("spincheck")
@@ -60,9 +60,8 @@ NO_BLOW_UPS = [
 ]
 
 
-def judged(engine: str, method: str, timestep: float, spin: float) -> Verdict:
+def judged(scene: Scenario, engine: str, method: str, timestep: float) -> Verdict:
     """The verdict on the one timestep that the scene says something about."""
-    scene = loads(top(engine, method, timestep, spin), "top")
     found = engines()[engine]
     prepared = prepare(scene, [timestep], BUDGET)
     descent = descent_of(scene, found, found.method(method), prepared, [timestep])
@@ -75,16 +74,28 @@ def top(engine: str, method: str, timestep: float, spin: float) -> str:
     return TOP.format(engine=engine, method=method, timestep=timestep, spin=spin)
 
 
+LIBRARY = [
+    pytest.param(scene, expected, id=f"{scene.name}-{expected.engine}-{expected.method}")
+    for scene in map(load, find([]))
+    for expected in scene.expect
+]
+
+
+@pytest.mark.parametrize(("scene", "expected"), LIBRARY)
+def test_what_the_library_says_of_blow_ups_holds(scene: Scenario, expected: Expect) -> None:
+    assert judged(scene, expected.engine, expected.method, expected.timestep).agrees
+
+
 @pytest.mark.parametrize("case", BLOW_UPS, ids=lambda case: f"{case[0]}-{case[1]}")
 def test_a_blow_up_that_is_known_passes(case):
-    verdict = judged(*case)
+    verdict = judged(loads(top(*case), "top"), *case[:3])
     assert verdict.agrees
     assert verdict.verdict == "diverges"
 
 
 @pytest.mark.parametrize("case", NO_BLOW_UPS, ids=lambda case: f"{case[0]}-{case[1]}")
 def test_one_that_does_not_happen_is_reported_and_fails(case):
-    verdict = judged(*case)
+    verdict = judged(loads(top(*case), "top"), *case[:3])
     assert not verdict.agrees
     (said,) = verdict.broken
     assert said.startswith(f"{case[0]} {case[1]} at {case[2]:g} s was expected to diverge: ok")

@@ -108,8 +108,8 @@ def test_window_is_short_enough_for_first_order_methods(scenario: Scenario) -> N
 
 
 @every_scene
-def test_scene_makes_no_promises_for_engines(scenario: Scenario) -> None:
-    assert scenario.expect == ()
+def test_scene_promises_nothing_of_engines_but_known_blow_ups(scenario: Scenario) -> None:
+    assert {expected.outcome for expected in scenario.expect} <= {"diverges"}
 
 
 @every_scene
