@@ -23,10 +23,9 @@ def rows(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson =
 def verdicts(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
     """Print every verdict of a result file."""
     from . import running
-    from .summary import verdict_record
+    from .summary import verdict_records
 
-    found = running.read(results).verdicts
-    _print_records([verdict_record(verdict) for verdict in found], as_csv, as_json)
+    _print_records(verdict_records(running.read(results)), as_csv, as_json)
 
 
 @app.command()

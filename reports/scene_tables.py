@@ -147,7 +147,7 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
     uncertainty = 0.0
     if scene.found is not None:
         uncertainty = float(getattr(scene.found.solution.uncertainty, verdict.signal))
-    survives = in_words(survival(runs.rows, scene.pace) if scene.found else None)
+    survives = in_words(survival(runs.rows, scene.pace if scene.found else None))
     declared = NOTHING
     if runs.declared is not None:
         orders = {"omega": runs.declared.order, "attitude": runs.declared.attitude_order}
@@ -180,7 +180,8 @@ def _run_row(scene: SceneRuns, row: Row, named: str) -> list[Cell | str]:
     if row.errors is not None:
         errors = limited_errors(row.errors, scene.uncertainty(row))
     when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
-    outcome = f"{row.outcome}{when}" + (f": {row.reason}" if row.reason else "")
+    cause = f" ({row.cause})" if row.cause else ""
+    outcome = f"{row.outcome}{cause}{when}" + (f": {row.reason}" if row.reason else "")
     return [
         Cell(row.key.engine, named),
         Cell(row.engine_version, named),

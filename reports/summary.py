@@ -3,8 +3,10 @@
 from dataclasses import asdict
 from typing import Any
 
-from .records import Row, Verdict
+from .pace import pace
+from .records import Key, Row, Verdict
 from .store import Results
+from .survival import Survival, survival
 from .terminal import table
 
 
@@ -40,7 +42,31 @@ def results_as_json(results: Results) -> dict[str, Any]:
     """Rows and verdicts with the names that scripts rely on."""
     return {
         "rows": [row_record(row) for row in results.rows],
-        "verdicts": [verdict_record(verdict) for verdict in results.verdicts],
+        "verdicts": verdict_records(results),
+    }
+
+
+def verdict_records(results: Results) -> list[dict[str, Any]]:
+    """Verdicts, each with the largest timestep that its method survives."""
+    paces = {
+        name: pace(found.scenario, found.solution.trajectory)
+        for name, found in results.scenes.items()
+    }
+    rows: dict[Key, list[Row]] = {}
+    for row in results.rows:
+        rows.setdefault(row.key, []).append(row)
+    return [
+        verdict_record(verdict)
+        | _survival_record(survival(rows.get(verdict.key, ()), paces.get(verdict.key.scenario)))
+        for verdict in results.verdicts
+    ]
+
+
+def _survival_record(found: Survival | None) -> dict[str, Any]:
+    return {
+        "largest_surviving_timestep": found.timestep if found else None,
+        "largest_surviving_turn": found.turn if found else None,
+        "all_tried_survived": found.at_least if found else None,
     }
 
 

@@ -37,15 +37,15 @@ class Survival:
         return f"{bound}{number(self.timestep)} s, {number(self.turn)} rad"
 
 
-def survival(rows: Iterable[Row], pace: float) -> Survival | None:
+def survival(rows: Iterable[Row], pace: float | None) -> Survival | None:
     """Of one method on one scene; None where it cannot simulate the scene, or was not run.
 
     Parameters
     ----------
-    pace : the scene's, rad/s
+    pace : the scene's, rad/s; None where it could not be solved, and nothing was run
     """
     tried = sorted((row for row in rows if row.timestep), key=lambda row: row.timestep)
-    if all(row.outcome == "unsupported" for row in tried):
+    if pace is None or all(row.outcome == "unsupported" for row in tried):
         return None
     survived = list(takewhile(lambda row: row.survived, tried))
     if not survived:
