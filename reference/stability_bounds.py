@@ -116,8 +116,9 @@ def _euler_jacobian(moments: FloatArray, omega: FloatArray) -> FloatArray:
 def _rate_across(problem: Problem) -> float:
     """The rate about ω where it crosses the plane of the extreme axes, rad/s; 0 if not free.
 
-    λ² = [(I3 − I2)(L² − 2 T I1) + (I2 − I1)(2 T I3 − L²)]/(I1 I2 I3), moments ascending, with ω there
-    by Landau & Lifshitz, Mechanics, §37: a body that starts about its middle axis is fastest here.
+    λ² = [(I3 − I2)(L² − 2 T I1) + (I2 − I1)(2 T I3 − L²)]/(I1 I2 I3), moments ascending, by what T
+    and L² make of ω there (Landau & Lifshitz, Mechanics, §37). A body that starts about its middle
+    axis is fastest here.
     """
     if not is_free(problem):
         return 0.0
