@@ -1,4 +1,4 @@
-"""One worker: a process of its own, a socket to it, and a file that holds all it prints.
+"""One worker: a process of its own, a socket to it, and a pipe that takes all it prints.
 
 It is started like any program, by its path, and knows nothing of the program that started it but
 where modules are found: no `__main__` is imported twice, and a process that may have no children
@@ -6,18 +6,17 @@ of `multiprocessing`'s, such as a worker of a cluster, may have this one.
 """
 
 import ctypes
-import fcntl
 import io
 import os
 import pickle
 import signal
 import subprocess
 import sys
-import tempfile
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from multiprocessing import Pipe
-from multiprocessing.connection import Connection
+from multiprocessing.connection import Connection, wait
 from typing import Any
 
 #: <stdio.h>, _IONBF: nothing that was printed before a crash is lost in a buffer.
@@ -26,6 +25,8 @@ UNBUFFERED = 2
 PR_SET_PDEATHSIG = 1
 #: Bytes of what a call printed that are kept, from its end.
 KEPT_OUTPUT = 4096
+#: Bytes read at once of what is printed: as many as a pipe holds (pipe(7), Linux).
+PIPE_SIZE = 1 << 16
 #: What the process runs; its arguments are the socket's descriptor and the parent's id.
 _PROGRAM = """
 import pickle, sys
@@ -41,10 +42,10 @@ class WorkerProcess:
     """The parent's side of it. It lives no longer than the thread that starts it."""
 
     def __init__(self) -> None:
-        self._output = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115, closed by `end`
-        # Appended to, so that emptying it between calls leaves no hole at its beginning.
-        flags = fcntl.fcntl(self._output, fcntl.F_GETFL)
-        fcntl.fcntl(self._output, fcntl.F_SETFL, flags | os.O_APPEND)
+        # A pipe, not a file: however much is printed, nothing fills up.
+        self._output, prints = os.pipe()
+        os.set_blocking(self._output, False)
+        self._printed = b""
         self._pipe, theirs = Pipe()
         # -P: no module of the current folder is taken for one of Python's own.
         command = [sys.executable, "-P", "-c", _PROGRAM, str(theirs.fileno()), str(os.getpid())]
@@ -52,10 +53,11 @@ class WorkerProcess:
             self._process = subprocess.Popen(
                 command,
                 stdin=subprocess.DEVNULL,
-                stdout=self._output,
-                stderr=self._output,
+                stdout=prints,
+                stderr=prints,
                 pass_fds=[theirs.fileno()],
             )
+        os.close(prints)
         self._pipe.send_bytes(pickle.dumps(sys.path))
 
     @property
@@ -71,7 +73,8 @@ class WorkerProcess:
         OSError
             If the process is gone.
         """
-        self._output.truncate(0)
+        self._listen()
+        self._printed = b""
         try:
             request = pickle.dumps((call, ()))
         except Exception as error:
@@ -80,8 +83,18 @@ class WorkerProcess:
         self._pipe.send_bytes(request)
 
     def has_answered(self, seconds: float) -> bool:
-        """Wait until it has answered or is gone, so long at most."""
-        return self._pipe.poll(seconds)
+        """Wait until it has answered or is gone, so long at most; and listen meanwhile."""
+        deadline = time.monotonic() + seconds
+        sources: list[Any] = [self._pipe, self._output]
+        while True:
+            ready = wait(sources, max(0.0, deadline - time.monotonic()))
+            if self._output in ready and not self._listen():
+                # It has closed its output; what is at its end is ready for ever.
+                sources.remove(self._output)
+            if self._pipe in ready:
+                return True
+            if time.monotonic() >= deadline:
+                return False
 
     def take(self) -> tuple[bool, Any]:
         """Wait for what the call returned, after True, or what it raised, in words, after False.
@@ -96,9 +109,8 @@ class WorkerProcess:
 
     def printed(self) -> str:
         """What the call has printed, or the end of it."""
-        size = os.fstat(self._output.fileno()).st_size
-        kept = os.pread(self._output.fileno(), KEPT_OUTPUT, max(size - KEPT_OUTPUT, 0))
-        return kept.decode(errors="replace")
+        self._listen()
+        return self._printed.decode(errors="replace")
 
     def kill(self) -> None:
         """Put an end to it, from whichever thread; `end` is still to be called."""
@@ -109,8 +121,17 @@ class WorkerProcess:
         self._process.kill()
         code = self._process.wait()
         self._pipe.close()
-        self._output.close()
+        os.close(self._output)
         return code
+
+    def _listen(self) -> bool:
+        """Take what the pipe holds, and of all that was printed keep the end; False at its end."""
+        try:
+            heard = os.read(self._output, PIPE_SIZE)
+        except BlockingIOError:
+            return True
+        self._printed = (self._printed + heard)[-KEPT_OUTPUT:]
+        return bool(heard)
 
 
 @contextmanager

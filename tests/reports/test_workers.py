@@ -138,6 +138,42 @@ def test_of_much_output_the_end_is_kept(pool):
     assert task.printed.endswith("the end\n")
 
 
+def print_megabytes(count: int) -> None:
+    for _ in range(count):
+        os.write(1, bytes(1 << 20))
+    os.write(1, b"the end")
+
+
+def test_however_much_is_printed_nothing_but_the_end_is_kept(pool):
+    call = pool.submit(print_megabytes, 256)
+    assert call.outcome() is None
+    assert call.printed.endswith("the end")
+    assert len(call.printed) == KEPT_OUTPUT
+
+
+def print_for_ever() -> None:
+    while True:
+        os.write(1, bytes(1 << 20))
+
+
+def test_a_call_that_prints_for_ever_is_stopped(monkeypatch):
+    monkeypatch.setattr(workers, "TIME_LIMIT", 5.0)
+    with Workers(jobs=1) as pool:
+        assert "did not finish within 5 s" in reason(pool, print_for_ever)
+
+
+def close_its_output() -> str:
+    os.close(1)
+    os.close(2)
+    time.sleep(0.1)
+    return "done"
+
+
+def test_a_call_that_closes_its_output_returns(pool):
+    assert pool.submit(close_its_output).outcome() == "done"
+    assert pool.submit(double, 1).outcome() == 2
+
+
 def test_a_long_last_line_is_cut(pool):
     words = reason(pool, _abort_saying, "y" * 2 * LAST_WORDS)
     assert words.endswith(": " + "y" * LAST_WORDS)
