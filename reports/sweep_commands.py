@@ -57,6 +57,17 @@ def map_scene(
     raise typer.Exit(exit_code(found.points))
 
 
+@app.command("vary")
+def print_varied(
+    scenario: Scene,
+    numbers: Annotated[list[str], typer.Argument(metavar="PATH=VALUE...")],
+) -> None:
+    """Print a scene with other numbers, such as a point of a map, as a scenario file."""
+    from .sweep_running import varied_text
+
+    print(varied_text(scenario, numbers), end="")
+
+
 @app.command("member")
 def print_member(
     scenario: Scene,

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 
-from ..scenarios import Scenario
+from ..scenarios import Scenario, ScenarioError
 from ..scenarios.scatter import member
-from ..scenarios.vary import TIMESTEP, VaryError, check_path, parse_axis
+from ..scenarios.vary import TIMESTEP, VaryError, check_path, parse_axis, varied
 from .choice import Choice
 from .cluster import Cluster
 from .named_scenes import one_scene
@@ -27,7 +27,7 @@ _DURATION = "window.duration"
 
 def run_map(
     scene: str,
-    varied: Sequence[str],
+    ranges: Sequence[str],
     choice: Choice,
     jobs: int,
     cluster: str | None,
@@ -37,7 +37,7 @@ def run_map(
 
     Parameters
     ----------
-    varied : two axes, as `parse_axis` reads them
+    ranges : two axes, as `parse_axis` reads them
     choice : with one timestep at most
     cluster : a Dask scheduler's address; None for workers on this computer
 
@@ -47,7 +47,7 @@ def run_map(
         If something asked for cannot be used, or it was stopped.
     """
     base = one_scene(scene)
-    asked = _map(base, varied, choice)
+    asked = _map(base, ranges, choice)
     if _DURATION not in (axis.path for axis in asked.axes):
         check_timesteps([base], choice)
     return MapResult(asked, base, _carried_out(asked, base, choice, jobs, cluster, out))
@@ -79,6 +79,30 @@ def member_text(scene: str, seed: int, number: int) -> str:
     return member(one_scene(scene), seed, number).text
 
 
+def varied_text(scene: str, numbers: Sequence[str]) -> str:
+    """The scenario file of a scene with other numbers.
+
+    Parameters
+    ----------
+    numbers : as PATH=VALUE
+
+    Raises
+    ------
+    Complaint
+        If one cannot be set, or they make no scene.
+    """
+    base = one_scene(scene)
+    values = dict(_number(text) for text in numbers)
+    try:
+        for path in values:
+            check_path(base, path)
+        if TIMESTEP in values:
+            raise VaryError("the timestep is no number of the scene; give it to 'spincheck run'")
+        return varied(base, values).text
+    except (VaryError, ScenarioError) as error:
+        raise Complaint(str(error), BAD_INPUT) from None
+
+
 def choose_for_sweep(
     engine_names: Sequence[str], methods: Sequence[str], timesteps: Sequence[float]
 ) -> Choice:
@@ -105,9 +129,17 @@ def exit_code(points: Iterable[Point]) -> int:
     return DISAGREES if "failed" in outcomes else AGREES
 
 
-def _map(base: Scenario, varied: Sequence[str], choice: Choice) -> Map:
+def _number(text: str) -> tuple[str, float]:
+    path, _, value = text.partition("=")
     try:
-        axes = [parse_axis(text) for text in varied]
+        return path, float(value)
+    except ValueError:
+        raise Complaint(f"takes PATH=VALUE, got '{text}'", BAD_INPUT) from None
+
+
+def _map(base: Scenario, ranges: Sequence[str], choice: Choice) -> Map:
+    try:
+        axes = [parse_axis(text) for text in ranges]
         for axis in axes:
             check_path(base, axis.path)
     except VaryError as error:

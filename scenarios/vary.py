@@ -89,7 +89,7 @@ def parse_axis(text: str) -> Axis:
 
 
 def check_path(scenario: Scenario, path: str) -> None:
-    """See that a path names a number that a scene has.
+    """See that a path names a number that a scene has, or the timestep.
 
     Raises
     ------

@@ -93,6 +93,12 @@ def test_a_member_is_printed_as_a_scenario_file_that_runs(tmp_path):
     assert load(bad).title.endswith("with member 2 of seed 7")
 
 
+def test_a_point_of_a_map_is_printed_as_a_scenario_file(mapped, tmp_path):
+    done = spincheck("vary", SCENE, "start.omega_body[2]=10", "body.mass=2.5")
+    scene = loads(done.stdout, "there")
+    assert (float(scene.start.omega_body[2]), scene.body.mass) == (10.0, 2.5)
+
+
 def run(*arguments: object) -> tuple[int, str]:
     """The command's exit code and message, in this process."""
     result = CliRunner().invoke(app, [str(argument) for argument in arguments])
@@ -132,6 +138,10 @@ def run(*arguments: object) -> tuple[int, str]:
         (["run", SCENE, "--dask", "localhost:1"], "'--dask' is for sweeps"),
         (["run", SCENE, "--ensemble", "0"], "'--ensemble'"),
         (["member", SCENE, "--member", "-1"], "'--member'"),
+        (["vary", SCENE, "body.mass"], "takes PATH=VALUE, got 'body.mass'"),
+        (["vary", SCENE, "body.mas=1"], "did you mean 'body.mass'?"),
+        (["vary", SCENE, "body.mass=-1"], "body"),
+        (["vary", SCENE, "timestep=1"], "the timestep is no number of the scene"),
     ],
     ids=lambda value: "" if isinstance(value, str) else " ".join(value[:1] + value[2:]),
 )
