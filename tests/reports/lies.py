@@ -61,7 +61,7 @@ class SlowClockSession(HeunSession):
     """Takes steps of another length than it is told."""
 
     def __init__(self, scenario: Scenario, timestep: float) -> None:
-        super().__init__(scenario, 0.97 * timestep)
+        super().__init__(scenario, 0.99 * timestep)
 
 
 class SpunUpInSecretSession(HeunSession):
@@ -69,6 +69,25 @@ class SpunUpInSecretSession(HeunSession):
 
     def rate(self, omega):
         return super().rate(omega) + 1e-3 * omega
+
+
+class SpunUpFromHalfwaySession(HeunSession):
+    """Gains energy only later on."""
+
+    def rate(self, omega):
+        late = self.steps * self.timestep >= HALFWAY
+        return super().rate(omega) + (1e-2 * omega if late else 0)
+
+    def advance(self, steps: int) -> None:
+        for _ in range(steps):
+            super().advance(1)
+
+
+class BarelyDampedSession(HeunSession):
+    """Loses energy, a billionth a second."""
+
+    def rate(self, omega):
+        return super().rate(omega) - 1e-9 * omega
 
 
 class LaggingSession(HeunSession):
