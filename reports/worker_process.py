@@ -9,6 +9,7 @@ import ctypes
 import io
 import os
 import pickle
+import resource
 import signal
 import subprocess
 import sys
@@ -25,6 +26,8 @@ UNBUFFERED = 2
 PR_SET_PDEATHSIG = 1
 #: Bytes of what a call printed that are kept, from its end.
 KEPT_OUTPUT = 4096
+#: Of the machine's memory, what one worker may hold (RLIMIT_DATA of getrlimit(2)).
+MEMORY_SHARE = 0.5
 #: Bytes read at once of what is printed: as many as a pipe holds (pipe(7), Linux).
 PIPE_SIZE = 1 << 16
 #: What the process runs; its arguments are the socket's descriptor and the parent's id.
@@ -149,6 +152,7 @@ def serve(pipe: Connection, parent: int) -> None:
     # Ctrl-C reaches the whole process group; what it means is the parent's to decide.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _die_with(parent)
+    _bound_memory()
     os.set_inheritable(pipe.fileno(), False)
     _print_at_once()
     while True:
@@ -181,6 +185,13 @@ def _die_with(parent: int) -> None:
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:
         os._exit(1)
+
+
+def _bound_memory() -> None:
+    """Refuse an engine that leaks more memory than `MEMORY_SHARE`, before others have none."""
+    bytes_there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    _, most = resource.getrlimit(resource.RLIMIT_DATA)
+    resource.setrlimit(resource.RLIMIT_DATA, (int(MEMORY_SHARE * bytes_there), most))
 
 
 def _print_at_once() -> None:

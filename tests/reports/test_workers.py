@@ -1,6 +1,7 @@
 """Workers: a call that crashes, hangs, exits or is killed costs itself and nothing else."""
 
 import ctypes
+import mmap
 import os
 import signal
 import subprocess
@@ -11,7 +12,7 @@ from pathlib import Path
 import pytest
 from spincheck.reports import workers
 from spincheck.reports.lane import LAST_WORDS, Lost
-from spincheck.reports.worker_process import KEPT_OUTPUT
+from spincheck.reports.worker_process import KEPT_OUTPUT, MEMORY_SHARE
 from spincheck.reports.workers import Workers
 
 LIBC = ctypes.CDLL(None)
@@ -172,6 +173,17 @@ def close_its_output() -> str:
 def test_a_call_that_closes_its_output_returns(pool):
     assert pool.submit(close_its_output).outcome() == "done"
     assert pool.submit(double, 1).outcome() == 2
+
+
+def hold(share: float) -> int:
+    """Of the machine's memory; the system gives what is not written to on credit."""
+    bytes_there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    return len(mmap.mmap(-1, int(share * bytes_there), mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS))
+
+
+def test_a_call_that_holds_too_much_memory_is_refused_it(pool):
+    assert "Cannot allocate memory" in reason(pool, hold, MEMORY_SHARE)
+    assert pool.submit(hold, MEMORY_SHARE / 2).outcome() > 0
 
 
 def test_a_long_last_line_is_cut(pool):
