@@ -82,8 +82,9 @@ def run(
 
     asked = (engine or [], method or [], timestep or [])
     if ensemble is not None:
-        if quick:
-            raise Complaint("'--quick' is for ladders; an ensemble has none", BAD_INPUT)
+        if quick or time_limit is not None:
+            name = "--quick" if quick else "--time-limit"
+            raise Complaint(f"'{name}' is for ladders; an ensemble has none", BAD_INPUT)
         where = (jobs, dask, out)
         raise typer.Exit(run_members(scenes or [], ensemble, seed, asked, where, as_json))
     if dask is not None:
@@ -116,7 +117,7 @@ def report(
     try:
         print(f"The report is {render(found, out)}")
     except OSError as error:
-        raise Complaint(f"{out}: cannot be written: {error.strerror}", BAD_INPUT) from None
+        raise _unwritable(out, error) from None
     raise typer.Exit(running.exit_code(found))
 
 
@@ -262,7 +263,7 @@ def export(
     try:
         written = export_scene(_scenario(scenario), folder)
     except OSError as error:
-        raise Complaint(f"{folder}: cannot be written: {error.strerror}", BAD_INPUT) from None
+        raise _unwritable(folder, error) from None
     for path in written:
         print(path)
 
@@ -271,6 +272,13 @@ def _scenario(name: str) -> Any:
     from .named_scenes import one_scene
 
     return one_scene(name)
+
+
+def _unwritable(place: Path, error: OSError) -> Complaint:
+    from ..scenarios import printable
+
+    where = printable(str(place))
+    return Complaint(f"{where}: cannot be written: {error.strerror}", BAD_INPUT)
 
 
 def _inline(value: object) -> str:

@@ -54,9 +54,9 @@ def opened(path: Path, schema: str, *, writing: bool) -> Iterator[sqlite3.Connec
     except sqlite3.DatabaseError as error:
         kind = getattr(error, "sqlite_errorcode", 0) & _KIND
         words = _IN_WORDS.get(kind, f"not a usable result file: {error}")
-        raise ResultFileError(f"{path}: {words}") from error
+        raise ResultFileError(f"{printable(str(path))}: {words}") from error
     except ResultFileError as error:
-        raise ResultFileError(f"{path}: {error}") from error
+        raise ResultFileError(f"{printable(str(path))}: {error}") from error
 
 
 def _is_there(path: Path, purpose: str) -> bool:
