@@ -1,23 +1,26 @@
 """One method's way down the ladder of one scene: which rung next, and the verdict at the end."""
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
+
+import numpy as np
 
 from ..engines import Engine, Method, Run
 from ..reference import Solution
 from ..reference.solution import MAX_UNCERTAINTY
 from ..scenarios import Expect, Scenario
-from .approach import Approach, Signal
+from .approach import Approach, Signal, com_growth, longest_way
 from .compared_run import broken_promises, row_of
 from .ladder import COARSEST_TURN, MAX_STEPS, MIN_RUNGS, Ladder, Rung
 from .lane import Lost
 from .records import Key, Row, Verdict
-from .verdict import Judgement, judge
+from .verdict import ASYMPTOTIC, Judgement, judge
 
 #: A ladder goes on until its limit is known to this, relative (ω) and in rad, or steps run out.
 GOAL = 1e-4
 #: Rungs an extrapolated limit with an error estimate takes.
-LEAST_RUNGS = 3
+RUNGS_OF_A_LIMIT = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +106,7 @@ class Descent:
     @property
     def cut_short(self) -> bool:
         """Whether finer rungs, had there been any, would have been run."""
-        if self.ladder is None or not self.rows or len(self.rows) < len(self.ladder.rungs):
+        if self.ladder is None or not self.rows:
             return False
         return not (self._hopeless(self.rows[-1]) or self._known())
 
@@ -159,7 +162,7 @@ class Descent:
         taken = len(self.rows)
         if taken == len(self.ladder.rungs) or (self.rows and self._hopeless(self.rows[-1])):
             return True
-        return taken >= MIN_RUNGS and self._known()
+        return taken >= MIN_RUNGS and (self._known() or self._out_of_reach())
 
     @property
     def _last(self) -> Row | None:
@@ -177,11 +180,24 @@ class Descent:
 
     def _known(self) -> bool:
         """Whether every signal is judged and its limit known to the goal."""
-        if not self._approaches or len(self._approaches[0]) < LEAST_RUNGS:
+        if not self._approaches or len(self._approaches[0]) < RUNGS_OF_A_LIMIT:
             return False
         _, worst = self._judge()
         known = worst.limit_estimate is None or worst.limit_estimate <= GOAL
         return worst.word != "unresolved" and known
+
+    def _out_of_reach(self) -> bool:
+        """Whether the error would be too large even on the last rung, if it shrinks as declared.
+
+        Of what is known of the ladder the error alone is asked: the limit's settles last.
+        """
+        assert self.ladder is not None, "only a ladder has an end"
+        finest = self.ladder.rungs[-1].timestep
+        return self._judge()[1].word == "unresolved" and any(
+            approach.errors[-1] * (finest / approach.timesteps[-1]) ** approach.declared_order
+            > ASYMPTOTIC
+            for approach in self._approaches
+        )
 
     def _approach(self, row: Row) -> None:
         """Compare a rung's motion; what counts are those below the last that did not finish."""
@@ -194,17 +210,35 @@ class Descent:
                 "omega": self.method.order,
                 "attitude": self.method.attitude_order,
             }
-            known, truth = dict(self.solution.uncertainty), self.solution.trajectory
+            truth = self.solution.trajectory
+            if self._flies:
+                orders["com"] = self.method.order
+            # What is closed in form is known to its rounding.
+            known = dict(self.solution.uncertainty) | {"com": self._growth["com"]}
             self._approaches += [
                 Approach(signal, truth, order, known[signal]) for signal, order in orders.items()
             ]
         # Each step is good for one ulp, grown as the motion grows it.
-        growth = dict(self.solution.conditioning)
         for approach in self._approaches:
-            approach.add(row.timestep, row.motion, row.steps * growth[approach.signal])
+            floor = row.steps * self._growth[approach.signal]
+            approach.add(row.timestep, row.motion, floor)
+
+    @property
+    def _flies(self) -> bool:
+        """Whether the com goes anywhere, of itself and not round a pivot."""
+        return not self.scenario.has_pivot and longest_way(self.solution.trajectory) > 0
+
+    @cached_property
+    def _growth(self) -> dict[str, float]:
+        """What an ulp of the state does to each signal."""
+        growth = dict(self.solution.conditioning)
+        arm = float(np.linalg.norm(self.scenario.body.com))
+        truth = self.solution.trajectory
+        flown = com_growth(truth, arm, growth["attitude"]) if self._flies else 0.0
+        return growth | {"com": flown}
 
     def _judge(self) -> tuple[Signal, Judgement]:
-        """The worse of the judgements on ω and attitude; each set of rows is judged once."""
+        """The worst of the judgements on ω, attitude and the com's path; each set of rows is judged once."""
         if self._judged is None:
             self._judged = self._judge_anew()
         return self._judged
@@ -215,8 +249,8 @@ class Descent:
         if not self.ladder.rungs:
             return "omega", Judgement("unresolved", self._no_ladder(self.ladder))
         finished = len(self._approaches[0]) if self._approaches else 0
-        if finished < LEAST_RUNGS:
-            reason = f"only {finished} timesteps ran to the end; {LEAST_RUNGS} make a verdict"
+        if finished < RUNGS_OF_A_LIMIT:
+            reason = f"only {finished} timesteps ran to the end; {RUNGS_OF_A_LIMIT} make a verdict"
             return "omega", Judgement("unresolved", reason)
         judged = [(approach.signal, judge(approach)) for approach in self._approaches]
         severity = ("converges", "unresolved", "disagrees")
@@ -229,8 +263,8 @@ class Descent:
             return f"{known} only, before the first sample"
         return (
             f"at {COARSEST_TURN:g} rad a step a run takes {ladder.least_steps:.1e} steps, and "
-            f"{MAX_STEPS} is the most that are taken; {LEAST_RUNGS} timesteps, which make a "
-            f"verdict, would take {ladder.least_steps * (2**LEAST_RUNGS - 1):.1e}"
+            f"{MAX_STEPS} is the most that are taken; {RUNGS_OF_A_LIMIT} timesteps, which make a "
+            f"verdict, would take {ladder.least_steps * (2**RUNGS_OF_A_LIMIT - 1):.1e}"
         )
 
 

@@ -19,9 +19,11 @@ LARGEST_TURN = math.pi
 LEAST_STEPS = 10
 #: A ladder ends before a run would take more steps than this.
 MAX_STEPS = 1 << 20
-#: Fewer rungs than this show no trend; they are run, as far as `MAX_STEPS` allows, whatever the
-#: limit asked for.
+#: After fewer rungs than this no ladder is ended for what it shows.
 MIN_RUNGS = 6
+#: So many are there whatever limit is asked for, as far as `MAX_STEPS` allows: three make a
+#: verdict, and one more shows whether it stands.
+LEAST_RUNGS = 4
 #: Beyond it a step's number is no longer a double, and its time no longer k · dt.
 MOST_STEPS = 2.0**53
 
@@ -92,7 +94,7 @@ def ladder(window: Window, pace: float, samples: int, max_steps: int = MAX_STEPS
     ----------
     pace : the fastest rate, rad/s
     samples : of the window, those whose truth is known
-    max_steps : a ladder of `MIN_RUNGS` or more ends before a run would take more
+    max_steps : a ladder of `LEAST_RUNGS` or more ends before a run would take more
     """
     interval = window.duration / (window.samples - 1)
     per_interval = max(1.0, float(np.ceil(interval * pace / COARSEST_TURN)))
@@ -105,7 +107,7 @@ def ladder(window: Window, pace: float, samples: int, max_steps: int = MAX_STEPS
     coarsest = interval / per_interval
     rungs = []
     for k in count():
-        limit = MAX_STEPS if k < MIN_RUNGS else max_steps
+        limit = MAX_STEPS if k < LEAST_RUNGS else max_steps
         if least_steps * 2**k > limit:
             break
         rungs.append(Rung(coarsest / 2**k, counts * 2**k))

@@ -15,7 +15,7 @@ def constants() -> dict[str, str]:
         "max_steps": count(ladder.MAX_STEPS),
         "min_rungs": str(ladder.MIN_RUNGS),
         "goal": number(descent.GOAL),
-        "least_rungs": str(descent.LEAST_RUNGS),
+        "rungs_of_a_limit": str(descent.RUNGS_OF_A_LIMIT),
         "absurd_energy": f"{compared_run.ABSURD_ENERGY:g}",
         "order_slack": f"{verdict.ORDER_SLACK:g}",
         "above_uncertainty": f"{verdict.ABOVE_UNCERTAINTY:g}",

@@ -7,6 +7,7 @@ import pytest
 from spincheck.reports.ladder import (
     COARSEST_TURN,
     LARGEST_TURN,
+    LEAST_RUNGS,
     LEAST_STEPS,
     MAX_STEPS,
     MIN_RUNGS,
@@ -74,8 +75,8 @@ def test_the_budget_of_steps_is_used_and_kept():
     assert MAX_STEPS / 2 < finest <= MAX_STEPS
 
 
-def test_a_small_budget_still_leaves_enough_rungs_for_a_trend():
-    assert len(ladder_of(1e3, max_steps=1).rungs) == MIN_RUNGS
+def test_a_small_budget_still_leaves_enough_rungs_for_a_verdict():
+    assert len(ladder_of(1e3, max_steps=1).rungs) == LEAST_RUNGS
 
 
 @pytest.mark.parametrize("pace", [2e4, 1e5])
