@@ -144,3 +144,22 @@ def test_swings_stay_small_up_to_the_limit_and_grow_beyond(engine, method, limit
     bounded = (1 + NUDGE) / math.cos(math.asin(1 - beside))
     assert below.max() / NUDGE < bounded
     assert above.max() / NUDGE > bounded
+
+
+def test_a_flipping_body_blows_up_within_a_fifth_of_runge_kutta_s_limit():
+    """The rate is that of small deviations, and flips are large: measured at 0.80 of the limit."""
+    flipping = _scene("[1.0, 2.0, 3.0]", "[0, 0, 0]", "[0, 0, 0]", "[0.01, 10.0, 0.01]", FREE)
+    rate, steps = stability_numbers(flipping).gyration, 3000
+
+    def faster(part: float) -> float:
+        """How many times over ω has grown."""
+        timestep = part * RK4_LIMIT / rate
+        method = engines()["mujoco"].method("RK4")
+        counted = np.arange(0, steps + 1, 10, dtype=np.int64)
+        run = engines()["mujoco"].run(flipping, method, timestep, counted)
+        assert run.trajectory is not None
+        speeds = np.linalg.norm(run.trajectory.omega_body, axis=1)
+        return float(speeds.max() / speeds[0]) if run.outcome == "ok" else math.inf
+
+    assert faster(0.75) < math.sqrt(10)  # ten times the energy is a blow-up
+    assert faster(0.85) > math.sqrt(10)
