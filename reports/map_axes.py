@@ -16,7 +16,7 @@ from .plot import Panel, axis_suffix, layout
 ACROSS, PANEL_HEIGHT = 4, 215
 ABOVE, BELOW, LEFT, RIGHT = 36, 62, 66, 92
 #: A line of the legend, px, and the entries that one holds.
-LEGEND_LINE, LEGEND_ACROSS = 20, 3
+LEGEND_LINE, LEGEND_ACROSS = 20, 4
 GAP_ACROSS, GAP_DOWN = 0.022, 44
 #: px: a page's width is taken for this.
 WIDTH = 1216
