@@ -1,0 +1,41 @@
+"""What docs/sweeps.md says is so."""
+
+import re
+from pathlib import Path
+
+import pytest
+from spincheck.reports.cli import app
+from spincheck.reports.places import STEP_TURN
+from spincheck.reports.point_run import STEP_BUDGET
+from spincheck.reports.workers import TIME_LIMIT
+from spincheck.scenarios.scatter import SCATTER
+from spincheck.scenarios.vary import DEFAULT_COUNT
+from typer.main import get_group
+
+PAGE = (Path(__file__).parents[1] / "docs" / "sweeps.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```sh\n(.*?)```", PAGE, flags=re.DOTALL)
+
+
+def test_every_command_it_shows_has_the_options_it_shows():
+    shown = re.findall(r"^spincheck (\w+)(.*)", "\n".join(BLOCKS), flags=re.MULTILINE)
+    assert len(shown) >= 6
+    group = get_group(app)
+    for name, rest in shown:
+        command = group.get_command(None, name)
+        assert command is not None, name
+        known = {option for parameter in command.params for option in parameter.opts}
+        assert set(re.findall(r"--[\w-]+", rest)) <= known
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        f"at most {STEP_TURN:g} rad a step",
+        f"more than {STEP_BUDGET:,} steps".replace(",", " "),
+        f"{DEFAULT_COUNT} values where no count is given",
+        f"hang of more than {TIME_LIMIT:g} s",
+        f"times exp({SCATTER:g} n)",
+    ],
+)
+def test_its_numbers_are_those_of_the_code(words):
+    assert words in " ".join(PAGE.split())
