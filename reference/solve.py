@@ -14,7 +14,7 @@ from .pose import pose
 from .problem import Problem
 from .solution import MAX_UNCERTAINTY, Solution
 from .symmetry import gravity_torque_scale
-from .taylor import CHECK_ORDERS, FINE_ORDERS, TRUTH_ORDERS, Orders, integrate
+from .taylor import CHECK_ORDERS, FINE_ORDERS, TRUTH_ORDERS, IntegrationError, Orders, integrate
 
 EPS = float(np.finfo(float).eps)
 #: Rounding of the states to double and of L and E computed from them, in ulp.
@@ -23,8 +23,10 @@ ROUNDING = 8 * EPS
 PHASE_ROUNDING = EPS**2
 #: rad; how far along a closed form is compared with the ODE: a tenth of a second of its time.
 CHECKED_TURN = 5e3
-#: Samples at which it is compared.
+#: Samples at which it is compared, over all of that and over the beginning.
 CHECKED_SAMPLES = 64
+#: rad; in double-double even errors that grow by e a radian are small so far along.
+SURE_TURN = 30.0
 Solver = Callable[[Problem, FloatArray], Trajectory]
 
 
@@ -131,6 +133,10 @@ def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
     if n < len(times):  # chaos: where the usual series ends, the dearest goes on
         coarser, trajectory = trajectory, integrated(FINE_ORDERS)
         n = _known(scenario, trajectory, coarser)
+    if n == 0:
+        raise IntegrationError(
+            f"The motion is chaotic and not known any more at {times[0]} s. Ask for earlier times."
+        )
     within = trajectory.until(n)
 
     def solved(neighbour: Problem) -> Trajectory:
@@ -154,10 +160,13 @@ def _rate(problem: Problem, trajectory: Trajectory) -> float:
 
 
 def _checked_times(times: FloatArray, rate: float) -> FloatArray:
-    """A few samples, spread over the span that the ODE reaches in good time, and its end."""
+    """Spread over the span that the ODE reaches in good time, and over the turns it surely knows.
+
+    Whichever samples are asked for: a wrong form is wrong at these as well.
+    """
     end = min(CHECKED_TURN / rate, times[-1]) if rate else times[-1]
-    within = times[times < end]
-    return np.append(within[:: max(len(within) // CHECKED_SAMPLES, 1)], end)
+    sure = min(SURE_TURN / rate, end) if rate else end
+    return np.union1d(*(np.linspace(0.0, span, CHECKED_SAMPLES) for span in (sure, end)))
 
 
 def _at_least(errors: Errors, least: float) -> Errors:

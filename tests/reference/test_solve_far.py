@@ -8,10 +8,12 @@ import pytest
 from legendre_motion import DIGITS, free_symmetric_body
 from mpmath import mp, mpf
 from spincheck.reference import solve
-from spincheck.reference.closed_forms import closed_form
+from spincheck.reference.closed_forms import ClosedForm, closed_form
 from spincheck.reference.pose import pose
+from spincheck.reference.problem import Problem
 from spincheck.reference.solve import CHECKED_TURN, ROUNDING
-from spincheck.reference.taylor import integrate
+from spincheck.reference.taylor import IntegrationError, integrate
+from spincheck.scenarios import find, load
 from taylor_problems import distance
 from top_scenes import ASYMMETRIC, HEAVY, TOP, scene
 
@@ -38,6 +40,15 @@ def test_what_is_stated_of_a_closed_form_grows_with_the_turns_it_has_made():
     assert true_error <= HONESTY * stated.uncertainty.attitude
 
 
+def off_by_a_billionth(problem: Problem) -> ClosedForm | None:
+    """A closed form whose rates are wrong by `FAULT`."""
+    form = closed_form(problem)
+    phases, clock = form.tables.phases.copy(), form.tables.clock.copy()
+    phases[:, 0] *= 1 + FAULT
+    clock[0] *= 1 + FAULT
+    return replace(form, tables=form.tables._replace(phases=phases, clock=clock))
+
+
 @pytest.mark.parametrize("body", [TOP, ASYMMETRIC], ids=["symmetric", "asymmetric"])
 @pytest.mark.parametrize("times", [[FAR], [0.0, FAR]], ids=["alone", "after the start"])
 class TestBeyondReach:
@@ -46,17 +57,36 @@ class TestBeyondReach:
         assert stated.uncertainty.attitude <= 2 * ROUNDING
 
     def test_a_wrong_one_is_not(self, body, times, monkeypatch):
-        def faulty(problem):
-            form = closed_form(problem)
-            tables = form.tables
-            phases, clock = tables.phases.copy(), tables.clock.copy()
-            phases[:, 0] *= 1 + FAULT
-            clock[0] *= 1 + FAULT
-            return replace(form, tables=tables._replace(phases=phases, clock=clock))
-
-        monkeypatch.setattr(import_module("spincheck.reference.solve"), "closed_form", faulty)
+        module = import_module("spincheck.reference.solve")
+        monkeypatch.setattr(module, "closed_form", off_by_a_billionth)
         stated = solve(scene(body, START, FREE), np.array(times))
         assert stated.uncertainty.attitude > FAULT
+
+
+#: `TOP`, struck hanging with 2√(M g l/I1) less a part in 10¹².
+NEAR_SEPARATRIX = f"""quaternion_wxyz = [0, 1, 0, 0]
+omega_body = [{2 * np.sqrt(5.0) * (1 - 1e-12)}, 0, 0]"""
+
+
+@pytest.mark.parametrize("times", [[60.0], [0.0, 60.0]], ids=["alone", "after the start"])
+class TestBesideASeparatrix:
+    """Where the ODE is lost long before the sample that is asked for."""
+
+    def test_a_right_closed_form_is_certain(self, times):
+        stated = solve(scene(TOP, NEAR_SEPARATRIX, HEAVY), np.array(times))
+        assert stated.uncertainty.attitude <= 2 * ROUNDING
+        assert stated.conditioning.attitude > FAULT
+
+    def test_a_wrong_one_is_not(self, times, monkeypatch):
+        module = import_module("spincheck.reference.solve")
+        monkeypatch.setattr(module, "closed_form", off_by_a_billionth)
+        stated = solve(scene(TOP, NEAR_SEPARATRIX, HEAVY), np.array(times))
+        assert stated.uncertainty.attitude > FAULT
+
+
+def test_a_chaotic_motion_is_refused_where_none_of_it_is_known():
+    with pytest.raises(IntegrationError, match="not known any more at 1000"):
+        solve(load(find(["chaos-beyond-the-horizon"])[0]), np.array([1000.0]))
 
 
 @pytest.mark.parametrize("speed", [1e-9, 1.0])
