@@ -12,7 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray, Trajectory
 
-Signal = Literal["omega", "attitude"]
+Signal = Literal["omega", "attitude", "com"]
+EPS = float(np.finfo(float).eps)
 
 
 class Approach:
@@ -59,6 +60,25 @@ class Approach:
                 self.moves.append(float(measure.off(self._limit, limit).max()))
             self._limit = limit
         self._finest = values
+
+
+def com_growth(truth: Trajectory, arm: float, attitude_growth: float) -> float:
+    """What one ulp in each number of a state does to the com, relative to the longest way it goes.
+
+    Parameters
+    ----------
+    arm : m, from the body's origin, where an engine may keep the position, to the com
+    attitude_growth : rad, what one ulp does to the attitude
+    """
+    times = truth.t[-1] - truth.t[0]
+    far = np.linalg.norm(truth.com_world, axis=1).max()
+    fast = np.linalg.norm(truth.velocity_world, axis=1).max()
+    return float(EPS * (far + fast * times) + attitude_growth * arm) / longest_way(truth)
+
+
+def longest_way(truth: Trajectory) -> float:
+    """Of the com from where it starts, m."""
+    return float(np.linalg.norm(truth.com_world - truth.com_world[0], axis=1).max())
 
 
 class _Measure(ABC):
@@ -115,8 +135,23 @@ class _Attitude(_Measure):
         return np.asarray(limit.as_quat(scalar_first=True))
 
 
+@final
+class _Com(_Measure):
+    """Positions, relative to the longest way of the truth's from its start."""
+
+    def values(self, motion: Trajectory) -> FloatArray:
+        return motion.com_world
+
+    def off(self, values: FloatArray, truth: FloatArray) -> FloatArray:
+        way = np.linalg.norm(truth - truth[0], axis=1).max()
+        return np.asarray(np.linalg.norm(values - truth, axis=1) / way)
+
+    def limit(self, coarse: FloatArray, fine: FloatArray, weight: float) -> FloatArray:
+        return np.asarray(fine + weight * (fine - coarse), dtype=float)
+
+
 def _rotations(q_world_body_wxyz: FloatArray) -> Rotation:
     return Rotation.from_quat(q_world_body_wxyz, scalar_first=True)
 
 
-_MEASURES: dict[Signal, _Measure] = {"omega": _Omega(), "attitude": _Attitude()}
+_MEASURES: dict[Signal, _Measure] = {"omega": _Omega(), "attitude": _Attitude(), "com": _Com()}

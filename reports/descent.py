@@ -238,7 +238,7 @@ class Descent:
         return growth | {"com": flown}
 
     def _judge(self) -> tuple[Signal, Judgement]:
-        """The worst of the judgements on ω, attitude and the com's path; each set of rows is judged once."""
+        """The worst of the judgements on each signal; each set of rows is judged once."""
         if self._judged is None:
             self._judged = self._judge_anew()
         return self._judged

@@ -1,10 +1,10 @@
 """What a study finds: one row a run, one verdict a method and scene."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 from ..engines import Cause, Outcome
 from ..scenarios import Errors, Trajectory
+from .approach import Signal
 from .verdict import VerdictWord
 
 #: Names of an engine and of one of its methods.
@@ -81,7 +81,7 @@ class Verdict:
     key: Key
     verdict: VerdictWord
     reason: str
-    signal: Literal["omega", "attitude"] = "omega"
+    signal: Signal = "omega"
     order: float | None = None
     limit_error: float | None = None
     limit_estimate: float | None = None

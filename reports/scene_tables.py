@@ -143,15 +143,15 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
     if verdict is None:
         nothing = [figure(NOTHING)] * 7
         return [*_named(runs), Cell("no verdict", "absent"), *nothing, "stopped early"]
-    decided = {"omega": "ω", "attitude": "attitude"}[verdict.signal]
+    decided = {"omega": "ω", "attitude": "attitude", "com": "com"}[verdict.signal]
     uncertainty = 0.0
     if scene.found is not None:
-        uncertainty = float(getattr(scene.found.solution.uncertainty, verdict.signal))
+        uncertainty = dict(scene.found.solution.uncertainty).get(verdict.signal, 0.0)
     survives = in_words(survival(runs.rows, scene.pace if scene.found else None))
     declared = NOTHING
     if runs.declared is not None:
-        orders = {"omega": runs.declared.order, "attitude": runs.declared.attitude_order}
-        declared = str(orders[verdict.signal])
+        of_attitude = verdict.signal == "attitude"
+        declared = str(runs.declared.attitude_order if of_attitude else runs.declared.order)
     return [
         *_named(runs),
         verdict_cell(verdict.verdict),
