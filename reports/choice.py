@@ -22,6 +22,7 @@ class Choice:
     timesteps : s; the ladder is run where there are none
     max_steps : a ladder ends before a run would take more
     timed : whether steps are timed
+    time_limit : s, that a run may take; the workers' own if None
     """
 
     engines: tuple[Engine, ...]
@@ -29,6 +30,7 @@ class Choice:
     timesteps: tuple[float, ...] = ()
     max_steps: int = MAX_STEPS
     timed: bool = True
+    time_limit: float | None = None
 
     def pairs(self) -> list[Pair]:
         """Every engine and method chosen."""

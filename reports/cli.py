@@ -22,6 +22,7 @@ from .options import (
     Scene,
     Scenes,
     Seed,
+    TimeLimit,
     Timesteps,
 )
 from .result_commands import app as result_commands
@@ -68,6 +69,7 @@ def run(
     jobs: Jobs = CORES,
     out: Annotated[Path, typer.Option(help="The result file; added to.")] = RESULT_FILE,
     quick: Annotated[bool, typer.Option("--quick", help="Short ladders; steps not timed.")] = False,
+    time_limit: TimeLimit = None,
     ensemble: Members = None,
     seed: Seed = 0,
     dask: Dask = None,
@@ -89,7 +91,7 @@ def run(
         raise typer.Exit(run_members(scenes or [], ensemble, seed, asked, where, as_json))
     if dask is not None:
         raise Complaint("'--dask' is for sweeps: 'map', or 'run' with '--ensemble'", BAD_INPUT)
-    results = running.run(scenes or [], *asked, jobs, out, quick=quick)
+    results = running.run(scenes or [], *asked, jobs, out, quick=quick, time_limit=time_limit)
     if as_json:
         print(to_json(results_as_json(results)))
     else:

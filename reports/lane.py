@@ -1,5 +1,6 @@
 """Where calls are made one after the other: a worker process, replaced whenever one dies."""
 
+import re
 import signal
 import threading
 import time
@@ -19,6 +20,8 @@ LAST_WORDS = 200
 FROM_OUTSIDE = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP)
 #: Begins the reason of a call that was lost so.
 KILLED = "the worker process was killed from outside"
+#: Begins the reason of a call that was stopped; its time limit follows.
+_OVERDUE = "did not finish within "
 
 
 class Lost(Exception):
@@ -118,7 +121,7 @@ class Lane:
     def _overdue(self, worker: WorkerProcess) -> Answer:
         printed = worker.printed()
         self._forget(worker)
-        reason = f"did not finish within {self._time_limit:g} s{_last_words(printed)}"
+        reason = f"{_OVERDUE}{self._time_limit:g} s{_last_words(printed)}"
         return Answer(Lost(reason, "time-out"), printed)
 
     def _bury(self, worker: WorkerProcess) -> Answer:
@@ -131,6 +134,18 @@ class Lane:
         with self._changing:
             self._worker = None
             return worker.end()
+
+
+def may_end_otherwise(reason: str, time_limit: float | None) -> bool:
+    """Whether what was lost for a reason may succeed if it is called again.
+
+    Somebody else had put an end to it, or it was stopped after less than the limit, s, that was
+    chosen now.
+    """
+    if KILLED in reason:
+        return True
+    stopped = re.search(f"{_OVERDUE}([^ ]+) s", reason)
+    return stopped is not None and time_limit is not None and float(stopped[1]) < time_limit
 
 
 def _cause_of_death(exit_code: int) -> str:

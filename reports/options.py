@@ -27,6 +27,10 @@ Timesteps = Annotated[
 ]
 Bound = Annotated[float | None, typer.Option(help="Largest error allowed.")]
 Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Worker processes.")]
+TimeLimit = Annotated[
+    float | None,
+    typer.Option("--time-limit", help="s that a run may take; 120 if left out."),
+]
 SweepTimesteps = Annotated[
     list[float] | None,
     typer.Option("--timestep", help="s; chosen from each point's spin if left out."),

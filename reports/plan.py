@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from ..scenarios import Scenario
 from .choice import Choice, Pair
 from .environment import processor
-from .lane import KILLED
+from .lane import may_end_otherwise
 from .made_by import digests
 from .records import Key, Verdict
 from .store import Store
@@ -62,7 +62,7 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
     """Drop what is out of date, and see what is missing."""
     dropped = sum(store.keep_made_by(s.name, digests(s, choice.engines)) for s in scenarios)
     verdicts = store.settled(choice.timesteps, choice.max_steps)
-    settled = {v.key: v for v in verdicts if KILLED not in v.reason}
+    settled = {v.key: v for v in verdicts if not may_end_otherwise(v.reason, choice.time_limit)}
     timed = store.timed_on(processor())
     by_pass = _scene_for_passes(scenarios)
     scenes = [

@@ -16,6 +16,9 @@ from .store import Results, open_store
 from .study import carry_out
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress, say
 
+#: s; a system's clocks wait for no more than 2³¹ ms at once.
+MOST_TIME = 1e6
+
 
 def run(
     scenes: Sequence[str],
@@ -26,6 +29,7 @@ def run(
     out: Path,
     *,
     quick: bool = False,
+    time_limit: float | None = None,
 ) -> Results:
     """Run what was named (nothing named: everything) and read back what was found of it.
 
@@ -34,11 +38,16 @@ def run(
     Raises
     ------
     Complaint
-        If a scene, engine, method or timestep cannot be used, the file cannot be written, or it
-        was stopped.
+        If a scene, engine, method, timestep or time limit cannot be used, the file cannot be
+        written, or it was stopped.
     """
     scenarios = scenes_to_run(scenes)
-    choice = choose(engine_names, methods, timesteps)
+    choice = replace(choose(engine_names, methods, timesteps), time_limit=time_limit)
+    if time_limit is not None and not 0 < time_limit <= MOST_TIME:
+        raise Complaint(
+            f"'--time-limit' must be positive and at most {MOST_TIME:g} s, got {time_limit:g} s",
+            BAD_INPUT,
+        )
     if quick:
         choice = replace(choice, max_steps=QUICK_STEPS, timed=False)
     check_timesteps(scenarios, choice)

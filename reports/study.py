@@ -20,7 +20,7 @@ from .cost import one_thread
 from .descent import Descent, Single
 from .environment import environment
 from .ladder import Ladder, Rung, ladder, single
-from .lane import KILLED, Lost
+from .lane import Lost, may_end_otherwise
 from .pace import pace
 from .plan import Plan, SceneLeft, plan
 from .records import UNSOLVED, Key, Row, Verdict
@@ -127,14 +127,14 @@ def carry_out(left: Plan, choice: Choice, store: Store, jobs: int, progress: Pro
     """Run what is left, storing each row and each verdict as it ends, then time the steps."""
     store.put_environment(environment(choice.engines, choice.max_steps))
     store.put_methods(choice.engines)
-    with Workers(jobs) as workers:
+    with Workers(jobs, choice.time_limit) as workers:
         grid = _Grid(choice, store, workers, progress)
         for rank, scene in enumerate(left.scenes):
             if scene.to_run:
                 grid.start(scene, rank)
         grid.drain()
     # Nothing else runs while steps are timed.
-    with one_thread(), Workers(jobs=1) as workers:
+    with one_thread(), Workers(1, choice.time_limit) as workers:
         for scene in left.scenes:
             if scene.to_time:
                 time_scene(scene, choice, store, workers, progress)
@@ -196,7 +196,8 @@ class _Grid:
         for engine, method in scene.to_run:
             descent = descent_of(scenario, engine, method, prepared, self._choice.timesteps)
             rows = self._store.rows_of(descent.key)
-            there = {row.timestep: row for row in rows if KILLED not in row.reason}
+            limit = self._choice.time_limit
+            there = {r.timestep: r for r in rows if not may_end_otherwise(r.reason, limit)}
             self._descend(descent, there, rank)
 
     def _descend(self, descent: Descent, there: dict[float, Row], rank: int) -> None:

@@ -57,11 +57,15 @@ class Workers(Executor):
 
     A call that gives no result has `Lost` for its exception. Left by an exception, or by Ctrl-C,
     a ``with`` block kills the processes at once.
+
+    Parameters
+    ----------
+    time_limit : s, that a call may take; `TIME_LIMIT` if None
     """
 
-    def __init__(self, jobs: int) -> None:
+    def __init__(self, jobs: int, time_limit: float | None = None) -> None:
         self._jobs = jobs
-        self._time_limit = TIME_LIMIT
+        self._time_limit = TIME_LIMIT if time_limit is None else time_limit
         self._numbers = count()
         self._changed = threading.Condition()
         self._waiting: list[_Waiting] = []

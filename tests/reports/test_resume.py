@@ -2,6 +2,7 @@
 
 import os
 import signal
+import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -249,6 +250,39 @@ def test_a_run_that_was_killed_from_outside_is_made_again(path, undisturbed, mon
 
 def _killed(*_: object) -> None:
     os.kill(os.getpid(), signal.SIGKILL)
+
+
+def overrun(path: Path, reason: str) -> None:
+    """Have one run of Heun's method, and so its verdict, end for a reason."""
+    with open_store(path, create=True) as store:
+        found = store.read()
+        (verdict,) = (v for v in found.verdicts if v.key.engine == "Heun")
+        row = next(row for row in found.rows if row.key == verdict.key)
+        store.put_row(replace(row, outcome="failed", reason=reason))
+        store.put_verdict(replace(verdict, verdict="failed", reason=reason))
+
+
+@pytest.mark.parametrize(
+    ("time_limit", "again"), [(None, False), (100.0, False), (120.0, False), (200.0, True)]
+)
+def test_what_was_stopped_is_run_again_by_whoever_gives_it_longer(
+    path, runs, undisturbed, time_limit, again
+):
+    run(path)
+    overrun(path, "did not finish within 120 s; it last printed: a word")
+    runs.clear()
+    run(path, replace(LADDER, time_limit=time_limit))
+    assert {row.key.engine for row in runs} == ({"Heun"} if again else set())
+    assert (differences(read(path), undisturbed) == []) == again
+
+
+@pytest.mark.parametrize("seconds", ["0", "-1", "nan", "inf"])
+def test_a_time_limit_that_is_none_is_one_message(path, seconds):
+    command = [COMMAND, "run", "fast-top", "--time-limit", seconds, "--out", path]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("spincheck: '--time-limit' must be positive")
+    assert not path.exists()
 
 
 @pytest.mark.parametrize("what", ["outcome", "motion", "verdict", "missing"])

@@ -88,7 +88,7 @@ def test_a_run_is_stopped(
 
 def test_a_stopped_run_is_gone_on_with(tmp_path: Path) -> None:
     path, other = tmp_path / "results.sqlite", tmp_path / "undisturbed.sqlite"
-    for phase in (begun, running, timing):
+    for phase in (running, timing):
         run = start(path)
         phase(run, path)
         stop(run, signal.SIGTERM)

@@ -121,6 +121,11 @@ def test_a_call_that_hangs_is_stopped(monkeypatch):
         assert reason(pool, time.sleep, FOREVER) == "did not finish within 5 s"
 
 
+def test_a_time_limit_of_ones_own_is_kept():
+    with Workers(jobs=1, time_limit=4.0) as pool:
+        assert reason(pool, time.sleep, FOREVER) == "did not finish within 4 s"
+
+
 def test_what_is_printed_by_c_and_python_is_kept_with_its_own_call(pool):
     tasks = [pool.submit(say, "one"), pool.submit(double, 1), pool.submit(say, "two")]
     assert [task.outcome() for task in tasks] == [1, 2, 1]
