@@ -45,6 +45,8 @@ def _library() -> list[Path]:
 
 
 def _find_one(name: str) -> list[Path]:
+    if not name:
+        raise ScenarioError("a scene's name is empty; '.' is the folder you are in")
     path = Path(name)
     try:
         if path.exists() and not path.is_dir():
