@@ -72,7 +72,7 @@ def checked(files: Iterable[Path]) -> tuple[list[str], list[str]]:
     """A line for each file that is right, folders gone through; and what is wrong with others."""
     lines, wrong = [], []
     for file in files:
-        scenarios, complaints = load_each(scenario_files(file) if file.is_dir() else [file])
+        scenarios, complaints = load_each(_in_it(file))
         wrong += complaints
         for scenario in scenarios:
             if promised := unknown_promises([scenario]):
@@ -80,6 +80,13 @@ def checked(files: Iterable[Path]) -> tuple[list[str], list[str]]:
             else:
                 lines.append(f"{printable(str(scenario.path))}: {scenario.title}")
     return lines, wrong
+
+
+def _in_it(file: Path) -> list[Path]:
+    try:
+        return scenario_files(file) if file.is_dir() else [file]
+    except OSError:  # such as a name that is too long, which the reader complains of
+        return [file]
 
 
 def complain(wrong: Sequence[str]) -> None:

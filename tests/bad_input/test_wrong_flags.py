@@ -1,0 +1,147 @@
+"""Every option and argument of every command with wrong values: one message, exit code 2.
+
+Commands, options and their types are read from the typer application itself, so that a new one is
+tested at once.
+"""
+
+import inspect
+from collections.abc import Iterator
+from dataclasses import dataclass
+from types import GenericAlias, UnionType
+from typing import Any, get_args, get_type_hints
+
+import pytest
+from mutated_scenes import LEAST, written
+from spincheck.reports.cli import app
+from spincheck.reports.terminal import BAD_INPUT, Complaint
+from typer.models import OptionInfo
+from typer.testing import CliRunner
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """An option or argument of a command.
+
+    Attributes
+    ----------
+    flag : as it is typed; empty of an argument
+    kinds : the types that its values may have
+    """
+
+    name: str
+    flag: str
+    kinds: frozenset[type]
+    required: bool
+    least: float | None
+
+
+def parameters(callback: Any) -> tuple[Parameter, ...]:
+    hints = get_type_hints(callback, include_extras=True)
+    return tuple(
+        _parameter(name, hints[name], value.default)
+        for name, value in inspect.signature(callback).parameters.items()
+    )
+
+
+def _parameter(name: str, hint: Any, default: object) -> Parameter:
+    info = hint.__metadata__[0]
+    declared = getattr(info, "param_decls", None) or (f"--{name.replace('_', '-')}",)
+    flag = declared[0] if isinstance(info, OptionInfo) else ""
+    required = default is inspect.Parameter.empty
+    return Parameter(name, flag, frozenset(_kinds(hint)), required, info.min)
+
+
+def _kinds(hint: Any) -> Iterator[type]:
+    if isinstance(hint, type) and not get_args(hint):
+        yield hint
+    for arm in get_args(hint):
+        yield from _kinds(arm) if isinstance(arm, type | UnionType | GenericAlias) else ()
+
+
+COMMANDS = {
+    info.name or info.callback.__name__: parameters(info.callback)
+    for info in app.registered_commands
+}
+#: No option takes these, whatever it is about.
+INTEGERS = ("-1", "0", "1.5", "x", "", "nan", "1e3")
+NUMBERS = ("nan", "inf", "-inf", "-1", "x", "", "1e400")
+NAMES = ("", "no-such-thing", "\x1b[31m", "a\nb")
+
+
+def values_of(option: Parameter) -> tuple[str, ...]:
+    if int in option.kinds:
+        return tuple(v for v in INTEGERS if v not in ("0", "-1") or int(v) < (option.least or 0))
+    if float in option.kinds:
+        return NUMBERS
+    return NAMES if option.name in ("engine", "method") else ()
+
+
+CASES = {
+    f"{command} {option.flag} {value!r}": (command, option.flag, value)
+    for command, found in COMMANDS.items()
+    for option in found
+    if option.flag
+    for value in values_of(option)
+}
+WITH_ARGUMENTS = [command for command, found in COMMANDS.items() if not all(p.flag for p in found)]
+
+
+def said(arguments: list[str]) -> tuple[int, str]:
+    """The exit code and the message; any other exception than a complaint is passed on."""
+    result = CliRunner().invoke(app, arguments)
+    if isinstance(result.exception, Complaint):
+        return result.exception.exit_code, str(result.exception)
+    if not isinstance(result.exception, SystemExit | None):
+        raise result.exception
+    return result.exit_code, result.output
+
+
+def needed(command: str) -> list[str]:
+    """A value for each argument that must be there."""
+    return ["made.toml" for p in COMMANDS[command] if p.required and not p.flag]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    (tmp_path / "made.toml").write_text(written(LEAST))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(("command", "flag", "value"), CASES.values(), ids=map(ascii, CASES))
+def test_a_wrong_value_is_told_and_nothing_is_begun(command, flag, value, folder):
+    code, message = said([command, *needed(command), f"{flag}={value}"])
+    assert code == BAD_INPUT, message
+    assert message
+    assert not list(folder.glob("*.sqlite*"))
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_an_option_that_there_is_not_is_told(command):
+    code, message = said([command, "--no-such-option"])
+    assert code == BAD_INPUT
+    assert "No such option: --no-such-option" in message
+
+
+@pytest.mark.parametrize("command", [command for command in COMMANDS if needed(command)])
+def test_an_argument_that_is_missing_is_told(command):
+    code, message = said([command])
+    assert code == BAD_INPUT
+    assert "Missing argument" in message
+
+
+@pytest.mark.parametrize("value", ["nowhere.toml", "", "\x1b[31m", "a\nb", "x" * 300], ids=ascii)
+@pytest.mark.parametrize("command", WITH_ARGUMENTS)
+def test_an_argument_that_names_nothing_is_told(command, value):
+    if command == "check" and not value:
+        pytest.skip("an empty path is the folder one is in")
+    code, message = said([command, *[value] * max(len(needed(command)), 1)])
+    assert code == BAD_INPUT, message
+    assert "\x1b" not in message
+
+
+def test_the_commands_are_found():
+    """The teeth: were nothing read from the application, nothing would be tested."""
+    assert {"run", "report", "check", "recommend"} <= COMMANDS.keys()
+    assert ("run", "--timestep", "nan") in CASES.values()
+    assert ("recommend", "--omega", "inf") in CASES.values()
