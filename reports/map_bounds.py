@@ -49,15 +49,15 @@ TURN = Bound(
 EULER = Bound(
     "e-fold",
     "first order: within the window free precession grows (explicit) or dies away (implicit) by a "
-    "factor of e; more above the line",
+    "factor of e; by more at longer timesteps",
     f"|R(iλ dt)| = √(1 + λ² dt²) a step; {_STABILITY}",
     lambda n, dt: _log(euler_folds(n.gyration, dt, n.duration)),
     "dash",
 )
 RK4_DAMPING = Bound(
     "e-fold",
-    "fourth order: within the window free precession dies away by a factor of e; more above the "
-    "line",
+    "fourth order: within the window free precession dies away by a factor of e; by more at longer "
+    "timesteps",
     f"|R(iλ dt)| of the classical Runge–Kutta method; {_STABILITY}",
     lambda n, dt: _log(rk4_folds(n.gyration, dt, n.duration)),
     "dash",
