@@ -12,7 +12,7 @@ from ..reference.solution import MAX_UNCERTAINTY
 from ..scenarios import Expect, Scenario
 from .approach import Approach, Signal, com_growth, longest_way
 from .compared_run import broken_promises, row_of
-from .ladder import COARSEST_TURN, MAX_STEPS, MIN_RUNGS, Ladder, Rung
+from .ladder import COARSEST_TURN, MIN_RUNGS, Ladder, Rung
 from .lane import Lost
 from .records import Key, Row, Verdict
 from .verdict import ASYMPTOTIC, Judgement, judge
@@ -106,8 +106,10 @@ class Descent:
     @property
     def cut_short(self) -> bool:
         """Whether finer rungs, had there been any, would have been run."""
-        if self.ladder is None or not self.rows:
+        if self.ladder is None:
             return False
+        if not self.rows:
+            return self.ladder.least_steps > 0
         return not (self._hopeless(self.rows[-1]) or self._known())
 
     def spent(self) -> list[float]:
@@ -262,9 +264,9 @@ class Descent:
             known = f"the motion is known to {MAX_UNCERTAINTY:g} up to {self.solution.horizon:g} s"
             return f"{known} only, before the first sample"
         return (
-            f"at {COARSEST_TURN:g} rad a step a run takes {ladder.least_steps:.1e} steps, and "
-            f"{MAX_STEPS} is the most that are taken; {RUNGS_OF_A_LIMIT} timesteps, which make a "
-            f"verdict, would take {ladder.least_steps * (2**RUNGS_OF_A_LIMIT - 1):.1e}"
+            f"at {COARSEST_TURN:g} rad a step a run takes {ladder.least_steps:.1e} steps, more than "
+            f"the limit on them; {RUNGS_OF_A_LIMIT} timesteps, which make a verdict, would take "
+            f"{ladder.least_steps * (2**RUNGS_OF_A_LIMIT - 1):.1e}"
         )
 
 

@@ -21,9 +21,10 @@ LEAST_STEPS = 10
 MAX_STEPS = 1 << 20
 #: After fewer rungs than this no ladder is ended for what it shows.
 MIN_RUNGS = 6
-#: So many are there whatever limit is asked for, as far as `MAX_STEPS` allows: three make a
-#: verdict, and one more shows whether it stands.
+#: For so many, runs may take some times the steps asked for: three make a verdict, and one more
+#: shows whether it stands.
 LEAST_RUNGS = 4
+EXCESS = 4
 #: Beyond it a step's number is no longer a double, and its time no longer k · dt.
 MOST_STEPS = 2.0**53
 
@@ -94,7 +95,8 @@ def ladder(window: Window, pace: float, samples: int, max_steps: int = MAX_STEPS
     ----------
     pace : the fastest rate, rad/s
     samples : of the window, those whose truth is known
-    max_steps : a ladder of `LEAST_RUNGS` or more ends before a run would take more
+    max_steps : a ladder of `LEAST_RUNGS` or more ends before a run would take more, a shorter one
+        before it would take `EXCESS` times as many
     """
     interval = window.duration / (window.samples - 1)
     per_interval = max(1.0, float(np.ceil(interval * pace / COARSEST_TURN)))
@@ -107,7 +109,7 @@ def ladder(window: Window, pace: float, samples: int, max_steps: int = MAX_STEPS
     coarsest = interval / per_interval
     rungs = []
     for k in count():
-        limit = MAX_STEPS if k < LEAST_RUNGS else max_steps
+        limit = min(EXCESS * max_steps, MAX_STEPS) if k < LEAST_RUNGS else max_steps
         if least_steps * 2**k > limit:
             break
         rungs.append(Rung(coarsest / 2**k, counts * 2**k))

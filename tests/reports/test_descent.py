@@ -129,7 +129,13 @@ def test_errors_that_are_large_but_shrink_are_followed_to_where_they_tell():
 
 
 def test_what_a_short_ladder_left_open_is_told_as_cut_short():
-    assert go_down(descent(max_steps=1), lambda dt: 2.0).cut_short
+    assert go_down(descent(max_steps=400), lambda dt: 2.0).cut_short
+
+
+def test_a_ladder_that_a_short_limit_leaves_no_rung_of_is_cut_short_too():
+    found = go_down(descent(max_steps=10), lambda dt: 0.1)
+    assert found.rows == []
+    assert found.cut_short
 
 
 @pytest.mark.parametrize("speed", [2e5, 2e8])

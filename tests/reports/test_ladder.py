@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from spincheck.reports.ladder import (
     COARSEST_TURN,
+    EXCESS,
     LARGEST_TURN,
     LEAST_RUNGS,
     LEAST_STEPS,
@@ -75,8 +76,11 @@ def test_the_budget_of_steps_is_used_and_kept():
     assert MAX_STEPS / 2 < finest <= MAX_STEPS
 
 
-def test_a_small_budget_still_leaves_enough_rungs_for_a_verdict():
-    assert len(ladder_of(1e3, max_steps=1).rungs) == LEAST_RUNGS
+def test_a_small_budget_is_exceeded_for_a_verdict_but_not_by_much():
+    steps = [rung.steps for rung in ladder_of(40.0, max_steps=2000).rungs]
+    assert len(steps) == LEAST_RUNGS
+    assert 2000 < steps[-1] <= EXCESS * 2000
+    assert len(ladder_of(40.0, max_steps=500).rungs) < LEAST_RUNGS
 
 
 @pytest.mark.parametrize("pace", [2e4, 1e5])
