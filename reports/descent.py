@@ -264,8 +264,8 @@ class Descent:
             known = f"the motion is known to {MAX_UNCERTAINTY:g} up to {self.solution.horizon:g} s"
             return f"{known} only, before the first sample"
         return (
-            f"at {COARSEST_TURN:g} rad a step a run takes {ladder.least_steps:.1e} steps, more than "
-            f"the limit on them; {RUNGS_OF_A_LIMIT} timesteps, which make a verdict, would take "
+            f"at {COARSEST_TURN:g} rad a step a run takes {ladder.least_steps:.1e} steps, which is "
+            f"above the limit; {RUNGS_OF_A_LIMIT} timesteps, which make a verdict, would take "
             f"{ladder.least_steps * (2**RUNGS_OF_A_LIMIT - 1):.1e}"
         )
 
