@@ -68,7 +68,7 @@ def judge(ladder: Approach) -> Judgement:
             given,
             limit_error=float(off.max()),
             allowance=allowance,
-            moves=moves[: best + 1],
+            settles=_settles(moves, floors[2:]),
             since=float(ladder.truth.t[np.argmax(off > allowance)]),
         )
     )
@@ -82,7 +82,7 @@ class _Found:
     given: float
     limit_error: float
     allowance: float
-    moves: FloatArray
+    settles: bool
     since: float
 
 
@@ -100,7 +100,7 @@ def _weigh(found: _Found) -> Judgement:
     if sharp and at_limit and in_order:
         return Judgement("converges", f"{_order_words(found)}; {limit}", *numbers)
     elsewhere = found.limit_error > DISTINCT * found.allowance
-    if sharp and elsewhere and _settles(found.moves):
+    if sharp and elsewhere and found.settles:
         return Judgement(
             "disagrees", f"settles elsewhere, from t = {found.since:.3g} s on: {limit}", *numbers
         )
@@ -124,8 +124,10 @@ def _order_words(found: _Found) -> str:
     return f"order {found.order:.2f}, declared {declared}{above}"
 
 
-def _settles(moves: FloatArray) -> bool:
-    """Whether the extrapolated limits move less and less, down to the finest."""
+def _settles(moves: FloatArray, floors: FloatArray) -> bool:
+    """Whether the extrapolated limits move less and less, down to the finest or to rounding."""
+    if moves[-1] <= floors[-1]:
+        return True
     return len(moves) > 1 and bool(moves[-1] <= moves[-2] * 2**-SETTLING_ORDER)
 
 

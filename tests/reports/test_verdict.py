@@ -70,6 +70,12 @@ def test_a_limit_that_is_not_the_truth_disagrees(signal, order):
     assert found.limit_error == pytest.approx(offset, rel=0.1)
 
 
+def test_a_limit_that_is_exact_and_not_the_truth_disagrees():
+    """As of a rule that makes no error in a parabola, and follows another one."""
+    found = judged(lambda dt: 0.5 + 2 * EPS * np.sign(np.sin(1 / dt)), order=4)
+    assert found.word == "disagrees"
+
+
 def test_a_limit_that_leaves_the_truth_midway_says_when():
     late = np.where(TIMES > 3.0, 1e-3, 0.0)
 
