@@ -2,6 +2,7 @@
 
 import io
 import json
+import math
 import sqlite3
 from collections.abc import Callable
 from dataclasses import asdict
@@ -21,6 +22,8 @@ from .result_file import ResultFileError
 
 T = TypeVar("T")
 
+#: Of a run's times and counts, SI.
+LARGEST = 1e150
 #: Characters of what is wrong with a record.
 SHOWN = 200
 
@@ -221,7 +224,15 @@ def _typed(record: T) -> T:
         # A trajectory sees to itself as it is made.
         if not isinstance(value, Trajectory | None):
             _check(name, value, declared)
+        if isinstance(record, Row) and isinstance(value, float | int):
+            _check_size(name, value)
     return record
+
+
+def _check_size(name: str, value: float) -> None:
+    """Nothing a run is recorded with is negative, or so large that its square overflows."""
+    if not 0 <= value <= LARGEST and value != math.inf:
+        raise ValueError(f"{name}: must be from 0 to {LARGEST:g}, got {value!r}")
 
 
 def _check(name: str, value: Any, declared: Any) -> None:
