@@ -49,12 +49,21 @@ def path(tmp_path):
     return tmp_path / "results.sqlite"
 
 
+@pytest.fixture
+def solved(path):
+    """The file has the scene, without which a run is none."""
+    scenario = load(find([KEY.scenario])[0])
+    with open_store(path, create=True) as store:
+        store.put_scene(scenario, Solution(motion(), "by hand", ERRORS, ERRORS, 12.5))
+
+
 def same_motion(a: Trajectory, b: Trajectory) -> bool:
     return all(
         np.array_equal(x, y) for x, y in zip(vars(a).values(), vars(b).values(), strict=True)
     )
 
 
+@pytest.mark.usefixtures("solved")
 def test_a_row_comes_back_to_the_last_bit(path, row):
     with open_store(path, create=True) as store:
         store.put_row(row)
@@ -82,6 +91,7 @@ def test_a_scene_comes_back_with_its_truth(path):
     assert (back.solution.uncertainty, back.solution.horizon) == (ERRORS, 12.5)
 
 
+@pytest.mark.usefixtures("solved")
 def test_a_cost_reaches_every_row_of_its_method(path, row):
     with open_store(path, create=True) as store:
         store.put_cost(KEY, "a processor", StepCost(3e-6, 1e-7, 4e-6))
@@ -103,6 +113,8 @@ def test_costs_of_another_processor_are_dropped(path):
 
 
 def test_what_rests_on_something_else_is_dropped_and_the_rest_stays(path, row):
+    # Without errors, so that it needs no scene.
+    row = replace(row, errors=None)
     other = replace(row, key=replace(KEY, engine="pybullet"))
     with open_store(path, create=True) as store:
         store.keep_made_by(KEY.scenario, {"": "one", "mujoco": "one", "pybullet": "one"})
@@ -113,6 +125,8 @@ def test_what_rests_on_something_else_is_dropped_and_the_rest_stays(path, row):
 
 
 def test_a_scene_that_changed_takes_all_its_rows_along(path, row):
+    # Without errors, so that it needs no scene.
+    row = replace(row, errors=None)
     elsewhere = replace(row, key=replace(KEY, scenario="sphere"))
     with open_store(path, create=True) as store:
         for scenario in (KEY.scenario, "sphere"):
@@ -151,6 +165,7 @@ def test_a_verdict_cut_short_settles_nothing_longer(path):
         assert store.settled((), 1001) == []
 
 
+@pytest.mark.usefixtures("solved")
 def test_a_row_is_on_disk_as_soon_as_it_is_put(path, row):
     with open_store(path, create=True) as store:
         store.put_row(row)
@@ -194,6 +209,7 @@ def fill_the_disk(path, row) -> None:
             store.put_row(replace(row, timestep=step))
 
 
+@pytest.mark.usefixtures("solved")
 def test_a_disk_that_is_full_is_told_and_what_was_stored_is_kept(path, row):
     with open_store(path, create=True) as store:
         store.put_row(row)
