@@ -1,11 +1,14 @@
 """What one ulp in the start and the body does to a motion.
 
 Nudged are, in extended precision, ω and attitude at t = 0, the principal moments, and the lever's
-three components: every number by as much, relative to the largest of its kind, which takes a
-symmetric body's symmetry from it. To first order the change of the motion is J x, x being the dozen
-nudges. It is measured for four x of signs only; the root mean square of |J x| over random signs is
-the Frobenius norm of J (M. F. Hutchinson, Commun. Stat. Simul. Comput. 19 (1990) 433), which
-bounds |J x| for every x of length one.
+three components: every number by as much, relative to the largest of its kind. That takes a
+symmetric body's symmetry from it. Or, `nudged_alike`, equal moments stay equal and the lever on its
+axis: rounding in a run, step by step, changes no body.
+
+To first order the change of the motion is J x, x being the dozen nudges. It is measured for four x
+of signs only; the root mean square of |J x| over random signs is the Frobenius norm of J
+(M. F. Hutchinson, Commun. Stat. Simul. Comput. 19 (1990) 433), which bounds |J x| for every x of
+length one.
 """
 
 from collections.abc import Callable, Sequence

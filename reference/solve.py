@@ -8,7 +8,7 @@ from mpmath import mp
 from ..scenarios import Errors, FloatArray, Scenario, Trajectory, error_series, errors_between
 from ..scenarios.exact import DIGITS
 from .closed_forms import ClosedForm, closed_form
-from .conditioning import conditioning, nudged, nudged_alike
+from .conditioning import conditioning, nudged_alike
 from .motion import motion
 from .pose import pose
 from .problem import Problem
@@ -106,7 +106,7 @@ def _known(scenario: Scenario, trajectory: Trajectory, coarser: Trajectory) -> i
 def _conditioning_of_closed(
     scenario: Scenario, problem: Problem, trajectory: Trajectory, within_reach: Trajectory
 ) -> Errors:
-    """Within reach of the ODE by it, for a neighbour has no closed form; beyond, of those alike."""
+    """Within reach of the ODE by it, at many times and cheaply; beyond, by the form."""
 
     def by_ode(neighbour: Problem) -> Trajectory:
         times = within_reach.t
@@ -117,7 +117,7 @@ def _conditioning_of_closed(
         assert form is not None, "a nudge keeps the symmetry that the closed form rests on"
         return motion(scenario, neighbour, trajectory.t, form.states(trajectory.t))
 
-    near = conditioning(scenario, problem, within_reach, by_ode, nudged)
+    near = conditioning(scenario, problem, within_reach, by_ode, nudged_alike)
     if trajectory.t[-1] <= within_reach.t[-1]:
         return near
     far = conditioning(scenario, problem, trajectory, by_form, nudged_alike)
@@ -146,7 +146,7 @@ def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
         trajectory=within,
         method="Taylor series of the equations of motion, low orders in double-double",
         uncertainty=_at_least(errors_between(scenario, within, coarser.until(n)), ROUNDING),
-        conditioning=conditioning(scenario, problem, within, solved, nudged),
+        conditioning=conditioning(scenario, problem, within, solved, nudged_alike),
         horizon=float(times[n]) if n < len(times) else None,
     )
 

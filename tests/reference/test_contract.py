@@ -21,11 +21,14 @@ from contract_truths import (
     in_sixty_digits,
 )
 from mpmath import mp, mpf
+from spincheck.reference.conditioning import conditioning, nudged
 from spincheck.reference.motion import motion
 from spincheck.reference.pose import pose
 from spincheck.reference.problem import Problem
 from spincheck.reference.solution import MAX_UNCERTAINTY
+from spincheck.reference.solve import CHECKED_TURN, _rate
 from spincheck.reference.symmetry import norm
+from spincheck.reference.taylor import CHECK_ORDERS, integrate
 from spincheck.reports.reference_checks import drifting
 from spincheck.scenarios import Errors, Trajectory, errors_between
 from spincheck.scenarios.exact import DIGITS, normalised, product
@@ -50,6 +53,14 @@ def slipped(name: str) -> Trajectory:
         w1, w2, w3 = (w * (1 + slip) for w in problem.omega_axes)
     moved = replace(problem, q_world_axes=turned, omega_axes=(w1, w2, w3))
     return motion(scenario, moved, times, states(moved, times))
+
+
+def within_reach(name: str) -> Trajectory:
+    """A motion as far as the ODE follows it in good time."""
+    scenario, solution = solved(name)
+    truth = solution.trajectory
+    rate = _rate(pose(scenario), truth)
+    return truth.until(int(np.count_nonzero(truth.t * rate <= CHECKED_TURN)))
 
 
 def found(name: str, other: Trajectory) -> bool:
@@ -132,16 +143,29 @@ def neighbours(problem: Problem, ulps: float = ULPS) -> Iterator[tuple[str, Prob
             yield "lever", replace(problem, lever_axes=(x + nudge * length, y, z))
 
 
-def moved_too_far(name: str, ulps: float) -> list[str]:
-    """Numbers whose change moves the motion further than a few ulp should."""
+@cache
+def bounds_of_a_change(name: str) -> Errors:
+    """What a few ulp in any numbers do, symmetries among them: of both motions, errors included."""
     scenario, solution = solved(name)
-    problem, truth = pose(scenario), solution.trajectory
-    bounds = Errors(
+    truth, problem = within_reach(name), pose(scenario)
+
+    def neighbour_of(nudged_problem: Problem) -> Trajectory:
+        by_ode = integrate(nudged_problem, truth.t, CHECK_ORDERS)
+        return motion(scenario, nudged_problem, truth.t, by_ode)
+
+    whole = conditioning(scenario, problem, truth, neighbour_of, nudged)
+    return Errors(
         **{
             signal: CANCELLED * ULPS * value + 2 * getattr(solution.uncertainty, signal)
-            for signal, value in solution.conditioning
+            for signal, value in whole
         }
     )
+
+
+def moved_too_far(name: str, ulps: float) -> list[str]:
+    """Numbers whose change moves the motion further than a few ulp should."""
+    scenario, truth, bounds = solved(name)[0], within_reach(name), bounds_of_a_change(name)
+    problem = pose(scenario)
     return [
         changed
         for changed, neighbour in neighbours(problem, ulps)
