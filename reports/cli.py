@@ -84,11 +84,11 @@ def run(
 
     asked = (engine or [], method or [], timestep or [])
     if ensemble is not None:
-        if quick or time_limit is not None:
-            name = "--quick" if quick else "--time-limit"
-            raise Complaint(f"'{name}' is for ladders; an ensemble has none", BAD_INPUT)
+        if quick:
+            raise Complaint("'--quick' is for ladders; an ensemble has none", BAD_INPUT)
         where = (jobs, dask, out)
-        raise typer.Exit(run_members(scenes or [], ensemble, seed, asked, where, as_json))
+        code = run_members(scenes or [], ensemble, seed, asked, time_limit, where, as_json)
+        raise typer.Exit(code)
     if dask is not None:
         raise Complaint("'--dask' is for sweeps: 'map', or 'run' with '--ensemble'", BAD_INPUT)
     results = running.run(scenes or [], *asked, jobs, out, quick=quick, time_limit=time_limit)

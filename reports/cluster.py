@@ -31,17 +31,23 @@ _of_this_thread = threading.local()
 
 
 class Cluster(Executor):
-    """The workers of a Dask scheduler. A call that gives no result has `Lost` for its exception."""
+    """The workers of a Dask scheduler. A call that gives no result has `Lost` for its exception.
 
-    def __init__(self, address: str) -> None:
+    Parameters
+    ----------
+    time_limit : s, that a call may take; `TIME_LIMIT` if None
+    """
+
+    def __init__(self, address: str, time_limit: float | None = None) -> None:
         self._address = address
+        self._time_limit = TIME_LIMIT if time_limit is None else time_limit
         self._client = _connected(address)
         self._executor: Executor = self._client.get_executor(pure=False)
 
     def submit(self, call: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Schedule a call; what it takes and returns is pickled."""
         ours: Future[T] = Future()
-        theirs = self._executor.submit(isolated, partial(call, *args, **kwargs))
+        theirs = self._executor.submit(isolated, partial(call, *args, **kwargs), self._time_limit)
         theirs.add_done_callback(lambda done: self._hand_over(done, ours))
         return ours
 
@@ -95,12 +101,16 @@ class Cluster(Executor):
             ours.set_result(value)
 
 
-def isolated(call: Callable[[], Any]) -> Answer:
+def isolated(call: Callable[[], Any], time_limit: float) -> Answer:
     """Make a call on a cluster's worker, in a process beside it that belongs to this thread."""
-    if not hasattr(_of_this_thread, "lane"):
-        _of_this_thread.lane = Lane(TIME_LIMIT)
-    lane: Lane = _of_this_thread.lane
-    return lane.call(call)
+    lanes: dict[float, Lane] = _of_this_thread.__dict__.setdefault("lanes", {})
+    if time_limit not in lanes:
+        # Of another sweep; this one has a process of its own.
+        for lane in lanes.values():
+            lane.end()
+        lanes.clear()
+        lanes[time_limit] = Lane(time_limit)
+    return lanes[time_limit].call(call)
 
 
 def fingerprint() -> tuple[bytes, str]:

@@ -42,12 +42,7 @@ def run(
         written, or it was stopped.
     """
     scenarios = scenes_to_run(scenes)
-    choice = replace(choose(engine_names, methods, timesteps), time_limit=time_limit)
-    if time_limit is not None and not 0 < time_limit <= MOST_TIME:
-        raise Complaint(
-            f"'--time-limit' must be positive and at most {MOST_TIME:g} s, got {time_limit:g} s",
-            BAD_INPUT,
-        )
+    choice = limited(choose(engine_names, methods, timesteps), time_limit)
     if quick:
         choice = replace(choice, max_steps=QUICK_STEPS, timed=False)
     check_timesteps(scenarios, choice)
@@ -136,6 +131,22 @@ def choose(
         if not 0 < timestep < float("inf"):
             raise Complaint(f"'--timestep' must be positive, got {timestep:g} s", BAD_INPUT)
     return Choice(chosen, tuple(methods), tuple(timesteps))
+
+
+def limited(choice: Choice, time_limit: float | None) -> Choice:
+    """The same with a time limit, s, where one was chosen.
+
+    Raises
+    ------
+    Complaint
+        If nobody can wait so long, or so short.
+    """
+    if time_limit is not None and not 0 < time_limit <= MOST_TIME:
+        raise Complaint(
+            f"'--time-limit' must be positive and at most {MOST_TIME:g} s, got {time_limit:g} s",
+            BAD_INPUT,
+        )
+    return replace(choice, time_limit=time_limit)
 
 
 def _engine(name: str) -> Engine:

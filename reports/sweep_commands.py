@@ -16,6 +16,7 @@ from .options import (
     Scene,
     Seed,
     SweepTimesteps,
+    TimeLimit,
 )
 from .terminal import say, to_json
 
@@ -36,6 +37,7 @@ def map_scene(
     method: Methods = None,
     timestep: SweepTimesteps = None,
     jobs: Jobs = CORES,
+    time_limit: TimeLimit = None,
     dask: Dask = None,
     out: Annotated[Path, typer.Option(help="The result file; added to.")] = RESULT_FILE,
     as_json: AsJson = False,
@@ -44,11 +46,11 @@ def map_scene(
 
     What the file holds already is not run again.
     """
-    from .sweep_running import choose_for_sweep, exit_code, run_map
+    from .sweep_running import Where, choose_for_sweep, exit_code, run_map
     from .sweep_summary import print_sweep, sweep_as_json
 
-    choice = choose_for_sweep(engine or [], method or [], timestep or [])
-    found = run_map(scenario, vary or [], choice, jobs, dask, out)
+    choice = choose_for_sweep(engine or [], method or [], timestep or [], time_limit)
+    found = run_map(scenario, vary or [], choice, Where(jobs, dask, out))
     if as_json:
         print(to_json(sweep_as_json(found)))
     else:
@@ -85,6 +87,7 @@ def run_members(
     members: int,
     seed: int,
     asked: tuple[list[str], list[str], list[float]],
+    time_limit: float | None,
     where: tuple[int, str | None, Path],
     as_json: bool,
 ) -> int:
@@ -93,19 +96,22 @@ def run_members(
     Parameters
     ----------
     asked : engines, methods, timesteps
+    time_limit : s, that a call may take, if one was chosen
     where : how many workers, or a Dask scheduler's address, and the result file
     """
-    from .sweep_running import choose_for_sweep, exit_code, run_ensemble
+    from .sweep_running import Where, choose_for_sweep, exit_code, run_ensemble
     from .sweep_summary import print_sweep, sweep_as_json
     from .terminal import BAD_INPUT, Complaint
 
     if len(scenes) != 1:
         raise Complaint(f"'--ensemble' takes one scene, got {len(scenes)}", BAD_INPUT)
-    found = run_ensemble(scenes[0], members, seed, choose_for_sweep(*asked), *where)
+    found = run_ensemble(
+        scenes[0], members, seed, choose_for_sweep(*asked, time_limit), Where(*where)
+    )
     if as_json:
         print(to_json(sweep_as_json(found)))
     else:
         print_sweep(found)
         one = f"spincheck member {scenes[0]} --seed {seed} --member N"
-        say(f"Members are in {where[2]}; '{one}' prints one.")
+        say(f"Members are in {where[-1]}; '{one}' prints one.")
     return exit_code(found.points)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from concurrent.futures import Executor
+from dataclasses import dataclass
 from pathlib import Path
 
 from ..scenarios import Scenario, ScenarioError
@@ -11,7 +12,7 @@ from .choice import Choice
 from .cluster import Cluster
 from .named_scenes import one_scene
 from .result_file import ResultFileError
-from .running import check_timesteps, choose
+from .running import check_timesteps, choose, limited
 from .stopping import Stopped
 from .store import open_store
 from .sweep import Ensemble, EnsembleResult, Map, MapResult, Point
@@ -25,13 +26,27 @@ PROGRESS_LINES = 50
 _DURATION = "window.duration"
 
 
+@dataclass(frozen=True)
+class Where:
+    """What a sweep runs on, and where its points go.
+
+    Attributes
+    ----------
+    jobs : worker processes on this computer
+    cluster : a Dask scheduler's address, in their stead
+    out : the result file
+    """
+
+    jobs: int
+    cluster: str | None
+    out: Path
+
+
 def run_map(
     scene: str,
     ranges: Sequence[str],
     choice: Choice,
-    jobs: int,
-    cluster: str | None,
-    out: Path,
+    where: Where,
 ) -> MapResult:
     """Run what is missing of a map, and read all of it.
 
@@ -39,7 +54,6 @@ def run_map(
     ----------
     ranges : two axes, as `parse_axis` reads them
     choice : with one timestep at most
-    cluster : a Dask scheduler's address; None for workers on this computer
 
     Raises
     ------
@@ -50,7 +64,7 @@ def run_map(
     asked = _map(base, ranges, choice)
     if _DURATION not in (axis.path for axis in asked.axes):
         check_timesteps([base], choice)
-    return MapResult(asked, base, _carried_out(asked, base, choice, jobs, cluster, out))
+    return MapResult(asked, base, _carried_out(asked, base, choice, where))
 
 
 def run_ensemble(
@@ -58,9 +72,7 @@ def run_ensemble(
     members: int,
     seed: int,
     choice: Choice,
-    jobs: int,
-    cluster: str | None,
-    out: Path,
+    where: Where,
 ) -> EnsembleResult:
     """Run what is missing of an ensemble, and read all of it; parameters and errors as `run_map`.
 
@@ -71,7 +83,7 @@ def run_ensemble(
     base = one_scene(scene)
     check_timesteps([base], choice)
     asked = Ensemble(base.name, members, seed, _timestep(choice))
-    return EnsembleResult(asked, base, _carried_out(asked, base, choice, jobs, cluster, out))
+    return EnsembleResult(asked, base, _carried_out(asked, base, choice, where))
 
 
 def member_text(scene: str, seed: int, number: int) -> str:
@@ -104,21 +116,24 @@ def varied_text(scene: str, numbers: Sequence[str]) -> str:
 
 
 def choose_for_sweep(
-    engine_names: Sequence[str], methods: Sequence[str], timesteps: Sequence[float]
+    engine_names: Sequence[str],
+    methods: Sequence[str],
+    timesteps: Sequence[float],
+    time_limit: float | None = None,
 ) -> Choice:
-    """Engines, methods and at most one timestep.
+    """Engines, methods, at most one timestep, and a time limit, s.
 
     Raises
     ------
     Complaint
-        If there is no such engine or method, or there are more timesteps.
+        If there is no such engine or method, there are more timesteps, or nobody waits so long.
     """
     if len(timesteps) > 1:
         raise Complaint(
             f"'--timestep' may be given once here, got {len(timesteps)}; or vary it in a map",
             BAD_INPUT,
         )
-    return choose(engine_names, methods, timesteps)
+    return limited(choose(engine_names, methods, timesteps), time_limit)
 
 
 def exit_code(points: Iterable[Point]) -> int:
@@ -162,19 +177,17 @@ def _carried_out(
     asked: Map | Ensemble,
     base: Scenario,
     choice: Choice,
-    jobs: int,
-    cluster: str | None,
-    out: Path,
+    where: Where,
 ) -> tuple[Point, ...]:
     """The points of the methods chosen, once all are there."""
     try:
-        with open_store(out, create=True) as store:
+        with open_store(where.out, create=True) as store:
             left = plan_sweep(asked, base, choice, store)
             if str(left):
-                say(f"{out}: {left}")
+                say(f"{where.out}: {left}")
             if left.left:
                 with (
-                    _executor(jobs, cluster) as executor,
+                    _executor(where, choice.time_limit) as executor,
                     progress(len(left.left), PROGRESS_LINES) as advance,
                 ):
                     carry_out_sweep(left, base, store, executor, advance)
@@ -185,14 +198,15 @@ def _carried_out(
         raise Complaint(str(error), BAD_INPUT) from None
     except Stopped as stopped:
         raise Complaint(
-            f"{stopped}; what was finished is in {out}, and the same command goes on from there",
+            f"{stopped}; what was finished is in {where.out}, "
+            "and the same command goes on from there",
             stopped.exit_code,
         ) from None
 
 
-def _executor(jobs: int, cluster: str | None) -> Executor:
-    if cluster is None:
-        return Workers(jobs)
-    executor = Cluster(cluster)
+def _executor(where: Where, time_limit: float | None) -> Executor:
+    if where.cluster is None:
+        return Workers(where.jobs, time_limit)
+    executor = Cluster(where.cluster, time_limit)
     executor.check_alike()
     return executor

@@ -8,6 +8,7 @@ from dataclasses import asdict
 from typing import Any
 
 from ..scenarios import Errors, Scenario, loads
+from .lane import may_end_otherwise
 from .places import Place, places
 from .records import Key
 from .sweep import Axis, Ensemble, EnsembleResult, Map, MapResult, Point
@@ -61,15 +62,18 @@ class SweepTables:
                 f"INSERT OR REPLACE INTO points ({columns}) VALUES ({marks})", records
             )
 
-    def there(self, scenario: str) -> dict[str, set[tuple[str, str]]]:
+    def there(
+        self, scenario: str, time_limit: float | None = None
+    ) -> dict[str, set[tuple[str, str]]]:
         """Engines and methods of the points there are of a scene, by what places are known by.
 
-        Those that somebody killed are to be run again.
+        Those that somebody killed, or that a lesser time limit stopped, are to be run again.
         """
-        query = "SELECT place, engine, method FROM points WHERE scenario = ? AND cause != 'killed'"
+        query = "SELECT place, engine, method, reason FROM points WHERE scenario = ?"
         found: dict[str, set[tuple[str, str]]] = defaultdict(set)
-        for place, engine, method in self._connection.execute(query, (scenario,)):
-            found[place].add((engine, method))
+        for place, engine, method, reason in self._connection.execute(query, (scenario,)):
+            if not may_end_otherwise(reason, time_limit):
+                found[place].add((engine, method))
         return found
 
     def points(self, asked: Map | Ensemble) -> tuple[Point, ...]:

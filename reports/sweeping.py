@@ -56,7 +56,7 @@ def plan_sweep(asked: Map | Ensemble, base: Scenario, choice: Choice, store: Sto
     store.put_methods(choice.engines)
     store.sweeps.put(asked, base)
     pairs = [(engine, method.name) for engine, method in choice.pairs()]
-    there = store.sweeps.there(base.name)
+    there = store.sweeps.there(base.name, choice.time_limit)
     left, total = [], 0
     for place in places(asked):
         total += 1

@@ -12,8 +12,8 @@ import pytest
 from spincheck.reports.cli import app
 from spincheck.reports.store import open_store
 from spincheck.reports.sweep import Ensemble
+from spincheck.reports.sweep_running import Where, exit_code, run_ensemble, run_map
 from spincheck.reports.sweep_running import choose_for_sweep as choose
-from spincheck.reports.sweep_running import exit_code, run_ensemble, run_map
 from spincheck.reports.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint
 from spincheck.scenarios import load, loads
 from typer.testing import CliRunner
@@ -137,6 +137,7 @@ def run(*arguments: object) -> tuple[int, str]:
         ),
         (["run", SCENE, "--dask", "localhost:1"], "'--dask' is for sweeps"),
         (["run", SCENE, "--ensemble", "0"], "'--ensemble'"),
+        (["run", SCENE, "--ensemble", "3", "--time-limit", "0"], "'--time-limit' must be positive"),
         (["member", SCENE, "--member", "-1"], "'--member'"),
         (["vary", SCENE, "body.mass"], "takes PATH=VALUE, got 'body.mass'"),
         (["vary", SCENE, "body.mas=1"], "did you mean 'body.mass'?"),
@@ -204,14 +205,14 @@ def test_a_sweep_fails_only_by_runs_that_failed(outcomes, code):
 
 def test_of_several_engines_in_a_file_those_asked_for_are_told(mapped):
     choice = choose(["mujoco"], ["Euler"], [])
-    found = run_map(SCENE, [SPIN, STEPS], choice, 1, None, mapped[0])
+    found = run_map(SCENE, [SPIN, STEPS], choice, Where(1, None, mapped[0]))
     assert {point.key.method for point in found.points} == {"Euler"}
 
 
 def test_a_member_runs_as_in_its_ensemble(tmp_path):
     """What the command prints is the very scene whose point is in the file."""
     choice = choose(["mujoco"], ["RK4"], [])
-    ensemble = run_ensemble(SCENE, 2, 7, choice, 1, None, tmp_path / "results.sqlite")
+    ensemble = run_ensemble(SCENE, 2, 7, choice, Where(1, None, tmp_path / "results.sqlite"))
     text = spincheck("member", SCENE, "--seed", 7, "--member", 1).stdout
     alone = loads(text, "alone")
     point = ensemble.points[1]

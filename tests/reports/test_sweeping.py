@@ -18,7 +18,7 @@ from planted import (
 )
 from spincheck.reports import made_by, point_run
 from spincheck.reports.choice import Choice
-from spincheck.reports.lane import Lost
+from spincheck.reports.lane import KILLED, Lost
 from spincheck.reports.places import STEP_TURN, places
 from spincheck.reports.store import open_store
 from spincheck.reports.sweep import Axis, Ensemble, Map, Point
@@ -200,10 +200,19 @@ def test_a_method_that_is_lost_costs_its_own_point_and_says_why(path, finished, 
 
 
 def test_a_point_that_somebody_killed_is_tried_again_by_the_next_sweep(path):
-    sweep(path, MAP, CRASHING, executor=InProcess("Segfault", Lost("somebody", "killed")))
+    sweep(path, MAP, CRASHING, executor=InProcess("Segfault", Lost(KILLED, "killed")))
     with open_store(path, create=True) as store:
         plan = plan_sweep(MAP, SCENE, CRASHING, store)
     assert [[engine.name for engine, _ in one.pairs] for one in plan.left] == [["Segfault"]] * 6
+
+
+@pytest.mark.parametrize(("time_limit", "again"), [(None, 0), (120.0, 0), (500.0, 6)])
+def test_one_that_was_stopped_is_tried_again_with_more_time(path, time_limit, again):
+    stopped = Lost("did not finish within 120 s", "time-out")
+    sweep(path, MAP, CRASHING, executor=InProcess("Segfault", stopped))
+    with open_store(path, create=True) as store:
+        choice = replace(CRASHING, time_limit=time_limit)
+        assert len(plan_sweep(MAP, SCENE, choice, store).left) == again
 
 
 def test_one_that_crashed_is_not(path):
