@@ -14,11 +14,13 @@ from ..scenarios import Scenario
 
 #: What decides here which runs are made, and what is said of them; the other modules only show it.
 _DECIDING = (
+    "approach",
     "compared_run",
     "cost",
     "descent",
     "ladder",
     "lane",
+    "lost",
     "pace",
     "places",
     "point_run",
