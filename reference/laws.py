@@ -79,7 +79,6 @@ class Scene:
         """The window's length, s."""
         return self.scenario.window.duration
 
-
     @cached_property
     def up_world(self) -> FloatArray:
         """Against gravity, which must not be zero: a unit vector, world axes, (3,)."""

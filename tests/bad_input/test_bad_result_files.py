@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 from mutated_scenes import LEAST, written
-from spincheck.reports import running
-from spincheck.reports.cli import app
-from spincheck.reports.result_file import APPLICATION_ID, FORMAT
-from spincheck.reports.terminal import BAD_INPUT, Complaint
+from spincheck.reports.commands import running
+from spincheck.reports.commands.cli import app
+from spincheck.reports.commands.terminal import BAD_INPUT, Complaint
+from spincheck.reports.results.result_file import APPLICATION_ID, FORMAT
 from typer.testing import CliRunner
 
 COMMAND = Path(sys.executable).with_name("spincheck")

@@ -12,11 +12,11 @@ from markdown_it import MarkdownIt
 from mutated_scenes import LEAST, Raw, written
 from spincheck.engines.mjcf import mjcf
 from spincheck.engines.urdf import urdf
-from spincheck.reports import running
-from spincheck.reports.markdown import escaped, to_html
-from spincheck.reports.render import render
-from spincheck.reports.scene import export_scene
-from spincheck.reports.store import SceneResult
+from spincheck.reports.commands import running
+from spincheck.reports.commands.scene import export_scene
+from spincheck.reports.pages.markdown import escaped, to_html
+from spincheck.reports.pages.render import render
+from spincheck.reports.results.store import SceneResult
 from spincheck.scenarios import ScenarioError, is_scene_name, load, loads
 
 #: Each would be seen as an element, an attribute or a link called "evil" if it were let through.

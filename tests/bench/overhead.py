@@ -21,7 +21,7 @@ from spincheck.engines.mujoco_session import MuJoCoSession
 from spincheck.engines.native_output import native_output
 from spincheck.engines.read_back import READ_BACK_SLACK
 from spincheck.engines.sampling import sample
-from spincheck.reports.cost import timed_timestep
+from spincheck.reports.costs.cost import timed_timestep
 from spincheck.scenarios import find, load
 
 with native_output():

@@ -29,7 +29,7 @@ from spincheck.reference.solution import MAX_UNCERTAINTY
 from spincheck.reference.solve import CHECKED_TURN, _rate
 from spincheck.reference.symmetry import norm
 from spincheck.reference.taylor import CHECK_ORDERS, integrate
-from spincheck.reports.reference_checks import drifting
+from spincheck.reports.runs.reference_checks import drifting
 from spincheck.scenarios import Errors, Trajectory, errors_between
 from spincheck.scenarios.exact import DIGITS, normalised, product
 

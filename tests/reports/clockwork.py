@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 from spincheck.engines import BodyReading, Engine, EngineError, Method, Session, State
-from spincheck.reports import cost
+from spincheck.reports.costs import cost
 from spincheck.scenarios import Scenario, loads
 
 #: s; how long a look at the clock takes, and what it can tell apart.

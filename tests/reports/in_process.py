@@ -4,7 +4,7 @@ from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from typing import Any
 
-from spincheck.reports.lane import Lost
+from spincheck.reports.workers.lane import Lost
 
 
 class InProcess(Executor):

@@ -24,7 +24,7 @@ from tempfile import TemporaryDirectory
 from typing import Literal
 
 from same_results import differences
-from spincheck.reports.store import Results, open_store
+from spincheck.reports.results.store import Results, open_store
 
 COMMAND = Path(sys.executable).with_name("spincheck")
 #: A scene of short ladders, all steps timed.

@@ -4,10 +4,10 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from made_up import TIMESTEPS, MadeUp, results
-from spincheck.reports.candidates import Candidate, candidates
-from spincheck.reports.gather import SceneRuns, gather
-from spincheck.reports.store import Results
-from spincheck.reports.work_precision import EPS
+from spincheck.reports.analysis.candidates import Candidate, candidates
+from spincheck.reports.analysis.gather import SceneRuns, gather
+from spincheck.reports.analysis.work_precision import EPS
+from spincheck.reports.results.store import Results
 from spincheck.scenarios import Errors
 
 TOP = "made-up-top"

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from spincheck.reports.work_precision import EPS, Curve, Point
+from spincheck.reports.analysis.work_precision import EPS, Curve, Point
 
 #: A power and a quotient of logarithms, each good to a few ulp of numbers up to some tens.
 ROUNDING = 64 * EPS

@@ -7,8 +7,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Method
 from spincheck.reference import Solution
-from spincheck.reports.records import Key, Row, Verdict
-from spincheck.reports.store import Results, SceneResult
+from spincheck.reports.results.store import Results, SceneResult
+from spincheck.reports.runs.records import Key, Row, Verdict
 from spincheck.scenarios import EFFECTS, Errors, Scenario, Trajectory, errors_between, loads
 
 #: What the made-up truth is good for; the finest runs of high order are below it.

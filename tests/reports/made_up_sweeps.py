@@ -1,9 +1,9 @@
 """Maps and ensembles without a run: points whose errors and ends are known."""
 
 from spincheck.engines import Method
-from spincheck.reports.records import Key
-from spincheck.reports.store import Results
-from spincheck.reports.sweep import Ensemble, EnsembleResult, Map, MapResult, Point
+from spincheck.reports.results.store import Results
+from spincheck.reports.runs.records import Key
+from spincheck.reports.runs.sweep import Ensemble, EnsembleResult, Map, MapResult, Point
 from spincheck.scenarios import EFFECTS, Errors, Scenario, loads
 from spincheck.scenarios.vary import Axis, parse_axis
 

@@ -4,7 +4,7 @@ import base64
 from typing import Any
 
 import numpy as np
-from spincheck.reports.plot import GROUND, INK, WIRE
+from spincheck.reports.figures.plot import GROUND, INK, WIRE
 from spincheck.scenarios import FloatArray
 
 

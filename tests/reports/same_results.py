@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from dataclasses import asdict, replace
 
 import numpy as np
-from spincheck.reports.records import Row
-from spincheck.reports.store import Results
+from spincheck.reports.results.store import Results
+from spincheck.reports.runs.records import Row
 
 
 def differences(a: Results, b: Results) -> list[str]:

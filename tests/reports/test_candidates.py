@@ -20,11 +20,11 @@ from ladders import (
     with_law,
 )
 from made_up import METHODS, TIMESTEPS, results
-from spincheck.reports.candidates import Candidate, as_cheap, candidates
-from spincheck.reports.cost_to_reach import reach
-from spincheck.reports.records import Key
-from spincheck.reports.store import Results
-from spincheck.reports.work_precision import curve_of
+from spincheck.reports.analysis.candidates import Candidate, as_cheap, candidates
+from spincheck.reports.analysis.cost_to_reach import reach
+from spincheck.reports.analysis.work_precision import curve_of
+from spincheck.reports.results.store import Results
+from spincheck.reports.runs.records import Key
 
 
 def test_an_engine_as_shipped_is_no_candidate() -> None:

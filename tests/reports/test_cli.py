@@ -33,7 +33,7 @@ def sphere(tmp_path):
 
 def test_help_needs_no_heavy_imports():
     program = (
-        "import sys; import spincheck.reports.cli;"
+        "import sys; import spincheck.reports.commands.cli;"
         "print([m for m in ('numpy', 'numba', 'mujoco', 'pybullet', 'scipy') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
@@ -136,7 +136,7 @@ def test_an_engine_whose_package_is_missing_is_named_and_exits_with_3(tmp_path):
     program = (
         "import sys; sys.modules['pybullet'] = None;"
         "sys.argv = ['spincheck', 'run', 'sphere', '--engine', 'pybullet'];"
-        "from spincheck.reports.cli import main; main()"
+        "from spincheck.reports.commands.cli import main; main()"
     )
     done = subprocess.run(
         [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True

@@ -12,14 +12,14 @@ from pathlib import Path
 import pytest
 from in_process import InProcess
 from planted import HeunSession, SegfaultSession, planted
-from spincheck.reports import cluster
-from spincheck.reports.choice import Choice
-from spincheck.reports.cluster import CONNECT_LIMIT, Cluster
-from spincheck.reports.lane import Lost
-from spincheck.reports.store import open_store
-from spincheck.reports.sweep import Axis, Ensemble, Map, Point
-from spincheck.reports.sweeping import carry_out_sweep, plan_sweep
-from spincheck.reports.terminal import BAD_INPUT, NOT_RUN, Complaint
+from spincheck.reports.commands import cluster
+from spincheck.reports.commands.cluster import CONNECT_LIMIT, Cluster
+from spincheck.reports.commands.terminal import BAD_INPUT, NOT_RUN, Complaint
+from spincheck.reports.results.store import open_store
+from spincheck.reports.runs.sweep import Axis, Ensemble, Map, Point
+from spincheck.reports.study.choice import Choice
+from spincheck.reports.study.sweeping import carry_out_sweep, plan_sweep
+from spincheck.reports.workers.lane import Lost
 from spincheck.scenarios import loads
 
 distributed = pytest.importorskip("distributed")

@@ -8,11 +8,17 @@ from pathlib import Path
 
 import made_up
 import pytest
-from spincheck.reports.changes import COST_FACTOR, ERROR_FACTOR, OUTCOMES, VERDICTS, changes
-from spincheck.reports.compare import changes_as_json, exit_code, print_changes
-from spincheck.reports.records import Key, Row, Verdict
-from spincheck.reports.store import Results, open_store
-from spincheck.reports.verdict import ASYMPTOTIC
+from spincheck.reports.analysis.changes import (
+    COST_FACTOR,
+    ERROR_FACTOR,
+    OUTCOMES,
+    VERDICTS,
+    changes,
+)
+from spincheck.reports.commands.compare import changes_as_json, exit_code, print_changes
+from spincheck.reports.results.store import Results, open_store
+from spincheck.reports.runs.records import Key, Row, Verdict
+from spincheck.reports.runs.verdict import ASYMPTOTIC
 from spincheck.scenarios import Errors, loads
 
 COMMAND = Path(sys.executable).with_name("spincheck")

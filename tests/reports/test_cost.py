@@ -9,9 +9,9 @@ import pytest
 from clockwork import METHOD, SCENE, Clock, Clockwork, Works, clock, steadily
 from planted import HeunSession, RaisingSession, SegfaultSession, planted
 from spincheck.engines import EngineError, engines
-from spincheck.reports import cost
-from spincheck.reports.cost import StepCost, measure, one_thread, step_costs
-from spincheck.reports.workers import Workers
+from spincheck.reports.costs import cost
+from spincheck.reports.costs.cost import StepCost, measure, one_thread, step_costs
+from spincheck.reports.workers.workers import Workers
 from spincheck.scenarios import find, load
 
 __all__ = ["clock"]

@@ -10,13 +10,13 @@ from made_up import METHODS, SECONDS_PER_STEP, WALL_SECONDS_PER_STEP, results
 from markdown_text import markdown_tables
 from page import Page, read_page
 from plotted import coloured, values_of
-from spincheck.reports.cost_section import PROFILED, cost_section
-from spincheck.reports.cost_to_reach import LEVELS
-from spincheck.reports.gather import gather
-from spincheck.reports.ladder_figures import work_precision
-from spincheck.reports.render import render
-from spincheck.reports.wording import number
-from spincheck.reports.work_precision import SIGNALS, curves, front
+from spincheck.reports.analysis.cost_to_reach import LEVELS
+from spincheck.reports.analysis.gather import gather
+from spincheck.reports.analysis.wording import number
+from spincheck.reports.analysis.work_precision import SIGNALS, curves, front
+from spincheck.reports.figures.ladder_figures import work_precision
+from spincheck.reports.pages.cost_section import PROFILED, cost_section
+from spincheck.reports.pages.render import render
 
 TOP = "made-up-top"
 LABELS = [f"{method.engine} {method.method}" for method in METHODS]

@@ -13,8 +13,8 @@ from laws import (
     curve_of_law,
     law,
 )
-from spincheck.reports.cost_to_reach import LEVELS, cheapest, order_ratio, reach
-from spincheck.reports.work_precision import EPS
+from spincheck.reports.analysis.cost_to_reach import LEVELS, cheapest, order_ratio, reach
+from spincheck.reports.analysis.work_precision import EPS
 
 
 @pytest.mark.parametrize("order", [1, 4])

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Engine, Method, Run
-from spincheck.reports.descent import GOAL, RUNGS_OF_A_LIMIT, Descent
-from spincheck.reports.ladder import MAX_STEPS, MIN_RUNGS, Rung
-from spincheck.reports.study import prepare
+from spincheck.reports.runs.descent import GOAL, RUNGS_OF_A_LIMIT, Descent
+from spincheck.reports.runs.ladder import MAX_STEPS, MIN_RUNGS, Rung
+from spincheck.reports.study.study import prepare
 from spincheck.scenarios import Scenario, Trajectory, loads
 
 SCENE = """

@@ -5,15 +5,15 @@ from collections.abc import Collection
 import pytest
 from clockwork import METHOD, SCENE, Clock, Clockwork, Works, clock, steadily
 from spincheck.engines import Engine, EngineError, Method, engines
-from spincheck.reports import cost, effects_cost
-from spincheck.reports.effects_cost import (
+from spincheck.reports.costs import cost, effects_cost
+from spincheck.reports.costs.effects_cost import (
     EffectsCost,
     PassCosts,
     effects_costs,
     first_pass_costs,
     pass_costs,
 )
-from spincheck.reports.records import Key
+from spincheck.reports.runs.records import Key
 from spincheck.scenarios import Scenario, find, load
 
 __all__ = ["clock"]

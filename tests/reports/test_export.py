@@ -11,10 +11,10 @@ from pathlib import Path
 
 import made_up
 import pytest
-from spincheck.reports.cost import StepCost
-from spincheck.reports.export import csv_text
-from spincheck.reports.store import open_store
-from spincheck.reports.summary import results_as_json, row_record, verdict_record
+from spincheck.reports.commands.export import csv_text
+from spincheck.reports.commands.summary import results_as_json, row_record, verdict_record
+from spincheck.reports.costs.cost import StepCost
+from spincheck.reports.results.store import open_store
 
 COMMAND = Path(sys.executable).with_name("spincheck")
 RESULTS = made_up.results(samples=11)

@@ -13,16 +13,16 @@ from contrast import contrast
 from made_up import METHODS, TIMESTEPS, UNCERTAINTY, results
 from plotted import coloured, values_of
 from spincheck.reference import facts, solve
-from spincheck.reports import figures as figures_module
-from spincheck.reports import ladder_figures
-from spincheck.reports.figures import Titled, figures
-from spincheck.reports.gather import SceneRuns, gather
-from spincheck.reports.ladder_figures import cost
-from spincheck.reports.looks import COLOURS, looks
-from spincheck.reports.plot import MOST_SAMPLES, claimed, error_range, peaks, thinned
-from spincheck.reports.records import Key, Row
-from spincheck.reports.render import TEMPLATES
-from spincheck.reports.store import Results
+from spincheck.reports.analysis.gather import SceneRuns, gather
+from spincheck.reports.analysis.looks import COLOURS, looks
+from spincheck.reports.figures import figures as figures_module
+from spincheck.reports.figures import ladder_figures
+from spincheck.reports.figures.figures import Titled, figures
+from spincheck.reports.figures.ladder_figures import cost
+from spincheck.reports.figures.plot import MOST_SAMPLES, claimed, error_range, peaks, thinned
+from spincheck.reports.pages.render import TEMPLATES
+from spincheck.reports.results.store import Results
+from spincheck.reports.runs.records import Key, Row
 from spincheck.scenarios import Trajectory
 
 TOP, BRICK, UNSOLVED = "made-up-top", "made-up-brick", "unsolved"

@@ -9,8 +9,8 @@ import pytest
 from made_up import METHODS, results
 from page import read_page
 from spincheck.engines import Engine, Method
-from spincheck.reports.gather import gather
-from spincheck.reports.store import Store, open_store
+from spincheck.reports.analysis.gather import gather
+from spincheck.reports.results.store import Store, open_store
 from spincheck.scenarios import EFFECTS, Scenario
 
 #: Makes a report where no engine is installed.
@@ -19,8 +19,8 @@ import sys
 from pathlib import Path
 sys.modules["mujoco"] = sys.modules["pybullet"] = None
 from spincheck.engines import engines
-from spincheck.reports.render import render
-from spincheck.reports.running import read
+from spincheck.reports.pages.render import render
+from spincheck.reports.commands.running import read
 assert not engines()
 render(read(Path(sys.argv[1])), Path(sys.argv[2]))
 """

@@ -7,7 +7,7 @@ import pytest
 from kills import TARGETS, children, finish, gone, read, rounds, start
 from result_files import rows_in, wait_for_rows
 from same_results import differences
-from spincheck.reports.store import Results
+from spincheck.reports.results.store import Results
 
 #: Kills of every kind; `kills.py` makes more of them.
 KILLS = len(TARGETS)

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 from spincheck.engines import engines
-from spincheck.reports.records import Verdict
-from spincheck.reports.study import descent_of, prepare, simulate
+from spincheck.reports.runs.records import Verdict
+from spincheck.reports.study.study import descent_of, prepare, simulate
 from spincheck.scenarios import Expect, Scenario, find, load, loads
 
 pytest_plugins = ["pytester"]

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from spincheck.reports.ladder import (
+from spincheck.reports.runs.ladder import (
     COARSEST_TURN,
     EXCESS,
     LARGEST_TURN,

@@ -11,8 +11,8 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from spincheck.reports.lane import Lost
-from spincheck.reports.workers import Workers
+from spincheck.reports.workers.lane import Lost
+from spincheck.reports.workers.workers import Workers
 
 #: s; far longer than any test waits.
 FOREVER = 600.0
@@ -104,7 +104,7 @@ def test_a_daemonic_process_may_have_workers():
 
 MAIN = """
 from operator import mul
-from spincheck.reports.workers import Workers
+from spincheck.reports.workers.workers import Workers
 print("main")
 with Workers(jobs=1) as pool:
     print(pool.submit(mul, 6, 7).result())
@@ -121,7 +121,7 @@ def test_a_script_without_a_guard_is_not_run_again_by_its_workers(tmp_path):
 INTERRUPTED = """
 import sys, time
 from pathlib import Path
-from spincheck.reports.workers import Workers
+from spincheck.reports.workers.workers import Workers
 try:
     with Workers(jobs=2) as pool:
         pool.submit(Path.touch, Path(sys.argv[1])).result()

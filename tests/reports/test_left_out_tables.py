@@ -1,15 +1,15 @@
 """What is left out of a scene: kept in the result file, and told in the report."""
 
 import pytest
-from spincheck.reports.effects_cost import EffectsCost, PassCost, PassCosts, Ratio
-from spincheck.reports.left_out_tables import (
+from spincheck.reports.costs.effects_cost import EffectsCost, PassCost, PassCosts, Ratio
+from spincheck.reports.pages.left_out_tables import (
     BEYOND_NOISE,
     effects_table,
     harm_in_words,
     passes_table,
 )
-from spincheck.reports.records import Key
-from spincheck.reports.store import open_store
+from spincheck.reports.results.store import open_store
+from spincheck.reports.runs.records import Key
 
 KEY = Key("box", "mujoco", "Euler")
 NOISE = 0.01

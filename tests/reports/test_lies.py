@@ -18,9 +18,9 @@ from planted import (
     XyzwSession,
     planted,
 )
-from spincheck.reports.choice import Choice
-from spincheck.reports.store import open_store
-from spincheck.reports.study import run_study
+from spincheck.reports.results.store import open_store
+from spincheck.reports.study.choice import Choice
+from spincheck.reports.study.study import run_study
 from spincheck.scenarios import find, load, loads
 
 BOX = """

@@ -7,10 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 from spincheck.engines import engines
 from spincheck.reference import solve
-from spincheck.reports.compared_run import row_of
-from spincheck.reports.ladder import single
-from spincheck.reports.lost import lost
-from spincheck.reports.records import Key
+from spincheck.reports.runs.compared_run import row_of
+from spincheck.reports.runs.ladder import single
+from spincheck.reports.runs.lost import lost
+from spincheck.reports.runs.records import Key
 from spincheck.scenarios import Trajectory, find, load, loads
 
 TOP = """

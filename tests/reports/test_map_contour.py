@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from spincheck.reports.map_contour import zero_lines
+from spincheck.reports.figures.map_contour import zero_lines
 
 EPS = float(np.finfo(float).eps)
 X, Y = np.linspace(-2.0, 2.0, 9), np.linspace(-1.0, 1.0, 6)

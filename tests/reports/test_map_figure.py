@@ -12,14 +12,14 @@ from contrast import contrast
 from made_up_sweeps import METHODS, MISCHIEF, UNCERTAINTY, UPRIGHT, map_result
 from plotted import coloured, values_of
 from spincheck.reference.stability_bounds import RK4_LIMIT
-from spincheck.reports import map_figure as map_figure_module
-from spincheck.reports.map_bounds import bounds_of
-from spincheck.reports.map_figure import drawn_bounds, map_figure
-from spincheck.reports.map_grid import Grid, axis_title, places
-from spincheck.reports.map_labels import place
-from spincheck.reports.map_marks import COLOURS, HORIZON, SIGNS, is_coloured, marks
-from spincheck.reports.plot import Figure
-from spincheck.reports.sweep import MapResult
+from spincheck.reports.analysis.map_grid import Grid, axis_title, places
+from spincheck.reports.analysis.map_marks import COLOURS, HORIZON, SIGNS, is_coloured, marks
+from spincheck.reports.figures import map_figure as map_figure_module
+from spincheck.reports.figures.map_bounds import bounds_of
+from spincheck.reports.figures.map_figure import drawn_bounds, map_figure
+from spincheck.reports.figures.map_labels import place
+from spincheck.reports.figures.plot import Figure
+from spincheck.reports.runs.sweep import MapResult
 from spincheck.scenarios.vary import parse_axis
 
 #: WCAG 2.1, 1.4.11.

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from spincheck.reference import solve
-from spincheck.reports.pace import pace
+from spincheck.reports.runs.pace import pace
 from spincheck.scenarios import loads
 
 EPS = float(np.finfo(float).eps)

@@ -7,13 +7,18 @@ import pytest
 from laws import COARSEST, COARSEST_ERROR, ROUNDING, curve_of_law, law
 from made_up import METHODS, results
 from plotted import values_of
-from spincheck.reports.cost_tables import median_table, ratio_table, reach_table, reached_table
-from spincheck.reports.cost_to_reach import LEVELS
-from spincheck.reports.gather import SceneRuns, gather
-from spincheck.reports.looks import looks
-from spincheck.reports.profile_figure import profile_figure
-from spincheck.reports.profiles import order_ratios, profile, tally
-from spincheck.reports.work_precision import Curve, curves
+from spincheck.reports.analysis.cost_to_reach import LEVELS
+from spincheck.reports.analysis.gather import SceneRuns, gather
+from spincheck.reports.analysis.looks import looks
+from spincheck.reports.analysis.profiles import order_ratios, profile, tally
+from spincheck.reports.analysis.work_precision import Curve, curves
+from spincheck.reports.figures.profile_figure import profile_figure
+from spincheck.reports.pages.cost_tables import (
+    median_table,
+    ratio_table,
+    reach_table,
+    reached_table,
+)
 
 
 @pytest.fixture(scope="module")

@@ -13,12 +13,12 @@ import pytest
 from clockwork import METHOD, Works
 from ladders import BELOW, BETWEEN, TOP, Law, errors_of, straight, with_law
 from spincheck.engines import engines
-from spincheck.reports import recommend as recommend_module
-from spincheck.reports import running
-from spincheck.reports.recommend import CHECKS, exit_code, recommend
-from spincheck.reports.records import Key, Row
-from spincheck.reports.store import Results
-from spincheck.reports.terminal import Complaint
+from spincheck.reports.commands import recommend as recommend_module
+from spincheck.reports.commands import running
+from spincheck.reports.commands.recommend import CHECKS, exit_code, recommend
+from spincheck.reports.commands.terminal import Complaint
+from spincheck.reports.results.store import Results
+from spincheck.reports.runs.records import Key, Row
 from spincheck.scenarios import Errors
 
 

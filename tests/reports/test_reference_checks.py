@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 from spincheck.reference import Solution, solve
-from spincheck.reports import reference_checks
-from spincheck.reports.reference_checks import complaints
+from spincheck.reports.runs import reference_checks
+from spincheck.reports.runs.reference_checks import complaints
 from spincheck.scenarios import FloatArray, Scenario, find, load, loads
 
 #: Well conditioned; beside a saddle; rotation that no rounding may disturb; ill-conditioned; long.

@@ -10,13 +10,13 @@ from contrast import contrast
 from made_up import METHODS, MISCHIEF, PRINTED, UNCERTAINTY, MadeUp, results
 from markdown_text import markdown_tables, outside_code, plain
 from page import Page, read_page
-from spincheck.reports import scene_tables
-from spincheck.reports.gather import gather
-from spincheck.reports.overview import complaints, headline
-from spincheck.reports.records import Verdict
-from spincheck.reports.render import TEMPLATES, render
-from spincheck.reports.store import SceneResult
-from spincheck.reports.wording import ERROR_HEADINGS, number
+from spincheck.reports.analysis.gather import gather
+from spincheck.reports.analysis.wording import ERROR_HEADINGS, number
+from spincheck.reports.pages import scene_tables
+from spincheck.reports.pages.overview import complaints, headline
+from spincheck.reports.pages.render import TEMPLATES, render
+from spincheck.reports.results.store import SceneResult
+from spincheck.reports.runs.records import Verdict
 
 #: Bytes; what a page may weigh.
 HEAVIEST_PAGE = 1.5e6
@@ -256,7 +256,7 @@ def test_verdicts_can_be_read_on_their_grounds() -> None:
 def test_the_protocol_prints_the_code_s_own_numbers(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("spincheck.reports.ladder.MAX_STEPS", 7654321)
+    monkeypatch.setattr("spincheck.reports.runs.ladder.MAX_STEPS", 7654321)
     render(results(), tmp_path)
     for name in ("index.html", "report.md"):
         assert "7\N{NARROW NO-BREAK SPACE}654\N{NARROW NO-BREAK SPACE}321" in (

@@ -10,11 +10,13 @@ from pathlib import Path
 import pytest
 from planted import HeunSession, RaisingSession, planted
 from same_results import differences
-from spincheck.reports import descent, made_by, study
-from spincheck.reports.choice import Choice
-from spincheck.reports.records import Row
-from spincheck.reports.store import Results, Store, open_store
-from spincheck.reports.study import run_study
+from spincheck.reports.results import made_by
+from spincheck.reports.results.store import Results, Store, open_store
+from spincheck.reports.runs import descent
+from spincheck.reports.runs.records import Row
+from spincheck.reports.study import study
+from spincheck.reports.study.choice import Choice
+from spincheck.reports.study.study import run_study
 from spincheck.scenarios import loads
 
 BOX = """
@@ -161,7 +163,7 @@ def test_another_spincheck_runs_everything_anew(path, runs, monkeypatch):
 
 def test_costs_measured_on_another_processor_are_taken_anew(path, monkeypatch):
     run(path, TIMED)
-    monkeypatch.setattr("spincheck.reports.plan.processor", lambda: "another")
+    monkeypatch.setattr("spincheck.reports.study.plan.processor", lambda: "another")
     assert run(path, TIMED) == ["box  timed"]
 
 

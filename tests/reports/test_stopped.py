@@ -22,7 +22,8 @@ TINY = "1e-10"
 #: A report that never ends, and says when it has begun.
 RENDERING = """
 import sys
-from spincheck.reports import cli, render
+from spincheck.reports.commands import cli
+from spincheck.reports.pages import render
 def forever(*_):
     print("begun", flush=True)
     while True:

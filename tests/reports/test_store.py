@@ -9,10 +9,10 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 from spincheck.reference import Solution
-from spincheck.reports.cost import StepCost
-from spincheck.reports.records import Key, Row, Verdict
-from spincheck.reports.result_file import FORMAT, ResultFileError
-from spincheck.reports.store import open_store
+from spincheck.reports.costs.cost import StepCost
+from spincheck.reports.results.result_file import FORMAT, ResultFileError
+from spincheck.reports.results.store import open_store
+from spincheck.reports.runs.records import Key, Row, Verdict
 from spincheck.scenarios import Errors, Trajectory, find, load
 
 KEY = Key("tennis-racket", "mujoco", "RK4")
@@ -192,7 +192,8 @@ def test_an_empty_file_is_begun(path):
 
 def test_a_second_writer_is_refused(path):
     program = (
-        "import sys; from pathlib import Path; from spincheck.reports.store import open_store;"
+        "import sys; from pathlib import Path\n"
+        "from spincheck.reports.results.store import open_store\n"
         "open_store(Path(sys.argv[1]), create=True).__enter__()"
     )
     with open_store(path, create=True):

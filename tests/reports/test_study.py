@@ -23,11 +23,11 @@ from planted import (
     planted,
 )
 from spincheck.reference import solve
-from spincheck.reports import study as study_module
-from spincheck.reports import workers
-from spincheck.reports.choice import Choice
-from spincheck.reports.store import Results, open_store
-from spincheck.reports.study import run_study
+from spincheck.reports.results.store import Results, open_store
+from spincheck.reports.study import study as study_module
+from spincheck.reports.study.choice import Choice
+from spincheck.reports.study.study import run_study
+from spincheck.reports.workers import workers
 from spincheck.scenarios import find, load, loads
 
 BOX = """

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import pytest
 from made_up import TIMESTEPS, TOP, results
-from spincheck.reports.gather import gather
-from spincheck.reports.hard_cases import TURNS, hard_scenes, survivors, survivors_table
-from spincheck.reports.records import Key, Row
-from spincheck.reports.store import Results
-from spincheck.reports.survival import in_words, survival
-from spincheck.reports.wording import number
+from spincheck.reports.analysis.gather import gather
+from spincheck.reports.analysis.survival import in_words, survival
+from spincheck.reports.analysis.wording import number
+from spincheck.reports.pages.hard_cases import TURNS, hard_scenes, survivors, survivors_table
+from spincheck.reports.results.store import Results
+from spincheck.reports.runs.records import Key, Row
 from spincheck.scenarios import loads
 
 PACE = 5.0

@@ -9,12 +9,12 @@ import time
 from pathlib import Path
 
 import pytest
-from spincheck.reports.cli import app
-from spincheck.reports.store import open_store
-from spincheck.reports.sweep import Ensemble
-from spincheck.reports.sweep_running import Where, exit_code, run_ensemble, run_map
-from spincheck.reports.sweep_running import choose_for_sweep as choose
-from spincheck.reports.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint
+from spincheck.reports.commands.cli import app
+from spincheck.reports.commands.sweep_running import Where, exit_code, run_ensemble, run_map
+from spincheck.reports.commands.sweep_running import choose_for_sweep as choose
+from spincheck.reports.commands.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint
+from spincheck.reports.results.store import open_store
+from spincheck.reports.runs.sweep import Ensemble
 from spincheck.scenarios import load, loads
 from typer.testing import CliRunner
 

@@ -13,15 +13,15 @@ from markdown_text import markdown_tables, outside_code
 from page import Page, read_page
 from planted import HeunSession, planted
 from plotted import coloured, values_of
-from spincheck.reports.choice import Choice
-from spincheck.reports.ensemble_numbers import Members, members_of
-from spincheck.reports.ensemble_pages import ensemble_pages
-from spincheck.reports.map_pages import map_pages, vary_option
-from spincheck.reports.map_tables import percent
-from spincheck.reports.render import render
-from spincheck.reports.store import Results, open_store
-from spincheck.reports.sweep import Ensemble
-from spincheck.reports.sweeping import plan_sweep
+from spincheck.reports.analysis.ensemble_numbers import Members, members_of
+from spincheck.reports.pages.ensemble_pages import ensemble_pages
+from spincheck.reports.pages.map_pages import map_pages, vary_option
+from spincheck.reports.pages.map_tables import percent
+from spincheck.reports.pages.render import render
+from spincheck.reports.results.store import Results, open_store
+from spincheck.reports.runs.sweep import Ensemble
+from spincheck.reports.study.choice import Choice
+from spincheck.reports.study.sweeping import plan_sweep
 from spincheck.scenarios.vary import parse_axis
 
 EULER, RK4, MULTIBODY = METHODS

@@ -16,14 +16,15 @@ from planted import (
     SegfaultSession,
     planted,
 )
-from spincheck.reports import made_by, point_run
-from spincheck.reports.choice import Choice
-from spincheck.reports.lane import KILLED, Lost
-from spincheck.reports.places import STEP_TURN, places
-from spincheck.reports.store import open_store
-from spincheck.reports.sweep import Axis, Ensemble, Map, Point
-from spincheck.reports.sweeping import carry_out_sweep, plan_sweep
-from spincheck.reports.workers import Workers
+from spincheck.reports.results import made_by
+from spincheck.reports.results.store import open_store
+from spincheck.reports.runs import point_run
+from spincheck.reports.runs.places import STEP_TURN, places
+from spincheck.reports.runs.sweep import Axis, Ensemble, Map, Point
+from spincheck.reports.study.choice import Choice
+from spincheck.reports.study.sweeping import carry_out_sweep, plan_sweep
+from spincheck.reports.workers.lane import KILLED, Lost
+from spincheck.reports.workers.workers import Workers
 from spincheck.scenarios import loads
 from spincheck.scenarios.scatter import member
 

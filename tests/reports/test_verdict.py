@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from spincheck.reports.approach import Approach
-from spincheck.reports.verdict import SHARP, Judgement, judge
+from spincheck.reports.runs.approach import Approach
+from spincheck.reports.runs.verdict import SHARP, Judgement, judge
 from spincheck.scenarios import Trajectory
 
 TIMES = np.linspace(0.0, 5.0, 51)

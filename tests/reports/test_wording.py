@@ -3,8 +3,8 @@
 import math
 
 import pytest
-from spincheck.reports.markdown import code_block, escaped, to_html
-from spincheck.reports.wording import count, limited, number, observed
+from spincheck.reports.analysis.wording import count, limited, number, observed
+from spincheck.reports.pages.markdown import code_block, escaped, to_html
 
 
 @pytest.mark.parametrize(

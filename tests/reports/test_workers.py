@@ -10,10 +10,10 @@ import time
 from pathlib import Path
 
 import pytest
-from spincheck.reports import workers
-from spincheck.reports.lane import LAST_WORDS, Lost
-from spincheck.reports.worker_process import KEPT_OUTPUT, MEMORY_SHARE
-from spincheck.reports.workers import Workers
+from spincheck.reports.workers import workers
+from spincheck.reports.workers.lane import LAST_WORDS, Lost
+from spincheck.reports.workers.worker_process import KEPT_OUTPUT, MEMORY_SHARE
+from spincheck.reports.workers.workers import Workers
 
 LIBC = ctypes.CDLL(None)
 #: s; far longer than any test waits.
@@ -239,7 +239,7 @@ def test_calls_run_side_by_side():
 
 PARENT = """
 import os, sys, time
-from spincheck.reports.workers import Workers
+from spincheck.reports.workers.workers import Workers
 if __name__ == "__main__":
     pool = Workers(jobs=2)
     print(pool.submit(os.getpid).outcome(), flush=True)

@@ -1,0 +1,1 @@
+"""What results say of accuracy and cost, in numbers."""

@@ -1,0 +1,74 @@
+"""What the report says about the cost of accuracy: on its first page, and on each scene's."""
+
+from dataclasses import dataclass
+
+from ..analysis.gather import Gathered, SceneRuns
+from ..analysis.looks import Look, looks
+from ..analysis.profiles import profile
+from ..analysis.wording import SIGNALS
+from ..analysis.work_precision import SIGNALS as ERRORS
+from ..analysis.work_precision import Signal, curves
+from ..figures.figures import Titled
+from ..figures.profile_figure import profile_figure
+from .cost_tables import median_table, ratio_table, reach_table, reached_table
+from .tables import Table
+
+#: The error by which methods are compared over all scenes; every scene's page has all four.
+COMPARED: Signal = "omega"
+#: Errors with a profile each: of everyday use, and beyond what first order can do.
+PROFILED = (1e-3, 1e-6)
+#: How to read a cost that stands for an error.
+LEGEND = (
+    "CPU seconds of native stepping that one simulated second takes. No mark: interpolated "
+    "between two runs. ≤: the ladder's coarsest run is within it already. ≈: extrapolated below "
+    "the finest run by the order found, where rounding leaves room. A word: why it is out of reach."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class CostSection:
+    """The first page's section.
+
+    Attributes
+    ----------
+    scenes : how many were solved, reached or not
+    methods : label and look of every method, for the figure's key
+    profiles : None where nothing was timed
+    """
+
+    scenes: int
+    methods: tuple[tuple[str, Look], ...]
+    profiles: Titled | None
+    reached: Table
+    medians: Table
+    ratios: Table
+
+
+def cost_section(gathered: Gathered) -> CostSection:
+    """What accuracy costs, over all scenes that were solved."""
+    scenes = [curves(scene, COMPARED) for scene in gathered.scenes if scene.found]
+    drawn = looks(gathered.pairs)
+    timed = any(curve.seconds_per_step is not None for tried in scenes for curve in tried)
+    profiles = [profile(scenes, COMPARED, level) for level in PROFILED]
+    titled = Titled(
+        "profiles",
+        "Performance profiles",
+        "Fraction of scenes on which a method stays within the error at no more than τ times the "
+        "cost of the cheapest method there (Dolan & Moré 2002). Higher is better; the right end "
+        "is the fraction within reach at all. Extrapolated costs count; at τ near 1, methods "
+        "closer than the spread of the timings change places by chance.",
+        profile_figure(profiles, drawn),
+    )
+    return CostSection(
+        len(scenes),
+        tuple((" ".join(pair), look) for pair, look in drawn.items()),
+        titled if timed else None,
+        reached_table(gathered, scenes),
+        median_table(gathered, scenes),
+        ratio_table(scenes),
+    )
+
+
+def scene_costs(scene: SceneRuns) -> list[tuple[str, Table]]:
+    """A table for each of the four errors, with its name."""
+    return [(SIGNALS[signal], reach_table(scene, signal)) for signal in ERRORS]

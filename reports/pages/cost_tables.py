@@ -1,0 +1,93 @@
+"""Tables of what accuracy costs: on a scene by method and error, and over all scenes."""
+
+from collections.abc import Sequence
+
+from ..analysis.cost_to_reach import LEVELS, Reach, reach
+from ..analysis.gather import Gathered, MethodRuns, SceneRuns
+from ..analysis.profiles import SceneCurves, order_ratios, tally
+from ..analysis.wording import NOTHING, number
+from ..analysis.work_precision import Signal, curve_of
+from ..runs.records import Pair
+from .tables import Cell, Table, figure, table
+
+#: In a second.
+MICROSECONDS = 1e6
+#: Before a cost that is not measured on both sides.
+MARKS = {"measured": "", "at most": "≤ ", "extrapolated": "≈ "}
+
+
+def reach_table(scene: SceneRuns, signal: Signal) -> Table:
+    """CPU seconds a simulated second that each method takes to stay within each error.
+
+    The second lines, which HTML alone shows: the timestep, or what rounding may cause at it.
+    """
+    headings = ("engine", "method", "CPU a step, µs", "wall a step, µs", *_level_headings())
+    rows = []
+    for runs in scene.methods:
+        curve = curve_of(scene, runs, signal)
+        cells = [_reach_cell(reach(curve, level)) for level in LEVELS]
+        rows.append([*_named((runs.engine, runs.method)), *_step_costs(runs), *cells])
+    return table(headings, rows)
+
+
+def reached_table(gathered: Gathered, scenes: Sequence[SceneCurves]) -> Table:
+    """On how many scenes each method reaches each error, and on how many by extrapolation only."""
+    rows = []
+    for pair in gathered.pairs:
+        found = [tally(scenes, pair, level) for level in LEVELS]
+        rows.append([*_named(pair), *(figure(f"{t.reached} ({t.extrapolated})") for t in found)])
+    return table(("engine", "method", *_level_headings()), rows)
+
+
+def median_table(gathered: Gathered, scenes: Sequence[SceneCurves]) -> Table:
+    """What each error costs each method: the median over the scenes that it can simulate."""
+    rows = []
+    for pair in gathered.pairs:
+        found = [tally(scenes, pair, level).median_cost for level in LEVELS]
+        rows.append([*_named(pair), *(figure(number(cost)) for cost in found)])
+    return table(("engine", "method", *_level_headings()), rows)
+
+
+def ratio_table(scenes: Sequence[SceneCurves]) -> Table:
+    """How many times more the cheapest first-order method costs than the cheapest of order 4."""
+    found = [order_ratios(scenes, level) for level in LEVELS]
+    rows: list[list[Cell | str]] = [
+        ["scenes where both reach it", *(figure(str(ratio.scenes)) for ratio in found)],
+        ["median ratio", *(figure(number(ratio.median)) for ratio in found)],
+        ["largest ratio", *(figure(number(ratio.largest)) for ratio in found)],
+    ]
+    return table(("first order over fourth", *_level_headings()), rows)
+
+
+def _level_headings() -> list[str]:
+    return [f"to {number(level, 1).removeprefix('1×')}" for level in LEVELS]
+
+
+def _reach_cell(found: Reach) -> Cell:
+    floor = f"floor {number(found.floor, 1)}" if found.floor is not None else ""
+    if found.cost is None:
+        return Cell(found.word, "number none", floor)
+    kind = "number extrapolated" if found.word == "extrapolated" else "number"
+    parts = [f"{number(found.timestep)} s", floor]
+    text = f"{MARKS[found.word]}{number(found.cost)}"
+    return Cell(text, kind, "\n".join(part for part in parts if part))
+
+
+def _step_costs(runs: MethodRuns) -> tuple[Cell, Cell]:
+    """CPU time, the least over the repeats and how far the largest is above; least on the wall."""
+    timed = [row for row in runs.rows if row.seconds_per_step is not None]
+    if not timed:
+        return figure(NOTHING), figure(NOTHING)
+    row = timed[-1]
+    spread = _microseconds(row.seconds_spread)
+    above = f"+ {spread}" if row.seconds_spread is not None else ""
+    cpu = Cell(_microseconds(row.seconds_per_step), "number", above)
+    return cpu, figure(_microseconds(row.wall_seconds_per_step))
+
+
+def _microseconds(seconds: float | None) -> str:
+    return number(None if seconds is None else MICROSECONDS * seconds)
+
+
+def _named(pair: Pair) -> tuple[Cell, Cell]:
+    return Cell(pair[0], "name"), Cell(pair[1], "name")

@@ -1,0 +1,97 @@
+"""The page of an ensemble: what was scattered, how to do it again, distributions and tables."""
+
+import shlex
+from collections import Counter
+from dataclasses import dataclass
+
+from ..analysis.ensemble_numbers import members_of
+from ..analysis.looks import Look, looks
+from ..analysis.wording import count
+from ..figures.ensemble_figure import distribution
+from ..figures.figures import Titled
+from ..results.store import Results
+from ..runs.sweep import Ensemble, EnsembleResult
+from .ensemble_tables import quantile_tables, worst_table
+from .links import ensemble_page
+from .map_pages import TYPED_DIGITS, methods_of, timestep_in_words
+from .map_tables import ends_table
+from .tables import Table
+
+CAPTION = (
+    "Percentage of the members whose largest error of ω is at most so much. Further left is "
+    "better; a curve that does not come to 100 % ends at the percentage that finished."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class EnsemblePage:
+    """Everything that the HTML page and the Markdown file of an ensemble show.
+
+    Attributes
+    ----------
+    name : unique in a report; `link` leads to it from the overview
+    figure : None where no member finished
+    shown : methods in the figure, by label
+    """
+
+    name: str
+    link: str
+    title: str
+    scene: str
+    scene_title: str
+    command: str
+    timestep: str
+    figure: Titled | None
+    shown: tuple[tuple[str, Look], ...]
+    ends: Table
+    quantiles: list[tuple[str, Table]]
+    worst: Table
+
+
+def ensemble_pages(results: Results) -> list[EnsemblePage]:
+    """One an ensemble that has any members."""
+    seen: Counter[str] = Counter()
+    pages = []
+    for found in results.ensembles:
+        if any(point.key.engine for point in found.points):
+            seen[found.ensemble.scenario] += 1
+            name = f"{found.ensemble.scenario}-{seen[found.ensemble.scenario]}"
+            pages.append(_page(name, found, results))
+    return pages
+
+
+def command(ensemble: Ensemble) -> str:
+    """What makes this ensemble, as typed in a shell."""
+    words = ["spincheck", "run", ensemble.scenario, "--ensemble", str(ensemble.members)]
+    words += ["--seed", str(ensemble.seed)]
+    if ensemble.timestep is not None:
+        words += ["--timestep", f"{ensemble.timestep:.{TYPED_DIGITS}g}"]
+    return shlex.join(words)
+
+
+def _page(name: str, found: EnsembleResult, results: Results) -> EnsemblePage:
+    ensemble = found.ensemble
+    pairs = list(methods_of(found.points, results))
+    members = members_of(found.points, pairs)
+    drawn = looks(pairs)
+    compared = [of_method for of_method in members if (of_method.errors("omega") > 0).any()]
+    drawing = None
+    if compared:
+        drawing = Titled(
+            "errors", "How errors of ω are distributed", CAPTION, distribution(compared, drawn)
+        )
+    title = f"{count(ensemble.members)} members like {ensemble.scenario}, seed {ensemble.seed}"
+    return EnsemblePage(
+        name=name,
+        link=ensemble_page(name),
+        title=title,
+        scene=ensemble.scenario,
+        scene_title=found.scenario.title,
+        command=command(ensemble),
+        timestep=timestep_in_words(ensemble.timestep),
+        figure=drawing,
+        shown=tuple((" ".join(of_method.pair), drawn[of_method.pair]) for of_method in compared),
+        ends=ends_table(found.points, pairs),
+        quantiles=quantile_tables(members),
+        worst=worst_table(ensemble, [m for m in members if m.points]),
+    )

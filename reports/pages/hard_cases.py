@@ -1,0 +1,73 @@
+"""What survives the scenes that are tagged as hard: a matrix, and a line a method."""
+
+from statistics import median
+
+from ..analysis.gather import Gathered, MethodRuns, SceneRuns
+from ..analysis.survival import survival
+from ..analysis.wording import NOTHING, number
+from ..runs.records import Pair
+from .overview import Matrix, matrix_of
+from .tables import Cell, Table, figure, table
+
+#: In a scene's `tags`.
+HARD = "hard"
+#: rad a step, at which methods are compared: a rung of every ladder's beginning is in between.
+TURNS = (0.01, 0.1, 1.0)
+
+
+def hard_scenes(gathered: Gathered) -> tuple[SceneRuns, ...]:
+    """The scenes of the tag."""
+    return tuple(
+        scene
+        for scene in gathered.scenes
+        if scene.found and HARD in scene.found.scenario.document.tags
+    )
+
+
+def survivors(gathered: Gathered) -> Matrix:
+    """Verdicts on hard scenes, and in each cell the largest timestep that survives."""
+    return matrix_of(gathered, hard_scenes(gathered), _detail)
+
+
+def survivors_table(gathered: Gathered) -> Table:
+    """How many hard scenes each method survives, and at which timestep."""
+    headings = (
+        "engine",
+        "method",
+        "hard scenes it was run on",
+        "converges",
+        "survives at its finest timestep",
+        *(f"survives at {turn:g} rad a step" for turn in TURNS),
+        "largest turn a step it survives, rad (median)",
+    )
+    scenes = hard_scenes(gathered)
+    return table(headings, [_line(pair, scenes) for pair in gathered.pairs])
+
+
+def _detail(scene: SceneRuns, runs: MethodRuns) -> str:
+    if not runs.rows:
+        return "no run fits"
+    found = survival(runs.rows, scene.pace)
+    return str(found) if found else ""
+
+
+def _line(pair: Pair, scenes: tuple[SceneRuns, ...]) -> list[Cell | str]:
+    tried = [
+        (runs, survival(runs.rows, scene.pace))
+        for scene in scenes
+        for runs in scene.methods
+        if (runs.engine, runs.method) == pair
+    ]
+    can = [(runs, found) for runs, found in tried if found is not None]
+    converging = [runs.verdict and runs.verdict.verdict == "converges" for runs, _ in can]
+    turns = [found.turn or 0.0 for _, found in can]
+    engine, method = pair
+    return [
+        Cell(engine, "name"),
+        Cell(method, "name"),
+        figure(str(len(can))),
+        figure(str(sum(map(bool, converging)))),
+        figure(str(sum(found.timestep is not None for _, found in can))),
+        *(figure(str(sum(found.reaches(turn) for _, found in can))) for turn in TURNS),
+        figure(number(median(turns)) if turns else NOTHING),
+    ]

@@ -1,0 +1,56 @@
+"""What the report says of effects and passes that a scene does not call for: cost, and harm."""
+
+from collections.abc import Sequence
+
+from ..analysis.wording import NOTHING, number
+from ..costs.effects_cost import EffectsCost, PassCosts
+from ..runs.records import Key
+from .tables import Cell, Table, figure, table
+
+#: What a table of passes tells apart from noise: this many times what two equal sessions differ by.
+BEYOND_NOISE = 2.0
+
+
+def effects_table(effects: Sequence[EffectsCost]) -> Table:
+    """A scene a row, an engine a column: what a step would cost more with everything left in."""
+    methods = sorted({(found.key.engine, found.key.method) for found in effects})
+    cells = {found.key: _cell(found) for found in effects}
+    scenes = sorted({found.key.scenario for found in effects})
+    return table(
+        ["scene", *(f"{engine} {method}" for engine, method in methods)],
+        [
+            [scene, *(cells.get(Key(scene, *method), figure(NOTHING)) for method in methods)]
+            for scene in scenes
+        ],
+    )
+
+
+def harm_in_words(effects: Sequence[EffectsCost]) -> str:
+    """On how many scenes leaving things out changed the motion."""
+    same = sum(found.difference == 0 for found in effects)
+    return f"{same} of {len(effects)} motions are identical to the last bit"
+
+
+def passes_table(found: PassCosts) -> Table:
+    """Each pass by itself, as percent of a pruned step."""
+    least = BEYOND_NOISE * found.noise
+
+    def share(part: float) -> Cell:
+        return figure(f"{part:+.0%}" if abs(part) > least else "noise")
+
+    return table(
+        ["left out", "a step with it alone left in", "saved by leaving it out of the defaults"],
+        [[one.name, share(one.added), share(one.saved)] for one in found.passes],
+    )
+
+
+def passes_tables(passes: Sequence[PassCosts]) -> list[tuple[str, Table]]:
+    """A table an engine, with its heading."""
+    return [(f"{p.key.engine} {p.key.method} on {p.key.scenario}", passes_table(p)) for p in passes]
+
+
+def _cell(found: EffectsCost) -> Cell:
+    more = f"{found.ratio.median - 1:+.0%} ± {found.ratio.spread:.0%}"
+    same = "motion identical to the last bit"
+    harm = f"motion off by {number(found.difference)}" if found.difference else same
+    return Cell(more, "number", harm)

@@ -1,0 +1,37 @@
+"""The protocol's numbers, for the report to print: read from the code that uses them."""
+
+from ...engines.read_back import READ_BACK_SLACK, READ_BACK_SLACK_SINGLE
+from ...reference.solution import MAX_UNCERTAINTY
+from ..analysis.wording import count, number
+from ..costs import cost
+from ..runs import compared_run, descent, ladder, verdict
+from ..workers import workers
+
+
+def constants() -> dict[str, str]:
+    """Name and printed value of every number that the protocol mentions."""
+    return {
+        "coarsest_turn": number(ladder.COARSEST_TURN),
+        "largest_turn": number(ladder.LARGEST_TURN),
+        "least_steps": str(ladder.LEAST_STEPS),
+        "max_steps": count(ladder.MAX_STEPS),
+        "min_rungs": str(ladder.MIN_RUNGS),
+        "goal": number(descent.GOAL),
+        "rungs_of_a_limit": str(descent.RUNGS_OF_A_LIMIT),
+        "absurd_energy": f"{compared_run.ABSURD_ENERGY:g}",
+        "order_slack": f"{verdict.ORDER_SLACK:g}",
+        "above_uncertainty": f"{verdict.ABOVE_UNCERTAINTY:g}",
+        "asymptotic": f"{verdict.ASYMPTOTIC:g}",
+        "fitted_rungs": str(verdict.FITTED_RUNGS),
+        "sharp": f"{verdict.SHARP:g}",
+        "settling_order": f"{verdict.SETTLING_ORDER:g}",
+        "time_limit": f"{workers.TIME_LIMIT:g}",
+        "resolutions": str(cost.RESOLUTIONS),
+        "stretch_ms": f"{1e3 * cost.STRETCH:g}",
+        "repeats": str(cost.REPEATS),
+        "warm_up": count(cost.WARM_UP),
+        "timed_turn": number(cost.TIMED_TURN),
+        "max_uncertainty": number(MAX_UNCERTAINTY),
+        "read_back": number(READ_BACK_SLACK),
+        "read_back_single": number(READ_BACK_SLACK_SINGLE),
+    }

@@ -1,0 +1,159 @@
+"""Writes the report: an overview, a page a scene, and the same as Markdown."""
+
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup
+
+from ..analysis.gather import Gathered, SceneRuns, gather
+from ..figures.figures import figures
+from ..results.store import Results
+from ..runs.verdict import VerdictWord
+from . import hard_cases, overview, scene_tables
+from .cost_section import LEGEND, cost_section, scene_costs
+from .left_out_tables import effects_table, harm_in_words, passes_tables
+from .links import scene_page
+from .markdown import code_block, escaped, to_html
+from .protocol import constants
+from .sweep_section import sweep_section, write_sweeps
+
+TEMPLATES = Path(str(files(__package__))) / "templates"
+STYLE, SCRIPT, PLOTLY = "style.css", "figures.js", "plotly.min.js"
+#: What calls for attention, what is merely a limit of the method, and what was never tried.
+COMPLAINTS: tuple[tuple[VerdictWord, ...], ...] = (
+    ("disagrees", "failed"),
+    ("diverges", "unresolved"),
+    ("unsupported",),
+)
+
+#: What is said of an engine as shipped.
+SHIPPED: tuple[VerdictWord, ...] = ("disagrees", "failed", "diverges", "unresolved")
+
+
+def render(results: Results, folder: Path) -> Path:
+    """Write index.html, report.md, assets/ and a page a scene, map, ensemble; returns index.html.
+
+    The same results give the same files, byte for byte.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be written.
+    """
+    gathered = gather(results)
+    environment = _environment()
+    protocol = environment.get_template("protocol.md").render(p=constants())
+    (folder / "scenes").mkdir(parents=True, exist_ok=True)
+    _write_assets(folder / "assets")
+    left_out = (
+        effects_table(results.effects),
+        passes_tables(results.passes),
+        harm_in_words(results.effects),
+    )
+    shared = {**_overview(gathered), "gathered": gathered, "left_out": left_out}
+    shared["protocol"] = protocol
+    shared["sweeps"] = sweeps = sweep_section(results)
+    write_sweeps(environment, folder, sweeps, results.scenes)
+    shared["hard"] = _hard_cases(gathered, environment)
+    index = folder / "index.html"
+    _write(index, environment.get_template("index.html").render(root="", **shared))
+    contents = [_scene(scene) for scene in gathered.scenes]
+    _write_scenes(environment, folder / "scenes", gathered.scenes, contents)
+    report = environment.get_template("report.md").render(scenes=contents, **shared)
+    _write(folder / "report.md", report)
+    return index
+
+
+def _write_scenes(
+    environment: Environment,
+    folder: Path,
+    scenes: tuple[SceneRuns, ...],
+    contents: list[dict[str, Any]],
+) -> None:
+    page, text = environment.get_template("scene.html"), environment.get_template("scene.md")
+    for k, (scene, content) in enumerate(zip(scenes, contents, strict=True)):
+        around = {
+            "previous": scenes[k - 1] if k else None,
+            "following": scenes[k + 1] if k + 1 < len(scenes) else None,
+        }
+        html = page.render(root="../", figures=figures(scene), **content, **around)
+        _write(folder / f"{scene.name}.html", html)
+        _write(folder / f"{scene.name}.md", text.render(**content))
+
+
+def _environment() -> Environment:
+    environment = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=select_autoescape(["html"]),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.globals["cost_legend"] = LEGEND
+    environment.filters |= {
+        "markdown": lambda text: Markup(to_html(text)),
+        "md": escaped,
+        "code_block": code_block,
+        "page": scene_page,
+    }
+    return environment
+
+
+def _overview(gathered: Gathered) -> dict[str, Any]:
+    return {
+        "headline": overview.headline(gathered),
+        "counts": overview.counts(gathered),
+        "matrix": overview.matrix(gathered),
+        "methods": overview.methods_table(gathered),
+        "costs": cost_section(gathered),
+        "complaints": [overview.complaints(gathered, words) for words in COMPLAINTS],
+        "shipped": overview.complaints(gathered, SHIPPED, as_shipped=True),
+        "environment": overview.environment_table(gathered),
+    }
+
+
+def _hard_cases(gathered: Gathered, environment: Environment) -> dict[str, Any]:
+    scenes = hard_cases.hard_scenes(gathered)
+    numbers = constants() | {"count": str(len(scenes))}
+    return {
+        "scenes": scenes,
+        "text": environment.get_template("hard.md").render(h=numbers),
+        "matrix": hard_cases.survivors(gathered),
+        "methods": hard_cases.survivors_table(gathered),
+    }
+
+
+def _scene(scene: SceneRuns) -> dict[str, Any]:
+    """Everything that the HTML page and the Markdown section of a scene both show."""
+    content: dict[str, Any] = {
+        "scene": scene,
+        "verdicts": scene_tables.verdict_table(scene),
+        "runs": scene_tables.runs_table(scene),
+        "printed": scene_tables.printed(scene),
+    }
+    if scene.found is not None:
+        content |= {
+            "effects": scene_tables.effects_table(scene.found.scenario),
+            "truth": scene_tables.truth_table(scene.found),
+            "facts": scene_tables.facts_table(scene.found),
+            "costs": scene_costs(scene),
+            "drifts": scene_tables.drifts_table(scene),
+            "observables": scene_tables.observables_table(scene),
+        }
+    return content
+
+
+def _write_assets(folder: Path) -> None:
+    from plotly.offline import get_plotlyjs
+
+    folder.mkdir(exist_ok=True)
+    _write(folder / PLOTLY, get_plotlyjs())
+    for name in (STYLE, SCRIPT):
+        _write(folder / name, (TEMPLATES / name).read_text(encoding="utf-8"))
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", newline="\n")

@@ -1,0 +1,202 @@
+"""A scene's tables: its truth, verdicts, conserved quantities, every run."""
+
+from ...reference import facts, invariants
+from ...reference.observables import observables
+from ...scenarios import EFFECTS, Scenario
+from ..analysis.gather import Compared, MethodRuns, SceneRuns
+from ..analysis.survival import in_words, survival
+from ..analysis.wording import (
+    ERROR_HEADINGS,
+    NOTHING,
+    SIGNALS,
+    count,
+    limited,
+    limited_errors,
+    number,
+    observed,
+    order,
+)
+from ..analysis.work_precision import cost
+from ..results.store import SceneResult
+from ..runs.records import Row
+from .links import method_anchor
+from .overview import reason_of
+from .tables import Cell, Table, figure, table, verdict_cell
+
+
+def effects_table(scenario: Scenario) -> Table:
+    """Which effects the scene calls for, and which are left out."""
+    rows = [
+        (
+            name.replace("_", ", axes of the "),
+            "simulated" if name in scenario.called_for else "left out",
+        )
+        for name in EFFECTS
+    ]
+    return table(("effect", "here"), rows)
+
+
+def truth_table(found: SceneResult) -> Table:
+    """What the reference is good for, and how the motion grows a rounding error."""
+    growth = dict(found.solution.conditioning)
+    rows = [
+        (Cell(SIGNALS[name], "name"), figure(number(value)), figure(number(growth[name])))
+        for name, value in found.solution.uncertainty
+    ]
+    return table(("signal", "uncertainty", "what one ulp in the start does"), rows)
+
+
+def facts_table(found: SceneResult) -> Table:
+    """What a physicist asks of the scene."""
+    rows = [
+        (fact.name, figure(observed(fact.value)), fact.unit, fact.meaning)
+        for fact in facts(found.scenario)
+    ]
+    return table(("fact", "value", "unit", "meaning"), rows)
+
+
+def verdict_table(scene: SceneRuns) -> Table:
+    """One row a method, each a place that links lead to."""
+    headings = (
+        "engine",
+        "method",
+        "verdict",
+        "order found",
+        "declared",
+        "decided by",
+        "limit dt → 0 off by",
+        "its estimate",
+        "survives up to, s",
+        "rad a step",
+        "reason",
+    )
+    made = table(headings, [_verdict_row(scene, runs) for runs in scene.methods])
+    anchors = tuple(method_anchor(runs.engine, runs.method) for runs in scene.methods)
+    return Table(made.headings, made.rows, anchors)
+
+
+def drifts_table(scene: SceneRuns) -> Table | None:
+    """How far each method's finest run drifts from each conserved quantity; None without any."""
+    assert scene.found is not None, "conserved quantities are those of a scene"
+    laws = [invariant.law for invariant in invariants(scene.found.scenario)]
+    shown = [(runs, runs.shown) for runs in scene.methods]
+    rows = [
+        (
+            *_named(runs),
+            figure(number(row.timestep)),
+            *(figure(number(row.drifts.get(law.name))) for law in laws),
+        )
+        for runs, row in shown
+        if row is not None and row.drifts is not None
+    ]
+    if not laws or not rows:
+        return None
+    return table(("engine", "method", "timestep, s", *(law.formula for law in laws)), rows)
+
+
+def observables_table(scene: SceneRuns) -> Table | None:
+    """Rates, bounds and periods read off each finest run, beside the exact ones."""
+    assert scene.found is not None, "what is exact is known of a solved scene"
+    scenario, truth = scene.found.scenario, scene.found.solution.trajectory
+    exact = observables(scenario, truth)
+    if not exact:
+        return None
+    names = [seen.name for seen in exact]
+    headings = ("engine", "method", *(f"{seen.name}, {seen.unit}" for seen in exact))
+    rows: list[list[Cell | str]] = [
+        ["exact value", "", *(figure(observed(seen.exact)) for seen in exact)],
+        ["exact motion", "read alike", *(figure(observed(seen.value)) for seen in exact)],
+    ]
+    rows += [_observables_row(scenario, run, names) for run in scene.compared]
+    return table(headings, rows)
+
+
+def runs_table(scene: SceneRuns) -> Table:
+    """Every run, coarse to fine."""
+    headings = (
+        "engine",
+        "version",
+        "method",
+        "timestep, s",
+        "steps",
+        *ERROR_HEADINGS.values(),
+        "largest drift, relative",
+        "CPU s a simulated s",
+        "outcome",
+    )
+    rows = [
+        _run_row(scene, row, "name" if k == 0 else "name again")
+        for runs in scene.methods
+        for k, row in enumerate(runs.rows)
+    ]
+    return table(headings, rows)
+
+
+def printed(scene: SceneRuns) -> list[tuple[str, str]]:
+    """What engines wrote to the terminal: each method's name and its words, once."""
+    said = [(runs.label, row.printed) for runs in scene.methods for row in runs.rows]
+    return list(dict.fromkeys((label, text) for label, text in said if text.strip()))
+
+
+def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
+    verdict = runs.verdict
+    if verdict is None:
+        nothing = [figure(NOTHING)] * 7
+        return [*_named(runs), Cell("no verdict", "absent"), *nothing, "stopped early"]
+    decided = {"omega": "ω", "attitude": "attitude", "com": "com"}[verdict.signal]
+    uncertainty = 0.0
+    if scene.found is not None:
+        uncertainty = dict(scene.found.solution.uncertainty).get(verdict.signal, 0.0)
+    survives = in_words(survival(runs.rows, scene.pace if scene.found else None))
+    declared = NOTHING
+    if runs.declared is not None:
+        of_attitude = verdict.signal == "attitude"
+        declared = str(runs.declared.attitude_order if of_attitude else runs.declared.order)
+    return [
+        *_named(runs),
+        verdict_cell(verdict.verdict),
+        figure(order(verdict.order)),
+        figure(declared),
+        decided if verdict.limit_error is not None else NOTHING,
+        figure(limited(verdict.limit_error, uncertainty)),
+        figure(number(verdict.limit_estimate)),
+        *(figure(words) for words in survives),
+        reason_of(verdict),
+    ]
+
+
+def _named(runs: MethodRuns) -> tuple[Cell, Cell]:
+    return Cell(runs.engine, "name"), Cell(runs.method, "name")
+
+
+def _observables_row(scenario: Scenario, run: Compared, names: list[str]) -> list[Cell | str]:
+    seen = {found.name: found.value for found in observables(scenario, run.motion)}
+    cells = [figure(observed(seen[name]) if name in seen else NOTHING) for name in names]
+    return [*_named(run.runs), *cells]
+
+
+def _run_row(scene: SceneRuns, row: Row, named: str) -> list[Cell | str]:
+    errors = (NOTHING,) * len(ERROR_HEADINGS)
+    if row.errors is not None:
+        errors = limited_errors(row.errors, scene.uncertainty(row))
+    when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
+    cause = f" ({row.cause})" if row.cause else ""
+    outcome = f"{row.outcome}{cause}{when}" + (f": {row.reason}" if row.reason else "")
+    return [
+        Cell(row.key.engine, named),
+        Cell(row.engine_version, named),
+        Cell(row.key.method, named),
+        figure(number(row.timestep) if row.timestep else NOTHING),
+        figure(count(row.steps)),
+        *(figure(error) for error in errors),
+        figure(_largest_drift(row)),
+        figure(number(cost(row))),
+        Cell(outcome, row.outcome),
+    ]
+
+
+def _largest_drift(row: Row) -> str:
+    if not row.drifts:
+        return NOTHING
+    name = max(row.drifts, key=lambda law: row.drifts[law] if row.drifts else 0.0)
+    return f"{number(row.drifts[name])} {name}"

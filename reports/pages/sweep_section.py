@@ -1,0 +1,90 @@
+"""Maps and ensembles in a report: their pages, and what the overview says of them."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from jinja2 import Environment
+
+from ..analysis.map_marks import is_coloured
+from ..analysis.wording import NOTHING, count
+from ..results.store import Results
+from ..runs.sweep import Point
+from .ensemble_pages import EnsemblePage, ensemble_pages
+from .map_pages import MapPage, map_pages
+from .map_tables import percent
+from .tables import Cell, Table, figure, table
+
+
+@dataclass(frozen=True, eq=False)
+class SweepSection:
+    """What there is; tables without rows where there is nothing."""
+
+    maps: tuple[MapPage, ...]
+    ensembles: tuple[EnsemblePage, ...]
+    maps_table: Table
+    ensembles_table: Table
+
+
+def sweep_section(results: Results) -> SweepSection:
+    """Every map and ensemble of a result file that has any runs."""
+    maps, ensembles = tuple(map_pages(results)), tuple(ensemble_pages(results))
+    return SweepSection(
+        maps,
+        ensembles,
+        _overview("map", maps, _with_runs(found.points for found in results.maps)),
+        _overview("ensemble", ensembles, _with_runs(found.points for found in results.ensembles)),
+    )
+
+
+def write_sweeps(
+    environment: Environment, folder: Path, section: SweepSection, scenes: Iterable[str]
+) -> None:
+    """Write maps/ and ensembles/, each page as .html and .md.
+
+    Parameters
+    ----------
+    scenes : names of those that have a page
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be written.
+    """
+    known = set(scenes)
+    for kind, pages in (("map", section.maps), ("ensemble", section.ensembles)):
+        for page in pages:
+            into = folder / f"{kind}s"
+            into.mkdir(exist_ok=True)
+            for ending in ("html", "md"):
+                text = environment.get_template(f"{kind}.{ending}").render(
+                    root="../", page=page, has_scene=page.scene in known
+                )
+                path = into / f"{page.name}.{ending}"
+                path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _with_runs(found: Iterable[tuple[Point, ...]]) -> list[tuple[Point, ...]]:
+    return [points for points in found if any(point.key.engine for point in points)]
+
+
+def _overview(
+    kind: str,
+    pages: Sequence[MapPage | EnsemblePage],
+    points_of: Sequence[tuple[Point, ...]],
+) -> Table:
+    rows = (
+        [
+            Cell(page.title, "page", page.scene_title, page.link),
+            Cell(page.command, "command"),
+            *_counts(points),
+        ]
+        for page, points in zip(pages, points_of, strict=True)
+    )
+    return table((kind, "command", "runs", "finished"), rows)
+
+
+def _counts(points: tuple[Point, ...]) -> list[Cell]:
+    run = [point for point in points if point.outcome in ("ok", "diverged", "failed")]
+    finished = sum(is_coloured(point) for point in run)
+    return [figure(count(len(run))), figure(percent(finished, len(run)) if run else NOTHING)]

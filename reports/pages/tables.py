@@ -1,0 +1,71 @@
+"""Tables that HTML and Markdown share: headings with units, and cells of text."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from ..runs.verdict import VerdictWord
+
+#: Verdicts in the order in which they are counted and listed.
+VERDICTS: tuple[VerdictWord, ...] = (
+    "converges",
+    "disagrees",
+    "failed",
+    "diverges",
+    "unresolved",
+    "unsupported",
+)
+#: A sign beside each verdict's word: colour is never the only difference.
+SIGNS: dict[VerdictWord, str] = {
+    "converges": "✓",
+    "disagrees": "✗",
+    "failed": "!",
+    "diverges": "↗",
+    "unresolved": "?",
+    "unsupported": "–",
+}
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One entry of a table.
+
+    Attributes
+    ----------
+    kind : what it is ("number", a verdict, …), which the style sheet colours or aligns
+    detail : a second, smaller line
+    link : where it leads, relative to the page; the HTML page alone uses it
+    """
+
+    text: str
+    kind: str = ""
+    detail: str = ""
+    link: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Headings, and rows of as many cells. `anchors`, one a row, are what links lead to."""
+
+    headings: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    anchors: tuple[str, ...] = ()
+
+
+def table(headings: Iterable[str], rows: Iterable[Iterable[Cell | str]]) -> Table:
+    """A table; plain strings become plain cells."""
+    return Table(
+        tuple(headings),
+        tuple(
+            tuple(cell if isinstance(cell, Cell) else Cell(cell) for cell in row) for row in rows
+        ),
+    )
+
+
+def figure(text: str) -> Cell:
+    """A cell with a number."""
+    return Cell(text, "number")
+
+
+def verdict_cell(word: VerdictWord, detail: str = "", link: str = "") -> Cell:
+    """A verdict's word with its sign, in its colour."""
+    return Cell(f"{SIGNS[word]} {word}", word, detail, link)

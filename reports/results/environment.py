@@ -1,0 +1,41 @@
+"""Where results come from: machine, operating system, versions."""
+
+import os
+import platform
+from collections.abc import Iterable
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+
+from ...engines import Engine
+
+PACKAGES = ("spincheck", "numpy", "scipy", "numba", "mpmath")
+
+
+def environment(engines: Iterable[Engine], max_steps: int | None = None) -> dict[str, str]:
+    """Name and value of everything that results may depend on.
+
+    Parameters
+    ----------
+    max_steps : of the runs of a ladder; None where none is run
+    """
+    ladders = {} if max_steps is None else {"longest ladder run": f"{max_steps} steps"}
+    return {
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "processor": processor(),
+        "cores": str(os.cpu_count()),
+        "system": f"{platform.system()} {platform.release()} {platform.machine()}",
+        "python": platform.python_version(),
+        **{name: version(name) for name in PACKAGES},
+        **{engine.name: engine.version for engine in engines},
+    } | ladders
+
+
+def processor() -> str:
+    """The processor's name; Linux alone keeps it where the standard library does not look."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor() or "unknown"
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else "unknown"

@@ -1,0 +1,290 @@
+"""What a result file holds: each run is written as it ends, so that a study can be gone on with.
+
+It holds what is true now: before a study goes on, whatever rests on another text of a scene,
+another engine or another spincheck is dropped (`Store.keep_made_by`).
+"""
+
+import sqlite3
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ...engines import Engine, Method
+from ...reference import Solution
+from ...scenarios import Scenario
+from ..costs.cost import StepCost
+from ..costs.effects_cost import EffectsCost, PassCosts
+from ..runs.records import UNSOLVED, Key, Pair, Row, Verdict
+from ..runs.sweep import EnsembleResult, MapResult
+from . import table_records
+from .result_file import ResultFileError, opened
+from .sweep_tables import SCHEMA as SWEEPS_SCHEMA
+from .sweep_tables import SweepTables
+
+_SCHEMA = """
+CREATE TABLE environment (name TEXT PRIMARY KEY, value TEXT NOT NULL);
+-- As the adapters declared them to the study, so that a report needs no engine.
+CREATE TABLE methods (
+    engine TEXT, method TEXT, "order" INTEGER NOT NULL, attitude_order INTEGER NOT NULL,
+    summary TEXT NOT NULL, effects TEXT NOT NULL, requires TEXT NOT NULL,
+    max_rotation_per_step REAL NOT NULL, as_shipped INTEGER NOT NULL,
+    PRIMARY KEY (engine, method));
+-- What results rest on: where the engine is empty the scene and this program, else the engine.
+CREATE TABLE made_by (
+    scenario TEXT, engine TEXT, digest TEXT NOT NULL, PRIMARY KEY (scenario, engine));
+CREATE TABLE scenes (
+    scenario TEXT PRIMARY KEY, digest TEXT NOT NULL, toml TEXT NOT NULL, method TEXT NOT NULL,
+    uncertainty TEXT NOT NULL, conditioning TEXT NOT NULL, horizon REAL, truth BLOB NOT NULL);
+CREATE TABLE rows (
+    scenario TEXT, engine TEXT, method TEXT, timestep REAL, engine_version TEXT NOT NULL,
+    outcome TEXT NOT NULL, reason TEXT NOT NULL, cause TEXT NOT NULL, lost INTEGER NOT NULL,
+    stopped_at REAL, errors TEXT, drifts TEXT,
+    uncertainty REAL NOT NULL, steps INTEGER NOT NULL, motion BLOB, printed TEXT NOT NULL,
+    PRIMARY KEY (scenario, engine, method, timestep));
+CREATE TABLE costs (
+    scenario TEXT, engine TEXT, method TEXT, processor TEXT NOT NULL, seconds_per_step REAL,
+    seconds_spread REAL, wall_seconds_per_step REAL, PRIMARY KEY (scenario, engine, method));
+-- What pruning saves: an EffectsCost, or the PassCosts of a method, as JSON.
+CREATE TABLE left_out (
+    scenario TEXT, engine TEXT, method TEXT, kind TEXT, record TEXT NOT NULL,
+    PRIMARY KEY (scenario, engine, method, kind));
+-- Timesteps are empty for a ladder; the step limit is that of a ladder it cut short, else null.
+CREATE TABLE verdicts (
+    scenario TEXT, engine TEXT, method TEXT, timesteps TEXT, verdict TEXT NOT NULL,
+    reason TEXT NOT NULL, signal TEXT NOT NULL, "order" REAL, limit_error REAL,
+    limit_estimate REAL, broken TEXT NOT NULL, as_shipped INTEGER NOT NULL, step_limit INTEGER,
+    PRIMARY KEY (scenario, engine, method, timesteps));
+"""
+_OF_ENGINES = ("rows", "costs", "left_out", "verdicts", "points")
+_OF_SCENES = ("made_by", "scenes", "sweeps", *_OF_ENGINES)
+_ONE_ENGINE = "scenario = ? AND engine = ?"
+_ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
+
+
+@dataclass(frozen=True, eq=False)
+class SceneResult:
+    """A scene as it was simulated, and its truth at the sample times."""
+
+    scenario: Scenario
+    solution: Solution
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """Everything a report is made from.
+
+    Attributes
+    ----------
+    methods : what each engine's adapter declared of its methods, in the order it lists them
+    """
+
+    environment: dict[str, str]
+    scenes: dict[str, SceneResult]
+    rows: list[Row]
+    verdicts: list[Verdict]
+    effects: list[EffectsCost] = field(default_factory=list)
+    passes: list[PassCosts] = field(default_factory=list)
+    methods: dict[Pair, Method] = field(default_factory=dict)
+    maps: list[MapResult] = field(default_factory=list)
+    ensembles: list[EnsembleResult] = field(default_factory=list)
+
+
+class Store:
+    """An open result file."""
+
+    def __init__(self, connection: sqlite3.Connection) -> None:
+        connection.row_factory = sqlite3.Row
+        self._connection = connection
+        self.sweeps = SweepTables(connection)
+
+    def put_environment(self, environment: dict[str, str]) -> None:
+        """Record machine and versions."""
+        with self._connection:
+            for name, value in environment.items():
+                self._put("environment", {"name": name, "value": value})
+
+    def put_methods(self, engines: Iterable[Engine]) -> None:
+        """Record what adapters declare of all their methods."""
+        with self._connection:
+            for engine in engines:
+                self._connection.execute("DELETE FROM methods WHERE engine = ?", (engine.name,))
+                for method in engine.methods:
+                    self._put("methods", table_records.of_method(engine.name, method))
+
+    def keep_made_by(self, scenario: str, digests: dict[str, str]) -> int:
+        """Drop what is known of a scene but rests on something else; returns how many verdicts.
+
+        Parameters
+        ----------
+        digests : of what results rest on now, by engine; of scene and program under ""
+        """
+        dropped = 0
+        with self._connection:
+            for engine, digest in digests.items():
+                known = self._select("made_by", _ONE_ENGINE, (scenario, engine))
+                if not (known and known[0]["digest"] == digest):
+                    dropped += self._drop(scenario, engine)
+                    self._put("made_by", {"scenario": scenario, "engine": engine, "digest": digest})
+        return dropped
+
+    def _drop(self, scenario: str, engine: str) -> int:
+        """Drop what an engine did on a scene, or with no engine the scene and all of them."""
+        tables = _OF_ENGINES if engine else _OF_SCENES
+        where = _ONE_ENGINE if engine else "scenario = ?"
+        names = (scenario, engine) if engine else (scenario,)
+        verdicts = self._select("verdicts", where, names)
+        for table in tables:
+            self._connection.execute(f"DELETE FROM {table} WHERE {where}", names)
+        return len(verdicts)
+
+    def put_scene(self, scenario: Scenario, solution: Solution) -> None:
+        """Record a scene and its truth."""
+        with self._connection:
+            self._put("scenes", table_records.of_scene(scenario, solution))
+            # Such a row says that the scene could not be solved, which was an accident then.
+            unsolved = "DELETE FROM rows WHERE scenario = ? AND timestep = ?"
+            self._connection.execute(unsolved, (scenario.name, UNSOLVED))
+
+    def put_row(self, row: Row) -> None:
+        """Record a run, with its samples: the verdict may have to be reached by another process."""
+        with self._connection:
+            self._put("rows", table_records.of_row(row))
+
+    def put_verdict(
+        self,
+        verdict: Verdict,
+        timesteps: Sequence[float] = (),
+        step_limit: int | None = None,
+        spent: Sequence[float] = (),
+    ) -> None:
+        """Record a verdict, and drop the samples it no longer takes.
+
+        Parameters
+        ----------
+        timesteps : s, those that were asked for; none for a verdict on a ladder
+        step_limit : of a ladder that ended there with more to find out; else None
+        spent : timesteps, s, of the runs whose samples are dropped
+        """
+        record = table_records.of_verdict(verdict)
+        record |= {"timesteps": _asked(timesteps), "step_limit": step_limit}
+        names = _names(verdict.key)
+        with self._connection:
+            self._put("verdicts", record)
+            self._connection.executemany(
+                f"UPDATE rows SET motion = NULL WHERE {_ONE_METHOD} AND timestep = ?",
+                [(*names, timestep) for timestep in spent],
+            )
+
+    def put_cost(self, key: Key, processor: str, cost: StepCost | None) -> None:
+        """Record what a step of a method costs on a scene; None where it cannot be timed."""
+        with self._connection:
+            self._put("costs", table_records.of_cost(key, processor, cost))
+
+    def put_left_out(self, found: EffectsCost | PassCosts) -> None:
+        """Record what a method leaves out of a scene saves."""
+        with self._connection:
+            self._put("left_out", table_records.of_left_out(found))
+
+    def settled(self, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
+        """The verdicts there are on what is asked for; not those that a lesser limit cut short.
+
+        Parameters
+        ----------
+        timesteps : s; none for verdicts on ladders
+        step_limit : of the ladders asked for
+        """
+        where = "timesteps = ? AND (step_limit IS NULL OR step_limit >= ?)"
+        records = self._select("verdicts", where, (_asked(timesteps), step_limit))
+        return [table_records.verdict(record) for record in records]
+
+    def rows_of(self, key: Key) -> list[Row]:
+        """The runs there are of a method on a scene."""
+        return [table_records.row(r) for r in self._select("rows", _ONE_METHOD, _names(key))]
+
+    def timed_on(self, processor: str) -> set[Key]:
+        """The methods whose steps were timed; what was timed elsewhere is dropped."""
+        with self._connection:
+            self._connection.execute("DELETE FROM costs WHERE processor != ?", (processor,))
+        return {table_records.key(record) for record in self._select("costs")}
+
+    def read(self, timesteps: Sequence[float] = ()) -> Results:
+        """Everything in the file, and of several verdicts on a method one.
+
+        Parameters
+        ----------
+        timesteps : s, whose verdict is wanted; with none it is the ladder's, or the latest of the
+            others where there is none
+
+        Raises
+        ------
+        ResultFileError
+            If a record cannot be read.
+        """
+        costs = {table_records.key(record): record for record in self._select("costs")}
+        rows = self._select("rows", order="scenario, engine, method, -timestep")
+        scenes = self._select("scenes", order="scenario")
+        environment = self._select("environment", order="name")
+        left_out = [
+            table_records.left_out(record)
+            for record in self._select("left_out", order="scenario, engine, method")
+        ]
+        found = [table_records.row(r, costs.get(table_records.key(r))) for r in rows]
+        known = {r["scenario"]: SceneResult(*table_records.scene(r)) for r in scenes}
+        for row in found:
+            if row.errors is not None and row.key.scenario not in known:
+                raise ResultFileError(f"a run has errors, but its scene is not there: {row.key}")
+        return Results(
+            environment=dict(table_records.environment(record) for record in environment),
+            scenes=known,
+            rows=found,
+            verdicts=self._verdicts(_asked(timesteps)),
+            effects=[found for found in left_out if isinstance(found, EffectsCost)],
+            passes=[found for found in left_out if isinstance(found, PassCosts)],
+            maps=self.sweeps.maps(),
+            ensembles=self.sweeps.ensembles(),
+            methods=dict(table_records.method(record) for record in self._select("methods")),
+        )
+
+    def _verdicts(self, asked: str) -> list[Verdict]:
+        order = "scenario, engine, method, timesteps = '' DESC, rowid DESC"
+        where = "timesteps = ?" if asked else "TRUE"
+        first: dict[Key, Verdict] = {}
+        for record in self._select("verdicts", where, (asked,) if asked else (), order):
+            first.setdefault(table_records.key(record), table_records.verdict(record))
+        return list(first.values())
+
+    def _select(
+        self, table: str, where: str = "TRUE", values: Sequence[Any] = (), order: str = "rowid"
+    ) -> list[sqlite3.Row]:
+        query = f"SELECT * FROM {table} WHERE {where} ORDER BY {order}"
+        return self._connection.execute(query, values).fetchall()
+
+    def _put(self, table: str, record: dict[str, Any]) -> None:
+        columns = ", ".join(f'"{name}"' for name in record)
+        marks = ", ".join(f":{name}" for name in record)
+        self._connection.execute(
+            f"INSERT OR REPLACE INTO {table} ({columns}) VALUES ({marks})", record
+        )
+
+
+def _names(key: Key) -> tuple[str, str, str]:
+    return key.scenario, key.engine, key.method
+
+
+def _asked(timesteps: Sequence[float]) -> str:
+    return " ".join(repr(timestep) for timestep in sorted(timesteps))
+
+
+@contextmanager
+def open_store(path: Path, *, create: bool = False) -> Iterator[Store]:
+    """Open a result file to read it, or with `create` to write it, begun where there is none.
+
+    Raises
+    ------
+    ResultFileError
+        As `result_file.opened`.
+    """
+    with opened(path, _SCHEMA + SWEEPS_SCHEMA, writing=create) as connection:
+        yield Store(connection)

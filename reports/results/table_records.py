@@ -1,0 +1,259 @@
+"""Records as they lie in the tables of a result file, and back."""
+
+import io
+import json
+import math
+import sqlite3
+from collections.abc import Callable
+from dataclasses import asdict
+from functools import cache, wraps
+from typing import Any, TypeVar, get_type_hints
+
+import numpy as np
+from pydantic import TypeAdapter, ValidationError
+
+from ...engines import Method
+from ...reference import Solution
+from ...scenarios import Errors, Scenario, Trajectory, is_scene_name, loads, printable
+from ..costs.cost import StepCost
+from ..costs.effects_cost import EffectsCost, PassCost, PassCosts, Ratio
+from ..runs.records import Key, Pair, Row, Verdict
+from .result_file import ResultFileError
+
+T = TypeVar("T")
+
+#: Of a run's times and counts, SI.
+LARGEST = 1e150
+#: Characters of what is wrong with a record.
+SHOWN = 200
+
+_PLAIN_ROW = (
+    "engine_version",
+    "timestep",
+    "outcome",
+    "reason",
+    "cause",
+    "stopped_at",
+    "uncertainty",
+    "steps",
+    "printed",
+)
+_PLAIN_METHOD = ("order", "attitude_order", "summary", "max_rotation_per_step", "as_shipped")
+_PLAIN_VERDICT = ("verdict", "reason", "signal", "order", "limit_error", "limit_estimate")
+
+
+def of_scene(scenario: Scenario, solution: Solution) -> dict[str, Any]:
+    """A scene and its truth, for the table `scenes`."""
+    return {
+        "scenario": scenario.name,
+        "digest": scenario.digest,
+        "toml": scenario.text,
+        "method": solution.method,
+        "uncertainty": json.dumps(asdict(solution.uncertainty)),
+        "conditioning": json.dumps(asdict(solution.conditioning)),
+        "horizon": solution.horizon,
+        "truth": _pack(solution.trajectory),
+    }
+
+
+def of_row(row: Row) -> dict[str, Any]:
+    """A run, for the table `rows`."""
+    return {
+        **asdict(row.key),
+        **{name: getattr(row, name) for name in _PLAIN_ROW},
+        "errors": json.dumps(asdict(row.errors)) if row.errors else None,
+        "lost": row.lost,
+        "drifts": json.dumps(row.drifts) if row.drifts is not None else None,
+        "motion": _pack(row.motion) if row.motion is not None else None,
+    }
+
+
+def of_verdict(verdict: Verdict) -> dict[str, Any]:
+    """A verdict, for the table `verdicts`."""
+    return {
+        **asdict(verdict.key),
+        **{name: getattr(verdict, name) for name in _PLAIN_VERDICT},
+        "broken": json.dumps(verdict.broken),
+        "as_shipped": verdict.as_shipped,
+    }
+
+
+def of_cost(key: Key, processor: str, cost: StepCost | None) -> dict[str, Any]:
+    """What a step costs, for the table `costs`; None where it cannot be timed."""
+    return {
+        **asdict(key),
+        "processor": processor,
+        "seconds_per_step": cost.seconds_per_step if cost else None,
+        "seconds_spread": cost.spread if cost else None,
+        "wall_seconds_per_step": cost.wall_seconds_per_step if cost else None,
+    }
+
+
+def of_method(engine: str, method: Method) -> dict[str, Any]:
+    """What an adapter declares of a method, for the table `methods`."""
+    return {
+        "engine": engine,
+        "method": method.name,
+        **{name: getattr(method, name) for name in _PLAIN_METHOD},
+        "effects": json.dumps(sorted(method.effects)),
+        "requires": json.dumps(sorted(method.requires)),
+    }
+
+
+def of_left_out(found: EffectsCost | PassCosts) -> dict[str, Any]:
+    """What pruning saves, for the table `left_out`."""
+    record = asdict(found)
+    return {**record.pop("key"), "kind": type(found).__name__, "record": json.dumps(record)}
+
+
+def told(read: Callable[..., T]) -> Callable[..., T]:
+    """Turn what a damaged record raises into one kind of error."""
+
+    @wraps(read)
+    def reading(*arguments: Any) -> T:
+        try:
+            return read(*arguments)
+        # Damaged JSON, archives, arrays and scenes raise what their parsers please.
+        except Exception as error:
+            words = printable(str(error), SHOWN)
+            raise ResultFileError(f"a record cannot be read: {words}") from error
+
+    return reading
+
+
+@told
+def scene(record: sqlite3.Row) -> tuple[Scenario, Solution]:
+    """A record of the table `scenes`."""
+    solution = Solution(
+        trajectory=_unpack(record["truth"]),
+        method=record["method"],
+        uncertainty=_errors(record["uncertainty"]),
+        conditioning=_errors(record["conditioning"]),
+        horizon=record["horizon"],
+    )
+    return loads(record["toml"], record["scenario"]), _typed(solution)
+
+
+@told
+def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
+    """A record of the table `rows`, with that of its method in `costs`."""
+    found = Row(
+        key=key(record),
+        errors=_errors(record["errors"]) if record["errors"] else None,
+        lost=bool(record["lost"]),
+        drifts=json.loads(record["drifts"]) if record["drifts"] else None,
+        motion=_unpack(record["motion"]) if record["motion"] else None,
+        seconds_per_step=cost["seconds_per_step"] if cost else None,
+        seconds_spread=cost["seconds_spread"] if cost else None,
+        wall_seconds_per_step=cost["wall_seconds_per_step"] if cost else None,
+        **{name: record[name] for name in _PLAIN_ROW},
+    )
+    return _typed(found)
+
+
+@told
+def verdict(record: sqlite3.Row) -> Verdict:
+    """A record of the table `verdicts`."""
+    found = Verdict(
+        key=key(record),
+        broken=tuple(json.loads(record["broken"])),
+        as_shipped=bool(record["as_shipped"]),
+        **{name: record[name] for name in _PLAIN_VERDICT},
+    )
+    return _typed(found)
+
+
+@told
+def method(record: sqlite3.Row) -> tuple[Pair, Method]:
+    """A record of the table `methods`, and whose it is."""
+    declared = {name: record[name] for name in _PLAIN_METHOD}
+    found = Method(
+        name=record["method"],
+        effects=frozenset(json.loads(record["effects"])),
+        requires=frozenset(json.loads(record["requires"])),
+        **declared | {"as_shipped": bool(declared["as_shipped"])},
+    )
+    return (_text(record["engine"]), found.name), _typed(found)
+
+
+@told
+def key(record: sqlite3.Row) -> Key:
+    """What a record of `rows`, `costs` or `verdicts` is about."""
+    # A page is named after it.
+    if not is_scene_name(_text(record["scenario"])):
+        raise ValueError(f"{printable(record['scenario'])!r} is no scene's name")
+    return _typed(Key(record["scenario"], record["engine"], record["method"]))
+
+
+@told
+def environment(record: sqlite3.Row) -> tuple[str, str]:
+    """A record of the table `environment`."""
+    return _text(record["name"]), _text(record["value"])
+
+
+@told
+def left_out(record: sqlite3.Row) -> EffectsCost | PassCosts:
+    """What pruning saves, of the table `left_out`."""
+    found = json.loads(record["record"])
+    if record["kind"] == EffectsCost.__name__:
+        left_out, ratio = tuple(found.pop("left_out")), Ratio(**found.pop("ratio"))
+        return _typed(EffectsCost(key(record), left_out, ratio=_typed(ratio), **found))
+    passes = tuple(_typed(PassCost(**one)) for one in found.pop("passes"))
+    return _typed(PassCosts(key(record), passes=passes, **found))
+
+
+def _errors(text: str) -> Errors:
+    return _typed(Errors(**json.loads(text)))
+
+
+def _text(value: Any) -> str:
+    _check("a text", value, str)
+    return str(value)
+
+
+def _typed(record: T) -> T:
+    """The record, if the values in it are of the types that its class declares.
+
+    Raises
+    ------
+    ValueError
+        If one is not: SQLite takes any value in any column.
+    """
+    for name, declared in get_type_hints(type(record)).items():
+        value = getattr(record, name)
+        # A trajectory sees to itself as it is made.
+        if not isinstance(value, Trajectory | None):
+            _check(name, value, declared)
+        if isinstance(record, Row) and isinstance(value, float | int):
+            _check_size(name, value)
+    return record
+
+
+def _check_size(name: str, value: float) -> None:
+    """Nothing a run is recorded with is negative, or so large that its square overflows."""
+    if not 0 <= value <= LARGEST and value != math.inf:
+        raise ValueError(f"{name}: must be from 0 to {LARGEST:g}, got {value!r}")
+
+
+def _check(name: str, value: Any, declared: Any) -> None:
+    try:
+        _adapter(declared).validate_python(value, strict=True)
+    except ValidationError as error:
+        rule = error.errors()[0]["msg"]
+        raise ValueError(f"{name}: {rule[0].lower()}{rule[1:]}, got {value!r}") from None
+
+
+@cache
+def _adapter(declared: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(declared)
+
+
+def _pack(motion: Trajectory) -> bytes:
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, **vars(motion))
+    return buffer.getvalue()
+
+
+def _unpack(blob: bytes) -> Trajectory:
+    with np.load(io.BytesIO(blob), allow_pickle=False) as arrays:
+        return Trajectory(**{name: arrays[name] for name in arrays.files})

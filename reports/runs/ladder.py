@@ -1,0 +1,164 @@
+"""The ladder of halved timesteps a method is run down, chosen from the motion alone."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import count
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scenarios import FloatArray, Window
+
+#: Angle turned in the coarsest step, rad. A user who thinks of the motion would not step further.
+COARSEST_TURN = 0.2
+#: Above the ladder timesteps are doubled up to this angle, rad: half a turn, beyond which samples
+#: cannot tell a rotation from its opposite.
+LARGEST_TURN = math.pi
+#: In fewer steps than this nothing has time to blow up.
+LEAST_STEPS = 10
+#: A ladder ends before a run would take more steps than this.
+MAX_STEPS = 1 << 20
+#: After fewer rungs than this no ladder is ended for what it shows.
+MIN_RUNGS = 6
+#: For so many, runs may take some times the steps asked for: three make a verdict, and one more
+#: shows whether it stands.
+LEAST_RUNGS = 4
+EXCESS = 4
+#: Beyond it a step's number is no longer a double, and its time no longer k · dt.
+MOST_STEPS = 2.0**53
+
+
+@dataclass(frozen=True, eq=False)
+class Rung:
+    """One timestep of a ladder.
+
+    Attributes
+    ----------
+    timestep : s
+    sample_steps : (n,) step counts of the samples, the first of them 0
+    every : of the samples of the ladder it belongs to, each so many-th is one of its own
+    """
+
+    timestep: float
+    sample_steps: NDArray[np.int64]
+    every: int = 1
+
+    @property
+    def steps(self) -> int:
+        """Steps to the last sample."""
+        return int(self.sample_steps[-1])
+
+    def until(self, samples: int) -> "Rung":
+        """The same up to a sample of the ladder's."""
+        return replace(self, sample_steps=self.sample_steps[: math.ceil(samples / self.every)])
+
+
+@dataclass(frozen=True, eq=False)
+class Ladder:
+    """The timesteps that fit a scene's motion; all are powers of two of one.
+
+    Attributes
+    ----------
+    rungs : coarse to fine, all sampled at the same times; empty where the first would take too
+        many steps, or there is no time to sample at
+    above : coarser ones, each twice the one before, from the first rung's neighbour on; they are
+        for finding out how long a step may be, and take no part in a verdict
+    times : (n,) s, at which all rungs are sampled
+    least_steps : how many the first rung takes, whether it is there or not
+    """
+
+    rungs: tuple[Rung, ...]
+    above: tuple[Rung, ...]
+    times: FloatArray
+    least_steps: float
+
+    def until(self, samples: int) -> "Ladder":
+        """The same with the first samples only, as far as the truth is known."""
+        if samples < 2:
+            return Ladder((), (), self.times[:samples], least_steps=0.0)
+        parts = (self.rungs, self.above)
+        rungs, above = (tuple(rung.until(samples) for rung in part) for part in parts)
+        above = tuple(rung for rung in above if rung.steps)
+        return Ladder(rungs, above, self.times[:samples], self.least_steps)
+
+
+def ladder(window: Window, pace: float, samples: int, max_steps: int = MAX_STEPS) -> Ladder:
+    """Choose timesteps for a motion.
+
+    The coarsest turns the body by at most `COARSEST_TURN` where it is fastest, and fits a whole
+    number of times between two samples. Halving is exact in binary, so that all rungs share their
+    sample times to the last bit. Where samples stand so close that a step from each to the next
+    leaves no room for a ladder, only every second, fourth, … of them is taken.
+
+    Parameters
+    ----------
+    pace : the fastest rate, rad/s
+    samples : of the window, those whose truth is known
+    max_steps : a ladder of `LEAST_RUNGS` or more ends before a run would take more, a shorter one
+        before it would take `EXCESS` times as many
+    """
+    interval = window.duration / (window.samples - 1)
+    per_interval = max(1.0, float(np.ceil(interval * pace / COARSEST_TURN)))
+    thinned = _thinned(samples - 1, interval * pace)
+    intervals, interval = (samples - 1) // thinned, interval * thinned
+    least_steps = intervals * per_interval
+    if not 0 < least_steps < MAX_STEPS * LARGEST_TURN / COARSEST_TURN:
+        return Ladder((), (), interval * np.arange(intervals + 1.0), least_steps)
+    counts = np.arange(intervals + 1, dtype=np.int64) * int(per_interval)
+    coarsest = interval / per_interval
+    rungs = []
+    for k in count():
+        limit = min(EXCESS * max_steps, MAX_STEPS) if k < LEAST_RUNGS else max_steps
+        if least_steps * 2**k > limit:
+            break
+        rungs.append(Rung(coarsest / 2**k, counts * 2**k))
+    above = tuple(_above(coarsest, counts, pace))
+    times = np.asarray(counts * coarsest, dtype=float)
+    return Ladder(tuple(rungs), above, times, least_steps)
+
+
+def _thinned(intervals: int, turn: float) -> int:
+    """Of how many samples one is taken, a power of two, where one turns the body by `turn` rad."""
+    every = 1
+    while (
+        intervals // every * 2 ** (MIN_RUNGS - 1) > MAX_STEPS and 2 * every * turn <= COARSEST_TURN
+    ):
+        every *= 2
+    return every
+
+
+def _above(coarsest: float, counts: NDArray[np.int64], pace: float) -> Iterator[Rung]:
+    """Doubled timesteps, each with those of the samples that it meets at a whole step."""
+    per_interval = int(counts[1])
+    for k in count(1):
+        timestep = coarsest * 2**k
+        every = 2**k // math.gcd(per_interval, 2**k)
+        if timestep * pace > LARGEST_TURN or every >= len(counts):
+            return
+        rung = Rung(timestep, counts[::every] >> k, every)
+        if rung.steps < LEAST_STEPS:
+            return
+        if rung.steps <= MAX_STEPS:
+            yield rung
+
+
+def single(timestep: float, times: NDArray[np.float64]) -> Rung:
+    """A rung with a timestep somebody asked for: samples at the whole steps nearest to `times`.
+
+    Raises
+    ------
+    ValueError
+        If the window is shorter than one step, or of more steps than can be counted.
+    """
+    if not times[-1] / timestep < MOST_STEPS:
+        raise ValueError(
+            f"'timestep' must be longer, got {timestep:g} s: {times[-1]:g} s take more steps than "
+            f"the {MOST_STEPS:.1e} that can be counted."
+        )
+    steps = np.unique(np.rint(times / timestep).astype(np.int64))
+    if len(steps) < 2:
+        raise ValueError(
+            f"'timestep' must be shorter than the window, got {timestep:g} s and {times[-1]:g} s."
+        )
+    return Rung(timestep, steps)

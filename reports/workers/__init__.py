@@ -1,0 +1,1 @@
+"""Calls in processes that may crash, hang or print, here or on a cluster."""
