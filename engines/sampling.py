@@ -19,7 +19,7 @@ from .turn_faults import Reading
 #: unnoticed is stepped on for so many readings at most.
 BLOCK = 1 << 11
 #: A run of no more steps is read at every one of them: coarse ones are those that go wrong.
-READ_THROUGHOUT = 1 << 12
+READ_THROUGHOUT = 1 << 10
 #: Of any other, so many samples are read once more a step later, the first of them included.
 READ_IN_PAIRS = 64
 

@@ -3,7 +3,7 @@
 from .agreement import Errors, ErrorSeries, error_series, errors_between
 from .body import Body, FloatArray
 from .catalogue import LIBRARY, find, scenario_files
-from .document import Document, Effects, Expect, Published, Window
+from .document import Document, Effects, Expect, Known, Published, Window
 from .errors import Misfit, ScenarioError, printable
 from .load import is_scenario, is_scene_name, load, load_each, loads
 from .mechanics import (
@@ -27,6 +27,7 @@ __all__ = [
     "Errors",
     "Expect",
     "FloatArray",
+    "Known",
     "Misfit",
     "Published",
     "Scenario",

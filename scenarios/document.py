@@ -219,6 +219,15 @@ class Expect(Table):
         return {name: getattr(self, name) for name in _BOUNDS if getattr(self, name) is not None}
 
 
+class Known(Table):
+    """A fault that is known of an engine's method on this scene; its end is told too."""
+
+    engine: Text
+    method: Text
+    verdict: Literal["disagrees"] = Field(description="it settles on another motion")
+    reason: Text
+
+
 class Document(Table):
     """A spincheck scenario: a rigid body, how it starts, what acts on it, and for how long."""
 
@@ -233,6 +242,7 @@ class Document(Table):
     window: Window
     published: tuple[Published, ...] = ()
     expect: tuple[Expect, ...] = ()
+    known: tuple[Known, ...] = ()
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -10,7 +10,7 @@ from mpmath import mp
 
 from . import exact
 from .body import Body, FloatArray
-from .document import Document, Effects, Expect, Published, StartTable, Window
+from .document import Document, Effects, Expect, Known, Published, StartTable, Window
 
 #: Every effect a scene can call for; solvers and engines declare which of them they simulate.
 EFFECTS = ("gravity", "pivot", "drag", "torque_body", "torque_world")
@@ -96,6 +96,11 @@ class Scenario:
     def expect(self) -> tuple[Expect, ...]:
         """Bounds promised of engines."""
         return self.document.expect
+
+    @property
+    def known(self) -> tuple[Known, ...]:
+        """Verdicts that are no surprise."""
+        return self.document.known
 
     @property
     def called_for(self) -> frozenset[str]:

@@ -28,7 +28,7 @@ MAX_COUNT = 1000
 FORM = "PATH=LO:HI[:COUNT][:log]"
 
 #: What others printed or promised of the scene does not hold of another one.
-_OF_THE_SCENE_ALONE = ("published", "expect")
+_OF_THE_SCENE_ALONE = ("published", "expect", "known")
 #: No number to vary: it marks the file.
 _MARKER = "spincheck"
 _STEP = re.compile(r"([^.\[\]]+)|\[(\d+)\]")

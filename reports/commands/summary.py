@@ -105,6 +105,7 @@ def verdict_record(verdict: Verdict) -> dict[str, Any]:
         "limit_estimate": verdict.limit_estimate,
         "broken": list(verdict.broken),
         "as_shipped": verdict.as_shipped,
+        "known": verdict.known,
     }
 
 

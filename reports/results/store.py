@@ -54,7 +54,8 @@ CREATE TABLE left_out (
 CREATE TABLE verdicts (
     scenario TEXT, engine TEXT, method TEXT, timesteps TEXT, verdict TEXT NOT NULL,
     reason TEXT NOT NULL, signal TEXT NOT NULL, "order" REAL, limit_error REAL,
-    limit_estimate REAL, broken TEXT NOT NULL, as_shipped INTEGER NOT NULL, step_limit INTEGER,
+    limit_estimate REAL, broken TEXT NOT NULL, as_shipped INTEGER NOT NULL, known INTEGER NOT NULL,
+    step_limit INTEGER,
     PRIMARY KEY (scenario, engine, method, timesteps));
 """
 _OF_ENGINES = ("rows", "costs", "left_out", "verdicts", "points")

@@ -75,6 +75,7 @@ def of_verdict(verdict: Verdict) -> dict[str, Any]:
         **{name: getattr(verdict, name) for name in _PLAIN_VERDICT},
         "broken": json.dumps(verdict.broken),
         "as_shipped": verdict.as_shipped,
+        "known": verdict.known,
     }
 
 
@@ -158,6 +159,7 @@ def verdict(record: sqlite3.Row) -> Verdict:
         key=key(record),
         broken=tuple(json.loads(record["broken"])),
         as_shipped=bool(record["as_shipped"]),
+        known=bool(record["known"]),
         **{name: record[name] for name in _PLAIN_VERDICT},
     )
     return _typed(found)

@@ -13,11 +13,13 @@ from ...scenarios import Expect, Scenario
 from ..workers.lane import Lost
 from .approach import Approach, Signal, com_growth, longest_way
 from .compared_run import broken_promises, row_of
+from .known import held_to_known
 from .ladder import COARSEST_TURN, MIN_RUNGS, Ladder, Rung
 from .records import Key, Row, Verdict
-from .verdict import ASYMPTOTIC, Judgement, judge
+from .verdict import ASYMPTOTIC, SHARP, Judgement, judge
 
-#: A ladder goes on until its limit is known to this, relative (ω) and in rad, or steps run out.
+#: A ladder goes on until its limit is known to this, relative (ω) and in rad, or steps run out;
+#: that of an engine as shipped, whose accuracy nobody pays for, until it is sharp enough to judge.
 GOAL = 1e-4
 #: Rungs an extrapolated limit with an error estimate takes.
 RUNGS_OF_A_LIMIT = 3
@@ -122,7 +124,10 @@ class Descent:
         return [row.timestep for row in rows if row.timestep != shown]
 
     def verdict(self) -> Verdict:
-        """Judge the ladder."""
+        """Judge the ladder, and hold the scene's file to what it says is known."""
+        return held_to_known(self.scenario.known, self._verdict())
+
+    def _verdict(self) -> Verdict:
         last = self._last
         known: dict[str, Any] = {
             "broken": tuple(self.broken),
@@ -185,7 +190,8 @@ class Descent:
         if not self._approaches or len(self._approaches[0]) < RUNGS_OF_A_LIMIT:
             return False
         _, worst = self._judge()
-        known = worst.limit_estimate is None or worst.limit_estimate <= GOAL
+        goal = SHARP if self.method.as_shipped else GOAL
+        known = worst.limit_estimate is None or worst.limit_estimate <= goal
         return worst.word != "unresolved" and known
 
     def _out_of_reach(self) -> bool:

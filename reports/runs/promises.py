@@ -15,18 +15,19 @@ def unknown_promises(scenarios: Iterable[Scenario]) -> list[str]:
 def _unknown(scenario: Scenario) -> Iterator[str]:
     methods = {name: [m.name for m in engine.methods] for name, engine in engines().items()}
     absent = [engine.name for engine in missing()]
-    for index, promise in enumerate(scenario.expect):
-        if promise.engine in methods and promise.method not in methods[promise.engine]:
-            yield _told(scenario, index, "method", methods[promise.engine])
-        elif promise.engine not in methods and promise.engine not in absent:
-            yield _told(scenario, index, "engine", [*methods, *absent])
+    for table in ("expect", "known"):
+        for index, promise in enumerate(getattr(scenario, table)):
+            if promise.engine in methods and promise.method not in methods[promise.engine]:
+                yield _told(scenario, table, index, "method", methods[promise.engine])
+            elif promise.engine not in methods and promise.engine not in absent:
+                yield _told(scenario, table, index, "engine", [*methods, *absent])
 
 
-def _told(scenario: Scenario, index: int, key: str, known: Iterable[str]) -> str:
-    line = line_of(scenario.text, ("expect", index, key))
+def _told(scenario: Scenario, table: str, index: int, key: str, there: Iterable[str]) -> str:
+    line = line_of(scenario.text, (table, index, key))
     where = printable(str(scenario.path or scenario.name))
-    got = getattr(scenario.expect[index], key)
+    got = getattr(getattr(scenario, table)[index], key)
     return (
-        f"{where}:{line}: [[expect]] number {index + 1} {key}: "
-        f"must be one of {', '.join(known)}, got '{got}'"
+        f"{where}:{line}: [[{table}]] number {index + 1} {key}: "
+        f"must be one of {', '.join(there)}, got '{got}'"
     )

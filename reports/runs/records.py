@@ -76,6 +76,7 @@ class Verdict:
     signal : which one that was
     broken : the scene's own promises that this method broke, in words
     as_shipped : of the engine with all its defaults: nobody promised that it simulates the scene
+    known : it is what the scene's file says is known of this method
     """
 
     key: Key
@@ -87,9 +88,11 @@ class Verdict:
     limit_estimate: float | None = None
     broken: tuple[str, ...] = ()
     as_shipped: bool = False
+    known: bool = False
 
     @property
     def agrees(self) -> bool:
         """Whether a study with this verdict passes."""
-        wrong = self.verdict in ("disagrees", "failed") and not self.as_shipped
+        expected = self.as_shipped or self.known
+        wrong = self.verdict in ("disagrees", "failed") and not expected
         return not wrong and not self.broken
