@@ -103,6 +103,11 @@ class Scenario:
         return self.document.known
 
     @property
+    def hard(self) -> bool:
+        """Whether it is there to be survived: tagged `hard`."""
+        return "hard" in self.document.tags
+
+    @property
     def called_for(self) -> frozenset[str]:
         """The effects to simulate, names out of `EFFECTS`."""
         effects = self.effects

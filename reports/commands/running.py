@@ -31,7 +31,9 @@ def run(
     quick: bool = False,
     time_limit: float | None = None,
 ) -> Results:
-    """Run what was named (nothing named: everything) and read back what was found of it.
+    """Run what was named and read back what was found of it.
+
+    Where nothing is named that is the whole library, its hard scenes in passing.
 
     What the file holds already is not run again.
 
@@ -43,6 +45,7 @@ def run(
     """
     scenarios = scenes_to_run(scenes)
     choice = limited(choose(engine_names, methods, timesteps), time_limit)
+    choice = replace(choice, hard_in_passing=not scenes)
     if quick:
         choice = replace(choice, max_steps=QUICK_STEPS, timed=False)
     check_timesteps(scenarios, choice)

@@ -9,19 +9,13 @@ from ..runs.records import Pair
 from .overview import Matrix, matrix_of
 from .tables import Cell, Table, figure, table
 
-#: In a scene's `tags`.
-HARD = "hard"
 #: rad a step, at which methods are compared: a rung of every ladder's beginning is in between.
 TURNS = (0.01, 0.1, 1.0)
 
 
 def hard_scenes(gathered: Gathered) -> tuple[SceneRuns, ...]:
     """The scenes of the tag."""
-    return tuple(
-        scene
-        for scene in gathered.scenes
-        if scene.found and HARD in scene.found.scenario.document.tags
-    )
+    return tuple(scene for scene in gathered.scenes if scene.found and scene.found.scenario.hard)
 
 
 def survivors(gathered: Gathered) -> Matrix:

@@ -5,6 +5,7 @@ from ...reference.solution import MAX_UNCERTAINTY
 from ..analysis.wording import count, number
 from ..costs import cost
 from ..runs import compared_run, descent, ladder, verdict
+from ..study import choice
 from ..workers import workers
 
 
@@ -15,6 +16,7 @@ def constants() -> dict[str, str]:
         "largest_turn": number(ladder.LARGEST_TURN),
         "least_steps": str(ladder.LEAST_STEPS),
         "max_steps": count(ladder.MAX_STEPS),
+        "quick_steps": count(choice.QUICK_STEPS),
         "min_rungs": str(ladder.MIN_RUNGS),
         "goal": number(descent.GOAL),
         "rungs_of_a_limit": str(descent.RUNGS_OF_A_LIMIT),

@@ -188,16 +188,16 @@ class Store:
         with self._connection:
             self._put("left_out", table_records.of_left_out(found))
 
-    def settled(self, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
-        """The verdicts there are on what is asked for; not those that a lesser limit cut short.
+    def settled(self, scenario: str, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
+        """The verdicts there are on what is asked of a scene; not those a lesser limit cut short.
 
         Parameters
         ----------
         timesteps : s; none for verdicts on ladders
         step_limit : of the ladders asked for
         """
-        where = "timesteps = ? AND (step_limit IS NULL OR step_limit >= ?)"
-        records = self._select("verdicts", where, (_asked(timesteps), step_limit))
+        where = "scenario = ? AND timesteps = ? AND (step_limit IS NULL OR step_limit >= ?)"
+        records = self._select("verdicts", where, (scenario, _asked(timesteps), step_limit))
         return [table_records.verdict(record) for record in records]
 
     def rows_of(self, key: Key) -> list[Row]:

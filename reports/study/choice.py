@@ -22,6 +22,8 @@ class Choice:
     timesteps : s; the ladder is run where there are none
     max_steps : a ladder ends before a run would take more
     timed : whether steps are timed
+    hard_in_passing : whether hard scenes are taken as in a quick study, as long as a run is that of
+        the whole library: what survives them shows in few steps
     time_limit : s, that a run may take; the workers' own if None
     """
 
@@ -30,7 +32,17 @@ class Choice:
     timesteps: tuple[float, ...] = ()
     max_steps: int = MAX_STEPS
     timed: bool = True
+    hard_in_passing: bool = False
     time_limit: float | None = None
+
+    def max_steps_on(self, scenario: Scenario) -> int:
+        """How long a run of a scene's ladder may be."""
+        in_passing = self.hard_in_passing and scenario.hard
+        return min(self.max_steps, QUICK_STEPS) if in_passing else self.max_steps
+
+    def times(self, scenario: Scenario) -> bool:
+        """Whether a scene's steps are timed."""
+        return self.timed and not (self.hard_in_passing and scenario.hard)
 
     def pairs(self) -> list[Pair]:
         """Every engine and method chosen."""

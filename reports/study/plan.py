@@ -61,15 +61,19 @@ class Plan:
 def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
     """Drop what is out of date, and see what is missing."""
     dropped = sum(store.keep_made_by(s.name, digests(s, choice.engines)) for s in scenarios)
-    verdicts = store.settled(choice.timesteps, choice.max_steps)
-    settled = {v.key: v for v in verdicts if not may_end_otherwise(v.reason, choice.time_limit)}
+    settled = {
+        verdict.key: verdict
+        for scenario in scenarios
+        for verdict in store.settled(scenario.name, choice.timesteps, choice.max_steps_on(scenario))
+        if not may_end_otherwise(verdict.reason, choice.time_limit)
+    }
     timed = store.timed_on(processor())
-    by_pass = _scene_for_passes(scenarios)
+    by_pass = _scene_for_passes([scenario for scenario in scenarios if choice.times(scenario)])
     scenes = [
         SceneLeft(
             scenario,
             [pair for key, pair in choice.methods_on(scenario).items() if key not in settled],
-            choice.timed and _untimed(scenario, choice, settled, timed),
+            choice.times(scenario) and _untimed(scenario, choice, settled, timed),
             scenario is by_pass,
         )
         for scenario in scenarios

@@ -161,7 +161,7 @@ class _Grid:
             prepare,
             scene.scenario,
             timesteps,
-            self._choice.max_steps,
+            self._choice.max_steps_on(scene.scenario),
         )
 
     def drain(self) -> None:
@@ -208,7 +208,7 @@ class _Grid:
                 break
             descent.take(row)
         else:
-            limit = self._choice.max_steps if descent.cut_short else None
+            limit = self._choice.max_steps_on(descent.scenario) if descent.cut_short else None
             self._finish(descent.verdict(), limit, descent.spent())
             return
 

@@ -31,7 +31,8 @@ def time_scene(
     _time_left_out(effects_costs, scenario, choice, store, workers)
     if scene.by_pass:
         _time_left_out(first_pass_costs, scenario, choice, store, workers)
-    verdicts = {v.key: v for v in store.settled(choice.timesteps, choice.max_steps)}
+    settled = store.settled(scenario.name, choice.timesteps, choice.max_steps_on(scenario))
+    verdicts = {verdict.key: verdict for verdict in settled}
     pairs = {
         key: (engine, method.name)
         for key, (engine, method) in choice.methods_on(scenario).items()

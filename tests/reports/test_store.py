@@ -161,8 +161,8 @@ def test_of_several_verdicts_the_ladders_is_read(path):
 def test_a_verdict_cut_short_settles_nothing_longer(path):
     with open_store(path, create=True) as store:
         store.put_verdict(Verdict(KEY, "unresolved", ""), step_limit=1000)
-        assert len(store.settled((), 1000)) == 1
-        assert store.settled((), 1001) == []
+        assert len(store.settled(KEY.scenario, (), 1000)) == 1
+        assert store.settled(KEY.scenario, (), 1001) == []
 
 
 @pytest.mark.usefixtures("solved")
