@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 TYPES := build/types/spincheck
 CODE := scenarios reference engines reports
 
-.PHONY: report test bench lint types contract check schema clean
+.PHONY: report test bench kills lint types contract check schema clean
 
 # Exit code 1 says that something disagrees: the report tells what.
 report: $(READY)
@@ -19,6 +19,10 @@ test: $(READY)
 # Speed, with nothing else running; tables on the terminal, the same as JSON in build/bench.
 bench: $(READY)
 	for script in tests/bench/*.py; do $(BIN)/python $$script || exit 1; done
+
+# Runs killed with -9 at fifty random moments must go on to the same results.
+kills: $(READY)
+	$(BIN)/python tests/reports/kills.py
 
 check: lint types contract
 
