@@ -36,7 +36,8 @@ def number(value: float | None, digits: int = SIGNIFICANT_DIGITS) -> str:
     mantissa, _, exponent = f"{abs(value):.{digits - 1}e}".partition("e")
     power = int(exponent)
     if power in PLAIN_POWERS:
-        return f"{sign}{abs(value):.{digits - 1 - power}f}"
+        decimals = digits - 1 - power
+        return f"{sign}{round(abs(value), decimals):.{max(decimals, 0)}f}"
     return f"{sign}{mantissa}×{power_of_ten(power)}"
 
 

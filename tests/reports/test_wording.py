@@ -28,6 +28,10 @@ def test_numbers_have_three_digits(value: float | None, printed: str) -> None:
     assert number(value) == printed
 
 
+def test_a_number_with_more_digits_than_asked_for_is_rounded() -> None:
+    assert number(456.7, digits=2) == "460"
+
+
 def test_values_to_be_compared_have_five() -> None:
     assert observed(1.234567) == "1.2346"
 
