@@ -1,6 +1,6 @@
 """A result file sorted for the report: scenes, and in each its methods with their runs."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -121,6 +121,12 @@ class Gathered:
     def verdicts(self) -> list[Verdict]:
         """All of them, scene by scene."""
         return [runs.verdict for scene in self.scenes for runs in scene.methods if runs.verdict]
+
+    @property
+    def plain(self) -> "Gathered":
+        """Without the hard scenes, which are there to be survived; with them where no other is."""
+        plain = tuple(s for s in self.scenes if not (s.found and s.found.scenario.hard))
+        return replace(self, scenes=plain or self.scenes)
 
 
 def gather(results: Results) -> Gathered:

@@ -44,14 +44,15 @@ class Matrix:
 
 
 def headline(gathered: Gathered) -> str:
-    """What came out, counted; engines as shipped are counted apart."""
-    verdicts = [verdict for verdict in gathered.verdicts if not verdict.as_shipped]
-    shipped = [verdict for verdict in gathered.verdicts if verdict.as_shipped]
+    """What came out, counted; hard scenes and engines as shipped are counted apart."""
+    plain = gathered.plain
+    verdicts = [verdict for verdict in plain.verdicts if not verdict.as_shipped]
+    shipped = [verdict for verdict in plain.verdicts if verdict.as_shipped]
     counts = Counter(verdict.verdict for verdict in verdicts)
     said = [f"{counts[word]} {_SAID[word][counts[word] > 1]}" for word in VERDICTS if counts[word]]
     broken = sum(bool(verdict.broken) for verdict in verdicts)
     promises = f" {plural(broken, 'method')} broke a promise of the scene's file." if broken else ""
-    scenes = plural(len(gathered.scenes), "scene")
+    scenes = plural(len(plain.scenes), "scene")
     methods = plural(len({(v.key.engine, v.key.method) for v in verdicts}), "method")
     pairs = plural(len(verdicts), "pair")
     text = f"{scenes} × {methods}."
@@ -61,6 +62,8 @@ def headline(gathered: Gathered) -> str:
         good = sum(verdict.verdict == "converges" for verdict in shipped)
         text += f" Left as shipped, with all their defaults, engines converge {good} times of "
         text += f"{len(shipped)}."
+    if hard := len(gathered.scenes) - len(plain.scenes):
+        text += f" What survives {plural(hard, 'hard scene')} besides stands below."
     return text
 
 

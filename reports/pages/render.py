@@ -21,13 +21,9 @@ from .sweep_section import sweep_section, write_sweeps
 
 TEMPLATES = Path(str(files(__package__))) / "templates"
 STYLE, SCRIPT, PLOTLY = "style.css", "figures.js", "plotly.min.js"
-#: What calls for attention, what is merely a limit of the method, and what was never tried.
-COMPLAINTS: tuple[tuple[VerdictWord, ...], ...] = (
-    ("disagrees", "failed"),
-    ("diverges", "unresolved"),
-    ("unsupported",),
-)
-
+#: What calls for attention; what is merely a limit of the method, and what was never tried.
+WRONG: tuple[VerdictWord, ...] = ("disagrees", "failed")
+LIMITS: tuple[tuple[VerdictWord, ...], ...] = (("diverges", "unresolved"), ("unsupported",))
 #: What is said of an engine as shipped.
 SHIPPED: tuple[VerdictWord, ...] = ("disagrees", "failed", "diverges", "unresolved")
 
@@ -103,14 +99,17 @@ def _environment() -> Environment:
 
 
 def _overview(gathered: Gathered) -> dict[str, Any]:
+    plain = gathered.plain
+    limits = [overview.complaints(plain, words) for words in LIMITS]
     return {
         "headline": overview.headline(gathered),
-        "counts": overview.counts(gathered),
-        "matrix": overview.matrix(gathered),
-        "methods": overview.methods_table(gathered),
-        "costs": cost_section(gathered),
-        "complaints": [overview.complaints(gathered, words) for words in COMPLAINTS],
-        "shipped": overview.complaints(gathered, SHIPPED, as_shipped=True),
+        "counts": overview.counts(plain),
+        "matrix": overview.matrix(plain),
+        "methods": overview.methods_table(plain),
+        "costs": cost_section(plain),
+        # Whatever is wrong is said of hard scenes too.
+        "complaints": [overview.complaints(gathered, WRONG), *limits],
+        "shipped": overview.complaints(plain, SHIPPED, as_shipped=True),
         "environment": overview.environment_table(gathered),
     }
 

@@ -8,6 +8,7 @@ from spincheck.reports.analysis.gather import gather
 from spincheck.reports.analysis.survival import in_words, survival
 from spincheck.reports.analysis.wording import number
 from spincheck.reports.pages.hard_cases import TURNS, hard_scenes, survivors, survivors_table
+from spincheck.reports.pages.overview import headline
 from spincheck.reports.results.store import Results
 from spincheck.reports.runs.records import Key, Row
 from spincheck.scenarios import loads
@@ -74,6 +75,27 @@ def hardened() -> Results:
 def test_hard_scenes_are_those_that_are_tagged_so():
     assert [scene.name for scene in hard_scenes(gather(hardened()))] == ["made-up-top"]
     assert hard_scenes(gather(results())) == ()
+
+
+def test_hard_scenes_are_counted_apart():
+    gathered = gather(hardened())
+    assert "made-up-top" not in [scene.name for scene in gathered.plain.scenes]
+    assert len(gathered.plain.scenes) == len(gathered.scenes) - 1
+    assert "1 hard scene besides" in headline(gathered)
+    assert "hard" not in headline(gather(results()))
+
+
+def test_where_all_scenes_are_hard_nothing_is_left_out():
+    found = hardened()
+    alone = replace(
+        found,
+        scenes={"made-up-top": found.scenes["made-up-top"]},
+        rows=[row for row in found.rows if row.key.scenario == "made-up-top"],
+        verdicts=[v for v in found.verdicts if v.key.scenario == "made-up-top"],
+    )
+    gathered = gather(alone)
+    assert gathered.plain.scenes == gathered.scenes != ()
+    assert headline(gathered).startswith("1 scene ")
 
 
 def test_each_method_has_a_line_that_counts_what_it_survives():
