@@ -240,7 +240,9 @@ def stored(tmp_path):
     """Write verdicts into a result file; returns its path."""
 
     def write(name: str, word: str) -> Path:
+        scene = made_up.results().scenes[KEY.scenario]
         with open_store(tmp_path / name, create=True) as store:
+            store.put_scene(scene.scenario, scene.solution)
             store.put_verdict(Verdict(KEY, word, ""))
             store.put_row(Row(KEY, "1", 0.01, errors=Errors(1e-6, 1e-6, 1e-6, 1e-6), outcome="ok"))
         return tmp_path / name
