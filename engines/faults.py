@@ -12,6 +12,9 @@ from .read_back import State
 from .rotation import matrices
 from .turn_faults import Reading, turn_faults
 
+#: Of so many states one is asked whether the pivot holds, the last among them.
+PIVOT_EVERY = 8
+
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
@@ -36,16 +39,17 @@ class Bounds:
 def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
     """The first bad state for each way in which one can be bad."""
     states, timestep = reading.states, bounds.timestep
-    finite = np.hstack([np.isfinite(column) for column in columns(states)])
-    if not finite.all():
-        first = _first(~finite.all(axis=1))
-        yield Fault(first, "not-finite", "the state is no longer finite")
-    norms = np.linalg.norm(states.q_world_body_wxyz, axis=1)
+    # A sum tells that something is not finite, in a fraction of the time it takes to see what.
+    if not np.isfinite(sum(float(column.sum()) for column in columns(states))):
+        finite = np.hstack([np.isfinite(column) for column in columns(states)])
+        if not finite.all():
+            yield Fault(_first(~finite.all(axis=1)), "not-finite", "the state is no longer finite")
+    norms = _norms(states.q_world_body_wxyz)
     off = np.abs(norms - 1) > Trajectory.UNIT_NORM_SLACK
     if off.any():
         norm = norms[_first(off)]
         yield Fault(_first(off), "not-unit", f"the attitude's quaternion is of norm {norm:.3g}")
-    speeds = np.linalg.norm(states.omega_body, axis=1)
+    speeds = _norms(states.omega_body)
     clamped = speeds * timestep > bounds.most_turn
     if clamped.any():
         speed = float(speeds[_first(clamped)])
@@ -78,11 +82,21 @@ def columns(states: State) -> list[FloatArray]:
 def _pivot_faults(states: State, arm_body: FloatArray) -> Iterator[Fault]:
     """A pivot that is further from the world's origin than the com is from the pivot is none."""
     arm = float(np.linalg.norm(arm_body))
-    arm_world = matrices(states.q_world_body_wxyz) @ arm_body
-    drift = np.linalg.norm(states.com_world - arm_world, axis=1)
-    if arm > 0 and (drift > arm).any():
+
+    def drift_of(rows: slice) -> FloatArray:
+        arm_world = matrices(states.q_world_body_wxyz[rows]) @ arm_body
+        return _norms(states.com_world[rows] - arm_world)
+
+    # One that has given way does not hold again.
+    if arm > 0 and (drift_of(slice(None, None, -PIVOT_EVERY)) > arm).any():
+        drift = drift_of(slice(None))
         first = _first(drift > arm)
         yield Fault(first, "pivot", f"the pivot gave way by {drift[first]:.3g} m")
+
+
+def _norms(vectors: FloatArray) -> FloatArray:
+    """Of rows; in half the time that numpy's own takes."""
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
 
 
 def _first(bad: Any) -> int:

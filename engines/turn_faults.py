@@ -56,7 +56,7 @@ def turn_faults(
     with np.errstate(all="ignore"):
         yield from _resets(reading)
         pairs = np.flatnonzero(np.diff(reading.steps) == 1)
-        pairs = pairs[_is_sound(reading.states)[pairs] & _is_sound(reading.states)[pairs + 1]]
+        pairs = pairs[_is_sound(reading.states, pairs) & _is_sound(reading.states, pairs + 1)]
         if len(pairs):
             yield from _turns(reading, pairs, timestep, round_off, decay)
 
@@ -149,10 +149,10 @@ def _same(states: State, i: int, j: int) -> bool:
     return all(bool((column[i] == column[j]).all()) for column in _motion(states))
 
 
-def _is_sound(states: State) -> NDArray[np.bool_]:
+def _is_sound(states: State, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Whether a state is finite and its attitude one, row by row."""
-    finite = np.isfinite(states.omega_body).all(axis=1)
-    return finite & (np.abs(_norms(states.q_world_body_wxyz) - 1) < 0.5)
+    finite = np.isfinite(states.omega_body[rows]).all(axis=1)
+    return finite & (np.abs(_norms(states.q_world_body_wxyz[rows]) - 1) < 0.5)
 
 
 def _norms(vectors: FloatArray) -> FloatArray:

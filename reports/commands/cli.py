@@ -68,7 +68,10 @@ def run(
     timestep: Timesteps = None,
     jobs: Jobs = CORES,
     out: Annotated[Path, typer.Option(help="The result file; added to.")] = RESULT_FILE,
-    quick: Annotated[bool, typer.Option("--quick", help="Short ladders; steps not timed.")] = False,
+    quick: Annotated[
+        bool,
+        typer.Option("--quick", help="Short ladders, untimed; none of hard scenes unless named."),
+    ] = False,
     time_limit: TimeLimit = None,
     ensemble: Members = None,
     seed: Seed = 0,

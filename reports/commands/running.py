@@ -33,7 +33,8 @@ def run(
 ) -> Results:
     """Run what was named and read back what was found of it.
 
-    Where nothing is named that is the whole library, its hard scenes in passing.
+    Where nothing is named that is the whole library, its hard scenes in passing; a quick run leaves
+    those out.
 
     What the file holds already is not run again.
 
@@ -43,7 +44,7 @@ def run(
         If a scene, engine, method, timestep or time limit cannot be used, the file cannot be
         written, or it was stopped.
     """
-    scenarios = scenes_to_run(scenes)
+    scenarios = asked_for(scenes, quick=quick)
     choice = limited(choose(engine_names, methods, timesteps), time_limit)
     choice = replace(choice, hard_in_passing=not scenes)
     if quick:
@@ -64,6 +65,12 @@ def run(
             f"{stopped}; what was finished is in {out}, and the same command goes on from there",
             stopped.exit_code,
         ) from None
+
+
+def asked_for(names: Sequence[str], *, quick: bool) -> list[Scenario]:
+    """The scenes of a run; the hard ones of the library are in a quick run only if named."""
+    scenarios = scenes_to_run(names)
+    return [scenario for scenario in scenarios if names or not (quick and scenario.hard)]
 
 
 def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) -> Results:
