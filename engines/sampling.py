@@ -63,6 +63,8 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
     sample_steps : (n,) increasing whole numbers of steps, the first of them 0
     """
     steps = steps_to_read(sample_steps)
+    is_sample = np.zeros(len(steps), dtype=bool)
+    is_sample[np.searchsorted(steps, sample_steps)] = True
     parts: list[State] = []
     start = _stacked([])
     end = _Block(start)
@@ -78,8 +80,8 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
                 start = start if first else _rows(states, slice(2))
                 reading = Reading(states, read[: len(snapshots)], start)
                 end = _looked_at(session, snapshots, reading, end, bounds)
-        is_sample = np.isin(read[: len(end.states.omega_body)], sample_steps)
-        parts.append(_rows(end.states, is_sample))
+        kept = is_sample[first : first + len(end.states.omega_body)]
+        parts.append(_rows(end.states, kept))
         if end.outcome != "ok":
             break
     return Sampled(_stacked(parts), end.outcome, end.reason, end.cause)

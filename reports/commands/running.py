@@ -44,7 +44,7 @@ def run(
         If a scene, engine, method, timestep or time limit cannot be used, the file cannot be
         written, or it was stopped.
     """
-    scenarios = asked_for(scenes, quick=quick)
+    scenarios = scenes_of(scenes, quick=quick)
     choice = limited(choose(engine_names, methods, timesteps), time_limit)
     choice = replace(choice, hard_in_passing=not scenes)
     if quick:
@@ -67,7 +67,7 @@ def run(
         ) from None
 
 
-def asked_for(names: Sequence[str], *, quick: bool) -> list[Scenario]:
+def scenes_of(names: Sequence[str], *, quick: bool) -> list[Scenario]:
     """The scenes of a run; the hard ones of the library are in a quick run only if named."""
     scenarios = scenes_to_run(names)
     return [scenario for scenario in scenarios if names or not (quick and scenario.hard)]

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from planted import Planted
-from spincheck.reports.commands.running import asked_for
+from spincheck.reports.commands.running import scenes_of
 from spincheck.reports.results.store import open_store
 from spincheck.reports.runs.ladder import MAX_STEPS
 from spincheck.reports.study.choice import QUICK_STEPS, Choice
@@ -31,10 +31,10 @@ def test_a_ladder_is_as_long_as_asked_for(choice, scenario, steps):
 
 
 def test_a_quick_run_leaves_hard_scenes_out_unless_they_are_named():
-    everything, quick = (asked_for([], quick=quick) for quick in (False, True))
+    everything, quick = (scenes_of([], quick=quick) for quick in (False, True))
     assert [scene.name for scene in quick] == [s.name for s in everything if not s.hard]
     assert len(quick) < len(everything)
-    assert [scene.name for scene in asked_for(["toutatis"], quick=True)] == ["toutatis"]
+    assert [scene.name for scene in scenes_of(["toutatis"], quick=True)] == ["toutatis"]
 
 
 def test_hard_scenes_in_passing_are_run_but_not_timed(tmp_path):
