@@ -1,5 +1,6 @@
 """One method's way down the ladder of one scene: which rung next, and the verdict at the end."""
 
+import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -261,8 +262,7 @@ class Descent:
             reason = f"only {finished} timesteps ran to the end; {RUNGS_OF_A_LIMIT} make a verdict"
             return "omega", Judgement("unresolved", reason)
         judged = [(approach.signal, judge(approach)) for approach in self._approaches]
-        severity = ("converges", "unresolved", "disagrees")
-        return max(judged, key=lambda pair: severity.index(pair[1].word))
+        return max(judged, key=lambda pair: _severity(pair[1]))
 
     def _no_ladder(self, ladder: Ladder) -> str:
         """Why there is none, and what one would take."""
@@ -286,3 +286,9 @@ def thinned(solution: Solution, every: int) -> Solution:
 def _with_time(row: Row) -> str:
     when = f" at {row.stopped_at:.4g} s" if row.stopped_at is not None else ""
     return f"{row.reason}{when}, with a timestep of {row.timestep:.3g} s"
+
+
+def _severity(judgement: Judgement) -> tuple[int, float]:
+    """What is worse; of two that are unresolved, what takes the smaller timestep to tell."""
+    rank = ("converges", "unresolved", "disagrees").index(judgement.word)
+    return rank, -(judgement.needed_timestep or math.inf)
