@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from box import BOX
 from in_process import InProcess
 from planted import HeunSession, SegfaultSession, planted
 from spincheck.reports.commands import cluster
@@ -24,20 +25,6 @@ from spincheck.scenarios import loads
 
 distributed = pytest.importorskip("distributed")
 
-BOX = """
-spincheck = 1
-title = "A tumbling box"
-source = "made up"
-[body]
-mass = 2.0
-inertia = [1.0, 2.0, 2.5]
-[start]
-euler_zyz_deg = [10.0, 40.0, 70.0]
-omega_body = [1.0, 2.0, 0.5]
-[window]
-duration = 1.0
-samples = 11
-"""
 SCENE = loads(BOX, "box")
 STEPS = Axis("timestep", (0.01, 0.02, 0.04), logarithmic=True)
 SPIN = Axis("start.omega_body[1]", tuple(0.5 + k / 8 for k in range(8)), logarithmic=False)

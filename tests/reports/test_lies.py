@@ -2,6 +2,7 @@
 
 import lies
 import pytest
+from box import BOX
 from lies import HeavierOnceLoaded, engine_of
 from planted import (
     AbortSession,
@@ -23,20 +24,6 @@ from spincheck.reports.study.choice import Choice
 from spincheck.reports.study.study import run_study
 from spincheck.scenarios import find, load, loads
 
-BOX = """
-spincheck = 1
-title = "A tumbling box"
-source = "made up"
-[body]
-mass = 2.0
-inertia = [1.0, 2.0, 2.5]
-[start]
-euler_zyz_deg = [10.0, 40.0, 70.0]
-omega_body = [1.0, 2.0, 0.5]
-[window]
-duration = 1.0
-samples = 11
-"""
 #: Steps of a ladder.
 BUDGET = 1 << 11
 #: s; the lies are told of a run by itself, no ladder.

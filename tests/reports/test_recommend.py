@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from box import BOX
 from clockwork import METHOD, Works
 from ladders import BELOW, BETWEEN, TOP, Law, errors_of, straight, with_law
 from spincheck.engines import engines
@@ -129,22 +130,6 @@ def test_bad_bounds_are_refused_before_anything_runs(
     with pytest.raises(Complaint, match=message) as complaint:
         recommend("no scene", bounds, [], 1)
     assert complaint.value.exit_code == 2
-
-
-BOX = """
-spincheck = 1
-title = "A tumbling box"
-source = "made up"
-[body]
-mass = 2.0
-inertia = [1.0, 2.0, 2.5]
-[start]
-euler_zyz_deg = [10.0, 40.0, 70.0]
-omega_body = [1.0, 2.0, 0.5]
-[window]
-duration = 1.0
-samples = 11
-"""
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from box import BOX
 from planted import HeunSession, RaisingSession, planted
 from same_results import differences
 from spincheck.reports.results import made_by
@@ -19,20 +20,6 @@ from spincheck.reports.study.choice import Choice
 from spincheck.reports.study.study import run_study
 from spincheck.scenarios import loads
 
-BOX = """
-spincheck = 1
-title = "A tumbling box"
-source = "made up"
-[body]
-mass = 2.0
-inertia = [1.0, 2.0, 2.5]
-[start]
-euler_zyz_deg = [10.0, 40.0, 70.0]
-omega_body = [1.0, 2.0, 0.5]
-[window]
-duration = 1.0
-samples = 11
-"""
 PROMISE = """
 [[expect]]
 engine = "Heun"

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from box import BOX
 from planted import (
     AbortSession,
     ChattySession,
@@ -30,20 +31,6 @@ from spincheck.reports.study.study import run_study
 from spincheck.reports.workers import workers
 from spincheck.scenarios import find, load, loads
 
-BOX = """
-spincheck = 1
-title = "A tumbling box"
-source = "made up"
-[body]
-mass = 2.0
-inertia = [1.0, 2.0, 2.5]
-[start]
-euler_zyz_deg = [10.0, 40.0, 70.0]
-omega_body = [1.0, 2.0, 0.5]
-[window]
-duration = 1.0
-samples = 11
-"""
 #: Steps; Heun's method in Python takes some 30 µs each.
 BUDGET = 1 << 11
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from box import BOX
 from in_process import InProcess
 from planted import (
     HeunSession,
@@ -28,20 +29,6 @@ from spincheck.reports.workers.workers import Workers
 from spincheck.scenarios import loads
 from spincheck.scenarios.scatter import member
 
-BOX = """
-spincheck = 1
-title = "A tumbling box"
-source = "made up"
-[body]
-mass = 2.0
-inertia = [1.0, 2.0, 2.5]
-[start]
-euler_zyz_deg = [10.0, 40.0, 70.0]
-omega_body = [1.0, 2.0, 0.5]
-[window]
-duration = 1.0
-samples = 11
-"""
 SCENE = loads(BOX, "box")
 SPIN = Axis("start.omega_body[1]", (0.5, 2.0), logarithmic=True)
 STEPS = Axis("timestep", (0.01, 0.02, 0.04), logarithmic=True)
