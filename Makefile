@@ -22,7 +22,7 @@ bench: $(READY)
 
 # Runs killed with -9 at fifty random moments must go on to the same results.
 kills: $(READY)
-	$(BIN)/python tests/reports/kills.py
+	$(BIN)/python tests/reports/cli/kills.py
 
 check: lint types contract
 

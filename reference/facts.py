@@ -18,17 +18,18 @@ from ..scenarios import (
     potential_energy,
 )
 from ..scenarios.exact import DIGITS, dot
-from . import lagrangian, stability
+from . import heavy_symmetric_top as lagrangian
+from . import stability
+from .heavy_symmetric_top import LagrangeTop, lagrange_top
 from .integrable_cases import (
     goryachev_chaplygin,
     goryachev_chaplygin_frame,
     kovalevskaya,
     kovalevskaya_frame,
 )
-from .lagrangian import LagrangeTop, lagrange_top
 from .motion import motion
-from .pose import pose
 from .problem import Problem
+from .rotational_problem import pose
 from .symmetry import (
     across,
     angular_momentum_axes,

@@ -11,8 +11,8 @@ from functools import lru_cache
 import numpy as np
 
 from ..scenarios import FloatArray, Scenario, Trajectory
-from .laws import LAWS, Law, Scene
-from .pose import pose
+from .conservation_laws import LAWS, Law, Scene
+from .rotational_problem import pose
 
 
 @dataclass(frozen=True, eq=False)

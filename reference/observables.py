@@ -16,10 +16,11 @@ from scipy.interpolate import CubicHermiteSpline, PPoly
 
 from ..scenarios import FloatArray, Scenario, Trajectory
 from ..scenarios.exact import DIGITS, dot, rotate
-from . import lagrangian, stability
-from .lagrangian import LagrangeTop, lagrange_top
-from .pose import pose
+from . import heavy_symmetric_top as lagrangian
+from . import stability
+from .heavy_symmetric_top import LagrangeTop, lagrange_top
 from .problem import Problem
+from .rotational_problem import pose
 from .symmetry import (
     UNIT_VECTORS,
     across,

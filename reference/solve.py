@@ -10,8 +10,8 @@ from ..scenarios.exact import DIGITS
 from .closed_forms import ClosedForm, closed_form
 from .conditioning import conditioning, nudged_alike
 from .motion import motion
-from .pose import pose
 from .problem import Problem
+from .rotational_problem import pose
 from .solution import MAX_UNCERTAINTY, Solution
 from .symmetry import gravity_torque_scale
 from .taylor import CHECK_ORDERS, FINE_ORDERS, TRUTH_ORDERS, IntegrationError, Orders, integrate

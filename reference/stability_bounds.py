@@ -15,9 +15,9 @@ from mpmath import mp
 from ..scenarios import FloatArray, Scenario
 from ..scenarios.exact import DIGITS
 from . import stability
-from .lagrangian import lagrange_top
-from .pose import pose
+from .heavy_symmetric_top import lagrange_top
 from .problem import Problem
+from .rotational_problem import pose
 from .symmetry import equal, gravity_torque_scale, is_free
 
 #: Classical Runge–Kutta on the imaginary axis, R(z) = 1 + z + z²/2 + z³/6 + z⁴/24:

@@ -6,13 +6,7 @@ from .catalogue import LIBRARY, find, scenario_files
 from .document import Document, Effects, Expect, Known, Published, Window
 from .errors import Misfit, ScenarioError, printable
 from .load import is_scenario, is_scene_name, load, load_each, loads
-from .mechanics import (
-    angular_momentum_world,
-    energy,
-    energy_base,
-    kinetic_energy,
-    potential_energy,
-)
+from .mechanics import angular_momentum_world, energy, energy_base, kinetic_energy, potential_energy
 from .scales import check_scales
 from .scenario import EFFECTS, Scenario, Start
 from .trajectory import Trajectory

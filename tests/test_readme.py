@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-from spincheck.reports.commands.cli import app
-from spincheck.reports.runs.verdict import VerdictWord
+from spincheck.reports.cli.app import app
+from spincheck.reports.harness.verdict import VerdictWord
 from spincheck.scenarios import loads
 from typer.main import get_group
 

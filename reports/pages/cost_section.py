@@ -2,15 +2,15 @@
 
 from dataclasses import dataclass
 
-from ..analysis.gather import Gathered, SceneRuns
-from ..analysis.looks import Look, looks
-from ..analysis.profiles import profile
-from ..analysis.wording import SIGNALS
-from ..analysis.work_precision import SIGNALS as ERRORS
-from ..analysis.work_precision import Signal, curves
-from ..figures.figures import Titled
-from ..figures.profile_figure import profile_figure
+from .analysis.profiles import profile
+from .analysis.report_data import Gathered, SceneRuns
+from .analysis.trace_style import Look, looks
+from .analysis.wording import SIGNALS
+from .analysis.work_precision import SIGNALS as ERRORS
+from .analysis.work_precision import Signal, curves
 from .cost_tables import median_table, ratio_table, reach_table, reached_table
+from .figures.figures import Titled
+from .figures.profile_figure import profile_figure
 from .tables import Table
 
 #: The error by which methods are compared over all scenes; every scene's page has all four.

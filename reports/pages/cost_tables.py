@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 
-from ..analysis.cost_to_reach import LEVELS, Reach, reach
-from ..analysis.gather import Gathered, MethodRuns, SceneRuns
-from ..analysis.profiles import SceneCurves, order_ratios, tally
-from ..analysis.wording import NOTHING, number
-from ..analysis.work_precision import Signal, curve_of
-from ..runs.records import Pair
+from ..results.records import Pair
+from .analysis.cost_to_reach import LEVELS, Reach, reach
+from .analysis.profiles import SceneCurves, order_ratios, tally
+from .analysis.report_data import Gathered, MethodRuns, SceneRuns
+from .analysis.wording import NOTHING, number
+from .analysis.work_precision import Signal, curve_of
 from .tables import Cell, Table, figure, table
 
 #: In a second.

@@ -4,14 +4,14 @@ import shlex
 from collections import Counter
 from dataclasses import dataclass
 
-from ..analysis.ensemble_numbers import members_of
-from ..analysis.looks import Look, looks
-from ..analysis.wording import count
-from ..figures.ensemble_figure import distribution
-from ..figures.figures import Titled
 from ..results.store import Results
-from ..runs.sweep import Ensemble, EnsembleResult
+from ..results.sweep_records import Ensemble, EnsembleResult
+from .analysis.ensemble_numbers import members_of
+from .analysis.trace_style import Look, looks
+from .analysis.wording import count
 from .ensemble_tables import quantile_tables, worst_table
+from .figures.ensemble_figure import distribution
+from .figures.figures import Titled
 from .links import ensemble_page
 from .map_pages import TYPED_DIGITS, methods_of, timestep_in_words
 from .map_tables import ends_table

@@ -3,12 +3,12 @@
 import shlex
 from collections.abc import Iterator, Sequence
 
-from ..analysis.ensemble_numbers import QUANTILE_NAMES, Members
-from ..analysis.map_marks import is_coloured
-from ..analysis.wording import NOTHING, SIGNALS, limited, number
-from ..analysis.work_precision import SIGNALS as SIGNAL_NAMES
-from ..analysis.work_precision import Signal
-from ..runs.sweep import Ensemble, Point
+from ..results.sweep_records import Ensemble, Point
+from .analysis.ensemble_numbers import QUANTILE_NAMES, Members
+from .analysis.map_marks import is_coloured
+from .analysis.wording import NOTHING, SIGNALS, limited, number
+from .analysis.work_precision import SIGNALS as SIGNAL_NAMES
+from .analysis.work_precision import Signal
 from .map_tables import percent
 from .tables import Cell, Table, figure, table
 

@@ -2,10 +2,10 @@
 
 from statistics import median
 
-from ..analysis.gather import Gathered, MethodRuns, SceneRuns
-from ..analysis.survival import survival
-from ..analysis.wording import NOTHING, number
-from ..runs.records import Pair
+from ..results.records import Pair
+from .analysis.report_data import Gathered, MethodRuns, SceneRuns
+from .analysis.survival import survival
+from .analysis.wording import NOTHING, number
 from .overview import Matrix, matrix_of
 from .tables import Cell, Table, figure, table
 

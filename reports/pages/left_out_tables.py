@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from ..analysis.wording import NOTHING, number
-from ..costs.effects_cost import EffectsCost, PassCosts
-from ..runs.records import Key
+from ..harness.effects_cost import EffectsCost, PassCosts
+from ..results.records import Key
+from .analysis.wording import NOTHING, number
 from .tables import Cell, Table, figure, table
 
 #: What a table of passes tells apart from noise: this many times what two equal sessions differ by.

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 from ...engines import Method
 from ...scenarios.vary import Axis
-from ..analysis.map_grid import Grid, axis_title
-from ..figures.figures import Titled
-from ..figures.map_figure import map_figure
+from ..results.records import Pair
 from ..results.store import Results
-from ..runs.records import Pair
-from ..runs.sweep import MapResult, Point
+from ..results.sweep_records import MapResult, Point
+from .analysis.map_grid import Grid, axis_title
+from .figures.figures import Titled
+from .figures.map_figure import map_figure
 from .links import map_page
 from .map_tables import bounds_table, ends_table, survival_table
 from .tables import Table

@@ -5,12 +5,12 @@ from collections import Counter
 from collections.abc import Iterable
 from statistics import median
 
-from ..analysis.map_grid import Grid
-from ..analysis.map_marks import is_coloured, marks
-from ..analysis.wording import NOTHING, number
-from ..figures.map_figure import legend_of_bounds
-from ..runs.records import Pair
-from ..runs.sweep import Point
+from ..results.records import Pair
+from ..results.sweep_records import Point
+from .analysis.map_grid import Grid
+from .analysis.map_marks import is_coloured, marks
+from .analysis.wording import NOTHING, number
+from .figures.map_figure import legend_of_bounds
 from .tables import Cell, Table, figure, table
 
 #: rad a step: half decades around the turn that a method can resolve.

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from statistics import median
 
 from ...engines import Method
-from ..analysis.gather import Gathered, MethodRuns, SceneRuns
-from ..analysis.wording import NOTHING, number, order, plural
-from ..runs.records import Pair, Verdict
-from ..runs.verdict import VerdictWord
+from ..harness.verdict import VerdictWord
+from ..results.records import Pair, Verdict
+from .analysis.report_data import Gathered, MethodRuns, SceneRuns
+from .analysis.wording import NOTHING, number, order, plural
 from .links import method_anchor, scene_page
 from .tables import VERDICTS, Cell, Table, figure, table, verdict_cell
 

@@ -2,11 +2,12 @@
 
 from ...engines.read_back import READ_BACK_SLACK, READ_BACK_SLACK_SINGLE
 from ...reference.solution import MAX_UNCERTAINTY
-from ..analysis.wording import count, number
-from ..costs import cost
-from ..runs import compared_run, descent, ladder, verdict
-from ..study import choice
-from ..workers import workers
+from ..harness import choice, ladder, verdict
+from ..harness import comparison as compared_run
+from ..harness import convergence_study as descent
+from ..harness import step_cost as cost
+from ..harness.executors import local_workers as workers
+from .analysis.wording import count, number
 
 
 def constants() -> dict[str, str]:

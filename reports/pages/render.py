@@ -7,12 +7,12 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
-from ..analysis.gather import Gathered, SceneRuns, gather
-from ..figures.figures import figures
+from ..harness.verdict import VerdictWord
 from ..results.store import Results
-from ..runs.verdict import VerdictWord
 from . import hard_cases, overview, scene_tables
+from .analysis.report_data import Gathered, SceneRuns, gather
 from .cost_section import LEGEND, cost_section, scene_costs
+from .figures.figures import figures
 from .left_out_tables import effects_table, harm_in_words, passes_tables
 from .links import scene_page
 from .markdown import code_block, escaped, to_html

@@ -3,9 +3,11 @@
 from ...reference import facts, invariants
 from ...reference.observables import observables
 from ...scenarios import EFFECTS, Scenario
-from ..analysis.gather import Compared, MethodRuns, SceneRuns
-from ..analysis.survival import in_words, survival
-from ..analysis.wording import (
+from ..results.records import Row
+from ..results.store import SceneResult
+from .analysis.report_data import Compared, MethodRuns, SceneRuns
+from .analysis.survival import in_words, survival
+from .analysis.wording import (
     ERROR_HEADINGS,
     NOTHING,
     SIGNALS,
@@ -16,9 +18,7 @@ from ..analysis.wording import (
     observed,
     order,
 )
-from ..analysis.work_precision import cost
-from ..results.store import SceneResult
-from ..runs.records import Row
+from .analysis.work_precision import cost
 from .links import method_anchor
 from .overview import reason_of
 from .tables import Cell, Table, figure, table, verdict_cell

@@ -6,10 +6,10 @@ from pathlib import Path
 
 from jinja2 import Environment
 
-from ..analysis.map_marks import is_coloured
-from ..analysis.wording import NOTHING, count
 from ..results.store import Results
-from ..runs.sweep import Point
+from ..results.sweep_records import Point
+from .analysis.map_marks import is_coloured
+from .analysis.wording import NOTHING, count
 from .ensemble_pages import EnsemblePage, ensemble_pages
 from .map_pages import MapPage, map_pages
 from .map_tables import percent

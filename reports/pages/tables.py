@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ..runs.verdict import VerdictWord
+from ..harness.verdict import VerdictWord
 
 #: Verdicts in the order in which they are counted and listed.
 VERDICTS: tuple[VerdictWord, ...] = (

@@ -14,12 +14,12 @@ from typing import Any
 from ...engines import Engine, Method
 from ...reference import Solution
 from ...scenarios import Scenario
-from ..costs.cost import StepCost
-from ..costs.effects_cost import EffectsCost, PassCosts
-from ..runs.records import UNSOLVED, Key, Pair, Row, Verdict
-from ..runs.sweep import EnsembleResult, MapResult
+from ..harness.effects_cost import EffectsCost, PassCosts
+from ..harness.step_cost import StepCost
 from . import table_records
+from .records import UNSOLVED, Key, Pair, Row, Verdict
 from .result_file import ResultFileError, opened
+from .sweep_records import EnsembleResult, MapResult
 from .sweep_tables import SCHEMA as SWEEPS_SCHEMA
 from .sweep_tables import SweepTables
 

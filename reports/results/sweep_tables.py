@@ -8,10 +8,10 @@ from dataclasses import asdict
 from typing import Any
 
 from ...scenarios import Errors, Scenario, loads
-from ..runs.places import Place, places
-from ..runs.records import Key
-from ..runs.sweep import Axis, Ensemble, EnsembleResult, Map, MapResult, Point
-from ..workers.lane import may_end_otherwise
+from ..harness.executors.worker_slot import may_end_otherwise
+from ..harness.sweep_points import Place, places
+from .records import Key
+from .sweep_records import Axis, Ensemble, EnsembleResult, Map, MapResult, Point
 from .table_records import told
 
 SCHEMA = """

@@ -15,9 +15,9 @@ from pydantic import TypeAdapter, ValidationError
 from ...engines import Method
 from ...reference import Solution
 from ...scenarios import Errors, Scenario, Trajectory, is_scene_name, loads, printable
-from ..costs.cost import StepCost
-from ..costs.effects_cost import EffectsCost, PassCost, PassCosts, Ratio
-from ..runs.records import Key, Pair, Row, Verdict
+from ..harness.effects_cost import EffectsCost, PassCost, PassCosts, Ratio
+from ..harness.step_cost import StepCost
+from .records import Key, Pair, Row, Verdict
 from .result_file import ResultFileError
 
 T = TypeVar("T")

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 from mutated_scenes import LEAST, written
-from spincheck.reports.commands import running
-from spincheck.reports.commands.cli import app
-from spincheck.reports.commands.terminal import BAD_INPUT, Complaint
+from spincheck.reports.cli import running
+from spincheck.reports.cli.app import app
+from spincheck.reports.cli.terminal import BAD_INPUT, Complaint
 from spincheck.reports.results.result_file import APPLICATION_ID, FORMAT
 from typer.testing import CliRunner
 

@@ -4,8 +4,8 @@ import os
 
 import pytest
 from mutated_scenes import LEAST, Raw, changed, written
-from spincheck.reports.commands.cli import app
-from spincheck.reports.commands.terminal import BAD_INPUT, Complaint
+from spincheck.reports.cli.app import app
+from spincheck.reports.cli.terminal import BAD_INPUT, Complaint
 from typer.testing import CliRunner
 
 GOOD = written(LEAST)

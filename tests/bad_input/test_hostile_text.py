@@ -10,10 +10,10 @@ import mujoco
 import pytest
 from markdown_it import MarkdownIt
 from mutated_scenes import LEAST, Raw, written
-from spincheck.engines.mjcf import mjcf
-from spincheck.engines.urdf import urdf
-from spincheck.reports.commands import running
-from spincheck.reports.commands.scene import export_scene
+from spincheck.engines.models.mjcf import mjcf
+from spincheck.engines.models.urdf import urdf
+from spincheck.reports.cli import running
+from spincheck.reports.cli.scene import export_scene
 from spincheck.reports.pages.markdown import escaped, to_html
 from spincheck.reports.pages.render import render
 from spincheck.reports.results.store import SceneResult

@@ -12,8 +12,8 @@ from typing import Any, get_args, get_type_hints
 
 import pytest
 from mutated_scenes import LEAST, written
-from spincheck.reports.commands.cli import app
-from spincheck.reports.commands.terminal import BAD_INPUT, Complaint
+from spincheck.reports.cli.app import app
+from spincheck.reports.cli.terminal import BAD_INPUT, Complaint
 from typer.models import OptionInfo
 from typer.testing import CliRunner
 

@@ -17,14 +17,9 @@ from bench_rivals import HEYOKA, Solver, dop853, heyoka
 from rich.console import Console
 from rich.table import Column, Table
 from spincheck.reference.closed_forms import closed_form
-from spincheck.reference.pose import pose
 from spincheck.reference.problem import Problem
-from spincheck.reference.taylor import (
-    FINE_ORDERS,
-    TRUTH_ORDERS,
-    Orders,
-    integrate_double_double,
-)
+from spincheck.reference.rotational_problem import pose
+from spincheck.reference.taylor import FINE_ORDERS, TRUTH_ORDERS, Orders, integrate_double_double
 from spincheck.scenarios import FloatArray, Scenario, find, load, loads
 
 OUT = Path("build/bench/reference.json")

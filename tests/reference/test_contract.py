@@ -23,13 +23,13 @@ from contract_truths import (
 from mpmath import mp, mpf
 from spincheck.reference.conditioning import conditioning, nudged
 from spincheck.reference.motion import motion
-from spincheck.reference.pose import pose
 from spincheck.reference.problem import Problem
+from spincheck.reference.rotational_problem import pose
 from spincheck.reference.solution import MAX_UNCERTAINTY
 from spincheck.reference.solve import CHECKED_TURN, _rate
 from spincheck.reference.symmetry import norm
 from spincheck.reference.taylor import CHECK_ORDERS, integrate
-from spincheck.reports.runs.reference_checks import drifting
+from spincheck.reports.harness.reference_checks import drifting
 from spincheck.scenarios import Errors, Trajectory, errors_between
 from spincheck.scenarios.exact import DIGITS, normalised, product
 

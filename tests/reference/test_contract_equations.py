@@ -11,7 +11,7 @@ import numpy as np
 from contract_scenes import every_scene, solved, states
 from contract_truths import few
 from spincheck.reference.motion import motion
-from spincheck.reference.pose import pose
+from spincheck.reference.rotational_problem import pose
 from spincheck.reference.solve import _rate
 from spincheck.scenarios import Scenario, Trajectory
 

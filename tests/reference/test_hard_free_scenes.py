@@ -12,8 +12,8 @@ from closed_form_checks import GOAL, apart, one_ulp_heavier
 from extended_motion import ExtendedMotion
 from mpmath import mp, mpf
 from spincheck.reference.closed_forms import closed_form
-from spincheck.reference.pose import pose
 from spincheck.reference.problem import Problem
+from spincheck.reference.rotational_problem import pose
 from spincheck.scenarios import FloatArray, find, load
 from textbook_periods import free_body
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from spincheck.reference import solve
-from spincheck.reference.lagrangian import (
+from spincheck.reference.heavy_symmetric_top import (
     LagrangeTop,
     lagrange_top,
     nutation_bounds,
     steady_precession_rates,
 )
-from spincheck.reference.pose import pose
+from spincheck.reference.rotational_problem import pose
 from spincheck.reference.symmetry import equal
 from spincheck.scenarios import find, load
 from spincheck.scenarios.exact import DIGITS

@@ -4,9 +4,9 @@ from functools import cache
 
 import numpy as np
 import pytest
+from spincheck.reference.conservation_laws import LAWS
+from spincheck.reference.cross_check import RELATIVE_TOLERANCE, second_opinion
 from spincheck.reference.invariants import drifts, invariants
-from spincheck.reference.laws import LAWS
-from spincheck.reference.second_method import RELATIVE_TOLERANCE, second_opinion
 from spincheck.scenarios import Trajectory
 from top_scenes import ASYMMETRIC, GRAVITY, HEAVY, PIVOT, TOP, scene
 

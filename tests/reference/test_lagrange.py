@@ -18,8 +18,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 from spincheck.reference.closed_forms import closed_form
+from spincheck.reference.heavy_symmetric_top import lagrange_top, nutation_period
 from spincheck.reference.lagrange import lagrange
-from spincheck.reference.lagrangian import lagrange_top, nutation_period
 from spincheck.reference.taylor import FINE_ORDERS, integrate
 from taylor_problems import problem
 from textbook_periods import heavy_top

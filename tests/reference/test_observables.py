@@ -5,9 +5,9 @@ from functools import cache
 
 import numpy as np
 import pytest
+from spincheck.reference.cross_check import second_opinion
 from spincheck.reference.facts import facts
 from spincheck.reference.observables import SAMPLES_PER_PERIOD, axis_motion, observables
-from spincheck.reference.second_method import second_opinion
 from spincheck.scenarios import Trajectory
 from top_scenes import ASYMMETRIC, HEAVY, TOP, scene
 

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from spincheck.reference import solve
+from spincheck.reference.cross_check import second_opinion
 from spincheck.reference.motion import motion
-from spincheck.reference.pose import pose
-from spincheck.reference.second_method import second_opinion
+from spincheck.reference.rotational_problem import pose
 from spincheck.reference.solution import MAX_UNCERTAINTY
 from spincheck.reference.solve import ROUNDING
 from spincheck.reference.taylor import Orders, integrate

@@ -9,8 +9,8 @@ from legendre_motion import DIGITS, free_symmetric_body
 from mpmath import mp, mpf
 from spincheck.reference import solve
 from spincheck.reference.closed_forms import ClosedForm, closed_form
-from spincheck.reference.pose import pose
 from spincheck.reference.problem import Problem
+from spincheck.reference.rotational_problem import pose
 from spincheck.reference.solve import CHECKED_TURN, ROUNDING
 from spincheck.reference.taylor import IntegrationError, integrate
 from spincheck.scenarios import find, load

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 from scipy.special import ellipk
-from spincheck.reference.pose import pose
-from spincheck.reference.second_method import second_opinion
+from spincheck.reference.cross_check import second_opinion
+from spincheck.reference.rotational_problem import pose
 from spincheck.reference.stability import (
     body_cone_rate,
     perturbation_rate_squared,

@@ -1,0 +1,210 @@
+"""What acts on the body of a MuJoCo model, read back from the model as it was compiled.
+
+Forces in MuJoCo come out of the model, out of what was applied to its data, and out of callbacks
+of the process; all three are looked through.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from ....scenarios import FloatArray, Scenario
+
+#: Parts of a model that no scene calls for; anything non-zero there is named.
+FOREIGN: dict[str, Callable[[Any], Any]] = {
+    "a second body": lambda m: m.nbody - 2,
+    "a second joint": lambda m: m.njnt - 1,
+    "collision geometry": lambda m: m.ngeom,
+    "equality constraints": lambda m: m.neq,
+    "tendons": lambda m: m.ntendon,
+    "flexible bodies": lambda m: m.nflex,
+    "sensors": lambda m: m.nsensor,
+    "plugins": lambda m: m.nplugin,
+    "actuator dynamics": lambda m: m.na,
+    "actuator delays": lambda m: m.nhistory,
+    "actuator limits": lambda m: [*m.actuator_forcelimited, *m.jnt_actfrclimited],
+    "joint springs": lambda m: [*m.jnt_stiffness, *m.jnt_stiffnesspoly.flat],
+    "joint limits": lambda m: m.jnt_limited,
+    "joint friction": lambda m: m.dof_frictionloss,
+    "nonlinear damping": lambda m: m.dof_dampingpoly,
+    "added rotor inertia": lambda m: m.dof_armature,
+    "gravity compensation": lambda m: m.body_gravcomp,
+    "wind": lambda m: m.opt.wind,
+    "air": lambda m: [m.opt.density, m.opt.viscosity],
+}
+
+#: MuJoCo's flags in words; those it may gain in time go by its own names.
+FLAG_WORDS = {
+    "constraint": "constraint solver",
+    "equality": "equality constraint pass",
+    "frictionloss": "joint friction pass",
+    "limit": "joint limit pass",
+    "contact": "collision detection",
+    "spring": "joint spring pass",
+    "damper": "joint damper pass",
+    "clampctrl": "control clamping",
+    "warmstart": "solver warm start",
+    "actuation": "actuator pass",
+    "refsafe": "constraint stiffness guard",
+    "sensor": "sensor pass",
+    "midphase": "collision mid-phase",
+    "eulerdamp": "implicit joint damping",
+    "autoreset": "automatic reset",
+    "island": "constraint islands",
+    "energy": "energy computation",
+    "fwdinv": "inverse dynamics check",
+    "sleep": "sleeping",
+}
+#: Flags that choose how contacts are found: nothing to choose once collision detection is off.
+CONTACT_CHOICES = frozenset({"filterparent", "nativeccd", "multiccd"})
+
+CALLBACKS = ("act_bias", "act_dyn", "act_gain", "contactfilter", "control", "passive", "sensor")
+
+
+@dataclass(frozen=True, eq=False)
+class EffectsReading:
+    """The effects a compiled model has, and how strong.
+
+    Attributes
+    ----------
+    pivot : whether a ball joint holds the body's origin at the world's origin
+    gravity_world : m/s², (3,)
+    joint_damping, servo_drag : N m s, (3, 3), the D of the torque −D ω in body axes, as the joint
+        and as actuators give it
+    torque_body, torque_world : N m, (3,)
+    other : whatever else the joint or an actuator does, in words
+    """
+
+    pivot: bool
+    gravity_world: FloatArray
+    joint_damping: FloatArray
+    servo_drag: FloatArray
+    torque_body: FloatArray
+    torque_world: FloatArray
+    other: frozenset[str]
+
+
+def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
+    """Names of the effects that act, and a name in words for whatever else is switched on.
+
+    An effect that the scene calls for at another strength is named in words besides.
+    """
+    effects = read_effects(model)
+    drag = effects.joint_damping + effects.servo_drag
+    named = {
+        "pivot": effects.pivot,
+        "gravity": effects.gravity_world.any(),
+        "drag": drag.any(),
+        "uneven drag": (drag != drag[0, 0] * np.eye(3)).any(),
+        "torque_body": effects.torque_body.any(),
+        "torque_world": effects.torque_world.any(),
+        "applied forces": data.qfrc_applied.any() or data.xfrc_applied.any(),
+    }
+    found = {name for name, acts in named.items() if acts}
+    found |= {name for name, part in FOREIGN.items() if np.any(part(model))}
+    found |= {f"callback {n}" for n in CALLBACKS if getattr(mujoco, f"get_mjcb_{n}")() is not None}
+    found |= set(_wrong_strengths(effects, drag, scenario))
+    return frozenset(found) | effects.other | _idle_passes(model, effects)
+
+
+def _wrong_strengths(
+    effects: EffectsReading, drag: FloatArray, scenario: Scenario
+) -> Iterator[str]:
+    """Effects that act as strongly as the scene does not say, in words."""
+    pairs = {
+        "gravity": (effects.gravity_world, scenario.gravity_world),
+        "drag": (np.diag(drag), np.full(3, scenario.drag)),
+        "torque_body": (effects.torque_body, scenario.torque_body),
+        "torque_world": (effects.torque_world, scenario.torque_world),
+    }
+    for name, (held, wanted) in pairs.items():
+        # One that is not called for, or not there, is named as such.
+        if wanted.any() and held.any() and (held != wanted).any():
+            yield f"{name} of {held.tolist()}, not {wanted.tolist()}"
+
+
+def read_effects(model: Any) -> EffectsReading:
+    """The strength of every effect, with what is disabled counted as absent."""
+    reading = EffectsReading(
+        pivot=False,
+        gravity_world=model.opt.gravity * _is_on(model, "gravity"),
+        joint_damping=np.diag(model.dof_damping[-3:]) * _is_on(model, "damper"),
+        servo_drag=np.zeros((3, 3)),
+        torque_body=np.zeros(3),
+        torque_world=np.zeros(3),
+        other=frozenset(),
+    )
+    pivot, other = _joint(model)
+    if _is_on(model, "actuation"):
+        other |= {word for word in _add_actuators(model, reading) if word}
+    return EffectsReading(**{**vars(reading), "pivot": pivot, "other": frozenset(other)})
+
+
+def _joint(model: Any) -> tuple[bool, set[str]]:
+    """Whether the first joint is the pivot, and what it is where neither that nor free."""
+    if model.njnt == 0:
+        return False, {"a weld to the world"}
+    kind = model.jnt_type[0]
+    if kind == mujoco.mjtJoint.mjJNT_FREE:
+        return False, {"drag on the translation"} if model.dof_damping[:3].any() else set()
+    body = model.jnt_bodyid[0]
+    offsets = (model.jnt_pos[0], model.body_pos[body], model.body_quat[body] - (1, 0, 0, 0))
+    if kind != mujoco.mjtJoint.mjJNT_BALL or np.any(np.concatenate(offsets)):
+        return False, {"a joint that is no ball at the world's origin"}
+    return True, set()
+
+
+def _add_actuators(model: Any, reading: EffectsReading) -> list[str]:
+    """Add up constant torques and servos in the reading's arrays; return what is neither."""
+    other = []
+    for i in range(model.nu):
+        gear = model.actuator_gear[i]
+        torque, force = (gear[:3], gear[3:]) if model.nv == 3 else (gear[3:], gear[:3])
+        constant, per_length, per_velocity = model.actuator_biasprm[i][:3]
+        # Both are constant torques; they differ in the axes that the gear is written in.
+        turned_by = {
+            int(mujoco.mjtTrn.mjTRN_JOINT): reading.torque_body,
+            int(mujoco.mjtTrn.mjTRN_JOINTINPARENT): reading.torque_world,
+        }.get(int(model.actuator_trntype[i]))
+        is_servo = turned_by is reading.torque_body
+        if turned_by is None or model.actuator_gainprm[i].any() or per_length or force.any():
+            other.append("an actuator that is neither a constant torque nor drag")
+            continue
+        turned_by += constant * torque
+        if is_servo:
+            reading.servo_drag[:] -= per_velocity * np.outer(torque, torque)
+        elif per_velocity:
+            other.append("drag along world axes")
+    return other
+
+
+def _idle_passes(model: Any, effects: EffectsReading) -> frozenset[str]:
+    """Passes that are on though nothing in the scene needs them, in words."""
+    has_damping = effects.joint_damping.any()
+    needed = {"gravity"} | CONTACT_CHOICES
+    needed |= {"damper", "eulerdamp"} if has_damping else set()
+    needed |= {"actuation"} if model.nu else set()
+    on = {name for name in _flags(mujoco.mjtDisableBit, "mjDSBL_") if _is_on(model, name)}
+    bits = _flags(mujoco.mjtEnableBit, "mjENBL_")
+    on |= {name for name, bit in bits.items() if model.opt.enableflags & bit}
+    return frozenset(FLAG_WORDS.get(name, f"flag '{name}'") for name in on - needed)
+
+
+def disable(model: Any, passes: Iterable[str]) -> None:
+    """Switch passes off in a compiled model, by MuJoCo's names for its flags."""
+    bits = _flags(mujoco.mjtDisableBit, "mjDSBL_")
+    for name in passes:
+        model.opt.disableflags |= bits[name]
+
+
+def _is_on(model: Any, name: str) -> bool:
+    return not model.opt.disableflags & _flags(mujoco.mjtDisableBit, "mjDSBL_")[name]
+
+
+def _flags(enum: Any, prefix: str) -> dict[str, int]:
+    """MuJoCo's flags by the names MJCF gives them."""
+    members = enum.__members__.items()
+    return {key.removeprefix(prefix).lower(): int(bit) for key, bit in members if prefix in key}

@@ -1,0 +1,79 @@
+"""MuJoCo, from the scene as MJCF: every integrator it has is a method."""
+
+from collections.abc import Collection
+from typing import final
+
+import mujoco
+
+from ....scenarios import EFFECTS, Scenario
+from ...engine import Engine, Method
+from ...models.mjcf import mjcf, switched_off
+from .session import MuJoCoSession, check_not_too_small, compiled
+
+ALL_EFFECTS = frozenset(EFFECTS)
+
+
+@final
+class MuJoCo(Engine):
+    """MuJoCo's rigid-body dynamics in reduced coordinates."""
+
+    name = "mujoco"
+    # Orders: MuJoCo documentation, "Numerical integration" and changelog 4.0.0, item 5; measured
+    # in docs/engines-mujoco.md.
+    methods = (
+        Method("Euler", 1, 1, "semi-implicit Euler, joint damping implicit", ALL_EFFECTS),
+        Method(
+            "implicitfast",
+            1,
+            1,
+            "implicit in velocity; gyroscopic terms of free bodies only",
+            ALL_EFFECTS,
+        ),
+        Method("implicit", 1, 1, "implicit in velocity, gyroscopic terms included", ALL_EFFECTS),
+        Method("RK4", 4, 4, "Runge-Kutta of fourth order", ALL_EFFECTS),
+        Method(
+            "discrete",
+            1,
+            1,
+            "implicit in velocity and position, one solve with the constraints",
+            ALL_EFFECTS,
+        ),
+        Method(
+            "default", 1, 1, "as shipped: Euler, with every pass on", ALL_EFFECTS, as_shipped=True
+        ),
+    )
+
+    @property
+    def version(self) -> str:
+        """Of the library that runs, which is what counts."""
+        return str(mujoco.mj_versionString())
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
+        """Compile the scene's MJCF and set its keyframe."""
+        if method.as_shipped:
+            return _open(scenario, mjcf(scenario, timestep, None, switched_off(scenario)))
+        return _open(scenario, mjcf(scenario, timestep, method.name))
+
+    def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
+        """The passes that are switched off."""
+        return () if method.as_shipped else switched_off(scenario)
+
+    def open_unpruned(
+        self,
+        scenario: Scenario,
+        method: Method,
+        timestep: float,
+        left_in: Collection[str] | None = None,
+    ) -> MuJoCoSession | None:
+        """The same with passes left on, to time what they cost."""
+        if not (left_out := self.left_out(scenario, method)):
+            return None
+        kept = left_out if left_in is None else left_in
+        return _open(scenario, mjcf(scenario, timestep, method.name, kept))
+
+
+def _open(scenario: Scenario, text: str) -> MuJoCoSession:
+    check_not_too_small(scenario)
+    model = compiled(lambda: mujoco.MjModel.from_xml_string(text))
+    start = model.key(0)
+    return MuJoCoSession(scenario, model, start.qpos, start.qvel)

@@ -1,0 +1,49 @@
+"""What PyBullet does to a body when nobody asks, and how each of it is taken away."""
+
+import pybullet as p
+
+from .model import BASE, HUNG, Model
+
+#: rad/s and m/s: every velocity coordinate of a multibody is clamped at this. (Source:
+#: `m_maxCoordinateVelocity` of btMultiBody; measured.)
+DEFAULT_CLAMP = 100.0
+#: rad/s and m/s; out of reach.
+UNREACHED_VELOCITY = 1e100
+
+
+def take_away_motor(model: Model) -> None:
+    """Of a spherical joint: it holds the joint's velocity at zero."""
+    # Gains as single numbers: only so does a force of zero take the motor out of the solver.
+    _set_motor(model, 0)
+
+
+def idle_motor(model: Model) -> None:
+    """Leave the joint's motor in the solver, without a force."""
+    _set_motor(model, (0, 0, 0))
+
+
+def take_away_damping(model: Model) -> None:
+    """Of multibodies; of a body with joints it is one number each, and set at its base."""
+    p.changeDynamics(
+        model.body, BASE, linearDamping=0, angularDamping=0, physicsClientId=model.client
+    )
+
+
+def take_away_clamp(model: Model) -> None:
+    """Likewise."""
+    p.changeDynamics(
+        model.body, BASE, maxJointVelocity=UNREACHED_VELOCITY, physicsClientId=model.client
+    )
+
+
+def _set_motor(model: Model, gain: float | tuple[float, float, float]) -> None:
+    p.setJointMotorControlMultiDof(
+        model.body,
+        HUNG,
+        p.POSITION_CONTROL,
+        targetPosition=(0, 0, 0, 1),
+        positionGain=gain,
+        velocityGain=gain,
+        force=[0, 0, 0],
+        physicsClientId=model.client,
+    )

@@ -1,0 +1,234 @@
+"""What acts on a body in PyBullet: read back where PyBullet tells, felt where it does not.
+
+PyBullet reports neither damping nor applied torques. So after a run the body is set spinning, and
+set at rest, for one tiny step each without gravity: what its angular momentum then gains is what
+acts.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import pybullet as p
+from scipy.spatial.transform import Rotation
+
+from ....scenarios import FloatArray, Scenario
+from ...read_back import BodyReading, State
+from .as_shipped import take_away_damping, take_away_motor
+from .model import BASE, HUNG, Model
+
+#: s. A gain of L over a step is rounded to EPS L / h a second, and off by h times whatever turns:
+#: least together where h is the root of EPS.
+PROBE_STEP = 2.0**-26
+#: rad/s, and m/s of a free body's com; slow, so that gyroscopic terms stay below both errors.
+PROBE_SPIN = 2.0**-7
+#: rad/s, above the default clamp: a coordinate of the body keeps that only where it is off.
+PROBE_RUSH = 2.0**9
+#: m; PyBullet's default, `gUrdfDefaultCollisionMargin` of its source.
+EMPTY_MARGIN = 0.001
+#: Of roundings and of such terms there are a few each. PyBullet's default damping, 0.04 I ω, is a
+#: hundred thousand times as much.
+SLACK = 16 * PROBE_STEP
+
+
+class Steps(Protocol):
+    """The part of a session that a probe uses."""
+
+    def set_timestep(self, timestep: float) -> None:
+        """Length of the steps from now on, s."""
+
+    def advance(self, steps: int) -> None:
+        """Take whole steps, with the torques that belong to the scene."""
+
+
+def what_acts(steps: Steps, model: Model, scenario: Scenario) -> frozenset[str]:
+    """Effects by their names, and in words whatever else acts. The state and defaults are lost."""
+    found = {*_world(model, scenario), *_holds(model), *_extras(model)}
+    if np.isfinite(model.read_state().omega_body).all():
+        found |= _felt(_Probe.of(steps, model, scenario))
+    return frozenset(found)
+
+
+def _world(model: Model, scenario: Scenario) -> set[str]:
+    world = p.getPhysicsEngineParameters(model.client)
+    gravity = [world[f"gravityAcceleration{axis}"] for axis in "XYZ"]
+    found = {"real-time stepping"} if world["useRealTimeSimulation"] else set()
+    if gravity != scenario.gravity_world.tolist():
+        found.add(f"a gravity of {gravity} m/s²")
+    elif "gravity" in scenario.called_for:
+        found.add("gravity")
+    return found
+
+
+def _holds(model: Model) -> set[str]:
+    """What the body hangs by: joints of its own, constraints of the world."""
+    found = set()
+    for joint in range(p.getNumJoints(model.body, model.client)):
+        kind = p.getJointInfo(model.body, joint, model.client)[2]
+        found.add("pivot" if kind == p.JOINT_SPHERICAL else f"a joint of type {kind}")
+    for index in range(p.getNumConstraints(model.client)):
+        constraint = p.getConstraintUniqueId(index, model.client)
+        kind = p.getConstraintInfo(constraint, model.client)[4]
+        found.add("pivot" if kind == p.JOINT_POINT2POINT else f"a constraint of type {kind}")
+    return found
+
+
+def _extras(model: Model) -> set[str]:
+    """Shapes that can collide, and bodies that move."""
+    found = set()
+    for index in range(p.getNumBodies(model.client)):
+        body = p.getBodyUniqueId(index, model.client)
+        if body != model.body and p.getDynamicsInfo(body, BASE, model.client)[0]:
+            found.add("another body")
+        links = range(BASE, p.getNumJoints(body, model.client))
+        if any(_has_shape(model.client, body, link) for link in links):
+            found.add("a collision shape")
+    return found
+
+
+def _has_shape(client: int, body: int, link: int) -> bool:
+    """Whether the bounding box is more than the margin that PyBullet puts around no shape at all.
+
+    (Of the shapes themselves it tells nothing in maximal coordinates; the margin of a sphere is its
+    radius.)
+    """
+    margin = p.getDynamicsInfo(body, link, client)[11]
+    low, high = p.getAABB(body, link, client)
+    # A cube of half-width `EMPTY_MARGIN`, turned to reach furthest.
+    furthest = 2 * np.sqrt(3) * EMPTY_MARGIN * (1 + SLACK)
+    return bool(margin > EMPTY_MARGIN or max(np.subtract(high, low)) > furthest)
+
+
+@dataclass(frozen=True, eq=False)
+class _Probe:
+    """A body that is set to a motion, for a step that tells what acts on it.
+
+    Attributes
+    ----------
+    held : the body as PyBullet has it: whether that is the scene's, the read-back tells
+    push_world : N m, the scene's torques at the attitude of all probes, (3,)
+    spin_world : rad/s, slow, (3,)
+    """
+
+    steps: Steps
+    model: Model
+    scenario: Scenario
+    held: BodyReading
+    push_world: FloatArray
+    spin_world: FloatArray
+
+    @classmethod
+    def of(cls, steps: Steps, model: Model, scenario: Scenario) -> "_Probe":
+        """Prepare for probing; gravity ends."""
+        p.setGravity(0, 0, 0, physicsClientId=model.client)
+        steps.set_timestep(PROBE_STEP)
+        if scenario.has_pivot and model.link == BASE:
+            model.put_on_pivot()
+        world_from_body = model.world_from_body()
+        push_world = world_from_body.apply(np.array(scenario.torque_body)) + scenario.torque_world
+        spin_world = world_from_body.apply(np.full(3, PROBE_SPIN))
+        return cls(steps, model, scenario, model.read_body(), push_world, spin_world)
+
+    def after(self, omega_world: FloatArray) -> tuple[State, State]:
+        """The states before and after a step from this ω.
+
+        A free body starts with a velocity besides, in m/s the same vector.
+        """
+        arm_world = self.model.world_from_body().apply(self.model.com)
+        at_pivot = np.cross(omega_world, arm_world)
+        self.model.set_velocity(omega_world, at_pivot if self.scenario.has_pivot else omega_world)
+        before = self.model.read_state()
+        self.steps.advance(1)
+        return before, self.model.read_state()
+
+    def gains(self, omega_world: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Momentum gained, N, and angular momentum, N m, a second of such a step; (3,) each."""
+        before, after = self.after(omega_world)
+        force = self.held.mass * (after.velocity_world - before.velocity_world) / PROBE_STEP
+        return force, (self._momentum(after) - self._momentum(before)) / PROBE_STEP
+
+    def resistance(self) -> FloatArray:
+        """What spinning adds to the torque at rest, N m, (3,)."""
+        return self.gains(self.spin_world)[1] - self.gains(np.zeros(3))[1]
+
+    def unlike(self) -> tuple[str, str, str]:
+        """How torque, resistance and force differ from the scene's, in words; empty if they do not.
+
+        Gravity, which has ended, is no part of the force; nor has a pivot one.
+        """
+        torque, force, resistance = "", "", ""
+        _, at_rest = self.gains(np.zeros(3))
+        momentum, spinning = self.gains(self.spin_world)
+        slow = _size(self.spin_world)
+        if not _near(at_rest, self.push_world, self.noise):
+            torque = f"a torque of {_size(at_rest)} N m at rest"
+        if not _near(spinning - at_rest, -self.scenario.drag * self.spin_world, self.noise):
+            resistance = f"a resistance of {_size(spinning - at_rest)} N m at {slow} rad/s"
+        faint = SLACK * PROBE_SPIN * self.held.mass
+        if not (self.scenario.has_pivot or _near(momentum, np.zeros(3), faint)):
+            force = f"a force of {_size(momentum)} N at {slow} m/s"
+        return torque, resistance, force
+
+    @property
+    def noise(self) -> float:
+        """A torque no larger than this is felt where there is none, N m."""
+        arm = float(np.linalg.norm(self.held.com))
+        moments = np.linalg.eigvalsh(self.held.inertia_com)
+        largest_moment = float(moments[-1]) + self.held.mass * arm**2
+        push = float(np.linalg.norm(self.push_world))
+        # What a torque adds to ω in the step turns the body, and with it the L it had.
+        turned = (push + self.scenario.drag * PROBE_SPIN) * largest_moment / float(moments[0])
+        return SLACK * (PROBE_SPIN * (largest_moment + turned) + push)
+
+    def _momentum(self, state: State) -> FloatArray:
+        """L about the pivot, or the com where there is none, world axes, kg m²/s, (3,)."""
+        world_from_body = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
+        L_world = world_from_body.apply(self.held.inertia_com @ state.omega_body)
+        if self.scenario.has_pivot:
+            L_world += self.held.mass * np.cross(state.com_world, state.velocity_world)
+        return np.asarray(L_world)
+
+
+def _felt(probe: _Probe) -> set[str]:
+    """Torques, drag and whatever slows the body, from what a step adds to the momenta."""
+    torque, resistance, force = probe.unlike()
+    found = {words for words in (torque, resistance, force) if words}
+    if found:
+        found |= _slowing_defaults(probe)
+        # Of what the scene calls for, once nothing else acts.
+        torque, resistance, _ = probe.unlike()
+    if not torque:
+        found |= probe.scenario.called_for & {"torque_body", "torque_world"}
+    if not resistance:
+        found |= probe.scenario.called_for & {"drag"}
+    # Last: the attitude is another after so fast a step.
+    return found | ({"velocity clamp"} if _is_clamped(probe) else set())
+
+
+def _slowing_defaults(probe: _Probe) -> set[str]:
+    """Which of PyBullet's defaults are at work: what makes a difference when it is taken away."""
+    slowing = {"joint motor": take_away_motor} if probe.model.link == HUNG else {}
+    # Beside the motor nobody would feel it.
+    slowing["damping"] = take_away_damping
+    found = set()
+    for name, take_away in slowing.items():
+        with_it = probe.resistance()
+        take_away(probe.model)
+        if not _near(probe.resistance(), with_it, probe.noise):
+            found.add(name)
+    return found
+
+
+def _is_clamped(probe: _Probe) -> bool:
+    """Whether a fast body is slow a step later, though nothing slows it."""
+    before, after = probe.after(probe.spin_world * (PROBE_RUSH / PROBE_SPIN))
+    speed = float(np.linalg.norm(before.omega_body))
+    return bool(np.linalg.norm(after.omega_body) < speed / 2)
+
+
+def _near(got: FloatArray, wanted: FloatArray, noise: float) -> bool:
+    return bool(np.abs(got - wanted).max() <= SLACK * np.abs(wanted).max() + noise)
+
+
+def _size(vector: FloatArray) -> str:
+    return f"{np.linalg.norm(vector):.3g}"

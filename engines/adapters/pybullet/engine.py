@@ -1,0 +1,105 @@
+"""PyBullet, Bullet 3 in double precision: loads the scene's URDF.
+
+What it does to a top when nobody asks, and how each was measured: docs/engines-pybullet.md.
+"""
+
+from collections.abc import Collection
+from functools import cache
+from importlib.metadata import version
+from math import pi
+
+from ....scenarios import EFFECTS, Scenario
+from ...engine import Engine, Method
+from ...native_output import native_output
+from ...session import Session
+
+with native_output():
+    # Bullet prints when it was built as soon as it is imported.
+    from .load import Holding, left_out
+    from .session import PyBulletSession
+
+ALL_EFFECTS = frozenset(EFFECTS)
+#: rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h, for every kind of body.
+#: Beyond it the attitude turns by this much a step while ω reads what it should.
+MOST_ROTATION_A_STEP = pi / 4
+
+HOLDINGS = {
+    "multibody": Holding(maximal=False, hung=True),
+    "multibody-p2p": Holding(maximal=False, hung=False),
+    "maximal": Holding(maximal=True, hung=False),
+    "default": Holding(maximal=False, hung=True, as_shipped=True),
+}
+
+
+class PyBullet(Engine):
+    """Bullet's two kinds of body, and its two ways to hold one at a point."""
+
+    name = "pybullet"
+    methods = (
+        Method(
+            "multibody",
+            1,
+            1,
+            "joint coordinates, a pivot as a spherical joint",
+            ALL_EFFECTS,
+            max_rotation_per_step=MOST_ROTATION_A_STEP,
+        ),
+        Method(
+            "multibody-p2p",
+            1,
+            1,
+            "joint coordinates, the pivot as a point-to-point constraint",
+            ALL_EFFECTS,
+            requires=frozenset({"pivot"}),
+            max_rotation_per_step=MOST_ROTATION_A_STEP,
+        ),
+        Method(
+            "maximal",
+            1,
+            1,
+            "six coordinates a body, gyroscopic term implicit, the pivot as a constraint",
+            ALL_EFFECTS,
+            max_rotation_per_step=MOST_ROTATION_A_STEP,
+        ),
+        Method(
+            "default",
+            1,
+            1,
+            "as shipped: the URDF without flags, with damping, joint motor and velocity clamp",
+            ALL_EFFECTS,
+            max_rotation_per_step=MOST_ROTATION_A_STEP,
+            as_shipped=True,
+        ),
+    )
+
+    @property
+    def version(self) -> str:
+        """Of the installed package; the library does not tell its own."""
+        return _version()
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        """Load the scene's URDF and set its start."""
+        return PyBulletSession(scenario, HOLDINGS[method.name], timestep)
+
+    def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
+        """A shape to collide with, and on a joint a motor without force."""
+        return left_out(scenario, HOLDINGS[method.name])
+
+    def open_unpruned(
+        self,
+        scenario: Scenario,
+        method: Method,
+        timestep: float,
+        left_in: Collection[str] | None = None,
+    ) -> Session | None:
+        """The same with these, to time what they cost."""
+        if not (names := self.left_out(scenario, method)):
+            return None
+        kept = names if left_in is None else left_in
+        return PyBulletSession(scenario, HOLDINGS[method.name], timestep, kept)
+
+
+@cache
+def _version() -> str:
+    """Looked up once: it takes as long as a hundred steps."""
+    return version("pybullet")

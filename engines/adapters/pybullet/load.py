@@ -1,0 +1,200 @@
+"""Puts a scene's body into a PyBullet world: loaded, stripped of defaults, held, set to its start.
+
+Why each call is there, and what happens without it: docs/engines-pybullet.md.
+"""
+
+import tempfile
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pybullet as p
+from scipy.spatial.transform import Rotation
+
+from ....scenarios import FloatArray, Scenario
+from ....scenarios.document import Effects
+from ...models.urdf import urdf
+from ...read_back import EngineError, UnsupportedError
+from .as_shipped import idle_motor, take_away_clamp, take_away_damping, take_away_motor
+from .model import BASE, HUNG, Model
+
+#: Names of what is left out that would change no motion.
+SHAPE, MOTOR = "collision shape", "idle joint motor"
+#: N. A constraint's default limit is an impulse of 500 N s a step; this is out of reach.
+UNREACHED_FORCE = 1e100
+#: SIMD_EPSILON of Bullet's LinearMath/btScalar.h: what is not above it is taken for zero, in SI.
+TAKEN_FOR_ZERO = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class Holding:
+    """How a method represents the body, and its pivot where there is one.
+
+    Attributes
+    ----------
+    maximal : six coordinates a body (btRigidBody) instead of joint coordinates (btMultiBody)
+    hung : the pivot is a spherical joint; otherwise a point-to-point constraint
+    as_shipped : loaded with no flag and stripped of no default
+    """
+
+    maximal: bool
+    hung: bool
+    as_shipped: bool = False
+
+
+def left_out(scenario: Scenario, holding: Holding) -> tuple[str, ...]:
+    """What a body could have besides and move alike."""
+    if holding.as_shipped:
+        return ()
+    return (SHAPE, MOTOR) if holding.hung and scenario.has_pivot else (SHAPE,)
+
+
+def load(client: int, scenario: Scenario, holding: Holding, left_in: Collection[str]) -> Model:
+    """Put the scene's body into an empty world, at its start, held as the scene says.
+
+    Parameters
+    ----------
+    left_in : what of `left_out` it is to have
+
+    Raises
+    ------
+    UnsupportedError
+        If PyBullet would leave out terms of so small a body.
+    EngineError
+        If PyBullet cannot load the body.
+    """
+    hung = holding.hung and scenario.has_pivot
+    world_from_body = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
+    arm_world = world_from_body.apply(np.array(scenario.body.com))
+    if not holding.as_shipped:
+        _check_not_lost(scenario, holding)
+    radius = _gyration_radius(scenario) if SHAPE in left_in else 0.0
+    text = urdf(scenario if hung else _set_free(scenario), shape_radius=radius)
+    if hung:
+        body = _load_urdf(client, text, holding, np.zeros(3), Rotation.identity())
+        model = _model_of_link(client, body, HUNG)
+    else:
+        position = np.zeros(3) if scenario.has_pivot else scenario.start.position_world - arm_world
+        body = _load_urdf(client, text, holding, position, world_from_body)
+        if holding.maximal:
+            model = _model_of_rigid_body(client, body, position, world_from_body)
+        else:
+            model = _model_of_link(client, body, BASE)
+    if not holding.as_shipped:
+        take_away_damping(model)
+        take_away_clamp(model)
+        if hung:
+            # Taken away first, it would not come back.
+            idle_motor(model) if MOTOR in left_in else take_away_motor(model)
+    if hung:
+        model.set_joint_attitude(world_from_body)
+    elif scenario.has_pivot:
+        _tie_to_world(model, holding)
+    omega_world = world_from_body.apply(np.array(scenario.start.omega_body))
+    at_pivot = np.cross(omega_world, arm_world)
+    model.set_velocity(
+        omega_world, at_pivot if scenario.has_pivot else scenario.start.velocity_world
+    )
+    return model
+
+
+def _load_urdf(
+    client: int, text: str, holding: Holding, position: FloatArray, attitude: Rotation
+) -> int:
+    """Load a model with its frame's origin at `position` (3,) m; PyBullet's number for it.
+
+    A world keeps a file it has read by its name: this one must not have read another. The pose is
+    given here, not set after: a rigid body keeps the inertia it was loaded with, in world axes,
+    until the end of its first step.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "top.urdf")
+        file.write_text(text, encoding="utf-8")
+        try:
+            return int(
+                p.loadURDF(
+                    str(file),
+                    position,
+                    attitude.as_quat(),
+                    useMaximalCoordinates=holding.maximal,
+                    flags=0 if holding.as_shipped else p.URDF_USE_INERTIA_FROM_FILE,
+                    physicsClientId=client,
+                )
+            )
+        except p.error as error:
+            raise EngineError(f"PyBullet cannot load the body: {error}") from None
+
+
+def _model_of_link(client: int, body: int, link: int) -> Model:
+    _, _, _, com, q_body_principal_xyzw, *_ = p.getDynamicsInfo(body, link, client)
+    return Model(client, body, link, Rotation.from_quat(q_body_principal_xyzw), np.array(com))
+
+
+def _model_of_rigid_body(
+    client: int, body: int, position: FloatArray, world_from_body: Rotation
+) -> Model:
+    """As above, from where the body went: of a rigid body's inertial frame PyBullet tells nothing.
+
+    (What `getDynamicsInfo` returns for it is memory that was never set.)
+    """
+    com_world, q_world_principal_xyzw = p.getBasePositionAndOrientation(body, client)
+    body_from_principal = world_from_body.inv() * Rotation.from_quat(q_world_principal_xyzw)
+    com = world_from_body.inv().apply(np.array(com_world) - position)
+    return Model(client, body, BASE, body_from_principal, com)
+
+
+def _set_free(scenario: Scenario) -> Scenario:
+    """The same body on its own: what holds it is not part of the URDF."""
+    return replace(scenario, document=scenario.document.model_copy(update={"effects": Effects()}))
+
+
+def _gyration_radius(scenario: Scenario) -> float:
+    """Of the body about its com, m: what could collide is about that large."""
+    return float(np.sqrt(scenario.body.principal_moments[-1] / scenario.body.mass))
+
+
+def _check_not_lost(scenario: Scenario, holding: Holding) -> None:
+    """Raise where Bullet would leave terms out: it compares with a constant, whatever the unit."""
+    mass, moments = scenario.body.mass, scenario.body.principal_moments
+    if holding.maximal and np.prod(moments) <= TAKEN_FOR_ZERO:
+        raise UnsupportedError(
+            "in maximal coordinates PyBullet drops the gyroscopic term unless the product of the "
+            f"principal moments exceeds {TAKEN_FOR_ZERO:.2g} (kg m²)³, got {np.prod(moments):.2g}; "
+            "scale the scene up, or use another method"
+        )
+    on_a_joint = holding.hung and scenario.has_pivot
+    if not on_a_joint and min(mass, *moments) <= TAKEN_FOR_ZERO:
+        raise UnsupportedError(
+            f"PyBullet takes a mass or moment for zero unless it exceeds {TAKEN_FOR_ZERO:.2g} "
+            f"(kg, kg m²), got {min(mass, *moments):.2g}; scale the scene up"
+        )
+
+
+def _tie_to_world(model: Model, holding: Holding) -> None:
+    """A point-to-point constraint from the body's origin to the world's, solved directly.
+
+    The default solver's 50 iterations leave so much of a slender body's constraint unsolved that
+    its error is no longer of first order.
+    """
+    p.setPhysicsEngineParameter(
+        constraintSolverType=p.CONSTRAINT_SOLVER_LCP_DANTZIG, physicsClientId=model.client
+    )
+    anchor = BASE
+    if holding.maximal:
+        # Of two rigid bodies only: a massless, shapeless one stands for the world.
+        anchor = p.createMultiBody(
+            baseMass=0, useMaximalCoordinates=True, physicsClientId=model.client
+        )
+    constraint = p.createConstraint(
+        model.body,
+        BASE,
+        anchor,
+        BASE,
+        p.JOINT_POINT2POINT,
+        jointAxis=(0, 0, 0),
+        parentFramePosition=model.body_from_principal.inv().apply(-model.com),
+        childFramePosition=(0, 0, 0),
+        physicsClientId=model.client,
+    )
+    p.changeConstraint(constraint, maxForce=UNREACHED_FORCE, physicsClientId=model.client)

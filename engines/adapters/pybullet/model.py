@@ -1,0 +1,119 @@
+"""A body in a PyBullet world: what PyBullet holds, in the program's own frames."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import pybullet as p
+from scipy.spatial.transform import Rotation
+
+from ....scenarios import FloatArray
+from ...read_back import BodyReading, State
+from ...rotation import matrices, times, turned, turned_back
+
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+#: Com, attitude of the principal axes as x, y, z, w, velocity of the com, ω; world axes.
+Motion = tuple[Vector, Quaternion, Vector, Vector]
+
+#: PyBullet's index of a body's base; its links count from 0.
+BASE = -1
+#: The one link of a body that hangs by a joint.
+HUNG = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """The body in the world of one physics client.
+
+    Attributes
+    ----------
+    client, body : PyBullet's numbers for the world and the body in it
+    link : `BASE`, or `HUNG` if the body hangs by a joint
+    body_from_principal : takes components along the engine's axes (principal) to body components
+    com : as the engine holds it, m, body axes, (3,)
+    """
+
+    client: int
+    body: int
+    link: int
+    body_from_principal: Rotation
+    com: FloatArray
+
+    def read_body(self) -> BodyReading:
+        """Mass, com and tensor; PyBullet keeps principal moments and a frame for them."""
+        mass, _, moments, *_ = p.getDynamicsInfo(self.body, self.link, self.client)
+        R_body_principal = self.body_from_principal.as_matrix()
+        tensor = R_body_principal @ np.diag(moments) @ R_body_principal.T
+        return BodyReading(mass, self.com, tensor)
+
+    def read_state(self) -> State:
+        """Pose and velocities now."""
+        rows = np.concatenate(self.motion())[None]
+        return State(*(column[0] for column in vars(self.states(rows)).values()))
+
+    def motion(self) -> Motion:
+        """Com, attitude of the principal axes as x, y, z, w, velocity, ω; world axes.
+
+        A link's are computed afresh: its cache is a step old.
+        """
+        if self.link == BASE:
+            com_world, q_xyzw = p.getBasePositionAndOrientation(self.body, self.client)
+            velocity_world, omega_world = p.getBaseVelocity(self.body, self.client)
+            return com_world, q_xyzw, velocity_world, omega_world
+        # Velocity and forward kinematics too; by name, they would take longer to pass.
+        state = p.getLinkState(self.body, self.link, 1, 1, self.client)
+        return state[0], state[1], state[6], state[7]
+
+    def states(self, rows: FloatArray) -> State:
+        """What was read, n times, in the program's own frames.
+
+        Parameters
+        ----------
+        rows : the numbers of a motion, one after the other, (n, 13)
+        """
+        com_world, q_xyzw, velocity_world, omega_world = np.split(rows, (3, 7, 10), axis=1)
+        q_world_body = np.roll(q_xyzw, 1, axis=1) @ self._times_q_principal_body
+        omega_body = turned_back(matrices(q_world_body), omega_world)
+        return State(q_world_body, omega_body, com_world, velocity_world)
+
+    def coordinates(self, states: State) -> FloatArray:
+        """The velocity coordinates that PyBullet clamps, rad/s and m/s, (n, 3) or (n, 6)."""
+        if self.link == HUNG:
+            return states.omega_body @ self.body_from_principal.as_matrix()
+        omega_world = turned(matrices(states.q_world_body_wxyz), states.omega_body)
+        return np.hstack([omega_world, states.velocity_world])
+
+    def world_from_body(self) -> Rotation:
+        """The body's attitude now."""
+        return Rotation.from_quat(self.read_state().q_world_body_wxyz, scalar_first=True)
+
+    def put_on_pivot(self) -> None:
+        """Take back what a constraint let the origin drift; the attitude stays, the motion ends."""
+        q_xyzw = self.motion()[1]
+        com_world = self.world_from_body().apply(self.com)
+        p.resetBasePositionAndOrientation(self.body, com_world, q_xyzw, self.client)
+
+    def set_velocity(self, omega_world: FloatArray, velocity_world: FloatArray) -> None:
+        """Set ω (3,) and, unless it hangs by a joint, the com's velocity (3,); the pose stays."""
+        if self.link == BASE:
+            p.resetBaseVelocity(self.body, velocity_world, omega_world, self.client)
+            return
+        q_joint_xyzw, *_ = p.getJointStateMultiDof(self.body, self.link, self.client)
+        world_from_principal = Rotation.from_quat(self.motion()[1])
+        omega_principal = world_from_principal.inv().apply(omega_world)
+        self._set_joint(q_joint_xyzw, omega_principal)
+
+    def set_joint_attitude(self, world_from_body: Rotation) -> None:
+        """Turn the link that hangs: its joint's angle is counted along the principal axes."""
+        turned = self.body_from_principal.inv() * world_from_body * self.body_from_principal
+        self._set_joint(turned.as_quat(), np.zeros(3))
+
+    def _set_joint(self, q_xyzw: FloatArray, omega_principal: FloatArray) -> None:
+        p.resetJointStateMultiDof(
+            self.body, self.link, q_xyzw, omega_principal, physicsClientId=self.client
+        )
+
+    @cached_property
+    def _times_q_principal_body(self) -> FloatArray:
+        return times(self.body_from_principal.inv().as_quat(scalar_first=True))

@@ -1,0 +1,220 @@
+"""A scene running in PyBullet: its steps, and the torques that no model element gives."""
+
+from collections.abc import Callable, Collection, Sequence
+from functools import cache, partial
+from math import isnan
+from struct import Struct
+from typing import final
+
+import numpy as np
+import pybullet as p
+
+from ....scenarios import Scenario
+from ...fault import Fault
+from ...native_output import native_output
+from ...read_back import BodyReading, EngineError, State
+from ...session import Session
+from .as_shipped import DEFAULT_CLAMP, UNREACHED_VELOCITY
+from .audit import what_acts
+from .load import Holding, load
+from .model import BASE, Model
+
+#: Steps a native call, some 20 ms: nothing can interrupt one.
+MOST_STEPS_A_CALL = 2**14
+#: A velocity that was clamped comes back through a rotation, a few roundings off.
+ROTATED = 8 * float(np.finfo(float).eps)
+#: Three numbers of the com, four of the attitude, three of its velocity, three of ω.
+MOTION = Struct("13d")
+#: How PyBullet marks what it warns of.
+WARNING = "b3Warning"
+
+
+@final
+class PyBulletSession(Session):
+    """One scene in a world of its own.
+
+    Raises
+    ------
+    EngineError
+        If PyBullet cannot load the scene, or warns while it does; with what it printed.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        holding: Holding,
+        timestep: float,
+        left_in: Collection[str] = (),
+    ) -> None:
+        self._scenario = scenario
+        self.client, self.model = _open(scenario, holding, left_in)
+        self._clamp = DEFAULT_CLAMP if holding.as_shipped else UNREACHED_VELOCITY
+        self._torques, self.at_once = _torques(self.model, scenario)
+        self.set_timestep(timestep)
+
+    def read_body(self) -> BodyReading:
+        """Mass, com and tensor as PyBullet holds them."""
+        return self.model.read_body()
+
+    def read_state(self) -> State:
+        """The state now."""
+        return self.model.read_state()
+
+    def set_timestep(self, timestep: float) -> None:
+        """Length of the steps from now on, s."""
+        self._timestep = timestep
+        self._substeps = 0
+
+    def advance(self, steps: int) -> None:
+        """Take `steps` whole steps, many a call where no torque has to be renewed in between."""
+        if steps == self._substeps and self.at_once:
+            self._step(steps)
+        elif self.at_once:
+            for substeps in calls(steps, self._timestep):
+                self._step(substeps)
+        else:
+            for _ in range(steps):
+                self._step(1)
+
+    def _step(self, substeps: int) -> None:
+        if substeps != self._substeps:
+            p.setPhysicsEngineParameter(
+                fixedTimeStep=self._timestep * substeps,
+                numSubSteps=substeps,
+                physicsClientId=self.client,
+            )
+            self._substeps = substeps
+        for apply in self._torques:
+            apply()
+        if p.stepSimulation(self.client) is None:
+            raise EngineError("PyBullet did not complete a step", "warning")
+
+    def check(self) -> None:
+        """Raise if the clock is not what was set, a velocity is clamped, or the pivot gave way."""
+        world = p.getPhysicsEngineParameters(self.client)
+        wanted = (self._timestep * self._substeps, self._substeps)
+        got = (world["fixedTimeStep"], world["numSubSteps"])
+        if self._substeps and got != wanted:
+            raise EngineError(
+                f"PyBullet's time and steps a call must be {wanted}, got {got}", "clock"
+            )
+        snapshots = [self.snapshot()]
+        if fault := self.first_fault(snapshots, self.states(snapshots)):
+            raise EngineError(fault.reason, fault.cause)
+
+    def snapshot(self) -> bytes:
+        """The motion as PyBullet tells it: its numbers one after the other."""
+        com_world, q_xyzw, velocity_world, omega_world = self.model.motion()
+        if isnan(omega_world[0]):
+            # Nobody knows how long the solvers take over one that is not a number.
+            raise EngineError("the state is no longer finite", "not-finite")
+        return MOTION.pack(*com_world, *q_xyzw, *velocity_world, *omega_world)
+
+    def states(self, snapshots: Sequence[bytes]) -> State:
+        """The same in the program's own frames."""
+        rows = np.frombuffer(bytearray().join(snapshots)).reshape(len(snapshots), -1)
+        return self.model.states(rows)
+
+    def first_fault(
+        self,
+        snapshots: Sequence[bytes],  # noqa: ARG002
+        states: State,
+    ) -> Fault | None:
+        """The first snapshot in which a velocity is clamped."""
+        clamped = np.abs(self.model.coordinates(states)) >= self._clamp * (1 - ROTATED)
+        if not clamped.any():
+            return None
+        reason = f"PyBullet clamps velocities at {self._clamp:g}"
+        return Fault(int(np.argmax(clamped.any(axis=1))), "clamp", reason)
+
+    def active(self) -> frozenset[str]:
+        """What acts, read back and felt: see `pybullet_audit`."""
+        return what_acts(self, self.model, self._scenario)
+
+    def close(self) -> None:
+        """Free the world."""
+        p.disconnect(self.client)
+
+
+def _open(scenario: Scenario, holding: Holding, left_in: Collection[str]) -> tuple[int, Model]:
+    """A world with the scene's body and gravity in it."""
+    client = -1
+    try:
+        with native_output() as printed:
+            client = p.connect(p.DIRECT)
+            if client < 0:
+                raise EngineError("PyBullet cannot open another world")
+            model = load(client, scenario, holding, left_in)
+            p.setGravity(*scenario.gravity_world, physicsClientId=client)
+        if WARNING in printed.text:
+            raise EngineError("PyBullet warns")
+    except EngineError as error:
+        if client >= 0:
+            p.disconnect(client)
+        said = f"; PyBullet printed: {printed.text.strip()}" if printed.text.strip() else ""
+        raise type(error)(f"{error}{said}", error.cause) from None
+    return client, model
+
+
+def _torques(model: Model, scenario: Scenario) -> tuple[list[Callable[[], None]], bool]:
+    """What to apply before a call, and whether that call may take many steps.
+
+    PyBullet keeps an applied torque for all steps of a call and clears it after. In world axes, or
+    on a joint, constant is what it stays; anything else has to be renewed every step.
+    """
+    torques: list[Callable[[], None]] = []
+    at_once = True
+    if scenario.torque_world.any():
+        torques.append(partial(_push, model, scenario.torque_world.tolist(), p.WORLD_FRAME))
+    if scenario.torque_body.any():
+        principal = model.body_from_principal.inv().apply(np.array(scenario.torque_body)).tolist()
+        if model.link == BASE:
+            torques.append(partial(_push, model, principal, p.LINK_FRAME))
+            at_once = False
+        else:
+            torques.append(partial(_push_joint, model, principal))
+    if scenario.drag:
+        if model.link == BASE:
+            torques.append(partial(_drag, model, scenario.drag))
+        else:
+            p.changeDynamics(
+                model.body, model.link, jointDamping=scenario.drag, physicsClientId=model.client
+            )
+        at_once = False
+    return torques, at_once
+
+
+def _push(model: Model, torque: list[float], frame: int) -> None:
+    p.applyExternalTorque(model.body, model.link, torque, frame, model.client)
+
+
+def _push_joint(model: Model, torque_principal: list[float]) -> None:
+    p.setJointMotorControlMultiDof(
+        model.body,
+        model.link,
+        p.TORQUE_CONTROL,
+        force=torque_principal,
+        physicsClientId=model.client,
+    )
+
+
+def _drag(model: Model, coefficient: float) -> None:
+    _, (x, y, z) = p.getBaseVelocity(model.body, model.client)
+    torque = (-coefficient * x, -coefficient * y, -coefficient * z)
+    p.applyExternalTorque(model.body, model.link, torque, p.WORLD_FRAME, model.client)
+
+
+@cache
+def calls(steps: int, timestep: float) -> tuple[int, ...]:
+    """Steps a call that add up to `steps`: one call where PyBullet takes exactly that many.
+
+    It is told k dt and k, divides the one by the other, and takes as many steps as fit. With k a
+    power of two that is exact; with another it may be a step less, or of another length.
+    """
+    span = steps * timestep
+    each = span / steps
+    if steps <= MOST_STEPS_A_CALL and each == timestep and int(span / each) == steps:
+        return (steps,)
+    chunk = min(1 << (steps.bit_length() - 1), MOST_STEPS_A_CALL)
+    rest = steps - chunk
+    return (chunk, *calls(rest, timestep)) if rest else (chunk,)

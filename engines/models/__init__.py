@@ -1,0 +1,1 @@
+"""A scene as a model file: MJCF and URDF."""

@@ -1,0 +1,164 @@
+"""A scene as MJCF, complete: loaded by any MuJoCo program, its keyframe 0 is the start.
+
+The file holds the effects the scene calls for and nothing else. What MuJoCo would compute by
+default for contacts, constraints, sensors and the like is switched off.
+"""
+
+import xml.etree.ElementTree as ET
+from collections.abc import Collection, Iterable, Iterator
+
+from mpmath import mp
+
+from ...scenarios import Scenario
+from ...scenarios.exact import DIGITS, cross, rotate
+from .principal_frame import principal_frame
+from .text import decimals, xml_text
+
+BODY = "top"
+JOINT = "joint"
+START_KEY = "start"
+BODY_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+NO_FORCE = (0.0, 0.0, 0.0)
+
+#: Flags that are on in MuJoCo by default and that no scene ever needs. The others that MuJoCo has
+#: (filterparent, nativeccd, multiccd) choose how contacts are found, where there are any.
+NEVER_CALLED_FOR = (
+    "constraint",
+    "equality",
+    "frictionloss",
+    "limit",
+    "contact",
+    "spring",
+    "clampctrl",
+    "warmstart",
+    "refsafe",
+    "sensor",
+    "midphase",
+    "island",
+    "autoreset",
+)
+
+
+def mjcf(
+    scenario: Scenario,
+    timestep: float,
+    integrator: str | None,
+    left_in: Collection[str] = (),
+) -> str:
+    """The scene as an MJCF document.
+
+    Parameters
+    ----------
+    timestep : s
+    integrator : as MuJoCo spells it; None for its default
+    left_in : passes that stay on as they are by default, though the scene has no use for them;
+        names out of `switched_off`
+    """
+    root = ET.Element("mujoco", model=scenario.name)
+    option = ET.SubElement(
+        root,
+        "option",
+        timestep=decimals([timestep]),
+        gravity=decimals(scenario.gravity_world),
+    )
+    if integrator is not None:
+        option.set("integrator", integrator)
+    if disabled := [name for name in switched_off(scenario) if name not in left_in]:
+        ET.SubElement(option, "flag", dict.fromkeys(disabled, "disable"))
+    _add_body(ET.SubElement(root, "worldbody"), scenario)
+    if actuators := list(_actuators(scenario)):
+        ET.SubElement(root, "actuator").extend(actuators)
+    qpos, qvel = start_coordinates(scenario)
+    keys = ET.SubElement(root, "keyframe")
+    ET.SubElement(keys, "key", name=START_KEY, qpos=decimals(qpos), qvel=decimals(qvel))
+    return xml_text(root)
+
+
+def switched_off(scenario: Scenario) -> tuple[str, ...]:
+    """MuJoCo's names of the passes that the scene has no use for."""
+    effects = scenario.called_for
+    joint_damping = "drag" in effects and scenario.has_pivot
+    needed = {
+        "gravity": "gravity" in effects,
+        "damper": joint_damping,
+        # Implicit joint damping is what MuJoCo's Euler does with a damper.
+        "eulerdamp": joint_damping,
+        "actuation": any(True for _ in _actuators(scenario)),
+    }
+    return NEVER_CALLED_FOR + tuple(name for name, is_needed in needed.items() if not is_needed)
+
+
+def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
+    """qpos and qvel at t = 0.
+
+    A ball joint's are the attitude (w, x, y, z) and ω in body axes. A free joint's begin with the
+    position and velocity of the body frame's origin, not of the com, in world axes
+    (MuJoCo documentation, "Floating objects").
+    """
+    start, com_body = scenario.start, scenario.body.com_exact
+    q, omega_body = start.q_exact, start.omega_body_exact
+    rotation = [float(c) for c in q], [float(c) for c in omega_body]
+    if scenario.has_pivot:
+        return rotation
+    with mp.workdps(DIGITS):
+        arm_world = rotate(q, com_body)
+        swing_world = rotate(q, cross(omega_body, com_body))
+        origin = [float(p - a) for p, a in zip(start.position_world, arm_world, strict=True)]
+        speed = [float(v - s) for v, s in zip(start.velocity_world, swing_world, strict=True)]
+    return origin + rotation[0], speed + rotation[1]
+
+
+def _add_body(world: ET.Element, scenario: Scenario) -> None:
+    body, frame = scenario.body, principal_frame(scenario.body)
+    element = ET.SubElement(world, "body", name=BODY)
+    if scenario.has_pivot:
+        joint = ET.SubElement(element, "joint", name=JOINT, type="ball")
+        if scenario.drag:
+            joint.set("damping", decimals([scenario.drag]))
+    else:
+        # Aligned with the inertial frame, qpos and qvel would mean something else.
+        ET.SubElement(element, "freejoint", name=JOINT, align="false")
+    ET.SubElement(
+        element,
+        "inertial",
+        mass=decimals([body.mass]),
+        pos=decimals(body.com),
+        quat=decimals(frame.q_body_axes_wxyz),
+        diaginertia=decimals(frame.moments),
+    )
+
+
+def _actuators(scenario: Scenario) -> Iterator[ET.Element]:
+    """Torques that are no joint damping: constant ones, and the drag of a free body.
+
+    A free joint's damping would brake its translation too, hence three servos, one a body axis.
+    """
+    effects = scenario.called_for
+    if "torque_body" in effects:
+        yield _actuator(scenario, "joint", scenario.torque_body, constant=1.0)
+    if "torque_world" in effects:
+        # The parent's axes, which are the world's.
+        yield _actuator(scenario, "jointinparent", scenario.torque_world, constant=1.0)
+    if "drag" in effects and not scenario.has_pivot:
+        for axis in BODY_AXES:
+            yield _actuator(scenario, "joint", axis, per_velocity=-scenario.drag)
+
+
+def _actuator(
+    scenario: Scenario,
+    transmission: str,
+    axis: Iterable[float],
+    constant: float = 0.0,
+    per_velocity: float = 0.0,
+) -> ET.Element:
+    """A torque (constant + per_velocity · ω·axis) along `axis`, whatever the control signal is."""
+    # A free joint's gear begins with a force.
+    gear = decimals(axis) if scenario.has_pivot else f"{decimals(NO_FORCE)} {decimals(axis)}"
+    return ET.Element(
+        "general",
+        {transmission: JOINT},
+        gear=gear,
+        gainprm="0",
+        biastype="affine",
+        biasprm=decimals([constant, 0.0, per_velocity]),
+    )

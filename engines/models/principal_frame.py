@@ -1,0 +1,79 @@
+"""The principal frame of a body, worked out here so that no engine's eigensolver decides it."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from mpmath import mp, mpf
+
+from ...scenarios import Body, FloatArray
+from ...scenarios.exact import DIGITS, Quaternion, Tensor, Vector, product
+from ...scenarios.principal import principal_axes
+
+#: Below this cosine of the pitch, roll and yaw turn about one axis and only their sum is defined.
+#: Half the working digits: entries of the rotation are good to all of them.
+GIMBAL_LOCK = mpf(10) ** (-DIGITS // 2)
+
+
+@dataclass(frozen=True, eq=False)
+class PrincipalFrame:
+    """Principal moments about the centre of mass and the right-handed axes they belong to.
+
+    Attributes
+    ----------
+    moments : kg m², along the frame's x, y and z, (3,)
+    q_body_axes_wxyz : takes components along the principal axes to body components, (4,)
+    rpy_body_axes : the same rotation as URDF writes it, R = Rz(yaw) Ry(pitch) Rx(roll), rad, (3,)
+    """
+
+    moments: FloatArray
+    q_body_axes_wxyz: FloatArray
+    rpy_body_axes: FloatArray
+
+
+def principal_frame(body: Body, thickness: float = 0.0) -> PrincipalFrame:
+    """The principal frame about the com, as engines' files want it.
+
+    Parameters
+    ----------
+    thickness : the least by which the largest moment is to stay below the sum of the others,
+        relative to that sum. At 0 the doubles just obey the triangle inequality: of a flat body,
+        whose largest moment is the sum of the others, readers refuse one that is an ulp beyond.
+    """
+    moments, R_body_axes = principal_axes(body.inertia_com_exact)
+    with mp.workdps(DIGITS):
+        rpy = _roll_pitch_yaw(R_body_axes)
+        return PrincipalFrame(
+            _readonly(_within_triangle(moments, thickness)),
+            _readonly(_quaternion(rpy)),
+            _readonly(rpy),
+        )
+
+
+def _within_triangle(moments: Iterable[mpf], thickness: float) -> list[float]:
+    rounded = [float(moment) for moment in moments]
+    largest = rounded.index(max(rounded))
+    others = rounded[:largest] + rounded[largest + 1 :]
+    rounded[largest] = min(rounded[largest], sum(others) * (1 - thickness))
+    return rounded
+
+
+def _roll_pitch_yaw(R: Tensor) -> Vector:
+    """Angles of R = Rz(yaw) Ry(pitch) Rx(roll) (Diebel 2006, Representing Attitude, §5.6.12)."""
+    cos_pitch = mp.hypot(R[0][0], R[1][0])
+    pitch = mp.atan2(-R[2][0], cos_pitch)
+    if cos_pitch < GIMBAL_LOCK:
+        return (mpf(0), pitch, mp.atan2(-R[0][1], R[1][1]))
+    return (mp.atan2(R[2][1], R[2][2]), pitch, mp.atan2(R[1][0], R[0][0]))
+
+
+def _quaternion(rpy: Vector) -> Quaternion:
+    (cr, cp, cy), (sr, sp, sy) = ([f(angle / 2) for angle in rpy] for f in (mp.cos, mp.sin))
+    zero = mpf(0)
+    return product(product((cy, zero, zero, sy), (cp, zero, sp, zero)), (cr, sr, zero, zero))
+
+
+def _readonly(values: object) -> FloatArray:
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,68 @@
+"""A scene's body as URDF: what PyBullet loads, and a second way into MuJoCo.
+
+URDF describes bodies and joints. Gravity, drag, torques, the timestep and the start are no part
+of it; the adapters that load it set them.
+"""
+
+import xml.etree.ElementTree as ET
+
+from ...scenarios import Scenario
+from .principal_frame import principal_frame
+from .text import decimals, xml_text
+
+#: The link that is the body, its frame the scene's body frame.
+BODY_LINK = "top"
+#: The name both readers know as the fixed world.
+WORLD_LINK = "world"
+PIVOT_JOINT = "pivot"
+
+
+def urdf(scenario: Scenario, thickness: float = 0.0, shape_radius: float = 0.0) -> str:
+    """The scene's body, and its pivot where there is one, as a URDF document.
+
+    A pivoted body hangs by a ``spherical`` joint at its own origin on a fixed link at the world's
+    origin. A free body is the only link. (A ``floating`` joint would not do: PyBullet makes a
+    fixed one of it. MuJoCo welds an only link to the world unless told to give it a free joint.)
+
+    The tensor is written as principal moments in a turned inertial frame: PyBullet diagonalises
+    a full tensor itself, and only to 1e-10.
+
+    Parameters
+    ----------
+    thickness : as of `principal_frame`, for a reader that cannot take an entirely flat body
+    shape_radius : m, of a sphere about the com to collide with; none if zero
+    """
+    robot = ET.Element("robot", name=scenario.name)
+    if scenario.has_pivot:
+        ET.SubElement(robot, "link", name=WORLD_LINK)
+    _add_body(robot, scenario, thickness)
+    if shape_radius:
+        _add_shape(robot, scenario, shape_radius)
+    if scenario.has_pivot:
+        _add_pivot(robot)
+    return xml_text(robot)
+
+
+def _add_body(robot: ET.Element, scenario: Scenario, thickness: float) -> None:
+    body, frame = scenario.body, principal_frame(scenario.body, thickness)
+    link = ET.SubElement(robot, "link", name=BODY_LINK)
+    inertial = ET.SubElement(link, "inertial")
+    ET.SubElement(inertial, "origin", xyz=decimals(body.com), rpy=decimals(frame.rpy_body_axes))
+    ET.SubElement(inertial, "mass", value=decimals([body.mass]))
+    ixx, iyy, izz = (decimals([moment]) for moment in frame.moments)
+    ET.SubElement(inertial, "inertia", ixx=ixx, ixy="0", ixz="0", iyy=iyy, iyz="0", izz=izz)
+
+
+def _add_shape(robot: ET.Element, scenario: Scenario, radius: float) -> None:
+    collision = ET.SubElement(robot.findall("link")[-1], "collision")
+    ET.SubElement(collision, "origin", xyz=decimals(scenario.body.com), rpy="0 0 0")
+    ET.SubElement(ET.SubElement(collision, "geometry"), "sphere", radius=decimals([radius]))
+
+
+def _add_pivot(robot: ET.Element) -> None:
+    joint = ET.SubElement(robot, "joint", name=PIVOT_JOINT, type="spherical")
+    ET.SubElement(joint, "parent", link=WORLD_LINK)
+    ET.SubElement(joint, "child", link=BODY_LINK)
+    ET.SubElement(joint, "origin", xyz="0 0 0", rpy="0 0 0")
+    # A ball has no axis, but readers warn where none is given.
+    ET.SubElement(joint, "axis", xyz="0 0 1")

@@ -1,0 +1,290 @@
+"""The command line. Heavy imports wait inside the commands, so that ``--help`` answers at once."""
+
+import json
+import sys
+from io import TextIOWrapper
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .options import (
+    CORES,
+    REPORT_FOLDER,
+    RESULT_FILE,
+    AsJson,
+    Bound,
+    Dask,
+    Engines,
+    Jobs,
+    Members,
+    Methods,
+    Scene,
+    Scenes,
+    Seed,
+    TimeLimit,
+    Timesteps,
+)
+from .result_commands import app as result_commands
+from .stopping import Stopped, raise_when_stopped
+from .sweep_commands import app as sweep_commands
+from .sweep_commands import run_members
+from .terminal import BAD_INPUT, Complaint, say, table, to_json
+
+app = typer.Typer(
+    name="spincheck",
+    help="Check physics engines against the exact motion of spinning tops.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+)
+app.add_typer(result_commands)
+app.add_typer(sweep_commands)
+
+
+def main() -> None:
+    """Run the command line; every complaint is one message and an exit code."""
+    # A title's Greek letters, or a file's name of bytes, where the terminal has no such letters.
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    raise_when_stopped()
+    try:
+        app()
+    except Complaint as complaint:
+        say(f"spincheck: {complaint}")
+        sys.exit(complaint.exit_code)
+    except Stopped as stopped:
+        say(f"spincheck: {stopped}")
+        sys.exit(stopped.exit_code)
+
+
+@app.command()
+def run(
+    scenes: Scenes = None,
+    engine: Engines = None,
+    method: Methods = None,
+    timestep: Timesteps = None,
+    jobs: Jobs = CORES,
+    out: Annotated[Path, typer.Option(help="The result file; added to.")] = RESULT_FILE,
+    quick: Annotated[
+        bool,
+        typer.Option("--quick", help="Short ladders, untimed; none of hard scenes unless named."),
+    ] = False,
+    time_limit: TimeLimit = None,
+    ensemble: Members = None,
+    seed: Seed = 0,
+    dask: Dask = None,
+    as_json: AsJson = False,
+) -> None:
+    """Simulate scenes, compare with the truth, and store what was found.
+
+    What the file holds already is not run again, unless its scene, engine or spincheck changed.
+    """
+    from . import running
+    from .summary import print_results, results_as_json
+
+    asked = (engine or [], method or [], timestep or [])
+    if ensemble is not None:
+        if quick:
+            raise Complaint("'--quick' is for ladders; an ensemble has none", BAD_INPUT)
+        where = (jobs, dask, out)
+        code = run_members(scenes or [], ensemble, seed, asked, time_limit, where, as_json)
+        raise typer.Exit(code)
+    if dask is not None:
+        raise Complaint("'--dask' is for sweeps: 'map', or 'run' with '--ensemble'", BAD_INPUT)
+    results = running.run(scenes or [], *asked, jobs, out, quick=quick, time_limit=time_limit)
+    if as_json:
+        print(to_json(results_as_json(results)))
+    else:
+        print_results(results)
+        say(f"Results are in {out}; 'spincheck report {out}' makes pages of them.")
+    raise typer.Exit(running.exit_code(results))
+
+
+@app.command()
+def report(
+    results: Annotated[
+        Path | None, typer.Argument(metavar="[RESULT FILE]", help="What 'spincheck run' wrote.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="The folder to write.")] = REPORT_FOLDER,
+    jobs: Jobs = CORES,
+) -> None:
+    """Make HTML and Markdown pages of a result file; run the library first if there is none."""
+    from ..pages.render import render
+    from . import running
+
+    if results is None and not RESULT_FILE.exists():
+        found = running.run([], [], [], [], jobs, RESULT_FILE)
+    else:
+        found = running.read(results or RESULT_FILE)
+    try:
+        print(f"The report is {render(found, out)}")
+    except OSError as error:
+        raise _unwritable(out, error) from None
+    raise typer.Exit(running.exit_code(found))
+
+
+@app.command()
+def compare(
+    old: Annotated[Path, typer.Argument(metavar="OLD", help="A result file.")],
+    new: Annotated[Path, typer.Argument(metavar="NEW", help="Another one, made later.")],
+    as_json: AsJson = False,
+) -> None:
+    """Show what changed between two result files; exits with 1 if anything got worse."""
+    from .compare import changes_as_json, exit_code, print_changes
+    from .compare import compare as find_changes
+
+    found = find_changes(old, new)
+    if as_json:
+        print(to_json(changes_as_json(found)))
+    else:
+        print_changes(found)
+    raise typer.Exit(exit_code(found))
+
+
+@app.command()
+def reference(
+    scenario: Scene,
+    at: Annotated[list[float] | None, typer.Option("--at", help="A time, s.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Print the exact motion: states, L, energy, invariants, and how exact they are."""
+    from .exact_motion import describe, print_truth
+
+    truth = describe(_scenario(scenario), at or [])
+    if as_json:
+        print(to_json(truth))
+    else:
+        print_truth(truth)
+
+
+@app.command()
+def recommend(
+    scenario: Scene,
+    omega: Bound = None,
+    attitude: Bound = None,
+    angular_momentum: Bound = None,
+    energy: Bound = None,
+    engine: Engines = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find the cheapest method and timestep that stay within bounds, and check it.
+
+    An engine as shipped, with its damping and clamps, is never recommended.
+    """
+    from .recommend import exit_code, print_recommendation, recommendation_as_json
+    from .recommend import recommend as find_cheapest
+
+    _scenario(scenario)
+    wanted = {
+        "omega": omega,
+        "attitude": attitude,
+        "angular_momentum": angular_momentum,
+        "energy": energy,
+    }
+    bounds: Any = {signal: bound for signal, bound in wanted.items() if bound is not None}
+    found = find_cheapest(scenario, bounds, engine or [], CORES)
+    if as_json:
+        print(to_json(recommendation_as_json(found)))
+    else:
+        print_recommendation(found)
+    raise typer.Exit(exit_code(found))
+
+
+@app.command("list")
+def list_scenes(scenes: Scenes = None, as_json: AsJson = False) -> None:
+    """List scenes with what they are about."""
+    from .named_scenes import complain, listed
+
+    rows, wrong = listed(scenes or [])
+    print(to_json(rows)) if as_json else table(rows)
+    complain(wrong)
+
+
+@app.command()
+def show(scenario: Scene, as_json: AsJson = False) -> None:
+    """Show a scene as it was understood."""
+    from .scene import scene_as_json
+
+    scene = _scenario(scenario)
+    described = scene_as_json(scene)
+    if as_json:
+        print(to_json(described))
+    else:
+        print(f"{scene.title}\n\n{scene.document.description}\n\n{scene.path}\n")
+        table([{"": name, "value": _inline(value)} for name, value in described.items()])
+
+
+@app.command()
+def check(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Files or folders.")],
+) -> None:
+    """Check scenario files against the format; say all that is wrong."""
+    from .named_scenes import checked, complain
+
+    lines, wrong = checked(files)
+    for line in lines:
+        print(line)
+    complain(wrong)
+
+
+@app.command("engines")
+def list_engines(as_json: AsJson = False) -> None:
+    """List engines, their methods, orders of accuracy and effects."""
+    from ...engines import engines, missing
+
+    rows = [
+        {
+            "engine": engine.name,
+            "version": engine.version,
+            "method": method.name,
+            "order": method.order,
+            "attitude order": method.attitude_order,
+            "effects": ", ".join(sorted(method.effects)),
+            "summary": method.summary,
+        }
+        for engine in engines().values()
+        for method in engine.methods
+    ]
+    if as_json:
+        absent = [{"engine": m.name, "missing package": m.package} for m in missing()]
+        print(to_json({"engines": rows, "missing": absent}))
+        return
+    table(rows)
+    for m in missing():
+        print(f"{m.name} cannot be used: the package '{m.package}' is not installed.")
+
+
+@app.command()
+def export(
+    scenario: Scene,
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Made if it is not there.")],
+) -> None:
+    """Write a scene as scene.xml (MJCF) and scene.urdf."""
+    from .scene import export_scene
+
+    try:
+        written = export_scene(_scenario(scenario), folder)
+    except OSError as error:
+        raise _unwritable(folder, error) from None
+    for path in written:
+        print(path)
+
+
+def _scenario(name: str) -> Any:
+    from .named_scenes import one_scene
+
+    return one_scene(name)
+
+
+def _unwritable(place: Path, error: OSError) -> Complaint:
+    from ...scenarios import printable
+
+    where = printable(str(place))
+    return Complaint(f"{where}: cannot be written: {error.strerror}", BAD_INPUT)
+
+
+def _inline(value: object) -> str:
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,168 @@
+"""The pytest plugin: a scenario file is a test file.
+
+It is loaded into every pytest run where the package is installed, so nothing heavy is imported
+before a scenario file has been found.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from ...engines import Engine, Method
+    from ...scenarios import Scenario
+    from ..harness.executors.local_workers import Workers
+    from ..harness.study import Prepared
+
+#: A scenario's first key stands this near the file's beginning, after comments at most.
+_HEAD = 1 << 14
+
+
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    """Collect TOML files whose first key is `spincheck`; touch no other."""
+    if file_path.suffix != ".toml" or not _may_be_scenario(file_path):
+        return None
+    from ...scenarios import is_scenario
+
+    if not is_scenario(file_path):
+        return None
+    collector: pytest.Collector = ScenarioFile.from_parent(parent, path=file_path)
+    return collector
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Stop the workers, if any were started."""
+    if workers := config.stash.get(_WORKERS, None):
+        workers.kill()
+
+
+class ScenarioFile(pytest.File):
+    """One scene: an item for its reference, one for each engine and method."""
+
+    def collect(self) -> Iterator[pytest.Item]:
+        """Yield the items; an engine as shipped is one only where the scene promises about it."""
+        from ...engines import engines
+        from ...scenarios import ScenarioError, load
+        from ..harness.expectations import unknown_promises
+
+        try:
+            self.scenario: Scenario = load(self.path)
+        except ScenarioError as error:
+            raise self.CollectError(str(error)) from None
+        if wrong := unknown_promises([self.scenario]):
+            raise self.CollectError("\n".join(wrong))
+        yield ReferenceItem.from_parent(self, name="reference")
+        promised = {(promise.engine, promise.method) for promise in self.scenario.expect}
+        for engine in engines().values():
+            for method in engine.methods:
+                if method.as_shipped and (engine.name, method.name) not in promised:
+                    continue
+                name = f"{engine.name}-{method.name}"
+                yield EngineItem.from_parent(self, name=name, engine=engine, method=method)
+
+    @cached_property
+    def prepared(self) -> "Prepared":
+        """The scene's truth, solved once for all items."""
+        from ..harness.ladder import MAX_STEPS
+        from ..harness.study import prepare
+
+        timesteps = sorted({promise.timestep for promise in self.scenario.expect})
+        found = prepare(self.scenario, timesteps, MAX_STEPS)
+        # How long a step may be is no test.
+        return replace(found, ladder=replace(found.ladder, above=()))
+
+
+class SceneItem(pytest.Item):
+    """An item whose failure is told in words, never as a stack trace."""
+
+    parent: ScenarioFile
+
+    def reportinfo(self) -> tuple[Path, None, str]:
+        """Say where the item comes from."""
+        return self.path, None, f"{self.path.stem}::{self.name}"
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
+        """Show what disagreed; only a fault of this program shows its trace."""
+        if isinstance(excinfo.value, Disagreement):
+            return str(excinfo.value)
+        return super().repr_failure(excinfo, style)
+
+
+class Disagreement(Exception):
+    """What an item found, in words."""
+
+
+class ReferenceItem(SceneItem):
+    """Checks the truth: invariants, a second method, published values."""
+
+    def runtest(self) -> None:
+        """Raise `Disagreement` with all complaints."""
+        from ..harness.reference_checks import complaints
+
+        found = list(complaints(self.parent.scenario))
+        if found:
+            command = f"reproduce with: spincheck reference {self.path}"
+            raise Disagreement("\n".join([*found, command]))
+
+
+class EngineItem(SceneItem):
+    """Runs one method of one engine down its ladder and judges it."""
+
+    def __init__(self, *, engine: "Engine", method: "Method", **known: Any) -> None:
+        super().__init__(**known)
+        self.engine = engine
+        self.method = method
+
+    def runtest(self) -> None:
+        """Raise `Disagreement` if the method disagrees; skip, and say why, if nothing is told."""
+        from ..harness.study import descent_of, simulate
+
+        scenario = self.parent.scenario
+        if reason := self.engine.unsupported(scenario, self.method):
+            pytest.skip(reason)
+        workers = _workers(self.config)
+        descent = descent_of(scenario, self.engine, self.method, self.parent.prepared)
+        while rung := descent.next_rung():
+            run = workers.submit(simulate, self.engine, scenario, self.method.name, rung)
+            descent.add(run.outcome())
+        verdict = descent.verdict()
+        if not verdict.agrees:
+            raise Disagreement(
+                "\n".join(
+                    [
+                        f"{verdict.signal} {verdict.verdict}: {verdict.reason}",
+                        *verdict.broken,
+                        f"reproduce with: spincheck run {self.path} "
+                        f"--engine {self.engine.name} --method {self.method.name}",
+                    ]
+                )
+            )
+        if verdict.verdict != "converges" and not (verdict.as_shipped or verdict.known):
+            pytest.skip(f"{verdict.verdict}: {verdict.reason}")
+
+
+_WORKERS: "pytest.StashKey[Workers]" = pytest.StashKey()
+
+
+def _workers(config: pytest.Config) -> "Workers":
+    """One worker process for the session: a crash costs the item, not the run."""
+    from ..harness.executors.local_workers import Workers
+
+    if _WORKERS not in config.stash:
+        config.stash[_WORKERS] = Workers(jobs=1)
+    return config.stash[_WORKERS]
+
+
+def _may_be_scenario(path: Path) -> bool:
+    try:
+        # A pipe would be waited for.
+        if not path.is_file():
+            return False
+        with path.open("rb") as file:
+            return b"spincheck" in file.read(_HEAD)
+    except OSError:
+        return False

@@ -1,0 +1,264 @@
+"""What the command `recommend` does: the cheapest method and timestep that stay within bounds.
+
+The scene is run and timed on this machine, down its ladder and above it. What comes out as the
+cheapest is then run at exactly its timestep; a check that misses a bound is one more run to
+interpolate between.
+"""
+
+import math
+import shlex
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from ...engines import engines
+from ...scenarios import Scenario
+from ..harness.choice import Choice
+from ..harness.executors.local_workers import TIME_LIMIT
+from ..harness.study import run_study
+from ..pages.analysis.candidates import Bounds, Candidate, as_cheap, candidates
+from ..pages.analysis.report_data import gather
+from ..results.records import Key, Row
+from ..results.store import Results, open_store
+from . import running
+from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table
+
+#: Checks before it is given up: each that misses is taken into account by the next.
+CHECKS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Recommendation:
+    """What came out.
+
+    Attributes
+    ----------
+    candidates : every method, the cheapest first, those out of reach last
+    checks : runs at exactly a recommended timestep; the last one is of the first candidate
+    unchecked : why there was no check; empty where there was
+    command : runs the first candidate again; empty where no method reaches the bounds
+    """
+
+    scenario: str
+    bounds: Bounds
+    candidates: tuple[Candidate, ...]
+    checks: tuple[Row, ...]
+    unchecked: str = ""
+    command: str = ""
+
+    @property
+    def best(self) -> Candidate | None:
+        """The cheapest; None where no method reaches the bounds."""
+        first = self.candidates[0]
+        return first if first.timestep is not None else None
+
+    @property
+    def verified(self) -> bool:
+        """Whether the last check kept every bound."""
+        return bool(self.checks) and within(self.checks[-1], self.bounds)
+
+
+def recommend(scene: str, bounds: Bounds, engine_names: Sequence[str], jobs: int) -> Recommendation:
+    """Run a scene's ladders, choose, and check the choice; of engines as shipped there is none.
+
+    Raises
+    ------
+    Complaint
+        If there is no bound or one is not positive, the scene or an engine cannot be used, or
+        nothing could be run.
+    """
+    _check_bounds(bounds)
+    methods = _methods(engine_names)
+    with TemporaryDirectory() as folder:
+        out = Path(folder) / "ladder.sqlite"
+        results = running.run([scene], engine_names, methods, [], jobs, out)
+        if running.exit_code(results) == NOT_RUN:
+            raise Complaint(f"{scene}: nothing could be run: {results.rows[0].reason}", NOT_RUN)
+        return _checked(scene, bounds, results, Path(folder))
+
+
+def within(row: Row, bounds: Bounds) -> bool:
+    """Whether a run ended well and kept every bound."""
+    if row.outcome != "ok" or row.errors is None:
+        return False
+    errors = dict(row.errors)
+    return all(errors[signal] <= bound for signal, bound in bounds.items())
+
+
+def exit_code(found: Recommendation) -> int:
+    """0 if the recommended run was checked and keeps every bound, 1 if not."""
+    return AGREES if found.verified else DISAGREES
+
+
+def recommendation_as_json(found: Recommendation) -> dict[str, Any]:
+    """The same with the names that scripts rely on."""
+    methods = [_method(candidate) for candidate in found.candidates]
+    return {
+        "scenario": found.scenario,
+        "bounds": dict(found.bounds),
+        "recommended": methods[0] if found.best else None,
+        "verified": found.verified,
+        "unchecked": found.unchecked,
+        "checks": [
+            asdict(row.key)
+            | {"timestep": row.timestep, "outcome": row.outcome, "reason": row.reason}
+            | (asdict(row.errors) if row.errors else {})
+            for row in found.checks
+        ],
+        "command": found.command,
+        "methods": methods,
+    }
+
+
+def print_recommendation(found: Recommendation) -> None:
+    """Print every method with its cost, the choice, its checks, and how to run it again."""
+    bounds = ", ".join(f"{_named(signal)} to {bound:g}" for signal, bound in found.bounds.items())
+    print(f"{found.scenario}: {bounds}")
+    table([_line(candidate) for candidate in found.candidates])
+    for candidate in found.candidates:
+        if candidate.timestep is None:
+            print(f"{candidate.label}: {candidate.word}: {candidate.reason}")
+    best = found.best
+    if best is None:
+        print("No method reaches it.")
+        return
+    print(
+        f"Cheapest: {best.label} with a timestep of {best.timestep!r} s, "
+        f"{best.cost:.3g} CPU seconds a simulated second."
+    )
+    if alike := as_cheap(found.candidates):
+        labels = ", ".join(candidate.label for candidate in alike)
+        print(f"As cheap, within the spread of the timings: {labels}.")
+    for row in found.checks:
+        print(_check_line(row, found.bounds))
+    if found.unchecked:
+        print(f"Not checked: {found.unchecked}.")
+    print(f"To check it again:\n  {found.command}")
+
+
+def _check_bounds(bounds: Bounds) -> None:
+    if not bounds:
+        raise Complaint(
+            "takes a bound: '--omega', '--attitude', '--angular-momentum' or '--energy'", BAD_INPUT
+        )
+    for signal, bound in bounds.items():
+        if not 0 < bound < math.inf:
+            option = signal.replace("_", "-")
+            raise Complaint(f"'--{option}' must be positive, got {bound:g}", BAD_INPUT)
+
+
+def _methods(engine_names: Sequence[str]) -> list[str]:
+    """Names of the methods of the engines named (none named: all), but those as shipped.
+
+    Engines that are not there are for the run to complain of.
+    """
+    chosen = [e for name, e in engines().items() if name in engine_names or not engine_names]
+    offered = [method.name for e in chosen for method in e.methods if not method.as_shipped]
+    if chosen and not offered:
+        names = ", ".join(engine_names)
+        raise Complaint(f"{names}: has no method but as shipped, which is not recommended", NOT_RUN)
+    return list(dict.fromkeys(offered))
+
+
+def _checked(scene: str, bounds: Bounds, results: Results, folder: Path) -> Recommendation:
+    """Choose and check until a check keeps the bounds, or there is nothing left to choose."""
+    checks: list[Row] = []
+    while True:
+        (tried,) = gather(results).scenes
+        found = tuple(candidates(tried, bounds))
+        best = found[0]
+        if best.timestep is None or tried.found is None:
+            return Recommendation(tried.name, bounds, found, tuple(checks))
+        unchecked = _too_long(best, float(tried.found.solution.trajectory.t[-1]))
+        if not unchecked:
+            out = folder / f"check-{len(checks)}.sqlite"
+            checks.append(_run_again(tried.found.scenario, best.key, best.timestep, out))
+        if unchecked or within(checks[-1], bounds) or len(checks) == CHECKS:
+            command = _command(scene, best)
+            return Recommendation(tried.name, bounds, found, tuple(checks), unchecked, command)
+        results = _with_runs(results, checks[-1:])
+
+
+def _too_long(best: Candidate, duration: float) -> str:
+    """Why a run cannot be checked; empty if it can."""
+    seconds = (best.cost or 0.0) * duration
+    if seconds <= TIME_LIMIT:
+        return ""
+    return f"it would take {seconds:.0f} s, and a run may take {TIME_LIMIT:.0f} s"
+
+
+def _run_again(scenario: Scenario, key: Key, timestep: float, out: Path) -> Row:
+    """One run at exactly that timestep."""
+    say(f"Checking {key.engine} {key.method} at {timestep!r} s.")
+    choice = Choice((engines()[key.engine],), (key.method,), (timestep,))
+    return _rows_at(scenario, choice, 1, out)[0]
+
+
+def _rows_at(scenario: Scenario, choice: Choice, jobs: int, out: Path) -> list[Row]:
+    """What comes out at the timesteps chosen."""
+    with open_store(out, create=True) as store:
+        run_study([scenario], choice, store, jobs, lambda _: None)
+        return [row for row in store.read().rows if row.timestep in choice.timesteps]
+
+
+def _with_runs(results: Results, rows: Iterable[Row]) -> Results:
+    """The results with more runs, at the price of their methods' other runs."""
+    priced = {row.key: row for row in results.rows}
+    known = {(row.key, row.timestep): row for row in results.rows}
+    for row in rows:
+        alike = priced[row.key]
+        known[row.key, row.timestep] = replace(
+            row,
+            seconds_per_step=alike.seconds_per_step,
+            seconds_spread=alike.seconds_spread,
+            wall_seconds_per_step=alike.wall_seconds_per_step,
+        )
+    return replace(results, rows=list(known.values()))
+
+
+def _command(scene: str, best: Candidate) -> str:
+    parts = ["spincheck", "run", scene, "--engine", best.key.engine, "--method", best.key.method]
+    # In a file of its own: what a file knows of a scene is replaced when the scene is run.
+    parts += ["--timestep", repr(best.timestep), "--out", "recommended.sqlite", "--json"]
+    return shlex.join(parts)
+
+
+def _method(candidate: Candidate) -> dict[str, Any]:
+    return asdict(candidate.key) | {
+        "timestep": candidate.timestep,
+        "seconds_per_simulated_second": candidate.cost,
+        "spread": candidate.spread,
+        "known": candidate.word,
+        "reason": candidate.reason,
+        "decided_by": candidate.decided_by,
+        "largest_stable_timestep": candidate.largest_stable,
+    }
+
+
+def _line(candidate: Candidate) -> dict[str, object]:
+    return {
+        "engine": candidate.key.engine,
+        "method": candidate.key.method,
+        "timestep, s": candidate.timestep,
+        "CPU s a simulated s": candidate.cost,
+        "known": candidate.word,
+        "decided by": _named(candidate.decided_by),
+        "largest stable tried, s": candidate.largest_stable,
+    }
+
+
+def _check_line(row: Row, bounds: Bounds) -> str:
+    run = f"{row.key.engine} {row.key.method} at {row.timestep!r} s"
+    if row.outcome != "ok" or row.errors is None:
+        return f"Check of {run}: {row.outcome}: {row.reason}"
+    errors = dict(row.errors)
+    said = ", ".join(f"{_named(name)} {errors[name]:.3g}" for name in errors)
+    missed = [_named(name) for name, bound in bounds.items() if not errors[name] <= bound]
+    outcome = f"misses the bound on {' and '.join(missed)}" if missed else "within every bound"
+    return f"Check of {run}: {outcome}: {said}"
+
+
+def _named(signal: str) -> str:
+    return {"omega": "ω", "angular_momentum": "L"}.get(signal, signal)

@@ -1,0 +1,53 @@
+"""The commands that print what a result file holds, record by record."""
+
+from typing import Any
+
+import typer
+
+from .options import RESULT_FILE, AsCsv, AsJson, Stored
+from .terminal import BAD_INPUT, Complaint, table, to_json
+
+app = typer.Typer()
+
+
+@app.command()
+def rows(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
+    """Print every run of a result file."""
+    from . import running
+    from .summary import row_record
+
+    _print_records([row_record(row) for row in running.read(results).rows], as_csv, as_json)
+
+
+@app.command()
+def verdicts(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
+    """Print every verdict of a result file."""
+    from . import running
+    from .summary import verdict_records
+
+    _print_records(verdict_records(running.read(results)), as_csv, as_json)
+
+
+@app.command()
+def points(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
+    """Print every point of every map and ensemble of a result file."""
+    from . import running
+    from .sweep_summary import flat_records
+
+    found = running.read(results)
+    sweeps: list[Any] = [*found.maps, *found.ensembles]
+    records = [record for sweep in sweeps for record in flat_records(sweep)]
+    _print_records(records, as_csv, as_json)
+
+
+def _print_records(records: list[dict[str, Any]], as_csv: bool, as_json: bool) -> None:
+    from .csv_export import csv_text
+
+    if as_csv and as_json:
+        raise Complaint("takes '--csv' or '--json', not both", BAD_INPUT)
+    if as_csv:
+        print(csv_text(records), end="")
+    elif as_json:
+        print(to_json(records))
+    else:
+        table(records)

@@ -1,0 +1,189 @@
+"""What the command `run` does, and how its results are read back."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from ...engines import Engine, engines, missing
+from ...scenarios import Scenario
+from ..harness.choice import QUICK_STEPS, Choice
+from ..harness.plan import plan
+from ..harness.study import carry_out
+from ..results.records import UNSOLVED, Key, Row
+from ..results.result_file import ResultFileError
+from ..results.store import Results, open_store
+from .named_scenes import scenes_to_run
+from .stopping import Stopped
+from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress, say
+
+#: s; a system's clocks wait for no more than 2³¹ ms at once.
+MOST_TIME = 1e6
+
+
+def run(
+    scenes: Sequence[str],
+    engine_names: Sequence[str],
+    methods: Sequence[str],
+    timesteps: Sequence[float],
+    jobs: int,
+    out: Path,
+    *,
+    quick: bool = False,
+    time_limit: float | None = None,
+) -> Results:
+    """Run what was named and read back what was found of it.
+
+    Where nothing is named that is the whole library, its hard scenes in passing; a quick run leaves
+    those out.
+
+    What the file holds already is not run again.
+
+    Raises
+    ------
+    Complaint
+        If a scene, engine, method, timestep or time limit cannot be used, the file cannot be
+        written, or it was stopped.
+    """
+    scenarios = scenes_of(scenes, quick=quick)
+    choice = limited(choose(engine_names, methods, timesteps), time_limit)
+    choice = replace(choice, hard_in_passing=not scenes)
+    if quick:
+        choice = replace(choice, max_steps=QUICK_STEPS, timed=False)
+    check_timesteps(scenarios, choice)
+    try:
+        with open_store(out, create=True) as store:
+            left = plan(scenarios, choice, store)
+            if str(left):
+                say(f"{out}: {left}")
+            with progress(left.total) as advance:
+                carry_out(left, choice, store, jobs, advance)
+            return _asked_for(store.read(choice.timesteps), scenarios, choice)
+    except ResultFileError as error:
+        raise Complaint(str(error), BAD_INPUT) from None
+    except Stopped as stopped:
+        raise Complaint(
+            f"{stopped}; what was finished is in {out}, and the same command goes on from there",
+            stopped.exit_code,
+        ) from None
+
+
+def scenes_of(names: Sequence[str], *, quick: bool) -> list[Scenario]:
+    """The scenes of a run; the hard ones of the library are in a quick run only if named."""
+    scenarios = scenes_to_run(names)
+    return [scenario for scenario in scenarios if names or not (quick and scenario.hard)]
+
+
+def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) -> Results:
+    """Leave out what a result file holds besides."""
+    pairs = [(engine.name, method.name) for engine, method in choice.pairs()]
+    scenes = {scenario.name: scenario for scenario in scenarios}
+
+    def named(key: Key) -> bool:
+        return key.scenario in scenes and (key.engine, key.method) in pairs
+
+    def at_asked_timestep(row: Row) -> bool:
+        promised = {expected.timestep for expected in scenes[row.key.scenario].expect}
+        return not choice.timesteps or row.timestep in {UNSOLVED, *choice.timesteps, *promised}
+
+    return replace(
+        results,
+        scenes={name: found for name, found in results.scenes.items() if name in scenes},
+        rows=[row for row in results.rows if named(row.key) and at_asked_timestep(row)],
+        verdicts=[verdict for verdict in results.verdicts if named(verdict.key)],
+    )
+
+
+def read(path: Path) -> Results:
+    """Everything in a result file.
+
+    Raises
+    ------
+    Complaint
+        If it cannot be read or is empty.
+    """
+    try:
+        with open_store(path) as store:
+            results = store.read()
+    except ResultFileError as error:
+        raise Complaint(str(error), BAD_INPUT) from None
+    if not (results.verdicts or results.maps or results.ensembles):
+        raise Complaint(f"{path}: holds no results; 'spincheck run' fills it", BAD_INPUT)
+    return results
+
+
+def exit_code(results: Results) -> int:
+    """0 if everything agrees, 1 if something does not, 3 if nothing could be run."""
+    if results.rows and all(row.outcome == "failed" for row in results.rows):
+        return NOT_RUN
+    return AGREES if all(verdict.agrees for verdict in results.verdicts) else DISAGREES
+
+
+def choose(
+    engine_names: Sequence[str], methods: Sequence[str], timesteps: Sequence[float]
+) -> Choice:
+    """The part of the grid that was asked for.
+
+    Raises
+    ------
+    Complaint
+        If there is no such engine, method or timestep.
+    """
+    chosen = tuple(_engine(name) for name in dict.fromkeys(engine_names or engines()))
+    if not chosen:
+        raise Complaint("no engine is installed; 'pip install mujoco pybullet'", NOT_RUN)
+    known = {method.name for engine in chosen for method in engine.methods}
+    for name in methods:
+        if name not in known:
+            raise Complaint(
+                f"'--method' must be one of {', '.join(sorted(known))}, got '{name}'", BAD_INPUT
+            )
+    for timestep in timesteps:
+        if not 0 < timestep < float("inf"):
+            raise Complaint(f"'--timestep' must be positive, got {timestep:g} s", BAD_INPUT)
+    return Choice(chosen, tuple(methods), tuple(timesteps))
+
+
+def limited(choice: Choice, time_limit: float | None) -> Choice:
+    """The same with a time limit, s, where one was chosen.
+
+    Raises
+    ------
+    Complaint
+        If nobody can wait so long, or so short.
+    """
+    if time_limit is not None and not 0 < time_limit <= MOST_TIME:
+        raise Complaint(
+            f"'--time-limit' must be positive and at most {MOST_TIME:g} s, got {time_limit:g} s",
+            BAD_INPUT,
+        )
+    return replace(choice, time_limit=time_limit)
+
+
+def _engine(name: str) -> Engine:
+    if name in engines():
+        return engines()[name]
+    for absent in missing():
+        if absent.name == name:
+            raise Complaint(
+                f"engine '{name}' needs the package '{absent.package}', which is not installed",
+                NOT_RUN,
+            )
+    raise Complaint(f"'--engine' must be one of {', '.join(engines())}, got '{name}'", BAD_INPUT)
+
+
+def check_timesteps(scenarios: Sequence[Scenario], choice: Choice) -> None:
+    """See that every scene's window is longer than the timesteps asked for.
+
+    Raises
+    ------
+    Complaint
+        If one is not.
+    """
+    for scenario in scenarios:
+        for timestep in choice.timesteps:
+            if timestep > scenario.window.duration:
+                raise Complaint(
+                    f"'--timestep' must be shorter than the window of {scenario.name}, "
+                    f"{scenario.window.duration:g} s, got {timestep:g} s",
+                    BAD_INPUT,
+                )

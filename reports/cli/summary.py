@@ -1,0 +1,117 @@
+"""Results on the terminal: a matrix of verdicts, the reasons, and the same as JSON."""
+
+from dataclasses import asdict
+from typing import Any
+
+from ...scenarios.fastest_rate import pace
+from ..pages.analysis.survival import Survival, survival
+from ..results.records import Key, Row, Verdict
+from ..results.store import Results
+from .terminal import table
+
+
+def print_results(results: Results) -> None:
+    """Print the verdicts, scenes down and methods across, then why any is not `converges`."""
+    methods = {
+        (v.key.engine, v.key.method): ", as shipped" if v.as_shipped else ""
+        for v in results.verdicts
+    }
+    words = {
+        (v.key.scenario, v.key.engine, v.key.method): v.verdict + ("!" if v.broken else "")
+        for v in results.verdicts
+    }
+    table(
+        [
+            {"scene": scene}
+            | {
+                f"{e} {m}{how}": words.get((scene, e, m), "")
+                for (e, m), how in sorted(methods.items())
+            }
+            for scene in sorted({v.key.scenario for v in results.verdicts})
+        ]
+    )
+    differing = [v for v in results.verdicts if v.verdict not in ("converges", "unsupported")]
+    for verdict in results.verdicts:
+        if verdict.broken or (verdict in differing and not verdict.as_shipped):
+            print(_sentence(verdict))
+    if shipped := sum(verdict.as_shipped for verdict in differing):
+        print(f"{shipped} times an engine as shipped does not converge; the report says why.")
+
+
+def results_as_json(results: Results) -> dict[str, Any]:
+    """Rows and verdicts with the names that scripts rely on."""
+    return {
+        "rows": [row_record(row) for row in results.rows],
+        "verdicts": verdict_records(results),
+    }
+
+
+def verdict_records(results: Results) -> list[dict[str, Any]]:
+    """Verdicts, each with the largest timestep that its method survives."""
+    paces = {
+        name: pace(found.scenario, found.solution.trajectory)
+        for name, found in results.scenes.items()
+    }
+    rows: dict[Key, list[Row]] = {}
+    for row in results.rows:
+        rows.setdefault(row.key, []).append(row)
+    return [
+        verdict_record(verdict)
+        | _survival_record(survival(rows.get(verdict.key, ()), paces.get(verdict.key.scenario)))
+        for verdict in results.verdicts
+    ]
+
+
+def _survival_record(found: Survival | None) -> dict[str, Any]:
+    return {
+        "largest_surviving_timestep": found.timestep if found else None,
+        "largest_surviving_turn": found.turn if found else None,
+        "all_tried_survived": found.at_least if found else None,
+    }
+
+
+def row_record(row: Row) -> dict[str, Any]:
+    """A run with the names that scripts rely on."""
+    errors = row.errors
+    return asdict(row.key) | {
+        "engine_version": row.engine_version,
+        "timestep": row.timestep,
+        "outcome": row.outcome,
+        "reason": row.reason,
+        "cause": row.cause,
+        "survived": row.survived,
+        "stopped_at": row.stopped_at,
+        "omega_error": errors.omega if errors else None,
+        "attitude_error": errors.attitude if errors else None,
+        "angular_momentum_error": errors.angular_momentum if errors else None,
+        "energy_error": errors.energy if errors else None,
+        "drifts": row.drifts,
+        "reference_uncertainty": row.uncertainty,
+        "steps": row.steps,
+        "seconds_per_step": row.seconds_per_step,
+        "seconds_spread": row.seconds_spread,
+        "wall_seconds_per_step": row.wall_seconds_per_step,
+    }
+
+
+def verdict_record(verdict: Verdict) -> dict[str, Any]:
+    """A verdict with the names that scripts rely on."""
+    return asdict(verdict.key) | {
+        "verdict": verdict.verdict,
+        "reason": verdict.reason,
+        "signal": verdict.signal,
+        "order": verdict.order,
+        "limit_error": verdict.limit_error,
+        "limit_estimate": verdict.limit_estimate,
+        "broken": list(verdict.broken),
+        "as_shipped": verdict.as_shipped,
+        "known": verdict.known,
+    }
+
+
+def _sentence(verdict: Verdict) -> str:
+    key = verdict.key
+    broken = "".join(f"\n  broken promise: {line}" for line in verdict.broken)
+    how = " (as shipped)" if verdict.as_shipped else ""
+    where = f"{key.scenario}, {key.engine} {key.method}{how}"
+    return f"{where}: {verdict.verdict}: {verdict.reason}{broken}"

@@ -1,0 +1,212 @@
+"""What the commands `map`, `member` and `run --ensemble` do."""
+
+from collections.abc import Iterable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...scenarios import Scenario, ScenarioError
+from ...scenarios.scatter import member
+from ...scenarios.vary import TIMESTEP, VaryError, check_path, parse_axis, varied
+from ..harness.choice import Choice
+from ..harness.executors.dask_cluster import Cluster
+from ..harness.executors.local_workers import Workers
+from ..harness.sweep import carry_out_sweep, plan_sweep
+from ..results.result_file import ResultFileError
+from ..results.store import open_store
+from ..results.sweep_records import Ensemble, EnsembleResult, Map, MapResult, Point
+from .named_scenes import one_scene
+from .running import check_timesteps, choose, limited
+from .stopping import Stopped
+from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress, say
+
+#: Lines of progress of a sweep, where there is no terminal to draw a bar on.
+PROGRESS_LINES = 50
+#: A varied window may be shorter than the timestep at some points, which then say so.
+_DURATION = "window.duration"
+
+
+@dataclass(frozen=True)
+class Where:
+    """What a sweep runs on, and where its points go.
+
+    Attributes
+    ----------
+    jobs : worker processes on this computer
+    cluster : a Dask scheduler's address, in their stead
+    out : the result file
+    """
+
+    jobs: int
+    cluster: str | None
+    out: Path
+
+
+def run_map(
+    scene: str,
+    ranges: Sequence[str],
+    choice: Choice,
+    where: Where,
+) -> MapResult:
+    """Run what is missing of a map, and read all of it.
+
+    Parameters
+    ----------
+    ranges : two axes, as `parse_axis` reads them
+    choice : with one timestep at most
+
+    Raises
+    ------
+    Complaint
+        If something asked for cannot be used, or it was stopped.
+    """
+    base = one_scene(scene)
+    asked = _map(base, ranges, choice)
+    if _DURATION not in (axis.path for axis in asked.axes):
+        check_timesteps([base], choice)
+    return MapResult(asked, base, _carried_out(asked, base, choice, where))
+
+
+def run_ensemble(
+    scene: str,
+    members: int,
+    seed: int,
+    choice: Choice,
+    where: Where,
+) -> EnsembleResult:
+    """Run what is missing of an ensemble, and read all of it; parameters and errors as `run_map`.
+
+    Parameters
+    ----------
+    members, seed : how many, and of which stream of random numbers
+    """
+    base = one_scene(scene)
+    check_timesteps([base], choice)
+    asked = Ensemble(base.name, members, seed, _timestep(choice))
+    return EnsembleResult(asked, base, _carried_out(asked, base, choice, where))
+
+
+def member_text(scene: str, seed: int, number: int) -> str:
+    """A member's scenario file."""
+    return member(one_scene(scene), seed, number).text
+
+
+def varied_text(scene: str, numbers: Sequence[str]) -> str:
+    """The scenario file of a scene with other numbers.
+
+    Parameters
+    ----------
+    numbers : as PATH=VALUE
+
+    Raises
+    ------
+    Complaint
+        If one cannot be set, or they make no scene.
+    """
+    base = one_scene(scene)
+    values = dict(_number(text) for text in numbers)
+    try:
+        for path in values:
+            check_path(base, path)
+        if TIMESTEP in values:
+            raise VaryError("the timestep is no number of the scene; give it to 'spincheck run'")
+        return varied(base, values).text
+    except (VaryError, ScenarioError) as error:
+        raise Complaint(str(error), BAD_INPUT) from None
+
+
+def choose_for_sweep(
+    engine_names: Sequence[str],
+    methods: Sequence[str],
+    timesteps: Sequence[float],
+    time_limit: float | None = None,
+) -> Choice:
+    """Engines, methods, at most one timestep, and a time limit, s.
+
+    Raises
+    ------
+    Complaint
+        If there is no such engine or method, there are more timesteps, or nobody waits so long.
+    """
+    if len(timesteps) > 1:
+        raise Complaint(
+            f"'--timestep' may be given once here, got {len(timesteps)}; or vary it in a map",
+            BAD_INPUT,
+        )
+    return limited(choose(engine_names, methods, timesteps), time_limit)
+
+
+def exit_code(points: Iterable[Point]) -> int:
+    """0 if every run came to an end of its own, 1 if one failed, 3 if all did."""
+    outcomes = {point.outcome for point in points}
+    if outcomes <= {"failed"}:
+        return NOT_RUN
+    return DISAGREES if "failed" in outcomes else AGREES
+
+
+def _number(text: str) -> tuple[str, float]:
+    path, _, value = text.partition("=")
+    try:
+        return path, float(value)
+    except ValueError:
+        raise Complaint(f"takes PATH=VALUE, got '{text}'", BAD_INPUT) from None
+
+
+def _map(base: Scenario, ranges: Sequence[str], choice: Choice) -> Map:
+    try:
+        axes = [parse_axis(text) for text in ranges]
+        for axis in axes:
+            check_path(base, axis.path)
+    except VaryError as error:
+        raise Complaint(f"'--vary' {error}", BAD_INPUT) from None
+    paths = [axis.path for axis in axes]
+    if len(axes) != 2 or paths[0] == paths[1]:
+        raise Complaint(
+            f"'--vary' must name two different numbers, got {', '.join(paths) or 'none'}", BAD_INPUT
+        )
+    if TIMESTEP in paths and choice.timesteps:
+        raise Complaint("'--timestep' cannot be both given and varied", BAD_INPUT)
+    return Map(base.name, (axes[0], axes[1]), _timestep(choice))
+
+
+def _timestep(choice: Choice) -> float | None:
+    return choice.timesteps[0] if choice.timesteps else None
+
+
+def _carried_out(
+    asked: Map | Ensemble,
+    base: Scenario,
+    choice: Choice,
+    where: Where,
+) -> tuple[Point, ...]:
+    """The points of the methods chosen, once all are there."""
+    try:
+        with open_store(where.out, create=True) as store:
+            left = plan_sweep(asked, base, choice, store)
+            if str(left):
+                say(f"{where.out}: {left}")
+            if left.left:
+                with (
+                    _executor(where, choice.time_limit) as executor,
+                    progress(len(left.left), PROGRESS_LINES) as advance,
+                ):
+                    carry_out_sweep(left, base, store, executor, advance)
+            pairs = {(engine.name, method.name) for engine, method in choice.pairs()} | {("", "")}
+            points = store.sweeps.points(asked)
+            return tuple(p for p in points if (p.key.engine, p.key.method) in pairs)
+    except ResultFileError as error:
+        raise Complaint(str(error), BAD_INPUT) from None
+    except Stopped as stopped:
+        raise Complaint(
+            f"{stopped}; what was finished is in {where.out}, "
+            "and the same command goes on from there",
+            stopped.exit_code,
+        ) from None
+
+
+def _executor(where: Where, time_limit: float | None) -> Executor:
+    if where.cluster is None:
+        return Workers(where.jobs, time_limit)
+    executor = Cluster(where.cluster, time_limit)
+    executor.check_alike()
+    return executor

@@ -1,1 +1,0 @@
-"""What a step costs, and what leaving things out saves."""

@@ -1,0 +1,61 @@
+"""What a study is asked for."""
+
+from dataclasses import dataclass
+
+from ...engines import Engine, Method
+from ...scenarios import Scenario
+from ..results.records import Key
+from .ladder import MAX_STEPS
+
+Pair = tuple[Engine, Method]
+
+#: A quick study's ladders end before a run would take more steps than this.
+QUICK_STEPS = 1 << 14
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Which part of the grid of engines × methods × timesteps to run; empty means all.
+
+    Attributes
+    ----------
+    timesteps : s; the ladder is run where there are none
+    max_steps : a ladder ends before a run would take more
+    timed : whether steps are timed
+    hard_in_passing : whether hard scenes are taken as in a quick study, as long as a run is that of
+        the whole library: what survives them shows in few steps
+    time_limit : s, that a run may take; the workers' own if None
+    """
+
+    engines: tuple[Engine, ...]
+    methods: tuple[str, ...] = ()
+    timesteps: tuple[float, ...] = ()
+    max_steps: int = MAX_STEPS
+    timed: bool = True
+    hard_in_passing: bool = False
+    time_limit: float | None = None
+
+    def max_steps_on(self, scenario: Scenario) -> int:
+        """How long a run of a scene's ladder may be."""
+        in_passing = self.hard_in_passing and scenario.hard
+        return min(self.max_steps, QUICK_STEPS) if in_passing else self.max_steps
+
+    def times(self, scenario: Scenario) -> bool:
+        """Whether a scene's steps are timed."""
+        return self.timed and not (self.hard_in_passing and scenario.hard)
+
+    def pairs(self) -> list[Pair]:
+        """Every engine and method chosen."""
+        return [
+            (engine, method)
+            for engine in self.engines
+            for method in engine.methods
+            if not self.methods or method.name in self.methods
+        ]
+
+    def methods_on(self, scenario: Scenario) -> dict[Key, Pair]:
+        """The same, by what results on a scene are known by."""
+        return {
+            Key(scenario.name, engine.name, method.name): (engine, method)
+            for engine, method in self.pairs()
+        }

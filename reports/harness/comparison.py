@@ -1,0 +1,84 @@
+"""One run beside the truth: the row it makes, and the scene's promises about it."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...engines import Run
+from ...reference import Solution, drifts
+from ...scenarios import Expect, Scenario, Trajectory, energy, energy_base, errors_between
+from ..results.records import Key, Row
+from .executors.worker_slot import Lost
+from .ladder import Rung
+from .without_skill import lost
+
+#: Energy beyond this many times its base is a blow-up, however finite.
+ABSURD_ENERGY = 10.0
+
+
+def row_of(
+    scenario: Scenario,
+    key: Key,
+    version: str,
+    rung: Rung,
+    result: Run | Lost,
+    solution: Solution,
+) -> Row:
+    """Compare a run with the truth at its own sample times."""
+    if isinstance(result, Lost):
+        return Row(key, version, rung.timestep, "failed", result.reason, result.cause)
+    row = Row(
+        key,
+        result.engine_version,
+        rung.timestep,
+        result.outcome,
+        result.reason,
+        result.cause,
+        result.stopped_at,
+        uncertainty=solution.uncertainty.omega,
+        steps=result.steps,
+    )
+    motion = result.trajectory
+    if motion is None or not len(motion.t):
+        return row
+    truth = solution.trajectory.until(len(motion.t))
+    absurd = _first_absurd(scenario, motion, truth)
+    if absurd is not None:
+        # What the run itself has to say is said too: it may be why.
+        words = (f"the energy exceeds {ABSURD_ENERGY:g} times its base", row.reason)
+        reason = "; ".join(filter(None, words))
+        stopped_at = float(motion.t[absurd])
+        row = replace(row, outcome="diverged", reason=reason, cause="energy", stopped_at=stopped_at)
+    elif row.outcome == "ok" and (said := lost(scenario, motion, truth)):
+        reason = "; ".join(filter(None, (row.reason, said)))
+        row = replace(row, cause=row.cause or "lost", reason=reason, lost=True)
+    return replace(
+        row,
+        errors=errors_between(scenario, motion, truth),
+        drifts=drifts(scenario, motion),
+        motion=motion,
+    )
+
+
+def broken_promises(expected: Expect, row: Row) -> list[str]:
+    """Which of a scene's promises about one run it did not keep, in words."""
+    where = f"{row.key.engine} {row.key.method} at {row.timestep:g} s"
+    if expected.outcome == "diverges":
+        if row.outcome == "diverged":
+            return []
+        ended = f"{row.outcome}{f', {row.reason}' if row.reason else ''}"
+        return [f"{where} was expected to diverge: {ended}"]
+    if row.errors is None or row.outcome != "ok":
+        return [f"{where}: {row.outcome}, {row.reason}"]
+    return [
+        f"{where}: {name} error {error:.3g} exceeds the expected {bound:g}"
+        for name, bound in expected.bounds().items()
+        if not (error := getattr(row.errors, name)) <= bound
+    ]
+
+
+def _first_absurd(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> int | None:
+    """Index of the first sample whose energy differs from the truth's by an absurd amount."""
+    excess = np.abs(energy(scenario, motion) - energy(scenario, truth))
+    beyond = np.flatnonzero(excess > ABSURD_ENERGY * energy_base(scenario, truth))
+    return int(beyond[0]) if len(beyond) else None

@@ -1,0 +1,294 @@
+"""One method's way down the ladder of one scene: which rung next, and the verdict at the end."""
+
+import math
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ...engines import Engine, Method, Run
+from ...reference import Solution
+from ...reference.solution import MAX_UNCERTAINTY
+from ...scenarios import Expect, Scenario
+from ..results.records import Key, Row, Verdict
+from .comparison import broken_promises, row_of
+from .executors.worker_slot import Lost
+from .expected_failures import held_to_known
+from .ladder import COARSEST_TURN, MIN_RUNGS, Ladder, Rung
+from .richardson import Approach, Signal, com_growth, longest_way
+from .verdict import ASYMPTOTIC, SHARP, Judgement, judge
+
+#: A ladder goes on until its limit is known to this, relative (ω) and in rad, or steps run out;
+#: that of an engine as shipped, whose accuracy nobody pays for, until it is sharp enough to judge.
+GOAL = 1e-4
+#: Rungs an extrapolated limit with an error estimate takes.
+RUNGS_OF_A_LIMIT = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Single:
+    """One timestep by itself: asked for by a user, or promised about by the scene."""
+
+    rung: Rung
+    solution: Solution
+    promises: tuple[Expect, ...] = ()
+
+
+@dataclass(eq=False)
+class Descent:
+    """A scene, an engine and a method: first the single timesteps, then the ladder.
+
+    Last come timesteps above the ladder, as long as they survive.
+
+    Attributes
+    ----------
+    solution : the truth at the ladder's sample times
+    ladder : None where only single timesteps are asked for
+    rows, single_rows, above_rows : what was found so far
+    broken : promises of the scene that were not kept, in words
+    """
+
+    scenario: Scenario
+    engine: Engine
+    method: Method
+    solution: Solution
+    ladder: Ladder | None
+    singles: list[Single] = field(default_factory=list)
+    rows: list[Row] = field(default_factory=list)
+    single_rows: list[Row] = field(default_factory=list)
+    above_rows: list[Row] = field(default_factory=list)
+    broken: list[str] = field(default_factory=list)
+    _approaches: list[Approach] = field(default_factory=list)
+    _judged: tuple[Signal, Judgement] | None = None
+
+    @property
+    def key(self) -> Key:
+        """Which scene, engine and method."""
+        return Key(self.scenario.name, self.engine.name, self.method.name)
+
+    def next_rung(self) -> Rung | None:
+        """The rung to run now, or None when enough is known."""
+        if single := self._next_single():
+            return single.rung
+        if self.ladder is None:
+            return None
+        return self._next_above() if self._down else self.ladder.rungs[len(self.rows)]
+
+    def add(self, result: Run | Lost, printed: str = "") -> Row:
+        """Turn what came back from a worker for the next rung into a row."""
+        rung = self.next_rung()
+        assert rung is not None
+        single = self._next_single()
+        solution = single.solution if single else thinned(self.solution, rung.every)
+        row = row_of(self.scenario, self.key, self.engine.version, rung, result, solution)
+        row = replace(row, printed=printed)
+        if self.rows and not single and self._down:
+            # Nothing is judged or drawn by it: there are finer ones.
+            row = replace(row, motion=None)
+        self.take(row)
+        return row
+
+    def take(self, row: Row) -> None:
+        """Take the row of the next rung, whether it was run just now or is known from before."""
+        if single := self._next_single():
+            self.single_rows.append(row)
+            for promise in single.promises:
+                self.broken += broken_promises(promise, row)
+        elif self._down:
+            self.above_rows.append(row)
+        else:
+            self.rows.append(row)
+            self._approach(row)
+
+    def can_take(self, row: Row) -> bool:
+        """Whether the row of the next rung is enough: a ladder is judged on motions."""
+        judged = not (self._next_single() or self._down)
+        return not judged or row.outcome != "ok" or row.motion is not None
+
+    @property
+    def cut_short(self) -> bool:
+        """Whether finer rungs, had there been any, would have been run."""
+        if self.ladder is None:
+            return False
+        if not self.rows:
+            return self.ladder.least_steps > 0
+        return not (self._hopeless(self.rows[-1]) or self._known())
+
+    def spent(self) -> list[float]:
+        """Timesteps of the runs whose samples nobody wants once there is a verdict: all but one.
+
+        A report shows the finest run that left any.
+        """
+        rows = self.rows + self.single_rows + self.above_rows
+        shown = min((row.timestep for row in rows if row.motion is not None), default=None)
+        return [row.timestep for row in rows if row.timestep != shown]
+
+    def verdict(self) -> Verdict:
+        """Judge the ladder, and hold the scene's file to what it says is known."""
+        return held_to_known(self.scenario.known, self._verdict())
+
+    def _verdict(self) -> Verdict:
+        last = self._last
+        known: dict[str, Any] = {
+            "broken": tuple(self.broken),
+            "as_shipped": self.method.as_shipped,
+        }
+        if last is None and (lacking := self.engine.unsupported(self.scenario, self.method)):
+            return Verdict(self.key, "unsupported", lacking, **known)
+        if last and last.outcome in ("failed", "diverged", "unsupported"):
+            word = "diverges" if last.outcome == "diverged" else last.outcome
+            return Verdict(self.key, word, _with_time(last), **known)
+        signal, judgement = self._judge()
+        return Verdict(
+            self.key,
+            judgement.word,
+            # Of an engine as shipped, what differs from the scene.
+            "; ".join(said for said in (judgement.reason, last.reason if last else "") if said),
+            signal,
+            judgement.order,
+            judgement.limit_error,
+            judgement.limit_estimate,
+            **known,
+        )
+
+    def _next_single(self) -> Single | None:
+        return next(iter(self.singles[len(self.single_rows) :]), None)
+
+    def _next_above(self) -> Rung | None:
+        """One more doubling while the timestep before it survives."""
+        assert self.ladder is not None, "without a ladder there is nothing above it"
+        before = self.above_rows[-1:] or self.rows[:1]
+        if before and not before[0].survived:
+            return None
+        return next(iter(self.ladder.above[len(self.above_rows) :]), None)
+
+    @property
+    def _down(self) -> bool:
+        """Whether the ladder is at its end: no finer rung is there, is wanted, or can help."""
+        assert self.ladder is not None, "only a ladder has an end"
+        taken = len(self.rows)
+        if taken == len(self.ladder.rungs) or (self.rows and self._hopeless(self.rows[-1])):
+            return True
+        return taken >= MIN_RUNGS and (self._known() or self._out_of_reach())
+
+    @property
+    def _last(self) -> Row | None:
+        """The run that tells of trouble, where there is any."""
+        if self.rows or self.ladder is None:
+            return (self.rows or self.single_rows)[-1]
+        # Those above a ladder that does not fit are too coarse to say more than this.
+        return next((row for row in self.above_rows if self._hopeless(row)), None)
+
+    def _hopeless(self, last: Row) -> bool:
+        """Whether no finer timestep can help: it failed, or lacks an effect at any timestep."""
+        if last.outcome == "unsupported":
+            return bool(self.engine.unsupported(self.scenario, self.method))
+        return last.outcome == "failed"
+
+    def _known(self) -> bool:
+        """Whether every signal is judged and its limit known to the goal."""
+        if not self._approaches or len(self._approaches[0]) < RUNGS_OF_A_LIMIT:
+            return False
+        _, worst = self._judge()
+        goal = SHARP if self.method.as_shipped else GOAL
+        known = worst.limit_estimate is None or worst.limit_estimate <= goal
+        return worst.word != "unresolved" and known
+
+    def _out_of_reach(self) -> bool:
+        """Whether the error would be too large even on the last rung, if it shrinks as declared.
+
+        Of what is known of the ladder the error alone is asked: the limit's settles last.
+        """
+        assert self.ladder is not None, "only a ladder has an end"
+        finest = self.ladder.rungs[-1].timestep
+        return self._judge()[1].word == "unresolved" and any(
+            approach.errors[-1] * (finest / approach.timesteps[-1]) ** approach.declared_order
+            > ASYMPTOTIC
+            for approach in self._approaches
+        )
+
+    def _approach(self, row: Row) -> None:
+        """Compare a rung's motion; what counts are those below the last that did not finish."""
+        self._judged = None
+        if row.outcome != "ok" or row.motion is None:
+            self._approaches.clear()
+            return
+        if not self._approaches:
+            orders: dict[Signal, int] = {
+                "omega": self.method.order,
+                "attitude": self.method.attitude_order,
+            }
+            truth = self.solution.trajectory
+            if self._flies:
+                orders["com"] = self.method.order
+            # What is closed in form is known to its rounding.
+            known = dict(self.solution.uncertainty) | {"com": self._growth["com"]}
+            self._approaches += [
+                Approach(signal, truth, order, known[signal]) for signal, order in orders.items()
+            ]
+        # Each step is good for one ulp, grown as the motion grows it.
+        for approach in self._approaches:
+            floor = row.steps * self._growth[approach.signal]
+            approach.add(row.timestep, row.motion, floor)
+
+    @property
+    def _flies(self) -> bool:
+        """Whether the com goes anywhere, of itself and not round a pivot."""
+        return not self.scenario.has_pivot and longest_way(self.solution.trajectory) > 0
+
+    @cached_property
+    def _growth(self) -> dict[str, float]:
+        """What an ulp of the state does to each signal."""
+        growth = dict(self.solution.conditioning)
+        arm = float(np.linalg.norm(self.scenario.body.com))
+        truth = self.solution.trajectory
+        flown = com_growth(truth, arm, growth["attitude"]) if self._flies else 0.0
+        return growth | {"com": flown}
+
+    def _judge(self) -> tuple[Signal, Judgement]:
+        """The worst of the judgements on each signal; each set of rows is judged once."""
+        if self._judged is None:
+            self._judged = self._judge_anew()
+        return self._judged
+
+    def _judge_anew(self) -> tuple[Signal, Judgement]:
+        if self.ladder is None:
+            return "omega", Judgement("unresolved", "no ladder was run, only single timesteps")
+        if not self.ladder.rungs:
+            return "omega", Judgement("unresolved", self._no_ladder(self.ladder))
+        finished = len(self._approaches[0]) if self._approaches else 0
+        if finished < RUNGS_OF_A_LIMIT:
+            reason = f"only {finished} timesteps ran to the end; {RUNGS_OF_A_LIMIT} make a verdict"
+            return "omega", Judgement("unresolved", reason)
+        judged = [(approach.signal, judge(approach)) for approach in self._approaches]
+        return max(judged, key=lambda pair: _severity(pair[1]))
+
+    def _no_ladder(self, ladder: Ladder) -> str:
+        """Why there is none, and what one would take."""
+        if not ladder.least_steps:
+            known = f"the motion is known to {MAX_UNCERTAINTY:g} up to {self.solution.horizon:g} s"
+            return f"{known} only, before the first sample"
+        return (
+            f"at {COARSEST_TURN:g} rad a step a run takes {ladder.least_steps:.1e} steps, which is "
+            f"above the limit; {RUNGS_OF_A_LIMIT} timesteps, which make a verdict, would take "
+            f"{ladder.least_steps * (2**RUNGS_OF_A_LIMIT - 1):.1e}"
+        )
+
+
+def thinned(solution: Solution, every: int) -> Solution:
+    """The truth at every so many-th of its sample times."""
+    if every == 1:
+        return solution
+    return replace(solution, trajectory=solution.trajectory.every(every))
+
+
+def _with_time(row: Row) -> str:
+    when = f" at {row.stopped_at:.4g} s" if row.stopped_at is not None else ""
+    return f"{row.reason}{when}, with a timestep of {row.timestep:.3g} s"
+
+
+def _severity(judgement: Judgement) -> tuple[int, float]:
+    """What is worse; of two that are unresolved, what takes the smaller timestep to tell."""
+    rank = ("converges", "unresolved", "disagrees").index(judgement.word)
+    return rank, -(judgement.needed_timestep or math.inf)

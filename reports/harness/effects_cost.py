@@ -1,0 +1,246 @@
+"""What the effects and passes that a scene does not call for would have cost, and changed."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from statistics import median
+
+import numpy as np
+
+from ...engines import Engine, EngineError, Method, Session
+from ...scenarios import FloatArray, Scenario
+from ..results.records import Key
+from .step_cost import Stretch, interleaved, timed_timestep
+
+#: Angle turned a step at the start where motions are compared, rad: fine enough for any method.
+COMPARED_TURN = 0.05
+#: Steps that the window is given at most for that.
+MOST_STEPS = 1 << 13
+#: Times at which the two motions are compared.
+COMPARED = 64
+#: Equal sessions, where passes are timed one by one: what they differ by is noise.
+CONTROLS = 3
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """How one time a step compares with another: of rounds timed in turn, the ratios' median.
+
+    Attributes
+    ----------
+    spread : distance of the quartiles
+    """
+
+    median: float
+    spread: float
+
+
+@dataclass(frozen=True)
+class EffectsCost:
+    """A method on a scene, pruned to what the scene calls for, against what it is by default.
+
+    Attributes
+    ----------
+    left_out : what is pruned, by the engine's own names
+    pruned, unpruned : CPU seconds a step, the least over the rounds
+    ratio : unpruned over pruned
+    timestep : s, at which the motions were compared
+    compared_until : s; the whole window, unless one of the two diverged
+    difference : the largest of any number read, in its SI unit; 0 if identical to the last bit
+    """
+
+    key: Key
+    left_out: tuple[str, ...]
+    pruned: float
+    unpruned: float
+    ratio: Ratio
+    timestep: float
+    compared_until: float
+    difference: float
+
+    @property
+    def sentence(self) -> str:
+        """What to say of it."""
+        return f"{(self.ratio.median - 1):+.0%} a step; {self.same_motion}"
+
+    @property
+    def same_motion(self) -> str:
+        """Whether leaving things out changed the motion."""
+        if self.difference == 0:
+            return "the motion is identical to the last bit"
+        return f"the motion differs by {self.difference:.1e}"
+
+
+@dataclass(frozen=True)
+class PassCost:
+    """What one pass costs, as a part of the time of a pruned step.
+
+    Attributes
+    ----------
+    added : by leaving in nothing else
+    saved : by leaving it out of everything else that the engine does by default
+    """
+
+    name: str
+    added: float
+    saved: float
+
+
+@dataclass(frozen=True)
+class PassCosts:
+    """What each pass left out costs a method on a scene, one by one.
+
+    Attributes
+    ----------
+    pruned : CPU seconds a step with none of them
+    noise : what equal sessions differ by, in the same units as `added` and `saved`
+    """
+
+    key: Key
+    pruned: float
+    noise: float
+    passes: tuple[PassCost, ...]
+
+
+def effects_costs(
+    scenario: Scenario, engine: Engine, methods: Sequence[Method]
+) -> list[EffectsCost]:
+    """Time every distinct set of what an engine leaves out of a scene, by its first method."""
+    first: dict[tuple[str, ...], Method] = {}
+    for method in _able(scenario, engine, methods):
+        first.setdefault(engine.left_out(scenario, method), method)
+    found = (effects_cost(scenario, engine, method) for method in first.values())
+    return [one for one in found if one is not None]
+
+
+def first_pass_costs(
+    scenario: Scenario, engine: Engine, methods: Sequence[Method]
+) -> list[PassCosts]:
+    """Time pass by pass what the first method leaves out that can simulate the scene."""
+    found = (pass_costs(scenario, engine, m) for m in _able(scenario, engine, methods)[:1])
+    return [one for one in found if one is not None]
+
+
+def _able(scenario: Scenario, engine: Engine, methods: Sequence[Method]) -> list[Method]:
+    return [method for method in methods if not engine.unsupported(scenario, method)]
+
+
+def effects_cost(scenario: Scenario, engine: Engine, method: Method) -> EffectsCost | None:
+    """Time a method with and without what it leaves out, and compare the motions.
+
+    None where nothing is left out, or where one of the two does not load or step.
+    """
+    left_out = engine.left_out(scenario, method)
+    if not left_out or engine.unsupported(scenario, method):
+        return None
+    timestep = timed_timestep(scenario)
+    pruned, unpruned = interleaved(
+        [
+            partial(engine.open, scenario, method, timestep),
+            partial(_unpruned, engine, scenario, method, timestep, left_out),
+        ]
+    )
+    if not pruned or not unpruned:
+        return None
+    compared = _compared_steps(scenario)
+    until, difference = _difference(scenario, engine, method, compared)
+    return EffectsCost(
+        Key(scenario.name, engine.name, method.name),
+        left_out,
+        _least(pruned),
+        _least(unpruned),
+        _ratio(unpruned, pruned),
+        scenario.window.duration / compared,
+        until,
+        difference,
+    )
+
+
+def pass_costs(scenario: Scenario, engine: Engine, method: Method) -> PassCosts | None:
+    """Time a method with each pass that it leaves out by itself, and without each.
+
+    None where nothing is left out.
+    """
+    names = engine.left_out(scenario, method)
+    if not names or engine.unsupported(scenario, method):
+        return None
+    timestep = timed_timestep(scenario)
+
+    def opening(left_in: Sequence[str]) -> Callable[[], Session]:
+        return partial(_unpruned, engine, scenario, method, timestep, left_in)
+
+    others = [[other for other in names if other != name] for name in names]
+    groups: list[Sequence[Sequence[str]]] = [
+        CONTROLS * [()],
+        CONTROLS * [names],
+        [(name,) for name in names],
+        others,
+    ]
+    timed = interleaved([opening(left_in) for group in groups for left_in in group])
+    if not all(timed):
+        return None
+    seconds = iter(_least(stretches) for stretches in timed)
+    bare, whole, alone, without = ([next(seconds) for _ in group] for group in groups)
+    pruned, unpruned = median(bare), median(whole)
+    return PassCosts(
+        Key(scenario.name, engine.name, method.name),
+        pruned,
+        max(max(control) - min(control) for control in (bare, whole)) / pruned,
+        tuple(
+            PassCost(name, (added - pruned) / pruned, (unpruned - saved) / pruned)
+            for name, added, saved in zip(names, alone, without, strict=True)
+        ),
+    )
+
+
+def _unpruned(
+    engine: Engine, scenario: Scenario, method: Method, timestep: float, left_in: Sequence[str]
+) -> Session:
+    session = engine.open_unpruned(scenario, method, timestep, left_in)
+    assert session is not None, "what leaves something out can leave it in"
+    return session
+
+
+def _compared_steps(scenario: Scenario) -> int:
+    """Steps over the window, a whole number of times `COMPARED`."""
+    turned = float(np.linalg.norm(scenario.start.omega_body)) * scenario.window.duration
+    wanted = min(turned / COMPARED_TURN, MOST_STEPS)
+    return COMPARED * max(1, math.ceil(wanted / COMPARED))
+
+
+def _difference(
+    scenario: Scenario, engine: Engine, method: Method, steps: int
+) -> tuple[float, float]:
+    """Until when the two motions were compared, s, and the largest difference."""
+    timestep = scenario.window.duration / steps
+    left_out = engine.left_out(scenario, method)
+    largest = 0.0
+    with (
+        engine.open(scenario, method, timestep) as pruned,
+        _unpruned(engine, scenario, method, timestep, left_out) as unpruned,
+    ):
+        for sample in range(1, COMPARED + 1):
+            try:
+                states = [_stepped(session, steps // COMPARED) for session in (pruned, unpruned)]
+            except EngineError:
+                return (sample - 1) * steps // COMPARED * timestep, largest
+            largest = max(largest, float(np.abs(states[0] - states[1]).max()))
+    return scenario.window.duration, largest
+
+
+def _stepped(session: Session, steps: int) -> FloatArray:
+    """All numbers of the state some steps on, (13,)."""
+    session.advance(steps)
+    session.check()
+    return np.concatenate(list(vars(session.read_state()).values()))
+
+
+def _least(stretches: Sequence[Stretch]) -> float:
+    return min(stretch.cpu for stretch in stretches)
+
+
+def _ratio(over: Sequence[Stretch], under: Sequence[Stretch]) -> Ratio:
+    ratios = [a.cpu / b.cpu for a, b in zip(over, under, strict=True)]
+    low, middle, high = np.quantile(ratios, (0.25, 0.5, 0.75))
+    return Ratio(float(middle), float(high - low))

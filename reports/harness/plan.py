@@ -1,0 +1,106 @@
+"""What of a study is in the result file already, and what is still to be done."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+from ...scenarios import Scenario
+from ..results.environment import processor
+from ..results.fingerprints import digests
+from ..results.records import Key, Verdict
+from ..results.store import Store
+from .choice import Choice, Pair
+from .executors.worker_slot import may_end_otherwise
+
+
+@dataclass(frozen=True, eq=False)
+class SceneLeft:
+    """A scene, and what is missing of it.
+
+    Attributes
+    ----------
+    to_run : methods without a verdict
+    to_time : whether some method's steps are yet to be timed
+    by_pass : whether what it leaves out is to be timed pass by pass, which one scene is enough for
+    """
+
+    scenario: Scenario
+    to_run: list[Pair]
+    to_time: bool
+    by_pass: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What is left of a study.
+
+    Attributes
+    ----------
+    scenes : in the order asked for, those that are complete left out
+    there : verdicts that are in the file
+    dropped : verdicts that rested on something that has changed since
+    """
+
+    scenes: list[SceneLeft]
+    there: int
+    dropped: int
+
+    @property
+    def total(self) -> int:
+        """How many verdicts and timings are to be made."""
+        return sum(len(scene.to_run) + scene.to_time for scene in self.scenes)
+
+    def __str__(self) -> str:
+        """What is used again, in words; empty where the file knew nothing of it."""
+        verdicts = self.there + sum(len(scene.to_run) for scene in self.scenes)
+        said = [f"{self.there} of {verdicts} results are there already"] if self.there else []
+        if self.dropped:
+            said.append(f"{self.dropped} of another scene, engine or spincheck were dropped")
+        return "; ".join(said)
+
+
+def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
+    """Drop what is out of date, and see what is missing."""
+    dropped = sum(store.keep_made_by(s.name, digests(s, choice.engines)) for s in scenarios)
+    settled = {
+        verdict.key: verdict
+        for scenario in scenarios
+        for verdict in store.settled(scenario.name, choice.timesteps, choice.max_steps_on(scenario))
+        if not may_end_otherwise(verdict.reason, choice.time_limit)
+    }
+    timed = store.timed_on(processor())
+    by_pass = _scene_for_passes([scenario for scenario in scenarios if choice.times(scenario)])
+    scenes = [
+        SceneLeft(
+            scenario,
+            [pair for key, pair in choice.methods_on(scenario).items() if key not in settled],
+            choice.times(scenario) and _untimed(scenario, choice, settled, timed),
+            scenario is by_pass,
+        )
+        for scenario in scenarios
+    ]
+    missing = sum(len(scene.to_run) for scene in scenes)
+    there = len(scenarios) * len(choice.pairs()) - missing
+    return Plan([scene for scene in scenes if scene.to_run or scene.to_time], there, dropped)
+
+
+def _untimed(
+    scenario: Scenario, choice: Choice, settled: Mapping[Key, Verdict], timed: Collection[Key]
+) -> bool:
+    return any(
+        can_be_timed(scenario, pair, settled.get(key))
+        for key, pair in choice.methods_on(scenario).items()
+        if key not in timed
+    )
+
+
+def _scene_for_passes(scenarios: Sequence[Scenario]) -> Scenario | None:
+    """A heavy top where there is one: it leaves out the most that a top can."""
+    heavy = (scenario for scenario in scenarios if scenario.called_for == {"gravity", "pivot"})
+    return next(heavy, next(iter(scenarios), None))
+
+
+def can_be_timed(scenario: Scenario, pair: Pair, verdict: Verdict | None) -> bool:
+    """Whether a method can be stepped on a scene, as far as is known."""
+    engine, method = pair
+    failed = verdict is not None and verdict.verdict in ("failed", "unsupported")
+    return not failed and not engine.unsupported(scenario, method)

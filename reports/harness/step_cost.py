@@ -1,0 +1,218 @@
+"""What a step costs: native stepping, nothing recorded, nothing but steps in the timed region."""
+
+import math
+import os
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from functools import cache
+
+import numpy as np
+
+from ...engines import Engine, EngineError, Session
+from ...scenarios import Scenario
+from .executors.local_workers import Workers
+from .executors.worker_slot import Lost
+
+#: s of CPU time a timed stretch must last, at the least: so short that many a stretch falls between
+#: two ticks of the system's clock.
+STRETCH = 0.002
+#: And as many times the clock's resolution, as that is measured.
+RESOLUTIONS = 100
+#: Timed stretches a method; the least is quoted, the rest tell the noise.
+REPEATS = 9
+#: A stretch is aimed this much longer than it must be, so as not to fall just short of it.
+AIMED_BEYOND = 1.1
+#: Binary digits of how many steps a stretch has, the rest zeros: engines that take powers of two a
+#: call take them in as many calls at the most.
+DIGITS_OF_STEPS = 3
+#: Steps before the first timed one: caches, lazy allocation, branch predictors.
+WARM_UP = 200
+#: Steps are timed at a timestep this small, 1/rad, so that no method blows up while it is timed.
+TIMED_TURN = 1e-4
+#: Changes of the clock that its resolution is read off.
+CLOCK_TICKS = 100
+#: What libraries start threads by. Engines step in one thread; others would spin beside it.
+THREAD_COUNTS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+Pair = tuple[Engine, str]
+
+
+@dataclass(frozen=True)
+class StepCost:
+    """What a step costs.
+
+    Attributes
+    ----------
+    seconds_per_step : CPU seconds, of all threads: the least over the repeats
+    spread : the largest of them less the least
+    wall_seconds_per_step : the least by the clock on the wall: shorter only if threads share the
+        work, longer where something else had the processor
+    """
+
+    seconds_per_step: float
+    spread: float
+    wall_seconds_per_step: float
+
+    def per_simulated_second(self, timestep: float) -> float:
+        """CPU seconds a simulated second, at a timestep in s."""
+        return self.seconds_per_step / timestep
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """One timed stretch: seconds a step."""
+
+    cpu: float
+    wall: float
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Processes started in here have libraries that start no threads."""
+    before = {name: os.environ.get(name) for name in THREAD_COUNTS}
+    os.environ.update(dict.fromkeys(THREAD_COUNTS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+def measure(
+    workers: Workers, scenario: Scenario, pairs: Sequence[Pair]
+) -> tuple[list[StepCost | None], list[str]]:
+    """Time every method on a scene in a worker process.
+
+    A method that takes its process with it, or holds it up, costs its own figure: the others are
+    then timed alone, no longer interleaved.
+
+    Returns
+    -------
+    The costs, None where there is none, and complaints.
+    """
+    together = workers.submit(step_costs, scenario, pairs).outcome()
+    if not isinstance(together, Lost):
+        return together, []
+    costs: list[StepCost | None] = []
+    complaints = []
+    for engine, method in pairs:
+        alone = workers.submit(step_costs, scenario, [(engine, method)]).outcome()
+        costs += [None] if isinstance(alone, Lost) else alone
+        if isinstance(alone, Lost):
+            complaints.append(f"{engine.name} {method} could not be timed: {alone.reason}")
+    return costs, complaints
+
+
+def step_costs(scenario: Scenario, pairs: Sequence[Pair]) -> list[StepCost | None]:
+    """Time every method on a scene, interleaved; None for one that does not load or step.
+
+    Parameters
+    ----------
+    pairs : engines and names of their methods
+    """
+    timestep = timed_timestep(scenario)
+    openings = [
+        lambda engine=engine, method=method: engine.open(scenario, engine.method(method), timestep)
+        for engine, method in pairs
+    ]
+    return [_cost(stretches) for stretches in interleaved(openings)]
+
+
+def timed_timestep(scenario: Scenario) -> float:
+    """The timestep at which a scene's steps are timed, s."""
+    speed = float(np.linalg.norm(scenario.start.omega_body))
+    return TIMED_TURN / speed if speed else TIMED_TURN
+
+
+def interleaved(openings: Sequence[Callable[[], Session]]) -> list[list[Stretch]]:
+    """Time sessions in turn, `REPEATS` stretches each; none for one that does not load or step."""
+    with ExitStack() as stack:
+        timed = [_Timed(stack, opening) for opening in openings]
+        for _ in range(REPEATS):
+            for one in timed:
+                one.attempt(one.time)
+        for one in timed:
+            one.attempt(one.check)
+        return [one.stretches for one in timed]
+
+
+@dataclass
+class _Timed:
+    """A session being timed, until its engine gives up."""
+
+    stack: ExitStack
+    opening: Callable[[], Session]
+    stretches: list[Stretch] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.gave_up = False
+        self.attempt(self.open)
+
+    def attempt(self, action: Callable[[], None]) -> None:
+        """Do something that the engine may refuse; what was timed then counts for nothing."""
+        if self.gave_up:
+            return
+        try:
+            action()
+        except EngineError:
+            self.gave_up = True
+            self.stretches.clear()
+
+    def open(self) -> None:
+        """Load the session, warm it up, and find how many steps make a stretch."""
+        self.session = self.stack.enter_context(self.opening())
+        self.session.advance(WARM_UP)
+        self.steps = WARM_UP
+        least = max(STRETCH, RESOLUTIONS * resolution())
+        while (seconds := self._stretch(self.steps).cpu * self.steps) < least:
+            # A stretch too short for the clock says only that it must be much longer.
+            longer = AIMED_BEYOND * least / max(seconds, least / RESOLUTIONS)
+            self.steps = _in_few_calls(math.ceil(self.steps * longer))
+
+    def time(self) -> None:
+        """One stretch."""
+        self.stretches.append(self._stretch(self.steps))
+
+    def check(self) -> None:
+        """Whether it was steps that were timed, to the end."""
+        self.session.check()
+        state = self.session.read_state()
+        if not all(np.isfinite(values).all() for values in vars(state).values()):
+            raise EngineError("the state is no longer finite")
+
+    def _stretch(self, steps: int) -> Stretch:
+        wall, cpu = time.perf_counter(), time.process_time()
+        self.session.advance(steps)
+        cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
+        return Stretch(cpu / steps, wall / steps)
+
+
+def _in_few_calls(steps: int) -> int:
+    """No fewer steps, in as many binary digits as `DIGITS_OF_STEPS`."""
+    unit = 1 << max(0, steps.bit_length() - DIGITS_OF_STEPS)
+    return math.ceil(steps / unit) * unit
+
+
+@cache
+def resolution() -> float:
+    """The least change of the CPU clock, s, as measured: systems do not all tell the truth."""
+    changes: list[float] = []
+    before = time.process_time()
+    while len(changes) < CLOCK_TICKS:
+        now = time.process_time()
+        if now > before:
+            changes.append(now - before)
+        before = now
+    return min(changes)
+
+
+def _cost(stretches: Sequence[Stretch]) -> StepCost | None:
+    if not stretches:
+        return None
+    cpu = [stretch.cpu for stretch in stretches]
+    return StepCost(min(cpu), max(cpu) - min(cpu), min(stretch.wall for stretch in stretches))

@@ -1,0 +1,232 @@
+"""What changed between two result files, and what of it is for the worse.
+
+A number that differs by rounding, by less than the reference is sure of, or by less than timings
+scatter, has not changed.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+from ....engines import Outcome
+from ....scenarios import Scenario
+from ...harness.verdict import ASYMPTOTIC, VerdictWord
+from ...results.records import Key, Row, Verdict
+from ...results.store import Results, SceneResult
+
+#: An error that is this many times what it was has changed: at the same timestep, an engine that
+#: computes the same makes the same error, to rounding.
+ERROR_FACTOR = 1.1
+#: A cost that is this many times what it was, and differs by more than both spreads, has changed.
+#: Of 497 methods timed three times on one processor, busy with other work, no two times were more
+#: than 1.18 apart, though up to 12 % of them by more than both spreads; of steps twice as dear,
+#: 99 % are told.
+COST_FACTOR = 1.25
+#: From good to bad.
+VERDICTS: tuple[VerdictWord, ...] = (
+    "converges",
+    "unresolved",
+    "unsupported",
+    "diverges",
+    "disagrees",
+    "failed",
+)
+OUTCOMES: tuple[Outcome, ...] = ("ok", "unsupported", "diverged", "failed")
+
+Kind = Literal["environment", "scene", "method", "verdict", "promise", "outcome", "error", "cost"]
+Direction = Literal["worse", "better", "other"]
+
+
+@dataclass(frozen=True)
+class Change:
+    """One thing that is not as it was.
+
+    Attributes
+    ----------
+    name : which of its kind: the entry of the environment, the signal of an error, the promise
+    old, new : what it was and is; None where it is not there
+    direction : for the worse or for the better, or neither
+    regression : whether it is for the worse and to be blamed on what was tested
+    scenario, engine, method, timestep : where; None where that does not apply; s
+    """
+
+    kind: Kind
+    name: str
+    old: str | float | None
+    new: str | float | None
+    direction: Direction = "other"
+    regression: bool = False
+    scenario: str | None = None
+    engine: str | None = None
+    method: str | None = None
+    timestep: float | None = None
+
+
+def changes(old: Results, new: Results) -> list[Change]:
+    """Everything that changed, the whole before its parts."""
+    edited = {name for name in old.scenes.keys() & new.scenes.keys() if _edited(name, old, new)}
+    found = [*_environment(old.environment, new.environment), *_scenes(old, new, edited)]
+    found += _methods(old, new)
+    before, after = _by_key(old), _by_key(new)
+    same_machine = old.environment.get("processor") == new.environment.get("processor")
+    for key in sorted(before.keys() & after.keys(), key=str):
+        found += _verdict(key, before[key].verdict, after[key].verdict)
+        found += _promises(key, before[key].verdict, after[key].verdict)
+        if key.scenario not in edited:
+            found += _runs(key, before[key], after[key])
+            found += _cost(key, before[key], after[key], same_machine)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class _OfKey:
+    """What one file says of a method on a scene."""
+
+    verdict: Verdict | None
+    rows: Mapping[float, Row]
+    scene: SceneResult | None
+
+
+def _by_key(results: Results) -> dict[Key, _OfKey]:
+    verdicts = {verdict.key: verdict for verdict in results.verdicts}
+    rows: dict[Key, dict[float, Row]] = {key: {} for key in verdicts}
+    for row in results.rows:
+        rows.setdefault(row.key, {})[row.timestep] = row
+    return {
+        key: _OfKey(verdicts.get(key), of_key, results.scenes.get(key.scenario))
+        for key, of_key in rows.items()
+    }
+
+
+def _environment(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[Change]:
+    for name in sorted((old.keys() | new.keys()) - {"date"}):
+        if old.get(name) != new.get(name):
+            yield Change("environment", name, old.get(name), new.get(name))
+
+
+def _edited(name: str, old: Results, new: Results) -> bool:
+    """Whether a scene describes another motion; who edits its title or a comment changes none."""
+
+    def described(scenario: Scenario) -> object:
+        document = scenario.document
+        return document.body, document.start, document.effects, document.window
+
+    before, after = old.scenes[name].scenario, new.scenes[name].scenario
+    return described(before) != described(after)
+
+
+def _scenes(old: Results, new: Results, edited: set[str]) -> Iterator[Change]:
+    before, after = ({key.scenario for key in _by_key(r)} for r in (old, new))
+    for name in sorted(before ^ after):
+        yield Change("scene", name, *_presence(name in before), scenario=name)
+    for name in sorted(edited):
+        was, now = (r.scenes[name].scenario.digest[:8] for r in (old, new))
+        yield Change("scene", name, f"text {was}", f"text {now}", scenario=name)
+
+
+def _methods(old: Results, new: Results) -> Iterator[Change]:
+    before, after = ({(key.engine, key.method) for key in _by_key(r)} for r in (old, new))
+    for engine, method in sorted(before ^ after):
+        presence = _presence((engine, method) in before)
+        yield Change("method", f"{engine} {method}", *presence, engine=engine, method=method)
+
+
+def _presence(before: bool) -> tuple[str | None, str | None]:
+    return ("there", None) if before else (None, "there")
+
+
+def _verdict(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
+    before, after = old.verdict if old else None, new.verdict if new else None
+    if before != after:
+        yield _in_words(key, "verdict", before, after, VERDICTS)
+
+
+def _promises(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
+    """Promises by what was promised, whatever the error found."""
+    if old is None or new is None:
+        return
+    broken = [
+        {line.partition(" error ")[0]: line for line in verdict.broken} for verdict in (old, new)
+    ]
+    for promise in sorted(broken[0].keys() ^ broken[1].keys()):
+        worse = promise in broken[1]
+        words = ("kept", broken[1][promise]) if worse else (broken[0][promise], "kept")
+        direction: Direction = "worse" if worse else "better"
+        yield Change("promise", promise, *words, direction, worse, **_where(key))
+
+
+def _runs(key: Key, old: _OfKey, new: _OfKey) -> Iterator[Change]:
+    """Outcomes and errors of the timesteps that are in both files."""
+    for timestep in sorted(old.rows.keys() & new.rows.keys(), reverse=True):
+        before, after = old.rows[timestep], new.rows[timestep]
+        if before.outcome != after.outcome:
+            yield _in_words(key, "outcome", before.outcome, after.outcome, OUTCOMES, timestep)
+        elif before.outcome == "ok" and old.scene and new.scene:
+            noise = _noise(old.scene, before), _noise(new.scene, after)
+            yield from _errors(before, after, *noise)
+
+
+def _errors(
+    old: Row, new: Row, old_noise: Mapping[str, float], new_noise: Mapping[str, float]
+) -> Iterator[Change]:
+    for signal, error in old.errors or ():
+        sizes = error, getattr(new.errors, signal)
+        if direction := _grown(*sizes, old_noise[signal] + new_noise[signal]):
+            where = _where(old.key, old.timestep)
+            yield Change("error", signal, *sizes, direction, direction == "worse", **where)
+
+
+def _noise(scene: SceneResult, row: Row) -> dict[str, float]:
+    """What an error is good for: the reference's uncertainty, and an ulp a step as it grows."""
+    uncertainty, conditioning = dict(scene.solution.uncertainty), dict(scene.solution.conditioning)
+    uncertainty["omega"] = max(uncertainty["omega"], row.uncertainty)
+    return {name: known + row.steps * conditioning[name] for name, known in uncertainty.items()}
+
+
+def _grown(old: float, new: float, noise: float) -> Direction | None:
+    """Whether an error has changed; large ones say only that the timestep is too coarse."""
+    if old == new or min(old, new) >= ASYMPTOTIC or abs(new - old) <= noise:
+        return None
+    if max(old, new) <= ERROR_FACTOR * min(old, new):
+        return None
+    return "worse" if new > old else "better"
+
+
+def _cost(key: Key, old: _OfKey, new: _OfKey, same_machine: bool) -> Iterator[Change]:
+    before, after = _seconds(old.rows.values()), _seconds(new.rows.values())
+    if before is None or after is None:
+        return
+    (was, spread), (now, scatter) = before, after
+    if abs(now - was) <= spread + scatter or max(was, now) <= COST_FACTOR * min(was, now):
+        return
+    direction: Direction = "worse" if now > was else "better"
+    regression = direction == "worse" and same_machine
+    yield Change("cost", "seconds_per_step", was, now, direction, regression, **_where(key))
+
+
+def _seconds(rows: Iterable[Row]) -> tuple[float, float] | None:
+    """Seconds a step and their spread, alike in all rows of a method."""
+    for row in rows:
+        if row.seconds_per_step is not None and row.seconds_spread is not None:
+            return row.seconds_per_step, row.seconds_spread
+    return None
+
+
+def _in_words(
+    key: Key,
+    kind: Literal["verdict", "outcome"],
+    old: str | None,
+    new: str | None,
+    scale: Sequence[str],
+    timestep: float | None = None,
+) -> Change:
+    """A change of a word on a scale from good to bad; None is not there, and neither."""
+    where = _where(key, timestep)
+    if old is None or new is None:
+        return Change(kind, kind, old, new, **where)
+    worse = scale.index(new) > scale.index(old)
+    return Change(kind, kind, old, new, "worse" if worse else "better", worse, **where)
+
+
+def _where(key: Key, timestep: float | None = None) -> dict[str, Any]:
+    return asdict(key) | {"timestep": timestep}

@@ -1,0 +1,148 @@
+"""What it costs a method to stay within an error.
+
+Interpolated between two runs, extrapolated below the finest, or why it cannot be reached: the
+rules, and which constant sets each, are in docs/cost.md.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from ...harness.verdict import SETTLING_ORDER
+from .work_precision import Curve, Point, observed_order, slope
+
+#: Errors at which methods are compared, relative (attitude: rad): useful to excellent.
+LEVELS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+
+#: How the cost of a level is known: between two runs, at the coarsest run, below the finest.
+How = Literal["measured", "at most", "extrapolated"]
+#: Why a level is out of reach.
+Barrier = Literal[
+    "round-off",
+    "reference limit",
+    "undefined",
+    "no order",
+    "not timed",
+    "no verdict",
+    "disagrees",
+    "failed",
+    "diverges",
+    "unresolved",
+    "unsupported",
+]
+
+
+@dataclass(frozen=True)
+class Reach:
+    """What it takes a method to stay within an error.
+
+    Attributes
+    ----------
+    level : the error
+    word : how its cost is known, or why it is out of reach
+    reason : the same in a sentence
+    timestep : s, and `cost`, CPU seconds a simulated second; None where out of reach
+    floor : what rounding may cause at the timestep that it takes; None where runs are within it
+    """
+
+    level: float
+    word: How | Barrier
+    reason: str
+    timestep: float | None = None
+    cost: float | None = None
+    floor: float | None = None
+
+
+def reach(curve: Curve, level: float) -> Reach:
+    """What it takes to stay within an error: interpolated, extrapolated, or why it cannot be."""
+    if curve.points and level < curve.uncertainty:
+        reason = f"the reference itself is known to {curve.uncertainty:.1e}"
+        return Reach(level, "reference limit", reason)
+    k = first_within(curve, level)
+    if k is None:
+        return _below_the_ladder(curve, level)
+    fine = curve.stable[k]
+    if k == 0:
+        reason = "the coarsest stable run is within it; a coarser one may be"
+        return _priced(curve, level, "at most", reason, fine.timestep)
+    coarse = curve.stable[k - 1]
+    timestep = fine.timestep * (level / fine.error) ** (1 / slope(coarse, fine))
+    reason = f"between timesteps of {coarse.timestep:.3g} s and {fine.timestep:.3g} s"
+    return _priced(curve, level, "measured", reason, timestep)
+
+
+def first_within(curve: Curve, level: float) -> int | None:
+    """Index of the coarsest stable run within an error that no finer run exceeds.
+
+    A finer run may exceed it where rounding explains that: there only a coarser one can help.
+    """
+    errors = [point.error for point in curve.stable]
+    exceeding = [
+        k
+        for k, point in enumerate(curve.stable)
+        if point.error > max(level, curve.floor(point.timestep))
+    ]
+    start = exceeding[-1] + 1 if exceeding else 0
+    return next((k for k in range(start, len(errors)) if errors[k] <= level), None)
+
+
+def below_finest(curve: Curve, level: float, order: float) -> float:
+    """The timestep of an error below all runs, from the finest that rounding does not explain."""
+    finest = above_round_off(curve)[-1]
+    return float(finest.timestep * (level / finest.error) ** (1 / order))
+
+
+def above_round_off(curve: Curve) -> list[Point]:
+    """The stable runs whose errors rounding alone does not explain."""
+    return [point for point in curve.stable if point.error > curve.floor(point.timestep)]
+
+
+def cheapest(tried: Sequence[Curve], level: float) -> tuple[Curve, Reach] | None:
+    """The method that reaches an error at the least cost, and how; None where none does."""
+    reached = [(curve, found) for curve in tried if (found := reach(curve, level)).cost is not None]
+    return min(reached, key=lambda pair: pair[1].cost or 0.0, default=None)
+
+
+def order_ratio(tried: Sequence[Curve], level: float, low: int = 1, high: int = 4) -> float | None:
+    """How many times more the cheapest method of one declared order costs than that of another.
+
+    None where either is out of reach.
+    """
+    costs = []
+    for order in (low, high):
+        best = cheapest([curve for curve in tried if curve.declared == order], level)
+        costs.append(best[1].cost if best else None)
+    return costs[0] / costs[1] if costs[0] and costs[1] else None
+
+
+def _below_the_ladder(curve: Curve, level: float) -> Reach:
+    """By the order that the method showed, unless it showed none or rounding comes first."""
+    if curve.verdict != "converges":
+        return Reach(level, curve.verdict or "no verdict", curve.reason)
+    if not curve.stable:
+        return Reach(level, "unresolved", "the finest run did not end well")
+    if any(math.isinf(point.error) for point in curve.stable):
+        return Reach(level, "undefined", "the error is relative to an exact value of zero")
+    if not above_round_off(curve):
+        least = min(curve.stable, key=lambda point: point.error)
+        reason = f"errors are at round-off, {least.error:.1e} at the least"
+        return Reach(level, "round-off", reason, floor=curve.floor(least.timestep))
+    order = observed_order(curve)
+    if order is None or order < SETTLING_ORDER:
+        return Reach(level, "no order", "no run is within it, and the errors show no order")
+    timestep = below_finest(curve, level, order)
+    floor = curve.floor(timestep)
+    if floor >= level:
+        reason = f"at the timestep it takes, {timestep:.1e} s, rounding alone may cause {floor:.1e}"
+        return Reach(level, "round-off", reason, floor=floor)
+    reason = (
+        f"below the finest run, by the order found, {order:.2f}; rounding may cause {floor:.1e}"
+    )
+    return replace(_priced(curve, level, "extrapolated", reason, timestep), floor=floor)
+
+
+def _priced(curve: Curve, level: float, how: How, reason: str, timestep: float) -> Reach:
+    if curve.seconds_per_step is None:
+        return Reach(level, "not timed", f"a timestep of {timestep:.3g} s, its steps not timed")
+    return Reach(level, how, reason, timestep, curve.seconds_per_step / timestep)

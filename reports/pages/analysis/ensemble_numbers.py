@@ -1,0 +1,76 @@
+"""What an ensemble says of a method: which members finished, and how large their errors are."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....scenarios import FloatArray
+from ...results.records import Pair
+from ...results.sweep_records import Point
+from .map_marks import is_coloured
+from .work_precision import Signal
+
+#: Fractions of the members whose errors are at most the ones told; by an order statistic each, so
+#: that every one of them is the error of some member.
+QUANTILES = (0.5, 0.9, 1.0)
+QUANTILE_NAMES = ("median", "90 %", "largest")
+
+
+@dataclass(frozen=True, eq=False)
+class Members:
+    """The members that a method was run on.
+
+    Attributes
+    ----------
+    points : in the members' order; those without a scene are left out
+    """
+
+    pair: Pair
+    points: tuple[Point, ...]
+
+    @property
+    def finished(self) -> tuple[Point, ...]:
+        """Those that came to the end of their windows."""
+        return tuple(point for point in self.points if is_coloured(point))
+
+    def errors(self, signal: Signal) -> FloatArray:
+        """Of the members that finished, ascending; in ω none below what the reference can tell."""
+        found = []
+        for point in self.finished:
+            assert point.errors is not None
+            error = float(getattr(point.errors, signal))
+            found.append(max(error, point.uncertainty) if signal == "omega" else error)
+        return np.sort(np.array(found, dtype=float))
+
+    def quantiles(self, signal: Signal) -> tuple[float, ...] | None:
+        """At `QUANTILES`; None where no member finished."""
+        errors = self.errors(signal)
+        if not len(errors):
+            return None
+        return tuple(np.quantile(errors, QUANTILES, method="inverted_cdf").tolist())
+
+    def worst(self, count: int) -> tuple[Point, ...]:
+        """Those that did not finish, the earliest stopped first; then by the error of ω."""
+        return tuple(sorted(self.points, key=_badness)[:count])
+
+
+def _badness(point: Point) -> tuple[int, float]:
+    if is_coloured(point) and point.errors is not None:
+        return 1, -point.errors.omega
+    return 0, point.stopped_at if point.stopped_at is not None else 0.0
+
+
+def members_of(points: tuple[Point, ...], pairs: list[Pair]) -> list[Members]:
+    """Sorted by method; members that an engine cannot simulate, or was not run on, are left out."""
+    return [
+        Members(
+            pair,
+            tuple(
+                point
+                for point in points
+                if (point.key.engine, point.key.method) == pair
+                and point.outcome in ("ok", "diverged", "failed")
+            ),
+        )
+        for pair in pairs
+    ]

@@ -1,0 +1,159 @@
+"""A map's points as grids, method by method, with the scene at every one of them."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ....engines import Method
+from ....reference.stability_bounds import StabilityNumbers, stability_numbers
+from ....scenarios import FloatArray
+from ....scenarios.errors import ScenarioError
+from ....scenarios.vary import TIMESTEP, Axis, varied
+from ...results.records import Pair
+from ...results.sweep_records import MapResult, Point
+
+#: Units of a scene file's numbers, by the last key of their paths.
+UNITS = {
+    "mass": "kg",
+    "inertia": "kg m²",
+    "com": "m",
+    "particles": "kg, m",
+    "euler_zyz_deg": "deg",
+    "rotation_vector_deg": "deg",
+    "omega_body": "rad/s",
+    "omega_world": "rad/s",
+    "euler_zyz_rates": "rad/s",
+    "position": "m",
+    "velocity": "m/s",
+    "acceleration": "m/s²",
+    "rotational": "N m s",
+    "body": "N m",
+    "world": "N m",
+    "duration": "s",
+    TIMESTEP: "s",
+}
+
+#: A point's place in the grid: row, that of the second axis, and column.
+Node = tuple[int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """A map, sorted.
+
+    Attributes
+    ----------
+    found : as it was stored; the first axis runs across, the second up
+    methods : what adapters declared of those that were run, in reading order; None where unknown
+    """
+
+    found: MapResult
+    methods: dict[Pair, Method | None]
+
+    @property
+    def axes(self) -> tuple[Axis, Axis]:
+        """Across, and up."""
+        return self.found.map.axes
+
+    @cached_property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        across, up = self.axes
+        return len(up.values), len(across.values)
+
+    @cached_property
+    def points(self) -> dict[Pair, dict[Node, Point]]:
+        """By method and place; what is invalid for all methods is there for each."""
+        across, up = ({value: k for k, value in enumerate(axis.values)} for axis in self.axes)
+        sorted_points: dict[Pair, dict[Node, Point]] = {pair: {} for pair in self.methods}
+        for point in self.found.points:
+            node = up[point.at[1]], across[point.at[0]]
+            pair = point.key.engine, point.key.method
+            for each in [pair] if point.key.engine else self.methods:
+                sorted_points[each][node] = point
+        return sorted_points
+
+    @cached_property
+    def numbers(self) -> dict[Node, StabilityNumbers]:
+        """What theory says of the scene at each place where there is one."""
+        across, up = self.axes
+        known: dict[tuple[float | None, float | None], StabilityNumbers | None] = {}
+        found = {}
+        for row, second in enumerate(up.values):
+            for column, first in enumerate(across.values):
+                at = {across.path: first, up.path: second}
+                of_scene = {path: value for path, value in at.items() if path != TIMESTEP}
+                same = (of_scene.get(across.path), of_scene.get(up.path))
+                if same not in known:
+                    known[same] = self._numbers(of_scene)
+                if (numbers := known[same]) is not None:
+                    found[row, column] = numbers
+        return found
+
+    def _numbers(self, of_scene: dict[str, float]) -> StabilityNumbers | None:
+        try:
+            return stability_numbers(varied(self.found.scenario, of_scene))
+        except ScenarioError:
+            return None
+
+    @cached_property
+    def timesteps(self) -> FloatArray:
+        """s, at each place; NaN where no method was run."""
+        across, up = self.axes
+        rows, columns = self.shape
+        for values, axis in ((np.array(up.values)[:, None], up), (np.array(across.values), across)):
+            if axis.path == TIMESTEP:
+                return np.broadcast_to(values, (rows, columns)).copy()
+        if self.found.map.timestep is not None:
+            return np.full((rows, columns), self.found.map.timestep)
+        chosen = np.full((rows, columns), math.nan)
+        for of_method in self.points.values():
+            for node, point in of_method.items():
+                if point.timestep > 0:
+                    chosen[node] = point.timestep
+        return chosen
+
+    def is_cut(self, point: Point) -> bool:
+        """Whether a run finished that is shorter than the window: the truth is known no further."""
+        across, up = self.axes
+        node = up.values.index(point.at[1]), across.values.index(point.at[0])
+        if point.outcome != "ok" or point.errors is None or node not in self.numbers:
+            return False
+        # The last sample is at the whole step nearest to the end.
+        return self.numbers[node].duration - point.steps * point.timestep > point.timestep
+
+    def evaluated(self, value: Callable[[StabilityNumbers, float], float]) -> FloatArray:
+        """A function of the scene's numbers and the timestep at each place, (rows, columns)."""
+        values = np.full(self.shape, math.nan)
+        for node, numbers in self.numbers.items():
+            timestep = float(self.timesteps[node])
+            if timestep > 0:
+                values[node] = value(numbers, timestep)
+        return values
+
+
+def axis_title(axis: Axis) -> str:
+    """The path with its unit, as in `start.omega_body[2], rad/s`."""
+    return f"{axis.path}, {unit}" if (unit := _unit(axis)) else axis.path
+
+
+def with_unit(axis: Axis, value: float) -> str:
+    """One of its values, as in `40 rad/s`."""
+    return f"{value:.4g} {_unit(axis)}".rstrip()
+
+
+def _unit(axis: Axis) -> str:
+    return UNITS.get(axis.path.rpartition(".")[2].partition("[")[0], "")
+
+
+def places(axis: Axis) -> FloatArray:
+    """Where an axis's values are drawn."""
+    return np.array([place_of(axis, value) for value in axis.values])
+
+
+def place_of(axis: Axis, value: float) -> float:
+    """Where a value is drawn: at its logarithm to base 10 if the axis is logarithmic."""
+    return math.log10(value) if axis.logarithmic else value

@@ -1,0 +1,67 @@
+"""What is said of a map's point that has no error to colour it by, and the sign that stands for it.
+
+Colour is for the error of runs that finished; everything else is a sign on the bare page, so that
+neither a colour-blind reader nor a printer takes one for the other.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from ...results.sweep_records import Point, PointOutcome
+
+#: One outcome's signs, for its causes in order of their names; the last stands for all further.
+SIGNS: dict[PointOutcome, tuple[str, ...]] = {
+    "diverged": ("x-thin", "cross-thin", "asterisk", "y-up", "y-down"),
+    "failed": ("square-open", "diamond-open", "triangle-up-open"),
+    "unsupported": ("circle-open", "hexagon-open"),
+    "skipped": ("line-ew", "line-ns"),
+    "invalid": ("line-ne", "line-nw"),
+    "ok": ("circle", "hexagon"),
+}
+#: Colours that stand out by 3 : 1 on white and on near-black alike.
+COLOURS: dict[PointOutcome, str] = {
+    "diverged": "#d63f4c",
+    "failed": "#b04fc4",
+    "unsupported": "#7d8794",
+    "skipped": "#2f7ed8",
+    "invalid": "#7d8794",
+    "ok": "#9a6b3f",
+}
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A sign, and what it stands for; names as Plotly has them."""
+
+    outcome: PointOutcome
+    cause: str
+    symbol: str
+    colour: str
+
+    @property
+    def label(self) -> str:
+        """As in `diverged: not finite`."""
+        if self.outcome == "ok":
+            return self.cause or "no error known"
+        return f"{self.outcome}: {self.cause}" if self.cause else self.outcome
+
+
+#: On a coloured cell: the error is that of the part of the window in which the truth is known.
+HORIZON = Mark("ok", "compared up to the reference's horizon", "diamond-tall", "#9a6b3f")
+
+
+def is_coloured(point: Point) -> bool:
+    """Whether a point has an error of a whole run."""
+    return point.outcome == "ok" and point.errors is not None
+
+
+def marks(points: Iterable[Point]) -> dict[tuple[PointOutcome, str], Mark]:
+    """A mark for every outcome and cause among the points that have no colour."""
+    kinds = {(point.outcome, point.cause) for point in points if not is_coloured(point)}
+    found = {}
+    for outcome, signs in SIGNS.items():
+        causes = sorted(cause for of, cause in kinds if of == outcome)
+        for k, cause in enumerate(causes):
+            sign = signs[min(k, len(signs) - 1)]
+            found[outcome, cause] = Mark(outcome, cause, sign, COLOURS[outcome])
+    return found

@@ -1,0 +1,176 @@
+"""A result file sorted for the report: scenes, and in each its methods with their runs."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ....engines import Method
+from ....reference import solve
+from ....scenarios import Errors, ErrorSeries, Trajectory, error_series
+from ....scenarios.fastest_rate import pace
+from ...results.records import Pair, Row, Verdict
+from ...results.store import Results, SceneResult
+from .trace_style import Look, looks
+
+
+@dataclass(frozen=True, eq=False)
+class MethodRuns:
+    """What one method did on one scene.
+
+    Attributes
+    ----------
+    rows : coarse to fine
+    verdict : None where the study was stopped before there was one
+    declared : what the adapter said of the method when it ran; None where the file does not tell
+    """
+
+    engine: str
+    method: str
+    rows: tuple[Row, ...]
+    verdict: Verdict | None
+    declared: Method | None
+    look: Look
+
+    @property
+    def label(self) -> str:
+        """As users type it."""
+        return f"{self.engine} {self.method}"
+
+    @cached_property
+    def shown(self) -> Row | None:
+        """The run to draw: the finest that ended well, else the finest with any samples."""
+        sampled = [row for row in self.rows if row.motion is not None and len(row.motion.t)]
+        finished = [row for row in sampled if row.outcome == "ok"]
+        drawn = finished or sampled
+        return drawn[-1] if drawn else None
+
+
+@dataclass(frozen=True, eq=False)
+class SceneRuns:
+    """One scene, its truth, and every method that was tried on it.
+
+    Attributes
+    ----------
+    found : the scene and its truth; None where it could not be solved
+    """
+
+    name: str
+    found: SceneResult | None
+    methods: tuple[MethodRuns, ...]
+
+    @property
+    def title(self) -> str:
+        """The scene's own title, or its name where there is no scene."""
+        return self.found.scenario.title if self.found else self.name
+
+    @cached_property
+    def pace(self) -> float:
+        """The scene's fastest rate, rad/s."""
+        assert self.found is not None, "how fast a motion is, its truth says"
+        return pace(self.found.scenario, self.found.solution.trajectory)
+
+    @cached_property
+    def compared(self) -> tuple["Compared", ...]:
+        """The runs to draw, each beside the truth at its own sample times."""
+        if self.found is None:
+            return ()
+        scene = self.found
+        shown = [(runs, row) for runs in self.methods if (row := runs.shown) is not None]
+        return tuple(
+            Compared(runs, row, row.motion, _truth_at(scene, row.motion))
+            for runs, row in shown
+            if row.motion is not None
+        )
+
+    def uncertainty(self, row: Row) -> Errors:
+        """What the reference of a run is good for; that of ω is recorded with the run."""
+        assert self.found is not None, "a run with errors has a reference"
+        known = self.found.solution.uncertainty
+        return Errors(
+            max(known.omega, row.uncertainty),
+            known.attitude,
+            known.angular_momentum,
+            known.energy,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """A run and the truth, sample by sample."""
+
+    runs: MethodRuns
+    row: Row
+    motion: Trajectory
+    truth: Trajectory
+
+    def series(self, scene: SceneResult) -> ErrorSeries:
+        """The four errors at every sample."""
+        return error_series(scene.scenario, self.motion, self.truth)
+
+
+@dataclass(frozen=True, eq=False)
+class Gathered:
+    """Everything a report shows."""
+
+    environment: dict[str, str]
+    pairs: tuple[Pair, ...]
+    scenes: tuple[SceneRuns, ...]
+
+    @property
+    def verdicts(self) -> list[Verdict]:
+        """All of them, scene by scene."""
+        return [runs.verdict for scene in self.scenes for runs in scene.methods if runs.verdict]
+
+    @property
+    def plain(self) -> "Gathered":
+        """Without the hard scenes, which are there to be survived; with them where no other is."""
+        plain = tuple(s for s in self.scenes if not (s.found and s.found.scenario.hard))
+        return replace(self, scenes=plain or self.scenes)
+
+
+def gather(results: Results) -> Gathered:
+    """Sort a result file's records by scene and method."""
+    keys = [row.key for row in results.rows] + [verdict.key for verdict in results.verdicts]
+    listed = {pair: rank for rank, pair in enumerate(results.methods)}
+    pairs = tuple(
+        # Engines by name; their methods as the adapter lists them, those not listed at the end.
+        sorted(
+            {(key.engine, key.method) for key in keys},
+            key=lambda pair: (pair[0], listed.get(pair, len(listed)), pair[1]),
+        )
+    )
+    names = sorted({key.scenario for key in keys} | set(results.scenes))
+    drawn = looks(pairs)
+    verdicts = {verdict.key: verdict for verdict in results.verdicts}
+    tried: dict[tuple[str, Pair], list[Row]] = {}
+    for row in sorted(results.rows, key=lambda row: -row.timestep):
+        tried.setdefault((row.key.scenario, (row.key.engine, row.key.method)), []).append(row)
+    known = {(v.key.scenario, (v.key.engine, v.key.method)): v for v in verdicts.values()}
+
+    def method_runs(name: str, pair: Pair) -> MethodRuns:
+        rows, verdict = tuple(tried.get((name, pair), ())), known.get((name, pair))
+        return MethodRuns(*pair, rows, verdict, results.methods.get(pair), drawn[pair])
+
+    scenes = tuple(
+        SceneRuns(
+            name,
+            results.scenes.get(name),
+            tuple(
+                method_runs(name, pair)
+                for pair in pairs
+                if (name, pair) in tried or (name, pair) in known
+            ),
+        )
+        for name in names
+    )
+    return Gathered(results.environment, pairs, scenes)
+
+
+def _truth_at(scene: SceneResult, motion: Trajectory) -> Trajectory:
+    """The truth at a run's samples: as stored if they are the ladder's, else solved again."""
+    stored = scene.solution.trajectory
+    n = len(motion.t)
+    if n <= len(stored.t) and np.array_equal(stored.t[:n], motion.t):
+        return stored.until(n)
+    return solve(scene.scenario, motion.t).trajectory

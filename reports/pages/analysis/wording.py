@@ -1,0 +1,81 @@
+"""How the report prints numbers: three significant digits, powers of ten, nothing below a limit."""
+
+import math
+
+from ....scenarios import Errors
+
+#: What stands where there is no number.
+NOTHING = "—"
+#: Numbers from 0.01 up to 1000 are printed without a power of ten.
+PLAIN_POWERS = range(-2, 3)
+SIGNIFICANT_DIGITS, COMPARED_DIGITS = 3, 5
+#: The four signals, in the order of `Errors`, with the units of their errors.
+SIGNALS = {
+    "omega": "ω, relative",
+    "attitude": "attitude, rad",
+    "angular_momentum": "L, relative",
+    "energy": "energy, relative",
+}
+ERROR_HEADINGS = {name: title.replace(",", " error,") for name, title in SIGNALS.items()}
+
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_MINUS = "−"
+
+
+def number(value: float | None, digits: int = SIGNIFICANT_DIGITS) -> str:
+    """Three significant digits: 12.3, 4.56×10⁻⁷, ∞; `NOTHING` for None."""
+    if value is None:
+        return NOTHING
+    if math.isnan(value):
+        return "undefined"
+    sign = _MINUS if value < 0 else ""
+    if math.isinf(value):
+        return f"{sign}∞"
+    if value == 0:
+        return "0"
+    mantissa, _, exponent = f"{abs(value):.{digits - 1}e}".partition("e")
+    power = int(exponent)
+    if power in PLAIN_POWERS:
+        decimals = digits - 1 - power
+        return f"{sign}{round(abs(value), decimals):.{max(decimals, 0)}f}"
+    return f"{sign}{mantissa}×{power_of_ten(power)}"
+
+
+def power_of_ten(exponent: int) -> str:
+    """`10⁻⁶`."""
+    return f"10{str(exponent).translate(_SUPERSCRIPT)}"
+
+
+def observed(value: float) -> str:
+    """Five significant digits, for values that are to be compared with one another."""
+    return number(value, COMPARED_DIGITS)
+
+
+def count(value: int) -> str:
+    """A whole number, its thousands apart."""
+    return f"{value:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+
+
+def limited(error: float | None, uncertainty: float) -> str:
+    """An error as it may be claimed: never below the uncertainty of the reference."""
+    if error is None or not error <= uncertainty:
+        return number(error)
+    return f"≤ {number(uncertainty)}"
+
+
+def limited_errors(errors: Errors | None, uncertainty: Errors) -> tuple[str, ...]:
+    """The four errors of a run, in the order of `ERROR_HEADINGS`."""
+    if errors is None:
+        return (NOTHING,) * len(ERROR_HEADINGS)
+    limits = dict(uncertainty)
+    return tuple(limited(error, limits[name]) for name, error in errors)
+
+
+def order(value: float | None) -> str:
+    """An order of accuracy."""
+    return NOTHING if value is None else f"{value:.2f}".replace("-", _MINUS)
+
+
+def plural(amount: int, thing: str) -> str:
+    """`1 scene`, `2 scenes`."""
+    return f"{amount} {thing}" if amount == 1 else f"{amount} {thing}s"

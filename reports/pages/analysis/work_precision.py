@@ -1,0 +1,147 @@
+"""Errors against CPU time: each method's runs on a scene, and the best of all methods.
+
+Engines are compared at equal error, never at equal timestep (work-precision diagrams: Hairer,
+Nørsett & Wanner, Solving Ordinary Differential Equations I, §II.10). The rules, and which constant
+sets each: docs/cost.md.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ...harness.verdict import VerdictWord, fitted_order
+from ...results.records import Row
+from .report_data import MethodRuns, SceneRuns
+
+Signal = Literal["omega", "attitude", "angular_momentum", "energy"]
+#: The four errors, in the order of `Errors`.
+SIGNALS: tuple[Signal, ...] = ("omega", "attitude", "angular_momentum", "energy")
+#: Two doubles are not known to differ by less, relative to their size.
+EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class Point:
+    """One finished run: timestep, s; CPU seconds a simulated second, None where not timed; error.
+
+    The error is never below what the reference is good for.
+    """
+
+    timestep: float
+    cost: float | None
+    error: float
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One method on one scene, in one of the four errors.
+
+    Attributes
+    ----------
+    points : every run that ended ok, coarse to fine
+    stable : those below the last run that did not end ok
+    seconds_per_step : CPU time of a step, s, None where it was not timed
+    uncertainty : of the reference, in this error
+    rounding : what rounding alone may cause at a timestep of 1 s; in inverse proportion at others
+    declared : the order of accuracy of ω that the adapter declares; None where it is not known
+    verdict, reason, order : on the method and scene; None where there is none
+    """
+
+    engine: str
+    method: str
+    signal: Signal
+    points: tuple[Point, ...]
+    stable: tuple[Point, ...]
+    seconds_per_step: float | None
+    uncertainty: float
+    rounding: float
+    declared: int | None
+    verdict: VerdictWord | None
+    reason: str
+    order: float | None
+
+    @property
+    def label(self) -> str:
+        """As users type it."""
+        return f"{self.engine} {self.method}"
+
+    def floor(self, timestep: float) -> float:
+        """The least error that a run can show: each step is good for one ulp, as it grows."""
+        return self.uncertainty + self.rounding / timestep
+
+
+def curves(scene: SceneRuns, signal: Signal) -> list[Curve]:
+    """Every method's curve on a scene; none where the scene could not be solved."""
+    return [curve_of(scene, runs, signal) for runs in scene.methods] if scene.found else []
+
+
+def curve_of(scene: SceneRuns, runs: MethodRuns, signal: Signal) -> Curve:
+    """One method's curve on a scene that was solved."""
+    assert scene.found is not None, "errors are against a reference"
+    solution = scene.found.solution
+    finished = [row for row in runs.rows if row.outcome == "ok" and row.errors]
+    unfinished = [row.timestep for row in runs.rows if row.outcome != "ok"]
+    points = tuple(_point(scene, row, signal) for row in finished)
+    duration = float(solution.trajectory.t[-1])
+    return Curve(
+        engine=runs.engine,
+        method=runs.method,
+        signal=signal,
+        points=points,
+        stable=tuple(p for p in points if p.timestep < min(unfinished, default=math.inf)),
+        seconds_per_step=finished[-1].seconds_per_step if finished else None,
+        uncertainty=max(getattr(solution.uncertainty, signal), EPS),
+        rounding=duration * getattr(solution.conditioning, signal),
+        declared=runs.declared.order if runs.declared else None,
+        verdict=runs.verdict.verdict if runs.verdict else None,
+        reason=runs.verdict.reason if runs.verdict else "the study was stopped before a verdict",
+        order=runs.verdict.order if runs.verdict else None,
+    )
+
+
+def cost(row: Row) -> float | None:
+    """CPU seconds that one simulated second takes; None where steps were not timed."""
+    if row.seconds_per_step is None or not row.timestep:
+        return None
+    return row.seconds_per_step / row.timestep
+
+
+def slope(coarse: Point, fine: Point) -> float:
+    """The order of accuracy that two runs show."""
+    return math.log(coarse.error / fine.error) / math.log(coarse.timestep / fine.timestep)
+
+
+def observed_order(curve: Curve) -> float | None:
+    """Least-squares slope of log error against log timestep over the finest usable runs.
+
+    Usable are those that the verdict reads its order off: asymptotic, and above all floors. Where
+    this error has too few of them, the order is the one that the verdict rests on.
+    """
+    timesteps = np.array([point.timestep for point in curve.stable])
+    errors = np.array([point.error for point in curve.stable])
+    floors = np.array([curve.floor(timestep) for timestep in timesteps])
+    order = fitted_order(timesteps, errors, floors, curve.uncertainty)
+    return curve.order if order is None else order
+
+
+def front(drawn: Iterable[Curve]) -> list[tuple[Curve, Point]]:
+    """The Pareto front of the curves given: each point is more accurate than all cheaper ones."""
+    timed = [
+        (point.cost, point.error, curve, point)
+        for curve in drawn
+        for point in curve.points
+        if point.cost is not None
+    ]
+    best: list[tuple[Curve, Point]] = []
+    for _, error, curve, point in sorted(timed, key=lambda entry: entry[:2]):
+        if not best or error < best[-1][1].error:
+            best.append((curve, point))
+    return best
+
+
+def _point(scene: SceneRuns, row: Row, signal: Signal) -> Point:
+    least = max(float(getattr(scene.uncertainty(row), signal)), EPS)
+    return Point(row.timestep, cost(row), max(float(getattr(row.errors, signal)), least))

@@ -1,0 +1,50 @@
+"""The errors of an ensemble as empirical distributions, one curve a method."""
+
+from collections.abc import Sequence
+from html import escape
+
+import numpy as np
+
+from ...results.records import Pair
+from ..analysis.ensemble_numbers import Members
+from ..analysis.trace_style import Look
+from .plot import Figure, Panel, layout, line, method_look
+
+HEIGHT = 480
+#: Factors beside the outermost errors, and percent beside 0 and 100, so that curves are not cut.
+BESIDE, MARGIN = 2.0, 3.0
+#: Beyond this every error is as wrong as can be; a blow-up that finished would flatten the rest.
+LARGEST = 1e2
+
+
+def distribution(members: Sequence[Members], looks: dict[Pair, Look]) -> Figure:
+    """Percentage of all members whose error of ω is at most so much.
+
+    A curve ends at the percentage that finished; at least one member did.
+    """
+    traces = []
+    outermost = []
+    for of_method in members:
+        errors = of_method.errors("omega")
+        errors = errors[errors > 0]
+        if not len(errors):
+            continue
+        exact = len(of_method.finished) - len(errors)
+        risen = 100 * (exact + np.arange(len(errors) + 1)) / len(of_method.points)
+        label = " ".join(of_method.pair)
+        told = f"{escape(label)}<br>%{{y:.3g}} % within %{{x:.2e}}<extra></extra>"
+        x = np.concatenate([errors[:1], errors])
+        # By steps: the error of a member is where the curve rises.
+        look = method_look(label, looks[of_method.pair])
+        look |= {"hovertemplate": told, "line": look["line"] | {"shape": "hv"}}
+        traces.append(line(x, risen, 1, **look))
+        outermost += [float(errors[0]), float(errors[-1])]
+    x_range = min(outermost) / BESIDE, min(max(outermost), LARGEST) * BESIDE
+    panel = Panel(
+        "ω error, relative",
+        "% of members within it",
+        log_x=True,
+        x_range=x_range,
+        y_range=(-MARGIN, 100 + MARGIN),
+    )
+    return {"data": traces, "layout": layout([[panel]], HEIGHT)}

@@ -1,0 +1,136 @@
+"""Panels of a map on common axes: where each stands, which carry numbers, where cells meet."""
+
+import math
+from collections.abc import Iterator
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from ....scenarios import FloatArray
+from ....scenarios.vary import Axis
+from ..analysis.map_grid import Grid, axis_title, places
+from .plot import Panel, axis_suffix, layout
+
+#: Panels side by side, px high, and the px around them for titles, legend and colour bar.
+ACROSS, PANEL_HEIGHT = 4, 215
+ABOVE, BELOW, LEFT, RIGHT = 36, 62, 66, 92
+#: A line of the legend, px, and the entries that one holds.
+LEGEND_LINE, LEGEND_ACROSS = 20, 4
+GAP_ACROSS, GAP_DOWN = 0.022, 44
+#: px: a page's width is taken for this.
+WIDTH = 1216
+
+
+def panels(grid: Grid, entries: int) -> dict[str, Any]:
+    """Layout of a panel for each method, over a legend of so many entries."""
+    count = len(grid.methods)
+    columns, below = columns_of(count), below_panels(entries)
+    said = list(titles(grid, count, columns))
+    made = layout(
+        [
+            [
+                Panel(x_title, y_title, escape(" ".join(pair)), domain=area)
+                for pair, area, (x_title, y_title) in zip(
+                    grid.methods, domains(count, columns), said, strict=True
+                )
+            ]
+        ],
+        height_of(count, columns, below),
+    )
+    for k, outer in enumerate(said, start=1):
+        for letter, axis, title in zip("xy", grid.axes, outer, strict=True):
+            made[f"{letter}axis{axis_suffix(k)}"] |= shared(letter, axis, bool(title))
+    made["margin"] = {"l": LEFT, "r": RIGHT, "t": ABOVE, "b": below}
+    made["legend"] = {
+        "orientation": "h",
+        "yref": "container",
+        "y": 0,
+        "yanchor": "bottom",
+        "x": 0,
+        "itemclick": False,
+        "itemdoubleclick": False,
+    }
+    return made
+
+
+def columns_of(count: int) -> int:
+    """How many of the panels stand side by side."""
+    return min(ACROSS, count)
+
+
+def height_of(count: int, columns: int, below: int) -> int:
+    """Of a figure of that many panels, px."""
+    rows = math.ceil(count / columns)
+    return ABOVE + below + rows * PANEL_HEIGHT + (rows - 1) * GAP_DOWN
+
+
+def below_panels(entries: int) -> int:
+    """Room for the titles of the axes and a legend of so many entries, px."""
+    return BELOW + LEGEND_LINE * math.ceil(entries / LEGEND_ACROSS)
+
+
+def cell_side(shape: tuple[int, int], columns: int) -> float:
+    """The smaller side of a cell, px, of a map of so many rows and columns of cells."""
+    rows, across = shape
+    panel = (WIDTH - LEFT - RIGHT) * (1 - GAP_ACROSS * (columns - 1)) / columns
+    return min(panel / across, PANEL_HEIGHT / rows)
+
+
+def domains(count: int, columns: int) -> Iterator[tuple[tuple[float, float], tuple[float, float]]]:
+    """Left and right, bottom and top of each panel, in fractions of the figure."""
+    rows = math.ceil(count / columns)
+    wide = (1 - GAP_ACROSS * (columns - 1)) / columns
+    inside = rows * PANEL_HEIGHT + (rows - 1) * GAP_DOWN
+    for k in range(count):
+        row, column = divmod(k, columns)
+        left = column * (wide + GAP_ACROSS)
+        top = 1 - row * (PANEL_HEIGHT + GAP_DOWN) / inside
+        bottom = max(top - PANEL_HEIGHT / inside, 0.0)
+        yield (left, min(left + wide, 1.0)), (bottom, min(top, 1.0))
+
+
+def titles(grid: Grid, count: int, columns: int) -> Iterator[tuple[str, str]]:
+    """Titles of the axes at the outer panels, nothing at the others."""
+    across, up = (escape(axis_title(axis)) for axis in grid.axes)
+    for k in range(count):
+        yield across if k + columns >= count else "", up if k % columns == 0 else ""
+
+
+def shared(letter: str, axis: Axis, outer: bool) -> dict[str, Any]:
+    """What makes panels move as one; only the outer ones carry numbers."""
+    outermost = edges(axis)
+    return {
+        "range": [float(outermost[0]), float(outermost[-1])],
+        "matches": letter,
+        "showticklabels": outer,
+        "showgrid": False,
+        **_ticks(axis),
+    }
+
+
+def _ticks(axis: Axis) -> dict[str, Any]:
+    """Powers of ten, of an axis whose coordinate is the exponent; else Plotly's own."""
+    if not axis.logarithmic:
+        return {}
+    low, high = math.log10(axis.values[0]), math.log10(axis.values[-1])
+    # One digit of each decade, or several where there are less than two decades.
+    digits = (1,) if high - low >= 2 else (1, 2, 5)
+    values = [
+        (power + math.log10(digit), digit * 10.0**power)
+        for power in range(math.floor(low), math.ceil(high) + 1)
+        for digit in digits
+    ]
+    inside = [(at, value) for at, value in values if low - 1e-9 <= at <= high + 1e-9]
+    return {
+        "tickmode": "array",
+        "tickvals": [at for at, _ in inside],
+        "ticktext": [f"{value:g}" for _, value in inside],
+    }
+
+
+def edges(axis: Axis) -> FloatArray:
+    """Where cells meet: halfway between values, and as far beyond the outermost."""
+    at = places(axis)
+    middles = (at[1:] + at[:-1]) / 2
+    return np.concatenate([[2 * at[0] - middles[0]], middles, [2 * at[-1] - middles[-1]]])

@@ -1,0 +1,252 @@
+"""A map as a figure: one panel a method on common axes, colour the error of ω, lines by theory."""
+
+import math
+from collections.abc import Iterator, Sequence
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from ....scenarios import FloatArray
+from ....scenarios.vary import TIMESTEP
+from ...results.records import Pair
+from ...results.sweep_records import Point
+from ..analysis.map_grid import Grid, place_of, places, with_unit
+from ..analysis.map_marks import HORIZON, Mark, is_coloured, marks
+from ..analysis.wording import number, power_of_ten
+from .map_axes import cell_side, columns_of, edges, panels
+from .map_bounds import Bound, bounds_of
+from .map_contour import zero_lines
+from .map_labels import Placed, place
+from .plot import GROUND, INK, Figure, Trace, axis_suffix, packed
+
+#: Perceptually uniform, and the same to all kinds of colour vision (Nathaniel Smith & Stéfan van
+#: der Walt, matplotlib 2.0): equal ratios of errors look equally far apart.
+COLOURS = "Viridis"
+#: An error of one is as wrong as the motion is large: nothing worse is told apart.
+NOTHING_RIGHT = 1.0
+#: Of the smaller side of a cell; and px, so that it is seen and does not hide its neighbours.
+SIGN_PART, SMALLEST_SIGN, LARGEST_SIGN = 0.62, 3.0, 8.0
+#: Places of a map whose points are told one by one where the pointer is; of more, a page would
+#: weigh many megabytes, and the pointer shows the error or the sign's meaning alone.
+MOST_TOLD = 1600
+LINE_WIDTH, CASING_WIDTH, LABEL_SIZE = 1.6, 4.0, 10
+
+
+def map_figure(grid: Grid) -> Figure:
+    """All methods of a map."""
+    signs = marks(grid.found.points)
+    legend = _legend(grid, signs)
+    traces = [*legend]
+    labels = []
+    cell = cell_side(grid.shape, columns_of(len(grid.methods)))
+    for k, pair in enumerate(grid.methods, start=1):
+        traces += _errors(grid, pair, k)
+        traces += _signs(grid, pair, k, signs, cell)
+        lines, words = _bounds(grid, pair, k)
+        traces += lines
+        labels += words
+    made = panels(grid, len(legend))
+    made["coloraxis"] = _colour_axis(_least(grid))
+    made["annotations"] += labels
+    return {"data": traces, "layout": made}
+
+
+def _least(grid: Grid) -> float:
+    """The power of ten below all errors and above what no reference can tell."""
+    found = [_claimed(point) for point in grid.found.points if is_coloured(point)]
+    positive = [error for error in found if 0 < error < math.inf]
+    return float(math.floor(math.log10(min(positive, default=1e-1))))
+
+
+def _claimed(point: Point) -> float:
+    assert point.errors is not None
+    return max(point.errors.omega, point.uncertainty)
+
+
+def _colour_axis(low: float) -> dict[str, Any]:
+    high = math.log10(NOTHING_RIGHT)
+    low = min(low, high - 1)
+    step = max(1, math.ceil((high - low) / 8))
+    ticks = list(range(int(high), int(low) - 1, -step))
+    return {
+        "colorscale": COLOURS,
+        "cmin": low,
+        "cmax": high,
+        "colorbar": {
+            "title": {"text": "ω error,<br>relative", "side": "top"},
+            "tickvals": ticks,
+            "ticktext": [f"≥ {NOTHING_RIGHT:g}" if k == high else power_of_ten(k) for k in ticks],
+            "thickness": 14,
+            "outlinewidth": 0,
+            "x": 1.012,
+            "xpad": 0,
+        },
+    }
+
+
+def _errors(grid: Grid, pair: Pair, k: int) -> Iterator[Trace]:
+    shown = {n: point for n, point in grid.points[pair].items() if is_coloured(point)}
+    if not shown:
+        return
+    values = np.full(grid.shape, math.nan)
+    texts = [[""] * grid.shape[1] for _ in range(grid.shape[0])]
+    for (row, column), point in shown.items():
+        error = _claimed(point)
+        values[row, column] = math.log10(error) if 0 < error < math.inf else math.nan
+        texts[row][column] = _told(grid, point)
+    across, up = grid.axes
+    yield {
+        "type": "heatmap",
+        "x": packed(edges(across)),
+        "y": packed(edges(up)),
+        "z": packed(values) | {"shape": ", ".join(map(str, grid.shape))},
+        "text": texts,
+        "hovertemplate": _hover(pair),
+        "hoverongaps": False,
+        "coloraxis": "coloraxis",
+        "xaxis": f"x{axis_suffix(k)}",
+        "yaxis": f"y{axis_suffix(k)}",
+        "showlegend": False,
+    }
+
+
+def _signs(grid: Grid, pair: Pair, k: int, signs: dict[Any, Mark], cell: float) -> Iterator[Trace]:
+    size = min(max(SIGN_PART * cell, SMALLEST_SIGN), LARGEST_SIGN)
+    by_mark: dict[Mark, list[Point]] = {}
+    for point in grid.points[pair].values():
+        if not is_coloured(point):
+            by_mark.setdefault(signs[point.outcome, point.cause], []).append(point)
+        elif grid.is_cut(point):
+            by_mark.setdefault(HORIZON, []).append(point)
+    across, up = grid.axes
+    for mark, points in by_mark.items():
+        yield {
+            "type": "scatter",
+            "mode": "markers",
+            "x": packed(np.array([place_of(across, point.at[0]) for point in points])),
+            "y": packed(np.array([place_of(up, point.at[1]) for point in points])),
+            "marker": _marker(mark, SMALLEST_SIGN if mark is HORIZON else size),
+            "text": [_told(grid, point) for point in points],
+            "hovertemplate": _hover(pair),
+            "xaxis": f"x{axis_suffix(k)}",
+            "yaxis": f"y{axis_suffix(k)}",
+            "showlegend": False,
+        }
+
+
+def _marker(mark: Mark, size: float) -> dict[str, Any]:
+    return {
+        "symbol": mark.symbol,
+        "size": size,
+        "color": mark.colour,
+        "line": {"color": mark.colour, "width": 1.2},
+    }
+
+
+def _told(grid: Grid, point: Point) -> str:
+    """What a pointer on a place shows, under the method's name."""
+    if math.prod(grid.shape) > MOST_TOLD:
+        return f"ω error {_claimed(point):.0e}" if is_coloured(point) else escape(_ended(point))
+    at = (with_unit(axis, value) for axis, value in zip(grid.axes, point.at, strict=True))
+    chosen = not any(axis.path == TIMESTEP for axis in grid.axes) and point.timestep
+    lines = [
+        ", ".join(at) + (f", timestep {point.timestep:.4g} s" if chosen else ""),
+        f"ω error {_claimed(point):.2e}" if point.errors else "",
+        "the reference is known no further" if grid.is_cut(point) else "",
+        "" if point.outcome == "ok" else _ended(point),
+        point.reason,
+    ]
+    return "<br>".join(escape(line) for line in lines if line)
+
+
+def _hover(pair: Pair) -> str:
+    return f"{escape(' '.join(pair))}<br>%{{text}}<extra></extra>"
+
+
+def _ended(point: Point) -> str:
+    at = f" at {number(point.stopped_at)} s" if point.stopped_at is not None else ""
+    return f"{point.outcome}{at}" + (f" ({point.cause})" if point.cause else "")
+
+
+def drawn_bounds(grid: Grid, pair: Pair) -> list[tuple[Bound, list[FloatArray]]]:
+    """The bounds that pass through a method's panel, as curves in the places of the axes."""
+    across, up = (places(axis) for axis in grid.axes)
+    found = []
+    for bound in bounds_of(grid.methods[pair]):
+        curves = zero_lines(across, up, grid.evaluated(bound.value))
+        if curves:
+            found.append((bound, curves))
+    return found
+
+
+def _bounds(grid: Grid, pair: Pair, k: int) -> tuple[list[Trace], list[dict[str, Any]]]:
+    drawn = drawn_bounds(grid, pair)
+    traces = [
+        trace for bound, curves in drawn for curve in curves for trace in _line(bound, curve, k)
+    ]
+    spans = tuple((float(at[0]), float(at[-1])) for at in map(places, grid.axes))
+    placed = place([(bound.label, curves) for bound, curves in drawn], spans)
+    return traces, [_label(label, k) for label in placed]
+
+
+def _line(bound: Bound, curve: FloatArray, k: int) -> Iterator[Trace]:
+    """A line that is seen on every colour: in that of text, on a broader one in that of paper."""
+    for colour, width, dash in ((GROUND, CASING_WIDTH, "solid"), (INK, LINE_WIDTH, bound.dash)):
+        yield {
+            "type": "scatter",
+            "mode": "lines",
+            "x": packed(curve[:, 0]),
+            "y": packed(curve[:, 1]),
+            "line": {"color": colour, "width": width, "dash": dash},
+            "name": bound.meaning,
+            "hoverinfo": "skip",
+            "xaxis": f"x{axis_suffix(k)}",
+            "yaxis": f"y{axis_suffix(k)}",
+            "showlegend": False,
+        }
+
+
+def _label(label: Placed, k: int) -> dict[str, Any]:
+    return {
+        "text": label.text,
+        "x": label.x,
+        "y": label.y,
+        "xref": f"x{axis_suffix(k)}",
+        "yref": f"y{axis_suffix(k)}",
+        "showarrow": False,
+        "font": {"size": LABEL_SIZE, "color": INK},
+        "bgcolor": GROUND,
+        "opacity": 0.9,
+        "borderpad": 1,
+    }
+
+
+def _legend(grid: Grid, signs: dict[Any, Mark]) -> list[Trace]:
+    """An entry for every sign and every kind of line in any panel."""
+    nowhere: dict[str, Any] = {
+        "type": "scatter",
+        "x": [None],
+        "y": [None],
+        "hoverinfo": "skip",
+        "showlegend": True,
+    }
+    shown = [*signs.values(), *([HORIZON] if any(map(grid.is_cut, grid.found.points)) else [])]
+    dashes = {bound.label: bound.dash for bound in legend_of_bounds(grid)}
+    return [
+        nowhere
+        | {"mode": "markers", "marker": _marker(mark, LARGEST_SIGN), "name": escape(mark.label)}
+        for mark in shown
+    ] + [
+        nowhere
+        | {"mode": "lines", "line": {"color": INK, "width": LINE_WIDTH, "dash": dash}, "name": name}
+        for name, dash in dashes.items()
+    ]
+
+
+def legend_of_bounds(grid: Grid) -> Sequence[Bound]:
+    """Every line in any panel, once."""
+    known: dict[str, Bound] = {}
+    for pair in grid.methods:
+        known |= {bound.meaning: bound for bound, _ in drawn_bounds(grid, pair)}
+    return list(known.values())

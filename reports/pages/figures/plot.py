@@ -1,0 +1,229 @@
+"""Figures as Plotly's own JSON: panels, lines and floors, thinned to what a page can carry.
+
+Plain dictionaries, so that a page is made in milliseconds. Colours named INK and the like are
+put in by the page's script, which knows whether it is shown on light or on dark.
+"""
+
+import base64
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....scenarios import FloatArray
+from ..analysis.trace_style import Look
+
+Trace = dict[str, Any]
+Figure = dict[str, Any]
+#: Lowest and highest value of an axis.
+Range = tuple[float, float]
+
+#: Samples a line is drawn with; more would not be seen, and pages grow with every one.
+MOST_SAMPLES = 400
+#: Stand for the colours of text, of wires and of the page, which the page's script puts in.
+INK, WIRE, GROUND = "ink", "wire", "ground"
+#: Errors beyond this are a blow-up, not a curve to read; axes end here.
+OFF_THE_CHART = 1e2
+#: Where a blow-up is cut: beyond this a browser loses its way.
+BEYOND_DRAWING = 1e30
+#: A log axis has at most this many labels.
+LOG_LABELS = 8
+#: Fraction of a panel left between it and the next, across and down.
+GAP_ACROSS, GAP_DOWN = 0.085, 0.14
+REFERENCE_WIDTH, METHOD_WIDTH = 5.0, 1.6
+EPS = float(np.finfo(float).eps)
+FLOOR_COLOUR = "rgba(128,128,128,0.22)"
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One pair of axes. `floor` is the reference's uncertainty, shaded where it is given."""
+
+    x_title: str
+    y_title: str
+    heading: str = ""
+    log_x: bool = False
+    y_range: Range | None = None
+    x_range: Range | None = None
+    log_y: bool = False
+    floor: float | None = None
+    equal_scales: bool = False
+    domain: tuple[Range, Range] | None = None
+
+
+def layout(grid: Sequence[Sequence[Panel]], height: int) -> dict[str, Any]:
+    """Axes for rows of panels; the k-th panel in reading order has axes x{k} and y{k}."""
+    made: dict[str, Any] = {"height": height, "shapes": [], "annotations": []}
+    panels = [
+        (panel, panel.domain or _domain(row, column, len(grid), len(panels_of_row)))
+        for row, panels_of_row in enumerate(grid)
+        for column, panel in enumerate(panels_of_row)
+    ]
+    for k, (panel, (across, down)) in enumerate(panels, start=1):
+        suffix = axis_suffix(k)
+        made[f"xaxis{suffix}"] = {
+            "domain": across,
+            "anchor": f"y{suffix}",
+            **_axis(panel.x_title, panel.log_x, panel.x_range),
+        }
+        made[f"yaxis{suffix}"] = {
+            "domain": down,
+            "anchor": f"x{suffix}",
+            **_axis(panel.y_title, panel.log_y, panel.y_range),
+        }
+        if panel.equal_scales:
+            made[f"yaxis{suffix}"]["scaleanchor"] = f"x{suffix}"
+        if panel.heading:
+            made["annotations"].append(heading(panel.heading, across[0], down[1]))
+        if panel.floor is not None and panel.y_range is not None:
+            floor = min(panel.floor, panel.y_range[1])
+            made["shapes"].append(_floor_shading(suffix, panel.y_range[0], floor))
+    return made
+
+
+def axis_suffix(k: int) -> str:
+    """Plotly numbers axes x, x2, x3, …."""
+    return "" if k == 1 else str(k)
+
+
+def line(x: FloatArray, y: FloatArray, k: int, **properties: Any) -> Trace:
+    """A line in panel k."""
+    suffix = axis_suffix(k)
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "x": packed(x),
+        "y": packed(y),
+        "xaxis": f"x{suffix}",
+        "yaxis": f"y{suffix}",
+        "showlegend": False,
+        **properties,
+    }
+
+
+def exact_look() -> dict[str, Any]:
+    """How the exact motion is drawn: a thick line in the colour of text."""
+    return {
+        "mode": "lines",
+        "line": {"color": INK, "width": REFERENCE_WIDTH},
+        "name": "exact",
+        "hoverinfo": "skip",
+    }
+
+
+def method_look(label: str, look: Look) -> dict[str, Any]:
+    """How a method's path is drawn: a thin line; `legendgroup` lets the page switch it off."""
+    return {
+        "mode": "lines",
+        "line": {"color": look.colour, "width": METHOD_WIDTH, "dash": look.dash},
+        # Plotly takes some HTML for markup.
+        "name": escape(label, quote=False),
+        "legendgroup": label,
+        "hoverinfo": "name",
+    }
+
+
+def start_dot(x: float, y: float, k: int) -> Trace:
+    """A dot in panel k where the motion starts."""
+    marker = {"color": INK, "size": 8}
+    return line(np.array([x]), np.array([y]), k, mode="markers", marker=marker, hoverinfo="skip")
+
+
+def heading(text: str, x: float, y: float) -> dict[str, Any]:
+    """Words above a panel, in fractions of the figure."""
+    return {
+        "text": f"<b>{text}</b>",
+        "x": x,
+        "y": y,
+        "xref": "paper",
+        "yref": "paper",
+        "xanchor": "left",
+        "yanchor": "bottom",
+        "yshift": 4,
+        "showarrow": False,
+    }
+
+
+def packed(values: FloatArray) -> dict[str, str]:
+    """An array as Plotly reads it from base64: seven digits of each value, gaps for blow-ups."""
+    drawable = np.where(np.abs(values) < BEYOND_DRAWING, values, np.nan)
+    single = np.ascontiguousarray(drawable, dtype="<f4")
+    return {"dtype": "f4", "bdata": base64.b64encode(single.tobytes()).decode("ascii")}
+
+
+def thinned(n: int) -> NDArray[np.intp]:
+    """Indices of at most `MOST_SAMPLES` samples out of n, first and last among them."""
+    return np.unique(np.linspace(0, n - 1, min(n, MOST_SAMPLES)).astype(np.intp))
+
+
+def peaks(values: FloatArray) -> FloatArray:
+    """At every thinned sample the largest value up to the next one: no peak is lost."""
+    return np.asarray(np.maximum.reduceat(values, thinned(len(values))))
+
+
+def claimed(errors: FloatArray, floor: float) -> FloatArray:
+    """Errors as they may be drawn: none below the reference's uncertainty, gaps for inf."""
+    raised = np.maximum(errors, floor)
+    return np.where(np.isfinite(raised), raised, np.nan)
+
+
+def error_range(curves: Sequence[FloatArray], floor: float) -> Range:
+    """From half the floor to just above the highest error worth reading."""
+    if not 0 < floor < math.inf:
+        # A signal whose base is zero, such as L of a body at rest: no error of it can be claimed.
+        return EPS, 1.0
+    finite = [curve[np.isfinite(curve)] for curve in curves]
+    highest = max((float(curve.max()) for curve in finite if len(curve)), default=floor)
+    return floor / 2, 2 * min(max(highest, 10 * floor), OFF_THE_CHART)
+
+
+def padded(values: FloatArray, fraction: float = 0.08) -> Range:
+    """The range of some values with a margin; one of width nought is widened."""
+    low, high = float(values.min()), float(values.max())
+    margin = (high - low or abs(high) or 1.0) * fraction
+    return low - margin, high + margin
+
+
+def _domain(row: int, column: int, rows: int, columns: int) -> tuple[Range, Range]:
+    wide = (1 - GAP_ACROSS * (columns - 1)) / columns
+    high = (1 - GAP_DOWN * (rows - 1)) / rows
+    left = column * (wide + GAP_ACROSS)
+    top = 1 - row * (high + GAP_DOWN)
+    return (left, min(left + wide, 1.0)), (max(top - high, 0.0), top)
+
+
+def _axis(title: str, logarithmic: bool, limits: Range | None) -> dict[str, Any]:
+    axis: dict[str, Any] = {
+        "title": {"text": title},
+        "zeroline": False,
+        "exponentformat": "power",
+    }
+    if logarithmic:
+        # Plotly sets powers of ten a quarter larger than other labels.
+        axis |= {"type": "log", "dtick": 1, "tickfont": {"size": 10}}
+    if limits and logarithmic:
+        low, high = (math.log10(limit) for limit in limits)
+        axis["range"] = [low, high]
+        axis["dtick"] = max(1, math.ceil((high - low) / LOG_LABELS))
+    elif limits:
+        axis["range"] = list(limits)
+    return axis
+
+
+def _floor_shading(suffix: str, bottom: float, floor: float) -> dict[str, Any]:
+    return {
+        "type": "rect",
+        "layer": "below",
+        "xref": f"x{suffix} domain",
+        "yref": f"y{suffix}",
+        "x0": 0,
+        "x1": 1,
+        "y0": bottom,
+        "y1": floor,
+        "fillcolor": FLOOR_COLOUR,
+        "line": {"width": 0},
+    }

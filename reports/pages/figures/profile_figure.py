@@ -1,0 +1,49 @@
+"""Performance profiles as step curves, one panel an error."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ...results.records import Pair
+from ..analysis.profiles import Profile
+from ..analysis.trace_style import Look
+from ..analysis.wording import SIGNALS, number
+from .plot import Figure, Panel, Range, Trace, layout, line, method_look
+
+#: Room beside the largest factor of a log axis, as a factor: a curve's last step is seen to stay.
+BESIDE = 1.5
+#: A little below none and above all, so that neither is drawn on the frame.
+FRACTIONS: Range = (-0.03, 1.03)
+
+
+def profile_figure(profiles: Sequence[Profile], drawn: Mapping[Pair, Look]) -> Figure:
+    """Fraction of scenes solved against the factor by which the cheapest method is exceeded."""
+    largest = max((r[-1] for p in profiles for r in p.ratios.values() if r), default=1.0)
+    x_range = (1.0, largest * BESIDE)
+    panels = []
+    traces: list[Trace] = []
+    for k, profile in enumerate(profiles, start=1):
+        heading = f"{SIGNALS[profile.signal]}: error up to {number(profile.level, 1)}"
+        x_title = "cost over the cheapest method's, τ"
+        panels.append(Panel(x_title, "fraction of scenes", heading, True, FRACTIONS, x_range))
+        traces += _steps(profile, drawn, x_range[1], k)
+    return {"data": traces, "layout": layout([panels], height=460)}
+
+
+def _steps(profile: Profile, drawn: Mapping[Pair, Look], end: float, k: int) -> list[Trace]:
+    traces = []
+    for pair, ratios in profile.ratios.items():
+        factors = sorted({1.0, *ratios, end})
+        label = " ".join(pair)
+        style = method_look(label, drawn[pair])
+        style["line"] = style["line"] | {"shape": "hv"}
+        said = f"{label}<br>within %{{x:.3g}} times the cheapest<br>on %{{y:.0%}} of scenes"
+        traces.append(
+            line(
+                np.array(factors),
+                np.array([profile.fraction(pair, factor) for factor in factors]),
+                k,
+                **style | {"hovertemplate": f"{said}<extra></extra>"},
+            )
+        )
+    return traces

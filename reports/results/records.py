@@ -1,0 +1,98 @@
+"""What a study finds: one row a run, one verdict a method and scene."""
+
+from dataclasses import dataclass
+
+from ...engines import Cause, Outcome
+from ...scenarios import Errors, Trajectory
+from ..harness.richardson import Signal
+from ..harness.verdict import VerdictWord
+
+#: Names of an engine and of one of its methods.
+Pair = tuple[str, str]
+#: s; the timestep of the one row of a method on a scene whose reference could not be solved.
+UNSOLVED = 0.0
+
+
+@dataclass(frozen=True)
+class Key:
+    """Which scene, engine and method."""
+
+    scenario: str
+    engine: str
+    method: str
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One run against the reference.
+
+    Attributes
+    ----------
+    reason : why, where the outcome is not ok; of an engine as shipped, what differs from the scene
+    cause : the same in a word
+    lost : whether a run that is ok is no nearer to the truth than no motion would be (`lost.lost`)
+    stopped_at : s, when it diverged or failed
+    errors : at the run's sample times, up to where it stopped; None without samples
+    drifts : largest change of each conserved quantity, relative, by name
+    uncertainty : the reference's, in ω, relative
+    seconds_per_step, seconds_spread : CPU seconds, least over the repeats, and (max − min) of them;
+        None where it was not timed
+    wall_seconds_per_step : likewise the least by the clock on the wall
+    motion : the samples; None where there are none, and where a finer run of the method has them
+    printed : what the engine wrote to the terminal
+    """
+
+    key: Key
+    engine_version: str
+    timestep: float
+    outcome: Outcome
+    reason: str = ""
+    cause: Cause = ""
+    stopped_at: float | None = None
+    errors: Errors | None = None
+    drifts: dict[str, float] | None = None
+    uncertainty: float = 0.0
+    steps: int = 0
+    seconds_per_step: float | None = None
+    seconds_spread: float | None = None
+    wall_seconds_per_step: float | None = None
+    motion: Trajectory | None = None
+    printed: str = ""
+    lost: bool = False
+
+    @property
+    def survived(self) -> bool:
+        """Whether the run came to its end with something of the truth left in it."""
+        return self.outcome == "ok" and not self.lost
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a ladder says of a method on a scene.
+
+    Attributes
+    ----------
+    order, limit_error, limit_estimate : of the signal that decided
+    signal : which one that was
+    broken : the scene's own promises that this method broke, in words
+    as_shipped : of the engine with all its defaults: nobody promised that it simulates the scene
+    known : it is what the scene's file says is known of this method
+    """
+
+    key: Key
+    verdict: VerdictWord
+    reason: str
+    signal: Signal = "omega"
+    order: float | None = None
+    limit_error: float | None = None
+    limit_estimate: float | None = None
+    broken: tuple[str, ...] = ()
+    as_shipped: bool = False
+    known: bool = False
+
+    @property
+    def agrees(self) -> bool:
+        """Whether a study with this verdict passes."""
+        expected = self.as_shipped or self.known
+        wrong = self.verdict in ("disagrees", "failed") and not expected
+        return not wrong and not self.broken

@@ -1,1 +1,0 @@
-"""Which runs are made, and making them."""

@@ -1,0 +1,43 @@
+"""How fast a motion is: the rate by which a timestep is small or large for it."""
+
+import numpy as np
+
+from . import FloatArray, Scenario, Trajectory
+
+
+def pace(scenario: Scenario, truth: Trajectory) -> float:
+    """The fastest rate at which a scene's state can change, rad/s.
+
+    The largest of three: |ω|, that of a small swing under gravity, and that at which drag takes
+    the spin away. Euler's equations add none: where all moments obey the triangle inequality,
+    |I₁ − I₂| ≤ I₃, their coefficients are at most |ω| (Landau & Lifshitz, Mechanics, §36).
+
+    Parameters
+    ----------
+    truth : the motion at the window's times
+    """
+    body = scenario.body
+    inertia = body.inertia_origin if scenario.has_pivot else body.inertia_com
+    inverse = np.asarray(np.linalg.inv(inertia), dtype=float)
+    spin = float(np.linalg.norm(truth.omega_body, axis=1).max())
+    damping = scenario.drag * float(np.linalg.norm(inverse, 2))
+    return max(spin, _swing(scenario, inverse), damping)
+
+
+def _swing(scenario: Scenario, inverse: FloatArray) -> float:
+    """√(m g l / I) for the axis across the lever about which I is least, rad/s; 0 if free.
+
+    Gravity's torque is across the lever, so that the moment about the lever does not count: a
+    needle hanging by its end swings slowly, however easily it spins.
+
+    Parameters
+    ----------
+    inverse : (3, 3) of the tensor about the pivot, 1/(kg m²), body axes
+    """
+    length = float(np.linalg.norm(scenario.body.com))
+    if not (scenario.has_pivot and length):
+        return 0.0
+    direction = scenario.body.com / length
+    across = np.eye(3) - np.outer(direction, direction)
+    pull = scenario.body.mass * float(np.linalg.norm(scenario.gravity_world)) * length
+    return float(np.sqrt(pull * np.linalg.norm(across @ inverse @ across, 2)))

@@ -1,0 +1,206 @@
+"""What MuJoCo does to a run when nobody asks: each trap, planted, is caught.
+
+Resets, warnings, and what a state is read from. The traps are listed in docs/engines-mujoco.md.
+"""
+
+import copy
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from mujoco_sessions import TIMESTEP, loaded, read_back, session_of
+from scenes import SCENES
+from scipy.spatial.transform import Rotation
+from spincheck.engines import EngineError
+from spincheck.engines.adapters.mujoco.engine.session import MuJoCoSession
+from spincheck.engines.models.mjcf import mjcf
+from spincheck.scenarios import Trajectory, angular_momentum_world, energy
+
+EPS = np.finfo(float).eps
+#: A dozen products of rotations and vectors.
+ROUNDOFF = 64 * EPS
+#: With it Euler blows the heavy top up within five seconds.
+COARSE_TIMESTEP = 1e-2
+TO_BLOW_UP = 500
+
+
+def sample(session: MuJoCoSession) -> Trajectory:
+    state = {name: value[None] for name, value in vars(session.read_state()).items()}
+    return Trajectory(t=np.zeros(1), **state)
+
+
+def blown_up(autoreset: str, cwd: Path) -> tuple[MuJoCoSession, float]:
+    """The heavy top after it blew up under Euler, and the time its clock should show."""
+    text = mjcf(SCENES["heavy-top"], COARSE_TIMESTEP, "Euler")
+    session = loaded(
+        SCENES["heavy-top"], text.replace('autoreset="disable"', f'autoreset="{autoreset}"')
+    )
+    session.advance(TO_BLOW_UP)
+    assert list(cwd.iterdir()) == []
+    return session, TO_BLOW_UP * COARSE_TIMESTEP
+
+
+@pytest.fixture
+def cwd(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_run_that_blew_up_is_not_reset(cwd: Path) -> None:
+    session, time = blown_up("disable", cwd)
+    assert session.data.time == pytest.approx(time, abs=COARSE_TIMESTEP / 2)
+    with pytest.raises(EngineError, match=r"MuJoCo warned: .* huge value in QACC"):
+        session.check()
+
+
+def test_with_autoreset_a_run_that_blew_up_begins_again_and_is_caught(cwd: Path) -> None:
+    session, time = blown_up("enable", cwd)
+    assert session.data.time < time / 2
+    assert "automatic reset" in session.active()
+    with pytest.raises(EngineError, match=r"MuJoCo warned"):
+        session.check()
+
+
+def test_a_reset_without_a_warning_is_caught_by_the_clock() -> None:
+    session = session_of(SCENES["heavy-top"])
+    session.advance(10)
+    session.check()
+    mujoco.mj_resetData(session.model, session.data)
+    with pytest.raises(EngineError, match=r"clock must be at 0.01 s, got 0.0 s: it was reset"):
+        session.check()
+
+
+def test_a_warning_nobody_heard_is_caught_by_the_counter() -> None:
+    session = session_of(SCENES["heavy-top"])
+    session.data.warning[mujoco.mjtWarning.mjWARN_INERTIA].number = 1
+    with pytest.raises(EngineError, match="counted 1 kinds of warning"):
+        session.check()
+
+
+def test_warnings_of_a_bare_step_end_up_in_a_log_file(
+    cwd: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    session = session_of(SCENES["heavy-top"])
+    session.data.qvel[0] = np.nan
+    mujoco.mj_step(session.model, session.data)
+    assert [path.name for path in cwd.iterdir()] == ["MUJOCO_LOG.TXT"]
+    assert "WARNING" in capfd.readouterr().err
+
+
+def test_warnings_of_a_session_end_up_in_its_check_alone(
+    cwd: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    session = session_of(SCENES["heavy-top"])
+    session.data.qvel[0] = np.nan
+    session.advance(1)
+    assert (list(cwd.iterdir()), capfd.readouterr()) == ([], ("", ""))
+    with pytest.raises(EngineError, match="huge value in QVEL"):
+        session.check()
+
+
+def staleness(integrator: str) -> tuple[float, float, float]:
+    """How far the com as read, and MuJoCo's xipos, are from the state; how far a step moves it."""
+    session = session_of(SCENES["heavy-tilted"], integrator)
+    session.advance(100)
+    state, fresh = session.read_state(), copy.copy(session.data)
+    mujoco.mj_forward(session.model, fresh)
+    ours, mujocos = (
+        float(np.linalg.norm(com_world - fresh.xipos[1]))
+        for com_world in (state.com_world, session.data.xipos[1])
+    )
+    return ours, mujocos, float(np.linalg.norm(state.velocity_world)) * TIMESTEP
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "RK4"])
+def test_the_state_is_read_as_it_is_now(integrator: str) -> None:
+    ours, _, _ = staleness(integrator)
+    assert ours < ROUNDOFF
+
+
+def test_derived_data_are_a_step_old_after_a_step_of_euler() -> None:
+    _, mujocos, moved = staleness("Euler")
+    assert mujocos == pytest.approx(moved, rel=0.1)
+
+
+def test_derived_data_are_those_of_the_last_stage_after_a_step_of_rk4() -> None:
+    _, mujocos, moved = staleness("RK4")
+    assert 1e3 * ROUNDOFF < mujocos < 1e-3 * moved
+
+
+@pytest.mark.parametrize("name", ["free-drag", "heavy-tilted", "everything"])
+def test_reading_and_auditing_do_not_disturb_the_run(name: str) -> None:
+    watched, alone = (session_of(SCENES[name]) for _ in range(2))
+    for _ in range(20):
+        watched.advance(1)
+        watched.read_state()
+        watched.read_body()
+        watched.active()
+    alone.advance(20)
+    wanted = vars(alone.read_state())
+    assert all(np.array_equal(getattr(watched.read_state(), key), wanted[key]) for key in wanted)
+
+
+@pytest.mark.parametrize("name", ["free-tilted", "heavy-tilted"])
+def test_velocities_are_those_mujoco_gives_for_the_bodys_com(name: str) -> None:
+    session = session_of(SCENES[name])
+    session.advance(100)
+    state, fresh = session.read_state(), copy.copy(session.data)
+    mujoco.mj_forward(session.model, fresh)
+    spatial = np.zeros(6)
+    body = mujoco.mjtObj.mjOBJ_BODY
+    mujoco.mj_objectVelocity(session.model, fresh, body, 1, spatial, 0)
+    omega_world, velocity_world = spatial[:3], spatial[3:]
+    R = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
+    slack = ROUNDOFF * np.abs(spatial).max()
+    assert np.abs(R.apply(state.omega_body) - omega_world).max() < slack
+    assert np.abs(state.velocity_world - velocity_world).max() < slack
+    # Taken for world axes, ω would be another vector.
+    assert np.abs(state.omega_body - omega_world).max() > 1e9 * slack
+
+
+@pytest.mark.parametrize("name", ["free-tilted", "heavy-tilted"])
+def test_a_velocity_read_in_the_wrong_axes_does_not_read_back(name: str) -> None:
+    scene = SCENES[name]
+    session = session_of(scene)
+    read_back(scene, session)
+    R = Rotation.from_quat(scene.start.q_world_body_wxyz, scalar_first=True)
+    session.data.qvel[-3:] = R.apply(session.data.qvel[-3:])
+    with pytest.raises(EngineError, match="'omega_body' must read back"):
+        read_back(scene, session)
+
+
+def test_the_velocity_of_a_free_joint_is_its_origins_not_the_coms() -> None:
+    scene = SCENES["free-tilted"]
+    session = session_of(scene)
+    session.data.qvel[:3] = scene.start.velocity_world
+    with pytest.raises(EngineError, match="'velocity_world' must read back"):
+        read_back(scene, session)
+
+
+def test_angular_momentum_about_the_pivot_is_not_mujocos_which_is_about_the_com() -> None:
+    scene = SCENES["heavy-tilted"]
+    session = session_of(scene)
+    session.advance(100)
+    state, fresh = session.read_state(), copy.copy(session.data)
+    mujoco.mj_forward(session.model, fresh)
+    mujoco.mj_subtreeVel(session.model, fresh)
+    about_com = fresh.subtree_angmom[1]
+    lever = scene.body.mass * np.cross(state.com_world, state.velocity_world)
+    (about_pivot,) = angular_momentum_world(scene, sample(session))
+    slack = ROUNDOFF * np.abs(about_pivot).max()
+    assert np.abs(about_pivot - (about_com + lever)).max() < slack
+    assert np.abs(about_pivot - about_com).max() > 1e9 * slack
+
+
+@pytest.mark.parametrize("name", ["free-falling", "heavy-tilted"])
+def test_mujocos_own_energy_is_ours_but_only_where_its_computation_is_on(name: str) -> None:
+    scene = SCENES[name]
+    session = session_of(scene)
+    session.advance(100)
+    assert session.data.energy.tolist() == [0.0, 0.0]
+    model, fresh = copy.copy(session.model), copy.copy(session.data)
+    model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
+    mujoco.mj_forward(model, fresh)
+    (ours,) = energy(scene, sample(session))
+    assert fresh.energy.sum() == pytest.approx(ours, rel=ROUNDOFF)

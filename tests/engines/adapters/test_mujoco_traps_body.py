@@ -1,0 +1,128 @@
+"""What MuJoCo's compilers do to a body when nobody asks: each trap, planted, is caught."""
+
+import xml.etree.ElementTree as ET
+
+import mujoco
+import numpy as np
+import pytest
+from mujoco_sessions import TIMESTEP, planted, read_back, session_of
+from scenes import PIVOT, SCENES, TILTED, TUMBLE, scene
+from scipy.spatial.transform import Rotation
+from spincheck.engines import EngineError
+from spincheck.engines.adapters.mujoco.engine.engine import MuJoCo
+from spincheck.engines.adapters.mujoco.engine.session import MuJoCoSession
+from spincheck.engines.adapters.mujoco.engine.urdf_reader import MuJoCoURDF
+from spincheck.engines.models.mjcf import mjcf
+from spincheck.engines.models.urdf import BODY_LINK, urdf
+from spincheck.scenarios import Scenario
+
+EPS = np.finfo(float).eps
+#: A dozen products of rotations and vectors.
+ROUNDOFF = 64 * EPS
+MUJOCO = MuJoCo()
+
+
+def test_moments_read_without_their_frame_are_another_tensor() -> None:
+    scene = SCENES["heavy-tilted"]
+    session = session_of(scene)
+    read_back(scene, session)
+    session.model.body_iquat[1] = (1, 0, 0, 0)
+    with pytest.raises(EngineError, match="'inertia_com' must read back"):
+        read_back(scene, session)
+
+
+def test_a_free_joint_aligned_with_the_inertial_frame_does_not_read_back() -> None:
+    session = planted(SCENES["free-tilted"], ('align="false"', 'align="true"'))
+    with pytest.raises(EngineError, match="must read back"):
+        read_back(SCENES["free-tilted"], session)
+
+
+@pytest.mark.parametrize(
+    ("compiler", "what"),
+    [('boundinertia="1.4"', "inertia_com"), ('boundmass="2"', "mass")],
+)
+def test_a_compiler_that_alters_the_body_does_not_read_back(compiler: str, what: str) -> None:
+    session = planted(SCENES["pivot"], ("<worldbody>", f"<compiler {compiler}/><worldbody>"))
+    with pytest.raises(EngineError, match=f"'{what}' must read back"):
+        read_back(SCENES["pivot"], session)
+
+
+#: Frames in which the full tensor of a flat body is written, and the body itself: 1 + 2 = 3.
+FLAT_FRAMES = [rotation.as_matrix() for rotation in Rotation.random(20, rng=0)]
+FLAT_MOMENTS = np.diag([1.0, 2.0, 3.0])
+
+
+def flat_scene(R: np.ndarray) -> Scenario:
+    tensor = R @ FLAT_MOMENTS @ R.T
+    rows = ((tensor + tensor.T) / 2).tolist()
+    return scene("flat", body=f"\nmass = 1.0\ninertia = {rows}\n")
+
+
+def with_full_tensor(R: np.ndarray, compiler: str) -> mujoco.MjModel:
+    """As one would write it by hand: the full tensor, MuJoCo to diagonalise it."""
+    root = ET.fromstring(mjcf(flat_scene(R), TIMESTEP, "RK4"))
+    inertial = root.find("worldbody/body/inertial")
+    assert inertial is not None
+    del inertial.attrib["quat"], inertial.attrib["diaginertia"]
+    tensor = flat_scene(R).body.inertia_com
+    rows, columns = (0, 1, 2, 0, 0, 1), (0, 1, 2, 1, 2, 2)
+    inertial.set("fullinertia", " ".join(repr(float(x)) for x in tensor[rows, columns]))
+    root.insert(0, ET.fromstring(f"<compiler {compiler}/>"))
+    return mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"))
+
+
+@pytest.mark.parametrize("engine", [MUJOCO, MuJoCoURDF()], ids=lambda engine: engine.name)
+def test_flat_bodies_are_accepted_in_any_frame(engine: MuJoCo | MuJoCoURDF) -> None:
+    for R in FLAT_FRAMES:
+        flat = flat_scene(R)
+        with engine.open(flat, engine.method("RK4"), TIMESTEP) as session:
+            read_back(flat, session)
+
+
+def is_refused(R: np.ndarray) -> bool:
+    try:
+        with_full_tensor(R, "")
+    except ValueError as error:
+        return "inertia must satisfy A + B >= C" in str(error)
+    return False
+
+
+def test_full_tensors_of_flat_bodies_are_refused_in_some_frames() -> None:
+    refused = [R for R in FLAT_FRAMES if is_refused(R)]
+    assert 0 < len(refused) < len(FLAT_FRAMES)
+
+
+def test_balanceinertia_would_make_balls_of_them() -> None:
+    models = [with_full_tensor(R, 'balanceinertia="true"') for R in FLAT_FRAMES]
+    balls = [model for model in models if np.ptp(model.body_inertia[1]) < ROUNDOFF]
+    assert 0 < len(balls) < len(FLAT_FRAMES)
+
+
+def test_an_inertial_frame_lost_on_the_way_through_urdf_does_not_read_back() -> None:
+    scene = SCENES["heavy-tilted"]
+    root = ET.fromstring(urdf(scene))
+    origin = root.find(f"link[@name='{BODY_LINK}']/inertial/origin")
+    assert origin is not None
+    origin.set("rpy", "0 0 0")
+    model = mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"))
+    start = scene.start
+    session = MuJoCoSession(
+        scene, model, start.q_world_body_wxyz.tolist(), start.omega_body.tolist()
+    )
+    with pytest.raises(EngineError, match="'inertia_com' must read back"):
+        read_back(scene, session)
+
+
+def test_an_only_link_of_a_urdf_is_welded_to_the_world_unless_told_otherwise() -> None:
+    assert mujoco.MjModel.from_xml_string(urdf(SCENES["free"])).nv == 0
+    engine = MuJoCoURDF()
+    with engine.open(SCENES["free"], engine.method("RK4"), TIMESTEP) as session:
+        session.advance(10)
+        moved = session.read_state().q_world_body_wxyz - SCENES["free"].start.q_world_body_wxyz
+    assert np.abs(moved).max() > TIMESTEP
+
+
+def test_a_ball_joint_off_the_bodys_origin_is_not_the_pivot() -> None:
+    off = scene("off", body=TILTED, start=TUMBLE, effects=PIVOT)
+    session = planted(off, ('type="ball"', 'type="ball" pos="0 0 0.01"'))
+    assert "pivot" not in session.active()

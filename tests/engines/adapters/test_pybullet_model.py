@@ -1,0 +1,209 @@
+"""PyBullet's own model of a body: what it reads, in which frames, what it leaves out."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+import pybullet as p
+import pytest
+from pybullet_planted import (
+    MAXIMAL,
+    METHODS,
+    MULTIBODY,
+    STEPS,
+    TIMESTEP,
+    change,
+    opened,
+    rotor,
+    run,
+)
+from read_backs import check_read_back
+from scenes import SCENES
+from scipy.spatial.transform import Rotation
+from spincheck.engines import EngineError, Method
+from spincheck.engines.adapters.pybullet.engine import load as pybullet_load
+from spincheck.engines.read_back import READ_BACK_SLACK
+
+EPS = np.finfo(float).eps
+#: A few products of rotations a step, over `STEPS`.
+ROUND_OFF = 16 * EPS * STEPS[-1]
+
+
+# The model file
+
+
+@pytest.mark.parametrize("method", [MULTIBODY, MAXIMAL], ids=lambda method: method.name)
+def test_without_its_flag_the_inertia_is_not_that_of_the_file(
+    method: Method, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    change(monkeypatch, "loadURDF", flags=0)
+    result = run(SCENES["free-tilted"], method)
+    assert result.outcome == "failed"
+    assert result.reason.startswith("'inertia_com' must read back as")
+
+
+class OnePlace:
+    """A folder that every model is written to under the same name."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def __call__(self) -> Self:
+        return self
+
+    def __enter__(self) -> str:
+        return str(self.folder)
+
+    def __exit__(self, *_: object) -> None:
+        """Keep it."""
+
+
+@pytest.fixture
+def one_place(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(pybullet_load.tempfile, "TemporaryDirectory", OnePlace(tmp_path))
+
+
+@pytest.mark.usefixtures("one_place")
+def test_a_file_is_read_though_another_had_its_name() -> None:
+    assert run(SCENES["free-tilted"], MULTIBODY).outcome == "ok"
+    assert run(SCENES["free"], MULTIBODY).outcome == "ok"
+
+
+@pytest.mark.usefixtures("one_place")
+def test_a_world_that_has_read_another_of_its_name_does_not_read_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    shared = p.connect(p.DIRECT)
+    monkeypatch.setattr(p, "connect", lambda _: shared)
+    monkeypatch.setattr(p, "disconnect", lambda _: None)
+    run(SCENES["free-tilted"], MULTIBODY)
+    result = run(SCENES["free"], MULTIBODY)
+    monkeypatch.undo()
+    p.disconnect(shared)
+    assert result.outcome == "failed"
+    assert result.reason.startswith("'mass' must read back as")
+
+
+def test_a_warning_while_loading_fails_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = pybullet_load.urdf
+    monkeypatch.setattr(
+        pybullet_load,
+        "urdf",
+        lambda scenario, **given: real(scenario, **given).replace("<axis", "<no-axis"),
+    )
+    result = run(SCENES["pivot"], MULTIBODY)
+    assert result.outcome == "failed"
+    assert result.reason.startswith("PyBullet warns; PyBullet printed: b3Warning")
+
+
+def test_a_file_that_does_not_load_fails_the_run_with_what_was_printed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(pybullet_load, "urdf", lambda *_, **__: "<robot")
+    result = run(SCENES["free"], MULTIBODY)
+    assert result.outcome == "failed"
+    assert result.reason.startswith("PyBullet cannot load the body")
+    assert "PyBullet printed" in result.reason
+
+
+# Frames
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@pytest.mark.parametrize("fault", ["axes", "com"])
+def test_a_body_read_in_the_engines_own_frame_is_another_body(method: Method, fault: str) -> None:
+    scenario = SCENES["heavy-tilted"]
+    with opened(scenario, method) as session:
+        model, state = session.model, session.read_state()
+        check_read_back(scenario, model.read_body(), state)
+        faults = {"axes": {"body_from_principal": Rotation.identity()}, "com": {"com": np.zeros(3)}}
+        misread = replace(model, **faults[fault])
+        with pytest.raises(EngineError, match="must read back as"):
+            check_read_back(scenario, misread.read_body(), state)
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_a_state_read_in_the_engines_own_axes_is_another_state(method: Method) -> None:
+    scenario = SCENES["heavy-tilted"]
+    with opened(scenario, method) as session:
+        body = session.read_body()
+        misread = replace(session.model, body_from_principal=Rotation.identity()).read_state()
+        with pytest.raises(EngineError, match="must read back as"):
+            check_read_back(scenario, body, misread)
+
+
+def test_a_spherical_joints_velocity_is_along_the_childs_principal_axes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scenario = SCENES["pivot"]
+    real = p.resetJointStateMultiDof
+    omega_body = scenario.start.omega_body
+    with opened(scenario, MULTIBODY) as session:
+        held = p.getJointStateMultiDof(session.model.body, 0, session.client)[1]
+        expected = session.model.body_from_principal.inv().apply(np.array(omega_body))
+        assert held == pytest.approx(expected, rel=READ_BACK_SLACK)
+    monkeypatch.setattr(
+        p,
+        "resetJointStateMultiDof",
+        lambda body, link, q, _, **k: real(body, link, q, omega_body, **k),
+    )
+    result = run(scenario, MULTIBODY)
+    assert result.outcome == "failed"
+    assert result.reason.startswith("'omega_body' must read back as")
+
+
+def attitude_after_a_step(spin: float) -> float:
+    """Angle that a hung rotor is read to have turned by in its first step."""
+    with opened(rotor(spin), MULTIBODY) as session:
+        session.advance(1)
+        q = session.read_state().q_world_body_wxyz
+        return float(Rotation.from_quat(q, scalar_first=True).magnitude())
+
+
+def test_a_link_is_read_as_it_is_now() -> None:
+    assert attitude_after_a_step(10.0) == pytest.approx(10.0 * TIMESTEP, rel=ROUND_OFF)
+
+
+def test_without_forward_kinematics_it_is_read_a_step_late(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = p.getLinkState
+    monkeypatch.setattr(
+        p,
+        "getLinkState",
+        lambda body, link, velocity, _, client: real(body, link, velocity, 0, client),
+    )
+    assert attitude_after_a_step(10.0) == 0.0
+
+
+# A rigid body's inertia
+
+
+def first_spin(method: Method) -> np.ndarray:
+    """ω after one step from rest under a torque, world axes."""
+    with opened(SCENES["free-torque-world"], method) as session:
+        session.model.set_velocity(np.zeros(3), np.zeros(3))
+        session.advance(1)
+        return np.array(p.getBaseVelocity(session.model.body, session.client)[1])
+
+
+def test_a_rigid_body_is_loaded_in_its_pose_lest_its_inertia_be_that_of_another(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scenario = SCENES["free-torque-world"]
+    R = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True).as_matrix()
+    tensor_world = R @ scenario.body.inertia_com @ R.T
+    expected = TIMESTEP * np.linalg.solve(tensor_world, scenario.torque_world)
+    assert first_spin(MAXIMAL) == pytest.approx(expected, rel=READ_BACK_SLACK)
+
+    real = p.loadURDF
+
+    def load_then_turn(file: str, position: Any, attitude: Any, **given: Any) -> int:
+        right = real(file, position, attitude, **given)
+        pose = p.getBasePositionAndOrientation(right, given["physicsClientId"])
+        p.removeBody(right, given["physicsClientId"])
+        turned = int(real(file, **given))
+        p.resetBasePositionAndOrientation(turned, *pose, given["physicsClientId"])
+        return turned
+
+    monkeypatch.setattr(p, "loadURDF", load_then_turn)
+    assert np.abs(first_spin(MAXIMAL) - expected).max() > 0.1 * np.abs(expected).max()

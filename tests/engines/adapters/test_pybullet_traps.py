@@ -1,0 +1,215 @@
+"""What PyBullet does to a top when nobody asks: each trap, planted, is caught; else, it is not.
+
+The traps and their sources are listed in docs/engines-pybullet.md.
+"""
+
+import numpy as np
+import pybullet as p
+import pytest
+from pybullet_planted import (
+    BY_CONSTRAINT,
+    ENGINE,
+    MAXIMAL,
+    METHODS,
+    MULTIBODY,
+    STEPS,
+    change,
+    leave_out,
+    opened,
+    rotor,
+    run,
+    skip,
+)
+from scenes import SCENES, scene
+from scipy.spatial.transform import Rotation
+from spincheck.engines import EngineError, Method
+from spincheck.engines.adapters.pybullet.engine import (
+    as_shipped as pybullet_defaults,
+)
+from spincheck.engines.adapters.pybullet.engine import (
+    load as pybullet_load,
+)
+from spincheck.engines.adapters.pybullet.engine import (
+    session as pybullet_session,
+)
+from spincheck.scenarios import Scenario
+
+EPS = np.finfo(float).eps
+#: A few products of rotations a step, over `STEPS`.
+ROUND_OFF = 16 * EPS * STEPS[-1]
+
+
+# Damping
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_a_rotor_keeps_its_spin(method: Method) -> None:
+    motion = run(rotor(10.0), method).trajectory
+    assert motion is not None
+    assert np.abs(motion.omega_body[:, 2] / 10.0 - 1).max() <= ROUND_OFF
+
+
+@pytest.mark.parametrize("method", [MULTIBODY, BY_CONSTRAINT], ids=lambda method: method.name)
+def test_default_damping_slows_it_and_fails_the_audit(
+    method: Method, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    leave_out(monkeypatch, "changeDynamics", "linearDamping", "angularDamping")
+    result = run(rotor(10.0), method)
+    assert result.outcome == "failed"
+    assert "a resistance of" in result.reason
+    assert result.trajectory is not None
+    assert result.trajectory.omega_body[-1, 2] < 10.0 * (1 - 100 * ROUND_OFF)
+
+
+def test_default_damping_of_the_com_fails_the_audit(monkeypatch: pytest.MonkeyPatch) -> None:
+    leave_out(monkeypatch, "changeDynamics", "linearDamping")
+    result = run(SCENES["free-thrown"], MULTIBODY)
+    assert result.outcome == "failed"
+    assert "a force of" in result.reason
+
+
+# The spherical joint's motor
+
+
+def test_the_default_motor_kills_the_spin_and_fails_the_audit(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    skip(monkeypatch, "setJointMotorControlMultiDof")
+    result = run(rotor(10.0), MULTIBODY)
+    assert result.outcome == "failed"
+    assert "a resistance of" in result.reason
+    assert result.trajectory is not None
+    assert np.abs(result.trajectory.omega_body[-1]).max() < 0.5 * 10.0
+
+
+# The velocity clamp
+
+
+FAST = 150.0
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_a_fast_rotor_is_not_clamped(method: Method) -> None:
+    motion = run(rotor(FAST), method).trajectory
+    assert motion is not None
+    assert np.abs(motion.omega_body[:, 2] / FAST - 1).max() <= ROUND_OFF
+
+
+@pytest.mark.parametrize("method", [MULTIBODY, BY_CONSTRAINT], ids=lambda method: method.name)
+def test_the_default_clamp_holds_every_velocity_to_a_hundred(
+    method: Method, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    leave_out(monkeypatch, "changeDynamics", "maxJointVelocity")
+    motion = run(rotor(FAST), method).trajectory
+    assert motion is not None
+    assert motion.omega_body[1:, 2] == pytest.approx(100.0)
+
+
+def test_a_velocity_at_the_clamp_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pybullet_defaults, "UNREACHED_VELOCITY", 100.0)
+    monkeypatch.setattr(pybullet_session, "UNREACHED_VELOCITY", 100.0)
+    result = run(rotor(FAST, effects=""), MULTIBODY)
+    assert (result.outcome, result.reason) == ("diverged", "PyBullet clamps velocities at 100")
+    assert (result.stopped_at, result.steps, result.trajectory) == (0.0, 0, None)
+
+
+# The rotation clamp
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_a_step_beyond_the_rotation_clamp_is_refused(method: Method) -> None:
+    timestep = 1.01 * method.max_rotation_per_step / FAST
+    result = ENGINE.run(rotor(FAST), method, timestep, STEPS)
+    assert result.outcome == "unsupported"
+    assert "where the engine clamps it" in result.reason
+
+
+def turned(method: Method, rotation: float) -> tuple[float, float]:
+    """How far one step turns a rotor that should turn by `rotation`, and its spin after that."""
+    with opened(rotor(FAST), method, rotation / FAST) as session:
+        session.advance(1)
+        state = session.read_state()
+        attitude = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
+        return float(attitude.magnitude()), float(state.omega_body[2])
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_the_attitude_keeps_up_below_the_clamp_and_lags_above(method: Method) -> None:
+    below, above = 0.99 * method.max_rotation_per_step, 1.5 * method.max_rotation_per_step
+    assert turned(method, below) == pytest.approx((below, FAST), rel=ROUND_OFF)
+    lagging, spin = turned(method, above)
+    assert lagging < 0.99 * above
+    assert spin == pytest.approx(FAST, rel=ROUND_OFF)
+
+
+# Calls of many steps
+
+
+def lost_steps() -> tuple[int, float]:
+    """A number of steps that is one less after k · dt is divided by k, and that by dt again."""
+    dt = 1e-4
+    return next((k, dt) for k in range(1, 1000) if int((dt * k) / ((dt * k) / k)) < k)
+
+
+def test_calls_are_split_into_powers_of_two_which_lose_no_step(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    steps, dt = lost_steps()
+
+    def turned() -> float:
+        with opened(rotor(1.0), MULTIBODY, dt) as session:
+            session.advance(steps)
+            q = session.read_state().q_world_body_wxyz
+            return float(Rotation.from_quat(q, scalar_first=True).magnitude())
+
+    assert turned() == pytest.approx(steps * dt, rel=steps * EPS)
+    monkeypatch.setattr(pybullet_session, "calls", lambda k, _: [k])
+    assert turned() == pytest.approx((steps - 1) * dt, rel=steps * EPS)
+
+
+def test_a_call_that_is_given_up_is_noticed() -> None:
+    with opened(SCENES["free"], MULTIBODY) as session:
+        p.setTimeOut(1e-6, session.client)
+        with pytest.raises(EngineError, match="did not complete a step"):
+            session.advance(1024)
+
+
+# Sleep
+
+
+def slow_spin(method: Method) -> float:
+    """What is left of a spin of 0.01 rad/s after three seconds; Bullet falls asleep after two."""
+    with opened(rotor(0.01, effects=""), method, 0.01) as session:
+        session.advance(300)
+        return float(session.read_state().omega_body[2])
+
+
+@pytest.mark.parametrize("method", [MULTIBODY, MAXIMAL], ids=lambda method: method.name)
+def test_a_slow_body_never_sleeps(method: Method, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert slow_spin(method) == pytest.approx(0.01, rel=300 * EPS)
+    change(monkeypatch, "loadURDF", flags=p.URDF_USE_INERTIA_FROM_FILE | p.URDF_ENABLE_SLEEPING)
+    assert slow_spin(method) == 0.0
+
+
+# Small bodies
+
+
+def small(moment: float) -> Scenario:
+    body = f"\nmass = 1.0\ninertia = [{moment}, {2 * moment}, {2.5 * moment}]\n"
+    return scene("small", body=body)
+
+
+@pytest.mark.parametrize(
+    ("method", "moment"), [(MULTIBODY, 1e-17), (MAXIMAL, 1e-6)], ids=["multibody", "maximal"]
+)
+def test_a_body_too_small_for_its_gyroscopic_term_is_refused(
+    method: Method, moment: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert run(small(100 * moment), method).outcome == "ok"
+    refused = run(small(moment), method)
+    assert refused.outcome == "unsupported"
+    assert "scale the scene up" in refused.reason
+    monkeypatch.setattr(pybullet_load, "TAKEN_FOR_ZERO", 0.0)
+    result = run(small(moment), method)
+    assert result.outcome == "failed"
+    assert "a resistance of" in result.reason

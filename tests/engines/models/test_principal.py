@@ -1,0 +1,114 @@
+"""The principal frame is exact to a few ulp, right-handed, and the same in both notations."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from spincheck.engines.models.principal_frame import PrincipalFrame, principal_frame
+from spincheck.scenarios.body import Body, body_about_com
+
+EPS = np.finfo(float).eps
+#: Three products and two sums of rotation entries, each entry good to a few ulp.
+ROUNDOFF = 16 * EPS
+
+MOMENTS = {
+    "distinct": (1.0, 2.0, 2.5),
+    "symmetric": (1.0, 1.0, 0.5),
+    "nearly-symmetric": (1.0, 1.0 + 1e-12, 0.5),
+    "plate": (1.0, 2.0, 3.0),
+    "ball": (1.0, 1.0, 1.0),
+    "needle": (1.0, 1.0, 1e-9),
+}
+ROTATIONS = Rotation.random(20, rng=1)
+
+
+def turned(moments: tuple[float, float, float], R_body_axes: Rotation) -> Body:
+    R = R_body_axes.as_matrix()
+    tensor = R @ np.diag(moments) @ R.T
+    tensor = (tensor + tensor.T) / 2
+    return body_about_com(1.0, (0.0, 0.0, 0.0), tensor.tolist())
+
+
+def relative_misfit(frame: PrincipalFrame, R_body_axes: Rotation, body: Body) -> float:
+    R = R_body_axes.as_matrix()
+    misfit = R @ np.diag(frame.moments) @ R.T - body.inertia_com
+    return float(np.abs(misfit).max() / np.abs(body.inertia_com).max())
+
+
+def from_quaternion(frame: PrincipalFrame) -> Rotation:
+    return Rotation.from_quat(frame.q_body_axes_wxyz, scalar_first=True)
+
+
+@pytest.mark.parametrize("kind", MOMENTS)
+def test_moments_and_axes_give_the_tensor_back(kind: str) -> None:
+    for R_body_axes in ROTATIONS:
+        body = turned(MOMENTS[kind], R_body_axes)
+        frame = principal_frame(body)
+        assert relative_misfit(frame, from_quaternion(frame), body) < ROUNDOFF
+
+
+def test_the_tensor_is_missed_with_axes_inverted() -> None:
+    body = turned(MOMENTS["distinct"], ROTATIONS[0])
+    frame = principal_frame(body)
+    assert relative_misfit(frame, from_quaternion(frame).inv(), body) > 1e9 * ROUNDOFF
+
+
+@pytest.mark.parametrize("kind", MOMENTS)
+def test_roll_pitch_yaw_is_the_same_rotation(kind: str) -> None:
+    for R_body_axes in ROTATIONS:
+        frame = principal_frame(turned(MOMENTS[kind], R_body_axes))
+        from_rpy = Rotation.from_euler("xyz", frame.rpy_body_axes)
+        assert (from_rpy.inv() * from_quaternion(frame)).magnitude() < ROUNDOFF
+
+
+def test_roll_pitch_yaw_is_another_rotation_about_moving_axes() -> None:
+    frame = principal_frame(turned(MOMENTS["distinct"], ROTATIONS[0]))
+    moving = Rotation.from_euler("XYZ", frame.rpy_body_axes)
+    assert (moving.inv() * from_quaternion(frame)).magnitude() > 1e9 * ROUNDOFF
+
+
+def test_a_diagonal_tensor_keeps_the_body_axes_in_their_order() -> None:
+    frame = principal_frame(body_about_com(1.0, (0, 0, 0), np.diag([2.5, 1.0, 2.0]).tolist()))
+    assert frame.moments.tolist() == [2.5, 1.0, 2.0]
+    assert frame.q_body_axes_wxyz.tolist() == [1, 0, 0, 0]
+    assert frame.rpy_body_axes.tolist() == [0, 0, 0]
+
+
+def flat_bodies() -> list[Body]:
+    return [turned(MOMENTS["plate"], R_body_axes) for R_body_axes in ROTATIONS]
+
+
+def excess(frame: PrincipalFrame) -> float:
+    """By how much the largest moment exceeds the sum of the others, as doubles."""
+    smallest, middle, largest = sorted(frame.moments)
+    return float(largest - (smallest + middle))
+
+
+def test_a_flat_body_obeys_the_triangle_inequality_as_doubles() -> None:
+    assert all(excess(principal_frame(body)) <= 0 for body in flat_bodies())
+
+
+def test_plain_rounding_would_break_the_triangle_inequality() -> None:
+    by_numpy = [np.linalg.eigvalsh(body.inertia_com) for body in flat_bodies()]
+    assert any(largest > smallest + middle for smallest, middle, largest in by_numpy)
+
+
+def test_thickness_keeps_a_flat_body_that_far_from_flat_and_leaves_others_alone() -> None:
+    thickness = 64 * EPS
+    for body in flat_bodies():
+        frame = principal_frame(body, thickness)
+        assert excess(frame) <= -0.5 * thickness * frame.moments.max()
+    solid = turned(MOMENTS["distinct"], ROTATIONS[0])
+    assert (
+        principal_frame(solid, thickness).moments.tolist()
+        == principal_frame(solid).moments.tolist()
+    )
+
+
+def test_gimbal_lock_is_no_trap() -> None:
+    # The smallest moment is along z, and the first principal axis belongs to it: pitch is ±90°.
+    body = body_about_com(1.0, (0, 0, 0), [[2.0, 0.5, 0.0], [0.5, 2.0, 0.0], [0.0, 0.0, 1.25]])
+    frame = principal_frame(body)
+    assert abs(frame.rpy_body_axes[1]) == pytest.approx(np.pi / 2, rel=ROUNDOFF)
+    assert relative_misfit(frame, from_quaternion(frame), body) < ROUNDOFF
+    from_rpy = Rotation.from_euler("xyz", frame.rpy_body_axes)
+    assert relative_misfit(frame, from_rpy, body) < ROUNDOFF

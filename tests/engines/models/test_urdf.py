@@ -1,0 +1,86 @@
+"""The URDF holds the scene's body, bit for bit, its pivot, and nothing else."""
+
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+from scenes import SCENES
+from scipy.spatial.transform import Rotation
+from spincheck.engines.models.urdf import BODY_LINK, urdf
+from spincheck.engines.read_back import BodyReading
+from spincheck.scenarios import Scenario
+
+EPS = np.finfo(float).eps
+#: Three products and two sums of rotation entries, each entry good to a few ulp.
+ROUNDOFF = 16 * EPS
+PIVOTED = [name for name, scene in SCENES.items() if scene.has_pivot]
+FREE = [name for name, scene in SCENES.items() if not scene.has_pivot]
+
+
+def numbers(element: ET.Element | None, key: str) -> np.ndarray:
+    assert element is not None
+    return np.array(element.attrib[key].split(), dtype=float)
+
+
+def read(text: str) -> BodyReading:
+    """The body as the URDF specification has it: inertia in the inertial frame, fixed-axis rpy."""
+    inertial = ET.fromstring(text).find(f"link[@name='{BODY_LINK}']/inertial")
+    assert inertial is not None
+    origin, inertia = inertial.find("origin"), inertial.find("inertia")
+    R = Rotation.from_euler("xyz", numbers(origin, "rpy")).as_matrix()
+    entries = {
+        key: numbers(inertia, f"i{key}").item() for key in ("xx", "xy", "xz", "yy", "yz", "zz")
+    }
+    tensor = np.array([[entries["".join(sorted(r + c))] for c in "xyz"] for r in "xyz"])
+    mass = numbers(inertial.find("mass"), "value").item()
+    return BodyReading(mass, numbers(origin, "xyz"), R @ tensor @ R.T)
+
+
+def relative_misfit(scene: Scenario, inertia_com: np.ndarray) -> float:
+    wanted = scene.body.inertia_com
+    return float(np.abs(inertia_com - wanted).max() / np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_mass_and_com_are_there_bit_for_bit(name: str) -> None:
+    body, held = SCENES[name].body, read(urdf(SCENES[name]))
+    assert held.mass == body.mass
+    assert held.com.tolist() == body.com.tolist()
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_tensor_is_the_scenes(name: str) -> None:
+    assert relative_misfit(SCENES[name], read(urdf(SCENES[name])).inertia_com) < ROUNDOFF
+
+
+def test_the_tensor_is_missed_where_the_inertial_frame_is_dropped() -> None:
+    scene = SCENES["free-tilted"]
+    root = ET.fromstring(urdf(scene))
+    origin = root.find("link/inertial/origin")
+    assert origin is not None
+    origin.set("rpy", "0 0 0")
+    held = read(ET.tostring(root, encoding="unicode"))
+    assert relative_misfit(scene, held.inertia_com) > 1e9 * ROUNDOFF
+
+
+@pytest.mark.parametrize("name", PIVOTED)
+def test_a_pivoted_body_hangs_on_the_world_by_a_ball_at_its_origin(name: str) -> None:
+    joint = ET.fromstring(urdf(SCENES[name])).find("joint")
+    assert joint is not None
+    assert joint.attrib["type"] == "spherical"
+    assert not numbers(joint.find("origin"), "xyz").any()
+    assert not numbers(joint.find("origin"), "rpy").any()
+    # Without an axis, readers warn.
+    assert joint.find("axis") is not None
+
+
+@pytest.mark.parametrize("name", FREE)
+def test_a_free_body_is_the_only_link(name: str) -> None:
+    assert [child.tag for child in ET.fromstring(urdf(SCENES[name]))] == ["link"]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_nothing_but_bodies_and_the_pivot_is_written(name: str) -> None:
+    tags = {element.tag for element in ET.fromstring(urdf(SCENES[name])).iter()}
+    pivot = {"joint", "parent", "child", "axis"} if SCENES[name].has_pivot else set()
+    assert tags == {"robot", "link", "inertial", "origin", "mass", "inertia"} | pivot

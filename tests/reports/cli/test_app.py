@@ -1,0 +1,145 @@
+"""The command line: what it prints, its exit codes, one message for each complaint."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+COMMAND = Path(sys.executable).with_name("spincheck")
+SPHERE = Path(__file__).with_name("test_plugin.py").read_text().split('"""')[3]
+
+
+@pytest.fixture
+def spincheck(tmp_path):
+    """Run the command in an empty folder; returns exit code, stdout and stderr."""
+
+    def run(*arguments: object) -> tuple[int, str, str]:
+        done = subprocess.run(
+            [COMMAND, *map(str, arguments)], cwd=tmp_path, capture_output=True, text=True
+        )
+        return done.returncode, done.stdout, done.stderr
+
+    return run
+
+
+@pytest.fixture
+def sphere(tmp_path):
+    path = tmp_path / "sphere-here.toml"
+    path.write_text(SPHERE)
+    return path
+
+
+def test_help_needs_no_heavy_imports():
+    program = (
+        "import sys; import spincheck.reports.cli.app;"
+        "print([m for m in ('numpy', 'numba', 'mujoco', 'pybullet', 'scipy') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_list_names_every_scene_of_the_library(spincheck):
+    code, out, _ = spincheck("list", "--json")
+    assert code == 0
+    assert "tennis-racket" in {scene["scene"] for scene in json.loads(out)}
+
+
+def test_check_accepts_a_good_file(spincheck, sphere):
+    code, out, _ = spincheck("check", sphere)
+    assert (code, "A spinning sphere" in out) == (0, True)
+
+
+def test_check_names_file_line_and_key_and_exits_with_2(spincheck, sphere):
+    sphere.write_text(SPHERE.replace("mass = 1.0", "mass = -1.0"))
+    line = SPHERE.splitlines().index("mass = 1.0") + 1
+    code, _, err = spincheck("check", sphere)
+    assert code == 2
+    assert f"{sphere}:{line}: [body] mass: input should be greater than 0, got -1.0" in err
+
+
+def test_show_gives_the_body_as_it_was_understood(spincheck, sphere):
+    _, out, _ = spincheck("show", sphere, "--json")
+    assert json.loads(out)["principal_moments"] == [1.0, 1.0, 1.0]
+
+
+def test_engines_lists_methods_with_their_orders(spincheck):
+    _, out, _ = spincheck("engines", "--json")
+    orders = {(e["engine"], e["method"]): e["order"] for e in json.loads(out)["engines"]}
+    assert orders[("mujoco", "RK4")] == 4
+    assert orders[("pybullet", "multibody")] == 1
+
+
+def test_reference_prints_states_at_the_times_asked_for(spincheck, sphere):
+    code, out, _ = spincheck("reference", sphere, "--at", 1, "--at", 0.5, "--json")
+    truth = json.loads(out)
+    assert code == 0
+    assert [state["t"] for state in truth["states"]] == [0.5, 1.0]
+    assert truth["states"][1]["omega_body"] == [0.0, 1.0, 2.0]
+    assert truth["states"][1]["energy"] == pytest.approx(2.5, rel=1e-15)
+
+
+def test_export_writes_files_that_both_engines_load(spincheck, sphere, tmp_path):
+    code, _, _ = spincheck("export", sphere, "out")
+    assert code == 0
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"scene.xml", "scene.urdf"}
+
+
+def test_run_judges_stores_and_prints(spincheck, sphere, tmp_path):
+    code, out, err = spincheck("run", sphere, "--engine", "mujoco", "--method", "RK4")
+    assert (code, "converges" in out) == (0, True)
+    assert "results are in" in err.lower()
+    assert (tmp_path / "spincheck.sqlite").exists()
+
+
+def test_run_as_json_has_rows_and_verdicts(spincheck, sphere):
+    _, out, _ = spincheck("run", sphere, "--engine", "mujoco", "--timestep", 0.01, "--json")
+    results = json.loads(out)
+    names = {"scenario", "engine", "method", "timestep", "outcome", "omega_error", "steps"}
+    assert all(names <= row.keys() for row in results["rows"])
+    assert {row["timestep"] for row in results["rows"]} == {0.01}
+
+
+def test_a_broken_promise_exits_with_1(spincheck, sphere):
+    promise = '[[expect]]\nengine = "mujoco"\nmethod = "RK4"\ntimestep = 0.01\nattitude = 1e-300\n'
+    sphere.write_text(SPHERE + promise)
+    code, out, _ = spincheck("run", sphere, "--engine", "mujoco", "--method", "RK4")
+    assert code == 1
+    assert "attitude error" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["show", "no-such-scene"], "neither a file, a folder, nor a scene of the library"),
+        (["run", "sphere", "--engine", "bullet"], "'--engine' must be one of mujoco"),
+        (["run", "sphere", "--method", "RK5"], "'--method' must be one of"),
+        (["run", "sphere", "--timestep", "-1"], "'--timestep' must be positive"),
+        (["run", "sphere", "--timestep", "1e9"], "'--timestep' must be shorter than the window"),
+        (["run", "--no-such-flag"], "No such option: --no-such-flag"),
+        (["reference", "sphere", "--at", "-3"], "'--at' must be a time from 0 on"),
+        (["report", "none.sqlite"], "no such result file"),
+        (["check", "nowhere.toml"], "cannot be read"),
+        (["export", "sphere", "/proc/nowhere"], "cannot be written"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_bad_input_is_one_message_and_exit_code_2(spincheck, arguments, message):
+    code, _, err = spincheck(*arguments)
+    assert code == 2
+    assert message in err
+    assert "Traceback" not in err
+
+
+def test_an_engine_whose_package_is_missing_is_named_and_exits_with_3(tmp_path):
+    program = (
+        "import sys; sys.modules['pybullet'] = None;"
+        "sys.argv = ['spincheck', 'run', 'sphere', '--engine', 'pybullet'];"
+        "from spincheck.reports.cli.app import main; main()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert done.returncode == 3
+    assert "engine 'pybullet' needs the package 'pybullet'" in done.stderr

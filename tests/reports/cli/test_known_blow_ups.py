@@ -1,0 +1,127 @@
+"""A run that a scene says blows up has to, on the real engines and as they are shipped too."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from spincheck.engines import engines
+from spincheck.reports.harness.study import descent_of, prepare, simulate
+from spincheck.reports.results.records import Verdict
+from spincheck.scenarios import Expect, Scenario, find, load, loads
+
+pytest_plugins = ["pytester"]
+COMMAND = Path(sys.executable).with_name("spincheck")
+DISAGREES = 1
+#: Steps of a ladder, which is not run here.
+BUDGET = 1 << 11
+
+#: A fast heavy top, 40 rad/s: MuJoCo's Euler, and PyBullet's, lose it with a step of 10 ms.
+TOP = """
+spincheck = 1
+title = "A fast top"
+source = "made up"
+[body]
+mass = 1.0
+inertia = [0.02, 0.02, 0.01]
+com = [0.0, 0.0, 0.1]
+[start]
+euler_zyz_deg = [0.0, 30.0, 0.0]
+omega_body = [0.0, 0.0, {spin}]
+[effects.gravity]
+acceleration = [0.0, 0.0, -9.81]
+[effects.pivot]
+[window]
+duration = 5.0
+samples = 101
+[[expect]]
+engine = "{engine}"
+method = "{method}"
+timestep = {timestep}
+outcome = "diverges"
+"""
+COARSE, FINE = 0.01, 0.0005
+#: rad/s; beyond 100 PyBullet as shipped clamps every velocity.
+BEYOND_THE_CLAMP = 150.0
+#: engine, method, timestep, spin: what blows up.
+BLOW_UPS = [
+    ("mujoco", "Euler", COARSE, 40.0),
+    ("mujoco", "implicitfast", COARSE, 40.0),
+    ("mujoco", "default", COARSE, 40.0),
+    ("pybullet", "multibody", COARSE, 40.0),
+    ("pybullet", "default", FINE, BEYOND_THE_CLAMP),
+]
+#: What does not: a good integrator; a stable one, however lost; a step fine enough; as shipped too.
+NO_BLOW_UPS = [
+    ("mujoco", "RK4", COARSE, 40.0),
+    ("mujoco", "implicit", COARSE, 40.0),
+    ("mujoco", "default", FINE, 40.0),
+    ("pybullet", "default", FINE, 40.0),
+]
+
+
+def judged(scene: Scenario, engine: str, method: str, timestep: float) -> Verdict:
+    """The verdict on the one timestep that the scene says something about."""
+    found = engines()[engine]
+    prepared = prepare(scene, [timestep], BUDGET)
+    descent = descent_of(scene, found, found.method(method), prepared, [timestep])
+    while rung := descent.next_rung():
+        descent.add(simulate(found, scene, method, rung))
+    return descent.verdict()
+
+
+def top(engine: str, method: str, timestep: float, spin: float) -> str:
+    return TOP.format(engine=engine, method=method, timestep=timestep, spin=spin)
+
+
+LIBRARY = [
+    pytest.param(scene, expected, id=f"{scene.name}-{expected.engine}-{expected.method}")
+    for scene in map(load, find([]))
+    for expected in scene.expect
+]
+
+
+@pytest.mark.parametrize(("scene", "expected"), LIBRARY)
+def test_what_the_library_says_of_blow_ups_holds(scene: Scenario, expected: Expect) -> None:
+    assert judged(scene, expected.engine, expected.method, expected.timestep).agrees
+
+
+@pytest.mark.parametrize("case", BLOW_UPS, ids=lambda case: f"{case[0]}-{case[1]}")
+def test_a_blow_up_that_is_known_passes(case):
+    verdict = judged(loads(top(*case), "top"), *case[:3])
+    assert verdict.agrees
+    assert verdict.verdict == "diverges"
+
+
+@pytest.mark.parametrize("case", NO_BLOW_UPS, ids=lambda case: f"{case[0]}-{case[1]}")
+def test_one_that_does_not_happen_is_reported_and_fails(case):
+    verdict = judged(loads(top(*case), "top"), *case[:3])
+    assert not verdict.agrees
+    (said,) = verdict.broken
+    assert said.startswith(f"{case[0]} {case[1]} at {case[2]:g} s was expected to diverge: ok")
+
+
+def test_the_command_line_says_so_with_exit_code_1(tmp_path):
+    engine, method, timestep, _ = case = NO_BLOW_UPS[0]
+    tmp_path.joinpath("top.toml").write_text(top(*case))
+    asked = ["--engine", engine, "--method", method, "--timestep", str(timestep), "--jobs", "1"]
+    done = subprocess.run(
+        [COMMAND, "run", "top.toml", *asked], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert done.returncode == DISAGREES
+    assert "was expected to diverge: ok" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("case", "outcome"),
+    [(BLOW_UPS[2], "passed"), (NO_BLOW_UPS[2], "failed")],
+    ids=["blows up", "does not"],
+)
+def test_a_scene_under_pytest_says_so_too(pytester, case, outcome):
+    engine, method, *_ = case
+    pytester.makefile(".toml", top=top(*case))
+    result = pytester.runpytest_subprocess("-p", "no:cacheprovider", "-k", f"{engine}-{method}")
+    assert {outcome: 1}.items() <= result.parseoutcomes().items()
+    if outcome == "failed":
+        result.stdout.fnmatch_lines([f"*{engine} {method} at * s was expected to diverge: ok*"])
+        result.stdout.no_fnmatch_line("*Traceback*")

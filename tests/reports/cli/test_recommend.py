@@ -1,0 +1,173 @@
+"""Recommendations: checked by a run, honest on failure, one message for bad input."""
+
+import json
+import math
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from box import BOX
+from clockwork import METHOD, Works
+from ladders import BELOW, BETWEEN, TOP, Law, errors_of, straight, with_law
+from spincheck.engines import engines
+from spincheck.reports.cli import recommend as recommend_module
+from spincheck.reports.cli import running
+from spincheck.reports.cli.recommend import CHECKS, exit_code, recommend
+from spincheck.reports.cli.terminal import Complaint
+from spincheck.reports.results.records import Key, Row
+from spincheck.reports.results.store import Results
+from spincheck.scenarios import Errors
+
+
+def recommended(
+    monkeypatch: pytest.MonkeyPatch, ladder: Results, true_law: Law, **bounds: float
+) -> Any:
+    """A recommendation on made-up ladders, its checks answered by a law."""
+
+    def check(scenario: object, key: Key, timestep: float, out: Path) -> Row:
+        return Row(key, "1.0", timestep, "ok", errors=errors_of(true_law, timestep))
+
+    monkeypatch.setattr(running, "run", lambda *arguments: ladder)
+    monkeypatch.setattr(recommend_module, "_run_again", check)
+    return recommend(TOP, bounds, [], 1)
+
+
+def euler_alone(law: Law) -> Results:
+    found = with_law(law)
+    return replace(
+        found,
+        rows=[row for row in found.rows if row.key.method == "Euler"],
+        verdicts=[verdict for verdict in found.verdicts if verdict.key.method == "Euler"],
+    )
+
+
+def test_a_check_that_keeps_the_bounds_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = recommended(monkeypatch, euler_alone(straight), straight, omega=BETWEEN)
+    assert (len(found.checks), found.verified, exit_code(found)) == (1, True, 0)
+    assert found.checks[0].timestep == found.best.timestep
+    assert f"--timestep {found.best.timestep!r}" in found.command
+
+
+def test_a_check_that_misses_is_one_more_run_to_interpolate_between(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Below the ladder the errors turn out larger than the order promised."""
+    worse = 1.1
+    found = recommended(
+        monkeypatch, euler_alone(straight), lambda dt: worse * straight(dt), omega=BELOW
+    )
+    assert not recommend_module.within(found.checks[0], found.bounds)
+    assert found.verified
+    assert found.best.timestep < found.checks[0].timestep
+
+
+def test_what_misses_again_and_again_is_not_verified(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = recommended(monkeypatch, euler_alone(straight), lambda dt: 1.0, omega=BELOW)
+    assert (found.verified, exit_code(found)) == (False, 1)
+    assert len(found.checks) <= CHECKS
+
+
+def test_a_run_that_would_last_too_long_is_not_started(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recommend_module, "TIME_LIMIT", 1e-6)
+    found = recommended(monkeypatch, euler_alone(straight), straight, omega=BETWEEN)
+    assert (found.checks, found.verified) == ((), False)
+    assert "it would take" in found.unchecked
+
+
+def test_engines_as_shipped_are_not_even_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[list[str]] = []
+
+    def run(scenes: object, engines: object, methods: list[str], *others: object) -> Results:
+        asked.append(methods)
+        return euler_alone(straight)
+
+    monkeypatch.setattr(running, "run", run)
+    recommend(TOP, {"omega": 1e-300}, [], 1)
+    every = [method for engine in engines().values() for method in engine.methods]
+    assert any(method.as_shipped for method in every)
+    assert set(asked[0]) == {method.name for method in every if not method.as_shipped}
+
+
+def test_an_engine_that_is_there_as_shipped_only_is_one_message(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    raw = type("Raw", (Works,), {"name": "raw", "methods": (replace(METHOD, as_shipped=True),)})
+    monkeypatch.setattr(recommend_module, "engines", lambda: {"raw": raw(lambda _: None)})
+    with pytest.raises(Complaint, match="raw: has no method but as shipped"):
+        recommend(TOP, {"omega": BETWEEN}, ["raw"], 1)
+
+
+def test_what_no_method_reaches_is_said_and_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = recommended(monkeypatch, euler_alone(straight), straight, omega=1e-300)
+    assert (found.best, found.command, exit_code(found)) == (None, "", 1)
+
+
+def test_a_bound_broken_by_any_error_is_broken() -> None:
+    row = Row(Key(TOP, "e", "m"), "1", 1e-3, "ok", errors=Errors(1e-3, 1e-2, 1e-4, 1e-5))
+    within = recommend_module.within
+    assert within(row, {"omega": 1e-3, "attitude": 1e-2})
+    assert not within(row, {"omega": 1e-3, "attitude": 9e-3})
+    assert not within(replace(row, errors=Errors(math.nan, 0, 0, 0)), {"omega": 1.0})
+    assert not within(replace(row, outcome="diverged"), {"omega": 1.0})
+
+
+@pytest.mark.parametrize(
+    ("bounds", "message"),
+    [
+        ({}, "takes a bound"),
+        ({"omega": 0.0}, "'--omega' must be positive, got 0"),
+        ({"angular_momentum": -1.0}, "'--angular-momentum' must be positive, got -1"),
+        ({"energy": math.nan}, "'--energy' must be positive, got nan"),
+    ],
+)
+def test_bad_bounds_are_refused_before_anything_runs(
+    bounds: dict[Any, float], message: str
+) -> None:
+    with pytest.raises(Complaint, match=message) as complaint:
+        recommend("no scene", bounds, [], 1)
+    assert complaint.value.exit_code == 2
+
+
+@pytest.fixture(scope="module")
+def spincheck(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., tuple[int, str, str]]:
+    """Run the command beside a scene of its own; returns exit code, stdout and stderr."""
+    folder = tmp_path_factory.mktemp("recommend")
+    (folder / "box.toml").write_text(BOX)
+    command = Path(sys.executable).with_name("spincheck")
+
+    def run(*arguments: object) -> tuple[int, str, str]:
+        done = subprocess.run(
+            [command, *map(str, arguments)], cwd=folder, capture_output=True, text=True
+        )
+        return done.returncode, done.stdout, done.stderr
+
+    return run
+
+
+def test_from_outside_it_chooses_checks_and_its_command_repeats_it(
+    spincheck: Callable[..., tuple[int, str, str]],
+) -> None:
+    asked = ["--omega", 1e-7, "--energy", 1e-6, "--engine", "mujoco", "--json"]
+    code, out, err = spincheck("recommend", "box.toml", *asked)
+    found = json.loads(out)
+    assert (code, found["verified"]) == (0, True), err
+    assert found["recommended"]["method"] == "RK4"
+    assert found["recommended"]["known"] == "measured"
+    assert found["checks"][-1]["omega"] <= 1e-7
+    code, out, _ = spincheck(*found["command"].split()[1:])
+    (row,) = json.loads(out)["rows"]
+    assert row["timestep"] == found["recommended"]["timestep"]
+    assert row["omega_error"] == found["checks"][-1]["omega"]
+
+
+def test_from_outside_bad_input_is_one_message_and_exit_code_2(
+    spincheck: Callable[..., tuple[int, str, str]],
+) -> None:
+    code, out, err = spincheck("recommend", "box.toml")
+    assert (code, out) == (2, "")
+    assert err.startswith("spincheck: takes a bound")
+    assert len(err.splitlines()) == 1

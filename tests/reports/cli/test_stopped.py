@@ -1,0 +1,158 @@
+"""Ctrl-C, SIGTERM and a terminal that closes end every command at once: one line, no process."""
+
+import fcntl
+import os
+import pty
+import signal
+import subprocess
+import sys
+import termios
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from kills import COMMAND, PATIENCE, STUDY, finish, gone, hear_signals, read, start
+from result_files import rows_in, wait_for_rows
+from same_results import differences
+
+#: One call of the engine that takes minutes: s, and so many steps from sample to sample.
+TINY = "1e-10"
+#: A report that never ends, and says when it has begun.
+RENDERING = """
+import sys
+from spincheck.reports.cli import app as cli
+from spincheck.reports.pages import render
+def forever(*_):
+    print("begun", flush=True)
+    while True:
+        pass
+render._write_scenes = forever
+sys.argv[0] = "spincheck"
+cli.main()
+"""
+
+
+def begun(run: subprocess.Popen[str], path: Path) -> None:
+    while not path.exists():
+        assert run.poll() is None, run.communicate()
+        time.sleep(0.01)
+
+
+def solved(run: subprocess.Popen[str], path: Path) -> None:
+    wait_for_rows(run, path, 1, "scenes")
+
+
+def running(run: subprocess.Popen[str], path: Path) -> None:
+    wait_for_rows(run, path, 3)
+
+
+def timing(run: subprocess.Popen[str], path: Path) -> None:
+    wait_for_rows(run, path, 2, "verdicts")
+
+
+def stop(run: subprocess.Popen[str], number: signal.Signals) -> list[str]:
+    """Send a signal as a terminal does, to the whole group; returns the lines on stderr."""
+    os.killpg(run.pid, number)
+    began = time.monotonic()
+    _, err = run.communicate()
+    assert time.monotonic() - began < PATIENCE
+    assert run.returncode == 128 + number
+    assert gone(run.pid)
+    return [line for line in err.splitlines() if not line.startswith("[")]
+
+
+@pytest.mark.parametrize(
+    ("phase", "options", "number"),
+    [
+        pytest.param(begun, (), signal.SIGINT, id="solving-SIGINT"),
+        pytest.param(solved, ("--timestep", TINY), signal.SIGINT, id="in-a-long-call-SIGINT"),
+        pytest.param(running, (), signal.SIGTERM, id="running-SIGTERM"),
+        pytest.param(timing, (), signal.SIGINT, id="timing-SIGINT"),
+        pytest.param(timing, (), signal.SIGHUP, id="timing-SIGHUP"),
+    ],
+)
+def test_a_run_is_stopped(
+    tmp_path: Path,
+    phase: Callable[[subprocess.Popen[str], Path], None],
+    options: tuple[str, ...],
+    number: signal.Signals,
+) -> None:
+    path = tmp_path / "results.sqlite"
+    run = start(path, *options)
+    phase(run, path)
+    (line,) = stop(run, number)
+    assert line.startswith(f"spincheck: stopped by {number.name}; what was finished is in ")
+    assert line.endswith("the same command goes on from there")
+
+
+def test_a_stopped_run_is_gone_on_with(tmp_path: Path) -> None:
+    path, other = tmp_path / "results.sqlite", tmp_path / "undisturbed.sqlite"
+    for phase in (running, timing):
+        run = start(path)
+        phase(run, path)
+        stop(run, signal.SIGTERM)
+    finish(path)
+    finish(other)
+    assert differences(read(path), read(other)) == []
+
+
+def test_a_report_being_made_is_stopped(tmp_path: Path) -> None:
+    path = tmp_path / "results.sqlite"
+    finish(path, "--quick")
+    report = subprocess.Popen(
+        [sys.executable, "-c", RENDERING, "report", path, "--out", tmp_path / "report"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=hear_signals,
+    )
+    assert report.stdout
+    assert report.stdout.readline() == "begun\n"
+    assert stop(report, signal.SIGINT) == ["spincheck: stopped by SIGINT"]
+
+
+def test_a_run_whose_terminal_closes_ends_and_can_be_gone_on_with(tmp_path: Path) -> None:
+    path = tmp_path / "results.sqlite"
+    ours, theirs = pty.openpty()
+
+    def take_terminal() -> None:
+        hear_signals()
+        fcntl.ioctl(theirs, termios.TIOCSCTTY, 0)
+
+    run = subprocess.Popen(
+        [COMMAND, "run", *STUDY, "--out", path],
+        stdin=theirs,
+        stdout=theirs,
+        stderr=theirs,
+        start_new_session=True,
+        preexec_fn=take_terminal,
+        pass_fds=[theirs],
+    )
+    os.close(theirs)
+    os.set_blocking(ours, False)
+    while rows_in(path) < 3:
+        assert run.poll() is None
+        with suppress(BlockingIOError):
+            # Somebody reads it, so far.
+            os.read(ours, 1 << 16)
+        time.sleep(0.01)
+    os.close(ours)
+    assert run.wait(PATIENCE) == 128 + signal.SIGHUP
+    assert gone(run.pid)
+    assert rows_in(path) >= 3
+
+
+def test_what_is_to_survive_its_terminal_does(tmp_path: Path) -> None:
+    """As nohup has it: who ignores a signal goes on ignoring it."""
+    path = tmp_path / "results.sqlite"
+    command = [COMMAND, "run", *STUDY, "--quick", "--out", path]
+    run = subprocess.Popen(
+        ["nohup", *map(str, command)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    wait_for_rows(run, path, 1)
+    run.send_signal(signal.SIGHUP)
+    run.communicate()
+    assert run.returncode == 0

@@ -1,0 +1,161 @@
+"""Which rungs a method is run on, by results made up for each."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from spincheck.engines import Engine, Method, Run
+from spincheck.reports.harness.convergence_study import GOAL, RUNGS_OF_A_LIMIT, Descent
+from spincheck.reports.harness.ladder import MAX_STEPS, MIN_RUNGS, Rung
+from spincheck.reports.harness.study import prepare
+from spincheck.scenarios import Scenario, Trajectory, loads
+
+SCENE = """
+spincheck = 1
+title = "A sphere"
+source = "made up"
+[body]
+mass = 1.0
+inertia = [1.0, 1.0, 1.0]
+[start]
+euler_zyz_deg = [0.0, 0.0, 0.0]
+omega_body = [0.0, 0.0, {speed}]
+[window]
+duration = 4.0
+samples = 41
+"""
+METHOD = Method("made-up", 1, 1, "made up", frozenset())
+
+
+class MadeUp(Engine):
+    """Never asked to simulate."""
+
+    name = "made-up"
+    version = "1"
+    methods = (METHOD,)
+
+    def open(self, scenario: Scenario, method: Method, timestep: float):
+        raise AssertionError("results are made up")
+
+
+def descent(
+    speed: float = 3.0,
+    duration: float = 4.0,
+    max_steps: int = MAX_STEPS,
+    engine: Engine | None = None,
+) -> Descent:
+    scene = loads(SCENE.format(speed=speed, duration=duration), "sphere")
+    prepared = prepare(scene, [], max_steps)
+    return Descent(scene, MadeUp(), METHOD, prepared.solution, prepared.ladder)
+
+
+def off_by(error: float, truth: Trajectory) -> Trajectory:
+    """The truth, its attitude turned and its ω quickened by an error growing from 0, rad."""
+    growing = error * truth.t / truth.t[-1]
+    turn = Rotation.from_rotvec(np.outer(growing, [0, 0, 1]))
+    omega = truth.omega_body * (1 + growing[:, None])
+    q = (turn * truth.R_world_body).as_quat(scalar_first=True)
+    return replace(truth, q_world_body_wxyz=q, omega_body=omega)
+
+
+def go_down(found: Descent, error_of_dt: Callable[[float], float], dies_above: float = np.inf):
+    """Answer every rung, those of more than `dies_above` seconds a step by a blow-up."""
+    while rung := found.next_rung():
+        truth = found.solution.trajectory.every(rung.every)
+        known = {"trajectory": off_by(error_of_dt(rung.timestep), truth), "steps": rung.steps}
+        outcome = "ok"
+        if rung.timestep > dies_above:
+            outcome, known = "diverged", {"stopped_at": rung.timestep}
+        found.add(Run("made-up", "1", "made-up", rung.timestep, outcome, **known))
+    return found
+
+
+def wandering(dt: float) -> float:
+    """An error that no halving makes less."""
+    return 2.0 + np.sin(1.0 / dt)
+
+
+def first(found: Descent) -> Rung:
+    return found.ladder.rungs[0]
+
+
+def test_a_limit_known_well_ends_a_ladder():
+    found = go_down(descent(), lambda dt: 0.1 * dt)
+    assert found.verdict().verdict == "converges"
+    assert MIN_RUNGS <= len(found.rows) < len(found.ladder.rungs)
+    assert found.verdict().limit_estimate <= GOAL
+    assert not found.cut_short
+
+
+def test_timesteps_above_the_ladder_are_doubled_while_they_survive():
+    found = descent()
+    dies_above = 2.5 * first(found).timestep
+    go_down(found, lambda dt: 0.1 * dt, dies_above)
+    survived = [row.survived for row in found.above_rows]
+    assert survived == [True, False]
+
+
+def test_nothing_is_run_above_a_ladder_whose_first_rung_does_not_survive():
+    found = descent()
+    go_down(found, lambda dt: 0.1 * dt, dies_above=0.75 * first(found).timestep)
+    assert found.above_rows == []
+    assert found.verdict().verdict == "converges"
+
+
+def test_what_is_run_above_takes_no_part_in_the_verdict():
+    whole = go_down(descent(), lambda dt: 0.1 * dt)
+    bare = descent()
+    bare.ladder = replace(bare.ladder, above=())
+    assert whole.above_rows
+    assert go_down(bare, lambda dt: 0.1 * dt).verdict() == whole.verdict()
+
+
+def test_samples_of_runs_above_are_not_kept_and_those_of_the_finest_are():
+    found = go_down(descent(), lambda dt: 0.1 * dt)
+    assert all(row.motion is None for row in found.above_rows)
+    assert found.rows[-1].timestep not in found.spent()
+
+
+def test_a_ladder_that_cannot_tell_is_given_up_before_its_last_rung():
+    found = go_down(descent(), wandering)
+    assert len(found.rows) >= MIN_RUNGS
+    assert found.verdict().verdict == "unresolved"
+
+
+def test_errors_that_are_large_but_shrink_are_followed_to_where_they_tell():
+    """Given up too early it would say unresolved."""
+    found = descent()
+    finest = found.ladder.rungs[-1].timestep
+    small = 0.02 / finest
+    go_down(found, lambda dt: small * dt / (1 + small * dt))
+    assert found.verdict().verdict == "converges"
+
+
+def test_what_a_short_ladder_left_open_is_told_as_cut_short():
+    assert go_down(descent(max_steps=400), wandering).cut_short
+
+
+def test_a_ladder_that_a_short_limit_leaves_no_rung_of_is_cut_short_too():
+    found = go_down(descent(max_steps=10), lambda dt: 0.1)
+    assert found.rows == []
+    assert found.cut_short
+
+
+@pytest.mark.parametrize("speed", [2e5, 2e8])
+def test_where_no_ladder_fits_the_verdict_says_what_one_would_take(speed):
+    found = go_down(descent(speed), lambda dt: 0.1)
+    verdict = found.verdict()
+    assert (verdict.verdict, found.rows) == ("unresolved", [])
+    assert f"{found.ladder.least_steps * (2**RUNGS_OF_A_LIMIT - 1):.1e}" in verdict.reason
+    assert bool(found.above_rows) == (speed == 2e5)
+
+
+def test_where_no_ladder_fits_what_cannot_be_simulated_is_still_told():
+    class Lacking(MadeUp):
+        methods = (replace(METHOD, requires=frozenset({"pivot"})),)
+
+    found = descent(2e8)
+    found.engine, found.method = Lacking(), Lacking.methods[0]
+    assert found.verdict().verdict == "unsupported"

@@ -1,0 +1,58 @@
+"""What a scene's file says is known of a method is held to: neither a surprise, nor forgotten."""
+
+from dataclasses import replace
+
+import pytest
+from spincheck.engines import engines
+from spincheck.reports.harness.expected_failures import held_to_known
+from spincheck.reports.harness.ladder import MAX_STEPS
+from spincheck.reports.harness.study import descent_of, prepare, simulate
+from spincheck.reports.results.records import Key, Verdict
+from spincheck.scenarios import Known, find, load
+
+KEY = Key("scene", "engine", "method")
+FAULT = Known(engine="engine", method="method", verdict="disagrees", reason="it creeps on")
+
+
+def held(word: str, key: Key = KEY) -> Verdict:
+    return held_to_known([FAULT], Verdict(key, word, "as found"))
+
+
+def test_a_known_disagreement_passes_and_says_why():
+    verdict = held("disagrees")
+    assert verdict.agrees
+    assert verdict.reason == "as found; known: it creeps on"
+
+
+def test_a_fault_that_is_gone_is_told():
+    verdict = held("converges")
+    assert not verdict.agrees
+    assert verdict.broken == ("engine method converges, known to disagree: it creeps on",)
+
+
+@pytest.mark.parametrize("word", ["unresolved", "diverges", "unsupported"])
+def test_a_ladder_that_does_not_tell_says_nothing_of_it(word):
+    assert held(word) == Verdict(KEY, word, "as found")
+
+
+def test_a_crash_is_no_known_disagreement():
+    assert not held("failed").agrees
+
+
+@pytest.mark.parametrize("other", ["engine", "method"])
+def test_others_are_not_excused(other):
+    verdict = held("disagrees", replace(KEY, **{other: "another"}))
+    assert not verdict.agrees
+
+
+def test_what_the_library_knows_of_engines_is_so():
+    knowing = [scene for scene in map(load, find(["hard"])) if scene.known]
+    assert knowing
+    for scene in knowing:
+        prepared = prepare(scene, [], MAX_STEPS)
+        for fault in scene.known:
+            engine = engines()[fault.engine]
+            descent = descent_of(scene, engine, engine.method(fault.method), prepared)
+            while rung := descent.next_rung():
+                descent.add(simulate(engine, scene, fault.method, rung))
+            assert descent.verdict().known

@@ -1,0 +1,25 @@
+"""A ladder that is given up says what would tell, and that is beyond its last rung."""
+
+import re
+
+from spincheck.engines import engines
+from spincheck.reports.harness.ladder import MAX_STEPS
+from spincheck.reports.harness.study import descent_of, prepare, simulate
+from spincheck.scenarios import find, load
+
+
+def test_what_would_tell_is_finer_than_the_ladder_where_one_signal_alone_is_out_of_reach():
+    """Of Toutatis under Euler ω would soon be told; the attitude, off by half a turn, would not."""
+    scene = load(find(["toutatis"])[0])
+    engine = engines()["mujoco"]
+    prepared = prepare(scene, [], MAX_STEPS)
+    descent = descent_of(scene, engine, engine.method("Euler"), prepared)
+    while rung := descent.next_rung():
+        descent.add(simulate(engine, scene, "Euler", rung))
+    verdict = descent.verdict()
+    assert (verdict.verdict, verdict.signal) == ("unresolved", "attitude")
+    finest = descent.ladder.rungs[-1].timestep
+    assert len(descent.rows) < len(descent.ladder.rungs)
+    needed = re.search(r"a timestep of (\S+) s would tell", verdict.reason)
+    assert needed is not None
+    assert float(needed[1]) < finest

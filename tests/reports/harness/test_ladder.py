@@ -1,0 +1,147 @@
+"""Ladders come from the motion, and all rungs share their sample times."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from spincheck.reports.harness.ladder import (
+    COARSEST_TURN,
+    EXCESS,
+    LARGEST_TURN,
+    LEAST_RUNGS,
+    LEAST_STEPS,
+    MAX_STEPS,
+    MIN_RUNGS,
+    Ladder,
+    ladder,
+    single,
+)
+from spincheck.scenarios import Window
+
+#: Quotients of times, and products of them.
+ROUNDING = 8 * np.finfo(float).eps
+
+
+def ladder_of(
+    pace: float, duration: float = 3.0, samples: int = 31, max_steps: int = MAX_STEPS
+) -> Ladder:
+    return ladder(Window(duration=duration, samples=samples), pace, samples, max_steps)
+
+
+@pytest.mark.parametrize("pace", [1e-3, 1.0, 40.0, 1e4])
+def test_the_coarsest_step_turns_the_body_no_further_than_it_should(pace):
+    assert ladder_of(pace).rungs[0].timestep * pace <= COARSEST_TURN * (1 + ROUNDING)
+
+
+@pytest.mark.parametrize("pace", [0.0, 1e-3, 7.0, 40.0])
+def test_every_rung_is_sampled_at_the_same_times_to_the_last_bit(pace):
+    found = ladder_of(pace)
+    for rung in found.rungs:
+        assert np.array_equal(rung.sample_steps * rung.timestep, found.times)
+
+
+@pytest.mark.parametrize("pace", [0.0, 1e-3, 3.0, 7.0, 40.0])
+def test_timesteps_above_the_ladder_meet_the_ladders_own_samples_to_the_last_bit(pace):
+    found = ladder_of(pace)
+    assert found.above
+    for rung in found.above:
+        assert np.array_equal(rung.sample_steps * rung.timestep, found.times[:: rung.every])
+
+
+def test_samples_are_those_of_the_window():
+    assert np.allclose(ladder_of(7.0).times, np.linspace(0, 3.0, 31), rtol=ROUNDING)
+
+
+def test_timesteps_are_halved_exactly():
+    rungs = ladder_of(40.0).rungs
+    assert all(fine.timestep == coarse.timestep / 2 for coarse, fine in pairwise(rungs))
+
+
+def test_timesteps_above_are_doubled_up_to_half_a_turn():
+    found = ladder_of(40.0)
+    steps = [found.rungs[0].timestep, *(rung.timestep for rung in found.above)]
+    assert all(coarse == 2 * fine for fine, coarse in pairwise(steps))
+    assert LARGEST_TURN / 2 < steps[-1] * 40.0 <= LARGEST_TURN
+
+
+@pytest.mark.parametrize("pace", [0.0, 0.01, 1.0])
+def test_runs_above_are_of_enough_steps_to_show_a_blow_up(pace):
+    steps = ladder_of(pace).above[-1].steps
+    assert steps >= LEAST_STEPS
+    assert pace or steps < 2 * LEAST_STEPS
+
+
+def test_the_budget_of_steps_is_used_and_kept():
+    finest = ladder_of(40.0).rungs[-1].steps
+    assert MAX_STEPS / 2 < finest <= MAX_STEPS
+
+
+def test_a_small_budget_is_exceeded_for_a_verdict_but_not_by_much():
+    steps = [rung.steps for rung in ladder_of(40.0, max_steps=2000).rungs]
+    assert len(steps) == LEAST_RUNGS
+    assert 2000 < steps[-1] <= EXCESS * 2000
+    assert len(ladder_of(40.0, max_steps=500).rungs) < LEAST_RUNGS
+
+
+@pytest.mark.parametrize("pace", [2e4, 1e5])
+def test_rungs_that_take_too_many_steps_are_left_out(pace):
+    found = ladder_of(pace)
+    rungs = [*found.rungs, *found.above]
+    assert len(found.rungs) < MIN_RUNGS
+    assert found.least_steps >= 3.0 * pace / COARSEST_TURN * (1 - ROUNDING)
+    assert rungs
+    assert all(rung.steps <= MAX_STEPS for rung in rungs)
+
+
+@pytest.mark.parametrize("pace", [1e9, 1e300, np.inf])
+def test_where_nothing_fits_there_is_no_ladder_but_its_cost(pace):
+    found = ladder_of(pace)
+    assert (found.rungs, found.above) == ((), ())
+    assert found.least_steps > MAX_STEPS
+
+
+@pytest.mark.parametrize("duration", [1e-12, 1e12])
+def test_windows_of_any_length_have_the_same_ladder(duration):
+    here, there = ladder_of(40.0 / duration, duration), ladder_of(40.0, 1.0)
+    assert [rung.steps for rung in here.rungs] == [rung.steps for rung in there.rungs]
+
+
+def test_a_window_that_one_step_covers_has_a_full_ladder():
+    found = ladder_of(1e-3, 1e-3, samples=2)
+    assert found.rungs[0].steps == 1
+    assert len(found.rungs) > MIN_RUNGS
+
+
+def test_samples_as_close_as_steps_are_thinned_to_leave_room_for_a_ladder():
+    found = ladder_of(1.0, 10.0, samples=500_001)
+    assert len(found.rungs) >= MIN_RUNGS
+    assert found.rungs[0].timestep <= COARSEST_TURN
+    assert found.times[-1] == pytest.approx(10.0, rel=1e-3)
+
+
+def test_without_time_to_sample_at_there_is_nothing_to_run():
+    found = ladder(Window(duration=3.0, samples=31), 1.0, samples=1)
+    assert (found.rungs, found.above, found.least_steps) == ((), (), 0)
+
+
+def test_a_ladder_is_cut_where_the_truth_ends():
+    found = ladder_of(3.0).until(7)
+    for rung in [*found.rungs, *found.above]:
+        assert np.array_equal(rung.sample_steps * rung.timestep, found.times[:: rung.every])
+        assert rung.steps * rung.timestep <= found.times[-1]
+    assert found.until(1).rungs == ()
+
+
+def test_a_single_timestep_is_sampled_at_the_nearest_whole_steps():
+    rung = single(0.007, np.linspace(0, 1, 11))
+    assert rung.sample_steps.tolist() == [0, 14, 29, 43, 57, 71, 86, 100, 114, 129, 143]
+
+
+def test_a_timestep_longer_than_the_window_is_refused():
+    with pytest.raises(ValueError, match="'timestep' must be shorter than the window"):
+        single(3.0, np.linspace(0, 1, 11))
+
+
+def test_a_timestep_of_more_steps_than_can_be_counted_is_refused():
+    with pytest.raises(ValueError, match="more steps than"):
+        single(1e-12, np.linspace(0, 1e12, 11))

@@ -1,0 +1,130 @@
+"""Every lie of an engine is told by name in its rows, and no other engine's rows know of it."""
+
+import lies
+import pytest
+from box import BOX
+from lies import HeavierOnceLoaded, engine_of
+from planted import (
+    AbortSession,
+    DampedInSecretSession,
+    ExplodingSession,
+    HeunSession,
+    LyingAboutBodySession,
+    NotANumberSession,
+    RaisingSession,
+    ResetSession,
+    SegfaultSession,
+    SwappedMomentsSession,
+    UpsideDown,
+    XyzwSession,
+    planted,
+)
+from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.study import run_study
+from spincheck.reports.results.store import open_store
+from spincheck.scenarios import find, load, loads
+
+#: Steps of a ladder.
+BUDGET = 1 << 11
+#: s; the lies are told of a run by itself, no ladder.
+TIMESTEP = 2.0**-7
+
+#: By session class: the outcome, the cause, and words of the reason.
+TOLD = {
+    SegfaultSession: ("failed", "crash", "SIGSEGV"),
+    AbortSession: ("failed", "crash", "assertion failed: norm(q) > 0"),
+    RaisingSession: ("failed", "bug", "ZeroDivisionError"),
+    LyingAboutBodySession: ("failed", "read-back", "'mass' must read back"),
+    NotANumberSession: ("diverged", "not-finite", "no longer finite"),
+    ResetSession: ("diverged", "warning", "the clock went back"),
+    ExplodingSession: ("diverged", "energy", "the energy exceeds 10 times its base"),
+    XyzwSession: ("failed", "frames", "about another axis"),
+    DampedInSecretSession: ("ok", "law", "as if L were slowed by 0.001 /s"),
+    SwappedMomentsSession: ("ok", "law", "I dω/dt, N m in body axes, is"),
+    lies.ResetInSecretSession: ("diverged", "reset", "that of the start again"),
+    lies.FrozenSession: ("failed", "frozen", "the state stands still"),
+    lies.WorldOmegaSession: ("failed", "frames", "about another axis"),
+    lies.NegatedSession: ("failed", "frames", "about another axis"),
+    lies.SlowClockSession: ("failed", "clock", "as if a step were 0.99 of a timestep"),
+    lies.SpunUpInSecretSession: ("ok", "law", "as if L were sped up by 0.001 /s"),
+    lies.LaggingSession: ("diverged", "lag", "in a step the attitude turns by 0.01 rad"),
+    lies.LateSession: ("failed", "late", "what is read is a step old"),
+    lies.AnotherStartSession: ("ok", "law", "at the start and leaps to"),
+}
+#: By its row alone none of these can be told from an honest engine.
+UNTOLD = (lies.TwiceTheMassSession, lies.BarelyDampedSession, lies.SpunUpFromHalfwaySession)
+
+
+def engine(kind):
+    return planted(kind) if kind.__module__ == HeunSession.__module__ else engine_of(kind)
+
+
+def rows_of(tmp_path, engines, scene, timestep):
+    """The row of each engine, by its name."""
+    with open_store(tmp_path / "results.sqlite", create=True) as store:
+        choice = Choice(tuple(engines), (), (timestep,), timed=False)
+        run_study([scene], choice, store, jobs=2, progress=lambda _: None)
+        return {row.key.engine: row for row in store.read().rows}
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory):
+    kinds = [HeunSession, *TOLD, *UNTOLD]
+    folder = tmp_path_factory.mktemp("together")
+    return rows_of(folder, map(engine, kinds), loads(BOX, "box"), TIMESTEP)
+
+
+@pytest.mark.parametrize("kind", TOLD, ids=lambda kind: kind.__name__)
+def test_a_lie_is_told_by_name(rows, kind):
+    row = rows[engine(kind).name]
+    outcome, cause, words = TOLD[kind]
+    assert (row.outcome, row.cause) == (outcome, cause)
+    assert words in row.reason
+
+
+@pytest.mark.parametrize("kind", TOLD, ids=lambda kind: kind.__name__)
+def test_what_does_not_come_to_its_end_has_not_survived(rows, kind):
+    row = rows[engine(kind).name]
+    assert not (row.survived and row.outcome != "ok")
+
+
+def test_the_faultless_engine_is_as_if_it_were_alone(rows, tmp_path):
+    (alone,) = rows_of(tmp_path, [planted(HeunSession)], loads(BOX, "box"), TIMESTEP).values()
+    beside = rows[alone.key.engine]
+    assert (beside.outcome, beside.cause, beside.reason) == ("ok", "", "")
+    assert beside.errors == alone.errors
+
+
+@pytest.mark.parametrize("kind", UNTOLD, ids=lambda kind: kind.__name__)
+def test_some_lies_no_row_can_tell(rows, kind):
+    row = rows[engine(kind).name]
+    assert (row.outcome, row.cause, row.reason) == ("ok", "", "")
+
+
+def test_a_lie_that_begins_later_is_told_by_the_ladder(tmp_path):
+    liar = engine(lies.SpunUpFromHalfwaySession)
+    with open_store(tmp_path / "results.sqlite", create=True) as store:
+        choice = Choice((liar,), max_steps=BUDGET, timed=False)
+        run_study([loads(BOX, "box")], choice, store, jobs=1, progress=lambda _: None)
+        (verdict,) = store.read().verdicts
+    assert verdict.verdict == "disagrees"
+
+
+def test_twice_the_mass_of_a_free_body_cannot_be_told(rows):
+    """Euler's equations are the same: this is no lie that a motion could give away."""
+    row, right = rows["TwiceTheMass"], rows[planted(HeunSession).name]
+    assert (row.outcome, row.cause, row.errors) == ("ok", "", right.errors)
+
+
+@pytest.mark.parametrize("name", ["nutation-loops", "hammer"])
+def test_gravity_turned_round_is_told_of_tops_and_of_what_is_thrown(tmp_path, name):
+    (row,) = rows_of(tmp_path, [UpsideDown()], load(find([name])[0]), 1e-3).values()
+    assert row.cause == "law"
+    assert "as if gravity were turned round" in row.reason
+
+
+def test_a_mass_that_changes_once_it_was_read_back_is_told_of_a_heavy_top(tmp_path):
+    top = load(find(["nutation-loops"])[0])
+    (row,) = rows_of(tmp_path, [HeavierOnceLoaded()], top, 1e-3).values()
+    assert (row.outcome, row.cause) == ("ok", "law")
+    assert "I dω/dt" in row.reason

@@ -1,0 +1,52 @@
+"""The checks of the truth let a right one stand and say what is wrong with a faulty one."""
+
+from dataclasses import replace
+
+import pytest
+from spincheck.reference import Solution, solve
+from spincheck.reports.harness import reference_checks
+from spincheck.reports.harness.reference_checks import complaints
+from spincheck.scenarios import FloatArray, Scenario, find, load, loads
+
+#: Well conditioned; beside a saddle; rotation that no rounding may disturb; ill-conditioned; long.
+SCENES = (
+    "book-with-drag",
+    "middle-axis-off-by-1e-8",
+    "middle-axis-exactly",
+    "rod-1e-12",
+    "needle-in-skew-axes",
+    "million-turns",
+)
+
+
+def scene(name: str) -> Scenario:
+    (path,) = find([name])
+    return load(path)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_nothing_is_wrong_with_the_truth(name: str) -> None:
+    assert list(complaints(scene(name))) == []
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_truth_that_turns_too_fast_is_complained_of(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By a hundredth: at its coarsest a second method still tells so much."""
+
+    def faster(scenario: Scenario, times: FloatArray) -> Solution:
+        solution = solve(scenario, times)
+        early = solve(scenario, times * 1.01).trajectory
+        truth = solution.trajectory
+        motion = replace(early, t=truth.t, omega_body=early.omega_body * 1.01)
+        return replace(solution, trajectory=motion)
+
+    monkeypatch.setattr(reference_checks, "solve", faster)
+    found = list(complaints(scene(name)))
+    assert any("second method" in complaint for complaint in found)
+
+
+def test_a_printed_value_that_the_truth_misses_is_complained_of() -> None:
+    text = scene("detest-b5").text.replace("[[published]]\nt = 20.0", "[[published]]\nt = 19.9")
+    assert any("printed" in complaint for complaint in complaints(loads(text, "late")))

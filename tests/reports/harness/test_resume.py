@@ -1,0 +1,292 @@
+"""A study that was stopped, in whatever way, is gone on with and ends as if it had not been."""
+
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from box import BOX
+from planted import HeunSession, RaisingSession, planted
+from same_results import differences
+from spincheck.reports.harness import convergence_study as descent
+from spincheck.reports.harness import study
+from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.study import run_study
+from spincheck.reports.results import fingerprints as made_by
+from spincheck.reports.results.records import Row
+from spincheck.reports.results.store import Results, Store, open_store
+from spincheck.scenarios import loads
+
+PROMISE = """
+[[expect]]
+engine = "Heun"
+method = "Heun"
+timestep = 0.01
+omega = 1e-12
+"""
+#: Steps; Heun's method in Python takes some 30 µs each.
+BUDGET = 1 << 9
+ENGINES = (planted(HeunSession), planted(RaisingSession))
+LADDER = Choice(ENGINES, max_steps=BUDGET, timed=False)
+TIMED = replace(LADDER, timed=True)
+ALONE = Choice(ENGINES[:1], timesteps=(0.02,), timed=False)
+COMMAND = Path(sys.executable).with_name("spincheck")
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "results.sqlite"
+
+
+def run(path: Path, choice: Choice = LADDER, text: str = BOX + PROMISE) -> list[str]:
+    """Run a study of one scene; returns what progress was told."""
+    told: list[str] = []
+    with open_store(path, create=True) as store:
+        run_study([loads(text, "box")], choice, store, jobs=1, progress=told.append)
+    return told
+
+
+def read(path: Path, timesteps: tuple[float, ...] = ()) -> Results:
+    with open_store(path) as store:
+        return store.read(timesteps)
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory) -> Results:
+    path = tmp_path_factory.mktemp("undisturbed") / "results.sqlite"
+    run(path)
+    return read(path)
+
+
+@pytest.fixture
+def runs(monkeypatch) -> list[Row]:
+    """The rows stored from now on."""
+    stored: list[Row] = []
+    put_row = Store.put_row
+
+    def counting(store: Store, row: Row) -> None:
+        put_row(store, row)
+        stored.append(row)
+
+    monkeypatch.setattr(Store, "put_row", counting)
+    return stored
+
+
+def test_a_study_that_is_complete_runs_nothing(path, runs, undisturbed):
+    run(path)
+    runs.clear()
+    assert run(path) == []
+    assert runs == []
+    assert differences(read(path), undisturbed) == []
+
+
+@pytest.mark.parametrize("rows", [0, 1, 3, 6])
+def test_a_study_stopped_after_some_rows_runs_only_the_others(
+    path, runs, undisturbed, monkeypatch, rows
+):
+    put_row = Store.put_row
+
+    def stopping(store: Store, row: Row) -> None:
+        if len(runs) == rows:
+            raise KeyboardInterrupt
+        put_row(store, row)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Store, "put_row", stopping)
+        with pytest.raises(KeyboardInterrupt):
+            run(path)
+    run(path)
+    assert len(runs) == len(undisturbed.rows)
+    assert differences(read(path), undisturbed) == []
+
+
+def test_a_study_stopped_before_steps_are_timed_has_them_timed(path, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr(study, "time_scene", _interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            run(path, TIMED)
+    assert run(path, TIMED) == ["box  timed"]
+    assert run(path, TIMED) == []
+    timed = {row.key.engine for row in read(path).rows if row.seconds_per_step is not None}
+    assert timed == {"Heun"}
+
+
+def _interrupted(*_: object) -> None:
+    raise KeyboardInterrupt
+
+
+def test_the_samples_of_a_finished_ladder_are_those_of_one_run(undisturbed):
+    rows = [row for row in undisturbed.rows if row.key.engine == "Heun"]
+    (kept,) = [row for row in rows if row.motion is not None]
+    assert kept.timestep == min(row.timestep for row in rows)
+
+
+def test_another_text_of_the_scene_is_run_anew(path, runs):
+    run(path)
+    before = len(runs)
+    run(path, text=BOX + PROMISE + "# a comment\n")
+    assert len(runs) == 2 * before
+
+
+def test_another_version_of_an_engine_has_its_own_runs_made_anew(path, runs, monkeypatch):
+    run(path)
+    runs.clear()
+    monkeypatch.setattr(type(planted(HeunSession)), "version", "2")
+    run(path)
+    assert {row.key.engine for row in runs} == {"Heun"}
+    assert len(read(path).verdicts) == len(ENGINES)
+
+
+def test_another_spincheck_runs_everything_anew(path, runs, monkeypatch):
+    run(path)
+    before = len(runs)
+    monkeypatch.setattr(made_by, "program", lambda: b"another")
+    run(path)
+    assert len(runs) == 2 * before
+
+
+def test_costs_measured_on_another_processor_are_taken_anew(path, monkeypatch):
+    run(path, TIMED)
+    monkeypatch.setattr("spincheck.reports.harness.plan.processor", lambda: "another")
+    assert run(path, TIMED) == ["box  timed"]
+
+
+def test_an_engine_added_later_is_run_alone(path, runs, undisturbed):
+    run(path, replace(LADDER, engines=ENGINES[:1]))
+    runs.clear()
+    run(path)
+    assert {row.key.engine for row in runs} == {"Raising"}
+    assert differences(read(path), undisturbed) == []
+
+
+def test_a_scene_run_later_leaves_the_others_as_they_are(path, undisturbed):
+    run(path)
+    with open_store(path, create=True) as store:
+        run_study([loads(BOX, "crate")], LADDER, store, jobs=1, progress=lambda _: None)
+    both = read(path)
+    one = replace(
+        both,
+        scenes={"box": both.scenes["box"]},
+        rows=[row for row in both.rows if row.key.scenario == "box"],
+        verdicts=[verdict for verdict in both.verdicts if verdict.key.scenario == "box"],
+    )
+    assert differences(one, undisturbed) == []
+
+
+def test_a_broken_promise_is_told_by_a_study_that_was_gone_on_with(path, runs, monkeypatch):
+    run(path)
+    told = [verdict.broken for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
+    with open_store(path, create=True) as store:
+        store._connection.execute("DELETE FROM verdicts")
+        store._connection.commit()
+    run(path)
+    again = [verdict.broken for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
+    assert told == again
+    assert "omega error" in told[0][0]
+
+
+def test_a_timestep_is_run_once_however_often_it_is_asked_for(path, runs):
+    run(path, ALONE)
+    runs.clear()
+    assert run(path, ALONE) == []
+    assert runs == []
+
+
+def test_a_timestep_asked_for_leaves_the_ladder_and_its_verdict(path, undisturbed):
+    run(path)
+    run(path, ALONE)
+    found = read(path)
+    ladder = replace(found, rows=[row for row in found.rows if row.timestep != 0.02])
+    assert differences(ladder, undisturbed) == []
+
+
+def test_the_verdict_on_a_timestep_is_its_own(path):
+    run(path)
+    run(path, ALONE)
+    (verdict,) = read(path, timesteps=(0.02,)).verdicts
+    assert (verdict.verdict, "no ladder was run" in verdict.reason) == ("unresolved", True)
+
+
+def test_a_ladder_cut_short_by_a_lesser_limit_is_gone_on_with(path, tmp_path, monkeypatch):
+    monkeypatch.setattr(descent, "GOAL", 0.0)  # no limit is known so well: all rungs are run
+    longer, other = replace(LADDER, max_steps=1 << 11), tmp_path / "longer.sqlite"
+    run(path)
+    run(other, longer)
+    assert len(read(path).rows) < len(read(other).rows)
+    run(path, longer)
+    assert differences(read(path), read(other)) == []
+
+
+def test_a_longer_ladder_serves_whoever_asks_for_a_shorter_one(path, runs):
+    run(path)
+    runs.clear()
+    run(path, replace(LADDER, max_steps=1))
+    assert runs == []
+
+
+def test_a_run_that_was_killed_from_outside_is_made_again(path, undisturbed, monkeypatch):
+    # The worker of every run is killed, as often as it is tried.
+    with monkeypatch.context() as patch:
+        patch.setattr(study, "simulate", _killed)
+        run(path)
+    assert {verdict.verdict for verdict in read(path).verdicts} == {"failed"}
+    run(path)
+    assert differences(read(path), undisturbed) == []
+
+
+def _killed(*_: object) -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def overrun(path: Path, reason: str) -> None:
+    """Have one run of Heun's method, and so its verdict, end for a reason."""
+    with open_store(path, create=True) as store:
+        found = store.read()
+        (verdict,) = (v for v in found.verdicts if v.key.engine == "Heun")
+        row = next(row for row in found.rows if row.key == verdict.key)
+        store.put_row(replace(row, outcome="failed", reason=reason))
+        store.put_verdict(replace(verdict, verdict="failed", reason=reason))
+
+
+@pytest.mark.parametrize(
+    ("time_limit", "again"), [(None, False), (100.0, False), (120.0, False), (200.0, True)]
+)
+def test_what_was_stopped_is_run_again_by_whoever_gives_it_longer(
+    path, runs, undisturbed, time_limit, again
+):
+    run(path)
+    overrun(path, "did not finish within 120 s; it last printed: a word")
+    runs.clear()
+    run(path, replace(LADDER, time_limit=time_limit))
+    assert {row.key.engine for row in runs} == ({"Heun"} if again else set())
+    assert (differences(read(path), undisturbed) == []) == again
+
+
+@pytest.mark.parametrize("seconds", ["0", "-1", "nan", "inf"])
+def test_a_time_limit_that_is_none_is_one_message(path, seconds):
+    command = [COMMAND, "run", "fast-top", "--time-limit", seconds, "--out", path]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("spincheck: '--time-limit' must be positive")
+    assert not path.exists()
+
+
+@pytest.mark.parametrize("what", ["outcome", "motion", "verdict", "missing"])
+def test_the_comparison_notices(undisturbed, what):
+    heun = next(row for row in undisturbed.rows if row.motion is not None)
+    assert heun.motion
+    planted_fault = {
+        "outcome": replace(heun, outcome="diverged"),
+        "motion": replace(heun, motion=heun.motion.until(3)),
+    }
+    others = [row for row in undisturbed.rows if row is not heun]
+    if what == "verdict":
+        first, *rest = undisturbed.verdicts
+        other = replace(undisturbed, verdicts=[replace(first, reason="another"), *rest])
+    else:
+        changed = [planted_fault[what]] if what in planted_fault else []
+        other = replace(undisturbed, rows=[*others, *changed])
+    assert len(differences(undisturbed, other)) == 1

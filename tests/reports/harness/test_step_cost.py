@@ -1,0 +1,159 @@
+"""What a step costs is what it takes, by clocks of any resolution, whoever else is timed."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from clockwork import METHOD, SCENE, Clock, Clockwork, Works, clock, steadily
+from planted import HeunSession, RaisingSession, SegfaultSession, planted
+from spincheck.engines import EngineError, engines
+from spincheck.reports.harness import step_cost as cost
+from spincheck.reports.harness.executors.local_workers import Workers
+from spincheck.reports.harness.step_cost import StepCost, measure, one_thread, step_costs
+from spincheck.scenarios import find, load
+
+__all__ = ["clock"]
+
+#: s a step.
+TAKES = 3e-6
+#: A stretch is off by a tick of its clock at either end, and by the looks at it.
+TICK = 2 / cost.RESOLUTIONS
+
+
+def costs_of(*sessions: Clockwork) -> list[StepCost | None]:
+    return step_costs(SCENE, [(Works(lambda _, s=s: s), METHOD.name) for s in sessions])
+
+
+def cost_of(session: Clockwork) -> StepCost:
+    (found,) = costs_of(session)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("takes", [1e-8, TAKES, 1e-3])
+def test_a_step_costs_what_it_takes(clock: Clock, takes: float) -> None:
+    found = cost_of(Clockwork(clock, steadily(takes)))
+    assert found.seconds_per_step == pytest.approx(takes, rel=TICK)
+    assert cost_of(Clockwork(clock, steadily(2 * takes))).seconds_per_step > takes * (1 + TICK)
+
+
+def test_the_clocks_resolution_is_measured(clock: Clock) -> None:
+    assert cost.resolution() == clock.resolution
+
+
+@pytest.mark.parametrize("resolution", [2.0**-20, 2.0**-7])
+def test_a_stretch_lasts_long_by_the_clock_however_coarse(clock: Clock, resolution: float) -> None:
+    clock.resolution = resolution
+    session = Clockwork(clock, steadily(TAKES))
+    assert cost_of(session).seconds_per_step == pytest.approx(TAKES, rel=TICK)
+    timed = [steps for _, what, steps in session.diary if what == "advance"][-cost.REPEATS :]
+    # The count was found by a stretch that the clock may have called a tick too long.
+    assert min(timed) * TAKES >= (1 - TICK) * max(cost.RESOLUTIONS * resolution, cost.STRETCH)
+
+
+def test_the_first_steps_are_not_timed(clock: Clock) -> None:
+    slow = Clockwork(clock, lambda steps, taken: steps * TAKES * (1 if taken else 1000))
+    found = cost_of(slow)
+    assert found.seconds_per_step + found.spread == pytest.approx(TAKES, rel=TICK)
+
+
+def test_the_least_is_quoted_and_the_spread_beside_it(clock: Clock) -> None:
+    noise = iter(np.tile([1.5, 1.0, 1.25], 100))
+    found = cost_of(Clockwork(clock, lambda steps, _: steps * TAKES * float(next(noise))))
+    assert found.seconds_per_step == pytest.approx(TAKES, rel=TICK)
+    assert found.spread == pytest.approx(0.5 * TAKES, rel=2 * TICK)
+
+
+def test_the_wall_clocks_time_is_told_apart(clock: Clock) -> None:
+    """Longer where something else had the processor, shorter where threads share the work."""
+    for wall in (2.0, 0.5):
+        found = cost_of(Clockwork(clock, steadily(TAKES), wall=wall))
+        assert found.seconds_per_step == pytest.approx(TAKES, rel=TICK)
+        assert found.wall_seconds_per_step == pytest.approx(wall * TAKES, rel=TICK)
+
+
+def test_methods_are_timed_in_turn_and_nothing_else_is_done_meanwhile(clock: Clock) -> None:
+    diary: list[tuple[str, str, int]] = []
+    sessions = [Clockwork(clock, steadily(TAKES), name=n, diary=diary) for n in "abc"]
+    costs_of(*sessions)
+    checks = [k for k, (_, what, _) in enumerate(diary) if what == "check"]
+    timed = diary[checks[0] - 3 * cost.REPEATS : checks[0]]
+    assert {what for _, what, _ in timed} == {"advance"}
+    assert [name for name, _, _ in timed] == list("abc") * cost.REPEATS
+
+
+def test_a_method_that_gives_up_costs_its_own_figure(clock: Clock) -> None:
+    well = Clockwork(clock, steadily(TAKES))
+    for after in (0, 300, 10 * cost.STRETCH / TAKES / cost.REPEATS):
+        ill = Clockwork(clock, steadily(TAKES), gives_up_after=after)
+        first, second = costs_of(ill, well)
+        assert first is None
+        assert second is not None
+
+
+def test_steps_of_what_is_no_number_are_no_steps(clock: Clock) -> None:
+    assert costs_of(Clockwork(clock, steadily(TAKES), drift=np.nan)) == [None]
+
+
+def test_a_scene_that_does_not_load_has_no_cost(clock: Clock) -> None:
+    def refuse(_: object) -> Clockwork:
+        raise EngineError("refused")
+
+    assert step_costs(SCENE, [(Works(refuse), METHOD.name)]) == [None]
+
+
+def test_a_finer_timestep_costs_more_a_simulated_second() -> None:
+    found = StepCost(TAKES, 0.0, TAKES)
+    coarse, fine = (found.per_simulated_second(dt) for dt in (1e-3, 5e-4))
+    assert (coarse, fine) == (pytest.approx(TAKES / 1e-3), pytest.approx(2 * coarse))
+
+
+# With the system's own clocks, in processes of their own
+
+
+@pytest.mark.parametrize("fault", [SegfaultSession, RaisingSession])
+def test_a_method_that_takes_its_process_with_it_costs_its_own_figure(fault: type) -> None:
+    kinds = [HeunSession, fault, HeunSession]
+    pairs = [(planted(kind), "Heun") for kind in kinds]
+    with Workers(jobs=1) as workers:
+        costs, complaints = measure(workers, SCENE, pairs)
+    assert [found is not None for found in costs] == [True, False, True]
+    (complaint,) = complaints
+    assert complaint.startswith(f"{planted(fault).name} Heun could not be timed: ")
+
+
+def test_where_all_goes_well_there_is_no_complaint() -> None:
+    with Workers(jobs=1) as workers:
+        costs, complaints = measure(workers, SCENE, [(planted(HeunSession), "Heun")])
+    assert (len(costs), costs[0] is None, complaints) == (1, False, [])
+
+
+def test_processes_started_for_timing_start_no_threads() -> None:
+    script = "import os; print(*(os.environ.get(n) for n in ('OMP_NUM_THREADS', 'X')))"
+    before = dict(os.environ)
+
+    def seen() -> str:
+        return subprocess.check_output([sys.executable, "-c", script], text=True).split()[0]
+
+    with one_thread():
+        assert seen() == "1"
+    assert dict(os.environ) == before
+
+
+def test_engines_step_in_one_thread() -> None:
+    """Threads that share the work take more CPU time than there is on the wall."""
+    scenario = load(find(["fast-top"])[0])
+    pairs = [(engine, method.name) for engine in engines().values() for method in engine.methods]
+    pairs = [(e, m) for e, m in pairs if not e.unsupported(scenario, e.method(m))]
+    for (engine, method), found in zip(pairs, step_costs(scenario, pairs), strict=True):
+        assert found is not None, (engine.name, method)
+        assert found.seconds_per_step <= found.wall_seconds_per_step * (1 + TICK)
+
+
+@pytest.mark.parametrize("name", ["fast-top", "earth-wobble"])
+def test_steps_are_timed_that_turn_every_body_alike(name: str) -> None:
+    scenario = load(find([name])[0])
+    speed = float(np.linalg.norm(scenario.start.omega_body))
+    assert speed * cost.timed_timestep(scenario) == pytest.approx(cost.TIMED_TURN)

@@ -1,0 +1,185 @@
+"""A study of planted engines: what is wrong is told, and costs one row."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from box import BOX
+from planted import (
+    AbortSession,
+    ChattySession,
+    DampedInSecretSession,
+    DampedOpenlySession,
+    ExplodingSession,
+    HangSession,
+    HeunSession,
+    LyingAboutBodySession,
+    LyingAboutStartSession,
+    NotANumberSession,
+    RaisingSession,
+    ResetSession,
+    SegfaultSession,
+    SwappedMomentsSession,
+    UpsideDown,
+    planted,
+)
+from spincheck.reference import solve
+from spincheck.reports.harness import study as study_module
+from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.executors import local_workers as workers
+from spincheck.reports.harness.study import run_study
+from spincheck.reports.results.store import Results, open_store
+from spincheck.scenarios import find, load, loads
+
+#: Steps; Heun's method in Python takes some 30 µs each.
+BUDGET = 1 << 11
+
+
+def study(tmp_path, *kinds, text: str = BOX, timesteps: tuple[float, ...] = ()) -> Results:
+    choice = Choice(tuple(planted(kind) for kind in kinds), (), timesteps, BUDGET)
+    with open_store(tmp_path / "results.sqlite", create=True) as store:
+        run_study([loads(text, "box")], choice, store, jobs=2, progress=lambda _: None)
+        return store.read()
+
+
+@pytest.fixture(scope="module")
+def judged(tmp_path_factory):
+    """Verdict by session class, of one study of all that neither hang nor need much time."""
+    kinds = [
+        HeunSession,
+        SegfaultSession,
+        AbortSession,
+        NotANumberSession,
+        ResetSession,
+        ExplodingSession,
+        LyingAboutBodySession,
+        LyingAboutStartSession,
+        DampedInSecretSession,
+        DampedOpenlySession,
+        SwappedMomentsSession,
+        RaisingSession,
+    ]
+    results = study(tmp_path_factory.mktemp("study"), *kinds)
+    by_engine = {verdict.key.engine: verdict for verdict in results.verdicts}
+    return {kind: by_engine[planted(kind).name] for kind in kinds}
+
+
+def test_the_faultless_engine_converges_at_its_order(judged):
+    verdict = judged[HeunSession]
+    assert verdict.verdict == "converges"
+    assert verdict.order == pytest.approx(2, abs=0.25)
+
+
+@pytest.mark.parametrize("kind", [DampedInSecretSession, SwappedMomentsSession])
+def test_a_model_that_is_not_the_scene_disagrees(judged, kind):
+    assert judged[kind].verdict == "disagrees"
+
+
+@pytest.mark.parametrize("kind", [NotANumberSession, ResetSession, ExplodingSession])
+def test_a_blow_up_diverges(judged, kind):
+    assert judged[kind].verdict == "diverges"
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        (SegfaultSession, "SIGSEGV"),
+        (AbortSession, "SIGABRT; it last printed: assertion failed: norm(q) > 0"),
+        (NotANumberSession, "no longer finite"),
+        (ResetSession, "has reset itself"),
+        (ExplodingSession, "energy"),
+        (LyingAboutBodySession, "'mass' must read back"),
+        (LyingAboutStartSession, "'omega_body' must read back"),
+        (DampedOpenlySession, "damping"),
+        (RaisingSession, "ZeroDivisionError: a bug in an adapter"),
+    ],
+)
+def test_the_reason_names_the_fault(judged, kind, words):
+    assert words in judged[kind].reason
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        SegfaultSession,
+        AbortSession,
+        LyingAboutBodySession,
+        LyingAboutStartSession,
+        DampedOpenlySession,
+        RaisingSession,
+    ],
+)
+def test_what_cannot_be_judged_failed(judged, kind):
+    assert judged[kind].verdict == "failed"
+
+
+def test_an_engine_that_hangs_costs_one_row(tmp_path, monkeypatch):
+    monkeypatch.setattr(workers, "TIME_LIMIT", 20.0)
+    results = study(tmp_path, HangSession, HeunSession)
+    words = {verdict.key.engine: verdict.verdict for verdict in results.verdicts}
+    assert words == {"Hang": "failed", "Heun": "converges"}
+    assert any("did not finish within 20 s" in row.reason for row in results.rows)
+
+
+def test_what_an_engine_prints_is_kept_with_its_own_runs(tmp_path, capfd):
+    results = study(tmp_path, ChattySession, AbortSession, HeunSession)
+    printed = {row.key.engine: set(row.printed.splitlines()) for row in results.rows}
+    assert printed == {
+        "Chatty": {"stepping"},
+        "Abort": {"solver.cpp:42", "assertion failed: norm(q) > 0"},
+        "Heun": set(),
+    }
+    assert capfd.readouterr() == ("", "")
+
+
+def test_where_the_truth_ends_at_a_horizon_so_do_all_runs(monkeypatch):
+    def solve_to_a_horizon(scenario, times):
+        found = solve(scenario, times)
+        return replace(found, trajectory=found.trajectory.until(len(times) // 2))
+
+    monkeypatch.setattr(study_module, "solve", solve_to_a_horizon)
+    prepared = study_module.prepare(loads(BOX, "box"), [0.01], BUDGET)
+    ladder = [(rung, prepared.solution) for rung in prepared.ladder.rungs]
+    for rung, truth in ladder + prepared.singles:
+        times = rung.sample_steps * rung.timestep
+        np.testing.assert_array_equal(times, truth.trajectory.t)
+
+
+PROMISE = """
+[[expect]]
+engine = "Heun"
+method = "Heun"
+timestep = 0.01
+"""
+
+
+def test_a_kept_promise_passes(tmp_path):
+    (verdict,) = study(tmp_path, HeunSession, text=BOX + PROMISE + "omega = 1e-2").verdicts
+    assert verdict.agrees
+
+
+def test_a_broken_promise_fails_and_says_by_how_much(tmp_path):
+    (verdict,) = study(tmp_path, HeunSession, text=BOX + PROMISE + "omega = 1e-12").verdicts
+    assert not verdict.agrees
+    assert "omega error" in verdict.broken[0]
+
+
+def test_a_run_expected_to_diverge_that_does_not_is_told(tmp_path):
+    text = BOX + PROMISE + 'outcome = "diverges"'
+    (verdict,) = study(tmp_path, HeunSession, text=text).verdicts
+    assert "was expected to diverge" in verdict.broken[0]
+
+
+def test_a_timestep_asked_for_is_run_alone(tmp_path):
+    results = study(tmp_path, HeunSession, timesteps=(0.01,))
+    assert [row.timestep for row in results.rows] == [0.01]
+
+
+@pytest.mark.parametrize(("name", "signal"), [("nutation-loops", "omega"), ("hammer", "com")])
+def test_gravity_with_its_sign_flipped_disagrees(tmp_path, name, signal):
+    scene = load(find([name])[0])
+    with open_store(tmp_path / "results.sqlite", create=True) as store:
+        choice = Choice((UpsideDown(),), max_steps=1 << 16, timed=False)
+        run_study([scene], choice, store, jobs=2, progress=lambda _: None)
+        (verdict,) = store.read().verdicts
+    assert (verdict.verdict, verdict.signal) == ("disagrees", signal)

@@ -1,0 +1,315 @@
+"""Sweeps: every point once, whatever engines do, and none again that is there."""
+
+import sqlite3
+from concurrent.futures import Executor, Future
+from contextlib import closing, suppress
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from box import BOX
+from in_process import InProcess
+from planted import (
+    HeunSession,
+    NotANumberSession,
+    RaisingSession,
+    SegfaultSession,
+    planted,
+)
+from spincheck.reports.harness import sweep_run as point_run
+from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.executors.local_workers import Workers
+from spincheck.reports.harness.executors.worker_slot import KILLED, Lost
+from spincheck.reports.harness.sweep import carry_out_sweep, plan_sweep
+from spincheck.reports.harness.sweep_points import STEP_TURN, places
+from spincheck.reports.results import fingerprints as made_by
+from spincheck.reports.results.store import open_store
+from spincheck.reports.results.sweep_records import Axis, Ensemble, Map, Point
+from spincheck.scenarios import loads
+from spincheck.scenarios.scatter import member
+
+SCENE = loads(BOX, "box")
+SPIN = Axis("start.omega_body[1]", (0.5, 2.0), logarithmic=True)
+STEPS = Axis("timestep", (0.01, 0.02, 0.04), logarithmic=True)
+MAP = Map("box", (SPIN, STEPS), None)
+#: Two places of it, for engines that take their processes with them.
+PART = replace(MAP, axes=(replace(SPIN, values=(2.0,)), replace(STEPS, values=(0.02, 0.04))))
+ENSEMBLE = Ensemble("box", 3, seed=5, timestep=None)
+FAULTLESS = Choice((planted(HeunSession),), timed=False)
+CRASHING = Choice((planted(HeunSession), planted(SegfaultSession)), timed=False)
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "results.sqlite"
+
+
+def sweep(
+    path: Path,
+    asked=MAP,
+    choice: Choice = FAULTLESS,
+    scene=SCENE,
+    executor: Executor | None = None,
+) -> tuple[Point, ...]:
+    """Carry out what is missing; returns the points."""
+    with open_store(path, create=True) as store, executor or InProcess() as calls:
+        plan = plan_sweep(asked, scene, choice, store)
+        carry_out_sweep(plan, scene, store, calls, lambda _: None)
+        return store.sweeps.points(asked)
+
+
+def left(path: Path, asked=MAP, choice: Choice = FAULTLESS, scene=SCENE) -> int:
+    with open_store(path, create=True) as store:
+        return len(plan_sweep(asked, scene, choice, store).left)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A file with the map, and its points."""
+    path = tmp_path_factory.mktemp("finished") / "results.sqlite"
+    return path, sweep(path)
+
+
+def test_there_is_a_point_for_every_pair_of_values_in_the_order_of_the_axes(finished):
+    expected = [(a, b) for a in SPIN.values for b in STEPS.values]
+    assert [point.at for point in finished[1]] == expected
+
+
+def test_every_run_has_the_timestep_of_its_place(finished):
+    assert [point.timestep for point in finished[1]] == [point.at[1] for point in finished[1]]
+
+
+def test_the_method_is_of_second_order_down_each_column(finished):
+    """Errors of Heun's method, each against the truth of its own scene; twice the step, four."""
+    for spin in SPIN.values:
+        errors = [p.errors.omega for p in finished[1] if p.at[0] == spin]
+        slopes = np.diff(np.log2(errors))
+        assert np.abs(slopes - 2).max() < 0.25
+
+
+def test_each_place_has_a_truth_of_its_own(finished):
+    """With the truth of the other column the errors would be as large as what is varied."""
+    assert max(point.errors.omega for point in finished[1]) < 1e-3
+
+
+def test_nothing_that_is_there_is_run_again(finished):
+    assert left(finished[0]) == 0
+
+
+def test_what_is_read_back_is_what_was_put(finished):
+    path, points = finished
+    with open_store(path) as store:
+        (found,) = store.read().maps
+    assert (found.map, found.points) == (MAP, points)
+    assert found.scenario.text == SCENE.text
+
+
+def test_a_finer_map_uses_the_points_it_shares(path):
+    sweep(path)
+    finer = replace(MAP, axes=(SPIN, replace(STEPS, values=(0.005, *STEPS.values))))
+    assert left(path, finer) == len(SPIN.values)
+
+
+def test_with_its_axes_swapped_it_shares_them_all(path):
+    sweep(path)
+    assert left(path, replace(MAP, axes=(STEPS, SPIN))) == 0
+
+
+def test_another_engine_leaves_what_is_there(path):
+    sweep(path)
+    with open_store(path, create=True) as store:
+        plan = plan_sweep(MAP, SCENE, Choice((*FAULTLESS.engines, planted(RaisingSession))), store)
+    assert {engine.name for one in plan.left for engine, _ in one.pairs} == {"Raising"}
+
+
+@pytest.mark.parametrize("what", ["scene", "program"])
+def test_points_that_rest_on_something_else_are_dropped(path, monkeypatch, what):
+    sweep(path)
+    scene = loads(BOX.replace("2.5]", "2.6]"), "box") if what == "scene" else SCENE
+    if what == "program":
+        monkeypatch.setattr(made_by, "program", lambda: b"another")
+    assert left(path, scene=scene) == len(SPIN.values) * len(STEPS.values)
+
+
+class Stop(Exception):
+    """Raised in the midst of a sweep."""
+
+
+def stop_after(path: Path, points: int) -> None:
+    """Carry out a part of the map, then stop like a program that is told to."""
+    stored: list[str] = []
+
+    def progress(said: str) -> None:
+        stored.append(said)
+        if len(stored) == points:
+            raise Stop
+
+    with suppress(Stop), open_store(path, create=True) as store, InProcess() as calls:
+        plan = plan_sweep(MAP, SCENE, FAULTLESS, store)
+        carry_out_sweep(plan, SCENE, store, calls, progress)
+
+
+def test_stopped_at_any_point_it_goes_on_and_ends_the_same(path, finished):
+    for points in (1, 3):
+        stop_after(path, points)
+    assert left(path) == 2
+    assert sweep(path) == finished[1]
+
+
+def test_nothing_is_stored_twice(path):
+    sweep(path)
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute("DELETE FROM points WHERE rowid % 2")
+        connection.commit()
+    sweep(path)
+    with closing(sqlite3.connect(path)) as connection:
+        (count,) = connection.execute("SELECT count(*) FROM points").fetchone()
+    assert count == len(SPIN.values) * len(STEPS.values)
+
+
+def test_a_crash_costs_its_own_point_and_the_others_are_as_ever(path, finished):
+    points = sweep(path, PART, CRASHING, executor=Workers(jobs=1))
+    crashed = [p for p in points if p.key.engine == "Segfault"]
+    assert {(p.outcome, p.cause) for p in crashed} == {("failed", "crash")}
+    assert "SIGSEGV" in crashed[0].reason
+    others = [p for p in finished[1] if p.at in [p.at for p in crashed]]
+    assert [p for p in points if p.key.engine == "Heun"] == others
+    assert len(crashed) == len(others) == 2
+
+
+@pytest.mark.parametrize("cause", ["crash", "time-out", "killed", "bug"])
+def test_a_method_that_is_lost_costs_its_own_point_and_says_why(path, finished, cause):
+    points = sweep(path, MAP, CRASHING, executor=InProcess("Segfault", Lost("so it went", cause)))
+    lost = [p for p in points if p.key.engine == "Segfault"]
+    assert {(p.outcome, p.cause, p.reason) for p in lost} == {("failed", cause, "so it went")}
+    assert [(p.at, p.timestep) for p in lost] == [(p.at, p.at[1]) for p in finished[1]]
+    assert tuple(p for p in points if p.key.engine == "Heun") == finished[1]
+
+
+def test_a_point_that_somebody_killed_is_tried_again_by_the_next_sweep(path):
+    sweep(path, MAP, CRASHING, executor=InProcess("Segfault", Lost(KILLED, "killed")))
+    with open_store(path, create=True) as store:
+        plan = plan_sweep(MAP, SCENE, CRASHING, store)
+    assert [[engine.name for engine, _ in one.pairs] for one in plan.left] == [["Segfault"]] * 6
+
+
+@pytest.mark.parametrize(("time_limit", "again"), [(None, 0), (120.0, 0), (500.0, 6)])
+def test_one_that_was_stopped_is_tried_again_with_more_time(path, time_limit, again):
+    stopped = Lost("did not finish within 120 s", "time-out")
+    sweep(path, MAP, CRASHING, executor=InProcess("Segfault", stopped))
+    with open_store(path, create=True) as store:
+        choice = replace(CRASHING, time_limit=time_limit)
+        assert len(plan_sweep(MAP, SCENE, choice, store).left) == again
+
+
+def test_one_that_crashed_is_not(path):
+    sweep(path, MAP, CRASHING, executor=InProcess("Segfault", Lost("it", "crash")))
+    assert left(path, MAP, CRASHING) == 0
+
+
+def test_points_of_a_place_are_made_by_one_call(path):
+    executor = InProcess()
+    sweep(path, choice=Choice((planted(HeunSession), planted(RaisingSession))), executor=executor)
+    assert executor.calls == len(SPIN.values) * len(STEPS.values)
+
+
+def test_what_diverges_says_when_and_why(path):
+    points = sweep(path, choice=Choice((planted(NotANumberSession),), timed=False))
+    assert {(p.outcome, p.cause) for p in points} == {("diverged", "not-finite")}
+    assert all(0.5 < p.stopped_at <= 1.0 for p in points)
+
+
+def test_a_place_that_has_no_scene_is_one_point_and_not_the_end(path):
+    moment = Axis("body.inertia[2]", (2.5, 9.0), logarithmic=False)
+    two = Choice((planted(HeunSession), planted(NotANumberSession)), timed=False)
+    points = sweep(path, Map("box", (moment, STEPS), None), two)
+    invalid = [p for p in points if p.outcome == "invalid"]
+    assert [p.at for p in invalid] == [(9.0, timestep) for timestep in STEPS.values]
+    assert {(p.key.engine, p.key.method) for p in invalid} == {("", "")}
+    assert "may exceed the sum of the other two" in invalid[0].reason
+    assert len(points) == len(STEPS.values) * 3
+
+
+def test_such_a_place_is_not_tried_again(path):
+    asked = Map("box", (Axis("body.inertia[2]", (9.0, 10.0), logarithmic=False), STEPS), None)
+    sweep(path, asked)
+    assert left(path, asked) == 0
+
+
+def test_a_timestep_longer_than_the_window_is_no_place_to_run(path):
+    long = Axis("timestep", (0.02, 3.0), logarithmic=False)
+    points = sweep(path, replace(MAP, axes=(SPIN, long)))
+    assert [p.outcome for p in points] == ["ok", "invalid"] * 2
+    assert "must be shorter than the window" in points[1].reason
+
+
+def test_a_run_beyond_the_budget_is_skipped_and_says_so(path):
+    short = Axis("timestep", (1e-9, 0.02), logarithmic=False)
+    points = sweep(path, replace(MAP, axes=(SPIN, short)))
+    skipped = points[0]
+    assert (skipped.outcome, skipped.cause, skipped.timestep) == ("skipped", "steps", 1e-9)
+    assert skipped.reason.endswith(f"a point may take {point_run.STEP_BUDGET}")
+    assert points[1].outcome == "ok"
+
+
+def test_a_scene_that_cannot_be_solved_is_told_of_every_method(path, monkeypatch):
+    """In this process, where a reference can be replaced."""
+
+    def unsolvable(*_: object) -> None:
+        raise ArithmeticError("no series converges")
+
+    monkeypatch.setattr(point_run, "solve", unsolvable)
+    place = next(places(MAP))
+    pairs = [(planted(HeunSession), "Heun"), (planted(RaisingSession), "Heun")]
+    points = point_run.run_place(BOX, "box", place, pairs)
+    assert [(p.outcome, p.cause) for p in points] == [("failed", "unsolved")] * 2
+    assert "no series converges" in points[0].reason
+
+
+class Unsolvable(InProcess):
+    """Loses every call, also those that run no method."""
+
+    def submit(self, *args, **kwargs):
+        future = Future()
+        future.set_exception(Lost("it crashed", "crash"))
+        return future
+
+
+def test_a_reference_that_takes_its_process_with_it_is_not_blamed_on_a_method(path):
+    points = sweep(path, PART, CRASHING, executor=Unsolvable())
+    assert [(p.outcome, p.cause) for p in points] == [("failed", "unsolved")] * 4
+    assert points[0].reason == "the reference could not be solved: it crashed"
+
+
+def test_members_are_those_of_the_seed_and_run_at_a_fixed_turn_a_step(path):
+    points = sweep(path, ENSEMBLE)
+    assert [p.at for p in points] == [(0.0,), (1.0,), (2.0,)]
+    for point in points:
+        speed = np.linalg.norm(member(SCENE, 5, int(point.at[0])).start.omega_body)
+        assert STEP_TURN / 2 < speed * point.timestep <= STEP_TURN
+
+
+def test_members_at_a_timestep_that_was_asked_for_have_it(path):
+    points = sweep(path, replace(ENSEMBLE, timestep=0.02))
+    assert {p.timestep for p in points} == {0.02}
+
+
+def test_a_larger_ensemble_begins_with_the_same_members(path):
+    first = sweep(path, ENSEMBLE)
+    larger = replace(ENSEMBLE, members=5)
+    assert left(path, larger) == 2
+    assert sweep(path, larger)[: len(first)] == first
+
+
+def test_ensembles_of_another_seed_or_timestep_are_others(path):
+    sweep(path, ENSEMBLE)
+    assert left(path, replace(ENSEMBLE, seed=6)) == 3
+    assert left(path, replace(ENSEMBLE, timestep=0.02)) == 3
+
+
+def test_ensembles_are_read_back_with_their_scene(path):
+    points = sweep(path, ENSEMBLE)
+    with open_store(path) as store:
+        (found,) = store.read().ensembles
+    assert (found.ensemble, found.points, found.scenario.text) == (ENSEMBLE, points, SCENE.text)

@@ -1,0 +1,292 @@
+"""The figures: complete, valid, never claiming too much, alike on every page."""
+
+import json
+import math
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+from contrast import contrast
+from made_up import METHODS, TIMESTEPS, UNCERTAINTY, results
+from plotted import coloured, values_of
+from spincheck.reference import facts, solve
+from spincheck.reports.pages.analysis.report_data import SceneRuns, gather
+from spincheck.reports.pages.analysis.trace_style import COLOURS, looks
+from spincheck.reports.pages.figures import figures as figures_module
+from spincheck.reports.pages.figures import ladder_figures
+from spincheck.reports.pages.figures.figures import Titled, figures
+from spincheck.reports.pages.figures.ladder_figures import cost
+from spincheck.reports.pages.figures.plot import MOST_SAMPLES, claimed, error_range, peaks, thinned
+from spincheck.reports.pages.render import TEMPLATES
+from spincheck.reports.results.records import Key, Row
+from spincheck.reports.results.store import Results
+from spincheck.scenarios import Trajectory
+
+TOP, BRICK, UNSOLVED = "made-up-top", "made-up-brick", "unsolved"
+#: WCAG 2.1, 1.4.11: contrast of what must be seen in a figure.
+GRAPHICS = 3.0
+#: Which signal each panel of errors shows, by figure and number of the panel.
+SIGNALS = {
+    "omega": {4: "omega", 5: "omega", 6: "omega"},
+    "errors": {1: "attitude", 2: "angular_momentum", 3: "energy"},
+    "convergence": {1: "omega", 2: "attitude"},
+    "cost": {1: "omega", 2: "attitude"},
+}
+
+
+def scene(name: str, samples: int = 101) -> SceneRuns:
+    return {scene.name: scene for scene in gather(results(samples)).scenes}[name]
+
+
+def drawn(name: str, samples: int = 101) -> dict[str, Titled]:
+    return {titled.name: titled for titled in figures(scene(name, samples))}
+
+
+@pytest.fixture(scope="module")
+def top() -> dict[str, Titled]:
+    return drawn(TOP)
+
+
+def test_a_heavy_top_has_its_figures(top: dict[str, Titled]) -> None:
+    assert list(top) == ["omega", "axis", "potential", "errors", "convergence", "cost"]
+
+
+def test_a_free_body_has_its_figures() -> None:
+    assert list(drawn(BRICK)) == ["omega", "polhode", "errors", "convergence", "cost"]
+
+
+def test_a_scene_without_a_truth_has_none() -> None:
+    assert drawn(UNSOLVED) == {}
+
+
+@pytest.mark.parametrize("name", [TOP, BRICK])
+def test_plotly_accepts_every_figure(name: str) -> None:
+    for titled in drawn(name).values():
+        go.Figure(coloured(titled.figure))
+
+
+def test_plotly_refuses_what_it_does_not_know(top: dict[str, Titled]) -> None:
+    planted = top["omega"].figure | {"layout": {"xaxes": {}}}
+    with pytest.raises(ValueError, match="xaxes"):
+        go.Figure(coloured(planted))
+
+
+@pytest.mark.parametrize("name", [TOP, BRICK])
+def test_no_figure_shows_an_error_below_the_reference(name: str) -> None:
+    assert list(_errors_too_small(drawn(name))) == []
+
+
+def test_an_error_shown_below_the_reference_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in (figures_module, ladder_figures):
+        monkeypatch.setattr(module, "claimed", lambda errors, _: errors)
+    shown = {titled for titled, _ in _errors_too_small(drawn(TOP))}
+    assert {"omega", "errors"} <= shown
+
+
+@pytest.mark.parametrize("figure", SIGNALS)
+def test_every_method_with_samples_is_in_every_figure(top: dict[str, Titled], figure: str) -> None:
+    ran = {f"{m.engine} {m.method}" for m in METHODS if m.verdict not in ("failed", "unsupported")}
+    traced = {trace.get("legendgroup") for trace in top[figure].figure["data"]}
+    assert traced - {None} == ran
+
+
+def test_no_line_has_more_samples_than_a_page_carries() -> None:
+    for titled in drawn(TOP, samples=2001).values():
+        for trace in titled.figure["data"]:
+            if "legendgroup" in trace:
+                assert len(values_of(trace["x"])) <= MOST_SAMPLES
+
+
+def test_thinning_keeps_both_ends() -> None:
+    kept = thinned(2001)
+    assert len(kept) == MOST_SAMPLES
+    assert (kept[0], kept[-1]) == (0, 2000)
+
+
+def test_thinning_loses_no_peak() -> None:
+    values = np.zeros(2001)
+    values[1003] = 1.0
+    assert peaks(values).max() == 1.0
+    assert values[thinned(len(values))].max() == 0.0
+
+
+def test_convergence_shows_the_error_of_every_finished_run(top: dict[str, Titled]) -> None:
+    euler = next(
+        trace
+        for trace in top["convergence"].figure["data"]
+        if trace.get("legendgroup") == "mujoco Euler" and trace["xaxis"] == "x"
+    )
+    rows = [row for row in results().rows if _label(row.key) == "mujoco Euler" and row.errors]
+    wanted = [row.errors.omega for row in rows if row.key.scenario == TOP and row.errors]
+    np.testing.assert_array_equal(values_of(euler["x"]), np.float32(TIMESTEPS))
+    np.testing.assert_array_equal(values_of(euler["y"]), np.float32(wanted))
+
+
+def test_diverged_runs_are_crosses(top: dict[str, Titled]) -> None:
+    traces = top["convergence"].figure["data"]
+    multibody = [t for t in traces if t.get("legendgroup") == "pybullet multibody"]
+    assert {t["marker"]["symbol"] for t in multibody} == {"x-thin-open"}
+    assert {t["mode"] for t in multibody} == {"markers"}
+
+
+def test_guides_have_the_declared_slopes(top: dict[str, Titled]) -> None:
+    guides = [t for t in top["convergence"].figure["data"] if t.get("name", "").startswith("order")]
+    assert {t["name"] for t in guides} == {"order 1", "order 4"}
+    for guide in guides:
+        slope = np.polyfit(np.log(values_of(guide["x"])), np.log(values_of(guide["y"])), 1)[0]
+        # Single precision: 2⁻²⁴ of each value over an octave or more.
+        assert slope == pytest.approx(int(guide["name"].split()[1]), abs=4 * 2.0**-23 / math.log(2))
+
+
+def test_cost_is_seconds_a_simulated_second(top: dict[str, Titled]) -> None:
+    row = next(row for row in results().rows if row.seconds_per_step)
+    assert row.seconds_per_step is not None
+    assert cost(row) == row.seconds_per_step / row.timestep
+    first = next(t for t in top["cost"].figure["data"] if t.get("legendgroup") == _label(row.key))
+    assert values_of(first["x"])[0] == np.float32(cost(row))
+
+
+def test_untimed_runs_have_no_cost_figure() -> None:
+    found = results()
+    untimed = [Row(**vars(row) | {"seconds_per_step": None}) for row in found.rows]
+    gathered = gather(Results(**vars(found) | {"rows": untimed}))
+    named = {titled.name for scene in gathered.scenes for titled in figures(scene)}
+    assert "convergence" in named
+    assert "cost" not in named
+
+
+def test_turning_points_of_the_well_are_the_bounds_of_nutation(top: dict[str, Titled]) -> None:
+    found = scene(TOP).found
+    assert found is not None
+    exact = {fact.name: fact.value for fact in facts(found.scenario)}
+    dots = next(t for t in top["potential"].figure["data"] if t["mode"] == "markers")
+    bounds = np.float32([exact["nutation from"], exact["nutation to"]])
+    np.testing.assert_array_equal(values_of(dots["x"]), bounds)
+
+
+def test_the_axis_stays_on_the_sphere(top: dict[str, Titled]) -> None:
+    curves = [t for t in top["axis"].figure["data"] if t["type"] == "scatter3d" and "name" in t]
+    for curve in curves:
+        radius = np.sqrt(sum(values_of(curve[axis]) ** 2 for axis in "xyz"))
+        np.testing.assert_allclose(radius, 1.0, atol=4 * np.finfo(np.float32).eps)
+
+
+def test_the_polhode_starts_on_the_scene_s_own_rates() -> None:
+    figure = drawn(BRICK)["polhode"].figure
+    found = scene(BRICK).found
+    assert found is not None
+    omega = found.solution.trajectory.omega_body
+    moments = np.diag(found.scenario.body.inertia_com)
+    scale = np.sqrt((omega**2 @ moments).max())
+    exact = next(t for t in figure["data"] if t["type"] == "scatter3d" and t.get("name") == "exact")
+    start = [values_of(exact[axis])[0] for axis in "xyz"]
+    np.testing.assert_array_equal(start, np.float32(omega[0] / scale))
+
+
+def test_a_method_has_one_colour_in_all_engines_and_an_engine_one_dash() -> None:
+    drawn_as = looks([("a", "Euler"), ("a", "RK4"), ("b", "RK4")])
+    assert drawn_as["a", "RK4"].colour == drawn_as["b", "RK4"].colour
+    assert drawn_as["a", "Euler"].colour != drawn_as["a", "RK4"].colour
+    assert drawn_as["a", "Euler"].dash == drawn_as["a", "RK4"].dash
+    assert drawn_as["a", "RK4"].dash != drawn_as["b", "RK4"].dash
+    assert drawn_as["a", "RK4"].symbol != drawn_as["b", "RK4"].symbol
+
+
+def test_colours_are_those_of_the_whole_study_on_every_page() -> None:
+    per_page = [
+        {trace["legendgroup"]: trace["line"]["color"]}
+        for name in (TOP, BRICK)
+        for titled in drawn(name).values()
+        for trace in titled.figure["data"]
+        if "legendgroup" in trace
+    ]
+    merged: dict[str, str] = {}
+    for colours in per_page:
+        for label, colour in colours.items():
+            assert merged.setdefault(label, colour) == colour
+
+
+def test_colours_are_different() -> None:
+    assert len(set(COLOURS)) == len(COLOURS)
+
+
+@pytest.mark.parametrize("colour", COLOURS)
+def test_colours_stand_out_on_light_and_on_dark_paper(colour: str) -> None:
+    style = (TEMPLATES / "style.css").read_text(encoding="utf-8")
+    papers = re.findall(r"--paper: (#\w{6})", style)
+    assert len(papers) == 2
+    assert min(contrast(colour, paper) for paper in papers) >= GRAPHICS
+
+
+def test_axes_reach_from_below_the_floor_to_above_the_errors() -> None:
+    low, high = error_range([np.array([1e-5, np.nan, 1e-3])], floor=1e-12)
+    assert low < 1e-12
+    assert high > 1e-3
+
+
+def test_an_error_of_nothing_is_not_drawn() -> None:
+    low, high = error_range([np.array([np.nan])], floor=np.inf)
+    assert 0 < low < high < np.inf
+    assert np.isnan(claimed(np.array([0.0, np.inf]), np.inf)).all()
+
+
+@pytest.mark.parametrize("size", [1e3, 1e35, 1e150])
+def test_a_run_that_blows_up_leaves_the_figures_readable(size: float) -> None:
+    found = results()
+    k = next(
+        k
+        for k, row in enumerate(found.rows)
+        if row.key.scenario == BRICK and row.outcome == "diverged"
+    )
+    motion = found.rows[k].motion
+    assert motion is not None
+    omega = motion.omega_body * np.linspace(1.0, size, len(motion.t))[:, None]
+    wild = Trajectory(**vars(motion) | {"omega_body": omega})
+    rows = [
+        Row(**vars(row) | {"motion": wild}) if n == k else row for n, row in enumerate(found.rows)
+    ]
+    gathered = gather(Results(**vars(found) | {"rows": rows[: k + 1]}))
+    brick = next(scene for scene in gathered.scenes if scene.name == BRICK)
+    drawn_now = {titled.name: titled for titled in figures(brick)}
+    ellipsoid = [t for t in drawn_now["polhode"].figure["data"] if t["type"] == "scatter3d"]
+    assert all(np.nanmax(np.abs(values_of(t[axis]))) < 2 for t in ellipsoid for axis in "xyz")
+    for titled in drawn_now.values():
+        for trace in titled.figure["data"]:
+            assert not np.isinf(values_of(trace["y"])).any()
+        json.dumps(titled.figure, allow_nan=False)
+
+
+def test_a_run_sampled_at_times_of_its_own_is_compared_with_the_truth_at_those() -> None:
+    found = results()
+    motion = next(row.motion for row in found.rows if row.key.scenario == BRICK and row.motion)
+    shifted = Trajectory(**vars(motion) | {"t": motion.t * 1.001})
+    rows = [Row(Key(BRICK, "mujoco", "Euler"), "1.0", 0.1, "ok", motion=shifted)]
+    gathered = gather(Results(**vars(found) | {"rows": rows}))
+    scenario = found.scenes[BRICK].scenario
+    (run,) = next(scene for scene in gathered.scenes if scene.name == BRICK).compared
+    np.testing.assert_array_equal(run.truth.t, shifted.t)
+    exact = solve(scenario, shifted.t).trajectory
+    np.testing.assert_array_equal(run.truth.omega_body, exact.omega_body)
+
+
+def test_blow_ups_do_not_squeeze_the_rest() -> None:
+    _, high = error_range([np.array([1e-5]), np.array([1e30])], floor=1e-12)
+    assert high < 1e3
+
+
+def _errors_too_small(found: dict[str, Titled]) -> Iterator[tuple[str, float]]:
+    for name, panels in SIGNALS.items():
+        for trace in found[name].figure["data"]:
+            panel = int(trace.get("xaxis", "x")[1:] or 1)
+            if "legendgroup" in trace and panel in panels:
+                # Values are drawn in single precision, and so is their limit.
+                limit = np.float32(getattr(UNCERTAINTY, panels[panel]))
+                values = values_of(trace["y"])
+                yield from ((name, float(v)) for v in values[values < limit])
+
+
+def _label(key: Any) -> str:
+    return f"{key.engine} {key.method}"

@@ -1,0 +1,221 @@
+"""Maps as figures: a run a place, errors as colours, the rest as signs, theory as lines."""
+
+import json
+import math
+from dataclasses import replace
+from html import escape
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+from contrast import contrast
+from made_up_sweeps import METHODS, MISCHIEF, UNCERTAINTY, UPRIGHT, map_result
+from plotted import coloured, values_of
+from spincheck.reference.stability_bounds import RK4_LIMIT
+from spincheck.reports.pages.analysis.map_grid import Grid, axis_title, places
+from spincheck.reports.pages.analysis.map_marks import COLOURS, HORIZON, SIGNS, is_coloured, marks
+from spincheck.reports.pages.figures import map_figure as map_figure_module
+from spincheck.reports.pages.figures.map_bounds import bounds_of
+from spincheck.reports.pages.figures.map_figure import drawn_bounds, map_figure
+from spincheck.reports.pages.figures.map_labels import place
+from spincheck.reports.pages.figures.plot import Figure
+from spincheck.reports.results.sweep_records import MapResult
+from spincheck.scenarios.vary import parse_axis
+
+#: WCAG 2.1, 1.4.11.
+GRAPHICS = 3.0
+PAPERS = ("#ffffff", "#14171b")
+EULER, RK4, MULTIBODY = METHODS
+#: Figures are packed in single precision.
+SINGLE = 2 * float(np.finfo(np.float32).eps)
+
+
+def grid(found: MapResult | None = None) -> Grid:
+    return Grid(found or map_result(), dict(METHODS))
+
+
+@pytest.fixture(scope="module")
+def figure() -> Figure:
+    return map_figure(grid())
+
+
+def heatmap(figure: Figure, k: int) -> np.ndarray:
+    axis = f"x{k}" if k > 1 else "x"
+    (trace,) = (t for t in figure["data"] if t["type"] == "heatmap" and t["xaxis"] == axis)
+    rows, columns = map(int, trace["z"]["shape"].split(","))
+    return values_of(trace["z"]).reshape(rows, columns)
+
+
+def test_plotly_accepts_the_figure(figure: Figure) -> None:
+    go.Figure(coloured(figure))
+
+
+def test_there_is_a_panel_a_method(figure: Figure) -> None:
+    headings = [note["text"] for note in figure["layout"]["annotations"] if "<b>" in note["text"]]
+    assert headings == [f"<b>{' '.join(pair)}</b>" for pair in METHODS]
+
+
+def test_colour_is_the_error_of_omega_and_never_below_the_reference(figure: Figure) -> None:
+    found = heatmap(figure, 2)
+    timesteps = np.array(grid().axes[1].values)
+    wanted = np.log10(np.maximum(timesteps**4, UNCERTAINTY))
+    np.testing.assert_allclose(found, np.tile(wanted[:, None], 9), rtol=SINGLE)
+    assert found.min() > np.log10(timesteps.min() ** 4) + 0.5
+
+
+def test_rows_go_up_with_the_second_axis(figure: Figure) -> None:
+    assert (np.diff(heatmap(figure, 2), axis=0) >= 0).all()
+    assert (np.diff(heatmap(figure, 2), axis=1) == 0).all()
+
+
+def test_every_run_is_either_coloured_or_signed(figure: Figure) -> None:
+    for k, pair in enumerate(METHODS, start=1):
+        axis = f"x{k}" if k > 1 else "x"
+        signed = sum(
+            len(values_of(t["x"]))
+            for t in figure["data"]
+            if t.get("mode") == "markers" and t.get("xaxis") == axis
+        )
+        assert np.isfinite(heatmap(figure, k)).sum() + signed == 9 * 7
+        assert signed == sum(not is_coloured(p) for p in grid().points[pair].values())
+
+
+def test_diverged_runs_are_signed_by_cause(figure: Figure) -> None:
+    entries = [t for t in figure["data"] if t.get("showlegend") and t["mode"] == "markers"]
+    names = [t["name"] for t in entries]
+    assert names == ["diverged: energy", "diverged: not finite", "unsupported: clamp"]
+    assert len({t["marker"]["symbol"] for t in entries}) == 3
+
+
+def test_signs_of_different_outcomes_differ() -> None:
+    every = [symbol for signs in SIGNS.values() for symbol in signs]
+    assert len(set(every)) == len(every)
+
+
+@pytest.mark.parametrize("paper", PAPERS)
+@pytest.mark.parametrize("outcome", COLOURS)
+def test_signs_stand_out(outcome: str, paper: str) -> None:
+    assert contrast(COLOURS[outcome], paper) >= GRAPHICS
+
+
+def test_nothing_that_an_engine_said_is_markup(figure: Figure) -> None:
+    assert "alert" in json.dumps(figure)
+    assert MISCHIEF not in json.dumps(figure)
+    assert "<script" not in json.dumps(figure)
+
+
+def test_panels_share_their_axes(figure: Figure) -> None:
+    for k in (2, 3):
+        assert figure["layout"][f"xaxis{k}"]["matches"] == "x"
+        assert figure["layout"][f"xaxis{k}"]["range"] == figure["layout"]["xaxis"]["range"]
+
+
+def test_titles_have_units_and_stand_outside_only(figure: Figure) -> None:
+    layout = figure["layout"]
+    assert layout["xaxis"]["title"]["text"] == "start.omega_body[2], rad/s"
+    assert layout["yaxis"]["title"]["text"] == "timestep, s"
+    assert layout["yaxis2"]["title"]["text"] == ""
+    assert not layout["yaxis2"]["showticklabels"]
+
+
+@pytest.mark.parametrize(
+    ("path", "title"),
+    [
+        ("body.inertia[1]", "body.inertia[1], kg m²"),
+        ("effects.gravity.acceleration[2]", "effects.gravity.acceleration[2], m/s²"),
+        ("effects.torque.body[0]", "effects.torque.body[0], N m"),
+        ("body.mass", "body.mass, kg"),
+        ("start.quaternion_wxyz[0]", "start.quaternion_wxyz[0]"),
+    ],
+)
+def test_units_are_those_of_the_scene_file(path: str, title: str) -> None:
+    assert axis_title(parse_axis(f"{path}=1:2")) == title
+
+
+def bound_line(found: MapResult, pair: tuple[str, str], label: str) -> np.ndarray:
+    """Points of a line, in the axes' own units."""
+    made = grid(found)
+    (curve,) = {b.label: curves for b, curves in drawn_bounds(made, pair)}[label]
+    return np.asarray(10**curve)
+
+
+def test_runge_kutta_s_limit_is_where_the_disc_s_rate_times_the_timestep_is() -> None:
+    """(I3 − I1)/I1 = ½: ½ ω3 dt = 2√2, but for the nudge of 0.1 rad/s, next to nothing."""
+    spin, timestep = bound_line(map_result(), RK4, "2√2").T
+    np.testing.assert_allclose(spin * timestep, 2 * RK4_LIMIT, rtol=0.02)
+    assert not np.allclose(spin * timestep, RK4_LIMIT, rtol=0.5)
+
+
+def test_the_clamp_is_where_the_adapter_says() -> None:
+    spin, timestep = bound_line(map_result(), MULTIBODY, "π/4").T
+    np.testing.assert_allclose(np.hypot(spin, 0.1) * timestep, math.pi / 4, rtol=0.01)
+
+
+def test_the_clamp_stands_in_for_the_turn_of_one() -> None:
+    labels = {pair: [bound.label for bound in bounds_of(METHODS[pair])] for pair in METHODS}
+    assert "1 rad" in labels[EULER]
+    assert "π/4" not in labels[EULER]
+    assert "1 rad" not in labels[MULTIBODY]
+
+
+def test_an_upright_top_s_map_is_divided_where_it_falls_asleep() -> None:
+    """ω3 = √80, at every timestep; between nodes by the interpolated logarithm, which is linear."""
+    spin, timestep = bound_line(map_result(UPRIGHT, "upright"), EULER, "sleeps").T
+    np.testing.assert_allclose(spin, math.sqrt(80), rtol=64 * float(np.finfo(float).eps))
+    assert (timestep.min(), timestep.max()) == pytest.approx((1e-3, 1.0))
+
+
+def test_a_disc_does_not_sleep() -> None:
+    assert "sleeps" not in {bound.label for bound, _ in drawn_bounds(grid(), EULER)}
+
+
+def test_a_method_nobody_declared_has_lines_of_the_scene_alone() -> None:
+    labels = [bound.label for bound in bounds_of(None)]
+    assert "2√2" not in labels
+    assert "separatrix" in labels
+
+
+def test_words_keep_away_from_each_other_and_from_the_edge() -> None:
+    straight = np.column_stack([np.linspace(0, 1, 50)] * 2)
+    placed = place([("a", [straight]), ("b", [straight])], [(0.0, 1.0), (0.0, 1.0)])
+    assert math.dist((placed[0].x, placed[0].y), (placed[1].x, placed[1].y)) > 0.25
+    assert all(0 < label.x < 1 for label in placed)
+
+
+def test_a_run_that_the_reference_does_not_follow_to_the_end_is_signed() -> None:
+    whole = map_result()
+    cut = tuple(replace(p, steps=p.steps // 2) for p in whole.points)
+    shortened = MapResult(whole.map, whole.scenario, cut)
+    label = escape(HORIZON.label)
+    assert label not in [t.get("name") for t in map_figure(grid(whole))["data"]]
+    assert label in [t.get("name") for t in map_figure(grid(shortened))["data"]]
+
+
+def test_a_place_without_a_scene_is_signed_in_every_panel() -> None:
+    whole = map_result()
+    first = whole.points[0]
+    key = replace(first.key, engine="", method="")
+    invalid = replace(
+        first, key=key, outcome="invalid", cause="scene", reason="no", errors=None, timestep=0.0
+    )
+    rest = tuple(p for p in whole.points if p.at != first.at)
+    made = grid(MapResult(whole.map, whole.scenario, (invalid, *rest)))
+    assert all(made.points[pair][0, 0] is invalid for pair in METHODS)
+    assert ("invalid", "scene") in marks(made.found.points)
+
+
+def test_a_map_that_is_not_complete_is_drawn() -> None:
+    whole = map_result()
+    go.Figure(coloured(map_figure(grid(MapResult(whole.map, whole.scenario, whole.points[:5])))))
+
+
+def test_linear_axes_are_drawn_in_their_own_units() -> None:
+    assert places(parse_axis("body.mass=1:3:3")).tolist() == [1.0, 2.0, 3.0]
+    assert places(parse_axis("body.mass=1:100:3:log")).tolist() == pytest.approx([0.0, 1.0, 2.0])
+
+
+def test_a_large_map_tells_less_of_each_point(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Or its page would weigh many megabytes."""
+    whole = len(json.dumps(map_figure(grid())))
+    monkeypatch.setattr(map_figure_module, "MOST_TOLD", 9 * 7 - 1)
+    assert len(json.dumps(map_figure(grid()))) < 0.8 * whole

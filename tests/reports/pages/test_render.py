@@ -1,0 +1,293 @@
+"""The report as files: complete, well formed, self-contained, safe, and the same every time."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from urllib.parse import unquote
+
+import pytest
+from contrast import contrast
+from made_up import METHODS, MISCHIEF, PRINTED, UNCERTAINTY, MadeUp, results
+from markdown_text import markdown_tables, outside_code, plain
+from page import Page, read_page
+from spincheck.reports.pages import scene_tables
+from spincheck.reports.pages.analysis.report_data import gather
+from spincheck.reports.pages.analysis.wording import ERROR_HEADINGS, number
+from spincheck.reports.pages.overview import complaints, headline
+from spincheck.reports.pages.render import TEMPLATES, render
+from spincheck.reports.results.records import Verdict
+from spincheck.reports.results.store import SceneResult
+
+#: Bytes; what a page may weigh.
+HEAVIEST_PAGE = 1.5e6
+#: WCAG 2.1, 1.4.3: contrast of text.
+AA = 4.5
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("report")
+    render(results(), folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def pages(folder: Path) -> dict[str, Page]:
+    found = [folder / "index.html", *sorted((folder / "scenes").glob("*.html"))]
+    return {path.stem: read_page(path) for path in found}
+
+
+def verdicts() -> list[Verdict]:
+    return results().verdicts
+
+
+def name_of(verdict: Verdict) -> str:
+    return f"{verdict.key.scenario}-{verdict.key.engine}-{verdict.key.method}"
+
+
+def test_the_path_returned_is_the_first_page(tmp_path: Path) -> None:
+    assert render(results(), tmp_path / "new") == tmp_path / "new" / "index.html"
+
+
+@pytest.mark.parametrize("verdict", verdicts(), ids=name_of)
+def test_every_pair_has_a_cell_that_leads_to_its_row(
+    pages: dict[str, Page], verdict: Verdict
+) -> None:
+    key = verdict.key
+    cells = [
+        link.attributes["href"]
+        for link in pages["index"].all("a")
+        if link.attributes["href"].startswith(f"scenes/{key.scenario}.html#")
+        and verdict.verdict in link.text
+    ]
+    rows = {e.attributes.get("id"): e.text for e in pages[key.scenario].all("tr")}
+    assert any(
+        key.engine in rows[target] and key.method in rows[target]
+        for target in (link.partition("#")[2] for link in cells)
+    )
+
+
+@pytest.mark.parametrize("verdict", verdicts(), ids=name_of)
+def test_reasons_of_what_does_not_converge_are_on_both_pages(
+    pages: dict[str, Page], folder: Path, verdict: Verdict
+) -> None:
+    reasons = [*([verdict.reason] if verdict.verdict != "converges" else []), *verdict.broken]
+    for reason in reasons:
+        assert any(reason in cell.text for cell in pages["index"].all("td"))
+        assert any(reason in cell.text for cell in pages[verdict.key.scenario].all("td"))
+        for path in (folder / "report.md", folder / "scenes" / f"{verdict.key.scenario}.md"):
+            assert plain(reason) in plain(path.read_text(encoding="utf-8"))
+
+
+def test_the_headline_counts_what_is_there(pages: dict[str, Page]) -> None:
+    headline = next(p.text for p in pages["index"].all("p") if "Of " in p.text)
+    found = [v.verdict for v in verdicts()]
+    assert f"3 scenes × {len(METHODS)} methods. Of {len(found)} pairs" in headline
+    assert f"{found.count('converges')} converge to the exact motion" in headline
+    assert f"{found.count('failed')} failed" in headline
+
+
+def test_pages_are_well_formed(pages: dict[str, Page]) -> None:
+    assert {name: page.faults for name, page in pages.items() if page.faults} == {}
+
+
+def test_the_reader_of_pages_sees_malformed_ones(tmp_path: Path) -> None:
+    path = tmp_path / "bad.html"
+    path.write_text("<p><b>bold</p><td class='a' class='b'>")
+    assert len(read_page(path).faults) > 2
+
+
+def test_ids_are_unique(pages: dict[str, Page]) -> None:
+    for page in pages.values():
+        ids = page.attribute("id")
+        assert len(ids) == len(set(ids))
+
+
+def test_every_link_leads_somewhere(pages: dict[str, Page]) -> None:
+    for page in pages.values():
+        for target in page.attribute("href") + page.attribute("src"):
+            file, _, place = target.partition("#")
+            path = (page.path.parent / unquote(file)).resolve() if file else page.path
+            assert path.is_file(), target
+            if place:
+                assert place in pages[path.stem].attribute("id"), target
+
+
+def test_nothing_is_loaded_from_elsewhere(pages: dict[str, Page], folder: Path) -> None:
+    for page in pages.values():
+        for target in page.attribute("href") + page.attribute("src"):
+            assert not re.match(r"[a-z]+:|//", target), target
+    assert "url(" not in (folder / "assets" / "style.css").read_text(encoding="utf-8")
+
+
+def test_plotly_is_told_to_send_nothing(folder: Path) -> None:
+    script = (folder / "assets" / "figures.js").read_text(encoding="utf-8")
+    assert "showSendToCloud: false" in script
+    assert 'plotlyServerURL: ""' in script
+
+
+def test_plotly_is_written_once(folder: Path) -> None:
+    written = [path for path in folder.rglob("*") if path.is_file()]
+    large = [path.name for path in written if "plotly.js v" in path.read_text(encoding="utf-8")]
+    assert large == ["plotly.min.js"]
+
+
+def test_what_users_wrote_stays_text(pages: dict[str, Page], folder: Path) -> None:
+    for page in pages.values():
+        assert MISCHIEF not in page.path.read_text(encoding="utf-8")
+        assert not page.all("img")
+    for path in folder.rglob("*.md"):
+        assert MISCHIEF not in outside_code(path)
+
+
+def test_what_users_wrote_is_shown(pages: dict[str, Page]) -> None:
+    page = pages["made-up-top"]
+    assert all(MISCHIEF in page.all(tag)[0].text for tag in ("title", "h1", "pre"))
+    assert any(MISCHIEF in paragraph.text for paragraph in page.all("p"))
+
+
+def test_markdown_in_a_description_is_rendered(pages: dict[str, Page]) -> None:
+    assert [e.text for e in pages["made-up-top"].all("strong")] == ["fast"]
+
+
+def test_what_an_engine_printed_is_shown(pages: dict[str, Page], folder: Path) -> None:
+    assert PRINTED in [element.text for element in pages["made-up-top"].all("pre")]
+    assert PRINTED in (folder / "scenes" / "made-up-top.md").read_text(encoding="utf-8")
+
+
+def test_a_scene_without_a_truth_has_a_page_that_says_why(pages: dict[str, Page]) -> None:
+    texts = [cell.text for cell in pages["unsolved"].all("td")]
+    assert any("could not be solved" in text for text in texts)
+
+
+def test_no_error_is_printed_below_the_reference(pages: dict[str, Page]) -> None:
+    assert _errors_too_small(pages["made-up-top"]) == []
+
+
+def test_an_error_printed_below_the_reference_would_be_seen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    unlimited = lambda errors, _: tuple(number(value) for _, value in errors)  # noqa: E731
+    monkeypatch.setattr(scene_tables, "limited_errors", unlimited)
+    render(results(), tmp_path)
+    assert _errors_too_small(read_page(tmp_path / "scenes" / "made-up-top.html")) != []
+
+
+def test_an_error_at_the_limit_says_so(pages: dict[str, Page]) -> None:
+    assert f"≤ {number(UNCERTAINTY.omega)}" in [c.text for c in pages["made-up-top"].all("td")]
+    assert "reference limit" in " ".join(p.text for p in pages["made-up-top"].all("p"))
+
+
+def test_markdown_has_a_row_for_every_run(folder: Path) -> None:
+    for name in ("made-up-top", "made-up-brick", "unsolved"):
+        tables = markdown_tables(folder / "scenes" / f"{name}.md")
+        runs = [row[:3] for table in tables if " steps " in table[0] for row in table[2:]]
+        assert sorted(plain("|".join(row)) for row in runs) == sorted(
+            plain(f"{row.key.engine}|{row.engine_version}|{row.key.method}")
+            for row in results().rows
+            if row.key.scenario == name
+        )
+
+
+def test_markdown_has_a_row_for_every_verdict(folder: Path) -> None:
+    tables = markdown_tables(folder / "report.md")
+    rows = [plain("|".join(row)) for table in tables for row in table[2:] if len(row) == 11]
+    for verdict in verdicts():
+        assert any(
+            row.startswith(f"{verdict.key.engine}|{verdict.key.method}|")
+            and verdict.verdict in row
+            and verdict.reason in row
+            for row in rows
+        )
+
+
+def test_markdown_links_lead_to_files(folder: Path) -> None:
+    for path in folder.rglob("*.md"):
+        targets = re.findall(r"(?<!\\)\]\(([^)]+)\)", outside_code(path))
+        assert targets
+        for target in targets:
+            assert (path.parent / unquote(target)).is_file(), target
+
+
+def test_markdown_tables_are_rectangular(folder: Path) -> None:
+    for path in folder.rglob("*.md"):
+        for table in markdown_tables(path):
+            assert len({len(row) for row in table}) == 1, table
+
+
+def test_a_window_cut_by_chaos_is_told(tmp_path: Path) -> None:
+    found = results()
+    top = found.scenes["made-up-top"]
+    chaotic = SceneResult(top.scenario, replace(top.solution, horizon=1.234))
+    render(replace(found, scenes=found.scenes | {"made-up-top": chaotic}), tmp_path)
+    for suffix in ("html", "md"):
+        text = (tmp_path / "scenes" / f"made-up-top.{suffix}").read_text(encoding="utf-8")
+        assert "chaotic" in text
+        assert "1.23 s" in text
+    brick = (tmp_path / "scenes" / "made-up-brick.html").read_text(encoding="utf-8")
+    assert "chaotic" not in brick
+
+
+def test_the_same_results_give_the_same_bytes(folder: Path, tmp_path: Path) -> None:
+    render(results(), tmp_path)
+    first = {p.relative_to(folder): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+    again = {p.relative_to(tmp_path): p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()}
+    assert first == again
+
+
+def test_pages_stay_light_with_many_samples_and_methods(tmp_path: Path) -> None:
+    many = [MadeUp("elsewhere", f"method {k}", 1 + k % 4) for k in range(12)]
+    render(results(samples=2001, methods=many), tmp_path)
+    assert max(path.stat().st_size for path in tmp_path.rglob("*.html")) < HEAVIEST_PAGE
+
+
+def test_verdicts_can_be_read_on_their_grounds() -> None:
+    style = (TEMPLATES / "style.css").read_text(encoding="utf-8")
+    for theme in (style[: style.index("@media")], style[style.index("@media") :]):
+        for verdict in {v.verdict for v in verdicts()}:
+            ground, text = (
+                re.search(rf"--{kind}{verdict}: (#\w{{6}})", theme) for kind in ("", "on-")
+            )
+            assert ground is not None
+            assert text is not None
+            assert contrast(ground[1], text[1]) >= AA, verdict
+
+
+def test_the_protocol_prints_the_code_s_own_numbers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("spincheck.reports.harness.ladder.MAX_STEPS", 7654321)
+    render(results(), tmp_path)
+    for name in ("index.html", "report.md"):
+        assert "7\N{NARROW NO-BREAK SPACE}654\N{NARROW NO-BREAK SPACE}321" in (
+            tmp_path / name
+        ).read_text(encoding="utf-8")
+
+
+def _errors_too_small(page: Page) -> list[str]:
+    """Printed errors below the uncertainty in the table of runs."""
+    runs = next(table for table in page.tables() if "steps" in table[0])
+    columns = {runs[0].index(ERROR_HEADINGS[name]): limit for name, limit in UNCERTAINTY}
+    return [
+        row[column]
+        for row in runs[1:]
+        for column, limit in columns.items()
+        # Printing rounds to three digits.
+        if row[column] != "—" and _value(row[column]) < limit * (1 - 5e-3)
+    ]
+
+
+def _value(text: str) -> float:
+    """A printed number as a number."""
+    plain = text.removeprefix("≤ ").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-"))
+    return float(plain.replace("×10", "e"))
+
+
+def test_what_engines_do_as_shipped_is_told_apart() -> None:
+    made = results()
+    verdicts = [replace(v, as_shipped=True) for v in made.verdicts if v.verdict == "disagrees"]
+    assert verdicts
+    gathered = gather(replace(made, verdicts=verdicts))
+    assert complaints(gathered, ("disagrees",)).rows == ()
+    assert len(complaints(gathered, ("disagrees",), as_shipped=True).rows) == len(verdicts)
+    assert f"engines converge 0 times of {len(verdicts)}" in headline(gathered)

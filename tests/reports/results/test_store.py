@@ -1,0 +1,294 @@
+"""A result file gives back what was put in, and anything else is refused in one message."""
+
+import os
+import sqlite3
+import subprocess
+import sys
+from dataclasses import asdict, replace
+
+import numpy as np
+import pytest
+from spincheck.reference import Solution
+from spincheck.reports.harness.step_cost import StepCost
+from spincheck.reports.results.records import Key, Row, Verdict
+from spincheck.reports.results.result_file import FORMAT, ResultFileError
+from spincheck.reports.results.store import open_store
+from spincheck.scenarios import Errors, Trajectory, find, load
+
+KEY = Key("tennis-racket", "mujoco", "RK4")
+ERRORS = Errors(1e-9, 2e-9, 3e-9, 4e-9)
+
+
+def motion(n: int = 5) -> Trajectory:
+    q = np.tile([1.0, 0, 0, 0], (n, 1))
+    omega = np.random.default_rng(7).normal(size=(n, 3))
+    return Trajectory(np.arange(n) / 3, q, omega, 0 * omega, 0 * omega)
+
+
+@pytest.fixture
+def row() -> Row:
+    return Row(
+        KEY,
+        "4.0.0",
+        0.001,
+        "diverged",
+        "the state is no longer finite",
+        "not-finite",
+        0.5,
+        ERRORS,
+        {"energy": 1e-3},
+        1e-15,
+        500,
+        motion=motion(),
+        printed="a warning",
+    )
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "results.sqlite"
+
+
+@pytest.fixture
+def solved(path):
+    """The file has the scene, without which a run is none."""
+    scenario = load(find([KEY.scenario])[0])
+    with open_store(path, create=True) as store:
+        store.put_scene(scenario, Solution(motion(), "by hand", ERRORS, ERRORS, 12.5))
+
+
+def same_motion(a: Trajectory, b: Trajectory) -> bool:
+    return all(
+        np.array_equal(x, y) for x, y in zip(vars(a).values(), vars(b).values(), strict=True)
+    )
+
+
+@pytest.mark.usefixtures("solved")
+def test_a_row_comes_back_to_the_last_bit(path, row):
+    with open_store(path, create=True) as store:
+        store.put_row(row)
+        (back,) = store.read().rows
+    assert same_motion(back.motion, row.motion)
+    plain = {"motion": None}
+    assert asdict(replace(back, **plain)) == asdict(replace(row, **plain))
+
+
+def test_a_verdict_comes_back(path):
+    verdict = Verdict(KEY, "converges", "order 4.00", "attitude", 4.0, 1e-9, 2e-9, ("a promise",))
+    with open_store(path, create=True) as store:
+        store.put_verdict(verdict)
+        assert store.read().verdicts == [verdict]
+
+
+def test_a_scene_comes_back_with_its_truth(path):
+    scenario = load(find(["tennis-racket"])[0])
+    solution = Solution(motion(), "by hand", ERRORS, ERRORS, 12.5)
+    with open_store(path, create=True) as store:
+        store.put_scene(scenario, solution)
+        back = store.read().scenes["tennis-racket"]
+    assert back.scenario.digest == scenario.digest
+    assert same_motion(back.solution.trajectory, solution.trajectory)
+    assert (back.solution.uncertainty, back.solution.horizon) == (ERRORS, 12.5)
+
+
+@pytest.mark.usefixtures("solved")
+def test_a_cost_reaches_every_row_of_its_method(path, row):
+    with open_store(path, create=True) as store:
+        store.put_cost(KEY, "a processor", StepCost(3e-6, 1e-7, 4e-6))
+        store.put_row(row)
+        store.put_row(replace(row, timestep=0.002))
+        known = [
+            (r.seconds_per_step, r.seconds_spread, r.wall_seconds_per_step)
+            for r in store.read().rows
+        ]
+    assert known == 2 * [(3e-6, 1e-7, 4e-6)]
+
+
+def test_costs_of_another_processor_are_dropped(path):
+    with open_store(path, create=True) as store:
+        store.put_cost(KEY, "a processor", StepCost(3e-6, 1e-7, 4e-6))
+        assert store.timed_on("a processor") == {KEY}
+        assert store.timed_on("another") == set()
+        assert store.timed_on("a processor") == set()
+
+
+def test_what_rests_on_something_else_is_dropped_and_the_rest_stays(path, row):
+    # Without errors, so that it needs no scene.
+    row = replace(row, errors=None)
+    other = replace(row, key=replace(KEY, engine="pybullet"))
+    with open_store(path, create=True) as store:
+        store.keep_made_by(KEY.scenario, {"": "one", "mujoco": "one", "pybullet": "one"})
+        store.put_row(row)
+        store.put_row(other)
+        store.keep_made_by(KEY.scenario, {"": "one", "mujoco": "one", "pybullet": "another"})
+        assert [r.key.engine for r in store.read().rows] == ["mujoco"]
+
+
+def test_a_scene_that_changed_takes_all_its_rows_along(path, row):
+    # Without errors, so that it needs no scene.
+    row = replace(row, errors=None)
+    elsewhere = replace(row, key=replace(KEY, scenario="sphere"))
+    with open_store(path, create=True) as store:
+        for scenario in (KEY.scenario, "sphere"):
+            store.keep_made_by(scenario, {"": "one", "mujoco": "one"})
+        store.put_row(row)
+        store.put_row(elsewhere)
+        store.keep_made_by(KEY.scenario, {"": "another"})
+        assert [r.key.scenario for r in store.read().rows] == ["sphere"]
+
+
+def test_a_verdict_drops_the_samples_that_are_spent(path, row):
+    fine = replace(row, timestep=0.0005)
+    with open_store(path, create=True) as store:
+        store.put_row(row)
+        store.put_row(fine)
+        store.put_verdict(Verdict(KEY, "converges", ""), spent=[row.timestep])
+        kept = [r.timestep for r in store.rows_of(KEY) if r.motion is not None]
+    assert kept == [fine.timestep]
+
+
+def test_of_several_verdicts_the_ladders_is_read(path):
+    ladder, single = Verdict(KEY, "converges", ""), Verdict(KEY, "unresolved", "")
+    with open_store(path, create=True) as store:
+        store.put_verdict(single, timesteps=(0.01,))
+        assert store.read().verdicts == [single]
+        store.put_verdict(ladder)
+        store.put_verdict(single, timesteps=(0.02,))
+        assert store.read().verdicts == [ladder]
+        assert store.read(timesteps=(0.02,)).verdicts == [single]
+
+
+def test_a_verdict_cut_short_settles_nothing_longer(path):
+    with open_store(path, create=True) as store:
+        store.put_verdict(Verdict(KEY, "unresolved", ""), step_limit=1000)
+        assert len(store.settled(KEY.scenario, (), 1000)) == 1
+        assert store.settled(KEY.scenario, (), 1001) == []
+
+
+@pytest.mark.usefixtures("solved")
+def test_a_row_is_on_disk_as_soon_as_it_is_put(path, row):
+    with open_store(path, create=True) as store:
+        store.put_row(row)
+        with open_store(path) as other:
+            assert len(other.read().rows) == 1
+
+
+def test_a_file_at_rest_is_one_file_without_gaps(path, row):
+    with open_store(path, create=True) as store:
+        store.put_row(replace(row, motion=motion(10_000)))
+        store.put_verdict(Verdict(KEY, "converges", ""), spent=[row.timestep])
+        assert store._connection.execute("PRAGMA freelist_count").fetchone()[0] > 0
+    assert [file.name for file in path.parent.iterdir()] == [path.name]
+    with open_store(path) as store:
+        assert store._connection.execute("PRAGMA freelist_count").fetchone()[0] == 0
+
+
+def test_an_empty_file_is_begun(path):
+    # As a run leaves it that is killed before anything else.
+    path.touch()
+    with open_store(path, create=True) as store:
+        assert store.read().rows == []
+
+
+def test_a_second_writer_is_refused(path):
+    program = (
+        "import sys; from pathlib import Path\n"
+        "from spincheck.reports.results.store import open_store\n"
+        "open_store(Path(sys.argv[1]), create=True).__enter__()"
+    )
+    with open_store(path, create=True):
+        done = subprocess.run([sys.executable, "-c", program, path], capture_output=True, text=True)
+    assert done.stderr.endswith("another 'spincheck run' is writing to it\n")
+
+
+def fill_the_disk(path, row) -> None:
+    with open_store(path, create=True) as store:
+        # As many pages as there are: what SQLite says of a page too many is what a full disk says.
+        pages = store._connection.execute("PRAGMA page_count").fetchone()[0]
+        store._connection.execute(f"PRAGMA max_page_count = {pages}")
+        for step in range(1, 100):
+            store.put_row(replace(row, timestep=step))
+
+
+@pytest.mark.usefixtures("solved")
+def test_a_disk_that_is_full_is_told_and_what_was_stored_is_kept(path, row):
+    with open_store(path, create=True) as store:
+        store.put_row(row)
+    with pytest.raises(ResultFileError, match="the disk is full"):
+        fill_the_disk(path, row)
+    with open_store(path) as store:
+        assert row.timestep in {r.timestep for r in store.read().rows}
+
+
+@pytest.mark.parametrize("what", ["file", "folder"])
+def test_what_may_not_be_written_is_told(path, row, what):
+    with open_store(path, create=True) as store:
+        store.put_row(row)
+    place = path if what == "file" else path.parent
+    mode = place.stat().st_mode
+    place.chmod(0o555)
+    try:
+        if os.access(place, os.W_OK):
+            pytest.skip("this user may write anything")
+        with (
+            pytest.raises(ResultFileError, match="cannot be"),
+            open_store(path, create=True) as store,
+        ):
+            store.put_row(row)
+        with open_store(path) as store:
+            assert len(store.read().rows) == 1
+    finally:
+        place.chmod(mode)
+
+
+@pytest.mark.parametrize("out", ["nowhere/results.sqlite", "."])
+def test_a_place_where_no_file_can_be_is_told(tmp_path, out):
+    with (
+        pytest.raises(ResultFileError, match="cannot be written: "),
+        open_store(tmp_path / out, create=True),
+    ):
+        pass
+
+
+def test_a_missing_file_is_refused(path):
+    with pytest.raises(ResultFileError, match="no such result file"), open_store(path):
+        pass
+
+
+def test_a_file_that_is_no_database_is_refused(path):
+    path.write_text("spincheck = 1\n" * 100)
+    with pytest.raises(ResultFileError, match="not a usable result file"), open_store(path):
+        pass
+
+
+def test_a_database_of_something_else_is_refused(path):
+    with sqlite3.connect(path) as connection:
+        connection.execute("CREATE TABLE notes (text TEXT)")
+    connection.close()
+    with pytest.raises(ResultFileError, match="not a result file of spincheck"), open_store(path):
+        pass
+
+
+def test_a_file_of_another_format_version_is_refused(path):
+    with open_store(path, create=True):
+        pass
+    connection = sqlite3.connect(path)
+    connection.execute(f"PRAGMA user_version = {FORMAT + 1}")
+    connection.close()
+    with pytest.raises(ResultFileError, match=f"format {FORMAT + 1}"), open_store(path):
+        pass
+
+
+@pytest.mark.parametrize("column", ["errors", "drifts", "motion"])
+def test_a_damaged_record_is_told(path, row, column):
+    with open_store(path, create=True) as store:
+        store.put_row(row)
+    connection = sqlite3.connect(path)
+    connection.execute(f"UPDATE rows SET {column} = 'nonsense'")
+    connection.commit()
+    connection.close()
+    with (
+        pytest.raises(ResultFileError, match="cannot be read"),
+        open_store(path) as store,
+    ):
+        store.read()

@@ -1,0 +1,101 @@
+"""Motions of library scenes by ways that share nothing with the method they are solved by."""
+
+import importlib
+from dataclasses import fields
+
+import numpy as np
+from extended_motion import ExtendedMotion
+from legendre_motion import LegendreMotion, free_body, free_symmetric_body
+from legendre_top import heavy_top
+from mpmath import mp, mpf
+from spincheck.reference import Solution
+from spincheck.reference.closed_forms import closed_form
+from spincheck.reference.motion import motion
+from spincheck.reference.problem import Problem
+from spincheck.reference.rotational_problem import pose
+from spincheck.reference.steady_motions import turns_rigidly
+from spincheck.reference.symmetry import is_free
+from spincheck.reference.taylor import FINE_ORDERS, Orders, integrate
+from spincheck.scenarios import FloatArray, Scenario, Trajectory
+
+solving = importlib.import_module("spincheck.reference.solve")
+
+#: All terms in double-double: dearer than any series that scenes are solved by.
+DEAREST_ORDERS = Orders(40, 40)
+#: rad; the dearest series takes this far in a second.
+DEAREST_TURN = 1e3
+
+#: Solved in sixty digits by plain Taylor series: on separatrices, where Legendre's integrals
+#: diverge; about a pivot that leaves a sphere no axis; and without a closed form.
+SIXTY_DIGITS = (
+    "pendulum-on-the-separatrix",
+    "separatrix-exactly",
+    "sphere-about-its-pivot",
+    "lopsided-body",
+)
+#: rad; this far in sixty digits takes a few seconds.
+SIXTY_DIGITS_TURN = 60.0
+#: Samples compared with many digits.
+FEW = 3
+
+
+def by_series(scenario: Scenario, solution: Solution) -> Trajectory:
+    """By the ODE, as far as it reaches: of closed forms the fine one, of itself the dearest."""
+    problem, truth = pose(scenario), solution.trajectory
+    rate = solving._rate(problem, truth)
+    closed = closed_form(problem) is not None
+    reach = solving.CHECKED_TURN if closed else DEAREST_TURN
+    times = truth.t[truth.t * rate <= reach]
+    return motion(
+        scenario,
+        problem,
+        times,
+        integrate(problem, times, FINE_ORDERS if closed else DEAREST_ORDERS),
+    )
+
+
+def by_legendre(scenario: Scenario, times: FloatArray) -> Trajectory | None:
+    """By integrals of the first and third kind in 120 digits; None of what those do not cover."""
+    problem = pose(scenario)
+    solved = legendre_motion(problem)
+    return None if solved is None else _rounded(scenario, problem, times, solved.state)
+
+
+def legendre_motion(problem: Problem) -> LegendreMotion | None:
+    """Of what repeats with a period: neither constant rates, nor a separatrix, nor a sphere."""
+    form, distinct = closed_form(problem), len({*problem.moments})
+    if form is None or distinct == 1 or turns_rigidly(problem):
+        return None
+    if is_free(problem) and distinct == 2:
+        return free_symmetric_body(problem)
+    if form.period is None or form.period == np.inf:
+        return None
+    return free_body(problem) if is_free(problem) else heavy_top(problem)
+
+
+def in_sixty_digits(scenario: Scenario, solution: Solution) -> Trajectory:
+    """By Taylor series of order 100 in integers of 260 bits, for so many turns."""
+    problem, times = pose(scenario), solution.trajectory.t
+    rate = mpf(solving._rate(problem, solution.trajectory))
+    times = few(times[times * float(rate) <= SIXTY_DIGITS_TURN])
+    # A motion's poles in complex time are about a turn's time away.
+    solved = ExtendedMotion(problem, 1 / rate, rate, mpf(float(times[-1])) + 1 / rate)
+    return _rounded(scenario, problem, times, solved.state)
+
+
+def few(times: FloatArray) -> FloatArray:
+    """The last sample, and some before it."""
+    return times[np.linspace(0, len(times) - 1, FEW + 1).astype(int)[1:]]
+
+
+def _rounded(scenario: Scenario, problem: Problem, times: FloatArray, state) -> Trajectory:
+    with mp.workdps(30):
+        states = [state(mpf(float(t))) for t in times]
+        parts = tuple(np.array([s[k] for s in states], dtype=float) for k in range(2))
+    return motion(scenario, problem, times, parts)
+
+
+def at(motion_: Trajectory, times: FloatArray) -> Trajectory:
+    """Those of its samples."""
+    chosen = np.searchsorted(motion_.t, times)
+    return Trajectory(**{f.name: getattr(motion_, f.name)[chosen] for f in fields(motion_)})

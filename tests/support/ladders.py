@@ -1,0 +1,70 @@
+"""Made-up ladders of one scene whose errors follow a law of the timestep."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from made_up import TIMESTEPS, MadeUp, results
+from spincheck.reports.pages.analysis.candidates import Candidate, candidates
+from spincheck.reports.pages.analysis.report_data import SceneRuns, gather
+from spincheck.reports.pages.analysis.work_precision import EPS
+from spincheck.reports.results.store import Results
+from spincheck.scenarios import Errors
+
+TOP = "made-up-top"
+ALONE = (MadeUp("mujoco", "Euler", 1), MadeUp("mujoco", "RK4", 4))
+#: s, between two samples of the made-up scenes.
+INTERVAL = 2.0 / 100
+#: Of ω; between two rungs of a first-order method, and below its finest.
+BETWEEN, BELOW = 1e-3, 1e-5
+#: Quotients of times and powers of them.
+ROUNDING = 64 * EPS
+
+Law = Callable[[float], float]
+
+
+def only_top(found: Results) -> Results:
+    """The made-up results of one scene, as a study of it alone would store them."""
+    return replace(
+        found,
+        scenes={TOP: found.scenes[TOP]},
+        rows=[row for row in found.rows if row.key.scenario == TOP],
+        verdicts=[verdict for verdict in found.verdicts if verdict.key.scenario == TOP],
+    )
+
+
+def with_law(law: Law, method: str = "Euler") -> Results:
+    """The same, with the errors of one method in ω and attitude by a law of the timestep."""
+    found = only_top(results(methods=ALONE))
+    rows = [
+        replace(row, errors=errors_of(law, row.timestep)) if row.key.method == method else row
+        for row in found.rows
+    ]
+    return replace(found, rows=rows)
+
+
+def errors_of(law: Law, timestep: float) -> Errors:
+    return Errors(*[law(timestep)] * 4)
+
+
+def scene_of(found: Results) -> SceneRuns:
+    (scene,) = gather(found).scenes
+    return scene
+
+
+def chosen(found: Results, method: str, **bounds: float) -> Candidate:
+    tried = candidates(scene_of(found), bounds)
+    return next(candidate for candidate in tried if candidate.key.method == method)
+
+
+def straight(timestep: float) -> float:
+    return 0.1 * timestep / TIMESTEPS[0]
+
+
+def bending_up(timestep: float) -> float:
+    """Steeper at coarse timesteps."""
+    return straight(timestep) * (1 + timestep / TIMESTEPS[0])
+
+
+def bending_down(timestep: float) -> float:
+    """Flatter at coarse timesteps, as errors that saturate are."""
+    return straight(timestep) / (1 + timestep / TIMESTEPS[0])

@@ -1,0 +1,195 @@
+"""A result file's contents without a study: made-up motions whose errors are known."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+from spincheck.engines import Method
+from spincheck.reference import Solution
+from spincheck.reports.results.records import Key, Row, Verdict
+from spincheck.reports.results.store import Results, SceneResult
+from spincheck.scenarios import EFFECTS, Errors, Scenario, Trajectory, errors_between, loads
+
+#: What the made-up truth is good for; the finest runs of high order are below it.
+UNCERTAINTY = Errors(omega=1e-13, attitude=2e-13, angular_momentum=3e-13, energy=4e-13)
+CONDITIONING = Errors(omega=1e-15, attitude=1e-14, angular_momentum=1e-15, energy=1e-15)
+#: s; halved from rung to rung.
+TIMESTEPS = tuple(0.02 / 2**k for k in range(6))
+#: Error of a method of order p with the coarsest timestep; with dt, (dt/`TIMESTEPS[0]`)^p of it.
+#: That of order 4 falls below the uncertainty of the truth.
+SIZE = {1: 0.05, 2: 1e-3, 3: 1e-5, 4: 1e-8}
+SECONDS_PER_STEP = 1.5e-6
+WALL_SECONDS_PER_STEP = 1.75e-6
+#: In titles and descriptions, where a user could have written it.
+MISCHIEF = "<script>alert('x')</script>"
+
+#: By an engine, on the terminal.
+PRINTED = f"warning: {MISCHIEF}\n```"
+
+TOP = f"""
+spincheck = 1
+title = "A top | with *marks* and {MISCHIEF}"
+source = "A book & its <author>"
+description = "Spun **fast**. {MISCHIEF} ![picture](http://example.org/x.png)"
+tags = ["heavy", "<b>"]
+[body]
+mass = 1.0
+inertia = [0.0025, 0.0025, 0.005]
+com = [0.0, 0.0, 0.05]
+[start]
+euler_zyz_deg = [0.0, 30.0, 0.0]
+omega_body = [0.0, 0.0, 40.0]
+[effects.gravity]
+acceleration = [0.0, 0.0, -9.81]
+[effects.pivot]
+[window]
+duration = 2.0
+samples = 101
+"""
+BRICK = """
+spincheck = 1
+title = "A brick"
+source = "A book"
+[body]
+mass = 1.0
+inertia = [1.0, 2.0, 2.5]
+[start]
+quaternion_wxyz = [1.0, 0.0, 0.0, 0.0]
+omega_body = [0.1, 1.0, 0.1]
+[window]
+duration = 2.0
+samples = 101
+"""
+
+
+@dataclass(frozen=True)
+class MadeUp:
+    """A method's order and what it is to be found to do."""
+
+    engine: str
+    method: str
+    order: int
+    verdict: str = "converges"
+    reason: str = "order as declared"
+
+
+METHODS = (
+    MadeUp("mujoco", "Euler", 1),
+    MadeUp("mujoco", "RK4", 4),
+    MadeUp("mujoco-urdf", "RK4", 4, "disagrees", "settles elsewhere: the limit dt → 0 is off"),
+    MadeUp("pybullet", "multibody", 1, "diverges", "the state is no longer finite at 1.2 s"),
+    MadeUp(
+        "pybullet", "maximal", 1, "unresolved", "not in its asymptotic range, 1e-6 s would tell"
+    ),
+    MadeUp("elsewhere", "fancy<i>", 2, "failed", "did not finish within 120 s"),
+    MadeUp("elsewhere", "plain", 2, "unsupported", "elsewhere plain cannot simulate pivot"),
+)
+
+
+def results(samples: int = 101, methods: Sequence[MadeUp] = METHODS) -> Results:
+    """Two scenes, one that could not be solved, and every kind of verdict."""
+    scenes, rows, verdicts = {}, [], []
+    for name, text in (("made-up-top", TOP), ("made-up-brick", BRICK)):
+        scenario = loads(text, name)
+        truth = _truth(scenario, samples)
+        scenes[name] = SceneResult(
+            scenario, Solution(truth, "made up", UNCERTAINTY, CONDITIONING, horizon=None)
+        )
+        for method in methods:
+            key = Key(name, method.engine, method.method)
+            rows += _rows(scenario, truth, key, method)
+            verdicts.append(_verdict(key, method))
+    unsolved = Key("unsolved", "mujoco", "Euler")
+    reason = "the reference could not be solved: it blew up"
+    rows.append(Row(unsolved, "1.0", 0.0, "failed", reason))
+    verdicts.append(Verdict(unsolved, "failed", reason))
+    environment = {"date": "2026-01-01T00:00:00+00:00", "processor": "a <fast> one"}
+    declared = {(m.engine, m.method): _declared(m) for m in methods}
+    return Results(environment, scenes, rows, verdicts, methods=declared)
+
+
+def _declared(method: MadeUp) -> Method:
+    summary = f"a method of order {method.order} | {MISCHIEF}"
+    return Method(method.method, method.order, method.order, summary, frozenset(EFFECTS))
+
+
+def _rows(scenario: Scenario, truth: Trajectory, key: Key, method: MadeUp) -> list[Row]:
+    if method.verdict in ("unsupported", "failed"):
+        row = Row(key, "0.9", TIMESTEPS[0], method.verdict, method.reason, printed=PRINTED)
+        return [row]
+    rows = []
+    for dt in TIMESTEPS:
+        diverged = method.verdict == "diverges"
+        n = len(truth.t) // 2 if diverged else len(truth.t)
+        motion = _disturbed(
+            truth.until(n), SIZE[method.order] * (dt / TIMESTEPS[0]) ** method.order, scenario
+        )
+        rows.append(
+            Row(
+                key,
+                "1.0",
+                dt,
+                "diverged" if diverged else "ok",
+                method.reason if diverged else "",
+                stopped_at=float(truth.t[n]) if diverged else None,
+                errors=errors_between(scenario, motion, truth.until(n)),
+                drifts={"energy": 1e-3 * dt, "L_norm": 1e-4 * dt},
+                uncertainty=UNCERTAINTY.omega,
+                steps=round(truth.t[n - 1] / dt),
+                seconds_per_step=SECONDS_PER_STEP,
+                seconds_spread=SECONDS_PER_STEP / 10,
+                wall_seconds_per_step=WALL_SECONDS_PER_STEP,
+                motion=motion,
+            )
+        )
+    return rows
+
+
+def _verdict(key: Key, method: MadeUp) -> Verdict:
+    if method.verdict in ("unsupported", "failed", "diverges"):
+        return Verdict(key, method.verdict, method.reason)
+    broken = ("omega error 1e-2 exceeds the expected 1e-3",) if method.method == "Euler" else ()
+    # The limit of one is closer to the truth than the truth is sure.
+    limit_error = UNCERTAINTY.omega / 100 if method.method == "RK4" else 1e-5
+    return Verdict(
+        key, method.verdict, method.reason, "omega", method.order - 0.01, limit_error, 2e-5, broken
+    )
+
+
+def _truth(scenario: Scenario, samples: int) -> Trajectory:
+    """Regular precession at a tilt of 30°: any motion will do, if its rates are its own."""
+    t = np.linspace(0.0, scenario.window.duration, samples)
+    beta, precession, spin = np.radians(30.0), 3.0, 7.0
+    alpha, gamma = precession * t, spin * t
+    turns = np.column_stack([alpha, np.full(samples, beta), gamma])
+    R_world_body = Rotation.from_euler("ZYZ", turns)
+    omega_body = np.column_stack(
+        [
+            -precession * np.sin(beta) * np.cos(gamma),
+            precession * np.sin(beta) * np.sin(gamma),
+            np.full(samples, precession * np.cos(beta) + spin),
+        ]
+    )
+    return _moving(scenario, t, R_world_body, omega_body)
+
+
+def _disturbed(truth: Trajectory, size: float, scenario: Scenario) -> Trajectory:
+    """The truth, turned about a fixed axis and sped up along it, both growing with time."""
+    axis = np.array([2.0, -1.0, 2.0]) / 3
+    growth = size * (truth.t / truth.t[-1])[:, None]
+    R_world_body = truth.R_world_body * Rotation.from_rotvec(growth * axis)
+    return _moving(scenario, truth.t, R_world_body, truth.omega_body + growth * axis)
+
+
+def _moving(
+    scenario: Scenario, t: np.ndarray, R_world_body: Rotation, omega_body: np.ndarray
+) -> Trajectory:
+    com = np.array(scenario.body.com)
+    return Trajectory(
+        t=t,
+        q_world_body_wxyz=R_world_body.as_quat(scalar_first=True),
+        omega_body=omega_body,
+        com_world=R_world_body.apply(com),
+        velocity_world=R_world_body.apply(np.cross(omega_body, com)),
+    )

@@ -1,0 +1,119 @@
+"""Maps and ensembles without a run: points whose errors and ends are known."""
+
+from spincheck.engines import Method
+from spincheck.reports.results.records import Key
+from spincheck.reports.results.store import Results
+from spincheck.reports.results.sweep_records import Ensemble, EnsembleResult, Map, MapResult, Point
+from spincheck.scenarios import EFFECTS, Errors, Scenario, loads
+from spincheck.scenarios.vary import Axis, parse_axis
+
+MISCHIEF = "<script>alert('x')</script>"
+ALL = frozenset(EFFECTS)
+METHODS = {
+    ("mujoco", "Euler"): Method("Euler", 1, 1, "one", ALL),
+    ("mujoco", "RK4"): Method("RK4", 4, 4, "four", ALL),
+    ("pybullet", "multibody"): Method(
+        "multibody", 1, 1, "clamps", ALL, max_rotation_per_step=3.141592653589793 / 4
+    ),
+}
+#: I1 = 2, I3 = 1 kg m² about the pivot, M g l = 10 N m: sleeps from √80 = 8.94 rad/s on.
+UPRIGHT = f"""spincheck = 1
+title = "A top {MISCHIEF}"
+source = "no book"
+[body]
+mass = 2.0
+inertia = [2.0, 2.0, 1.0]
+inertia_about = "origin"
+com = [0.0, 0.0, 0.5]
+[start]
+euler_zyz_deg = [0.0, 0.0, 0.0]
+omega_body = [0.0, 0.0, 20.0]
+[effects.gravity]
+acceleration = [0.0, 0.0, -10.0]
+[effects.pivot]
+[window]
+duration = 1.0
+samples = 11
+"""
+#: Free, its rate half of its spin.
+DISC = """spincheck = 1
+title = "A disc"
+source = "no book"
+[body]
+mass = 1.0
+inertia = [2.0, 2.0, 3.0]
+[start]
+euler_zyz_deg = [0.0, 0.0, 0.0]
+omega_body = [0.1, 0.0, 2.0]
+[window]
+duration = 10.0
+samples = 11
+"""
+SPIN, STEP = "start.omega_body[2]=1:100:9:log", "timestep=1e-3:1:7:log"
+#: ω error of a run that finishes: its timestep to this power.
+ORDERS = {"Euler": 1, "RK4": 4, "multibody": 1}
+#: Of the reference, in ω; the finest runs of RK4 are better.
+UNCERTAINTY = 1e-11
+
+
+def scene(text: str = DISC, name: str = "disc") -> Scenario:
+    return loads(text, name)
+
+
+def axes(*texts: str) -> tuple[Axis, Axis]:
+    first, second = map(parse_axis, texts or (SPIN, STEP))
+    return first, second
+
+
+def point(at: tuple[float, float], pair: tuple[str, str], timestep: float, base: Scenario) -> Point:
+    """Diverges where Euler turns by more than 1, fails beyond 10; PyBullet clamps beyond π/4."""
+    key = Key(base.name, *pair)
+    turn = at[0] * timestep
+    if pair == ("pybullet", "multibody") and turn > METHODS[pair].max_rotation_per_step:
+        return Point(at, key, timestep, "unsupported", "clamp", f"too far {MISCHIEF}")
+    if pair[1] == "Euler" and turn > 1:
+        cause = "not finite" if turn < 10 else "energy"
+        return Point(at, key, timestep, "diverged", cause, f"blew up {MISCHIEF}", 0.25)
+    error = timestep ** ORDERS[pair[1]]
+    errors = Errors(error, 2 * error, 3 * error, 4 * error)
+    steps = round(base.window.duration / timestep)
+    return Point(at, key, timestep, "ok", errors=errors, uncertainty=UNCERTAINTY, steps=steps)
+
+
+def map_result(text: str = DISC, name: str = "disc") -> MapResult:
+    base, varied = scene(text, name), axes()
+    points = tuple(
+        point((first, second), pair, second, base)
+        for first in varied[0].values
+        for second in varied[1].values
+        for pair in METHODS
+    )
+    return MapResult(Map(name, varied, None), base, points)
+
+
+def ensemble_result(members: int = 10, name: str = "disc") -> EnsembleResult:
+    """Member k is off by k + 1 hundredths with Euler, RK4 by a millionth of that.
+
+    Of PyBullet every second member diverges, the later the earlier.
+    """
+    base = scene(DISC, name)
+    points = []
+    for k in range(members):
+        for pair in METHODS:
+            key = Key(name, *pair)
+            if pair[0] == "pybullet" and k % 2:
+                ended = ("diverged", "not finite", f"blew up {MISCHIEF}", 10.0 - k)
+                points.append(Point((float(k),), key, 0.01, *ended))
+                continue
+            error = (k + 1) / 100 * (1e-6 if pair[1] == "RK4" else 1.0)
+            errors = Errors(error, 2 * error, 3 * error, 4 * error)
+            known = {"errors": errors, "uncertainty": UNCERTAINTY, "steps": 1000}
+            points.append(Point((float(k),), key, 0.01, "ok", **known))
+    return EnsembleResult(Ensemble(name, members, 7, 0.01), base, tuple(points))
+
+
+def swept() -> Results:
+    """Two maps of one scene, one of another, and an ensemble."""
+    maps = [map_result(), map_result(), map_result(UPRIGHT, "upright")]
+    where = {"processor": "a fast one"}
+    return Results(where, {}, [], [], methods=METHODS, maps=maps, ensembles=[ensemble_result()])

@@ -1,0 +1,62 @@
+"""Faults to plant in what the adapter asks of PyBullet, and scenes in which they show."""
+
+from typing import Any
+
+import numpy as np
+import pybullet as p
+import pytest
+from scenes import PIVOT, scene
+from spincheck.engines import Method, Run
+from spincheck.engines.adapters.pybullet.engine.engine import HOLDINGS, PyBullet
+from spincheck.engines.adapters.pybullet.engine.session import PyBulletSession
+from spincheck.scenarios import Scenario
+
+ENGINE = PyBullet()
+METHODS = [method for method in ENGINE.methods if not method.as_shipped]
+MULTIBODY, BY_CONSTRAINT, MAXIMAL = METHODS
+TIMESTEP = 1e-3
+STEPS = np.arange(0, 51, 10)
+
+#: Spins about an axis that stays: ω must not change at all.
+ROTOR = """
+mass = 1.0
+inertia = [1.0, 2.0, 2.5]
+com = [0.0, 0.0, 0.3]
+"""
+ALONG_Z = """
+quaternion_wxyz = [1.0, 0.0, 0.0, 0.0]
+omega_body = [0.0, 0.0, {spin}]
+"""
+
+
+def rotor(spin: float, effects: str = PIVOT) -> Scenario:
+    return scene("rotor", body=ROTOR, start=ALONG_Z.format(spin=spin), effects=effects)
+
+
+def run(scenario: Scenario, method: Method) -> Run:
+    return ENGINE.run(scenario, method, TIMESTEP, STEPS)
+
+
+def opened(scenario: Scenario, method: Method, timestep: float = TIMESTEP) -> PyBulletSession:
+    return PyBulletSession(scenario, HOLDINGS[method.name], timestep)
+
+
+def leave_out(monkeypatch: pytest.MonkeyPatch, function: str, *keywords: str) -> None:
+    """Call one of PyBullet's functions without some of the arguments it is given."""
+    real = getattr(p, function)
+
+    def called(*args: Any, **given: Any) -> Any:
+        return real(*args, **{k: v for k, v in given.items() if k not in keywords})
+
+    monkeypatch.setattr(p, function, called)
+
+
+def change(monkeypatch: pytest.MonkeyPatch, function: str, **keywords: Any) -> None:
+    """Call one of PyBullet's functions with other arguments than it is given."""
+    real = getattr(p, function)
+    monkeypatch.setattr(p, function, lambda *args, **given: real(*args, **{**given, **keywords}))
+
+
+def skip(monkeypatch: pytest.MonkeyPatch, function: str) -> None:
+    """Do not call one of PyBullet's functions at all."""
+    monkeypatch.setattr(p, function, lambda *_, **__: None)
