@@ -1,4 +1,4 @@
-"""Finds the engines: every module in `adapters/`, and entry points of other packages."""
+"""Finds the engines: all of `adapters/`, and the entry points of other packages."""
 
 import importlib
 import pkgutil
@@ -16,10 +16,18 @@ ENTRY_POINTS = "spincheck.engines"
 
 @dataclass(frozen=True)
 class Missing:
-    """An engine whose package is not installed."""
+    """An adapter that cannot be imported here.
+
+    Attributes
+    ----------
+    name : of the adapter
+    package : the distribution that is not installed; empty where importing failed otherwise
+    reason : one sentence
+    """
 
     name: str
     package: str
+    reason: str
 
 
 @cache
@@ -36,7 +44,7 @@ def engines() -> dict[str, Engine]:
 
 @cache
 def missing() -> tuple[Missing, ...]:
-    """The engines that cannot be used here because a package is not installed."""
+    """The adapters that cannot be imported here, and why."""
     return _discover()[1]
 
 
@@ -49,10 +57,9 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
     for name in names:
         try:
             module = importlib.import_module(name)
-        except ModuleNotFoundError as error:
-            if error.name is None or error.name.startswith("spincheck"):
-                raise
-            absent.append(Missing(name.rpartition(".")[2], error.name))
+        # An engine's package may raise anything when imported; that costs this engine alone.
+        except Exception as error:
+            absent.append(_missing(name.rpartition(".")[2], error))
             continue
         for engine in _engines_in(module):
             if engine.name in found:
@@ -61,13 +68,22 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
     return found, tuple(absent)
 
 
+def _missing(name: str, error: Exception) -> Missing:
+    if isinstance(error, ModuleNotFoundError) and error.name:
+        package = error.name.partition(".")[0]
+        if package != "spincheck":
+            return Missing(name, package, f"the package '{package}' is not installed")
+    words = " ".join(str(error).split())
+    return Missing(name, "", f"importing it failed: {type(error).__name__}: {words}")
+
+
 def _engines_in(module: ModuleType) -> list[Engine]:
-    """One instance of each engine class that the module itself defines."""
+    """One instance of each engine class that the module, or a module of its package, defines."""
     return [
         cls()
         for cls in vars(module).values()
         if isinstance(cls, type)
         and issubclass(cls, Engine)
         and not isabstract(cls)
-        and cls.__module__ == module.__name__
+        and f"{cls.__module__}.".startswith(f"{module.__name__}.")
     ]

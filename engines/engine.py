@@ -12,7 +12,7 @@ from ..scenarios import Scenario, Trajectory
 from .audit import audit
 from .fault import Cause
 from .faults import Bounds, clamped_turn
-from .first_steps import departures
+from .first_steps import equation_residuals
 from .read_back import (
     READ_BACK_SLACK,
     READ_BACK_SLACK_SINGLE,
@@ -108,7 +108,7 @@ class Engine(ABC):
         return ""
 
     @final
-    def departures(self, scenario: Scenario, method: Method) -> str:
+    def equation_residuals(self, scenario: Scenario, method: Method) -> str:
         """What the engine's first steps do otherwise than the scene's equations; empty if nothing.
 
         Of an engine as shipped nothing is asked, and one that cannot even begin is none.
@@ -117,7 +117,7 @@ class Engine(ABC):
             return ""
         numbers = np.float32 if self.single_precision else np.float64
         try:
-            said = departures(
+            said = equation_residuals(
                 lambda timestep: self.open(scenario, method, timestep),
                 scenario,
                 float(np.finfo(numbers).eps),

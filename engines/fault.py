@@ -27,6 +27,7 @@ Cause = Literal[
     "crash",
     "time-out",
     "killed",
+    "environment",
     "unsolved",
     # Of runs that were not made ("clamp" too).
     "effects",

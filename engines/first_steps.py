@@ -58,7 +58,7 @@ class _Gain:
         return said + "".join(as_if[:1])
 
 
-def departures(
+def equation_residuals(
     open_at: Callable[[float], Session], scenario: Scenario, epsilon: float
 ) -> list[str]:
     """In words, what an engine's first steps gain that the scene does not give.

@@ -23,7 +23,7 @@ from .symmetry import (
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class InvariantScales:
     """A scenario and its rotational problem, and the sizes its changes are measured against.
 
     None of the sizes is zero for a scene that moves in that way: what gravity can add to a body
@@ -110,85 +110,85 @@ class Law:
     formula: str
     unit: str
     holds_when: str
-    holds: Callable[[Scene], bool]
-    values: Callable[[Scene, Trajectory], FloatArray]
-    scale: Callable[[Scene], float]
+    holds: Callable[[InvariantScales], bool]
+    values: Callable[[InvariantScales, Trajectory], FloatArray]
+    scale: Callable[[InvariantScales], float]
 
 
-def _L_world(scene: Scene, motion: Trajectory) -> FloatArray:
+def _L_world(scene: InvariantScales, motion: Trajectory) -> FloatArray:
     impulse = motion.t[:, None] * scene.scenario.torque_world
     return angular_momentum_world(scene.scenario, motion) - impulse
 
 
-def _L_norm(scene: Scene, motion: Trajectory) -> FloatArray:
+def _L_norm(scene: InvariantScales, motion: Trajectory) -> FloatArray:
     return np.asarray(np.linalg.norm(_L_world(scene, motion), axis=1))
 
 
-def _L_vertical(scene: Scene, motion: Trajectory) -> FloatArray:
+def _L_vertical(scene: InvariantScales, motion: Trajectory) -> FloatArray:
     return np.asarray(_L_world(scene, motion) @ scene.up_world)
 
 
-def _L_axial(scene: Scene, motion: Trajectory) -> FloatArray:
+def _L_axial(scene: InvariantScales, motion: Trajectory) -> FloatArray:
     axis_world = motion.R_world_body.apply(scene.axis_body)
     L_world = angular_momentum_world(scene.scenario, motion)
     impulse = motion.t * (scene.scenario.torque_body @ scene.axis_body)
     return np.asarray(np.einsum("ni,ni->n", L_world, axis_world) - impulse)
 
 
-def _kovalevskaya(scene: Scene, motion: Trajectory) -> FloatArray:
+def _kovalevskaya(scene: InvariantScales, motion: Trajectory) -> FloatArray:
     frame = integrable_cases.kovalevskaya_frame(scene.problem)
     assert frame is not None, "the law holds for Kovalevskaya's top only"
     return integrable_cases.kovalevskaya(scene.problem, frame, motion)
 
 
-def _goryachev_chaplygin(scene: Scene, motion: Trajectory) -> FloatArray:
+def _goryachev_chaplygin(scene: InvariantScales, motion: Trajectory) -> FloatArray:
     frame = integrable_cases.goryachev_chaplygin_frame(scene.problem)
     assert frame is not None, "the law holds for the Goryachev–Chaplygin top only"
     return integrable_cases.goryachev_chaplygin(scene.problem, frame, motion)
 
 
-def _momentum(scene: Scene, motion: Trajectory) -> FloatArray:
+def _momentum(scene: InvariantScales, motion: Trajectory) -> FloatArray:
     gained = motion.t[:, None] * scene.scenario.gravity_world
     return scene.scenario.body.mass * (motion.velocity_world - gained)
 
 
-def _parabola(scene: Scene, motion: Trajectory) -> FloatArray:
+def _parabola(scene: InvariantScales, motion: Trajectory) -> FloatArray:
     t = motion.t[:, None]
     return motion.com_world - t * motion.velocity_world + t**2 / 2 * scene.scenario.gravity_world
 
 
-def _pivot(scene: Scene, motion: Trajectory) -> FloatArray:
+def _pivot(scene: InvariantScales, motion: Trajectory) -> FloatArray:
     return motion.com_world - motion.R_world_body.apply(np.array(scene.scenario.body.com))
 
 
-def _is_undriven(scene: Scene) -> bool:
+def _is_undriven(scene: InvariantScales) -> bool:
     return is_undriven(scene.problem)
 
 
-def _is_free(scene: Scene) -> bool:
+def _is_free(scene: InvariantScales) -> bool:
     return is_free(scene.problem)
 
 
-def _turns_by_the_world_alone(scene: Scene) -> bool:
+def _turns_by_the_world_alone(scene: InvariantScales) -> bool:
     problem = scene.problem
     return not problem.drag and not any(problem.torque_axes)
 
 
-def _is_unpulled(scene: Scene) -> bool:
+def _is_unpulled(scene: InvariantScales) -> bool:
     return _turns_by_the_world_alone(scene) and scene.pull == 0
 
 
-def _is_heavy(scene: Scene) -> bool:
+def _is_heavy(scene: InvariantScales) -> bool:
     return _turns_by_the_world_alone(scene) and scene.pull > 0
 
 
-def _is_symmetric(scene: Scene) -> bool:
+def _is_symmetric(scene: InvariantScales) -> bool:
     problem = scene.problem
     undragged = not problem.drag and not any(problem.torque_world)
     return undragged and symmetry_axis(problem) is not None
 
 
-def _is_thrown(scene: Scene) -> bool:
+def _is_thrown(scene: InvariantScales) -> bool:
     return not scene.scenario.has_pivot
 
 

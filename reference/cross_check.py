@@ -22,7 +22,7 @@ REACH = 1e3
 
 
 @dataclass(frozen=True, eq=False)
-class SecondOpinion:
+class CrossCheck:
     """A motion, the steps it took, and the relative error that each of them commits."""
 
     trajectory: Trajectory
@@ -37,7 +37,7 @@ def times_within_reach(scenario: Scenario, truth: Trajectory) -> FloatArray:
     return truth.t if truth.t[-1] <= end else np.append(truth.t[truth.t < end], end)
 
 
-def second_opinion(scenario: Scenario, times: FloatArray) -> SecondOpinion:
+def cross_check(scenario: Scenario, times: FloatArray) -> CrossCheck:
     """Integrate a scene in body axes.
 
     Parameters
@@ -73,7 +73,7 @@ def second_opinion(scenario: Scenario, times: FloatArray) -> SecondOpinion:
         velocity = R_world_body.apply(np.cross(omega, scenario.body.com))
     # Twelve evaluations a step, and one more that the next step begins with.
     steps = int(solution.nfev // 11)
-    return SecondOpinion(Trajectory(times, q, omega, com, velocity), steps, tolerance)
+    return CrossCheck(Trajectory(times, q, omega, com, velocity), steps, tolerance)
 
 
 def _equations(scenario: Scenario) -> Callable[[float, FloatArray], FloatArray]:

@@ -20,7 +20,7 @@ from ..scenarios import (
 from ..scenarios.exact import DIGITS, dot
 from . import heavy_symmetric_top as lagrangian
 from . import stability
-from .heavy_symmetric_top import LagrangeTop, lagrange_top
+from .heavy_symmetric_top import HeavySymmetricTop, heavy_symmetric_top
 from .integrable_cases import (
     goryachev_chaplygin,
     goryachev_chaplygin_frame,
@@ -29,7 +29,7 @@ from .integrable_cases import (
 )
 from .motion import motion
 from .problem import Problem
-from .rotational_problem import pose
+from .rotational_problem import rotational_problem
 from .symmetry import (
     across,
     angular_momentum_axes,
@@ -61,11 +61,11 @@ class Fact:
 
 def facts(scenario: Scenario) -> list[Fact]:
     """Everything that applies to a scene, in the order to be read."""
-    problem = pose(scenario)
+    problem = rotational_problem(scenario)
     start = _start(scenario, problem)
     found = list(_of_any_body(scenario, problem, start))
     axis = symmetry_axis(problem)
-    top = lagrange_top(problem)
+    top = heavy_symmetric_top(problem)
     if top is not None:
         found += _of_a_heavy_top(top)
         if is_undriven(problem):
@@ -97,7 +97,7 @@ def _of_any_body(scenario: Scenario, problem: Problem, start: Trajectory) -> Ite
     yield Fact("energy", kinetic + potential, "J", "T + V at t = 0")
 
 
-def _of_a_heavy_top(top: LagrangeTop) -> Iterator[Fact]:
+def _of_a_heavy_top(top: HeavySymmetricTop) -> Iterator[Fact]:
     """What the start alone decides."""
     threshold = lagrangian.sleeping_threshold(top)
     yield Fact("I1", float(top.I1), "kg m²", "moment across the axis, about the pivot")
@@ -112,7 +112,7 @@ def _of_a_heavy_top(top: LagrangeTop) -> Iterator[Fact]:
     yield Fact("sleeping ratio", ratio, "", "|p_gamma| over the threshold: 1 or more stays up")
 
 
-def _of_nutation(top: LagrangeTop) -> Iterator[Fact]:
+def _of_nutation(top: HeavySymmetricTop) -> Iterator[Fact]:
     """What needs p_α, p_γ and E' to stay as they are."""
     low, high = (math.degrees(beta) for beta in lagrangian.nutation_bounds(top))
     bottom = math.degrees(lagrangian.steady_angle(top))

@@ -35,7 +35,7 @@ ROOT_DIGITS = 3 * DIGITS
 
 
 @dataclass(frozen=True)
-class LagrangeTop:
+class HeavySymmetricTop:
     """A heavy symmetric top at one instant, in extended precision.
 
     Attributes
@@ -88,7 +88,7 @@ class LagrangeTop:
         return bool(self.roots[0] == -1 or self.roots[1] == 1)
 
 
-def lagrange_top(problem: Problem) -> LagrangeTop | None:
+def heavy_symmetric_top(problem: Problem) -> HeavySymmetricTop | None:
     """The top of a problem at t = 0; None where it is not symmetric or gravity cannot turn it.
 
     Drag and torques are not looked at: with them the "constants" hold at t = 0 only.
@@ -111,10 +111,10 @@ def lagrange_top(problem: Problem) -> LagrangeTop | None:
         I3 = moment_about(problem, axis)
         I1 = (mp.fsum(problem.moments) - I3) / 2
         energy = dot(omega, L) / 2 + kappa * cos_beta
-        return LagrangeTop(I1, I3, kappa, p_alpha, p_gamma, energy, cos_beta)
+        return HeavySymmetricTop(I1, I3, kappa, p_alpha, p_gamma, energy, cos_beta)
 
 
-def effective_potential(top: LagrangeTop, beta: FloatArray) -> FloatArray:
+def effective_potential(top: HeavySymmetricTop, beta: FloatArray) -> FloatArray:
     """V_eff, J, at angles β in rad, in [0, π].
 
     (p_α − p_γ cos β)/sin β is summed as ½ (p_α − p_γ) cot β/2 + ½ (p_α + p_γ) tan β/2: neither term
@@ -134,7 +134,7 @@ def effective_potential(top: LagrangeTop, beta: FloatArray) -> FloatArray:
     return across**2 / (8 * float(top.I1)) + float(top.kappa) * np.cos(beta)
 
 
-def nutation_bounds(top: LagrangeTop) -> tuple[float, float]:
+def nutation_bounds(top: HeavySymmetricTop) -> tuple[float, float]:
     """Smallest and largest β, rad, that the top's E', p_α and p_γ allow.
 
     For a top that sleeps unstably the larger is where the smallest push would take it.
@@ -144,7 +144,7 @@ def nutation_bounds(top: LagrangeTop) -> tuple[float, float]:
         return float(mp.acos(u2)), float(mp.acos(u1))
 
 
-def nutation_period(top: LagrangeTop) -> float:
+def nutation_period(top: HeavySymmetricTop) -> float:
     """The period of cos β, s: 2K/p with p² = κ(u3 − u1)/2 I1; inf on a separatrix.
 
     By Carlson's R_F, which is homogeneous: 2 √(2 I1/κ) R_F(0, u3 − u2, u3 − u1) (DLMF 19.25.1).
@@ -157,7 +157,7 @@ def nutation_period(top: LagrangeTop) -> float:
         return float(2 * mp.sqrt(2 * top.I1 / top.kappa) * mp.elliprf(0, u3 - u2, u3 - u1))
 
 
-def mean_precession_rate(top: LagrangeTop) -> float | None:
+def mean_precession_rate(top: HeavySymmetricTop) -> float | None:
     """α̇ averaged over a nutation, rad/s; None where the axis comes to the vertical.
 
     α̇ = [(p_α − p_γ)/(1 − u) + (p_α + p_γ)/(1 + u)]/2 I1 with u = u1 + (u2 − u1) sn²: each term's
@@ -173,7 +173,7 @@ def mean_precession_rate(top: LagrangeTop) -> float | None:
         return float((down + up) / (2 * top.I1 * mp.ellipk(m)))
 
 
-def steady_precession_rates(top: LagrangeTop, cos_beta: mpf) -> tuple[float, ...]:
+def steady_precession_rates(top: HeavySymmetricTop, cos_beta: mpf) -> tuple[float, ...]:
     """Rates at which the top, with its p_γ, precesses steadily at an angle; slow first, rad/s.
 
     The roots of I1 cos β Ω² − p_γ Ω + κ = 0 (Goldstein §5.7; Klein & Sommerfeld, Theory of the
@@ -193,20 +193,20 @@ def steady_precession_rates(top: LagrangeTop, cos_beta: mpf) -> tuple[float, ...
         return (slow, float(larger / lead))
 
 
-def sleeping_threshold(top: LagrangeTop) -> float:
+def sleeping_threshold(top: HeavySymmetricTop) -> float:
     """The least |p_γ| that keeps the top upright, kg m²/s: √(4 κ I1) (Arnold §31)."""
     with mp.workdps(DIGITS):
         return float(mp.sqrt(4 * top.kappa * top.I1))
 
 
-def sleeps_stably(top: LagrangeTop) -> bool:
+def sleeps_stably(top: HeavySymmetricTop) -> bool:
     """Whether |p_γ| is at least the sleeping threshold, compared in extended precision."""
     with mp.workdps(DIGITS):
         threshold = 4 * top.kappa * top.I1
         return bool(top.p_gamma**2 >= threshold) or equal(top.p_gamma**2, threshold)
 
 
-def steady_angle(top: LagrangeTop) -> float:
+def steady_angle(top: HeavySymmetricTop) -> float:
     """The angle β at the bottom of V_eff, rad, where this p_α and p_γ would precess steadily.
 
     The stationary points solve (p_α − p_γ u)(p_γ − p_α u) = κ I1 (1 − u²)² between the turning
@@ -216,7 +216,7 @@ def steady_angle(top: LagrangeTop) -> float:
         return float(mp.acos(_at_most_one(_bottom(top))))
 
 
-def small_nutation_frequency(top: LagrangeTop) -> float:
+def small_nutation_frequency(top: HeavySymmetricTop) -> float:
     """Angular frequency of small oscillations of cos β about the bottom of V_eff, rad/s.
 
     ω² = V_eff''/I1 = (p_γ² − 4 κ I1 cos β)/I1² + Ω² sin²β with the Ω of steady precession there,
@@ -230,7 +230,7 @@ def small_nutation_frequency(top: LagrangeTop) -> float:
         return float(mp.sqrt(max(square, mpf(0))))
 
 
-def _bottom(top: LagrangeTop) -> mpf:
+def _bottom(top: HeavySymmetricTop) -> mpf:
     """cos β at the minimum of V_eff between the turning points, by bisection."""
     u1, u2, _ = top.roots
 

@@ -11,8 +11,8 @@ from functools import lru_cache
 import numpy as np
 
 from ..scenarios import FloatArray, Scenario, Trajectory
-from .conservation_laws import LAWS, Law, Scene
-from .rotational_problem import pose
+from .conservation_laws import LAWS, InvariantScales, Law
+from .rotational_problem import rotational_problem
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +20,7 @@ class Invariant:
     """A law that holds for one scene."""
 
     law: Law
-    scene: Scene
+    scene: InvariantScales
 
     @property
     def name(self) -> str:
@@ -46,7 +46,7 @@ class Invariant:
 @lru_cache(maxsize=1)
 def invariants(scenario: Scenario) -> tuple[Invariant, ...]:
     """What the exact motion of a scene conserves."""
-    scene = Scene(scenario, pose(scenario))
+    scene = InvariantScales(scenario, rotational_problem(scenario))
     return tuple(Invariant(law, scene) for law in LAWS if law.holds(scene))
 
 

@@ -18,9 +18,9 @@ from ..scenarios import FloatArray, Scenario, Trajectory
 from ..scenarios.exact import DIGITS, dot, rotate
 from . import heavy_symmetric_top as lagrangian
 from . import stability
-from .heavy_symmetric_top import LagrangeTop, lagrange_top
+from .heavy_symmetric_top import HeavySymmetricTop, heavy_symmetric_top
 from .problem import Problem
-from .rotational_problem import pose
+from .rotational_problem import rotational_problem
 from .symmetry import (
     UNIT_VECTORS,
     across,
@@ -53,8 +53,8 @@ class Observable:
 
 def observables(scenario: Scenario, motion: Trajectory) -> list[Observable]:
     """What can be read off a motion of the scene."""
-    problem = pose(scenario)
-    top = lagrange_top(problem)
+    problem = rotational_problem(scenario)
+    top = heavy_symmetric_top(problem)
     if top is not None and is_undriven(problem):
         return list(_of_a_heavy_top(problem, top, motion))
     if not is_free(problem):
@@ -115,7 +115,9 @@ def axis_motion(motion: Trajectory, axis_body: FloatArray, direction: FloatArray
     return AxisMotion(motion.t, CubicHermiteSpline(motion.t, axis @ frame.T, velocity @ frame.T))
 
 
-def _of_a_heavy_top(problem: Problem, top: LagrangeTop, motion: Trajectory) -> Iterator[Observable]:
+def _of_a_heavy_top(
+    problem: Problem, top: HeavySymmetricTop, motion: Trajectory
+) -> Iterator[Observable]:
     axis = symmetry_axis(problem)
     assert axis is not None
     period = lagrangian.nutation_period(top)
@@ -136,7 +138,9 @@ def _of_a_heavy_top(problem: Problem, top: LagrangeTop, motion: Trajectory) -> I
         yield from _precession(moving, top, lowest)
 
 
-def _precession(moving: AxisMotion, top: LagrangeTop, phases: FloatArray) -> Iterator[Observable]:
+def _precession(
+    moving: AxisMotion, top: HeavySymmetricTop, phases: FloatArray
+) -> Iterator[Observable]:
     """Mean rate of precession between the first and the last of times of equal phase."""
     exact = lagrangian.mean_precession_rate(top)
     if exact is None:

@@ -8,7 +8,7 @@ from ..scenarios.principal import from_matrix, principal_axes
 from .problem import Problem
 
 
-def pose(scenario: Scenario) -> Problem:
+def rotational_problem(scenario: Scenario) -> Problem:
     """The rotational problem of a scene: about its pivot, or else its centre of mass.
 
     Nothing is rounded: every double of the file is taken exactly.

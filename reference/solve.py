@@ -11,7 +11,7 @@ from .closed_forms import ClosedForm, closed_form
 from .conditioning import conditioning, nudged_alike
 from .motion import motion
 from .problem import Problem
-from .rotational_problem import pose
+from .rotational_problem import rotational_problem
 from .solution import MAX_UNCERTAINTY, Solution
 from .symmetry import gravity_torque_scale
 from .taylor import CHECK_ORDERS, FINE_ORDERS, TRUTH_ORDERS, IntegrationError, Orders, integrate
@@ -47,7 +47,7 @@ def solve(scenario: Scenario, times: FloatArray) -> Solution:
     times = np.asarray(times, dtype=float)
     if not (len(times) and times[0] >= 0 and (np.diff(times) > 0).all()):
         raise ValueError("'times' must increase from 0 on.")
-    problem = pose(scenario)
+    problem = rotational_problem(scenario)
     closed = closed_form(problem)
     if closed is not None:
         return _solve_closed(scenario, problem, closed, times)
@@ -56,7 +56,7 @@ def solve(scenario: Scenario, times: FloatArray) -> Solution:
 
 def solve_ode(scenario: Scenario, times: FloatArray) -> Trajectory:
     """The same motion by the ODE integrator, whichever class the scene is of."""
-    problem = pose(scenario)
+    problem = rotational_problem(scenario)
     return motion(scenario, problem, times, integrate(problem, times))
 
 

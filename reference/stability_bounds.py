@@ -15,9 +15,9 @@ from mpmath import mp
 from ..scenarios import FloatArray, Scenario
 from ..scenarios.exact import DIGITS
 from . import stability
-from .heavy_symmetric_top import lagrange_top
+from .heavy_symmetric_top import heavy_symmetric_top
 from .problem import Problem
-from .rotational_problem import pose
+from .rotational_problem import rotational_problem
 from .symmetry import equal, gravity_torque_scale, is_free
 
 #: Classical Runge–Kutta on the imaginary axis, R(z) = 1 + z + z²/2 + z³/6 + z⁴/24:
@@ -62,7 +62,7 @@ class StabilityNumbers:
 
 def stability_numbers(scenario: Scenario) -> StabilityNumbers:
     """Work them out for a scene."""
-    problem = pose(scenario)
+    problem = rotational_problem(scenario)
     moments, omega = np.array(problem.moments, float), np.array(problem.omega_axes, float)
     return StabilityNumbers(
         turning=float(np.linalg.norm(omega)),
@@ -150,7 +150,7 @@ def _swinging(problem: Problem) -> float:
 
 def _sleeping(problem: Problem) -> float | None:
     """Arnold, Mathematical Methods of Classical Mechanics, §31: stays up from 1 on."""
-    top = lagrange_top(problem)
+    top = heavy_symmetric_top(problem)
     if top is None:
         return None
     with mp.workdps(DIGITS):

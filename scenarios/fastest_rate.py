@@ -5,7 +5,7 @@ import numpy as np
 from . import FloatArray, Scenario, Trajectory
 
 
-def pace(scenario: Scenario, truth: Trajectory) -> float:
+def fastest_rate(scenario: Scenario, truth: Trajectory) -> float:
     """The fastest rate at which a scene's state can change, rad/s.
 
     The largest of three: |ω|, that of a small swing under gravity, and that at which drag takes

@@ -83,18 +83,19 @@ def run(
     What the file holds already is not run again, unless its scene, engine or spincheck changed.
     """
     from . import running
+    from .executing import Where
     from .summary import print_results, results_as_json
 
     asked = (engine or [], method or [], timestep or [])
     if ensemble is not None:
         if quick:
             raise Complaint("'--quick' is for ladders; an ensemble has none", BAD_INPUT)
-        where = (jobs, dask, out)
-        code = run_members(scenes or [], ensemble, seed, asked, time_limit, where, as_json)
+        code = run_members(
+            scenes or [], ensemble, seed, asked, time_limit, Where(jobs, dask), out, as_json
+        )
         raise typer.Exit(code)
-    if dask is not None:
-        raise Complaint("'--dask' is for sweeps: 'map', or 'run' with '--ensemble'", BAD_INPUT)
-    results = running.run(scenes or [], *asked, jobs, out, quick=quick, time_limit=time_limit)
+    where = Where(jobs, dask)
+    results = running.run(scenes or [], *asked, where, out, quick=quick, time_limit=time_limit)
     if as_json:
         print(to_json(results_as_json(results)))
     else:
@@ -114,9 +115,10 @@ def report(
     """Make HTML and Markdown pages of a result file; run the library first if there is none."""
     from ..pages.render import render
     from . import running
+    from .executing import Where
 
     if results is None and not RESULT_FILE.exists():
-        found = running.run([], [], [], [], jobs, RESULT_FILE)
+        found = running.run([], [], [], [], Where(jobs), RESULT_FILE)
     else:
         found = running.read(results or RESULT_FILE)
     try:
@@ -249,12 +251,12 @@ def list_engines(as_json: AsJson = False) -> None:
         for method in engine.methods
     ]
     if as_json:
-        absent = [{"engine": m.name, "missing package": m.package} for m in missing()]
+        absent = [{"engine": m.name, "package": m.package, "reason": m.reason} for m in missing()]
         print(to_json({"engines": rows, "missing": absent}))
         return
     table(rows)
     for m in missing():
-        print(f"{m.name} cannot be used: the package '{m.package}' is not installed.")
+        print(f"{m.name} cannot be used: {m.reason}.")
 
 
 @app.command()

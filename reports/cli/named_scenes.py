@@ -12,7 +12,7 @@ from ...scenarios import (
     printable,
     scenario_files,
 )
-from ..harness.expectations import unknown_promises
+from ..harness.expectations import unknown_expectations
 from .terminal import BAD_INPUT, Complaint
 
 
@@ -45,7 +45,7 @@ def scenes_to_run(names: Sequence[str], *, promises: bool = True) -> list[Scenar
     scenarios, wrong = load_each(_files(names))
     complain(wrong)
     if promises:
-        complain(unknown_promises(scenarios))
+        complain(unknown_expectations(scenarios))
     return scenarios
 
 
@@ -75,7 +75,7 @@ def checked(files: Iterable[Path]) -> tuple[list[str], list[str]]:
         scenarios, complaints = load_each(_in_it(file))
         wrong += complaints
         for scenario in scenarios:
-            if promised := unknown_promises([scenario]):
+            if promised := unknown_expectations([scenario]):
                 wrong += promised
             else:
                 lines.append(f"{printable(str(scenario.path))}: {scenario.title}")

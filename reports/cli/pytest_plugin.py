@@ -15,7 +15,7 @@ import pytest
 if TYPE_CHECKING:
     from ...engines import Engine, Method
     from ...scenarios import Scenario
-    from ..harness.executors.local_workers import Workers
+    from ..harness.executors import LocalWorkers
     from ..harness.study import Prepared
 
 #: A scenario's first key stands this near the file's beginning, after comments at most.
@@ -35,9 +35,9 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
-    """Stop the workers, if any were started."""
-    if workers := config.stash.get(_WORKERS, None):
-        workers.kill()
+    """End the worker, if one was started."""
+    if worker := config.stash.get(_WORKER, None):
+        worker.close()
 
 
 class ScenarioFile(pytest.File):
@@ -47,13 +47,13 @@ class ScenarioFile(pytest.File):
         """Yield the items; an engine as shipped is one only where the scene promises about it."""
         from ...engines import engines
         from ...scenarios import ScenarioError, load
-        from ..harness.expectations import unknown_promises
+        from ..harness.expectations import unknown_expectations
 
         try:
             self.scenario: Scenario = load(self.path)
         except ScenarioError as error:
             raise self.CollectError(str(error)) from None
-        if wrong := unknown_promises([self.scenario]):
+        if wrong := unknown_expectations([self.scenario]):
             raise self.CollectError("\n".join(wrong))
         yield ReferenceItem.from_parent(self, name="reference")
         promised = {(promise.engine, promise.method) for promise in self.scenario.expect}
@@ -119,23 +119,21 @@ class EngineItem(SceneItem):
 
     def runtest(self) -> None:
         """Raise `Disagreement` if the method disagrees; skip, and say why, if nothing is told."""
-        from ..harness.study import descent_of, simulate
+        from ..harness.study import convergence_study_of, run_rungs
 
         scenario = self.parent.scenario
         if reason := self.engine.unsupported(scenario, self.method):
             pytest.skip(reason)
-        workers = _workers(self.config)
-        descent = descent_of(scenario, self.engine, self.method, self.parent.prepared)
-        while rung := descent.next_rung():
-            run = workers.submit(simulate, self.engine, scenario, self.method.name, rung)
-            descent.add(run.outcome())
-        verdict = descent.verdict()
+        study = convergence_study_of(scenario, self.engine, self.method, self.parent.prepared)
+        for _ in run_rungs(study, _worker(self.config)):
+            pass
+        verdict = study.verdict()
         if not verdict.agrees:
             raise Disagreement(
                 "\n".join(
                     [
                         f"{verdict.signal} {verdict.verdict}: {verdict.reason}",
-                        *verdict.broken,
+                        *verdict.unmet,
                         f"reproduce with: spincheck run {self.path} "
                         f"--engine {self.engine.name} --method {self.method.name}",
                     ]
@@ -145,16 +143,16 @@ class EngineItem(SceneItem):
             pytest.skip(f"{verdict.verdict}: {verdict.reason}")
 
 
-_WORKERS: "pytest.StashKey[Workers]" = pytest.StashKey()
+_WORKER: "pytest.StashKey[LocalWorkers]" = pytest.StashKey()
 
 
-def _workers(config: pytest.Config) -> "Workers":
+def _worker(config: pytest.Config) -> "LocalWorkers":
     """One worker process for the session: a crash costs the item, not the run."""
-    from ..harness.executors.local_workers import Workers
+    from ..harness.executors import LocalWorkers
 
-    if _WORKERS not in config.stash:
-        config.stash[_WORKERS] = Workers(jobs=1)
-    return config.stash[_WORKERS]
+    if _WORKER not in config.stash:
+        config.stash[_WORKER] = LocalWorkers(jobs=1)
+    return config.stash[_WORKER]
 
 
 def _may_be_scenario(path: Path) -> bool:

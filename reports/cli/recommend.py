@@ -16,13 +16,15 @@ from typing import Any
 from ...engines import engines
 from ...scenarios import Scenario
 from ..harness.choice import Choice
-from ..harness.executors.local_workers import TIME_LIMIT
+from ..harness.executors import TIME_LIMIT, LocalWorkers
+from ..harness.plan import plan
 from ..harness.study import run_study
 from ..pages.analysis.candidates import Bounds, Candidate, as_cheap, candidates
-from ..pages.analysis.report_data import gather
+from ..pages.analysis.report_data import report_data
 from ..results.records import Key, Row
 from ..results.store import Results, open_store
 from . import running
+from .executing import Where
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table
 
 #: Checks before it is given up: each that misses is taken into account by the next.
@@ -73,7 +75,7 @@ def recommend(scene: str, bounds: Bounds, engine_names: Sequence[str], jobs: int
     methods = _methods(engine_names)
     with TemporaryDirectory() as folder:
         out = Path(folder) / "ladder.sqlite"
-        results = running.run([scene], engine_names, methods, [], jobs, out)
+        results = running.run([scene], engine_names, methods, [], Where(jobs), out)
         if running.exit_code(results) == NOT_RUN:
             raise Complaint(f"{scene}: nothing could be run: {results.rows[0].reason}", NOT_RUN)
         return _checked(scene, bounds, results, Path(folder))
@@ -166,7 +168,7 @@ def _checked(scene: str, bounds: Bounds, results: Results, folder: Path) -> Reco
     """Choose and check until a check keeps the bounds, or there is nothing left to choose."""
     checks: list[Row] = []
     while True:
-        (tried,) = gather(results).scenes
+        (tried,) = report_data(results).scenes
         found = tuple(candidates(tried, bounds))
         best = found[0]
         if best.timestep is None or tried.found is None:
@@ -199,7 +201,9 @@ def _run_again(scenario: Scenario, key: Key, timestep: float, out: Path) -> Row:
 def _rows_at(scenario: Scenario, choice: Choice, jobs: int, out: Path) -> list[Row]:
     """What comes out at the timesteps chosen."""
     with open_store(out, create=True) as store:
-        run_study([scenario], choice, store, jobs, lambda _: None)
+        with LocalWorkers(jobs) as executor:
+            left = plan([scenario], choice, store)
+            run_study(left, choice, store, executor, lambda _: None)
         return [row for row in store.read().rows if row.timestep in choice.timesteps]
 
 

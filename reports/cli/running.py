@@ -8,10 +8,11 @@ from ...engines import Engine, engines, missing
 from ...scenarios import Scenario
 from ..harness.choice import QUICK_STEPS, Choice
 from ..harness.plan import plan
-from ..harness.study import carry_out
+from ..harness.study import run_study
 from ..results.records import UNSOLVED, Key, Row
 from ..results.result_file import ResultFileError
 from ..results.store import Results, open_store
+from .executing import Where, executor_for
 from .named_scenes import scenes_to_run
 from .stopping import Stopped
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress, say
@@ -25,7 +26,7 @@ def run(
     engine_names: Sequence[str],
     methods: Sequence[str],
     timesteps: Sequence[float],
-    jobs: int,
+    where: Where,
     out: Path,
     *,
     quick: bool = False,
@@ -55,8 +56,11 @@ def run(
             left = plan(scenarios, choice, store)
             if str(left):
                 say(f"{out}: {left}")
-            with progress(left.total) as advance:
-                carry_out(left, choice, store, jobs, advance)
+            with (
+                executor_for(where, choice.time_limit) as executor,
+                progress(left.total) as advance,
+            ):
+                run_study(left, choice, store, executor, advance)
             return _asked_for(store.read(choice.timesteps), scenarios, choice)
     except ResultFileError as error:
         raise Complaint(str(error), BAD_INPUT) from None
@@ -165,7 +169,7 @@ def _engine(name: str) -> Engine:
     for absent in missing():
         if absent.name == name:
             raise Complaint(
-                f"engine '{name}' needs the package '{absent.package}', which is not installed",
+                f"engine '{name}' cannot be used: {absent.reason}",
                 NOT_RUN,
             )
     raise Complaint(f"'--engine' must be one of {', '.join(engines())}, got '{name}'", BAD_INPUT)

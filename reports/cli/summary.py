@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from typing import Any
 
-from ...scenarios.fastest_rate import pace
+from ...scenarios.fastest_rate import fastest_rate
 from ..pages.analysis.survival import Survival, survival
 from ..results.records import Key, Row, Verdict
 from ..results.store import Results
@@ -17,7 +17,7 @@ def print_results(results: Results) -> None:
         for v in results.verdicts
     }
     words = {
-        (v.key.scenario, v.key.engine, v.key.method): v.verdict + ("!" if v.broken else "")
+        (v.key.scenario, v.key.engine, v.key.method): v.verdict + ("!" if v.unmet else "")
         for v in results.verdicts
     }
     table(
@@ -32,7 +32,7 @@ def print_results(results: Results) -> None:
     )
     differing = [v for v in results.verdicts if v.verdict not in ("converges", "unsupported")]
     for verdict in results.verdicts:
-        if verdict.broken or (verdict in differing and not verdict.as_shipped):
+        if verdict.unmet or (verdict in differing and not verdict.as_shipped):
             print(_sentence(verdict))
     if shipped := sum(verdict.as_shipped for verdict in differing):
         print(f"{shipped} times an engine as shipped does not converge; the report says why.")
@@ -48,8 +48,8 @@ def results_as_json(results: Results) -> dict[str, Any]:
 
 def verdict_records(results: Results) -> list[dict[str, Any]]:
     """Verdicts, each with the largest timestep that its method survives."""
-    paces = {
-        name: pace(found.scenario, found.solution.trajectory)
+    fastest_rates = {
+        name: fastest_rate(found.scenario, found.solution.trajectory)
         for name, found in results.scenes.items()
     }
     rows: dict[Key, list[Row]] = {}
@@ -57,7 +57,9 @@ def verdict_records(results: Results) -> list[dict[str, Any]]:
         rows.setdefault(row.key, []).append(row)
     return [
         verdict_record(verdict)
-        | _survival_record(survival(rows.get(verdict.key, ()), paces.get(verdict.key.scenario)))
+        | _survival_record(
+            survival(rows.get(verdict.key, ()), fastest_rates.get(verdict.key.scenario))
+        )
         for verdict in results.verdicts
     ]
 
@@ -103,7 +105,7 @@ def verdict_record(verdict: Verdict) -> dict[str, Any]:
         "order": verdict.order,
         "limit_error": verdict.limit_error,
         "limit_estimate": verdict.limit_estimate,
-        "broken": list(verdict.broken),
+        "unmet": list(verdict.unmet),
         "as_shipped": verdict.as_shipped,
         "known": verdict.known,
     }
@@ -111,7 +113,7 @@ def verdict_record(verdict: Verdict) -> dict[str, Any]:
 
 def _sentence(verdict: Verdict) -> str:
     key = verdict.key
-    broken = "".join(f"\n  broken promise: {line}" for line in verdict.broken)
+    broken = "".join(f"\n  broken promise: {line}" for line in verdict.unmet)
     how = " (as shipped)" if verdict.as_shipped else ""
     where = f"{key.scenario}, {key.engine} {key.method}{how}"
     return f"{where}: {verdict.verdict}: {verdict.reason}{broken}"

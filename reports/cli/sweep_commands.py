@@ -1,7 +1,7 @@
 """The commands of sweeps; heavy imports wait inside them, so that ``--help`` answers at once."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,6 +19,9 @@ from .options import (
     TimeLimit,
 )
 from .terminal import say, to_json
+
+if TYPE_CHECKING:
+    from .executing import Where
 
 app = typer.Typer()
 
@@ -46,11 +49,12 @@ def map_scene(
 
     What the file holds already is not run again.
     """
-    from .sweep_running import Where, choose_for_sweep, exit_code, run_map
+    from .executing import Where
+    from .sweep_running import choose_for_sweep, exit_code, run_map
     from .sweep_summary import print_sweep, sweep_as_json
 
     choice = choose_for_sweep(engine or [], method or [], timestep or [], time_limit)
-    found = run_map(scenario, vary or [], choice, Where(jobs, dask, out))
+    found = run_map(scenario, vary or [], choice, Where(jobs, dask), out)
     if as_json:
         print(to_json(sweep_as_json(found)))
     else:
@@ -88,7 +92,8 @@ def run_members(
     seed: int,
     asked: tuple[list[str], list[str], list[float]],
     time_limit: float | None,
-    where: tuple[int, str | None, Path],
+    where: "Where",
+    out: Path,
     as_json: bool,
 ) -> int:
     """What `run --ensemble` does; returns the exit code.
@@ -97,21 +102,20 @@ def run_members(
     ----------
     asked : engines, methods, timesteps
     time_limit : s, that a call may take, if one was chosen
-    where : how many workers, or a Dask scheduler's address, and the result file
+    where, out : what it runs on, and the result file
     """
-    from .sweep_running import Where, choose_for_sweep, exit_code, run_ensemble
+    from .sweep_running import choose_for_sweep, exit_code, run_ensemble
     from .sweep_summary import print_sweep, sweep_as_json
     from .terminal import BAD_INPUT, Complaint
 
     if len(scenes) != 1:
         raise Complaint(f"'--ensemble' takes one scene, got {len(scenes)}", BAD_INPUT)
-    found = run_ensemble(
-        scenes[0], members, seed, choose_for_sweep(*asked, time_limit), Where(*where)
-    )
+    choice = choose_for_sweep(*asked, time_limit)
+    found = run_ensemble(scenes[0], members, seed, choice, where, out)
     if as_json:
         print(to_json(sweep_as_json(found)))
     else:
         print_sweep(found)
         one = f"spincheck member {scenes[0]} --seed {seed} --member N"
-        say(f"Members are in {where[-1]}; '{one}' prints one.")
+        say(f"Members are in {out}; '{one}' prints one.")
     return exit_code(found.points)

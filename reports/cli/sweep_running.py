@@ -1,20 +1,17 @@
 """What the commands `map`, `member` and `run --ensemble` do."""
 
 from collections.abc import Iterable, Sequence
-from concurrent.futures import Executor
-from dataclasses import dataclass
 from pathlib import Path
 
 from ...scenarios import Scenario, ScenarioError
 from ...scenarios.scatter import member
 from ...scenarios.vary import TIMESTEP, VaryError, check_path, parse_axis, varied
 from ..harness.choice import Choice
-from ..harness.executors.dask_cluster import Cluster
-from ..harness.executors.local_workers import Workers
-from ..harness.sweep import carry_out_sweep, plan_sweep
+from ..harness.sweep import plan_sweep, run_sweep
 from ..results.result_file import ResultFileError
 from ..results.store import open_store
-from ..results.sweep_records import Ensemble, EnsembleResult, Map, MapResult, Point
+from ..results.sweep_records import Ensemble, EnsembleResult, Map, MapResult, PointResult
+from .executing import Where, executor_for
 from .named_scenes import one_scene
 from .running import check_timesteps, choose, limited
 from .stopping import Stopped
@@ -26,27 +23,12 @@ PROGRESS_LINES = 50
 _DURATION = "window.duration"
 
 
-@dataclass(frozen=True)
-class Where:
-    """What a sweep runs on, and where its points go.
-
-    Attributes
-    ----------
-    jobs : worker processes on this computer
-    cluster : a Dask scheduler's address, in their stead
-    out : the result file
-    """
-
-    jobs: int
-    cluster: str | None
-    out: Path
-
-
 def run_map(
     scene: str,
     ranges: Sequence[str],
     choice: Choice,
     where: Where,
+    out: Path,
 ) -> MapResult:
     """Run what is missing of a map, and read all of it.
 
@@ -64,7 +46,7 @@ def run_map(
     asked = _map(base, ranges, choice)
     if _DURATION not in (axis.path for axis in asked.axes):
         check_timesteps([base], choice)
-    return MapResult(asked, base, _carried_out(asked, base, choice, where))
+    return MapResult(asked, base, _carried_out(asked, base, choice, where, out))
 
 
 def run_ensemble(
@@ -73,6 +55,7 @@ def run_ensemble(
     seed: int,
     choice: Choice,
     where: Where,
+    out: Path,
 ) -> EnsembleResult:
     """Run what is missing of an ensemble, and read all of it; parameters and errors as `run_map`.
 
@@ -83,7 +66,7 @@ def run_ensemble(
     base = one_scene(scene)
     check_timesteps([base], choice)
     asked = Ensemble(base.name, members, seed, _timestep(choice))
-    return EnsembleResult(asked, base, _carried_out(asked, base, choice, where))
+    return EnsembleResult(asked, base, _carried_out(asked, base, choice, where, out))
 
 
 def member_text(scene: str, seed: int, number: int) -> str:
@@ -136,7 +119,7 @@ def choose_for_sweep(
     return limited(choose(engine_names, methods, timesteps), time_limit)
 
 
-def exit_code(points: Iterable[Point]) -> int:
+def exit_code(points: Iterable[PointResult]) -> int:
     """0 if every run came to an end of its own, 1 if one failed, 3 if all did."""
     outcomes = {point.outcome for point in points}
     if outcomes <= {"failed"}:
@@ -178,19 +161,20 @@ def _carried_out(
     base: Scenario,
     choice: Choice,
     where: Where,
-) -> tuple[Point, ...]:
+    out: Path,
+) -> tuple[PointResult, ...]:
     """The points of the methods chosen, once all are there."""
     try:
-        with open_store(where.out, create=True) as store:
+        with open_store(out, create=True) as store:
             left = plan_sweep(asked, base, choice, store)
             if str(left):
-                say(f"{where.out}: {left}")
+                say(f"{out}: {left}")
             if left.left:
                 with (
-                    _executor(where, choice.time_limit) as executor,
+                    executor_for(where, choice.time_limit) as executor,
                     progress(len(left.left), PROGRESS_LINES) as advance,
                 ):
-                    carry_out_sweep(left, base, store, executor, advance)
+                    run_sweep(left, base, store, executor, advance)
             pairs = {(engine.name, method.name) for engine, method in choice.pairs()} | {("", "")}
             points = store.sweeps.points(asked)
             return tuple(p for p in points if (p.key.engine, p.key.method) in pairs)
@@ -198,15 +182,6 @@ def _carried_out(
         raise Complaint(str(error), BAD_INPUT) from None
     except Stopped as stopped:
         raise Complaint(
-            f"{stopped}; what was finished is in {where.out}, "
-            "and the same command goes on from there",
+            f"{stopped}; what was finished is in {out}, and the same command goes on from there",
             stopped.exit_code,
         ) from None
-
-
-def _executor(where: Where, time_limit: float | None) -> Executor:
-    if where.cluster is None:
-        return Workers(where.jobs, time_limit)
-    executor = Cluster(where.cluster, time_limit)
-    executor.check_alike()
-    return executor

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..harness.sweep_points import places
-from ..results.sweep_records import EnsembleResult, MapResult, Point
+from ..results.sweep_records import EnsembleResult, MapResult, PointResult, sweep_points
 from .terminal import table
 
 #: Of the ω errors of the runs that came to their end.
@@ -33,7 +32,7 @@ def sweep_as_json(found: MapResult | EnsembleResult) -> dict[str, Any]:
     return asdict(asked) | {"points": [point_record(point, names) for point in found.points]}
 
 
-def point_record(point: Point, names: Sequence[str]) -> dict[str, Any]:
+def point_record(point: PointResult, names: Sequence[str]) -> dict[str, Any]:
     """A point with the names that scripts rely on.
 
     Parameters
@@ -65,20 +64,20 @@ def _names(found: MapResult | EnsembleResult) -> list[str]:
 def _asked(found: MapResult | EnsembleResult) -> str:
     if isinstance(found, EnsembleResult):
         return f"{found.ensemble.members} members of seed {found.ensemble.seed}"
-    total = sum(1 for _ in places(found.map))
+    total = sum(1 for _ in sweep_points(found.map))
     axes = ", ".join(f"{a.path} {a.values[0]:g} to {a.values[-1]:g}" for a in found.map.axes)
     return f"{total} points, {axes}"
 
 
-def _by_method(points: Iterable[Point]) -> dict[str, list[Point]]:
-    found: dict[str, list[Point]] = {}
+def _by_method(points: Iterable[PointResult]) -> dict[str, list[PointResult]]:
+    found: dict[str, list[PointResult]] = {}
     for point in points:
         if point.outcome != "invalid":
             found.setdefault(f"{point.key.engine} {point.key.method}", []).append(point)
     return dict(sorted(found.items()))
 
 
-def _line(method: str, points: Sequence[Point], names: Sequence[str]) -> dict[str, object]:
+def _line(method: str, points: Sequence[PointResult], names: Sequence[str]) -> dict[str, object]:
     outcomes = Counter(point.outcome for point in points)
     ended = [(p.errors.omega, p) for p in points if p.errors is not None and p.outcome == "ok"]
     ended.sort(key=lambda pair: pair[0])
@@ -102,7 +101,7 @@ def _quantile(ascending: Sequence[float], share: float) -> float | None:
     return float(np.quantile(ascending, share, method="inverted_cdf"))
 
 
-def _place(point: Point, names: Sequence[str]) -> str:
+def _place(point: PointResult, names: Sequence[str]) -> str:
     return ", ".join(f"{name} {value:.6g}" for name, value in zip(names, point.at, strict=True))
 
 

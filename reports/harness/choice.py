@@ -7,7 +7,7 @@ from ...scenarios import Scenario
 from ..results.records import Key
 from .ladder import MAX_STEPS
 
-Pair = tuple[Engine, Method]
+EngineMethod = tuple[Engine, Method]
 
 #: A quick study's ladders end before a run would take more steps than this.
 QUICK_STEPS = 1 << 14
@@ -44,7 +44,7 @@ class Choice:
         """Whether a scene's steps are timed."""
         return self.timed and not (self.hard_in_passing and scenario.hard)
 
-    def pairs(self) -> list[Pair]:
+    def pairs(self) -> list[EngineMethod]:
         """Every engine and method chosen."""
         return [
             (engine, method)
@@ -53,7 +53,7 @@ class Choice:
             if not self.methods or method.name in self.methods
         ]
 
-    def methods_on(self, scenario: Scenario) -> dict[Key, Pair]:
+    def methods_on(self, scenario: Scenario) -> dict[Key, EngineMethod]:
         """The same, by what results on a scene are known by."""
         return {
             Key(scenario.name, engine.name, method.name): (engine, method)

@@ -8,7 +8,7 @@ from ...engines import Run
 from ...reference import Solution, drifts
 from ...scenarios import Expect, Scenario, Trajectory, energy, energy_base, errors_between
 from ..results.records import Key, Row
-from .executors.worker_slot import Lost
+from .executors import CallFailed
 from .ladder import Rung
 from .without_skill import lost
 
@@ -21,11 +21,11 @@ def row_of(
     key: Key,
     version: str,
     rung: Rung,
-    result: Run | Lost,
+    result: Run | CallFailed,
     solution: Solution,
 ) -> Row:
     """Compare a run with the truth at its own sample times."""
-    if isinstance(result, Lost):
+    if isinstance(result, CallFailed):
         return Row(key, version, rung.timestep, "failed", result.reason, result.cause)
     row = Row(
         key,
@@ -60,7 +60,7 @@ def row_of(
     )
 
 
-def broken_promises(expected: Expect, row: Row) -> list[str]:
+def unmet_expectations(expected: Expect, row: Row) -> list[str]:
     """Which of a scene's promises about one run it did not keep, in words."""
     where = f"{row.key.engine} {row.key.method} at {row.timestep:g} s"
     if expected.outcome == "diverges":

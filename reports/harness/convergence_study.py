@@ -11,12 +11,12 @@ from ...engines import Engine, Method, Run
 from ...reference import Solution
 from ...reference.solution import MAX_UNCERTAINTY
 from ...scenarios import Expect, Scenario
-from ..results.records import Key, Row, Verdict
-from .comparison import broken_promises, row_of
-from .executors.worker_slot import Lost
+from ..results.records import Key, Row, Signal, Verdict
+from .comparison import row_of, unmet_expectations
+from .executors import Answer
 from .expected_failures import held_to_known
 from .ladder import COARSEST_TURN, MIN_RUNGS, Ladder, Rung
-from .richardson import Approach, Signal, com_growth, longest_way
+from .richardson import RichardsonSequence, com_growth, longest_way
 from .verdict import ASYMPTOTIC, SHARP, Judgement, judge
 
 #: A ladder goes on until its limit is known to this, relative (ω) and in rad, or steps run out;
@@ -27,16 +27,16 @@ RUNGS_OF_A_LIMIT = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Single:
-    """One timestep by itself: asked for by a user, or promised about by the scene."""
+class SingleRun:
+    """One timestep by itself: asked for by a user, or with an expectation of the scene's."""
 
     rung: Rung
     solution: Solution
-    promises: tuple[Expect, ...] = ()
+    expectations: tuple[Expect, ...] = ()
 
 
 @dataclass(eq=False)
-class Descent:
+class ConvergenceStudy:
     """A scene, an engine and a method: first the single timesteps, then the ladder.
 
     Last come timesteps above the ladder, as long as they survive.
@@ -45,8 +45,8 @@ class Descent:
     ----------
     solution : the truth at the ladder's sample times
     ladder : None where only single timesteps are asked for
-    rows, single_rows, above_rows : what was found so far
-    broken : promises of the scene that were not kept, in words
+    rows, single_rows, above_rows : the runs so far
+    unmet : expectations of the scene that were not met, in words
     """
 
     scenario: Scenario
@@ -54,12 +54,12 @@ class Descent:
     method: Method
     solution: Solution
     ladder: Ladder | None
-    singles: list[Single] = field(default_factory=list)
+    singles: list[SingleRun] = field(default_factory=list)
     rows: list[Row] = field(default_factory=list)
     single_rows: list[Row] = field(default_factory=list)
     above_rows: list[Row] = field(default_factory=list)
-    broken: list[str] = field(default_factory=list)
-    _approaches: list[Approach] = field(default_factory=list)
+    unmet: list[str] = field(default_factory=list)
+    _approaches: list[RichardsonSequence] = field(default_factory=list)
     _judged: tuple[Signal, Judgement] | None = None
 
     @property
@@ -75,26 +75,25 @@ class Descent:
             return None
         return self._next_above() if self._down else self.ladder.rungs[len(self.rows)]
 
-    def add(self, result: Run | Lost, printed: str = "") -> Row:
-        """Turn what came back from a worker for the next rung into a row."""
+    def compare(self, answer: Answer[Run]) -> Row:
+        """The row of the next rung, from what came of running it."""
         rung = self.next_rung()
-        assert rung is not None
+        assert rung is not None, "only a rung that is asked for is run"
         single = self._next_single()
         solution = single.solution if single else thinned(self.solution, rung.every)
-        row = row_of(self.scenario, self.key, self.engine.version, rung, result, solution)
-        row = replace(row, printed=printed)
+        row = row_of(self.scenario, self.key, self.engine.version, rung, answer.value, solution)
+        row = replace(row, printed=answer.printed)
         if self.rows and not single and self._down:
             # Nothing is judged or drawn by it: there are finer ones.
             row = replace(row, motion=None)
-        self.take(row)
         return row
 
     def take(self, row: Row) -> None:
-        """Take the row of the next rung, whether it was run just now or is known from before."""
+        """Take the row of the next rung, whether it was run just now or is stored."""
         if single := self._next_single():
             self.single_rows.append(row)
-            for promise in single.promises:
-                self.broken += broken_promises(promise, row)
+            for expectation in single.expectations:
+                self.unmet += unmet_expectations(expectation, row)
         elif self._down:
             self.above_rows.append(row)
         else:
@@ -115,7 +114,7 @@ class Descent:
             return self.ladder.least_steps > 0
         return not (self._hopeless(self.rows[-1]) or self._known())
 
-    def spent(self) -> list[float]:
+    def discardable_timesteps(self) -> list[float]:
         """Timesteps of the runs whose samples nobody wants once there is a verdict: all but one.
 
         A report shows the finest run that left any.
@@ -131,7 +130,7 @@ class Descent:
     def _verdict(self) -> Verdict:
         last = self._last
         known: dict[str, Any] = {
-            "broken": tuple(self.broken),
+            "unmet": tuple(self.unmet),
             "as_shipped": self.method.as_shipped,
         }
         if last is None and (lacking := self.engine.unsupported(self.scenario, self.method)):
@@ -152,7 +151,7 @@ class Descent:
             **known,
         )
 
-    def _next_single(self) -> Single | None:
+    def _next_single(self) -> SingleRun | None:
         return next(iter(self.singles[len(self.single_rows) :]), None)
 
     def _next_above(self) -> Rung | None:
@@ -225,7 +224,8 @@ class Descent:
             # What is closed in form is known to its rounding.
             known = dict(self.solution.uncertainty) | {"com": self._growth["com"]}
             self._approaches += [
-                Approach(signal, truth, order, known[signal]) for signal, order in orders.items()
+                RichardsonSequence(signal, truth, order, known[signal])
+                for signal, order in orders.items()
             ]
         # Each step is good for one ulp, grown as the motion grows it.
         for approach in self._approaches:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from statistics import median
 
@@ -10,8 +9,9 @@ import numpy as np
 
 from ...engines import Engine, EngineError, Method, Session
 from ...scenarios import FloatArray, Scenario
+from ..results.cost_records import EffectsCost, PassCost, PassCosts, Ratio
 from ..results.records import Key
-from .step_cost import Stretch, interleaved, timed_timestep
+from .step_cost import TimingSample, interleaved, timed_timestep
 
 #: Angle turned a step at the start where motions are compared, rad: fine enough for any method.
 COMPARED_TURN = 0.05
@@ -21,86 +21,6 @@ MOST_STEPS = 1 << 13
 COMPARED = 64
 #: Equal sessions, where passes are timed one by one: what they differ by is noise.
 CONTROLS = 3
-
-
-@dataclass(frozen=True)
-class Ratio:
-    """How one time a step compares with another: of rounds timed in turn, the ratios' median.
-
-    Attributes
-    ----------
-    spread : distance of the quartiles
-    """
-
-    median: float
-    spread: float
-
-
-@dataclass(frozen=True)
-class EffectsCost:
-    """A method on a scene, pruned to what the scene calls for, against what it is by default.
-
-    Attributes
-    ----------
-    left_out : what is pruned, by the engine's own names
-    pruned, unpruned : CPU seconds a step, the least over the rounds
-    ratio : unpruned over pruned
-    timestep : s, at which the motions were compared
-    compared_until : s; the whole window, unless one of the two diverged
-    difference : the largest of any number read, in its SI unit; 0 if identical to the last bit
-    """
-
-    key: Key
-    left_out: tuple[str, ...]
-    pruned: float
-    unpruned: float
-    ratio: Ratio
-    timestep: float
-    compared_until: float
-    difference: float
-
-    @property
-    def sentence(self) -> str:
-        """What to say of it."""
-        return f"{(self.ratio.median - 1):+.0%} a step; {self.same_motion}"
-
-    @property
-    def same_motion(self) -> str:
-        """Whether leaving things out changed the motion."""
-        if self.difference == 0:
-            return "the motion is identical to the last bit"
-        return f"the motion differs by {self.difference:.1e}"
-
-
-@dataclass(frozen=True)
-class PassCost:
-    """What one pass costs, as a part of the time of a pruned step.
-
-    Attributes
-    ----------
-    added : by leaving in nothing else
-    saved : by leaving it out of everything else that the engine does by default
-    """
-
-    name: str
-    added: float
-    saved: float
-
-
-@dataclass(frozen=True)
-class PassCosts:
-    """What each pass left out costs a method on a scene, one by one.
-
-    Attributes
-    ----------
-    pruned : CPU seconds a step with none of them
-    noise : what equal sessions differ by, in the same units as `added` and `saved`
-    """
-
-    key: Key
-    pruned: float
-    noise: float
-    passes: tuple[PassCost, ...]
 
 
 def effects_costs(
@@ -236,11 +156,11 @@ def _stepped(session: Session, steps: int) -> FloatArray:
     return np.concatenate(list(vars(session.read_state()).values()))
 
 
-def _least(stretches: Sequence[Stretch]) -> float:
+def _least(stretches: Sequence[TimingSample]) -> float:
     return min(stretch.cpu for stretch in stretches)
 
 
-def _ratio(over: Sequence[Stretch], under: Sequence[Stretch]) -> Ratio:
+def _ratio(over: Sequence[TimingSample], under: Sequence[TimingSample]) -> Ratio:
     ratios = [a.cpu / b.cpu for a, b in zip(over, under, strict=True)]
     low, middle, high = np.quantile(ratios, (0.25, 0.5, 0.75))
     return Ratio(float(middle), float(high - low))

@@ -7,7 +7,7 @@ from ...scenarios import Scenario, printable
 from ...scenarios.locate import line_of
 
 
-def unknown_promises(scenarios: Iterable[Scenario]) -> list[str]:
+def unknown_expectations(scenarios: Iterable[Scenario]) -> list[str]:
     """Complaints about promises that nothing would ever be held to; none if all is well."""
     return [complaint for scenario in scenarios for complaint in _unknown(scenario)]
 

@@ -20,5 +20,5 @@ def held_to_known(known: Iterable[Known], verdict: Verdict) -> Verdict:
             return replace(verdict, reason=f"{verdict.reason}; known: {fault.reason}", known=True)
         if verdict.verdict == "converges":
             broken = f"{key.engine} {key.method} converges, known to disagree: {fault.reason}"
-            return replace(verdict, broken=(*verdict.broken, broken))
+            return replace(verdict, unmet=(*verdict.unmet, broken))
     return verdict

@@ -83,7 +83,7 @@ class Ladder:
         return Ladder(rungs, above, self.times[:samples], self.least_steps)
 
 
-def ladder(window: Window, pace: float, samples: int, max_steps: int = MAX_STEPS) -> Ladder:
+def ladder(window: Window, fastest_rate: float, samples: int, max_steps: int = MAX_STEPS) -> Ladder:
     """Choose timesteps for a motion.
 
     The coarsest turns the body by at most `COARSEST_TURN` where it is fastest, and fits a whole
@@ -93,14 +93,14 @@ def ladder(window: Window, pace: float, samples: int, max_steps: int = MAX_STEPS
 
     Parameters
     ----------
-    pace : the fastest rate, rad/s
+    fastest_rate : the fastest rate, rad/s
     samples : of the window, those whose truth is known
     max_steps : a ladder of `LEAST_RUNGS` or more ends before a run would take more, a shorter one
         before it would take `EXCESS` times as many
     """
     interval = window.duration / (window.samples - 1)
-    per_interval = max(1.0, float(np.ceil(interval * pace / COARSEST_TURN)))
-    thinned = _thinned(samples - 1, interval * pace)
+    per_interval = max(1.0, float(np.ceil(interval * fastest_rate / COARSEST_TURN)))
+    thinned = _thinned(samples - 1, interval * fastest_rate)
     intervals, interval = (samples - 1) // thinned, interval * thinned
     least_steps = intervals * per_interval
     if not 0 < least_steps < MAX_STEPS * LARGEST_TURN / COARSEST_TURN:
@@ -113,7 +113,7 @@ def ladder(window: Window, pace: float, samples: int, max_steps: int = MAX_STEPS
         if least_steps * 2**k > limit:
             break
         rungs.append(Rung(coarsest / 2**k, counts * 2**k))
-    above = tuple(_above(coarsest, counts, pace))
+    above = tuple(_above(coarsest, counts, fastest_rate))
     times = np.asarray(counts * coarsest, dtype=float)
     return Ladder(tuple(rungs), above, times, least_steps)
 
@@ -128,13 +128,13 @@ def _thinned(intervals: int, turn: float) -> int:
     return every
 
 
-def _above(coarsest: float, counts: NDArray[np.int64], pace: float) -> Iterator[Rung]:
+def _above(coarsest: float, counts: NDArray[np.int64], fastest_rate: float) -> Iterator[Rung]:
     """Doubled timesteps, each with those of the samples that it meets at a whole step."""
     per_interval = int(counts[1])
     for k in count(1):
         timestep = coarsest * 2**k
         every = 2**k // math.gcd(per_interval, 2**k)
-        if timestep * pace > LARGEST_TURN or every >= len(counts):
+        if timestep * fastest_rate > LARGEST_TURN or every >= len(counts):
             return
         rung = Rung(timestep, counts[::every] >> k, every)
         if rung.steps < LEAST_STEPS:

@@ -8,8 +8,8 @@ from ..results.environment import processor
 from ..results.fingerprints import digests
 from ..results.records import Key, Verdict
 from ..results.store import Store
-from .choice import Choice, Pair
-from .executors.worker_slot import may_end_otherwise
+from .choice import Choice, EngineMethod
+from .executors import may_succeed_if_repeated
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +24,7 @@ class SceneLeft:
     """
 
     scenario: Scenario
-    to_run: list[Pair]
+    to_run: list[EngineMethod]
     to_time: bool
     by_pass: bool
 
@@ -60,12 +60,11 @@ class Plan:
 
 def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
     """Drop what is out of date, and see what is missing."""
-    dropped = sum(store.keep_made_by(s.name, digests(s, choice.engines)) for s in scenarios)
+    dropped = sum(store.keep_matching(s.name, digests(s, choice.engines)) for s in scenarios)
     settled = {
         verdict.key: verdict
         for scenario in scenarios
-        for verdict in store.settled(scenario.name, choice.timesteps, choice.max_steps_on(scenario))
-        if not may_end_otherwise(verdict.reason, choice.time_limit)
+        for verdict in settled_verdicts(scenario, choice, store)
     }
     timed = store.timed_on(processor())
     by_pass = _scene_for_passes([scenario for scenario in scenarios if choice.times(scenario)])
@@ -81,6 +80,17 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
     missing = sum(len(scene.to_run) for scene in scenes)
     there = len(scenarios) * len(choice.pairs()) - missing
     return Plan([scene for scene in scenes if scene.to_run or scene.to_time], there, dropped)
+
+
+def settled_verdicts(scenario: Scenario, choice: Choice, store: Store) -> list[Verdict]:
+    """The verdicts there are on a scene; not those that rest on a run that may be repeated."""
+    to_repeat = {
+        row.key
+        for row in store.failed_rows(scenario.name)
+        if may_succeed_if_repeated(row.cause, row.reason, choice.time_limit)
+    }
+    verdicts = store.settled(scenario.name, choice.timesteps, choice.max_steps_on(scenario))
+    return [verdict for verdict in verdicts if verdict.key not in to_repeat]
 
 
 def _untimed(
@@ -99,7 +109,7 @@ def _scene_for_passes(scenarios: Sequence[Scenario]) -> Scenario | None:
     return next(heavy, next(iter(scenarios), None))
 
 
-def can_be_timed(scenario: Scenario, pair: Pair, verdict: Verdict | None) -> bool:
+def can_be_timed(scenario: Scenario, pair: EngineMethod, verdict: Verdict | None) -> bool:
     """Whether a method can be stepped on a scene, as far as is known."""
     engine, method = pair
     failed = verdict is not None and verdict.verdict in ("failed", "unsupported")

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...reference import Solution, drifts, solve
 from ...reference.allowed_drift import allowed_drifts
-from ...reference.cross_check import SecondOpinion, second_opinion, times_within_reach
+from ...reference.cross_check import CrossCheck, cross_check, times_within_reach
 from ...scenarios import (
     FloatArray,
     Published,
@@ -27,7 +27,7 @@ def complaints(scenario: Scenario) -> Iterator[str]:
     """What is wrong with a scene's reference, in words; nothing if it stands."""
     solution = solve(scenario, scenario.times)
     yield from drifting(scenario, solution)
-    yield from _second_method(scenario, solution)
+    yield from _cross_check(scenario, solution)
     for published in scenario.published:
         yield from _published(scenario, published)
 
@@ -40,13 +40,13 @@ def drifting(scenario: Scenario, solution: Solution) -> Iterator[str]:
             yield f"{name} drifts by {drift:.2e}, more than {allowed[name]:.2e}"
 
 
-def _second_method(scenario: Scenario, solution: Solution) -> Iterator[str]:
+def _cross_check(scenario: Scenario, solution: Solution) -> Iterator[str]:
     """Compare with DOP853, as far as it tells something: half of the span, while it does not."""
     times = times_within_reach(scenario, solution.trajectory)
     while True:
         if len(times) < len(solution.trajectory.t) or times[-1] < solution.trajectory.t[-1]:
             solution = solve(scenario, times)
-        other = second_opinion(scenario, solution.trajectory.t)
+        other = cross_check(scenario, solution.trajectory.t)
         bounds = _bounds(solution, other)
         if max(bounds.values()) <= TELLING or len(times) <= 2:
             break
@@ -56,7 +56,7 @@ def _second_method(scenario: Scenario, solution: Solution) -> Iterator[str]:
             yield f"{name} differs by {error:.2e} from a second method good to {bounds[name]:.2e}"
 
 
-def _bounds(solution: Solution, other: SecondOpinion) -> dict[str, float]:
+def _bounds(solution: Solution, other: CrossCheck) -> dict[str, float]:
     """How far the second method may be off: each step errs, and the motion grows that."""
     committed = other.steps * other.tolerance
     known = dict(solution.uncertainty)

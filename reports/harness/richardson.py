@@ -5,26 +5,28 @@ costs a few numbers a rung.
 """
 
 from abc import ABC, abstractmethod
-from typing import Literal, final
+from typing import final
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ...scenarios import FloatArray, Trajectory
+from ..results.records import Signal
 
-Signal = Literal["omega", "attitude", "com"]
 EPS = float(np.finfo(float).eps)
 
 
-class Approach:
+class RichardsonSequence:
     """A ladder in one signal, coarse to fine, each rung half the one before.
 
     Attributes
     ----------
-    timesteps, errors, floors : s, distance from the truth, and what rounding may do; one a rung
-    limits_off : (n,) distance from the truth of each limit that two neighbours extrapolate to,
+    timesteps, errors, roundoff_bounds : s, distance from the exact motion, and what rounding may
+        do; one a rung
+    limit_distances : (n,) distance from the truth of each limit that two neighbours extrapolate to,
         sample by sample; one for each rung after the first
-    moves : distance of each such limit from the one before; one for each rung after the second
+    limit_increments : distance of each such limit from the one before; one for each rung after
+        the second
     """
 
     def __init__(
@@ -36,9 +38,9 @@ class Approach:
         self.uncertainty = uncertainty
         self.timesteps: list[float] = []
         self.errors: list[float] = []
-        self.floors: list[float] = []
-        self.limits_off: list[FloatArray] = []
-        self.moves: list[float] = []
+        self.roundoff_bounds: list[float] = []
+        self.limit_distances: list[FloatArray] = []
+        self.limit_increments: list[float] = []
         self._measure = _MEASURES[signal]
         self._true = self._measure.values(truth)
         self._finest: FloatArray | None = None
@@ -52,12 +54,12 @@ class Approach:
         measure, values = self._measure, self._measure.values(motion)
         self.timesteps.append(timestep)
         self.errors.append(float(measure.off(values, self._true).max()))
-        self.floors.append(floor)
+        self.roundoff_bounds.append(floor)
         if self._finest is not None:
             limit = measure.limit(self._finest, values, 1.0 / (2**self.declared_order - 1))
-            self.limits_off.append(measure.off(limit, self._true))
+            self.limit_distances.append(measure.off(limit, self._true))
             if self._limit is not None:
-                self.moves.append(float(measure.off(self._limit, limit).max()))
+                self.limit_increments.append(float(measure.off(self._limit, limit).max()))
             self._limit = limit
         self._finest = values
 

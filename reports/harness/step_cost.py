@@ -10,10 +10,11 @@ from functools import cache
 
 import numpy as np
 
-from ...engines import Engine, EngineError, Session
+from ...engines import EngineError, Session
 from ...scenarios import Scenario
-from .executors.local_workers import Workers
-from .executors.worker_slot import Lost
+from ..results.cost_records import StepCost
+from .choice import EngineMethod
+from .executors import CallFailed, Executor
 
 #: s of CPU time a timed stretch must last, at the least: so short that many a stretch falls between
 #: two ticks of the system's clock.
@@ -36,32 +37,9 @@ CLOCK_TICKS = 100
 #: What libraries start threads by. Engines step in one thread; others would spin beside it.
 THREAD_COUNTS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
-Pair = tuple[Engine, str]
-
 
 @dataclass(frozen=True)
-class StepCost:
-    """What a step costs.
-
-    Attributes
-    ----------
-    seconds_per_step : CPU seconds, of all threads: the least over the repeats
-    spread : the largest of them less the least
-    wall_seconds_per_step : the least by the clock on the wall: shorter only if threads share the
-        work, longer where something else had the processor
-    """
-
-    seconds_per_step: float
-    spread: float
-    wall_seconds_per_step: float
-
-    def per_simulated_second(self, timestep: float) -> float:
-        """CPU seconds a simulated second, at a timestep in s."""
-        return self.seconds_per_step / timestep
-
-
-@dataclass(frozen=True)
-class Stretch:
+class TimingSample:
     """One timed stretch: seconds a step."""
 
     cpu: float
@@ -84,9 +62,9 @@ def one_thread() -> Iterator[None]:
 
 
 def measure(
-    workers: Workers, scenario: Scenario, pairs: Sequence[Pair]
+    executor: Executor, scenario: Scenario, pairs: Sequence[EngineMethod]
 ) -> tuple[list[StepCost | None], list[str]]:
-    """Time every method on a scene in a worker process.
+    """Time every method on a scene.
 
     A method that takes its process with it, or holds it up, costs its own figure: the others are
     then timed alone, no longer interleaved.
@@ -95,29 +73,29 @@ def measure(
     -------
     The costs, None where there is none, and complaints.
     """
-    together = workers.submit(step_costs, scenario, pairs).outcome()
-    if not isinstance(together, Lost):
+    together = executor.call(step_costs, scenario, pairs).value
+    if not isinstance(together, CallFailed):
         return together, []
     costs: list[StepCost | None] = []
     complaints = []
     for engine, method in pairs:
-        alone = workers.submit(step_costs, scenario, [(engine, method)]).outcome()
-        costs += [None] if isinstance(alone, Lost) else alone
-        if isinstance(alone, Lost):
-            complaints.append(f"{engine.name} {method} could not be timed: {alone.reason}")
+        alone = executor.call(step_costs, scenario, [(engine, method)]).value
+        costs += [None] if isinstance(alone, CallFailed) else alone
+        if isinstance(alone, CallFailed):
+            complaints.append(f"{engine.name} {method.name} could not be timed: {alone.reason}")
     return costs, complaints
 
 
-def step_costs(scenario: Scenario, pairs: Sequence[Pair]) -> list[StepCost | None]:
+def step_costs(scenario: Scenario, pairs: Sequence[EngineMethod]) -> list[StepCost | None]:
     """Time every method on a scene, interleaved; None for one that does not load or step.
 
     Parameters
     ----------
-    pairs : engines and names of their methods
+    pairs : engines and their methods
     """
     timestep = timed_timestep(scenario)
     openings = [
-        lambda engine=engine, method=method: engine.open(scenario, engine.method(method), timestep)
+        lambda engine=engine, method=method: engine.open(scenario, method, timestep)
         for engine, method in pairs
     ]
     return [_cost(stretches) for stretches in interleaved(openings)]
@@ -129,7 +107,7 @@ def timed_timestep(scenario: Scenario) -> float:
     return TIMED_TURN / speed if speed else TIMED_TURN
 
 
-def interleaved(openings: Sequence[Callable[[], Session]]) -> list[list[Stretch]]:
+def interleaved(openings: Sequence[Callable[[], Session]]) -> list[list[TimingSample]]:
     """Time sessions in turn, `REPEATS` stretches each; none for one that does not load or step."""
     with ExitStack() as stack:
         timed = [_Timed(stack, opening) for opening in openings]
@@ -147,7 +125,7 @@ class _Timed:
 
     stack: ExitStack
     opening: Callable[[], Session]
-    stretches: list[Stretch] = field(default_factory=list)
+    stretches: list[TimingSample] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.gave_up = False
@@ -185,11 +163,11 @@ class _Timed:
         if not all(np.isfinite(values).all() for values in vars(state).values()):
             raise EngineError("the state is no longer finite")
 
-    def _stretch(self, steps: int) -> Stretch:
+    def _stretch(self, steps: int) -> TimingSample:
         wall, cpu = time.perf_counter(), time.process_time()
         self.session.advance(steps)
         cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
-        return Stretch(cpu / steps, wall / steps)
+        return TimingSample(cpu / steps, wall / steps)
 
 
 def _in_few_calls(steps: int) -> int:
@@ -211,7 +189,7 @@ def resolution() -> float:
     return min(changes)
 
 
-def _cost(stretches: Sequence[Stretch]) -> StepCost | None:
+def _cost(stretches: Sequence[TimingSample]) -> StepCost | None:
     if not stretches:
         return None
     cpu = [stretch.cpu for stretch in stretches]

@@ -1,30 +1,29 @@
-"""Runs the grid: scenes × engines × methods × timesteps, in workers, scene by scene.
+"""Runs scenes × engines × methods: solve, step down the ladder, compare, judge, store.
 
-Whatever ends is stored at once, and whatever is stored is not run again: a study that was stopped
-at any moment is gone on with by running it again.
+Whatever ends is stored at once, and whatever is stored is not run again: a run that was stopped at
+any moment is continued by starting it again. `study_method` is the way of one method on one scene;
+everything else here prepares it or runs many of them.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
-from queue import SimpleQueue
-from typing import Any
+from functools import lru_cache, partial
+from threading import Lock
 
 import numpy as np
 
 from ...engines import Engine, Method, Run
 from ...reference import Solution, solve
-from ...scenarios import Scenario
-from ...scenarios.fastest_rate import pace
+from ...scenarios import FloatArray, Scenario
+from ...scenarios.fastest_rate import fastest_rate
 from ..results.environment import environment
 from ..results.records import UNSOLVED, Key, Row, Verdict
 from ..results.store import Store
 from .choice import Choice
-from .convergence_study import Descent, Single
-from .executors.local_workers import Call, Workers
-from .executors.worker_slot import Lost, may_end_otherwise
+from .convergence_study import ConvergenceStudy, SingleRun
+from .executors import CallFailed, Executor, is_environmental, may_succeed_if_repeated
 from .ladder import Ladder, Rung, ladder, single
-from .plan import Plan, SceneLeft, plan
+from .plan import Plan, SceneLeft
 from .step_cost import one_thread
 from .timing import time_scene
 
@@ -34,35 +33,164 @@ MODELS = 64
 Progress = Callable[[str], None]
 
 
+def run_study(
+    left: Plan, choice: Choice, store: Store, executor: Executor, progress: Progress
+) -> None:
+    """Run what is missing of every scene, then time steps with nothing else running.
+
+    Each row, verdict and time is stored as soon as it is there.
+    """
+    store.put_environment(environment(choice.engines, choice.max_steps))
+    store.put_methods(choice.engines)
+    for verdict in executor.each(_methods_left(left, choice, store, executor)):
+        key = verdict.key
+        progress(f"{key.scenario}  {key.engine} {key.method}: {verdict.verdict}")
+    with one_thread(), executor.alone() as alone:
+        for scene in left.scenes:
+            if scene.to_time:
+                time_scene(scene, choice, store, alone, progress)
+
+
+def study_method(
+    scenario: Scenario,
+    engine: Engine,
+    method: Method,
+    reference: "SceneReference",
+    choice: Choice,
+    store: Store,
+    executor: Executor,
+) -> Verdict:
+    """One method on one scene, from the exact motion to the stored verdict."""
+    solved = reference.get(executor, store)
+    if isinstance(solved, CallFailed):
+        return _unsolved(scenario, engine, method, solved, choice, store)
+    study = convergence_study_of(scenario, engine, method, solved, choice.timesteps)
+    stored = {
+        row.timestep: row
+        for row in store.rows_of(study.key)
+        if not may_succeed_if_repeated(row.cause, row.reason, choice.time_limit)
+    }
+    for row in run_rungs(study, executor, stored):
+        store.put_row(row)
+    verdict = study.verdict()
+    step_limit = choice.max_steps_on(scenario) if study.cut_short else None
+    store.put_verdict(verdict, choice.timesteps, step_limit, study.discardable_timesteps())
+    return verdict
+
+
+def run_rungs(
+    study: ConvergenceStudy, executor: Executor, stored: Mapping[float, Row] | None = None
+) -> Iterator[Row]:
+    """Step down the ladder of a study until it can be judged.
+
+    Parameters
+    ----------
+    stored : runs there are, by timestep, s; they are not made again
+
+    Yields
+    ------
+    The runs made now, each compared with the exact motion.
+    """
+    scenario, engine, method = study.scenario, study.engine, study.method
+    while (rung := study.next_rung()) is not None:
+        row = (stored or {}).get(rung.timestep)
+        if row is None or not study.can_take(row):
+            answer = executor.call(simulate, engine, scenario, method.name, rung)
+            row = study.compare(answer)
+            yield row
+        study.take(row)
+
+
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A scene's truth on its ladder, and on the single timesteps asked for."""
+    """A scene's exact motion on its ladder, and on the single timesteps asked for."""
 
     solution: Solution
     ladder: Ladder
     singles: list[tuple[Rung, Solution]]
 
 
+class SceneReference:
+    """A scene's exact motion, solved once for all its methods, by the first that asks.
+
+    Parameters
+    ----------
+    timesteps : s, single ones besides the ladder
+    max_steps : of a run of the ladder
+    """
+
+    def __init__(self, scenario: Scenario, timesteps: Sequence[float], max_steps: int) -> None:
+        self._asked = (scenario, timesteps, max_steps)
+        self._solving = Lock()
+        self._solved: Prepared | CallFailed | None = None
+
+    def get(self, executor: Executor, store: Store) -> Prepared | CallFailed:
+        """The exact motion, stored when it is found, or why it could not be."""
+        with self._solving:
+            if self._solved is None:
+                self._solved = executor.call(prepare, *self._asked).value
+                if isinstance(self._solved, Prepared):
+                    store.put_scene(self._asked[0], self._solved.solution)
+            return self._solved
+
+
 def prepare(scenario: Scenario, timesteps: Sequence[float], max_steps: int) -> Prepared:
     """Solve a scene at the sample times of its ladder and of every single timestep.
 
-    Where the truth ends at its horizon, so do the runs.
+    Where the exact motion ends at its horizon, so do the runs.
     """
     rough = solve(scenario, scenario.times)
     samples = len(rough.trajectory.t)
-    found = ladder(scenario.window, pace(scenario, rough.trajectory), samples, max_steps)
-    solution = solve(scenario, found.times)
+    rungs = ladder(scenario.window, fastest_rate(scenario, rough.trajectory), samples, max_steps)
+    solution = solve(scenario, rungs.times)
     singles = []
     for timestep in timesteps:
         rung = single(timestep, rough.trajectory.t)
-        truth = solve(scenario, _times(rung))
-        singles.append((rung.until(len(truth.trajectory.t)), truth))
-    return Prepared(solution, found.until(len(solution.trajectory.t)), singles)
+        at_rung = solve(scenario, _times(rung))
+        singles.append((rung.until(len(at_rung.trajectory.t)), at_rung))
+    return Prepared(solution, rungs.until(len(solution.trajectory.t)), singles)
+
+
+def convergence_study_of(
+    scenario: Scenario,
+    engine: Engine,
+    method: Method,
+    prepared: Prepared,
+    timesteps: Sequence[float] = (),
+) -> ConvergenceStudy:
+    """The runs of a method: the timesteps asked for, those expected something of, and the ladder.
+
+    Where timesteps are asked for there is no ladder.
+    """
+    singles = []
+    for rung, solution in prepared.singles:
+        run = (engine.name, method.name, rung.timestep)
+        expectations = tuple(e for e in scenario.expect if (e.engine, e.method, e.timestep) == run)
+        if expectations or rung.timestep in timesteps:
+            singles.append(SingleRun(rung, solution, expectations))
+    rungs = None if timesteps else prepared.ladder
+    return ConvergenceStudy(scenario, engine, method, prepared.solution, rungs, singles)
+
+
+def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
+    """One run, in a worker; if it is ok or lags, what is odd about its first steps besides."""
+    run = engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
+    if not (run.outcome == "ok" or run.cause == "lag"):
+        return run
+    model = _Model(engine.name, method, scenario.digest, engine, scenario)
+    residuals = _equation_residuals(model)
+    if not residuals:
+        return run
+    reason = "; ".join(filter(None, (run.reason, residuals)))
+    if run.outcome == "ok":
+        return replace(run, cause="law", reason=reason)
+    # What lags however small the step is no clamp.
+    return replace(run, outcome="failed", cause="clock", reason=reason)
 
 
 @dataclass(frozen=True)
 class _Model:
-    """A scene in an engine, by one method; told apart by names and digest."""
+    """A scene in an engine, by one method; equal by names and digest."""
 
     engine_name: str
     method: str
@@ -72,161 +200,47 @@ class _Model:
 
 
 @lru_cache(maxsize=MODELS)
-def _departures(model: _Model) -> str:
-    """What is odd about its first steps, whatever the timestep: found out once a process."""
-    return model.engine.departures(model.scenario, model.engine.method(model.method))
+def _equation_residuals(model: _Model) -> str:
+    """What is odd about its first steps, whatever the timestep: measured once a process."""
+    return model.engine.equation_residuals(model.scenario, model.engine.method(model.method))
 
 
-def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
-    """One run, in a worker; if it is ok or lags, what is odd about its first steps besides."""
-    run = engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
-    if not (run.outcome == "ok" or run.cause == "lag"):
-        return run
-    if not (said := _departures(_Model(engine.name, method, scenario.digest, engine, scenario))):
-        return run
-    said = "; ".join(filter(None, (run.reason, said)))
-    if run.outcome == "ok":
-        return replace(run, cause="law", reason=said)
-    # What lags however small the step is no clamp.
-    return replace(run, outcome="failed", cause="clock", reason=said)
+def _methods_left(
+    left: Plan, choice: Choice, store: Store, executor: Executor
+) -> Iterator[Callable[[], Verdict]]:
+    """One task for each method of each scene; those of a scene share its exact motion."""
+    for scene in left.scenes:
+        reference = scene_reference(scene, choice)
+        for engine, method in scene.to_run:
+            yield partial(
+                study_method, scene.scenario, engine, method, reference, choice, store, executor
+            )
 
 
-def descent_of(
+def scene_reference(scene: SceneLeft, choice: Choice) -> SceneReference:
+    """The exact motion that the methods of a scene are compared with."""
+    expected = {expectation.timestep for expectation in scene.scenario.expect}
+    timesteps = sorted({*choice.timesteps, *expected})
+    return SceneReference(scene.scenario, timesteps, choice.max_steps_on(scene.scenario))
+
+
+def _unsolved(
     scenario: Scenario,
     engine: Engine,
     method: Method,
-    prepared: Prepared,
-    timesteps: Sequence[float] = (),
-) -> Descent:
-    """The runs of a method: the timesteps asked for, those promised about, and the ladder.
-
-    Where timesteps are asked for there is no ladder.
-    """
-    singles = []
-    for rung, solution in prepared.singles:
-        wanted = (engine.name, method.name, rung.timestep)
-        promises = tuple(e for e in scenario.expect if (e.engine, e.method, e.timestep) == wanted)
-        if promises or rung.timestep in timesteps:
-            singles.append(Single(rung, solution, promises))
-    taken = None if timesteps else prepared.ladder
-    return Descent(scenario, engine, method, prepared.solution, taken, singles)
-
-
-def run_study(
-    scenarios: Sequence[Scenario],
+    failure: CallFailed,
     choice: Choice,
     store: Store,
-    jobs: int,
-    progress: Progress,
-) -> None:
-    """Run what is missing of every scene."""
-    carry_out(plan(scenarios, choice, store), choice, store, jobs, progress)
+) -> Verdict:
+    """Store that there is nothing to compare a method with."""
+    key = Key(scenario.name, engine.name, method.name)
+    reason = f"the exact motion could not be found: {failure.reason}"
+    cause = failure.cause if is_environmental(failure.cause) else "unsolved"
+    store.put_row(Row(key, engine.version, UNSOLVED, "failed", reason, cause))
+    verdict = Verdict(key, "failed", reason)
+    store.put_verdict(verdict, choice.timesteps)
+    return verdict
 
 
-def carry_out(left: Plan, choice: Choice, store: Store, jobs: int, progress: Progress) -> None:
-    """Run what is left, storing each row and each verdict as it ends, then time the steps."""
-    store.put_environment(environment(choice.engines, choice.max_steps))
-    store.put_methods(choice.engines)
-    with Workers(jobs, choice.time_limit) as workers:
-        grid = _Grid(choice, store, workers, progress)
-        for rank, scene in enumerate(left.scenes):
-            if scene.to_run:
-                grid.start(scene, rank)
-        grid.drain()
-    # Nothing else runs while steps are timed.
-    with one_thread(), Workers(1, choice.time_limit) as workers:
-        for scene in left.scenes:
-            if scene.to_time:
-                time_scene(scene, choice, store, workers, progress)
-
-
-class _Grid:
-    """The runs under way, and what to do when each ends."""
-
-    def __init__(self, choice: Choice, store: Store, workers: Workers, progress: Progress) -> None:
-        self._choice = choice
-        self._store = store
-        self._workers = workers
-        self._progress = progress
-        self._under_way: dict[Call[Any], Callable[[Call[Any]], None]] = {}
-        self._done: SimpleQueue[Call[Any]] = SimpleQueue()
-
-    def start(self, scene: SceneLeft, rank: int) -> None:
-        """Solve a scene, and start its runs when that is done; scenes of lower rank go first."""
-        promised = {expected.timestep for expected in scene.scenario.expect}
-        timesteps = sorted({*self._choice.timesteps, *promised})
-        self._submit(
-            lambda done: self._prepared(scene, rank, done.outcome()),
-            rank,
-            prepare,
-            scene.scenario,
-            timesteps,
-            self._choice.max_steps_on(scene.scenario),
-        )
-
-    def drain(self) -> None:
-        """Run until nothing is under way."""
-        while self._under_way:
-            done = self._done.get()
-            self._under_way.pop(done)(done)
-
-    def _submit(
-        self,
-        then: Callable[[Call[Any]], None],
-        rank: int,
-        call: Callable[..., Any],
-        *arguments: Any,
-    ) -> None:
-        future = self._workers.submit_ranked(rank, call, *arguments)
-        self._under_way[future] = then
-        future.add_done_callback(lambda _: self._done.put(future))
-
-    def _prepared(self, scene: SceneLeft, rank: int, prepared: Prepared | Lost) -> None:
-        scenario = scene.scenario
-        if isinstance(prepared, Lost):
-            for engine, method in scene.to_run:
-                key = Key(scenario.name, engine.name, method.name)
-                reason = f"the reference could not be solved: {prepared.reason}"
-                self._store.put_row(
-                    Row(key, engine.version, UNSOLVED, "failed", reason, "unsolved")
-                )
-                self._finish(Verdict(key, "failed", reason))
-            return
-        self._store.put_scene(scenario, prepared.solution)
-        for engine, method in scene.to_run:
-            descent = descent_of(scenario, engine, method, prepared, self._choice.timesteps)
-            rows = self._store.rows_of(descent.key)
-            limit = self._choice.time_limit
-            there = {r.timestep: r for r in rows if not may_end_otherwise(r.reason, limit)}
-            self._descend(descent, there, rank)
-
-    def _descend(self, descent: Descent, there: dict[float, Row], rank: int) -> None:
-        """Take the rungs that are there already, then run the next one, down to the verdict."""
-        while rung := descent.next_rung():
-            row = there.get(rung.timestep)
-            if row is None or not descent.can_take(row):
-                break
-            descent.take(row)
-        else:
-            limit = self._choice.max_steps_on(descent.scenario) if descent.cut_short else None
-            self._finish(descent.verdict(), limit, descent.spent())
-            return
-
-        def then(done: Call[Any]) -> None:
-            row = descent.add(done.outcome(), done.printed)
-            self._store.put_row(row)
-            self._descend(descent, there | {row.timestep: row}, rank)
-
-        scenario, engine, method = descent.scenario, descent.engine, descent.method.name
-        self._submit(then, rank, simulate, engine, scenario, method, rung)
-
-    def _finish(
-        self, verdict: Verdict, step_limit: int | None = None, spent: Sequence[float] = ()
-    ) -> None:
-        self._store.put_verdict(verdict, self._choice.timesteps, step_limit, spent)
-        key = verdict.key
-        self._progress(f"{key.scenario}  {key.engine} {key.method}: {verdict.verdict}")
-
-
-def _times(rung: Rung) -> np.ndarray[Any, np.dtype[np.float64]]:
+def _times(rung: Rung) -> FloatArray:
     return np.asarray(rung.sample_steps * rung.timestep, dtype=float)

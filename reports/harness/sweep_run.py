@@ -1,92 +1,86 @@
-"""Runs a point of a sweep: one scene and timestep, each method against the scene's own truth."""
+"""Runs one point of a sweep: one scene and timestep, each method against the scene's own motion."""
 
-from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from collections.abc import Sequence
 
 import numpy as np
 
-from ...engines import Engine
 from ...reference import Solution, solve
-from ...scenarios import Scenario, ScenarioError, loads
+from ...scenarios import Scenario, ScenarioError
 from ..results.records import Key, Row
-from ..results.sweep_records import Point, PointOutcome
+from ..results.sweep_records import PointOutcome, PointResult, SweepPoint
+from .choice import EngineMethod
 from .comparison import row_of
-from .executors.worker_slot import Lost
+from .executors import CallFailed
 from .ladder import Rung
-from .sweep_points import Place
+from .sweep_points import rung_at, scene_at
 
 #: A run of more steps than this is skipped: a second of MuJoCo's, a few of PyBullet's.
 STEP_BUDGET = 1 << 17
 
-#: Engine and name of the method.
-Pair = tuple[Engine, str]
 
-
-def run_place(text: str, name: str, place: Place, pairs: Sequence[Pair]) -> list[Point]:
-    """One point a method; one in all where the place has no scene.
+def run_point(
+    base: Scenario, point: SweepPoint, pairs: Sequence[EngineMethod]
+) -> list[PointResult]:
+    """One result a method; one in all where the point has no scene.
 
     Parameters
     ----------
-    text, name : of the scene that is varied
+    base : the scene that is varied
     """
-    found = _found(text, name, place)
-    if isinstance(found, Point):
-        return [found]
-    scenario, rung = found
+    run = _scene_and_rung(base, point)
+    if isinstance(run, PointResult):
+        return [run]
+    scenario, rung = run
+    keys = _keys(base, pairs)
     if rung.steps > STEP_BUDGET:
         reason = f"it takes {rung.steps} steps, and a point may take {STEP_BUDGET}"
-        return _without_runs(place, _keys(name, pairs), rung, "skipped", "steps", reason)
+        return [_not_run(point, key, rung, "skipped", "steps", reason) for key in keys]
     try:
         solution = solve(scenario, np.asarray(rung.sample_steps * rung.timestep, dtype=float))
     except Exception as error:
-        reason = f"the reference could not be solved: {type(error).__name__}: {error}"
-        return _without_runs(place, _keys(name, pairs), rung, "failed", "unsolved", reason)
-    return list(_runs(scenario, place, rung, solution, pairs))
+        reason = f"the exact motion could not be found: {type(error).__name__}: {error}"
+        return [_not_run(point, key, rung, "failed", "unsolved", reason) for key in keys]
+    return [_result(scenario, point, rung, solution, pair) for pair in pairs]
 
 
-def lost_point(text: str, name: str, place: Place, pair: Pair, lost: Lost) -> Point:
-    """The point of a method that took its process with it."""
-    found = _found(text, name, place)
-    if isinstance(found, Point):
-        return found
-    _, rung = found
-    keys = _keys(name, [pair])
-    return _without_runs(place, keys, rung, "failed", lost.cause, lost.reason)[0]
+def failed_point(
+    base: Scenario, point: SweepPoint, pair: EngineMethod, failure: CallFailed
+) -> PointResult:
+    """The result of a method whose call has failed."""
+    run = _scene_and_rung(base, point)
+    if isinstance(run, PointResult):
+        return run
+    (key,) = _keys(base, [pair])
+    return _not_run(point, key, run[1], "failed", failure.cause, failure.reason)
 
 
-def _found(text: str, name: str, place: Place) -> tuple[Scenario, Rung] | Point:
-    """The scene of a place and its run, or the point that says there is none."""
+def _scene_and_rung(base: Scenario, point: SweepPoint) -> tuple[Scenario, Rung] | PointResult:
+    """The scene of a point and its run, or the result that says there is none."""
     try:
-        scenario = place.scene(_base(text, name))
-        return scenario, place.rung(scenario)
+        scenario = scene_at(point, base)
+        return scenario, rung_at(point, scenario)
     except ScenarioError as error:
         # Without the line, which is of a file that nobody has.
         reason = "; ".join(line.partition(": ")[2] for line in str(error).splitlines())
     except ValueError as error:
         reason = str(error)
-    timestep = place.timestep or 0.0
-    return Point(place.at, Key(name, "", ""), timestep, "invalid", "scene", reason)
+    key = Key(base.name, "", "")
+    return PointResult(point.at, key, point.timestep or 0.0, "invalid", "scene", reason)
 
 
-@lru_cache(maxsize=1)
-def _base(text: str, name: str) -> Scenario:
-    """The scene that is varied, the same for thousands of points."""
-    return loads(text, name)
-
-
-def _runs(
-    scenario: Scenario, place: Place, rung: Rung, solution: Solution, pairs: Sequence[Pair]
-) -> Iterator[Point]:
+def _result(
+    scenario: Scenario, point: SweepPoint, rung: Rung, solution: Solution, pair: EngineMethod
+) -> PointResult:
+    engine, method = pair
+    (key,) = _keys(scenario, [pair])
     within = Rung(rung.timestep, rung.sample_steps[: len(solution.trajectory.t)])
-    for key, (engine, method) in zip(_keys(scenario.name, pairs), pairs, strict=True):
-        run = engine.run(scenario, engine.method(method), within.timestep, within.sample_steps)
-        row = row_of(scenario, key, engine.version, within, run, solution)
-        yield _point(place, row)
+    run = engine.run(scenario, method, within.timestep, within.sample_steps)
+    return _of_row(point, row_of(scenario, key, engine.version, within, run, solution))
 
 
-def _point(place: Place, row: Row) -> Point:
-    return Point(
-        place.at,
+def _of_row(point: SweepPoint, row: Row) -> PointResult:
+    return PointResult(
+        point.at,
         row.key,
         row.timestep,
         row.outcome,
@@ -99,11 +93,11 @@ def _point(place: Place, row: Row) -> Point:
     )
 
 
-def _without_runs(
-    place: Place, keys: Sequence[Key], rung: Rung, outcome: PointOutcome, cause: str, reason: str
-) -> list[Point]:
-    return [Point(place.at, key, rung.timestep, outcome, cause, reason) for key in keys]
+def _not_run(
+    point: SweepPoint, key: Key, rung: Rung, outcome: PointOutcome, cause: str, reason: str
+) -> PointResult:
+    return PointResult(point.at, key, rung.timestep, outcome, cause, reason)
 
 
-def _keys(name: str, pairs: Sequence[Pair]) -> list[Key]:
-    return [Key(name, engine.name, method) for engine, method in pairs]
+def _keys(base: Scenario, pairs: Sequence[EngineMethod]) -> list[Key]:
+    return [Key(base.name, engine.name, method.name) for engine, method in pairs]

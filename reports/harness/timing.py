@@ -9,9 +9,8 @@ from ..results.environment import processor
 from ..results.store import Store
 from .choice import Choice
 from .effects_cost import effects_costs, first_pass_costs
-from .executors.local_workers import Workers
-from .executors.worker_slot import Lost
-from .plan import SceneLeft, can_be_timed
+from .executors import CallFailed, Executor
+from .plan import SceneLeft, can_be_timed, settled_verdicts
 from .step_cost import measure
 
 
@@ -19,26 +18,25 @@ def time_scene(
     scene: SceneLeft,
     choice: Choice,
     store: Store,
-    workers: Workers,
+    executor: Executor,
     progress: Callable[[str], None],
 ) -> None:
-    """Time what a scene leaves out, then every method that can simulate it, in one worker.
+    """Time what a scene leaves out, then every method that can simulate it, in one call.
 
     Methods are interleaved, and all timed even where one alone is missing: times taken apart are
     not to be compared. They come last: a scene whose steps were timed is complete.
     """
     scenario = scene.scenario
-    _time_left_out(effects_costs, scenario, choice, store, workers)
+    _time_left_out(effects_costs, scenario, choice, store, executor)
     if scene.by_pass:
-        _time_left_out(first_pass_costs, scenario, choice, store, workers)
-    settled = store.settled(scenario.name, choice.timesteps, choice.max_steps_on(scenario))
-    verdicts = {verdict.key: verdict for verdict in settled}
+        _time_left_out(first_pass_costs, scenario, choice, store, executor)
+    verdicts = {verdict.key: verdict for verdict in settled_verdicts(scenario, choice, store)}
     pairs = {
-        key: (engine, method.name)
-        for key, (engine, method) in choice.methods_on(scenario).items()
-        if can_be_timed(scenario, (engine, method), verdicts.get(key))
+        key: pair
+        for key, pair in choice.methods_on(scenario).items()
+        if can_be_timed(scenario, pair, verdicts.get(key))
     }
-    costs, complaints = measure(workers, scenario, list(pairs.values())) if pairs else ([], [])
+    costs, complaints = measure(executor, scenario, list(pairs.values())) if pairs else ([], [])
     for key, cost in zip(pairs, costs, strict=True):
         store.put_cost(key, processor(), cost)
     progress("; ".join([f"{scenario.name}  timed", *complaints]))
@@ -49,13 +47,13 @@ def _time_left_out(
     scenario: Scenario,
     choice: Choice,
     store: Store,
-    workers: Workers,
+    executor: Executor,
 ) -> None:
     """Time what each engine leaves out of a scene."""
     methods: dict[str, tuple[Engine, list[Method]]] = {}
     for engine, method in choice.pairs():
         methods.setdefault(engine.name, (engine, []))[1].append(method)
     for engine, chosen in methods.values():
-        found = workers.submit(call, scenario, engine, chosen).outcome()
-        for one in [] if isinstance(found, Lost) else found:
+        found = executor.call(call, scenario, engine, chosen).value
+        for one in [] if isinstance(found, CallFailed) else found:
             store.put_left_out(one)

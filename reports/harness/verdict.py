@@ -1,14 +1,12 @@
 """Judges a method on its ladder: does it go to the truth as its timestep goes to zero."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from ...scenarios import FloatArray
-from .richardson import Approach
-
-VerdictWord = Literal["converges", "disagrees", "unresolved", "diverges", "unsupported", "failed"]
+from ..results.records import VerdictWord
+from .richardson import RichardsonSequence
 
 #: The order found must reach the order declared to within this.
 ORDER_SLACK = 0.25
@@ -48,27 +46,27 @@ class Judgement:
     needed_timestep: float | None = None
 
 
-def judge(ladder: Approach) -> Judgement:
+def judge(ladder: RichardsonSequence) -> Judgement:
     """Judge a ladder of at least three rungs in one signal."""
-    errors, floors = np.array(ladder.errors), np.array(ladder.floors)
+    errors, roundoff_bounds = np.array(ladder.errors), np.array(ladder.roundoff_bounds)
     uncertainty = ladder.uncertainty
-    if errors.max() <= SHARP and (errors <= floors + uncertainty).all():
+    if errors.max() <= SHARP and (errors <= roundoff_bounds + uncertainty).all():
         return Judgement("converges", "errors are at round-off throughout")
-    moves = np.array(ladder.moves)
-    best = _finest_above_round_off(moves, floors[2:])
-    estimate = _estimate(moves, best, ladder.declared_order)
-    off = ladder.limits_off[best + 1]
-    given = uncertainty + float(floors[best + 2])
+    limit_increments = np.array(ladder.limit_increments)
+    best = _finest_above_round_off(limit_increments, roundoff_bounds[2:])
+    estimate = _estimate(limit_increments, best, ladder.declared_order)
+    off = ladder.limit_distances[best + 1]
+    given = uncertainty + float(roundoff_bounds[best + 2])
     allowance = estimate + given
     return _weigh(
         _Found(
             ladder,
-            fitted_order(np.array(ladder.timesteps), errors, floors, uncertainty),
+            fitted_order(np.array(ladder.timesteps), errors, roundoff_bounds, uncertainty),
             estimate,
             given,
             limit_error=float(off.max()),
             allowance=allowance,
-            settles=_settles(moves, floors[2:]),
+            settles=_settles(limit_increments, roundoff_bounds[2:]),
             since=float(ladder.truth.t[np.argmax(off > allowance)]),
         )
     )
@@ -76,7 +74,7 @@ def judge(ladder: Approach) -> Judgement:
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    ladder: Approach
+    ladder: RichardsonSequence
     order: float | None
     estimate: float
     given: float
@@ -124,38 +122,44 @@ def _order_words(found: _Found) -> str:
     return f"order {found.order:.2f}, declared {declared}{above}"
 
 
-def _settles(moves: FloatArray, floors: FloatArray) -> bool:
+def _settles(limit_increments: FloatArray, roundoff_bounds: FloatArray) -> bool:
     """Whether the extrapolated limits move less and less, down to the finest or to rounding."""
-    if moves[-1] <= floors[-1]:
+    if limit_increments[-1] <= roundoff_bounds[-1]:
         return True
-    return len(moves) > 1 and bool(moves[-1] <= moves[-2] * 2**-SETTLING_ORDER)
+    return len(limit_increments) > 1 and bool(
+        limit_increments[-1] <= limit_increments[-2] * 2**-SETTLING_ORDER
+    )
 
 
-def _finest_above_round_off(moves: FloatArray, floors: FloatArray) -> int:
+def _finest_above_round_off(limit_increments: FloatArray, roundoff_bounds: FloatArray) -> int:
     """Index of the last limit that moved by more than rounding; beyond it there is only noise."""
-    above = np.flatnonzero(moves > floors)
-    return int(above[-1]) if len(above) else int(np.argmin(moves))
+    above = np.flatnonzero(limit_increments > roundoff_bounds)
+    return int(above[-1]) if len(above) else int(np.argmin(limit_increments))
 
 
-def _estimate(moves: FloatArray, best: int, order: int) -> float:
+def _estimate(limit_increments: FloatArray, best: int, order: int) -> float:
     """How well the limit is known: by how much it moved last.
 
     The move overestimates the error in the asymptotic range, where it shrinks by 2^(p+1) a rung;
     the move before, shrunk so, keeps one that is small by accident from being believed.
     """
-    before = moves[best - 1] / 2 ** (order + 1) if best else 0.0
-    return float(max(moves[best], before))
+    before = limit_increments[best - 1] / 2 ** (order + 1) if best else 0.0
+    return float(max(limit_increments[best], before))
 
 
 def fitted_order(
-    timesteps: FloatArray, errors: FloatArray, floors: FloatArray, uncertainty: float
+    timesteps: FloatArray, errors: FloatArray, roundoff_bounds: FloatArray, uncertainty: float
 ) -> float | None:
     """Signed least-squares slope of log error against log dt over the finest usable rungs.
 
     Usable are errors in the asymptotic range and above round-off and the reference's uncertainty;
     of fewer than two there is no slope. All arrays are (n,), coarse to fine.
     """
-    usable = (errors > ABOVE_UNCERTAINTY * uncertainty) & (errors > floors) & (errors < ASYMPTOTIC)
+    usable = (
+        (errors > ABOVE_UNCERTAINTY * uncertainty)
+        & (errors > roundoff_bounds)
+        & (errors < ASYMPTOTIC)
+    )
     finest = np.flatnonzero(usable)[-FITTED_RUNGS:]
     if len(finest) < 2:
         return None

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from .analysis.profiles import profile
-from .analysis.report_data import Gathered, SceneRuns
-from .analysis.trace_style import Look, looks
+from .analysis.report_data import ReportData, SceneRuns
+from .analysis.trace_style import TraceStyle, looks
 from .analysis.wording import SIGNALS
 from .analysis.work_precision import SIGNALS as ERRORS
 from .analysis.work_precision import Signal, curves
@@ -37,14 +37,14 @@ class CostSection:
     """
 
     scenes: int
-    methods: tuple[tuple[str, Look], ...]
+    methods: tuple[tuple[str, TraceStyle], ...]
     profiles: Titled | None
     reached: Table
     medians: Table
     ratios: Table
 
 
-def cost_section(gathered: Gathered) -> CostSection:
+def cost_section(gathered: ReportData) -> CostSection:
     """What accuracy costs, over all scenes that were solved."""
     scenes = [curves(scene, COMPARED) for scene in gathered.scenes if scene.found]
     drawn = looks(gathered.pairs)

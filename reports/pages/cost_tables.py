@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from ..results.records import Pair
 from .analysis.cost_to_reach import LEVELS, Reach, reach
 from .analysis.profiles import SceneCurves, order_ratios, tally
-from .analysis.report_data import Gathered, MethodRuns, SceneRuns
+from .analysis.report_data import MethodRuns, ReportData, SceneRuns
 from .analysis.wording import NOTHING, number
 from .analysis.work_precision import Signal, curve_of
 from .tables import Cell, Table, figure, table
@@ -30,7 +30,7 @@ def reach_table(scene: SceneRuns, signal: Signal) -> Table:
     return table(headings, rows)
 
 
-def reached_table(gathered: Gathered, scenes: Sequence[SceneCurves]) -> Table:
+def reached_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
     """On how many scenes each method reaches each error, and on how many by extrapolation only."""
     rows = []
     for pair in gathered.pairs:
@@ -39,7 +39,7 @@ def reached_table(gathered: Gathered, scenes: Sequence[SceneCurves]) -> Table:
     return table(("engine", "method", *_level_headings()), rows)
 
 
-def median_table(gathered: Gathered, scenes: Sequence[SceneCurves]) -> Table:
+def median_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
     """What each error costs each method: the median over the scenes that it can simulate."""
     rows = []
     for pair in gathered.pairs:

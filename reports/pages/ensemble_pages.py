@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ..results.store import Results
 from ..results.sweep_records import Ensemble, EnsembleResult
 from .analysis.ensemble_numbers import members_of
-from .analysis.trace_style import Look, looks
+from .analysis.trace_style import TraceStyle, looks
 from .analysis.wording import count
 from .ensemble_tables import quantile_tables, worst_table
 from .figures.ensemble_figure import distribution
@@ -42,7 +42,7 @@ class EnsemblePage:
     command: str
     timestep: str
     figure: Titled | None
-    shown: tuple[tuple[str, Look], ...]
+    shown: tuple[tuple[str, TraceStyle], ...]
     ends: Table
     quantiles: list[tuple[str, Table]]
     worst: Table

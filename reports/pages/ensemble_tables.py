@@ -3,7 +3,7 @@
 import shlex
 from collections.abc import Iterator, Sequence
 
-from ..results.sweep_records import Ensemble, Point
+from ..results.sweep_records import Ensemble, PointResult
 from .analysis.ensemble_numbers import QUANTILE_NAMES, Members
 from .analysis.map_marks import is_coloured
 from .analysis.wording import NOTHING, SIGNALS, limited, number
@@ -58,7 +58,7 @@ def _quantile_row(of_method: Members, signal: Signal) -> Iterator[Cell]:
         yield figure(number(value))
 
 
-def _member(ensemble: Ensemble, point: Point) -> Iterator[Cell]:
+def _member(ensemble: Ensemble, point: PointResult) -> Iterator[Cell]:
     member = int(point.at[0])
     yield figure(str(member))
     error = point.errors.omega if point.errors else None

@@ -3,7 +3,7 @@
 from statistics import median
 
 from ..results.records import Pair
-from .analysis.report_data import Gathered, MethodRuns, SceneRuns
+from .analysis.report_data import MethodRuns, ReportData, SceneRuns
 from .analysis.survival import survival
 from .analysis.wording import NOTHING, number
 from .overview import Matrix, matrix_of
@@ -13,17 +13,17 @@ from .tables import Cell, Table, figure, table
 TURNS = (0.01, 0.1, 1.0)
 
 
-def hard_scenes(gathered: Gathered) -> tuple[SceneRuns, ...]:
+def hard_scenes(gathered: ReportData) -> tuple[SceneRuns, ...]:
     """The scenes of the tag."""
     return tuple(scene for scene in gathered.scenes if scene.found and scene.found.scenario.hard)
 
 
-def survivors(gathered: Gathered) -> Matrix:
+def survivors(gathered: ReportData) -> Matrix:
     """Verdicts on hard scenes, and in each cell the largest timestep that survives."""
     return matrix_of(gathered, hard_scenes(gathered), _detail)
 
 
-def survivors_table(gathered: Gathered) -> Table:
+def survivors_table(gathered: ReportData) -> Table:
     """How many hard scenes each method survives, and at which timestep."""
     headings = (
         "engine",
@@ -41,13 +41,13 @@ def survivors_table(gathered: Gathered) -> Table:
 def _detail(scene: SceneRuns, runs: MethodRuns) -> str:
     if not runs.rows:
         return "no run fits"
-    found = survival(runs.rows, scene.pace)
+    found = survival(runs.rows, scene.fastest_rate)
     return str(found) if found else ""
 
 
 def _line(pair: Pair, scenes: tuple[SceneRuns, ...]) -> list[Cell | str]:
     tried = [
-        (runs, survival(runs.rows, scene.pace))
+        (runs, survival(runs.rows, scene.fastest_rate))
         for scene in scenes
         for runs in scene.methods
         if (runs.engine, runs.method) == pair

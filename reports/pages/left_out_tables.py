@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from ..harness.effects_cost import EffectsCost, PassCosts
+from ..results.cost_records import EffectsCost, PassCosts
 from ..results.records import Key
 from .analysis.wording import NOTHING, number
 from .tables import Cell, Table, figure, table

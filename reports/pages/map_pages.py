@@ -8,7 +8,7 @@ from ...engines import Method
 from ...scenarios.vary import Axis
 from ..results.records import Pair
 from ..results.store import Results
-from ..results.sweep_records import MapResult, Point
+from ..results.sweep_records import MapResult, PointResult
 from .analysis.map_grid import Grid, axis_title
 from .figures.figures import Titled
 from .figures.map_figure import map_figure
@@ -60,7 +60,7 @@ def map_pages(results: Results) -> list[MapPage]:
     return pages
 
 
-def methods_of(points: tuple[Point, ...], results: Results) -> dict[Pair, Method | None]:
+def methods_of(points: tuple[PointResult, ...], results: Results) -> dict[Pair, Method | None]:
     """Those that were run, engines by name, their methods as the adapter lists them."""
     pairs = {(point.key.engine, point.key.method) for point in points if point.key.engine}
     listed = {pair: rank for rank, pair in enumerate(results.methods)}

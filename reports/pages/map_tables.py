@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from statistics import median
 
 from ..results.records import Pair
-from ..results.sweep_records import Point
+from ..results.sweep_records import PointResult
 from .analysis.map_grid import Grid
 from .analysis.map_marks import is_coloured, marks
 from .analysis.wording import NOTHING, number
@@ -28,7 +28,7 @@ def survival_table(grid: Grid) -> Table:
     return table(headings, rows)
 
 
-def ends_table(points: Iterable[Point], pairs: Iterable[Pair]) -> Table:
+def ends_table(points: Iterable[PointResult], pairs: Iterable[Pair]) -> Table:
     """How many runs of each method finished, and how many ended in each other way."""
     points = list(points)
     known = marks(points)
@@ -60,8 +60,8 @@ def _count(amount: int) -> Cell:
     return Cell(str(amount), "number" if amount else "number none")
 
 
-def _by_turn(grid: Grid, pair: Pair) -> list[list[Point]]:
-    found: list[list[Point]] = [[] for _ in range(len(TURNS) + 1)]
+def _by_turn(grid: Grid, pair: Pair) -> list[list[PointResult]]:
+    found: list[list[PointResult]] = [[] for _ in range(len(TURNS) + 1)]
     for node, point in grid.points[pair].items():
         if point.outcome in RUN and node in grid.numbers:
             turn = grid.numbers[node].turning * point.timestep
@@ -77,7 +77,7 @@ def _range(k: int) -> str:
     return f"{TURNS[k - 1]:g} to {TURNS[k]:g} rad"
 
 
-def _survived(points: list[Point]) -> Cell:
+def _survived(points: list[PointResult]) -> Cell:
     if not points:
         return figure(NOTHING)
     finished = [point for point in points if is_coloured(point)]

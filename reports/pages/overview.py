@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from statistics import median
 
 from ...engines import Method
-from ..harness.verdict import VerdictWord
-from ..results.records import Pair, Verdict
-from .analysis.report_data import Gathered, MethodRuns, SceneRuns
+from ..results.records import Pair, Verdict, VerdictWord
+from .analysis.report_data import MethodRuns, ReportData, SceneRuns
 from .analysis.wording import NOTHING, number, order, plural
 from .links import method_anchor, scene_page
 from .tables import VERDICTS, Cell, Table, figure, table, verdict_cell
@@ -43,14 +42,14 @@ class Matrix:
     groups: tuple[Group, ...]
 
 
-def headline(gathered: Gathered) -> str:
+def headline(gathered: ReportData) -> str:
     """What came out, counted; hard scenes and engines as shipped are counted apart."""
     plain = gathered.plain
     verdicts = [verdict for verdict in plain.verdicts if not verdict.as_shipped]
     shipped = [verdict for verdict in plain.verdicts if verdict.as_shipped]
     counts = Counter(verdict.verdict for verdict in verdicts)
     said = [f"{counts[word]} {_SAID[word][counts[word] > 1]}" for word in VERDICTS if counts[word]]
-    broken = sum(bool(verdict.broken) for verdict in verdicts)
+    broken = sum(bool(verdict.unmet) for verdict in verdicts)
     promises = f" {plural(broken, 'method')} broke a promise of the scene's file." if broken else ""
     scenes = plural(len(plain.scenes), "scene")
     methods = plural(len({(v.key.engine, v.key.method) for v in verdicts}), "method")
@@ -67,19 +66,19 @@ def headline(gathered: Gathered) -> str:
     return text
 
 
-def counts(gathered: Gathered) -> list[Cell]:
+def counts(gathered: ReportData) -> list[Cell]:
     """How many pairs got each verdict, those with none and engines as shipped left out."""
     found = Counter(v.verdict for v in gathered.verdicts if not v.as_shipped)
     return [verdict_cell(word, str(found[word])) for word in VERDICTS if found[word]]
 
 
-def matrix(gathered: Gathered) -> Matrix:
+def matrix(gathered: ReportData) -> Matrix:
     """The matrix of verdicts, with the order of accuracy in each cell."""
     return matrix_of(gathered, gathered.scenes, _order_detail)
 
 
 def matrix_of(
-    gathered: Gathered,
+    gathered: ReportData,
     shown: Sequence[SceneRuns],
     detail: Callable[[SceneRuns, MethodRuns], str],
 ) -> Matrix:
@@ -110,7 +109,7 @@ def group_of(scene: SceneRuns) -> str:
     return "Thrown" if "gravity" in effects else "Free"
 
 
-def methods_table(gathered: Gathered) -> Table:
+def methods_table(gathered: ReportData) -> Table:
     """What each method did, over all scenes."""
     headings = (
         "engine",
@@ -124,7 +123,7 @@ def methods_table(gathered: Gathered) -> Table:
 
 
 def complaints(
-    gathered: Gathered, words: Iterable[VerdictWord], *, as_shipped: bool = False
+    gathered: ReportData, words: Iterable[VerdictWord], *, as_shipped: bool = False
 ) -> Table:
     """Every verdict out of `words`, and every broken promise, with its reason.
 
@@ -138,12 +137,12 @@ def complaints(
                 verdict = runs.verdict
                 if not verdict or verdict.as_shipped != as_shipped or verdict.verdict != word:
                     continue
-                if word in wanted or verdict.broken:
+                if word in wanted or verdict.unmet:
                     rows.append(_complaint(scene, runs, verdict))
     return table(("scene", "engine", "method", "verdict", "reason"), rows)
 
 
-def environment_table(gathered: Gathered) -> Table:
+def environment_table(gathered: ReportData) -> Table:
     """Where the results come from."""
     return table(("", "value"), [(name, value) for name, value in gathered.environment.items()])
 
@@ -176,14 +175,14 @@ def _order_detail(scene: SceneRuns, runs: MethodRuns) -> str:  # noqa: ARG001
     verdict = runs.verdict
     if verdict is None:
         return ""
-    if verdict.broken:
+    if verdict.unmet:
         return "promise broken"
     if verdict.order is not None:
         return f"order {order(verdict.order)}"
     return "to round-off" if verdict.verdict == "converges" else ""
 
 
-def _method_row(pair: tuple[str, str], gathered: Gathered) -> list[Cell | str]:
+def _method_row(pair: tuple[str, str], gathered: ReportData) -> list[Cell | str]:
     engine, method = pair
     entries = [
         runs
@@ -228,14 +227,14 @@ def _complaint(scene: SceneRuns, runs: MethodRuns, verdict: Verdict) -> list[Cel
         Cell(scene.name, "scene", "", page),
         Cell(runs.engine, "name"),
         Cell(runs.method, "name"),
-        verdict_cell(verdict.verdict, "promise broken" if verdict.broken else "", link),
+        verdict_cell(verdict.verdict, "promise broken" if verdict.unmet else "", link),
         reason_of(verdict),
     ]
 
 
 def reason_of(verdict: Verdict) -> str:
     """Why, and which promises were broken."""
-    return "; ".join([verdict.reason, *(f"promise broken: {line}" for line in verdict.broken)])
+    return "; ".join([verdict.reason, *(f"promise broken: {line}" for line in verdict.unmet)])
 
 
 def _listed(parts: list[str]) -> str:

@@ -2,11 +2,8 @@
 
 from ...engines.read_back import READ_BACK_SLACK, READ_BACK_SLACK_SINGLE
 from ...reference.solution import MAX_UNCERTAINTY
-from ..harness import choice, ladder, verdict
-from ..harness import comparison as compared_run
-from ..harness import convergence_study as descent
-from ..harness import step_cost as cost
-from ..harness.executors import local_workers as workers
+from ..harness import choice, comparison, convergence_study, ladder, step_cost, verdict
+from ..harness.executors import TIME_LIMIT
 from .analysis.wording import count, number
 
 
@@ -19,21 +16,21 @@ def constants() -> dict[str, str]:
         "max_steps": count(ladder.MAX_STEPS),
         "quick_steps": count(choice.QUICK_STEPS),
         "min_rungs": str(ladder.MIN_RUNGS),
-        "goal": number(descent.GOAL),
-        "rungs_of_a_limit": str(descent.RUNGS_OF_A_LIMIT),
-        "absurd_energy": f"{compared_run.ABSURD_ENERGY:g}",
+        "goal": number(convergence_study.GOAL),
+        "rungs_of_a_limit": str(convergence_study.RUNGS_OF_A_LIMIT),
+        "absurd_energy": f"{comparison.ABSURD_ENERGY:g}",
         "order_slack": f"{verdict.ORDER_SLACK:g}",
         "above_uncertainty": f"{verdict.ABOVE_UNCERTAINTY:g}",
         "asymptotic": f"{verdict.ASYMPTOTIC:g}",
         "fitted_rungs": str(verdict.FITTED_RUNGS),
         "sharp": f"{verdict.SHARP:g}",
         "settling_order": f"{verdict.SETTLING_ORDER:g}",
-        "time_limit": f"{workers.TIME_LIMIT:g}",
-        "resolutions": str(cost.RESOLUTIONS),
-        "stretch_ms": f"{1e3 * cost.STRETCH:g}",
-        "repeats": str(cost.REPEATS),
-        "warm_up": count(cost.WARM_UP),
-        "timed_turn": number(cost.TIMED_TURN),
+        "time_limit": f"{TIME_LIMIT:g}",
+        "resolutions": str(step_cost.RESOLUTIONS),
+        "stretch_ms": f"{1e3 * step_cost.STRETCH:g}",
+        "repeats": str(step_cost.REPEATS),
+        "warm_up": count(step_cost.WARM_UP),
+        "timed_turn": number(step_cost.TIMED_TURN),
         "max_uncertainty": number(MAX_UNCERTAINTY),
         "read_back": number(READ_BACK_SLACK),
         "read_back_single": number(READ_BACK_SLACK_SINGLE),

@@ -7,10 +7,10 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
-from ..harness.verdict import VerdictWord
+from ..results.records import VerdictWord
 from ..results.store import Results
 from . import hard_cases, overview, scene_tables
-from .analysis.report_data import Gathered, SceneRuns, gather
+from .analysis.report_data import ReportData, SceneRuns, report_data
 from .cost_section import LEGEND, cost_section, scene_costs
 from .figures.figures import figures
 from .left_out_tables import effects_table, harm_in_words, passes_tables
@@ -38,7 +38,7 @@ def render(results: Results, folder: Path) -> Path:
     OSError
         If the folder cannot be written.
     """
-    gathered = gather(results)
+    gathered = report_data(results)
     environment = _environment()
     protocol = environment.get_template("protocol.md").render(p=constants())
     (folder / "scenes").mkdir(parents=True, exist_ok=True)
@@ -98,7 +98,7 @@ def _environment() -> Environment:
     return environment
 
 
-def _overview(gathered: Gathered) -> dict[str, Any]:
+def _overview(gathered: ReportData) -> dict[str, Any]:
     plain = gathered.plain
     limits = [overview.complaints(plain, words) for words in LIMITS]
     return {
@@ -114,7 +114,7 @@ def _overview(gathered: Gathered) -> dict[str, Any]:
     }
 
 
-def _hard_cases(gathered: Gathered, environment: Environment) -> dict[str, Any]:
+def _hard_cases(gathered: ReportData, environment: Environment) -> dict[str, Any]:
     scenes = hard_cases.hard_scenes(gathered)
     numbers = constants() | {"count": str(len(scenes))}
     return {

@@ -147,7 +147,7 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
     uncertainty = 0.0
     if scene.found is not None:
         uncertainty = dict(scene.found.solution.uncertainty).get(verdict.signal, 0.0)
-    survives = in_words(survival(runs.rows, scene.pace if scene.found else None))
+    survives = in_words(survival(runs.rows, scene.fastest_rate if scene.found else None))
     declared = NOTHING
     if runs.declared is not None:
         of_attitude = verdict.signal == "attitude"

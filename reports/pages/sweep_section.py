@@ -7,7 +7,7 @@ from pathlib import Path
 from jinja2 import Environment
 
 from ..results.store import Results
-from ..results.sweep_records import Point
+from ..results.sweep_records import PointResult
 from .analysis.map_marks import is_coloured
 from .analysis.wording import NOTHING, count
 from .ensemble_pages import EnsemblePage, ensemble_pages
@@ -64,14 +64,14 @@ def write_sweeps(
                 path.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _with_runs(found: Iterable[tuple[Point, ...]]) -> list[tuple[Point, ...]]:
+def _with_runs(found: Iterable[tuple[PointResult, ...]]) -> list[tuple[PointResult, ...]]:
     return [points for points in found if any(point.key.engine for point in points)]
 
 
 def _overview(
     kind: str,
     pages: Sequence[MapPage | EnsemblePage],
-    points_of: Sequence[tuple[Point, ...]],
+    points_of: Sequence[tuple[PointResult, ...]],
 ) -> Table:
     rows = (
         [
@@ -84,7 +84,7 @@ def _overview(
     return table((kind, "command", "runs", "finished"), rows)
 
 
-def _counts(points: tuple[Point, ...]) -> list[Cell]:
+def _counts(points: tuple[PointResult, ...]) -> list[Cell]:
     run = [point for point in points if point.outcome in ("ok", "diverged", "failed")]
     finished = sum(is_coloured(point) for point in run)
     return [figure(count(len(run))), figure(percent(finished, len(run)) if run else NOTHING)]

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ..harness.verdict import VerdictWord
+from ..results.records import VerdictWord
 
 #: Verdicts in the order in which they are counted and listed.
 VERDICTS: tuple[VerdictWord, ...] = (

@@ -10,10 +10,12 @@ from pathlib import Path
 from ... import engines as engines_package
 from ... import reference, scenarios
 from ...engines import Engine
+from ...engines import adapters as adapters_package
 from ...scenarios import Scenario
 
-#: What decides here which runs are made, and what is said of them; the others only show it.
-_DECIDING = ("workers", "runs", "costs", "study")
+#: The folder here that decides which runs are made and what they are found to be; the others keep
+#: or show it.
+_DECIDING = "harness"
 
 
 def digests(scenario: Scenario, engines: Sequence[Engine]) -> dict[str, str]:
@@ -26,20 +28,30 @@ def digests(scenario: Scenario, engines: Sequence[Engine]) -> dict[str, str]:
 @cache
 def program() -> bytes:
     """The version, and the sources themselves: who changes them does not always count it up."""
-    folders = [Path(package.__path__[0]) for package in (scenarios, reference, engines_package)]
-    folders += [Path(__file__).parents[1] / name for name in _DECIDING]
-    sources = [path for folder in folders for path in sorted(folder.glob("*.py"))]
+    packages = [Path(package.__path__[0]) for package in (scenarios, reference, engines_package)]
+    adapters = Path(adapters_package.__path__[0])
+    sources = [
+        path
+        for folder in (*packages, Path(__file__).parents[1] / _DECIDING)
+        for path in sorted(folder.rglob("*.py"))
+        # An adapter decides on its own engine's results alone.
+        if not path.is_relative_to(adapters)
+    ]
     parts = (path.read_bytes() for path in sources)
     return _digest(version("spincheck").encode(), *parts).encode()
 
 
 @cache
 def _adapter(kind: type[Engine]) -> bytes:
-    """The module that defines an engine, wherever it is; empty if it was never a file."""
+    """The sources of an adapter: its module, or all of its package; empty if it has none."""
     try:
-        return Path(inspect.getfile(kind)).read_bytes()
+        file = Path(inspect.getfile(kind))
     except (TypeError, OSError):
         return b""
+    is_package = (file.parent / "__init__.py").is_file() and kind.__module__.count(".") > 0
+    own_folder = is_package and file.parent != Path(adapters_package.__path__[0])
+    files = sorted(file.parent.rglob("*.py")) if own_folder else [file]
+    return _digest(*(path.read_bytes() for path in files if path.is_file())).encode()
 
 
 def _digest(*parts: bytes) -> str:

@@ -1,11 +1,13 @@
 """What a study finds: one row a run, one verdict a method and scene."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 from ...engines import Cause, Outcome
 from ...scenarios import Errors, Trajectory
-from ..harness.richardson import Signal
-from ..harness.verdict import VerdictWord
+
+Signal = Literal["omega", "attitude", "com"]
+VerdictWord = Literal["converges", "disagrees", "unresolved", "diverges", "unsupported", "failed"]
 
 #: Names of an engine and of one of its methods.
 Pair = tuple[str, str]
@@ -74,7 +76,7 @@ class Verdict:
     ----------
     order, limit_error, limit_estimate : of the signal that decided
     signal : which one that was
-    broken : the scene's own promises that this method broke, in words
+    unmet : expectations in the scene's file that this method did not meet, in words
     as_shipped : of the engine with all its defaults: nobody promised that it simulates the scene
     known : it is what the scene's file says is known of this method
     """
@@ -86,7 +88,7 @@ class Verdict:
     order: float | None = None
     limit_error: float | None = None
     limit_estimate: float | None = None
-    broken: tuple[str, ...] = ()
+    unmet: tuple[str, ...] = ()
     as_shipped: bool = False
     known: bool = False
 
@@ -95,4 +97,4 @@ class Verdict:
         """Whether a study with this verdict passes."""
         expected = self.as_shipped or self.known
         wrong = self.verdict in ("disagrees", "failed") and not expected
-        return not wrong and not self.broken
+        return not wrong and not self.unmet

@@ -19,7 +19,7 @@ from ...scenarios import printable
 
 #: "spin" in ASCII: tells a result file from any other SQLite database.
 APPLICATION_ID = 0x7370696E
-FORMAT = 6
+FORMAT = 7
 
 _IN_WORDS = {
     sqlite3.SQLITE_FULL: "cannot be written: the disk is full",
@@ -83,7 +83,7 @@ def _to_read(path: Path) -> Iterator[sqlite3.Connection]:
 
 @contextmanager
 def _to_write(path: Path, schema: str) -> Iterator[sqlite3.Connection]:
-    with _alone(path), closing(sqlite3.connect(path)) as connection:
+    with _alone(path), closing(sqlite3.connect(path, check_same_thread=False)) as connection:
         begun = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
         if begun:
             _check(connection)

@@ -1,7 +1,7 @@
 """What a result file holds: each run is written as it ends, so that a study can be gone on with.
 
 It holds what is true now: before a study goes on, whatever rests on another text of a scene,
-another engine or another spincheck is dropped (`Store.keep_made_by`).
+another engine or another spincheck is dropped (`Store.keep_matching`).
 """
 
 import sqlite3
@@ -14,9 +14,9 @@ from typing import Any
 from ...engines import Engine, Method
 from ...reference import Solution
 from ...scenarios import Scenario
-from ..harness.effects_cost import EffectsCost, PassCosts
-from ..harness.step_cost import StepCost
 from . import table_records
+from .cost_records import EffectsCost, PassCosts, StepCost
+from .database import Database
 from .records import UNSOLVED, Key, Pair, Row, Verdict
 from .result_file import ResultFileError, opened
 from .sweep_records import EnsembleResult, MapResult
@@ -32,7 +32,7 @@ CREATE TABLE methods (
     max_rotation_per_step REAL NOT NULL, as_shipped INTEGER NOT NULL,
     PRIMARY KEY (engine, method));
 -- What results rest on: where the engine is empty the scene and this program, else the engine.
-CREATE TABLE made_by (
+CREATE TABLE fingerprints (
     scenario TEXT, engine TEXT, digest TEXT NOT NULL, PRIMARY KEY (scenario, engine));
 CREATE TABLE scenes (
     scenario TEXT PRIMARY KEY, digest TEXT NOT NULL, toml TEXT NOT NULL, method TEXT NOT NULL,
@@ -54,12 +54,12 @@ CREATE TABLE left_out (
 CREATE TABLE verdicts (
     scenario TEXT, engine TEXT, method TEXT, timesteps TEXT, verdict TEXT NOT NULL,
     reason TEXT NOT NULL, signal TEXT NOT NULL, "order" REAL, limit_error REAL,
-    limit_estimate REAL, broken TEXT NOT NULL, as_shipped INTEGER NOT NULL, known INTEGER NOT NULL,
+    limit_estimate REAL, unmet TEXT NOT NULL, as_shipped INTEGER NOT NULL, known INTEGER NOT NULL,
     step_limit INTEGER,
     PRIMARY KEY (scenario, engine, method, timesteps));
 """
 _OF_ENGINES = ("rows", "costs", "left_out", "verdicts", "points")
-_OF_SCENES = ("made_by", "scenes", "sweeps", *_OF_ENGINES)
+_OF_SCENES = ("fingerprints", "scenes", "sweeps", *_OF_ENGINES)
 _ONE_ENGINE = "scenario = ? AND engine = ?"
 _ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
 
@@ -96,25 +96,24 @@ class Store:
     """An open result file."""
 
     def __init__(self, connection: sqlite3.Connection) -> None:
-        connection.row_factory = sqlite3.Row
-        self._connection = connection
-        self.sweeps = SweepTables(connection)
+        self._database = Database(connection)
+        self.sweeps = SweepTables(self._database)
 
     def put_environment(self, environment: dict[str, str]) -> None:
         """Record machine and versions."""
-        with self._connection:
+        with self._database.transaction() as connection:
             for name, value in environment.items():
-                self._put("environment", {"name": name, "value": value})
+                _put(connection, "environment", {"name": name, "value": value})
 
     def put_methods(self, engines: Iterable[Engine]) -> None:
         """Record what adapters declare of all their methods."""
-        with self._connection:
+        with self._database.transaction() as connection:
             for engine in engines:
-                self._connection.execute("DELETE FROM methods WHERE engine = ?", (engine.name,))
+                connection.execute("DELETE FROM methods WHERE engine = ?", (engine.name,))
                 for method in engine.methods:
-                    self._put("methods", table_records.of_method(engine.name, method))
+                    _put(connection, "methods", table_records.of_method(engine.name, method))
 
-    def keep_made_by(self, scenario: str, digests: dict[str, str]) -> int:
+    def keep_matching(self, scenario: str, digests: dict[str, str]) -> int:
         """Drop what is known of a scene but rests on something else; returns how many verdicts.
 
         Parameters
@@ -122,43 +121,44 @@ class Store:
         digests : of what results rest on now, by engine; of scene and program under ""
         """
         dropped = 0
-        with self._connection:
+        with self._database.transaction() as connection:
             for engine, digest in digests.items():
-                known = self._select("made_by", _ONE_ENGINE, (scenario, engine))
-                if not (known and known[0]["digest"] == digest):
-                    dropped += self._drop(scenario, engine)
-                    self._put("made_by", {"scenario": scenario, "engine": engine, "digest": digest})
+                stored = self._select("fingerprints", _ONE_ENGINE, (scenario, engine))
+                if not (stored and stored[0]["digest"] == digest):
+                    dropped += self._drop(connection, scenario, engine)
+                    record = {"scenario": scenario, "engine": engine, "digest": digest}
+                    _put(connection, "fingerprints", record)
         return dropped
 
-    def _drop(self, scenario: str, engine: str) -> int:
+    def _drop(self, connection: sqlite3.Connection, scenario: str, engine: str) -> int:
         """Drop what an engine did on a scene, or with no engine the scene and all of them."""
         tables = _OF_ENGINES if engine else _OF_SCENES
         where = _ONE_ENGINE if engine else "scenario = ?"
         names = (scenario, engine) if engine else (scenario,)
         verdicts = self._select("verdicts", where, names)
         for table in tables:
-            self._connection.execute(f"DELETE FROM {table} WHERE {where}", names)
+            connection.execute(f"DELETE FROM {table} WHERE {where}", names)
         return len(verdicts)
 
     def put_scene(self, scenario: Scenario, solution: Solution) -> None:
         """Record a scene and its truth."""
-        with self._connection:
-            self._put("scenes", table_records.of_scene(scenario, solution))
+        with self._database.transaction() as connection:
+            _put(connection, "scenes", table_records.of_scene(scenario, solution))
             # Such a row says that the scene could not be solved, which was an accident then.
             unsolved = "DELETE FROM rows WHERE scenario = ? AND timestep = ?"
-            self._connection.execute(unsolved, (scenario.name, UNSOLVED))
+            connection.execute(unsolved, (scenario.name, UNSOLVED))
 
     def put_row(self, row: Row) -> None:
         """Record a run, with its samples: the verdict may have to be reached by another process."""
-        with self._connection:
-            self._put("rows", table_records.of_row(row))
+        with self._database.transaction() as connection:
+            _put(connection, "rows", table_records.of_row(row))
 
     def put_verdict(
         self,
         verdict: Verdict,
         timesteps: Sequence[float] = (),
         step_limit: int | None = None,
-        spent: Sequence[float] = (),
+        discardable: Sequence[float] = (),
     ) -> None:
         """Record a verdict, and drop the samples it no longer takes.
 
@@ -166,27 +166,27 @@ class Store:
         ----------
         timesteps : s, those that were asked for; none for a verdict on a ladder
         step_limit : of a ladder that ended there with more to find out; else None
-        spent : timesteps, s, of the runs whose samples are dropped
+        discardable : timesteps, s, of the runs whose samples are dropped
         """
         record = table_records.of_verdict(verdict)
         record |= {"timesteps": _asked(timesteps), "step_limit": step_limit}
         names = _names(verdict.key)
-        with self._connection:
-            self._put("verdicts", record)
-            self._connection.executemany(
+        with self._database.transaction() as connection:
+            _put(connection, "verdicts", record)
+            connection.executemany(
                 f"UPDATE rows SET motion = NULL WHERE {_ONE_METHOD} AND timestep = ?",
-                [(*names, timestep) for timestep in spent],
+                [(*names, timestep) for timestep in discardable],
             )
 
     def put_cost(self, key: Key, processor: str, cost: StepCost | None) -> None:
         """Record what a step of a method costs on a scene; None where it cannot be timed."""
-        with self._connection:
-            self._put("costs", table_records.of_cost(key, processor, cost))
+        with self._database.transaction() as connection:
+            _put(connection, "costs", table_records.of_cost(key, processor, cost))
 
     def put_left_out(self, found: EffectsCost | PassCosts) -> None:
         """Record what a method leaves out of a scene saves."""
-        with self._connection:
-            self._put("left_out", table_records.of_left_out(found))
+        with self._database.transaction() as connection:
+            _put(connection, "left_out", table_records.of_left_out(found))
 
     def settled(self, scenario: str, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
         """The verdicts there are on what is asked of a scene; not those a lesser limit cut short.
@@ -204,10 +204,15 @@ class Store:
         """The runs there are of a method on a scene."""
         return [table_records.row(r) for r in self._select("rows", _ONE_METHOD, _names(key))]
 
+    def failed_rows(self, scenario: str) -> list[Row]:
+        """The runs of a scene that failed."""
+        found = self._select("rows", "scenario = ? AND outcome = 'failed'", (scenario,))
+        return [table_records.row(record) for record in found]
+
     def timed_on(self, processor: str) -> set[Key]:
         """The methods whose steps were timed; what was timed elsewhere is dropped."""
-        with self._connection:
-            self._connection.execute("DELETE FROM costs WHERE processor != ?", (processor,))
+        with self._database.transaction() as connection:
+            connection.execute("DELETE FROM costs WHERE processor != ?", (processor,))
         return {table_records.key(record) for record in self._select("costs")}
 
     def read(self, timesteps: Sequence[float] = ()) -> Results:
@@ -260,14 +265,13 @@ class Store:
         self, table: str, where: str = "TRUE", values: Sequence[Any] = (), order: str = "rowid"
     ) -> list[sqlite3.Row]:
         query = f"SELECT * FROM {table} WHERE {where} ORDER BY {order}"
-        return self._connection.execute(query, values).fetchall()
+        return self._database.query(query, values)
 
-    def _put(self, table: str, record: dict[str, Any]) -> None:
-        columns = ", ".join(f'"{name}"' for name in record)
-        marks = ", ".join(f":{name}" for name in record)
-        self._connection.execute(
-            f"INSERT OR REPLACE INTO {table} ({columns}) VALUES ({marks})", record
-        )
+
+def _put(connection: sqlite3.Connection, table: str, record: dict[str, Any]) -> None:
+    columns = ", ".join(f'"{name}"' for name in record)
+    marks = ", ".join(f":{name}" for name in record)
+    connection.execute(f"INSERT OR REPLACE INTO {table} ({columns}) VALUES ({marks})", record)
 
 
 def _names(key: Key) -> tuple[str, str, str]:

@@ -1,6 +1,9 @@
 """What a sweep is: a scene run at many points, on a grid of two numbers or at random."""
 
+import json
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 from typing import Literal
 
 from ...engines import Outcome
@@ -47,7 +50,7 @@ class Ensemble:
 
 
 @dataclass(frozen=True)
-class Point:
+class PointResult:
     """One method at one point, against the point's own reference.
 
     Attributes
@@ -81,7 +84,7 @@ class MapResult:
 
     map: Map
     scenario: Scenario
-    points: tuple[Point, ...]
+    points: tuple[PointResult, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,4 +93,54 @@ class EnsembleResult:
 
     ensemble: Ensemble
     scenario: Scenario
-    points: tuple[Point, ...]
+    points: tuple[PointResult, ...]
+
+
+@dataclass(frozen=True)
+class SweepPoint:
+    """One scene and timestep of a sweep.
+
+    Attributes
+    ----------
+    at : the axes' values in the order of the axes; of an ensemble the member's number
+    numbers : what is varied, by path, in the order of the axes; none for a member
+    member : seed and number; None of a map
+    timestep : s; None where it is chosen from the scene there
+    """
+
+    at: tuple[float, ...]
+    numbers: tuple[tuple[str, float], ...] = ()
+    member: tuple[int, int] | None = None
+    timestep: float | None = None
+
+    @property
+    def identity(self) -> str:
+        """The same for the same scene and timestep, whichever sweep asks for it; JSON."""
+        parts: dict[str, float] = dict(self.numbers)
+        if self.member is not None:
+            parts["seed"], parts["member"] = self.member
+        if self.timestep is not None:
+            parts[TIMESTEP] = self.timestep
+        return json.dumps(parts, sort_keys=True)
+
+    def __str__(self) -> str:
+        """In words."""
+        parts = [f"{path} {value:.6g}" for path, value in self.numbers]
+        if self.member is not None:
+            parts.append(f"member {self.member[1]}")
+        if self.timestep is not None:
+            parts.append(f"timestep {self.timestep:.6g}")
+        return ", ".join(parts)
+
+
+def sweep_points(sweep: Map | Ensemble) -> Iterator[SweepPoint]:
+    """All of them: of a map the second axis varies within the first."""
+    if isinstance(sweep, Ensemble):
+        for number in range(sweep.members):
+            yield SweepPoint((float(number),), (), (sweep.seed, number), sweep.timestep)
+        return
+    paths = [axis.path for axis in sweep.axes]
+    for at in product(*(axis.values for axis in sweep.axes)):
+        numbers = dict(zip(paths, at, strict=True))
+        timestep = numbers.pop(TIMESTEP, sweep.timestep)
+        yield SweepPoint(at, tuple(numbers.items()), None, timestep)

@@ -3,15 +3,23 @@
 import json
 import sqlite3
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...scenarios import Errors, Scenario, loads
-from ..harness.executors.worker_slot import may_end_otherwise
-from ..harness.sweep_points import Place, places
+from .database import Database
 from .records import Key
-from .sweep_records import Axis, Ensemble, EnsembleResult, Map, MapResult, Point
+from .sweep_records import (
+    Axis,
+    Ensemble,
+    EnsembleResult,
+    Map,
+    MapResult,
+    PointResult,
+    SweepPoint,
+    sweep_points,
+)
 from .table_records import told
 
 SCHEMA = """
@@ -40,50 +48,54 @@ _PLAIN = (
 )
 
 
+class StoredPoint(NamedTuple):
+    """What tells whether a point has to be run: its identity, the method, and how it ended."""
+
+    identity: str
+    engine: str
+    method: str
+    cause: str
+    reason: str
+
+
 class SweepTables:
     """The sweeps of an open result file."""
 
-    def __init__(self, connection: sqlite3.Connection) -> None:
-        self._connection = connection
+    def __init__(self, database: Database) -> None:
+        self._database = database
 
     def put(self, asked: Map | Ensemble, scenario: Scenario) -> None:
         """Record what is asked for."""
         values = (scenario.name, type(asked).__name__, json.dumps(asdict(asked)), scenario.text)
-        with self._connection:
-            self._connection.execute("INSERT OR REPLACE INTO sweeps VALUES (?, ?, ?, ?)", values)
+        with self._database.transaction() as connection:
+            connection.execute("INSERT OR REPLACE INTO sweeps VALUES (?, ?, ?, ?)", values)
 
-    def put_points(self, place: Place, points: Iterable[Point]) -> None:
+    def put_points(self, place: SweepPoint, points: Iterable[PointResult]) -> None:
         """Record points of one place."""
         records = [_record(place, point) for point in points]
         columns = ", ".join(records[0])
         marks = ", ".join(f":{name}" for name in records[0])
-        with self._connection:
-            self._connection.executemany(
+        with self._database.transaction() as connection:
+            connection.executemany(
                 f"INSERT OR REPLACE INTO points ({columns}) VALUES ({marks})", records
             )
 
-    def there(
-        self, scenario: str, time_limit: float | None = None
-    ) -> dict[str, set[tuple[str, str]]]:
-        """Engines and methods of the points there are of a scene, by what places are known by.
+    def stored(self, scenario: str) -> Iterator[StoredPoint]:
+        """What there is of a scene's points, whichever sweep asked for it."""
+        query = "SELECT place, engine, method, cause, reason FROM points WHERE scenario = ?"
+        for record in self._database.query(query, (scenario,)):
+            yield StoredPoint(*record)
 
-        Those that somebody killed, or that a lesser time limit stopped, are to be run again.
-        """
-        query = "SELECT place, engine, method, reason FROM points WHERE scenario = ?"
-        found: dict[str, set[tuple[str, str]]] = defaultdict(set)
-        for place, engine, method, reason in self._connection.execute(query, (scenario,)):
-            if not may_end_otherwise(reason, time_limit):
-                found[place].add((engine, method))
-        return found
-
-    def points(self, asked: Map | Ensemble) -> tuple[Point, ...]:
+    def points(self, asked: Map | Ensemble) -> tuple[PointResult, ...]:
         """The points there are, in the order of the places."""
         query = "SELECT * FROM points WHERE scenario = ? ORDER BY engine, method"
         found: dict[str, list[sqlite3.Row]] = defaultdict(list)
-        for record in self._connection.execute(query, (asked.scenario,)):
+        for record in self._database.query(query, (asked.scenario,)):
             found[record["place"]].append(record)
         return tuple(
-            _point(place, record) for place in places(asked) for record in found[place.known_by]
+            _point(place, record)
+            for place in sweep_points(asked)
+            for record in found[place.identity]
         )
 
     def maps(self) -> list[MapResult]:
@@ -98,22 +110,22 @@ class SweepTables:
 
     def _asked(self, kind: type) -> list[tuple[dict[str, Any], Scenario]]:
         query = "SELECT * FROM sweeps WHERE kind = ? ORDER BY scenario, asked"
-        records = self._connection.execute(query, (kind.__name__,)).fetchall()
+        records = self._database.query(query, (kind.__name__,))
         return [(json.loads(r["asked"]), loads(r["toml"], r["scenario"])) for r in records]
 
 
-def _record(place: Place, point: Point) -> dict[str, Any]:
+def _record(place: SweepPoint, point: PointResult) -> dict[str, Any]:
     return {
         **asdict(point.key),
-        "place": place.known_by,
+        "place": place.identity,
         **{name: getattr(point, name) for name in _PLAIN},
         "errors": json.dumps(asdict(point.errors)) if point.errors else None,
     }
 
 
 @told
-def _point(place: Place, record: sqlite3.Row) -> Point:
-    return Point(
+def _point(place: SweepPoint, record: sqlite3.Row) -> PointResult:
+    return PointResult(
         at=place.at,
         key=Key(record["scenario"], record["engine"], record["method"]),
         errors=Errors(**json.loads(record["errors"])) if record["errors"] else None,

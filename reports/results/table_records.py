@@ -15,8 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 from ...engines import Method
 from ...reference import Solution
 from ...scenarios import Errors, Scenario, Trajectory, is_scene_name, loads, printable
-from ..harness.effects_cost import EffectsCost, PassCost, PassCosts, Ratio
-from ..harness.step_cost import StepCost
+from .cost_records import EffectsCost, PassCost, PassCosts, Ratio, StepCost
 from .records import Key, Pair, Row, Verdict
 from .result_file import ResultFileError
 
@@ -73,7 +72,7 @@ def of_verdict(verdict: Verdict) -> dict[str, Any]:
     return {
         **asdict(verdict.key),
         **{name: getattr(verdict, name) for name in _PLAIN_VERDICT},
-        "broken": json.dumps(verdict.broken),
+        "unmet": json.dumps(verdict.unmet),
         "as_shipped": verdict.as_shipped,
         "known": verdict.known,
     }
@@ -157,7 +156,7 @@ def verdict(record: sqlite3.Row) -> Verdict:
     """A record of the table `verdicts`."""
     found = Verdict(
         key=key(record),
-        broken=tuple(json.loads(record["broken"])),
+        unmet=tuple(json.loads(record["unmet"])),
         as_shipped=bool(record["as_shipped"]),
         known=bool(record["known"]),
         **{name: record[name] for name in _PLAIN_VERDICT},

@@ -100,7 +100,7 @@ def hostile(results):
         environment=results.environment | {TEXT: TEXT},
         scenes={"made": SceneResult(hostile_scene(), found.solution)},
         rows=[replace(renamed(row), printed=TEXT) for row in results.rows],
-        verdicts=[replace(renamed(v), broken=(TEXT,)) for v in results.verdicts],
+        verdicts=[replace(renamed(v), unmet=(TEXT,)) for v in results.verdicts],
     )
 
 

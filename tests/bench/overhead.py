@@ -16,7 +16,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 from spincheck.engines import Engine, Method, Session, engines
-from spincheck.engines.adapters.mujoco.engine.session import MuJoCoSession
+from spincheck.engines.adapters.mujoco.session import MuJoCoSession
 from spincheck.engines.faults import Bounds
 from spincheck.engines.native_output import native_output
 from spincheck.engines.read_back import READ_BACK_SLACK
@@ -27,7 +27,7 @@ from spincheck.scenarios import find, load
 with native_output():
     # It prints when it was built.
     import pybullet as p
-    from spincheck.engines.adapters.pybullet.engine.session import PyBulletSession
+    from spincheck.engines.adapters.pybullet.session import PyBulletSession
 
 OUT = Path("build/bench/overhead.json")
 ROUNDS = 21

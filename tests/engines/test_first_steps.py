@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scenes import SCENES
 from spincheck.engines import Engine, Method, engines
-from spincheck.engines.first_steps import departures
+from spincheck.engines.first_steps import equation_residuals
 from spincheck.scenarios import loads
 
 METHODS = [
@@ -19,7 +19,7 @@ EPS = float(np.finfo(float).eps)
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize(("engine", "method"), METHODS)
 def test_an_engine_begins_as_the_scene_does(engine: Engine, method: Method, name: str) -> None:
-    assert engine.departures(SCENES[name], method) == ""
+    assert engine.equation_residuals(SCENES[name], method) == ""
 
 
 #: What is done to a scene's text, and the words for it when the engine is given that and the
@@ -44,6 +44,8 @@ def test_an_engine_with_another_scene_in_it_begins_otherwise(
     text = SCENES[name].text
     assert old in text
     other = loads(text.replace(old, new), name)
-    said = departures(lambda h: mujoco.open(other, mujoco.method("RK4"), h), SCENES[name], EPS)
+    said = equation_residuals(
+        lambda h: mujoco.open(other, mujoco.method("RK4"), h), SCENES[name], EPS
+    )
     assert words in "; ".join(said)
     assert bool(said) == bool(words)

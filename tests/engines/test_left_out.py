@@ -5,8 +5,8 @@ import pybullet as p
 import pytest
 from scenes import SCENES
 from spincheck.engines import Engine, Method, Session, engines
-from spincheck.engines.adapters.mujoco.engine.engine import MuJoCo
-from spincheck.engines.adapters.pybullet.engine.engine import PyBullet
+from spincheck.engines.adapters.mujoco.engine import MuJoCo
+from spincheck.engines.adapters.pybullet.engine import PyBullet
 from spincheck.scenarios import Scenario, find, load
 
 TIMESTEP = 1e-3

@@ -24,7 +24,7 @@ from mpmath import mp, mpf
 from spincheck.reference.conditioning import conditioning, nudged
 from spincheck.reference.motion import motion
 from spincheck.reference.problem import Problem
-from spincheck.reference.rotational_problem import pose
+from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.reference.solution import MAX_UNCERTAINTY
 from spincheck.reference.solve import CHECKED_TURN, _rate
 from spincheck.reference.symmetry import norm
@@ -46,7 +46,7 @@ CANCELLED = 2
 def slipped(name: str) -> Trajectory:
     """The motion of a start turned by `SLIP`, and faster by it."""
     scenario, solution = solved(name)
-    problem, times = pose(scenario), solution.trajectory.t
+    problem, times = rotational_problem(scenario), solution.trajectory.t
     with mp.workdps(DIGITS):
         slip = mpf(SLIP)
         turned = product(problem.q_world_axes, normalised((1, slip / 2, slip / 2, slip / 2)))
@@ -59,7 +59,7 @@ def within_reach(name: str) -> Trajectory:
     """A motion as far as the ODE follows it in good time."""
     scenario, solution = solved(name)
     truth = solution.trajectory
-    rate = _rate(pose(scenario), truth)
+    rate = _rate(rotational_problem(scenario), truth)
     return truth.until(int(np.count_nonzero(truth.t * rate <= CHECKED_TURN)))
 
 
@@ -147,7 +147,7 @@ def neighbours(problem: Problem, ulps: float = ULPS) -> Iterator[tuple[str, Prob
 def bounds_of_a_change(name: str) -> Errors:
     """What a few ulp in any numbers do, symmetries among them: of both motions, errors included."""
     scenario, solution = solved(name)
-    truth, problem = within_reach(name), pose(scenario)
+    truth, problem = within_reach(name), rotational_problem(scenario)
 
     def neighbour_of(nudged_problem: Problem) -> Trajectory:
         by_ode = integrate(nudged_problem, truth.t, CHECK_ORDERS)
@@ -165,7 +165,7 @@ def bounds_of_a_change(name: str) -> Errors:
 def moved_too_far(name: str, ulps: float) -> list[str]:
     """Numbers whose change moves the motion further than a few ulp should."""
     scenario, truth, bounds = solved(name)[0], within_reach(name), bounds_of_a_change(name)
-    problem = pose(scenario)
+    problem = rotational_problem(scenario)
     return [
         changed
         for changed, neighbour in neighbours(problem, ulps)

@@ -11,7 +11,7 @@ import numpy as np
 from contract_scenes import every_scene, solved, states
 from contract_truths import few
 from spincheck.reference.motion import motion
-from spincheck.reference.rotational_problem import pose
+from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.reference.solve import _rate
 from spincheck.scenarios import Scenario, Trajectory
 
@@ -35,7 +35,7 @@ NOTICED = 1e-8
 def close_samples(name: str) -> tuple[Scenario, Trajectory, float, float]:
     """Five samples each at a few times, their distance in s, and the fastest rate in 1/s."""
     scenario, solution = solved(name)
-    problem, truth = pose(scenario), solution.trajectory
+    problem, truth = rotational_problem(scenario), solution.trajectory
     rate = fastest(scenario, truth)
     h = 2.0 ** np.floor(np.log2(STEP / rate))  # so that no time is rounded
     times = (h * (np.floor(few(truth.t) / h)[:, None] + np.arange(-4, 1))).ravel()
@@ -45,11 +45,11 @@ def close_samples(name: str) -> tuple[Scenario, Trajectory, float, float]:
 
 def fastest(scenario: Scenario, truth: Trajectory) -> float:
     """1/s: of turning, swinging, being driven, drag about its fastest axis; at least one window."""
-    least = float(min(pose(scenario).moments))
+    least = float(min(rotational_problem(scenario).moments))
     torque = np.linalg.norm(scenario.torque_body) + np.linalg.norm(scenario.torque_world)
     driven = float(np.sqrt(torque / least))
     once = 1 / scenario.window.duration
-    return max(_rate(pose(scenario), truth), driven, scenario.drag / least, once)
+    return max(_rate(rotational_problem(scenario), truth), driven, scenario.drag / least, once)
 
 
 def slope(samples: np.ndarray, h: float) -> np.ndarray:

@@ -13,7 +13,7 @@ from extended_motion import ExtendedMotion
 from mpmath import mp, mpf
 from spincheck.reference.closed_forms import closed_form
 from spincheck.reference.problem import Problem
-from spincheck.reference.rotational_problem import pose
+from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.scenarios import FloatArray, find, load
 from textbook_periods import free_body
 
@@ -37,7 +37,7 @@ BEYOND = mpf("1.001")
 
 def problem_of(name: str) -> Problem:
     (path,) = find([name])
-    return pose(load(path))
+    return rotational_problem(load(path))
 
 
 def nearest_pole(problem: Problem) -> mpf:

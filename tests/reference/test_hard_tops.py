@@ -10,12 +10,12 @@ import pytest
 from mpmath import mp, mpf
 from spincheck.reference import solve
 from spincheck.reference.heavy_symmetric_top import (
-    LagrangeTop,
-    lagrange_top,
+    HeavySymmetricTop,
+    heavy_symmetric_top,
     nutation_bounds,
     steady_precession_rates,
 )
-from spincheck.reference.rotational_problem import pose
+from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.reference.symmetry import equal
 from spincheck.scenarios import find, load
 from spincheck.scenarios.exact import DIGITS
@@ -30,24 +30,24 @@ def scene(name: str):
     return load(path)
 
 
-def start(name: str, spun_by: mpf = 0) -> LagrangeTop:
+def start(name: str, spun_by: mpf = 0) -> HeavySymmetricTop:
     """The top of a scene at t = 0, its body turning faster by so much of its rate."""
-    problem = pose(scene(name))
+    problem = rotational_problem(scene(name))
     with mp.workdps(DIGITS):
         omega = tuple(w * (1 + spun_by) for w in problem.omega_axes)
-        top = lagrange_top(replace(problem, omega_axes=omega))
+        top = heavy_symmetric_top(replace(problem, omega_axes=omega))
     assert top is not None
     return top
 
 
-def to_threshold(top: LagrangeTop) -> float:
+def to_threshold(top: HeavySymmetricTop) -> float:
     """p_γ² over 4 M g l I1, less one; exactly zero at the threshold of sleep."""
     with mp.workdps(DIGITS):
         threshold = 4 * top.kappa * top.I1
         return 0.0 if equal(top.p_gamma**2, threshold) else float(top.p_gamma**2 / threshold - 1)
 
 
-def over_the_top(top: LagrangeTop) -> float:
+def over_the_top(top: HeavySymmetricTop) -> float:
     """Energy to spare on a pendulum's head, over M g l; exactly zero on the separatrix."""
     with mp.workdps(DIGITS):
         return 0.0 if equal(top.E_prime, top.kappa) else float(top.E_prime / top.kappa - 1)
@@ -65,10 +65,10 @@ def test_a_top_goes_exactly_through_a_pole(name, pole, bound):
 
 @pytest.mark.parametrize("name", ["through-the-upright", "through-the-hanging"])
 def test_with_another_spin_it_would_pass_beside(name):
-    problem = pose(scene(name))
+    problem = rotational_problem(scene(name))
     w1, w2, w3 = problem.omega_axes
     with mp.workdps(DIGITS):
-        top = lagrange_top(replace(problem, omega_axes=(w1, w2, w3 * (1 + NUDGE))))
+        top = heavy_symmetric_top(replace(problem, omega_axes=(w1, w2, w3 * (1 + NUDGE))))
     assert abs(top.p_alpha) != abs(top.p_gamma)
 
 

@@ -9,9 +9,9 @@ from mpmath import mp, mpf
 from scipy.integrate import quad
 from scipy.special import ellipk
 from spincheck.reference import heavy_symmetric_top as lagrangian
-from spincheck.reference.cross_check import RELATIVE_TOLERANCE, second_opinion
-from spincheck.reference.heavy_symmetric_top import LagrangeTop, lagrange_top
-from spincheck.reference.rotational_problem import pose
+from spincheck.reference.cross_check import RELATIVE_TOLERANCE, cross_check
+from spincheck.reference.heavy_symmetric_top import HeavySymmetricTop, heavy_symmetric_top
+from spincheck.reference.rotational_problem import rotational_problem
 from top_scenes import ASYMMETRIC, GRAVITY, HEAVY, PIVOT, TOP, TOP_ALONG_X, TOP_ALONG_Y, scene
 
 EPS = np.finfo(float).eps
@@ -24,16 +24,16 @@ WAVES = "euler_zyz_deg = [10, 60, 20]\neuler_zyz_rates = [1.0, 0.5, 20.0]"
 STARTS = {"loops": LOOPS, "cusps": CUSPS, "waves": WAVES}
 
 
-def top_of(start=WAVES, body=TOP, effects=HEAVY) -> LagrangeTop:
-    top = lagrange_top(pose(scene(body=body, start=start, effects=effects)))
+def top_of(start=WAVES, body=TOP, effects=HEAVY) -> HeavySymmetricTop:
+    top = heavy_symmetric_top(rotational_problem(scene(body=body, start=start, effects=effects)))
     assert top is not None
     return top
 
 
-def upright(spin: mpf) -> LagrangeTop:
+def upright(spin: mpf) -> HeavySymmetricTop:
     """TOP standing upright with I3 ω3 = spin: I1 = 2, M g l = 10, threshold √80."""
     energy = spin**2 / 2 + 10
-    return LagrangeTop(mpf(2), mpf(1), mpf(10), spin, spin, energy, mpf(1))
+    return HeavySymmetricTop(mpf(2), mpf(1), mpf(10), spin, spin, energy, mpf(1))
 
 
 # --- what the top of a scene is
@@ -49,7 +49,7 @@ def test_constants_are_those_worked_out_by_hand():
     assert float(top.E_prime) == pytest.approx(0.75 + 5, rel=ROUNDED)
 
 
-def same(one: LagrangeTop, other: LagrangeTop) -> bool:
+def same(one: HeavySymmetricTop, other: HeavySymmetricTop) -> bool:
     names = ("I1", "I3", "kappa", "p_alpha", "p_gamma", "energy", "cos_beta")
     return all(abs(getattr(one, name) - getattr(other, name)) < mpf(10) ** -40 for name in names)
 
@@ -110,7 +110,10 @@ com = [0.3, 0.0, 0.4]
     ids=["asymmetric", "com off the axis", "no gravity", "no pivot", "no weight", "balanced"],
 )
 def test_other_bodies_are_no_heavy_symmetric_tops(body, effects):
-    assert lagrange_top(pose(scene(body=body, start=WAVES, effects=effects))) is None
+    assert (
+        heavy_symmetric_top(rotational_problem(scene(body=body, start=WAVES, effects=effects)))
+        is None
+    )
 
 
 # --- V_eff and turning points
@@ -120,7 +123,7 @@ def test_other_bodies_are_no_heavy_symmetric_tops(body, effects):
 def test_nutation_energy_and_v_eff_make_up_e_prime_along_the_motion(start):
     """½ I1 β̇² + V_eff(β) = E', on the path found by an integrator that knows nothing of either."""
     made = scene(start=start)
-    opinion = second_opinion(made, made.times)
+    opinion = cross_check(made, made.times)
     top = top_of(start)
     bound = opinion.steps * RELATIVE_TOLERANCE
     assert defect_of(top, opinion.trajectory) < bound

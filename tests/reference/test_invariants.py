@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 from spincheck.reference.conservation_laws import LAWS
-from spincheck.reference.cross_check import RELATIVE_TOLERANCE, second_opinion
+from spincheck.reference.cross_check import RELATIVE_TOLERANCE, cross_check
 from spincheck.reference.invariants import drifts, invariants
 from spincheck.scenarios import Trajectory
 from top_scenes import ASYMMETRIC, GRAVITY, HEAVY, PIVOT, TOP, scene
@@ -77,7 +77,7 @@ CASES = {
 def solved(name):
     """A scene's motion, by an integrator that knows of no law."""
     made, _ = CASES[name]
-    return second_opinion(made, made.times)
+    return cross_check(made, made.times)
 
 
 def bound(name):
@@ -161,7 +161,7 @@ def test_a_law_notices_a_planted_fault(name):
 )
 def test_the_motion_of_another_scene_breaks_the_law_of_this_one(name, law, wrong):
     made, _ = CASES[name]
-    other = second_opinion(wrong, made.times).trajectory
+    other = cross_check(wrong, made.times).trajectory
     assert drifts(made, other)[law] > 1e6 * bound(name)
 
 
@@ -214,7 +214,7 @@ TILTED = f"quaternion_wxyz = [{2 / 5**0.5!r}, {1 / 5**0.5!r}, 0.0, 0.0]"
 def test_an_integrable_case_has_the_value_worked_out_by_hand(law, body, start, by_hand):
     made = scene(body, start)
     (found,) = [one for one in invariants(made) if one.name == law]
-    motion = second_opinion(made, made.times).trajectory
+    motion = cross_check(made, made.times).trajectory
     assert found.values(motion)[0] == pytest.approx(by_hand, rel=1e-14)
 
 
@@ -226,12 +226,12 @@ def test_a_body_let_go_from_rest_has_scales():
 
 def test_nothing_drifts_from_a_law_of_what_does_not_move():
     still = scene(ASYMMETRIC, "euler_zyz_deg = [0, 50, 0]\nomega_body = [0.0, 0.0, 0.0]", "")
-    motion = second_opinion(still, still.times).trajectory
+    motion = cross_check(still, still.times).trajectory
     assert set(drifts(still, motion).values()) == {0.0}
 
 
 def test_what_moves_though_nothing_should_drifts_infinitely_far():
     still = scene(ASYMMETRIC, "euler_zyz_deg = [0, 50, 0]\nomega_body = [0.0, 0.0, 0.0]", "")
     moving = scene(ASYMMETRIC, "euler_zyz_deg = [0, 50, 0]\nomega_body = [0.0, 1.0, 0.0]", DRAG)
-    motion = second_opinion(moving, still.times).trajectory
+    motion = cross_check(moving, still.times).trajectory
     assert drifts(still, motion)["energy"] == np.inf

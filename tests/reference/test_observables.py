@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from spincheck.reference.cross_check import second_opinion
+from spincheck.reference.cross_check import cross_check
 from spincheck.reference.facts import facts
 from spincheck.reference.observables import SAMPLES_PER_PERIOD, axis_motion, observables
 from spincheck.scenarios import Trajectory
@@ -34,7 +34,7 @@ SCENES = {
 @cache
 def motion_of(name):
     made, _ = SCENES[name]
-    return second_opinion(made, made.times).trajectory
+    return cross_check(made, made.times).trajectory
 
 
 def sights(name, motion=None):
@@ -103,7 +103,7 @@ def test_a_window_too_short_for_a_period_shows_nothing():
 def test_a_body_that_stays_on_its_axis_shows_no_flips():
     """Whatever rounding makes of the two other components of ω."""
     made = scene(ASYMMETRIC, FLIPPING.replace("0.02, 15.0, 0.02", "0.0, 0.0, 5.0"), "", WINDOW)
-    assert observables(made, second_opinion(made, made.times).trajectory) == []
+    assert observables(made, cross_check(made, made.times).trajectory) == []
 
 
 def test_azimuth_and_angle_are_those_of_a_uniform_precession():

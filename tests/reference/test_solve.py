@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from spincheck.reference import solve
-from spincheck.reference.cross_check import second_opinion
+from spincheck.reference.cross_check import cross_check
 from spincheck.reference.motion import motion
-from spincheck.reference.rotational_problem import pose
+from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.reference.solution import MAX_UNCERTAINTY
 from spincheck.reference.solve import ROUNDING
 from spincheck.reference.taylor import Orders, integrate
@@ -31,7 +31,7 @@ CHAOTIC = scene(
 
 def true_motion(scenario: Scenario, times: np.ndarray) -> Trajectory:
     """The motion by a series dearer than any that `solve` uses, rounded once."""
-    problem = pose(scenario)
+    problem = rotational_problem(scenario)
     return motion(scenario, problem, times, integrate(problem, times, DEAREST_ORDERS))
 
 
@@ -109,7 +109,7 @@ def test_an_independent_integrator_finds_the_same_motion(scenario):
     solution = solve(scenario, TIMES)
     if solution.horizon is not None:
         return
-    other = second_opinion(scenario, TIMES)
+    other = cross_check(scenario, TIMES)
     for name, error in errors_between(scenario, other.trajectory, solution.trajectory):
         growth = getattr(solution.conditioning, name) / EPS
         assert error <= other.steps * other.tolerance * growth + ROUNDING, name

@@ -10,7 +10,7 @@ from mpmath import mp, mpf
 from spincheck.reference import solve
 from spincheck.reference.closed_forms import ClosedForm, closed_form
 from spincheck.reference.problem import Problem
-from spincheck.reference.rotational_problem import pose
+from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.reference.solve import CHECKED_TURN, ROUNDING
 from spincheck.reference.taylor import IntegrationError, integrate
 from spincheck.scenarios import find, load
@@ -33,7 +33,7 @@ def test_what_is_stated_of_a_closed_form_grows_with_the_turns_it_has_made():
     scenario = scene(TOP, START, FREE)
     stated = solve(scenario, np.array([0.0, AGES]))
     got = [mpf(x) for x in stated.trajectory.q_world_body_wxyz[1].tolist()]
-    q, _ = free_symmetric_body(pose(scenario)).state(AGES)
+    q, _ = free_symmetric_body(rotational_problem(scenario)).state(AGES)
     with mp.workdps(DIGITS):
         true_error = min(distance([sign * x for x in got], q) for sign in (1, -1))
     assert true_error > HONESTY * ROUNDING

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 from scipy.special import ellipk
-from spincheck.reference.cross_check import second_opinion
-from spincheck.reference.rotational_problem import pose
+from spincheck.reference.cross_check import cross_check
+from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.reference.stability import (
     body_cone_rate,
     perturbation_rate_squared,
@@ -47,7 +47,7 @@ def test_near_the_middle_axis_small_deviations_grow_at_that_rate():
     """cosh λt and sinh λt from the linear equations, against an integrator of the full ones."""
     offset, duration = 1e-6, 5.0
     made = scene(ASYMMETRIC, start_near(1, offset), "", f"duration = {duration}\nsamples = 2")
-    end = second_opinion(made, made.times).trajectory.omega_body[-1]
+    end = cross_check(made, made.times).trajectory.omega_body[-1]
     rate = math.sqrt(perturbation_rate_squared(MOMENTS, 1, 1.0))
     # ω1' = (I2 − I3)/I1 ω2 ω3 with ω2 = 1, so ω1 = δ (cosh λt + (I2 − I3)/(I1 λ) sinh λt).
     grown = math.cosh(rate * duration) + (4 - 6) / (3 * rate) * math.sinh(rate * duration)
@@ -71,7 +71,7 @@ def test_near_an_extreme_axis_the_period_is_that_of_small_wobbles(axis):
 def test_the_period_is_that_of_the_jacobi_functions():
     """DETEST problem B5 (Hull et al., 1972): y = (sn, cn, dn)(t | 0.51)."""
     (path,) = find(["detest-b5"])
-    problem = pose(load(path))
+    problem = rotational_problem(load(path))
     period = tumbling_period(problem.moments, problem.omega_axes)
     assert period == pytest.approx(4 * ellipk(0.51), rel=ROUNDED)
     assert period != pytest.approx(4 * ellipk(0.51**2), rel=1e6 * ROUNDED)
@@ -91,7 +91,7 @@ def test_the_motion_comes_back_after_the_period_and_not_before():
     window = f"duration = {period!r}\nsamples = 3"
     start = "euler_zyz_deg = [0, 0, 0]\nomega_body = [0.3, 1.0, 0.2]"
     made = scene(ASYMMETRIC, start, "", window)
-    opinion = second_opinion(made, made.times)
+    opinion = cross_check(made, made.times)
     _, half, whole = opinion.trajectory.omega_body
     bound = opinion.steps * 1e-13
     assert np.abs(whole - omega).max() < bound
@@ -152,7 +152,7 @@ def test_omega_circles_the_axis_at_the_body_cone_rate_and_in_its_sense():
     rate = body_cone_rate(2.0, 3.0, 4.0)
     window = f"duration = {0.5 / rate!r}\nsamples = 2"
     made = scene(oblate, "euler_zyz_deg = [0, 0, 0]\nomega_body = [1.0, 0.0, 4.0]", "", window)
-    opinion = second_opinion(made, made.times)
+    opinion = cross_check(made, made.times)
     end = opinion.trajectory.omega_body[-1]
     bound = opinion.steps * 1e-13 * 4  # relative to |ω|
     assert math.atan2(end[1], end[0]) == pytest.approx(0.5, abs=bound)

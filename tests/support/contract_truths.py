@@ -12,7 +12,7 @@ from spincheck.reference import Solution
 from spincheck.reference.closed_forms import closed_form
 from spincheck.reference.motion import motion
 from spincheck.reference.problem import Problem
-from spincheck.reference.rotational_problem import pose
+from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.reference.steady_motions import turns_rigidly
 from spincheck.reference.symmetry import is_free
 from spincheck.reference.taylor import FINE_ORDERS, Orders, integrate
@@ -41,7 +41,7 @@ FEW = 3
 
 def by_series(scenario: Scenario, solution: Solution) -> Trajectory:
     """By the ODE, as far as it reaches: of closed forms the fine one, of itself the dearest."""
-    problem, truth = pose(scenario), solution.trajectory
+    problem, truth = rotational_problem(scenario), solution.trajectory
     rate = solving._rate(problem, truth)
     closed = closed_form(problem) is not None
     reach = solving.CHECKED_TURN if closed else DEAREST_TURN
@@ -56,7 +56,7 @@ def by_series(scenario: Scenario, solution: Solution) -> Trajectory:
 
 def by_legendre(scenario: Scenario, times: FloatArray) -> Trajectory | None:
     """By integrals of the first and third kind in 120 digits; None of what those do not cover."""
-    problem = pose(scenario)
+    problem = rotational_problem(scenario)
     solved = legendre_motion(problem)
     return None if solved is None else _rounded(scenario, problem, times, solved.state)
 
@@ -75,7 +75,7 @@ def legendre_motion(problem: Problem) -> LegendreMotion | None:
 
 def in_sixty_digits(scenario: Scenario, solution: Solution) -> Trajectory:
     """By Taylor series of order 100 in integers of 260 bits, for so many turns."""
-    problem, times = pose(scenario), solution.trajectory.t
+    problem, times = rotational_problem(scenario), solution.trajectory.t
     rate = mpf(solving._rate(problem, solution.trajectory))
     times = few(times[times * float(rate) <= SIXTY_DIGITS_TURN])
     # A motion's poles in complex time are about a turn's time away.

@@ -4,13 +4,13 @@ from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from typing import Any
 
-from spincheck.reports.harness.executors.worker_slot import Lost
+from spincheck.reports.harness.executors.worker_slot import CallFailed
 
 
 class InProcess(Executor):
     """Loses the calls that an engine is in, as a worker does that the engine takes with it."""
 
-    def __init__(self, deadly: str = "", lost: Lost | None = None) -> None:
+    def __init__(self, deadly: str = "", lost: CallFailed | None = None) -> None:
         self.deadly, self.lost = deadly, lost
         self.calls = 0
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from made_up import TIMESTEPS, MadeUp, results
 from spincheck.reports.pages.analysis.candidates import Candidate, candidates
-from spincheck.reports.pages.analysis.report_data import SceneRuns, gather
+from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
 from spincheck.reports.pages.analysis.work_precision import EPS
 from spincheck.reports.results.store import Results
 from spincheck.scenarios import Errors
@@ -47,7 +47,7 @@ def errors_of(law: Law, timestep: float) -> Errors:
 
 
 def scene_of(found: Results) -> SceneRuns:
-    (scene,) = gather(found).scenes
+    (scene,) = report_data(found).scenes
     return scene
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from spincheck.reports.pages.analysis.work_precision import EPS, Curve, Point
+from spincheck.reports.pages.analysis.work_precision import EPS, Curve, CurvePoint
 
 #: A power and a quotient of logarithms, each good to a few ulp of numbers up to some tens.
 ROUNDING = 64 * EPS
@@ -24,7 +24,7 @@ def curve_of_law(
 ) -> Curve:
     """A converging method with that error on every rung."""
     timesteps = [COARSEST / 2**k for k in range(RUNGS)]
-    points = tuple(Point(dt, seconds and seconds / dt, error(dt)) for dt in timesteps)
+    points = tuple(CurvePoint(dt, seconds and seconds / dt, error(dt)) for dt in timesteps)
     curve = Curve(
         engine="made-up",
         method="law",
@@ -45,5 +45,5 @@ def curve_of_law(
 def curve_of_errors(*errors: float, **known: object) -> Curve:
     """The same with its errors listed, coarse to fine."""
     found = {COARSEST / 2**k: error for k, error in enumerate(errors)}
-    points = tuple(Point(dt, 1e-6 / dt, error) for dt, error in found.items())
+    points = tuple(CurvePoint(dt, 1e-6 / dt, error) for dt, error in found.items())
     return curve_of_law(law(1), points=points, stable=points, **known)

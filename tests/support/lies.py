@@ -9,7 +9,7 @@ import numpy as np
 from planted import HeunSession, Planted
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Engine, Method, Session, State
-from spincheck.engines.adapters.mujoco.engine.engine import MuJoCo
+from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.scenarios import Scenario
 
 #: s, when some begin to lie.

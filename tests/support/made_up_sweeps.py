@@ -3,7 +3,13 @@
 from spincheck.engines import Method
 from spincheck.reports.results.records import Key
 from spincheck.reports.results.store import Results
-from spincheck.reports.results.sweep_records import Ensemble, EnsembleResult, Map, MapResult, Point
+from spincheck.reports.results.sweep_records import (
+    Ensemble,
+    EnsembleResult,
+    Map,
+    MapResult,
+    PointResult,
+)
 from spincheck.scenarios import EFFECTS, Errors, Scenario, loads
 from spincheck.scenarios.vary import Axis, parse_axis
 
@@ -65,19 +71,21 @@ def axes(*texts: str) -> tuple[Axis, Axis]:
     return first, second
 
 
-def point(at: tuple[float, float], pair: tuple[str, str], timestep: float, base: Scenario) -> Point:
+def point(
+    at: tuple[float, float], pair: tuple[str, str], timestep: float, base: Scenario
+) -> PointResult:
     """Diverges where Euler turns by more than 1, fails beyond 10; PyBullet clamps beyond π/4."""
     key = Key(base.name, *pair)
     turn = at[0] * timestep
     if pair == ("pybullet", "multibody") and turn > METHODS[pair].max_rotation_per_step:
-        return Point(at, key, timestep, "unsupported", "clamp", f"too far {MISCHIEF}")
+        return PointResult(at, key, timestep, "unsupported", "clamp", f"too far {MISCHIEF}")
     if pair[1] == "Euler" and turn > 1:
         cause = "not finite" if turn < 10 else "energy"
-        return Point(at, key, timestep, "diverged", cause, f"blew up {MISCHIEF}", 0.25)
+        return PointResult(at, key, timestep, "diverged", cause, f"blew up {MISCHIEF}", 0.25)
     error = timestep ** ORDERS[pair[1]]
     errors = Errors(error, 2 * error, 3 * error, 4 * error)
     steps = round(base.window.duration / timestep)
-    return Point(at, key, timestep, "ok", errors=errors, uncertainty=UNCERTAINTY, steps=steps)
+    return PointResult(at, key, timestep, "ok", errors=errors, uncertainty=UNCERTAINTY, steps=steps)
 
 
 def map_result(text: str = DISC, name: str = "disc") -> MapResult:
@@ -103,12 +111,12 @@ def ensemble_result(members: int = 10, name: str = "disc") -> EnsembleResult:
             key = Key(name, *pair)
             if pair[0] == "pybullet" and k % 2:
                 ended = ("diverged", "not finite", f"blew up {MISCHIEF}", 10.0 - k)
-                points.append(Point((float(k),), key, 0.01, *ended))
+                points.append(PointResult((float(k),), key, 0.01, *ended))
                 continue
             error = (k + 1) / 100 * (1e-6 if pair[1] == "RK4" else 1.0)
             errors = Errors(error, 2 * error, 3 * error, 4 * error)
             known = {"errors": errors, "uncertainty": UNCERTAINTY, "steps": 1000}
-            points.append(Point((float(k),), key, 0.01, "ok", **known))
+            points.append(PointResult((float(k),), key, 0.01, "ok", **known))
     return EnsembleResult(Ensemble(name, members, 7, 0.01), base, tuple(points))
 
 

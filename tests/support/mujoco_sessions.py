@@ -2,7 +2,7 @@
 
 import mujoco
 from read_backs import check_read_back
-from spincheck.engines.adapters.mujoco.engine.session import MuJoCoSession
+from spincheck.engines.adapters.mujoco.session import MuJoCoSession
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.scenarios import Scenario
 

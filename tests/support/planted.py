@@ -13,7 +13,7 @@ from functools import cache
 import numpy as np
 from scipy.spatial.transform import Rotation
 from spincheck.engines import BodyReading, Engine, EngineError, Method, Session, State
-from spincheck.engines.adapters.mujoco.engine.engine import MuJoCo
+from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.scenarios import EFFECTS, Scenario, loads
 
 METHOD = Method("Heun", 2, 2, "Heun's method on rotation vectors", frozenset(EFFECTS) - {"pivot"})

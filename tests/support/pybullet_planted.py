@@ -7,8 +7,8 @@ import pybullet as p
 import pytest
 from scenes import PIVOT, scene
 from spincheck.engines import Method, Run
-from spincheck.engines.adapters.pybullet.engine.engine import HOLDINGS, PyBullet
-from spincheck.engines.adapters.pybullet.engine.session import PyBulletSession
+from spincheck.engines.adapters.pybullet.engine import REPRESENTATIONS, PyBullet
+from spincheck.engines.adapters.pybullet.session import PyBulletSession
 from spincheck.scenarios import Scenario
 
 ENGINE = PyBullet()
@@ -38,7 +38,7 @@ def run(scenario: Scenario, method: Method) -> Run:
 
 
 def opened(scenario: Scenario, method: Method, timestep: float = TIMESTEP) -> PyBulletSession:
-    return PyBulletSession(scenario, HOLDINGS[method.name], timestep)
+    return PyBulletSession(scenario, REPRESENTATIONS[method.name], timestep)
 
 
 def leave_out(monkeypatch: pytest.MonkeyPatch, function: str, *keywords: str) -> None:

@@ -15,7 +15,7 @@ from ...session import Session
 
 with native_output():
     # Bullet prints when it was built as soon as it is imported.
-    from .load import Holding, left_out
+    from .load import BodyRepresentation, left_out
     from .session import PyBulletSession
 
 ALL_EFFECTS = frozenset(EFFECTS)
@@ -23,11 +23,11 @@ ALL_EFFECTS = frozenset(EFFECTS)
 #: Beyond it the attitude turns by this much a step while ω reads what it should.
 MOST_ROTATION_A_STEP = pi / 4
 
-HOLDINGS = {
-    "multibody": Holding(maximal=False, hung=True),
-    "multibody-p2p": Holding(maximal=False, hung=False),
-    "maximal": Holding(maximal=True, hung=False),
-    "default": Holding(maximal=False, hung=True, as_shipped=True),
+REPRESENTATIONS = {
+    "multibody": BodyRepresentation(maximal=False, hung=True),
+    "multibody-p2p": BodyRepresentation(maximal=False, hung=False),
+    "maximal": BodyRepresentation(maximal=True, hung=False),
+    "default": BodyRepresentation(maximal=False, hung=True, as_shipped=True),
 }
 
 
@@ -79,11 +79,11 @@ class PyBullet(Engine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Load the scene's URDF and set its start."""
-        return PyBulletSession(scenario, HOLDINGS[method.name], timestep)
+        return PyBulletSession(scenario, REPRESENTATIONS[method.name], timestep)
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """A shape to collide with, and on a joint a motor without force."""
-        return left_out(scenario, HOLDINGS[method.name])
+        return left_out(scenario, REPRESENTATIONS[method.name])
 
     def open_unpruned(
         self,
@@ -96,7 +96,7 @@ class PyBullet(Engine):
         if not (names := self.left_out(scenario, method)):
             return None
         kept = names if left_in is None else left_in
-        return PyBulletSession(scenario, HOLDINGS[method.name], timestep, kept)
+        return PyBulletSession(scenario, REPRESENTATIONS[method.name], timestep, kept)
 
 
 @cache

@@ -28,7 +28,7 @@ TAKEN_FOR_ZERO = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
-class Holding:
+class BodyRepresentation:
     """How a method represents the body, and its pivot where there is one.
 
     Attributes
@@ -43,14 +43,16 @@ class Holding:
     as_shipped: bool = False
 
 
-def left_out(scenario: Scenario, holding: Holding) -> tuple[str, ...]:
+def left_out(scenario: Scenario, holding: BodyRepresentation) -> tuple[str, ...]:
     """What a body could have besides and move alike."""
     if holding.as_shipped:
         return ()
     return (SHAPE, MOTOR) if holding.hung and scenario.has_pivot else (SHAPE,)
 
 
-def load(client: int, scenario: Scenario, holding: Holding, left_in: Collection[str]) -> Model:
+def load(
+    client: int, scenario: Scenario, holding: BodyRepresentation, left_in: Collection[str]
+) -> Model:
     """Put the scene's body into an empty world, at its start, held as the scene says.
 
     Parameters
@@ -100,7 +102,7 @@ def load(client: int, scenario: Scenario, holding: Holding, left_in: Collection[
 
 
 def _load_urdf(
-    client: int, text: str, holding: Holding, position: FloatArray, attitude: Rotation
+    client: int, text: str, holding: BodyRepresentation, position: FloatArray, attitude: Rotation
 ) -> int:
     """Load a model with its frame's origin at `position` (3,) m; PyBullet's number for it.
 
@@ -154,7 +156,7 @@ def _gyration_radius(scenario: Scenario) -> float:
     return float(np.sqrt(scenario.body.principal_moments[-1] / scenario.body.mass))
 
 
-def _check_not_lost(scenario: Scenario, holding: Holding) -> None:
+def _check_not_lost(scenario: Scenario, holding: BodyRepresentation) -> None:
     """Raise where Bullet would leave terms out: it compares with a constant, whatever the unit."""
     mass, moments = scenario.body.mass, scenario.body.principal_moments
     if holding.maximal and np.prod(moments) <= TAKEN_FOR_ZERO:
@@ -171,7 +173,7 @@ def _check_not_lost(scenario: Scenario, holding: Holding) -> None:
         )
 
 
-def _tie_to_world(model: Model, holding: Holding) -> None:
+def _tie_to_world(model: Model, holding: BodyRepresentation) -> None:
     """A point-to-point constraint from the body's origin to the world's, solved directly.
 
     The default solver's 50 iterations leave so much of a slender body's constraint unsolved that

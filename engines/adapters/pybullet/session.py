@@ -16,7 +16,7 @@ from ...read_back import BodyReading, EngineError, State
 from ...session import Session
 from .as_shipped import DEFAULT_CLAMP, UNREACHED_VELOCITY
 from .audit import what_acts
-from .load import Holding, load
+from .load import BodyRepresentation, load
 from .model import BASE, Model
 
 #: Steps a native call, some 20 ms: nothing can interrupt one.
@@ -42,7 +42,7 @@ class PyBulletSession(Session):
     def __init__(
         self,
         scenario: Scenario,
-        holding: Holding,
+        holding: BodyRepresentation,
         timestep: float,
         left_in: Collection[str] = (),
     ) -> None:
@@ -136,7 +136,9 @@ class PyBulletSession(Session):
         p.disconnect(self.client)
 
 
-def _open(scenario: Scenario, holding: Holding, left_in: Collection[str]) -> tuple[int, Model]:
+def _open(
+    scenario: Scenario, holding: BodyRepresentation, left_in: Collection[str]
+) -> tuple[int, Model]:
     """A world with the scene's body and gravity in it."""
     client = -1
     try:

@@ -1,1 +1,18 @@
-"""Calls in processes that may crash, hang or print, here or on a cluster."""
+"""Where calls are made: in this process, in local worker processes, or on a Dask cluster."""
+
+from .executor import Answer, CallFailed, Executor, ExecutorStopped
+from .in_process import InProcess
+from .local_workers import LocalWorkers
+from .worker_slot import TIME_LIMIT, is_environmental, may_succeed_if_repeated
+
+__all__ = [
+    "TIME_LIMIT",
+    "Answer",
+    "CallFailed",
+    "Executor",
+    "ExecutorStopped",
+    "InProcess",
+    "LocalWorkers",
+    "is_environmental",
+    "may_succeed_if_repeated",
+]

@@ -1,4 +1,4 @@
-"""Runs calls on a Dask cluster, each in a process of its own there: a crash costs the call.
+"""Makes calls on a Dask cluster, each in a process of its own there: a crash costs one call.
 
 A cluster's worker that dies takes no result with it: Dask gives its calls to another one, and what
 comes back comes back once (https://distributed.dask.org/en/stable/resilience.html).
@@ -8,113 +8,137 @@ import asyncio
 import logging
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from functools import partial
-from types import TracebackType
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar, final
 
 import numpy as np
 
-from ...cli.terminal import BAD_INPUT, NOT_RUN, Complaint
 from ...results.fingerprints import program
-from .local_workers import TIME_LIMIT
-from .worker_slot import KILLED, Answer, Lane, Lost
+from .executor import Answer, CallFailed, Executor, ExecutorStopped
+from .local_workers import LocalWorkers
+from .worker_slot import KILLED, TIME_LIMIT, WorkerSlot
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
 #: s; a scheduler that is there answers in a fraction of one.
 CONNECT_LIMIT = 5.0
+#: Calls under way for each thread of the cluster: one runs, the next is on its way.
+CALLS_PER_THREAD = 2
 
 _of_this_thread = threading.local()
 
 
-class Cluster(Executor):
-    """The workers of a Dask scheduler. A call that gives no result has `Lost` for its exception.
+class ClusterError(Exception):
+    """The cluster cannot be used, in one sentence.
+
+    Attributes
+    ----------
+    bad_address : whether what was given is no address at all
+    """
+
+    def __init__(self, reason: str, *, bad_address: bool = False) -> None:
+        super().__init__(reason)
+        self.bad_address = bad_address
+
+
+@final
+class DaskCluster(Executor):
+    """The workers of a Dask scheduler.
 
     Parameters
     ----------
-    time_limit : s, that a call may take; `TIME_LIMIT` if None
+    address : the scheduler's
+    time_limit : CPU seconds that a call may take; `TIME_LIMIT` if None
+
+    Raises
+    ------
+    ClusterError
+        If Dask is not installed, no scheduler answers, or a worker runs another spincheck or numpy.
     """
 
     def __init__(self, address: str, time_limit: float | None = None) -> None:
+        super().__init__()
         self._address = address
         self._time_limit = TIME_LIMIT if time_limit is None else time_limit
+        self._stopped = False
         self._client = _connected(address)
-        self._executor: Executor = self._client.get_executor(pure=False)
+        self._check_alike()
+        threads = sum(self._client.nthreads().values())
+        self.width = max(1, CALLS_PER_THREAD * threads)
 
-    def submit(self, call: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Schedule a call; what it takes and returns is pickled."""
-        ours: Future[T] = Future()
-        theirs = self._executor.submit(isolated, partial(call, *args, **kwargs), self._time_limit)
-        theirs.add_done_callback(lambda done: self._hand_over(done, ours))
-        return ours
-
-    def check_alike(self) -> None:
-        """See that the workers that are there run this very program.
+    def call(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Answer[T]:
+        """Call a function on the cluster; what it takes and returns is pickled.
 
         Raises
         ------
-        Complaint
-            If one does not.
+        ClusterError
+            If the cluster is gone.
         """
-        try:
-            found = self._client.run(fingerprint)
-        except Exception as error:
-            reason = f"a worker of {self._address} cannot run spincheck: {error}"
-            raise Complaint(f"'--dask': {reason}", NOT_RUN) from None
-        for worker, theirs in found.items():
-            if theirs != fingerprint():
-                raise Complaint(
-                    f"'--dask': {worker} runs another spincheck or numpy than this computer; "
-                    "install the same on both",
-                    NOT_RUN,
-                )
-
-    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Let go of the cluster, which goes on without us; what is under way there is dropped."""
-        self._executor.shutdown(wait=wait and not cancel_futures)
-        self._client.close()
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.shutdown(cancel_futures=kind is not None)
-
-    def _hand_over(self, done: Future[Answer], ours: Future[T]) -> None:
         from distributed.scheduler import KilledWorker
 
+        if self._stopped:
+            raise ExecutorStopped
+        call = partial(function, *args, **kwargs)
         try:
-            value = done.result().value
+            answer: Answer[T] = self._client.submit(
+                isolated, call, self._time_limit, pure=False
+            ).result()
         except KilledWorker as error:
-            value = Lost(f"{KILLED}, and others after it: {error}", "killed")
+            reason = f"{KILLED}, and others after it: {error}"
+            return Answer(CallFailed(reason, "killed"))
+        except (Exception, asyncio.CancelledError) as error:
+            if self._stopped:
+                raise ExecutorStopped from None
+            raise ClusterError(f"the cluster at {self._address} is gone: {error}") from error
+        return answer
+
+    def alone(self) -> Executor:
+        """A worker process on this computer: times taken on several are not to be compared."""
+        return LocalWorkers(1, self._time_limit)
+
+    def stop(self) -> None:
+        """Let go of the cluster, which drops what is under way."""
+        self._stopped = True
+        self._client.close()
+
+    def close(self) -> None:
+        """Let go of the cluster, which goes on without us."""
+        self._client.close()
+
+    def _check_alike(self) -> None:
+        """See that the workers that are there run this very program."""
+        try:
+            found = self._client.run(program_and_numpy)
         except Exception as error:
-            ours.set_exception(_gone(self._address, error))
-            return
-        if isinstance(value, Lost):
-            ours.set_exception(value)
-        else:
-            ours.set_result(value)
+            self._client.close()
+            raise ClusterError(
+                f"a worker of {self._address} cannot run spincheck: {error}"
+            ) from None
+        for worker, theirs in found.items():
+            if theirs != program_and_numpy():
+                self._client.close()
+                raise ClusterError(
+                    f"{worker} runs another spincheck or numpy than this computer; "
+                    "install the same on both"
+                )
 
 
-def isolated(call: Callable[[], Any], time_limit: float) -> Answer:
+def isolated(call: Callable[[], Any], time_limit: float) -> Answer[Any]:
     """Make a call on a cluster's worker, in a process beside it that belongs to this thread."""
-    lanes: dict[float, Lane] = _of_this_thread.__dict__.setdefault("lanes", {})
-    if time_limit not in lanes:
-        # Of another sweep; this one has a process of its own.
-        for lane in lanes.values():
-            lane.end()
-        lanes.clear()
-        lanes[time_limit] = Lane(time_limit)
-    return lanes[time_limit].call(call)
+    slots: dict[float, WorkerSlot] = _of_this_thread.__dict__.setdefault("slots", {})
+    if time_limit not in slots:
+        # Of another run; this one has a process of its own.
+        for slot in slots.values():
+            slot.end()
+        slots.clear()
+        slots[time_limit] = WorkerSlot(time_limit)
+    return slots[time_limit].call(call)
 
 
-def fingerprint() -> tuple[bytes, str]:
-    """What a point may depend on, besides its scene and its engine: spincheck and numpy."""
+def program_and_numpy() -> tuple[bytes, str]:
+    """What a result may depend on, besides its scene and its engine: spincheck and numpy."""
     return program(), np.__version__
 
 
@@ -124,10 +148,9 @@ def _connected(address: str) -> Any:
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] not in ("distributed", "dask"):
             raise
-        raise Complaint(
-            f"'--dask' needs the package '{error.name}', which is not installed: "
-            "pip install 'spincheck[dask]'",
-            NOT_RUN,
+        raise ClusterError(
+            f"needs the package '{error.name}', which is not installed: "
+            "pip install 'spincheck[dask]'"
         ) from None
     try:
         with _quiet():
@@ -135,9 +158,9 @@ def _connected(address: str) -> Any:
             asyncio.run(_greet(address))
             return Client(address, timeout=CONNECT_LIMIT, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, TimeoutError):
-        raise Complaint(f"'--dask': no scheduler answers at {address}", NOT_RUN) from None
+        raise ClusterError(f"no scheduler answers at {address}") from None
     except ValueError as error:
-        raise Complaint(f"'--dask' must be a scheduler's address: {error}", BAD_INPUT) from None
+        raise ClusterError(f"must be a scheduler's address: {error}", bad_address=True) from None
 
 
 async def _greet(address: str) -> None:
@@ -149,7 +172,7 @@ async def _greet(address: str) -> None:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """What goes wrong is told as a complaint, not logged besides."""
+    """What goes wrong is told as an error, not logged besides."""
     logger = logging.getLogger("distributed")
     before = logger.level
     logger.setLevel(logging.CRITICAL + 1)
@@ -157,8 +180,3 @@ def _quiet() -> Iterator[None]:
         yield
     finally:
         logger.setLevel(before)
-
-
-def _gone(address: str, error: BaseException) -> Complaint:
-    kind = type(error).__name__
-    return Complaint(f"'--dask': the cluster at {address} gave up: {kind}: {error}", NOT_RUN)

@@ -1,63 +1,49 @@
-"""Where calls are made one after the other: a worker process, replaced whenever one dies."""
+"""One worker process at a time, replaced whenever it dies; what its death tells of the call."""
 
 import re
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable
-from contextlib import suppress
-from dataclasses import dataclass
 from typing import Any
 
 from ....engines import Cause
+from .executor import Answer, CallFailed, ExecutorStopped
 from .worker_process import WorkerProcess
 
-#: A call whose worker was killed from outside is tried this often in all.
+#: CPU seconds that a call may take; a run of the longest ladder takes a few.
+TIME_LIMIT = 120.0
+#: A call whose worker was killed from outside is made this often in all.
 ATTEMPTS = 2
 #: Characters of a worker's last line that go into the reason of its death.
-LAST_WORDS = 200
-#: What somebody else sends to a process that is in the way; no engine ends by these.
-FROM_OUTSIDE = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP)
-#: Begins the reason of a call that was lost so.
+LAST_LINE = 200
+#: s between two looks at the CPU time of a call.
+POLL = 0.5
+#: A call that has used less than this share of the wall time, once that exceeds the limit, hangs.
+IDLE = 0.01
+#: Wall time that a call may take, in time limits, however busy the machine is.
+MOST_WALL = 20.0
+#: What ends a process that does something wrong itself; any other signal comes from outside.
+_OWN_SIGNALS = frozenset(
+    getattr(signal, name).value
+    for name in ("SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS", "SIGTRAP", "SIGSYS")
+    if hasattr(signal, name)
+)
+#: Begins the reason of a call whose worker was killed by somebody else.
 KILLED = "the worker process was killed from outside"
 #: Begins the reason of a call that was stopped; its time limit follows.
 _OVERDUE = "did not finish within "
+#: Causes that lie in the machine, not in the engine.
+_ENVIRONMENTAL = frozenset({"killed", "environment"})
 
 
-class Lost(Exception):
-    """A call that gave no result, and why: in words, and in a word."""
-
-    def __init__(self, reason: str, cause: Cause = "bug") -> None:
-        super().__init__(reason)
-        self.reason = reason
-        self.cause: Cause = cause
-
-    @property
-    def killed(self) -> bool:
-        """Whether somebody else put an end to it: it may be tried again."""
-        return self.reason.startswith(KILLED)
-
-
-@dataclass(frozen=True, eq=False)
-class Answer:
-    """What comes of a call.
-
-    Attributes
-    ----------
-    value : what it returned, or `Lost` if it crashed, hung or raised
-    printed : what it wrote to the terminal, by Python or by C; the end of it if that is long
-    """
-
-    value: Any
-    printed: str = ""
-
-
-class Lane:
+class WorkerSlot:
     """Makes calls, one at a time and all from one thread; any thread may stop it.
 
     Parameters
     ----------
-    time_limit : s, that a call may take
+    time_limit : CPU seconds that a call may take
     """
 
     def __init__(self, time_limit: float) -> None:
@@ -66,51 +52,59 @@ class Lane:
         self._stopped = False
         self._changing = threading.Lock()
 
-    def call(self, call: Callable[[], Any]) -> Answer:
-        """What a call gives; what it is and returns is pickled."""
-        answer = Answer(Lost(KILLED, "killed"))
-        for _ in range(ATTEMPTS):
+    def call(self, call: Callable[[], Any]) -> Answer[Any]:
+        """What comes of a call; it and what it returns are pickled.
+
+        Raises
+        ------
+        ExecutorStopped
+            If the slot was stopped.
+        """
+        for attempt in range(ATTEMPTS):
             answer = self._attempt(call)
-            if self._stopped or not (isinstance(answer.value, Lost) and answer.value.killed):
+            if self._stopped:
+                raise ExecutorStopped
+            killed = isinstance(answer.value, CallFailed) and answer.value.cause == "killed"
+            if not killed or attempt == ATTEMPTS - 1:
                 break
         return answer
 
     def stop(self) -> None:
-        """Kill the process at once; what it is calling is lost."""
+        """Kill the process at once; the call under way raises `ExecutorStopped`."""
         with self._changing:
             self._stopped = True
             if self._worker is not None:
                 self._worker.kill()
 
     def end(self) -> None:
-        """Make an end of the process; from the thread that makes the calls."""
+        """End the process, once no call is under way."""
         with self._changing:
             self._stopped = True
             if self._worker is not None:
                 self._worker.end()
                 self._worker = None
 
-    def _attempt(self, call: Callable[[], Any]) -> Answer:
-        worker = self._ready()
-        if worker is None:
-            return Answer(Lost("it was stopped", "killed"))
-        deadline = time.monotonic() + self._time_limit
-        # One that dies meanwhile is found to have died when its answer is waited for.
-        with suppress(OSError):
-            worker.give(call)
+    def _attempt(self, call: Callable[[], Any]) -> Answer[Any]:
         try:
-            if not worker.has_answered(max(0.0, deadline - time.monotonic())):
-                return self._overdue(worker)
-            returned, value = worker.take()
+            worker = self._ready()
+        except OSError as error:
+            return Answer(CallFailed(f"no worker process could be started: {error}", "environment"))
+        try:
+            worker.give(call)
+            if overdue := self._wait(worker):
+                printed = worker.printed()
+                self._forget(worker)
+                return Answer(CallFailed(overdue + _last_line(printed), "time-out"), printed)
+            returned, value, cause = worker.take()
         except (EOFError, OSError):
-            return self._bury(worker)
-        return Answer(value if returned else Lost(value), worker.printed())
+            return self._died(worker)
+        return Answer(value if returned else CallFailed(value, cause), worker.printed())
 
-    def _ready(self) -> WorkerProcess | None:
-        """The process, or a new one in its place if it has died; None once this was stopped."""
+    def _ready(self) -> WorkerProcess:
+        """The process, or a new one in its place if it has died."""
         with self._changing:
             if self._stopped:
-                return None
+                raise ExecutorStopped
             if self._worker is not None and not self._worker.alive:
                 self._worker.end()
                 self._worker = None
@@ -118,17 +112,30 @@ class Lane:
                 self._worker = WorkerProcess()
             return self._worker
 
-    def _overdue(self, worker: WorkerProcess) -> Answer:
-        printed = worker.printed()
-        self._forget(worker)
-        reason = f"{_OVERDUE}{self._time_limit:g} s{_last_words(printed)}"
-        return Answer(Lost(reason, "time-out"), printed)
+    def _wait(self, worker: WorkerProcess) -> str:
+        """Wait for an answer; returns why it is waited for no longer, empty if it is there.
 
-    def _bury(self, worker: WorkerProcess) -> Answer:
+        The limit is on CPU time, so that a busy machine fails no engine. Wall time tells a call
+        that waits for ever; time in which this process was stopped itself (Ctrl-Z) is not counted.
+        """
+        limit, wall, begun = self._time_limit, 0.0, worker.cpu_seconds()
+        while True:
+            before, poll = time.monotonic(), min(POLL, limit)
+            if worker.has_answered(poll):
+                return ""
+            wall += min(time.monotonic() - before, 2 * poll)
+            used = worker.cpu_seconds() - begun
+            if used > limit:
+                return f"{_OVERDUE}{limit:g} s of CPU time"
+            if wall > limit and used < IDLE * wall:
+                return f"{_OVERDUE}{limit:g} s: it hangs, and used {used:.2g} s of CPU time"
+            if wall > MOST_WALL * limit:
+                return f"{_OVERDUE}{limit:g} s: {wall:.3g} s went by, {used:.2g} s of CPU time"
+
+    def _died(self, worker: WorkerProcess) -> Answer[Any]:
         printed = worker.printed()
-        reason = _cause_of_death(self._forget(worker)) + _last_words(printed)
-        cause: Cause = "killed" if reason.startswith(KILLED) else "crash"
-        return Answer(Lost(reason, cause), printed)
+        reason, cause = _cause_of_death(self._forget(worker))
+        return Answer(CallFailed(reason + _last_line(printed), cause), printed)
 
     def _forget(self, worker: WorkerProcess) -> int:
         with self._changing:
@@ -136,26 +143,37 @@ class Lane:
             return worker.end()
 
 
-def may_end_otherwise(reason: str, time_limit: float | None) -> bool:
-    """Whether what was lost for a reason may succeed if it is called again.
+def is_environmental(cause: str) -> bool:
+    """Whether a cause lies in the machine, not in what was called."""
+    return cause in _ENVIRONMENTAL
 
-    Somebody else had put an end to it, or it was stopped after less than the limit, s, that was
-    chosen now.
+
+def may_succeed_if_repeated(cause: str, reason: str, time_limit: float | None) -> bool:
+    """Whether a call that failed may succeed if it is made again.
+
+    So may one that the machine is to blame for, and one that was stopped after less CPU time than
+    the limit, s, that is asked for now.
     """
-    if KILLED in reason:
+    if is_environmental(cause):
         return True
     stopped = re.search(f"{_OVERDUE}([^ ]+) s", reason)
     return stopped is not None and time_limit is not None and float(stopped[1]) < time_limit
 
 
-def _cause_of_death(exit_code: int) -> str:
-    if exit_code >= 0:
-        return f"the worker process ended with exit code {exit_code}"
-    by = signal.Signals(-exit_code)
-    return f"{KILLED if by in FROM_OUTSIDE else 'the worker process was killed'} by {by.name}"
+def _cause_of_death(exit_code: int) -> tuple[str, Cause]:
+    if exit_code >= 0 or sys.platform == "win32":
+        return f"the worker process ended with exit code {exit_code}", "crash"
+    number = -exit_code
+    try:
+        name = signal.Signals(number).name
+    except ValueError:
+        name = f"signal {number}"
+    if number in _OWN_SIGNALS:
+        return f"the worker process was killed by {name}", "crash"
+    return f"{KILLED} by {name}", "killed"
 
 
-def _last_words(printed: str) -> str:
+def _last_line(printed: str) -> str:
     """The last line that a worker printed, to go on with the reason of its death."""
     lines = printed.strip().splitlines()
-    return f"; it last printed: {lines[-1][-LAST_WORDS:]}" if lines else ""
+    return f"; it last printed: {lines[-1][-LAST_LINE:]}" if lines else ""

@@ -10,8 +10,8 @@ from typing import Any, Literal
 
 from ....engines import Outcome
 from ....scenarios import Scenario
-from ...harness.verdict import ASYMPTOTIC, VerdictWord
-from ...results.records import Key, Row, Verdict
+from ...harness.verdict import ASYMPTOTIC
+from ...results.records import Key, Row, Verdict, VerdictWord
 from ...results.store import Results, SceneResult
 
 #: An error that is this many times what it was has changed: at the same timestep, an engine that
@@ -146,7 +146,7 @@ def _promises(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Ch
     if old is None or new is None:
         return
     broken = [
-        {line.partition(" error ")[0]: line for line in verdict.broken} for verdict in (old, new)
+        {line.partition(" error ")[0]: line for line in verdict.unmet} for verdict in (old, new)
     ]
     for promise in sorted(broken[0].keys() ^ broken[1].keys()):
         worse = promise in broken[1]

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from ...harness.verdict import SETTLING_ORDER
-from .work_precision import Curve, Point, observed_order, slope
+from .work_precision import Curve, CurvePoint, observed_order, slope
 
 #: Errors at which methods are compared, relative (attitude: rad): useful to excellent.
 LEVELS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
@@ -93,7 +93,7 @@ def below_finest(curve: Curve, level: float, order: float) -> float:
     return float(finest.timestep * (level / finest.error) ** (1 / order))
 
 
-def above_round_off(curve: Curve) -> list[Point]:
+def above_round_off(curve: Curve) -> list[CurvePoint]:
     """The stable runs whose errors rounding alone does not explain."""
     return [point for point in curve.stable if point.error > curve.floor(point.timestep)]
 

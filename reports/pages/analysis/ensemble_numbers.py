@@ -6,7 +6,7 @@ import numpy as np
 
 from ....scenarios import FloatArray
 from ...results.records import Pair
-from ...results.sweep_records import Point
+from ...results.sweep_records import PointResult
 from .map_marks import is_coloured
 from .work_precision import Signal
 
@@ -26,10 +26,10 @@ class Members:
     """
 
     pair: Pair
-    points: tuple[Point, ...]
+    points: tuple[PointResult, ...]
 
     @property
-    def finished(self) -> tuple[Point, ...]:
+    def finished(self) -> tuple[PointResult, ...]:
         """Those that came to the end of their windows."""
         return tuple(point for point in self.points if is_coloured(point))
 
@@ -49,18 +49,18 @@ class Members:
             return None
         return tuple(np.quantile(errors, QUANTILES, method="inverted_cdf").tolist())
 
-    def worst(self, count: int) -> tuple[Point, ...]:
+    def worst(self, count: int) -> tuple[PointResult, ...]:
         """Those that did not finish, the earliest stopped first; then by the error of ω."""
         return tuple(sorted(self.points, key=_badness)[:count])
 
 
-def _badness(point: Point) -> tuple[int, float]:
+def _badness(point: PointResult) -> tuple[int, float]:
     if is_coloured(point) and point.errors is not None:
         return 1, -point.errors.omega
     return 0, point.stopped_at if point.stopped_at is not None else 0.0
 
 
-def members_of(points: tuple[Point, ...], pairs: list[Pair]) -> list[Members]:
+def members_of(points: tuple[PointResult, ...], pairs: list[Pair]) -> list[Members]:
     """Sorted by method; members that an engine cannot simulate, or was not run on, are left out."""
     return [
         Members(

@@ -13,7 +13,7 @@ from ....scenarios import FloatArray
 from ....scenarios.errors import ScenarioError
 from ....scenarios.vary import TIMESTEP, Axis, varied
 from ...results.records import Pair
-from ...results.sweep_records import MapResult, Point
+from ...results.sweep_records import MapResult, PointResult
 
 #: Units of a scene file's numbers, by the last key of their paths.
 UNITS = {
@@ -65,10 +65,10 @@ class Grid:
         return len(up.values), len(across.values)
 
     @cached_property
-    def points(self) -> dict[Pair, dict[Node, Point]]:
+    def points(self) -> dict[Pair, dict[Node, PointResult]]:
         """By method and place; what is invalid for all methods is there for each."""
         across, up = ({value: k for k, value in enumerate(axis.values)} for axis in self.axes)
-        sorted_points: dict[Pair, dict[Node, Point]] = {pair: {} for pair in self.methods}
+        sorted_points: dict[Pair, dict[Node, PointResult]] = {pair: {} for pair in self.methods}
         for point in self.found.points:
             node = up[point.at[1]], across[point.at[0]]
             pair = point.key.engine, point.key.method
@@ -116,7 +116,7 @@ class Grid:
                     chosen[node] = point.timestep
         return chosen
 
-    def is_cut(self, point: Point) -> bool:
+    def is_cut(self, point: PointResult) -> bool:
         """Whether a run finished that is shorter than the window: the truth is known no further."""
         across, up = self.axes
         node = up.values.index(point.at[1]), across.values.index(point.at[0])

@@ -7,7 +7,7 @@ neither a colour-blind reader nor a printer takes one for the other.
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ...results.sweep_records import Point, PointOutcome
+from ...results.sweep_records import PointOutcome, PointResult
 
 #: One outcome's signs, for its causes in order of their names; the last stands for all further.
 SIGNS: dict[PointOutcome, tuple[str, ...]] = {
@@ -50,12 +50,12 @@ class Mark:
 HORIZON = Mark("ok", "compared up to the reference's horizon", "diamond-tall", "#9a6b3f")
 
 
-def is_coloured(point: Point) -> bool:
+def is_coloured(point: PointResult) -> bool:
     """Whether a point has an error of a whole run."""
     return point.outcome == "ok" and point.errors is not None
 
 
-def marks(points: Iterable[Point]) -> dict[tuple[PointOutcome, str], Mark]:
+def marks(points: Iterable[PointResult]) -> dict[tuple[PointOutcome, str], Mark]:
     """A mark for every outcome and cause among the points that have no colour."""
     kinds = {(point.outcome, point.cause) for point in points if not is_coloured(point)}
     found = {}

@@ -8,10 +8,10 @@ import numpy as np
 from ....engines import Method
 from ....reference import solve
 from ....scenarios import Errors, ErrorSeries, Trajectory, error_series
-from ....scenarios.fastest_rate import pace
+from ....scenarios.fastest_rate import fastest_rate
 from ...results.records import Pair, Row, Verdict
 from ...results.store import Results, SceneResult
-from .trace_style import Look, looks
+from .trace_style import TraceStyle, looks
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class MethodRuns:
     rows: tuple[Row, ...]
     verdict: Verdict | None
     declared: Method | None
-    look: Look
+    look: TraceStyle
 
     @property
     def label(self) -> str:
@@ -65,10 +65,10 @@ class SceneRuns:
         return self.found.scenario.title if self.found else self.name
 
     @cached_property
-    def pace(self) -> float:
+    def fastest_rate(self) -> float:
         """The scene's fastest rate, rad/s."""
         assert self.found is not None, "how fast a motion is, its truth says"
-        return pace(self.found.scenario, self.found.solution.trajectory)
+        return fastest_rate(self.found.scenario, self.found.solution.trajectory)
 
     @cached_property
     def compared(self) -> tuple["Compared", ...]:
@@ -110,7 +110,7 @@ class Compared:
 
 
 @dataclass(frozen=True, eq=False)
-class Gathered:
+class ReportData:
     """Everything a report shows."""
 
     environment: dict[str, str]
@@ -123,13 +123,13 @@ class Gathered:
         return [runs.verdict for scene in self.scenes for runs in scene.methods if runs.verdict]
 
     @property
-    def plain(self) -> "Gathered":
+    def plain(self) -> "ReportData":
         """Without the hard scenes, which are there to be survived; with them where no other is."""
         plain = tuple(s for s in self.scenes if not (s.found and s.found.scenario.hard))
         return replace(self, scenes=plain or self.scenes)
 
 
-def gather(results: Results) -> Gathered:
+def report_data(results: Results) -> ReportData:
     """Sort a result file's records by scene and method."""
     keys = [row.key for row in results.rows] + [verdict.key for verdict in results.verdicts]
     listed = {pair: rank for rank, pair in enumerate(results.methods)}
@@ -164,7 +164,7 @@ def gather(results: Results) -> Gathered:
         )
         for name in names
     )
-    return Gathered(results.environment, pairs, scenes)
+    return ReportData(results.environment, pairs, scenes)
 
 
 def _truth_at(scene: SceneResult, motion: Trajectory) -> Trajectory:

@@ -37,21 +37,21 @@ class Survival:
         return f"{bound}{number(self.timestep)} s, {number(self.turn)} rad"
 
 
-def survival(rows: Iterable[Row], pace: float | None) -> Survival | None:
+def survival(rows: Iterable[Row], fastest_rate: float | None) -> Survival | None:
     """Of one method on one scene; None where it cannot simulate the scene, or was not run.
 
     Parameters
     ----------
-    pace : the scene's, rad/s; None where it could not be solved, and nothing was run
+    fastest_rate : the scene's, rad/s; None where it could not be solved, and nothing was run
     """
     tried = sorted((row for row in rows if row.timestep), key=lambda row: row.timestep)
-    if pace is None or all(row.outcome == "unsupported" for row in tried):
+    if fastest_rate is None or all(row.outcome == "unsupported" for row in tried):
         return None
     survived = list(takewhile(lambda row: row.survived, tried))
     if not survived:
         return Survival(None, None, at_least=False)
     largest = survived[-1].timestep
-    return Survival(largest, largest * pace, at_least=len(survived) == len(tried))
+    return Survival(largest, largest * fastest_rate, at_least=len(survived) == len(tried))
 
 
 def in_words(found: Survival | None) -> tuple[str, str]:

@@ -21,7 +21,7 @@ SYMBOLS = ("circle", "square", "diamond", "triangle-up", "cross")
 
 
 @dataclass(frozen=True)
-class Look:
+class TraceStyle:
     """Colour by method, dash and marker by engine; names as Plotly has them."""
 
     colour: str
@@ -29,13 +29,13 @@ class Look:
     symbol: str
 
 
-def looks(pairs: Iterable[tuple[str, str]]) -> dict[tuple[str, str], Look]:
+def looks(pairs: Iterable[tuple[str, str]]) -> dict[tuple[str, str], TraceStyle]:
     """A look for every (engine, method); one method's name has one colour in every engine."""
     pairs = list(pairs)
     engines = list(dict.fromkeys(engine for engine, _ in pairs))
     methods = list(dict.fromkeys(method for _, method in pairs))
     return {
-        (engine, method): Look(
+        (engine, method): TraceStyle(
             COLOURS[methods.index(method) % len(COLOURS)],
             DASHES[engines.index(engine) % len(DASHES)],
             SYMBOLS[engines.index(engine) % len(SYMBOLS)],

@@ -12,8 +12,8 @@ from typing import Literal
 
 import numpy as np
 
-from ...harness.verdict import VerdictWord, fitted_order
-from ...results.records import Row
+from ...harness.verdict import fitted_order
+from ...results.records import Row, VerdictWord
 from .report_data import MethodRuns, SceneRuns
 
 Signal = Literal["omega", "attitude", "angular_momentum", "energy"]
@@ -24,7 +24,7 @@ EPS = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
-class Point:
+class CurvePoint:
     """One finished run: timestep, s; CPU seconds a simulated second, None where not timed; error.
 
     The error is never below what the reference is good for.
@@ -53,8 +53,8 @@ class Curve:
     engine: str
     method: str
     signal: Signal
-    points: tuple[Point, ...]
-    stable: tuple[Point, ...]
+    points: tuple[CurvePoint, ...]
+    stable: tuple[CurvePoint, ...]
     seconds_per_step: float | None
     uncertainty: float
     rounding: float
@@ -109,7 +109,7 @@ def cost(row: Row) -> float | None:
     return row.seconds_per_step / row.timestep
 
 
-def slope(coarse: Point, fine: Point) -> float:
+def slope(coarse: CurvePoint, fine: CurvePoint) -> float:
     """The order of accuracy that two runs show."""
     return math.log(coarse.error / fine.error) / math.log(coarse.timestep / fine.timestep)
 
@@ -127,7 +127,7 @@ def observed_order(curve: Curve) -> float | None:
     return curve.order if order is None else order
 
 
-def front(drawn: Iterable[Curve]) -> list[tuple[Curve, Point]]:
+def front(drawn: Iterable[Curve]) -> list[tuple[Curve, CurvePoint]]:
     """The Pareto front of the curves given: each point is more accurate than all cheaper ones."""
     timed = [
         (point.cost, point.error, curve, point)
@@ -135,13 +135,13 @@ def front(drawn: Iterable[Curve]) -> list[tuple[Curve, Point]]:
         for point in curve.points
         if point.cost is not None
     ]
-    best: list[tuple[Curve, Point]] = []
+    best: list[tuple[Curve, CurvePoint]] = []
     for _, error, curve, point in sorted(timed, key=lambda entry: entry[:2]):
         if not best or error < best[-1][1].error:
             best.append((curve, point))
     return best
 
 
-def _point(scene: SceneRuns, row: Row, signal: Signal) -> Point:
+def _point(scene: SceneRuns, row: Row, signal: Signal) -> CurvePoint:
     least = max(float(getattr(scene.uncertainty(row), signal)), EPS)
-    return Point(row.timestep, cost(row), max(float(getattr(row.errors, signal)), least))
+    return CurvePoint(row.timestep, cost(row), max(float(getattr(row.errors, signal)), least))

@@ -13,7 +13,7 @@ from .plot import (
     exact_look,
     layout,
     line,
-    method_look,
+    method_style,
     padded,
     start_dot,
     thinned,
@@ -45,7 +45,7 @@ def axis_path(found: SceneResult, compared: tuple[Compared, ...]) -> Figure:
 
     exact = tips(found.solution.trajectory)
     curves = [(exact, exact_look())] + [
-        (tips(run.motion), method_look(run.runs.label, run.runs.look)) for run in compared
+        (tips(run.motion), method_style(run.runs.label, run.runs.look)) for run in compared
     ]
     traces = solid.surface(np.ones(3), ("x", "y", "up"))
     for points, look in curves:

@@ -7,8 +7,8 @@ import numpy as np
 
 from ...results.records import Pair
 from ..analysis.ensemble_numbers import Members
-from ..analysis.trace_style import Look
-from .plot import Figure, Panel, layout, line, method_look
+from ..analysis.trace_style import TraceStyle
+from .plot import Figure, Panel, layout, line, method_style
 
 HEIGHT = 480
 #: Factors beside the outermost errors, and percent beside 0 and 100, so that curves are not cut.
@@ -17,7 +17,7 @@ BESIDE, MARGIN = 2.0, 3.0
 LARGEST = 1e2
 
 
-def distribution(members: Sequence[Members], looks: dict[Pair, Look]) -> Figure:
+def distribution(members: Sequence[Members], looks: dict[Pair, TraceStyle]) -> Figure:
     """Percentage of all members whose error of ω is at most so much.
 
     A curve ends at the percentage that finished; at least one member did.
@@ -35,7 +35,7 @@ def distribution(members: Sequence[Members], looks: dict[Pair, Look]) -> Figure:
         told = f"{escape(label)}<br>%{{y:.3g}} % within %{{x:.2e}}<extra></extra>"
         x = np.concatenate([errors[:1], errors])
         # By steps: the error of a member is where the curve rises.
-        look = method_look(label, looks[of_method.pair])
+        look = method_style(label, looks[of_method.pair])
         look |= {"hovertemplate": told, "line": look["line"] | {"shape": "hv"}}
         traces.append(line(x, risen, 1, **look))
         outermost += [float(errors[0]), float(errors[-1])]

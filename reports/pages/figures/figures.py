@@ -21,7 +21,7 @@ from .plot import (
     exact_look,
     layout,
     line,
-    method_look,
+    method_style,
     padded,
     peaks,
     thinned,
@@ -197,5 +197,5 @@ def _method_line(run: Compared, y: FloatArray, k: int, said: str) -> Trace:
     # A single sample makes no line.
     mode = {"mode": "markers"} if len(shown) == 1 else {}
     return line(
-        run.motion.t[shown], y, k, **method_look(run.runs.label, run.runs.look) | hover | mode
+        run.motion.t[shown], y, k, **method_style(run.runs.label, run.runs.look) | hover | mode
     )

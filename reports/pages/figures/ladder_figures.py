@@ -13,7 +13,18 @@ from ...results.records import Row
 from ..analysis.report_data import MethodRuns, SceneRuns
 from ..analysis.wording import number
 from ..analysis.work_precision import Signal, cost, curves, front
-from .plot import WIRE, Figure, Panel, Range, Trace, claimed, error_range, layout, line, method_look
+from .plot import (
+    WIRE,
+    Figure,
+    Panel,
+    Range,
+    Trace,
+    claimed,
+    error_range,
+    layout,
+    line,
+    method_style,
+)
 
 SIGNALS = {"omega": "ω error, relative", "attitude": "attitude error, rad"}
 HEADINGS = {"omega": "Angular velocity", "attitude": "Attitude"}
@@ -93,7 +104,7 @@ def _curves(
             np.array([x for x, _ in chosen]),
             _claimed(scene, rows, signal),
             k,
-            **method_look(runs.label, runs.look)
+            **method_style(runs.label, runs.look)
             | {
                 "text": [_hover(runs, row) for row in rows],
                 "hovertemplate": "%{text}<br>off by %{y:.2e}<extra></extra>",

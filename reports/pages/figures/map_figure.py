@@ -10,7 +10,7 @@ import numpy as np
 from ....scenarios import FloatArray
 from ....scenarios.vary import TIMESTEP
 from ...results.records import Pair
-from ...results.sweep_records import Point
+from ...results.sweep_records import PointResult
 from ..analysis.map_grid import Grid, place_of, places, with_unit
 from ..analysis.map_marks import HORIZON, Mark, is_coloured, marks
 from ..analysis.wording import number, power_of_ten
@@ -59,7 +59,7 @@ def _least(grid: Grid) -> float:
     return float(math.floor(math.log10(min(positive, default=1e-1))))
 
 
-def _claimed(point: Point) -> float:
+def _claimed(point: PointResult) -> float:
     assert point.errors is not None
     return max(point.errors.omega, point.uncertainty)
 
@@ -113,7 +113,7 @@ def _errors(grid: Grid, pair: Pair, k: int) -> Iterator[Trace]:
 
 def _signs(grid: Grid, pair: Pair, k: int, signs: dict[Any, Mark], cell: float) -> Iterator[Trace]:
     size = min(max(SIGN_PART * cell, SMALLEST_SIGN), LARGEST_SIGN)
-    by_mark: dict[Mark, list[Point]] = {}
+    by_mark: dict[Mark, list[PointResult]] = {}
     for point in grid.points[pair].values():
         if not is_coloured(point):
             by_mark.setdefault(signs[point.outcome, point.cause], []).append(point)
@@ -144,7 +144,7 @@ def _marker(mark: Mark, size: float) -> dict[str, Any]:
     }
 
 
-def _told(grid: Grid, point: Point) -> str:
+def _told(grid: Grid, point: PointResult) -> str:
     """What a pointer on a place shows, under the method's name."""
     if math.prod(grid.shape) > MOST_TOLD:
         return f"ω error {_claimed(point):.0e}" if is_coloured(point) else escape(_ended(point))
@@ -164,7 +164,7 @@ def _hover(pair: Pair) -> str:
     return f"{escape(' '.join(pair))}<br>%{{text}}<extra></extra>"
 
 
-def _ended(point: Point) -> str:
+def _ended(point: PointResult) -> str:
     at = f" at {number(point.stopped_at)} s" if point.stopped_at is not None else ""
     return f"{point.outcome}{at}" + (f" ({point.cause})" if point.cause else "")
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....scenarios import FloatArray
-from ..analysis.trace_style import Look
+from ..analysis.trace_style import TraceStyle
 
 Trace = dict[str, Any]
 Figure = dict[str, Any]
@@ -115,7 +115,7 @@ def exact_look() -> dict[str, Any]:
     }
 
 
-def method_look(label: str, look: Look) -> dict[str, Any]:
+def method_style(label: str, look: TraceStyle) -> dict[str, Any]:
     """How a method's path is drawn: a thin line; `legendgroup` lets the page switch it off."""
     return {
         "mode": "lines",

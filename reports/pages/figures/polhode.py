@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ....reference.rotational_problem import pose
+from ....reference.rotational_problem import rotational_problem
 from ....scenarios import FloatArray, Trajectory
 from ...results.store import SceneResult
 from ..analysis.report_data import Compared
 from . import solid
 from .axis_path import frame_about
-from .plot import Figure, Panel, exact_look, layout, line, method_look, start_dot, thinned
+from .plot import Figure, Panel, exact_look, layout, line, method_style, start_dot, thinned
 
 ELLIPSOID = ((0.0, 0.56), (0.0, 1.0))
 HERPOLHODE = ((0.66, 0.99), (0.0, 1.0))
@@ -63,7 +63,7 @@ def polhode(found: SceneResult, compared: tuple[Compared, ...]) -> Figure | None
     if picture is None:
         return None
     curves = [(truth, exact_look())] + [
-        (run.motion, method_look(run.runs.label, run.runs.look)) for run in compared
+        (run.motion, method_style(run.runs.label, run.runs.look)) for run in compared
     ]
     traces = solid.surface(1 / np.sqrt(picture.moments), ("1", "2", "3"))
     for motion, look in curves:
@@ -82,7 +82,7 @@ def polhode(found: SceneResult, compared: tuple[Compared, ...]) -> Figure | None
 
 
 def _poinsot(found: SceneResult) -> Poinsot | None:
-    problem = pose(found.scenario)
+    problem = rotational_problem(found.scenario)
     moments = np.array(problem.moments, dtype=float)
     R_axes_body = Rotation.from_quat(np.array(problem.q_axes_body, dtype=float), scalar_first=True)
     truth = found.solution.trajectory

@@ -5,12 +5,12 @@ import math
 import numpy as np
 
 from ....reference.heavy_symmetric_top import (
-    LagrangeTop,
+    HeavySymmetricTop,
     effective_potential,
-    lagrange_top,
+    heavy_symmetric_top,
     nutation_bounds,
 )
-from ....reference.rotational_problem import pose
+from ....reference.rotational_problem import rotational_problem
 from ....reference.symmetry import is_undriven
 from ....scenarios import FloatArray, Scenario
 from .plot import INK, REFERENCE_WIDTH, Figure, Panel, Range, layout, line
@@ -28,8 +28,8 @@ _ABOVE_LINE = {"yanchor": "bottom", "showarrow": False}
 
 def potential(scenario: Scenario) -> Figure | None:
     """V_eff over the tilt with E′ and the turning points; None for any other motion."""
-    problem = pose(scenario)
-    top = lagrange_top(problem)
+    problem = rotational_problem(scenario)
+    top = heavy_symmetric_top(problem)
     if top is None or not is_undriven(problem):
         return None
     low, high = nutation_bounds(top)
@@ -39,7 +39,9 @@ def potential(scenario: Scenario) -> Figure | None:
     return _well(top, np.degrees(tilts), heights, np.degrees([low, high]))
 
 
-def _well(top: LagrangeTop, tilts: FloatArray, heights: FloatArray, ends: FloatArray) -> Figure:
+def _well(
+    top: HeavySymmetricTop, tilts: FloatArray, heights: FloatArray, ends: FloatArray
+) -> Figure:
     """Draw V_eff, J, over the tilt, degrees, and E′ between the turning points."""
     energy, lowest = float(top.E_prime), int(np.argmin(heights))
     level, sides = np.full(2, energy), tilts[[0, -1]]

@@ -6,9 +6,9 @@ import numpy as np
 
 from ...results.records import Pair
 from ..analysis.profiles import Profile
-from ..analysis.trace_style import Look
+from ..analysis.trace_style import TraceStyle
 from ..analysis.wording import SIGNALS, number
-from .plot import Figure, Panel, Range, Trace, layout, line, method_look
+from .plot import Figure, Panel, Range, Trace, layout, line, method_style
 
 #: Room beside the largest factor of a log axis, as a factor: a curve's last step is seen to stay.
 BESIDE = 1.5
@@ -16,7 +16,7 @@ BESIDE = 1.5
 FRACTIONS: Range = (-0.03, 1.03)
 
 
-def profile_figure(profiles: Sequence[Profile], drawn: Mapping[Pair, Look]) -> Figure:
+def profile_figure(profiles: Sequence[Profile], drawn: Mapping[Pair, TraceStyle]) -> Figure:
     """Fraction of scenes solved against the factor by which the cheapest method is exceeded."""
     largest = max((r[-1] for p in profiles for r in p.ratios.values() if r), default=1.0)
     x_range = (1.0, largest * BESIDE)
@@ -30,12 +30,12 @@ def profile_figure(profiles: Sequence[Profile], drawn: Mapping[Pair, Look]) -> F
     return {"data": traces, "layout": layout([panels], height=460)}
 
 
-def _steps(profile: Profile, drawn: Mapping[Pair, Look], end: float, k: int) -> list[Trace]:
+def _steps(profile: Profile, drawn: Mapping[Pair, TraceStyle], end: float, k: int) -> list[Trace]:
     traces = []
     for pair, ratios in profile.ratios.items():
         factors = sorted({1.0, *ratios, end})
         label = " ".join(pair)
-        style = method_look(label, drawn[pair])
+        style = method_style(label, drawn[pair])
         style["line"] = style["line"] | {"shape": "hv"}
         said = f"{label}<br>within %{{x:.3g}} times the cheapest<br>on %{{y:.0%}} of scenes"
         traces.append(

@@ -9,9 +9,9 @@ import pytest
 from pybullet_planted import rotor
 from scenes import SCENES, SPUN_UP, scene
 from spincheck.engines import Engine, Method, Run, engines
-from spincheck.engines.adapters.mujoco.engine.engine import MuJoCo
-from spincheck.engines.adapters.pybullet.engine.as_shipped import DEFAULT_CLAMP
-from spincheck.engines.adapters.pybullet.engine.engine import PyBullet
+from spincheck.engines.adapters.mujoco.engine import MuJoCo
+from spincheck.engines.adapters.pybullet.as_shipped import DEFAULT_CLAMP
+from spincheck.engines.adapters.pybullet.engine import PyBullet
 
 MUJOCO, PYBULLET = MuJoCo(), PyBullet()
 TIMESTEP = 1e-3

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scenes import SCENES, SPUN_UP, scene
 from spincheck.engines import Engine, EngineError, Method, Run, engines
-from spincheck.engines.adapters.mujoco.engine.engine import MuJoCo
-from spincheck.engines.adapters.mujoco.engine.session import compiled
-from spincheck.engines.adapters.mujoco.engine.urdf_reader import MuJoCoURDF
+from spincheck.engines.adapters.mujoco.engine import MuJoCo
+from spincheck.engines.adapters.mujoco.session import compiled
+from spincheck.engines.adapters.mujoco.urdf_reader import MuJoCoURDF
 
 EPS = np.finfo(float).eps
 MUJOCO, BY_URDF = MuJoCo(), MuJoCoURDF()

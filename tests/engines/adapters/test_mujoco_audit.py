@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 from scenes import SCENES
-from spincheck.engines.adapters.mujoco.engine.audit import acting, read_effects
+from spincheck.engines.adapters.mujoco.audit import acting, read_effects
 from spincheck.engines.models.mjcf import mjcf, switched_off
 
 TIMESTEP = 1e-3

@@ -13,7 +13,7 @@ from mujoco_sessions import TIMESTEP, loaded, read_back, session_of
 from scenes import SCENES
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError
-from spincheck.engines.adapters.mujoco.engine.session import MuJoCoSession
+from spincheck.engines.adapters.mujoco.session import MuJoCoSession
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.scenarios import Trajectory, angular_momentum_world, energy
 

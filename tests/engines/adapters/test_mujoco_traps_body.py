@@ -9,9 +9,9 @@ from mujoco_sessions import TIMESTEP, planted, read_back, session_of
 from scenes import PIVOT, SCENES, TILTED, TUMBLE, scene
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError
-from spincheck.engines.adapters.mujoco.engine.engine import MuJoCo
-from spincheck.engines.adapters.mujoco.engine.session import MuJoCoSession
-from spincheck.engines.adapters.mujoco.engine.urdf_reader import MuJoCoURDF
+from spincheck.engines.adapters.mujoco.engine import MuJoCo
+from spincheck.engines.adapters.mujoco.session import MuJoCoSession
+from spincheck.engines.adapters.mujoco.urdf_reader import MuJoCoURDF
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.engines.models.urdf import BODY_LINK, urdf
 from spincheck.scenarios import Scenario

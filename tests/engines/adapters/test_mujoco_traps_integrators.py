@@ -5,7 +5,7 @@ import pytest
 from mujoco_sessions import TIMESTEP, planted
 from scenes import SCENES
 from scipy.spatial.transform import Rotation
-from spincheck.engines.adapters.mujoco.engine.engine import MuJoCo
+from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.scenarios import Scenario, Trajectory, energy
 
 EPS = np.finfo(float).eps

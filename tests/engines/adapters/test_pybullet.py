@@ -11,8 +11,8 @@ import pytest
 from scenes import SCENES, scene
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError, Method, Run, State
-from spincheck.engines.adapters.pybullet.engine.engine import PyBullet
-from spincheck.engines.adapters.pybullet.engine.session import PyBulletSession
+from spincheck.engines.adapters.pybullet.engine import PyBullet
+from spincheck.engines.adapters.pybullet.session import PyBulletSession
 from spincheck.scenarios import Scenario
 
 ENGINE = PyBullet()
@@ -227,7 +227,7 @@ sys.path.insert(0, {folder!r})
 {first}
 import numpy as np
 from scenes import SCENES
-from spincheck.engines.adapters.pybullet.engine.engine import PyBullet
+from spincheck.engines.adapters.pybullet.engine import PyBullet
 engine = PyBullet()
 for method in engine.methods:
     engine.run(SCENES["heavy-tilted"], method, 1e-3, np.array([0, 10]))

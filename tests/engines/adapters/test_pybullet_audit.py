@@ -15,8 +15,8 @@ from pybullet_planted import (
 )
 from scenes import SCENES
 from spincheck.engines import Method
-from spincheck.engines.adapters.pybullet.engine import load as pybullet_load
-from spincheck.engines.adapters.pybullet.engine import session as pybullet_session
+from spincheck.engines.adapters.pybullet import load as pybullet_load
+from spincheck.engines.adapters.pybullet import session as pybullet_session
 
 EPS = np.finfo(float).eps
 

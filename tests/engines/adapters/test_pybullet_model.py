@@ -22,7 +22,7 @@ from read_backs import check_read_back
 from scenes import SCENES
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError, Method
-from spincheck.engines.adapters.pybullet.engine import load as pybullet_load
+from spincheck.engines.adapters.pybullet import load as pybullet_load
 from spincheck.engines.read_back import READ_BACK_SLACK
 
 EPS = np.finfo(float).eps

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 COMMAND = Path(sys.executable).with_name("spincheck")
-SPHERE = Path(__file__).with_name("test_plugin.py").read_text().split('"""')[3]
+SPHERE = Path(__file__).with_name("test_pytest_plugin.py").read_text().split('"""')[3]
 
 
 @pytest.fixture

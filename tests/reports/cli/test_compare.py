@@ -139,14 +139,14 @@ def test_an_error_without_a_base_is_compared_too(before, error):
 
 
 def test_a_promise_broken_is_a_regression_and_one_kept_again_is_not(before):
-    kept = with_verdict(before, broken=())
+    kept = with_verdict(before, unmet=())
     assert [(c.kind, c.regression) for c in changes(kept, before)] == [("promise", True)]
     assert [(c.kind, c.regression) for c in changes(before, kept)] == [("promise", False)]
 
 
 def test_a_promise_broken_by_another_margin_has_not_changed(before):
     margin = ("omega error 2e-2 exceeds the expected 1e-3",)
-    assert changes(before, with_verdict(before, broken=margin)) == []
+    assert changes(before, with_verdict(before, unmet=margin)) == []
 
 
 def test_a_dearer_step_is_a_regression_on_the_same_processor_alone(before):

@@ -13,7 +13,7 @@ import made_up
 import pytest
 from spincheck.reports.cli.csv_export import csv_text
 from spincheck.reports.cli.summary import results_as_json, row_record, verdict_record
-from spincheck.reports.harness.step_cost import StepCost
+from spincheck.reports.results.cost_records import StepCost
 from spincheck.reports.results.store import open_store
 
 COMMAND = Path(sys.executable).with_name("spincheck")
@@ -70,9 +70,9 @@ def test_drifts_have_a_column_each_and_broken_promises_are_joined():
     sampled = next(row for row in RESULTS.rows if row.drifts)
     (row,) = records(csv_text([row_record(sampled)]))
     assert float(row["drifts.energy"]) == sampled.drifts["energy"]
-    twice = replace(RESULTS.verdicts[0], broken=("one, with a comma", "two"))
+    twice = replace(RESULTS.verdicts[0], unmet=("one, with a comma", "two"))
     (verdict,) = records(csv_text([verdict_record(twice)]))
-    assert verdict["broken"] == "one, with a comma; two"
+    assert verdict["unmet"] == "one, with a comma; two"
 
 
 @pytest.mark.parametrize("command", ["rows", "verdicts"])

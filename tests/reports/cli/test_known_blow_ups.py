@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from spincheck.engines import engines
-from spincheck.reports.harness.study import descent_of, prepare, simulate
+from spincheck.reports.harness.study import convergence_study_of, prepare, simulate
 from spincheck.reports.results.records import Verdict
 from spincheck.scenarios import Expect, Scenario, find, load, loads
 
@@ -64,10 +64,10 @@ def judged(scene: Scenario, engine: str, method: str, timestep: float) -> Verdic
     """The verdict on the one timestep that the scene says something about."""
     found = engines()[engine]
     prepared = prepare(scene, [timestep], BUDGET)
-    descent = descent_of(scene, found, found.method(method), prepared, [timestep])
-    while rung := descent.next_rung():
-        descent.add(simulate(found, scene, method, rung))
-    return descent.verdict()
+    study = convergence_study_of(scene, found, found.method(method), prepared, [timestep])
+    while rung := study.next_rung():
+        study.add(simulate(found, scene, method, rung))
+    return study.verdict()
 
 
 def top(engine: str, method: str, timestep: float, spin: float) -> str:
@@ -97,7 +97,7 @@ def test_a_blow_up_that_is_known_passes(case):
 def test_one_that_does_not_happen_is_reported_and_fails(case):
     verdict = judged(loads(top(*case), "top"), *case[:3])
     assert not verdict.agrees
-    (said,) = verdict.broken
+    (said,) = verdict.unmet
     assert said.startswith(f"{case[0]} {case[1]} at {case[2]:g} s was expected to diverge: ok")
 
 

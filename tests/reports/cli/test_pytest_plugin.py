@@ -81,7 +81,7 @@ def test_a_good_scene_passes_on_both_engines_and_skips_with_the_reason(run):
 
 
 def test_other_toml_files_are_not_touched(run):
-    result = run(other='[tool]\nname = "spincheck"\n', broken="this is not TOML spincheck = 1")
+    result = run(other='[tool]\nname = "spincheck"\n', unmet="this is not TOML spincheck = 1")
     result.assert_outcomes()
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Engine, Method, Run
-from spincheck.reports.harness.convergence_study import GOAL, RUNGS_OF_A_LIMIT, Descent
+from spincheck.reports.harness.convergence_study import GOAL, RUNGS_OF_A_LIMIT, ConvergenceStudy
 from spincheck.reports.harness.ladder import MAX_STEPS, MIN_RUNGS, Rung
 from spincheck.reports.harness.study import prepare
 from spincheck.scenarios import Scenario, Trajectory, loads
@@ -40,15 +40,15 @@ class MadeUp(Engine):
         raise AssertionError("results are made up")
 
 
-def descent(
+def study(
     speed: float = 3.0,
     duration: float = 4.0,
     max_steps: int = MAX_STEPS,
     engine: Engine | None = None,
-) -> Descent:
+) -> ConvergenceStudy:
     scene = loads(SCENE.format(speed=speed, duration=duration), "sphere")
     prepared = prepare(scene, [], max_steps)
-    return Descent(scene, MadeUp(), METHOD, prepared.solution, prepared.ladder)
+    return ConvergenceStudy(scene, MadeUp(), METHOD, prepared.solution, prepared.ladder)
 
 
 def off_by(error: float, truth: Trajectory) -> Trajectory:
@@ -60,7 +60,9 @@ def off_by(error: float, truth: Trajectory) -> Trajectory:
     return replace(truth, q_world_body_wxyz=q, omega_body=omega)
 
 
-def go_down(found: Descent, error_of_dt: Callable[[float], float], dies_above: float = np.inf):
+def go_down(
+    found: ConvergenceStudy, error_of_dt: Callable[[float], float], dies_above: float = np.inf
+):
     """Answer every rung, those of more than `dies_above` seconds a step by a blow-up."""
     while rung := found.next_rung():
         truth = found.solution.trajectory.every(rung.every)
@@ -77,12 +79,12 @@ def wandering(dt: float) -> float:
     return 2.0 + np.sin(1.0 / dt)
 
 
-def first(found: Descent) -> Rung:
+def first(found: ConvergenceStudy) -> Rung:
     return found.ladder.rungs[0]
 
 
 def test_a_limit_known_well_ends_a_ladder():
-    found = go_down(descent(), lambda dt: 0.1 * dt)
+    found = go_down(study(), lambda dt: 0.1 * dt)
     assert found.verdict().verdict == "converges"
     assert MIN_RUNGS <= len(found.rows) < len(found.ladder.rungs)
     assert found.verdict().limit_estimate <= GOAL
@@ -90,7 +92,7 @@ def test_a_limit_known_well_ends_a_ladder():
 
 
 def test_timesteps_above_the_ladder_are_doubled_while_they_survive():
-    found = descent()
+    found = study()
     dies_above = 2.5 * first(found).timestep
     go_down(found, lambda dt: 0.1 * dt, dies_above)
     survived = [row.survived for row in found.above_rows]
@@ -98,35 +100,35 @@ def test_timesteps_above_the_ladder_are_doubled_while_they_survive():
 
 
 def test_nothing_is_run_above_a_ladder_whose_first_rung_does_not_survive():
-    found = descent()
+    found = study()
     go_down(found, lambda dt: 0.1 * dt, dies_above=0.75 * first(found).timestep)
     assert found.above_rows == []
     assert found.verdict().verdict == "converges"
 
 
 def test_what_is_run_above_takes_no_part_in_the_verdict():
-    whole = go_down(descent(), lambda dt: 0.1 * dt)
-    bare = descent()
+    whole = go_down(study(), lambda dt: 0.1 * dt)
+    bare = study()
     bare.ladder = replace(bare.ladder, above=())
     assert whole.above_rows
     assert go_down(bare, lambda dt: 0.1 * dt).verdict() == whole.verdict()
 
 
 def test_samples_of_runs_above_are_not_kept_and_those_of_the_finest_are():
-    found = go_down(descent(), lambda dt: 0.1 * dt)
+    found = go_down(study(), lambda dt: 0.1 * dt)
     assert all(row.motion is None for row in found.above_rows)
     assert found.rows[-1].timestep not in found.spent()
 
 
 def test_a_ladder_that_cannot_tell_is_given_up_before_its_last_rung():
-    found = go_down(descent(), wandering)
+    found = go_down(study(), wandering)
     assert len(found.rows) >= MIN_RUNGS
     assert found.verdict().verdict == "unresolved"
 
 
 def test_errors_that_are_large_but_shrink_are_followed_to_where_they_tell():
     """Given up too early it would say unresolved."""
-    found = descent()
+    found = study()
     finest = found.ladder.rungs[-1].timestep
     small = 0.02 / finest
     go_down(found, lambda dt: small * dt / (1 + small * dt))
@@ -134,18 +136,18 @@ def test_errors_that_are_large_but_shrink_are_followed_to_where_they_tell():
 
 
 def test_what_a_short_ladder_left_open_is_told_as_cut_short():
-    assert go_down(descent(max_steps=400), wandering).cut_short
+    assert go_down(study(max_steps=400), wandering).cut_short
 
 
 def test_a_ladder_that_a_short_limit_leaves_no_rung_of_is_cut_short_too():
-    found = go_down(descent(max_steps=10), lambda dt: 0.1)
+    found = go_down(study(max_steps=10), lambda dt: 0.1)
     assert found.rows == []
     assert found.cut_short
 
 
 @pytest.mark.parametrize("speed", [2e5, 2e8])
 def test_where_no_ladder_fits_the_verdict_says_what_one_would_take(speed):
-    found = go_down(descent(speed), lambda dt: 0.1)
+    found = go_down(study(speed), lambda dt: 0.1)
     verdict = found.verdict()
     assert (verdict.verdict, found.rows) == ("unresolved", [])
     assert f"{found.ladder.least_steps * (2**RUNGS_OF_A_LIMIT - 1):.1e}" in verdict.reason
@@ -156,6 +158,6 @@ def test_where_no_ladder_fits_what_cannot_be_simulated_is_still_told():
     class Lacking(MadeUp):
         methods = (replace(METHOD, requires=frozenset({"pivot"})),)
 
-    found = descent(2e8)
+    found = study(2e8)
     found.engine, found.method = Lacking(), Lacking.methods[0]
     assert found.verdict().verdict == "unsupported"

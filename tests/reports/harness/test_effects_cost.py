@@ -7,13 +7,8 @@ from clockwork import METHOD, SCENE, Clock, Clockwork, Works, clock, steadily
 from spincheck.engines import Engine, EngineError, Method, engines
 from spincheck.reports.harness import effects_cost
 from spincheck.reports.harness import step_cost as cost
-from spincheck.reports.harness.effects_cost import (
-    EffectsCost,
-    PassCosts,
-    effects_costs,
-    first_pass_costs,
-    pass_costs,
-)
+from spincheck.reports.harness.effects_cost import effects_costs, first_pass_costs, pass_costs
+from spincheck.reports.results.cost_records import EffectsCost, PassCosts
 from spincheck.reports.results.records import Key
 from spincheck.scenarios import Scenario, find, load
 

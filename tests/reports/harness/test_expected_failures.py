@@ -6,7 +6,7 @@ import pytest
 from spincheck.engines import engines
 from spincheck.reports.harness.expected_failures import held_to_known
 from spincheck.reports.harness.ladder import MAX_STEPS
-from spincheck.reports.harness.study import descent_of, prepare, simulate
+from spincheck.reports.harness.study import convergence_study_of, prepare, simulate
 from spincheck.reports.results.records import Key, Verdict
 from spincheck.scenarios import Known, find, load
 
@@ -27,7 +27,7 @@ def test_a_known_disagreement_passes_and_says_why():
 def test_a_fault_that_is_gone_is_told():
     verdict = held("converges")
     assert not verdict.agrees
-    assert verdict.broken == ("engine method converges, known to disagree: it creeps on",)
+    assert verdict.unmet == ("engine method converges, known to disagree: it creeps on",)
 
 
 @pytest.mark.parametrize("word", ["unresolved", "diverges", "unsupported"])
@@ -52,7 +52,7 @@ def test_what_the_library_knows_of_engines_is_so():
         prepared = prepare(scene, [], MAX_STEPS)
         for fault in scene.known:
             engine = engines()[fault.engine]
-            descent = descent_of(scene, engine, engine.method(fault.method), prepared)
-            while rung := descent.next_rung():
-                descent.add(simulate(engine, scene, fault.method, rung))
-            assert descent.verdict().known
+            study = convergence_study_of(scene, engine, engine.method(fault.method), prepared)
+            while rung := study.next_rung():
+                study.add(simulate(engine, scene, fault.method, rung))
+            assert study.verdict().known

@@ -4,7 +4,7 @@ import re
 
 from spincheck.engines import engines
 from spincheck.reports.harness.ladder import MAX_STEPS
-from spincheck.reports.harness.study import descent_of, prepare, simulate
+from spincheck.reports.harness.study import convergence_study_of, prepare, simulate
 from spincheck.scenarios import find, load
 
 
@@ -13,13 +13,13 @@ def test_what_would_tell_is_finer_than_the_ladder_where_one_signal_alone_is_out_
     scene = load(find(["toutatis"])[0])
     engine = engines()["mujoco"]
     prepared = prepare(scene, [], MAX_STEPS)
-    descent = descent_of(scene, engine, engine.method("Euler"), prepared)
-    while rung := descent.next_rung():
-        descent.add(simulate(engine, scene, "Euler", rung))
-    verdict = descent.verdict()
+    study = convergence_study_of(scene, engine, engine.method("Euler"), prepared)
+    while rung := study.next_rung():
+        study.add(simulate(engine, scene, "Euler", rung))
+    verdict = study.verdict()
     assert (verdict.verdict, verdict.signal) == ("unresolved", "attitude")
-    finest = descent.ladder.rungs[-1].timestep
-    assert len(descent.rows) < len(descent.ladder.rungs)
+    finest = study.ladder.rungs[-1].timestep
+    assert len(study.rows) < len(study.ladder.rungs)
     needed = re.search(r"a timestep of (\S+) s would tell", verdict.reason)
     assert needed is not None
     assert float(needed[1]) < finest

@@ -23,26 +23,28 @@ ROUNDING = 8 * np.finfo(float).eps
 
 
 def ladder_of(
-    pace: float, duration: float = 3.0, samples: int = 31, max_steps: int = MAX_STEPS
+    fastest_rate: float, duration: float = 3.0, samples: int = 31, max_steps: int = MAX_STEPS
 ) -> Ladder:
-    return ladder(Window(duration=duration, samples=samples), pace, samples, max_steps)
+    return ladder(Window(duration=duration, samples=samples), fastest_rate, samples, max_steps)
 
 
-@pytest.mark.parametrize("pace", [1e-3, 1.0, 40.0, 1e4])
-def test_the_coarsest_step_turns_the_body_no_further_than_it_should(pace):
-    assert ladder_of(pace).rungs[0].timestep * pace <= COARSEST_TURN * (1 + ROUNDING)
+@pytest.mark.parametrize("fastest_rate", [1e-3, 1.0, 40.0, 1e4])
+def test_the_coarsest_step_turns_the_body_no_further_than_it_should(fastest_rate):
+    assert ladder_of(fastest_rate).rungs[0].timestep * fastest_rate <= COARSEST_TURN * (
+        1 + ROUNDING
+    )
 
 
-@pytest.mark.parametrize("pace", [0.0, 1e-3, 7.0, 40.0])
-def test_every_rung_is_sampled_at_the_same_times_to_the_last_bit(pace):
-    found = ladder_of(pace)
+@pytest.mark.parametrize("fastest_rate", [0.0, 1e-3, 7.0, 40.0])
+def test_every_rung_is_sampled_at_the_same_times_to_the_last_bit(fastest_rate):
+    found = ladder_of(fastest_rate)
     for rung in found.rungs:
         assert np.array_equal(rung.sample_steps * rung.timestep, found.times)
 
 
-@pytest.mark.parametrize("pace", [0.0, 1e-3, 3.0, 7.0, 40.0])
-def test_timesteps_above_the_ladder_meet_the_ladders_own_samples_to_the_last_bit(pace):
-    found = ladder_of(pace)
+@pytest.mark.parametrize("fastest_rate", [0.0, 1e-3, 3.0, 7.0, 40.0])
+def test_timesteps_above_the_ladder_meet_the_ladders_own_samples_to_the_last_bit(fastest_rate):
+    found = ladder_of(fastest_rate)
     assert found.above
     for rung in found.above:
         assert np.array_equal(rung.sample_steps * rung.timestep, found.times[:: rung.every])
@@ -64,11 +66,11 @@ def test_timesteps_above_are_doubled_up_to_half_a_turn():
     assert LARGEST_TURN / 2 < steps[-1] * 40.0 <= LARGEST_TURN
 
 
-@pytest.mark.parametrize("pace", [0.0, 0.01, 1.0])
-def test_runs_above_are_of_enough_steps_to_show_a_blow_up(pace):
-    steps = ladder_of(pace).above[-1].steps
+@pytest.mark.parametrize("fastest_rate", [0.0, 0.01, 1.0])
+def test_runs_above_are_of_enough_steps_to_show_a_blow_up(fastest_rate):
+    steps = ladder_of(fastest_rate).above[-1].steps
     assert steps >= LEAST_STEPS
-    assert pace or steps < 2 * LEAST_STEPS
+    assert fastest_rate or steps < 2 * LEAST_STEPS
 
 
 def test_the_budget_of_steps_is_used_and_kept():
@@ -83,19 +85,19 @@ def test_a_small_budget_is_exceeded_for_a_verdict_but_not_by_much():
     assert len(ladder_of(40.0, max_steps=500).rungs) < LEAST_RUNGS
 
 
-@pytest.mark.parametrize("pace", [2e4, 1e5])
-def test_rungs_that_take_too_many_steps_are_left_out(pace):
-    found = ladder_of(pace)
+@pytest.mark.parametrize("fastest_rate", [2e4, 1e5])
+def test_rungs_that_take_too_many_steps_are_left_out(fastest_rate):
+    found = ladder_of(fastest_rate)
     rungs = [*found.rungs, *found.above]
     assert len(found.rungs) < MIN_RUNGS
-    assert found.least_steps >= 3.0 * pace / COARSEST_TURN * (1 - ROUNDING)
+    assert found.least_steps >= 3.0 * fastest_rate / COARSEST_TURN * (1 - ROUNDING)
     assert rungs
     assert all(rung.steps <= MAX_STEPS for rung in rungs)
 
 
-@pytest.mark.parametrize("pace", [1e9, 1e300, np.inf])
-def test_where_nothing_fits_there_is_no_ladder_but_its_cost(pace):
-    found = ladder_of(pace)
+@pytest.mark.parametrize("fastest_rate", [1e9, 1e300, np.inf])
+def test_where_nothing_fits_there_is_no_ladder_but_its_cost(fastest_rate):
+    found = ladder_of(fastest_rate)
     assert (found.rungs, found.above) == ((), ())
     assert found.least_steps > MAX_STEPS
 

@@ -11,11 +11,10 @@ import pytest
 from box import BOX
 from planted import HeunSession, RaisingSession, planted
 from same_results import differences
-from spincheck.reports.harness import convergence_study as descent
-from spincheck.reports.harness import study
+from spincheck.reports.harness import convergence_study, study
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.study import run_study
-from spincheck.reports.results import fingerprints as made_by
+from spincheck.reports.results import fingerprints as fingerprints
 from spincheck.reports.results.records import Row
 from spincheck.reports.results.store import Results, Store, open_store
 from spincheck.scenarios import loads
@@ -143,7 +142,7 @@ def test_another_version_of_an_engine_has_its_own_runs_made_anew(path, runs, mon
 def test_another_spincheck_runs_everything_anew(path, runs, monkeypatch):
     run(path)
     before = len(runs)
-    monkeypatch.setattr(made_by, "program", lambda: b"another")
+    monkeypatch.setattr(fingerprints, "program", lambda: b"another")
     run(path)
     assert len(runs) == 2 * before
 
@@ -178,12 +177,12 @@ def test_a_scene_run_later_leaves_the_others_as_they_are(path, undisturbed):
 
 def test_a_broken_promise_is_told_by_a_study_that_was_gone_on_with(path, runs, monkeypatch):
     run(path)
-    told = [verdict.broken for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
+    told = [verdict.unmet for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
     with open_store(path, create=True) as store:
         store._connection.execute("DELETE FROM verdicts")
         store._connection.commit()
     run(path)
-    again = [verdict.broken for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
+    again = [verdict.unmet for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
     assert told == again
     assert "omega error" in told[0][0]
 
@@ -211,7 +210,9 @@ def test_the_verdict_on_a_timestep_is_its_own(path):
 
 
 def test_a_ladder_cut_short_by_a_lesser_limit_is_gone_on_with(path, tmp_path, monkeypatch):
-    monkeypatch.setattr(descent, "GOAL", 0.0)  # no limit is known so well: all rungs are run
+    monkeypatch.setattr(
+        convergence_study, "GOAL", 0.0
+    )  # no limit is known so well: all rungs are run
     longer, other = replace(LADDER, max_steps=1 << 11), tmp_path / "longer.sqlite"
     run(path)
     run(other, longer)

@@ -11,7 +11,8 @@ from planted import HeunSession, RaisingSession, SegfaultSession, planted
 from spincheck.engines import EngineError, engines
 from spincheck.reports.harness import step_cost as cost
 from spincheck.reports.harness.executors.local_workers import Workers
-from spincheck.reports.harness.step_cost import StepCost, measure, one_thread, step_costs
+from spincheck.reports.harness.step_cost import measure, one_thread, step_costs
+from spincheck.reports.results.cost_records import StepCost
 from spincheck.scenarios import find, load
 
 __all__ = ["clock"]

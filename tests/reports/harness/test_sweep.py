@@ -20,12 +20,12 @@ from planted import (
 from spincheck.reports.harness import sweep_run as point_run
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors.local_workers import Workers
-from spincheck.reports.harness.executors.worker_slot import KILLED, Lost
+from spincheck.reports.harness.executors.worker_slot import KILLED, CallFailed
 from spincheck.reports.harness.sweep import carry_out_sweep, plan_sweep
 from spincheck.reports.harness.sweep_points import STEP_TURN, places
-from spincheck.reports.results import fingerprints as made_by
+from spincheck.reports.results import fingerprints as fingerprints
 from spincheck.reports.results.store import open_store
-from spincheck.reports.results.sweep_records import Axis, Ensemble, Map, Point
+from spincheck.reports.results.sweep_records import Axis, Ensemble, Map, PointResult
 from spincheck.scenarios import loads
 from spincheck.scenarios.scatter import member
 
@@ -51,7 +51,7 @@ def sweep(
     choice: Choice = FAULTLESS,
     scene=SCENE,
     executor: Executor | None = None,
-) -> tuple[Point, ...]:
+) -> tuple[PointResult, ...]:
     """Carry out what is missing; returns the points."""
     with open_store(path, create=True) as store, executor or InProcess() as calls:
         plan = plan_sweep(asked, scene, choice, store)
@@ -128,7 +128,7 @@ def test_points_that_rest_on_something_else_are_dropped(path, monkeypatch, what)
     sweep(path)
     scene = loads(BOX.replace("2.5]", "2.6]"), "box") if what == "scene" else SCENE
     if what == "program":
-        monkeypatch.setattr(made_by, "program", lambda: b"another")
+        monkeypatch.setattr(fingerprints, "program", lambda: b"another")
     assert left(path, scene=scene) == len(SPIN.values) * len(STEPS.values)
 
 
@@ -180,7 +180,9 @@ def test_a_crash_costs_its_own_point_and_the_others_are_as_ever(path, finished):
 
 @pytest.mark.parametrize("cause", ["crash", "time-out", "killed", "bug"])
 def test_a_method_that_is_lost_costs_its_own_point_and_says_why(path, finished, cause):
-    points = sweep(path, MAP, CRASHING, executor=InProcess("Segfault", Lost("so it went", cause)))
+    points = sweep(
+        path, MAP, CRASHING, executor=InProcess("Segfault", CallFailed("so it went", cause))
+    )
     lost = [p for p in points if p.key.engine == "Segfault"]
     assert {(p.outcome, p.cause, p.reason) for p in lost} == {("failed", cause, "so it went")}
     assert [(p.at, p.timestep) for p in lost] == [(p.at, p.at[1]) for p in finished[1]]
@@ -188,7 +190,7 @@ def test_a_method_that_is_lost_costs_its_own_point_and_says_why(path, finished, 
 
 
 def test_a_point_that_somebody_killed_is_tried_again_by_the_next_sweep(path):
-    sweep(path, MAP, CRASHING, executor=InProcess("Segfault", Lost(KILLED, "killed")))
+    sweep(path, MAP, CRASHING, executor=InProcess("Segfault", CallFailed(KILLED, "killed")))
     with open_store(path, create=True) as store:
         plan = plan_sweep(MAP, SCENE, CRASHING, store)
     assert [[engine.name for engine, _ in one.pairs] for one in plan.left] == [["Segfault"]] * 6
@@ -196,7 +198,7 @@ def test_a_point_that_somebody_killed_is_tried_again_by_the_next_sweep(path):
 
 @pytest.mark.parametrize(("time_limit", "again"), [(None, 0), (120.0, 0), (500.0, 6)])
 def test_one_that_was_stopped_is_tried_again_with_more_time(path, time_limit, again):
-    stopped = Lost("did not finish within 120 s", "time-out")
+    stopped = CallFailed("did not finish within 120 s", "time-out")
     sweep(path, MAP, CRASHING, executor=InProcess("Segfault", stopped))
     with open_store(path, create=True) as store:
         choice = replace(CRASHING, time_limit=time_limit)
@@ -204,7 +206,7 @@ def test_one_that_was_stopped_is_tried_again_with_more_time(path, time_limit, ag
 
 
 def test_one_that_crashed_is_not(path):
-    sweep(path, MAP, CRASHING, executor=InProcess("Segfault", Lost("it", "crash")))
+    sweep(path, MAP, CRASHING, executor=InProcess("Segfault", CallFailed("it", "crash")))
     assert left(path, MAP, CRASHING) == 0
 
 
@@ -272,7 +274,7 @@ class Unsolvable(InProcess):
 
     def submit(self, *args, **kwargs):
         future = Future()
-        future.set_exception(Lost("it crashed", "crash"))
+        future.set_exception(CallFailed("it crashed", "crash"))
         return future
 
 

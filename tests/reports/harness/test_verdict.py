@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from spincheck.reports.harness.richardson import Approach
+from spincheck.reports.harness.richardson import RichardsonSequence
 from spincheck.reports.harness.verdict import SHARP, Judgement, judge
 from spincheck.scenarios import Trajectory
 
@@ -34,9 +34,9 @@ def approach(
     rungs: int = 8,
     round_off: float = 4 * EPS,
     uncertainty: float = 4 * EPS,
-) -> Approach:
+) -> RichardsonSequence:
     """Rungs whose angle and speed are off by `errors_of_dt(dt)`, both (n,)."""
-    ladder = Approach(signal, TRUTH, order, uncertainty)
+    ladder = RichardsonSequence(signal, TRUTH, order, uncertainty)
     for k in range(rungs):
         dt = COARSEST / 2**k
         ladder.add(dt, turning(*errors_of_dt(dt)), round_off)
@@ -134,7 +134,7 @@ def test_a_blurred_limit_is_no_convergence():
 
 @pytest.mark.parametrize("signal", ["omega", "attitude"])
 def test_rungs_added_one_by_one_are_judged_as_all_at_once(signal):
-    ladder = Approach(signal, TRUTH, 1, 4 * EPS)
+    ladder = RichardsonSequence(signal, TRUTH, 1, 4 * EPS)
     for k in range(8):
         dt = COARSEST / 2**k
         error = (dt + dt**2) * np.sin(TIMES)

@@ -51,7 +51,7 @@ def turned_aside(truth: Trajectory, angle: float) -> Trajectory:
 
 
 def still(truth: Trajectory) -> Trajectory:
-    """A body that never moves."""
+    """A body that never limit_increments."""
     return replace(
         truth,
         q_world_body_wxyz=np.tile(truth.q_world_body_wxyz[0], (len(truth.t), 1)),

@@ -11,7 +11,7 @@ from markdown_text import markdown_tables
 from page import Page, read_page
 from plotted import coloured, values_of
 from spincheck.reports.pages.analysis.cost_to_reach import LEVELS
-from spincheck.reports.pages.analysis.report_data import gather
+from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.pages.analysis.wording import number
 from spincheck.reports.pages.analysis.work_precision import SIGNALS, curves, front
 from spincheck.reports.pages.cost_section import PROFILED, cost_section
@@ -55,7 +55,7 @@ def test_every_method_can_be_switched_off(first: Page) -> None:
 
 
 def test_plotly_accepts_the_profiles() -> None:
-    section = cost_section(gather(results()))
+    section = cost_section(report_data(results()))
     go.Figure(coloured(section.profiles.figure))
     traces = section.profiles.figure["data"]
     assert len(traces) == len(PROFILED) * len(LABELS)
@@ -64,7 +64,7 @@ def test_plotly_accepts_the_profiles() -> None:
 def test_what_was_not_timed_has_no_profiles() -> None:
     found = results()
     rows = [replace(row, seconds_per_step=None) for row in found.rows]
-    assert cost_section(gather(replace(found, rows=rows))).profiles is None
+    assert cost_section(report_data(replace(found, rows=rows))).profiles is None
 
 
 def test_the_first_page_has_reach_medians_and_ratios(first: Page, folder: Path) -> None:
@@ -90,7 +90,7 @@ def test_the_time_of_a_step_is_told_in_cpu_time_and_on_the_wall(folder: Path) ->
 
 @pytest.mark.parametrize(("signal", "axis"), [("omega", "x"), ("attitude", "x2")])
 def test_the_front_is_drawn_behind_the_curves(signal: str, axis: str) -> None:
-    scene = next(scene for scene in gather(results()).scenes if scene.name == TOP)
+    scene = next(scene for scene in report_data(results()).scenes if scene.name == TOP)
     traces = [trace for trace in work_precision(scene)["data"] if trace["xaxis"] == axis]
     assert [trace["name"] for trace in traces].index("Pareto front") == 0
     best = [point for _, point in front(curves(scene, signal))]

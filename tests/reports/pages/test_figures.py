@@ -13,7 +13,7 @@ from contrast import contrast
 from made_up import METHODS, TIMESTEPS, UNCERTAINTY, results
 from plotted import coloured, values_of
 from spincheck.reference import facts, solve
-from spincheck.reports.pages.analysis.report_data import SceneRuns, gather
+from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
 from spincheck.reports.pages.analysis.trace_style import COLOURS, looks
 from spincheck.reports.pages.figures import figures as figures_module
 from spincheck.reports.pages.figures import ladder_figures
@@ -38,7 +38,7 @@ SIGNALS = {
 
 
 def scene(name: str, samples: int = 101) -> SceneRuns:
-    return {scene.name: scene for scene in gather(results(samples)).scenes}[name]
+    return {scene.name: scene for scene in report_data(results(samples)).scenes}[name]
 
 
 def drawn(name: str, samples: int = 101) -> dict[str, Titled]:
@@ -152,7 +152,7 @@ def test_cost_is_seconds_a_simulated_second(top: dict[str, Titled]) -> None:
 def test_untimed_runs_have_no_cost_figure() -> None:
     found = results()
     untimed = [Row(**vars(row) | {"seconds_per_step": None}) for row in found.rows]
-    gathered = gather(Results(**vars(found) | {"rows": untimed}))
+    gathered = report_data(Results(**vars(found) | {"rows": untimed}))
     named = {titled.name for scene in gathered.scenes for titled in figures(scene)}
     assert "convergence" in named
     assert "cost" not in named
@@ -248,7 +248,7 @@ def test_a_run_that_blows_up_leaves_the_figures_readable(size: float) -> None:
     rows = [
         Row(**vars(row) | {"motion": wild}) if n == k else row for n, row in enumerate(found.rows)
     ]
-    gathered = gather(Results(**vars(found) | {"rows": rows[: k + 1]}))
+    gathered = report_data(Results(**vars(found) | {"rows": rows[: k + 1]}))
     brick = next(scene for scene in gathered.scenes if scene.name == BRICK)
     drawn_now = {titled.name: titled for titled in figures(brick)}
     ellipsoid = [t for t in drawn_now["polhode"].figure["data"] if t["type"] == "scatter3d"]
@@ -264,7 +264,7 @@ def test_a_run_sampled_at_times_of_its_own_is_compared_with_the_truth_at_those()
     motion = next(row.motion for row in found.rows if row.key.scenario == BRICK and row.motion)
     shifted = Trajectory(**vars(motion) | {"t": motion.t * 1.001})
     rows = [Row(Key(BRICK, "mujoco", "Euler"), "1.0", 0.1, "ok", motion=shifted)]
-    gathered = gather(Results(**vars(found) | {"rows": rows}))
+    gathered = report_data(Results(**vars(found) | {"rows": rows}))
     scenario = found.scenes[BRICK].scenario
     (run,) = next(scene for scene in gathered.scenes if scene.name == BRICK).compared
     np.testing.assert_array_equal(run.truth.t, shifted.t)

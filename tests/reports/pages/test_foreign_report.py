@@ -9,7 +9,7 @@ import pytest
 from made_up import METHODS, results
 from page import read_page
 from spincheck.engines import Engine, Method
-from spincheck.reports.pages.analysis.report_data import gather
+from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.results.store import Store, open_store
 from spincheck.scenarios import EFFECTS, Scenario
 
@@ -75,7 +75,7 @@ def test_what_is_declared_now_replaces_what_was(path: Path) -> None:
 
 def test_methods_are_told_in_the_order_of_their_engine(path: Path) -> None:
     with open_store(path) as store:
-        pairs = gather(store.read()).pairs
+        pairs = report_data(store.read()).pairs
     assert [method for engine, method in pairs if engine == "elsewhere"] == [PLAIN, FANCY]
     assert [m.method for m in METHODS if m.engine == "elsewhere"] == [FANCY, PLAIN]
 
@@ -94,5 +94,7 @@ def test_a_report_needs_no_engine(path: Path, tmp_path: Path) -> None:
 
 def test_what_the_file_does_not_tell_is_left_open(path: Path) -> None:
     with open_store(path) as store:
-        (mujoco, *_) = (r for r in gather(store.read()).scenes[0].methods if r.engine == "mujoco")
+        (mujoco, *_) = (
+            r for r in report_data(store.read()).scenes[0].methods if r.engine == "mujoco"
+        )
     assert mujoco.declared is None

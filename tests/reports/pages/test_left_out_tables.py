@@ -1,13 +1,13 @@
 """What is left out of a scene: kept in the result file, and told in the report."""
 
 import pytest
-from spincheck.reports.harness.effects_cost import EffectsCost, PassCost, PassCosts, Ratio
 from spincheck.reports.pages.left_out_tables import (
     BEYOND_NOISE,
     effects_table,
     harm_in_words,
     passes_table,
 )
+from spincheck.reports.results.cost_records import EffectsCost, PassCost, PassCosts, Ratio
 from spincheck.reports.results.records import Key
 from spincheck.reports.results.store import open_store
 

@@ -9,7 +9,7 @@ from made_up import METHODS, results
 from plotted import values_of
 from spincheck.reports.pages.analysis.cost_to_reach import LEVELS
 from spincheck.reports.pages.analysis.profiles import order_ratios, profile, tally
-from spincheck.reports.pages.analysis.report_data import SceneRuns, gather
+from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
 from spincheck.reports.pages.analysis.trace_style import looks
 from spincheck.reports.pages.analysis.work_precision import Curve, curves
 from spincheck.reports.pages.cost_tables import (
@@ -23,7 +23,7 @@ from spincheck.reports.pages.figures.profile_figure import profile_figure
 
 @pytest.fixture(scope="module")
 def top() -> SceneRuns:
-    return {scene.name: scene for scene in gather(results()).scenes}["made-up-top"]
+    return {scene.name: scene for scene in report_data(results()).scenes}["made-up-top"]
 
 
 def three_scenes() -> list[list[Curve]]:
@@ -94,7 +94,7 @@ def test_a_profile_s_curve_ends_at_the_scenes_reached() -> None:
 
 
 def test_tables_have_a_row_a_method_and_a_column_a_level(top: SceneRuns) -> None:
-    gathered = gather(results())
+    gathered = report_data(results())
     scenes = [curves(scene, "omega") for scene in gathered.scenes if scene.found]
     tables = (
         reach_table(top, "omega"),

@@ -11,7 +11,7 @@ from made_up import METHODS, MISCHIEF, PRINTED, UNCERTAINTY, MadeUp, results
 from markdown_text import markdown_tables, outside_code, plain
 from page import Page, read_page
 from spincheck.reports.pages import scene_tables
-from spincheck.reports.pages.analysis.report_data import gather
+from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.pages.analysis.wording import ERROR_HEADINGS, number
 from spincheck.reports.pages.overview import complaints, headline
 from spincheck.reports.pages.render import TEMPLATES, render
@@ -71,7 +71,7 @@ def test_every_pair_has_a_cell_that_leads_to_its_row(
 def test_reasons_of_what_does_not_converge_are_on_both_pages(
     pages: dict[str, Page], folder: Path, verdict: Verdict
 ) -> None:
-    reasons = [*([verdict.reason] if verdict.verdict != "converges" else []), *verdict.broken]
+    reasons = [*([verdict.reason] if verdict.verdict != "converges" else []), *verdict.unmet]
     for reason in reasons:
         assert any(reason in cell.text for cell in pages["index"].all("td"))
         assert any(reason in cell.text for cell in pages[verdict.key.scenario].all("td"))
@@ -287,7 +287,7 @@ def test_what_engines_do_as_shipped_is_told_apart() -> None:
     made = results()
     verdicts = [replace(v, as_shipped=True) for v in made.verdicts if v.verdict == "disagrees"]
     assert verdicts
-    gathered = gather(replace(made, verdicts=verdicts))
+    gathered = report_data(replace(made, verdicts=verdicts))
     assert complaints(gathered, ("disagrees",)).rows == ()
     assert len(complaints(gathered, ("disagrees",), as_shipped=True).rows) == len(verdicts)
     assert f"engines converge 0 times of {len(verdicts)}" in headline(gathered)

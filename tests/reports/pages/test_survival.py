@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from made_up import TIMESTEPS, TOP, results
-from spincheck.reports.pages.analysis.report_data import gather
+from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.pages.analysis.survival import in_words, survival
 from spincheck.reports.pages.analysis.wording import number
 from spincheck.reports.pages.hard_cases import TURNS, hard_scenes, survivors, survivors_table
@@ -73,16 +73,16 @@ def hardened() -> Results:
 
 
 def test_hard_scenes_are_those_that_are_tagged_so():
-    assert [scene.name for scene in hard_scenes(gather(hardened()))] == ["made-up-top"]
-    assert hard_scenes(gather(results())) == ()
+    assert [scene.name for scene in hard_scenes(report_data(hardened()))] == ["made-up-top"]
+    assert hard_scenes(report_data(results())) == ()
 
 
 def test_hard_scenes_are_counted_apart():
-    gathered = gather(hardened())
+    gathered = report_data(hardened())
     assert "made-up-top" not in [scene.name for scene in gathered.plain.scenes]
     assert len(gathered.plain.scenes) == len(gathered.scenes) - 1
     assert "1 hard scene besides" in headline(gathered)
-    assert "hard" not in headline(gather(results()))
+    assert "hard" not in headline(report_data(results()))
 
 
 def test_where_all_scenes_are_hard_nothing_is_left_out():
@@ -93,13 +93,13 @@ def test_where_all_scenes_are_hard_nothing_is_left_out():
         rows=[row for row in found.rows if row.key.scenario == "made-up-top"],
         verdicts=[v for v in found.verdicts if v.key.scenario == "made-up-top"],
     )
-    gathered = gather(alone)
+    gathered = report_data(alone)
     assert gathered.plain.scenes == gathered.scenes != ()
     assert headline(gathered).startswith("1 scene ")
 
 
 def test_each_method_has_a_line_that_counts_what_it_survives():
-    made = survivors_table(gather(hardened()))
+    made = survivors_table(report_data(hardened()))
     lines = {(row[0].text, row[1].text): [cell.text for cell in row[2:]] for row in made.rows}
     assert lines["mujoco", "Euler"][:-1] == ["1", "1", "1", "1", "1", "1"]
     assert lines["pybullet", "multibody"][:-1] == ["1", "0", "0", "0", "0", "0"]
@@ -108,10 +108,10 @@ def test_each_method_has_a_line_that_counts_what_it_survives():
 
 
 def test_each_cell_has_verdict_and_largest_timestep():
-    gathered = gather(hardened())
-    pace = hard_scenes(gathered)[0].pace
+    gathered = report_data(hardened())
+    fastest_rate = hard_scenes(gathered)[0].fastest_rate
     matrix = survivors(gathered)
     ((_, cells),) = matrix.groups[0].scenes
     euler = next(c for c, name in zip(cells, matrix.methods, strict=True) if name == "Euler")
     assert euler.kind == "converges"
-    assert euler.detail == f"≥ 0.0200 s, {number(TIMESTEPS[0] * pace)} rad"
+    assert euler.detail == f"≥ 0.0200 s, {number(TIMESTEPS[0] * fastest_rate)} rad"

@@ -10,7 +10,7 @@ import pytest
 from laws import ROUNDING, RUNGS, curve_of_law, law
 from made_up import METHODS, SECONDS_PER_STEP, TIMESTEPS, UNCERTAINTY, results
 from spincheck.reports.harness.verdict import ASYMPTOTIC
-from spincheck.reports.pages.analysis.report_data import SceneRuns, gather
+from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
 from spincheck.reports.pages.analysis.work_precision import (
     SIGNALS,
     cost,
@@ -22,7 +22,7 @@ from spincheck.reports.pages.analysis.work_precision import (
 
 @pytest.fixture(scope="module")
 def top() -> SceneRuns:
-    return {scene.name: scene for scene in gather(results()).scenes}["made-up-top"]
+    return {scene.name: scene for scene in report_data(results()).scenes}["made-up-top"]
 
 
 def test_cost_is_seconds_a_simulated_second(top: SceneRuns) -> None:
@@ -54,7 +54,7 @@ def test_some_runs_would_claim_less_than_the_reference_is_good_for(top: SceneRun
 
 
 def test_a_scene_without_a_truth_has_no_curves() -> None:
-    unsolved = next(scene for scene in gather(results()).scenes if scene.found is None)
+    unsolved = next(scene for scene in report_data(results()).scenes if scene.found is None)
     assert curves(unsolved, "omega") == []
 
 
@@ -107,7 +107,7 @@ def test_a_row_that_was_not_timed_has_no_cost() -> None:
     assert cost(replace(row, seconds_per_step=None)) is None
 
 
-DOCS = Path(__file__).parents[2] / "docs" / "cost.md"
+DOCS = Path(__file__).parents[3] / "docs" / "cost.md"
 
 
 @pytest.mark.parametrize(

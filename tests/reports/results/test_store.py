@@ -9,7 +9,7 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 from spincheck.reference import Solution
-from spincheck.reports.harness.step_cost import StepCost
+from spincheck.reports.results.cost_records import StepCost
 from spincheck.reports.results.records import Key, Row, Verdict
 from spincheck.reports.results.result_file import FORMAT, ResultFileError
 from spincheck.reports.results.store import open_store
@@ -117,10 +117,10 @@ def test_what_rests_on_something_else_is_dropped_and_the_rest_stays(path, row):
     row = replace(row, errors=None)
     other = replace(row, key=replace(KEY, engine="pybullet"))
     with open_store(path, create=True) as store:
-        store.keep_made_by(KEY.scenario, {"": "one", "mujoco": "one", "pybullet": "one"})
+        store.keep_matching(KEY.scenario, {"": "one", "mujoco": "one", "pybullet": "one"})
         store.put_row(row)
         store.put_row(other)
-        store.keep_made_by(KEY.scenario, {"": "one", "mujoco": "one", "pybullet": "another"})
+        store.keep_matching(KEY.scenario, {"": "one", "mujoco": "one", "pybullet": "another"})
         assert [r.key.engine for r in store.read().rows] == ["mujoco"]
 
 
@@ -130,10 +130,10 @@ def test_a_scene_that_changed_takes_all_its_rows_along(path, row):
     elsewhere = replace(row, key=replace(KEY, scenario="sphere"))
     with open_store(path, create=True) as store:
         for scenario in (KEY.scenario, "sphere"):
-            store.keep_made_by(scenario, {"": "one", "mujoco": "one"})
+            store.keep_matching(scenario, {"": "one", "mujoco": "one"})
         store.put_row(row)
         store.put_row(elsewhere)
-        store.keep_made_by(KEY.scenario, {"": "another"})
+        store.keep_matching(KEY.scenario, {"": "another"})
         assert [r.key.scenario for r in store.read().rows] == ["sphere"]
 
 

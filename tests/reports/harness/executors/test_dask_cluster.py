@@ -17,10 +17,10 @@ from spincheck.reports.cli.terminal import BAD_INPUT, NOT_RUN, Complaint
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import dask_cluster as cluster
 from spincheck.reports.harness.executors.dask_cluster import CONNECT_LIMIT, Cluster
-from spincheck.reports.harness.executors.worker_slot import Lost
+from spincheck.reports.harness.executors.worker_slot import CallFailed
 from spincheck.reports.harness.sweep import carry_out_sweep, plan_sweep
 from spincheck.reports.results.store import open_store
-from spincheck.reports.results.sweep_records import Axis, Ensemble, Map, Point
+from spincheck.reports.results.sweep_records import Axis, Ensemble, Map, PointResult
 from spincheck.scenarios import loads
 
 distributed = pytest.importorskip("distributed")
@@ -47,7 +47,7 @@ def scheduler():
 
 def sweep(
     path: Path, asked, executor, choice=FAULTLESS, progress: Callable[[str], None] = len
-) -> tuple[Point, ...]:
+) -> tuple[PointResult, ...]:
     with open_store(path, create=True) as store, executor:
         plan = plan_sweep(asked, SCENE, choice, store)
         carry_out_sweep(plan, SCENE, store, executor, progress)
@@ -93,7 +93,10 @@ def test_an_engine_that_crashes_costs_its_point_and_no_worker(tmp_path, schedule
 
 
 def test_what_a_call_raises_there_is_told_here(scheduler):
-    with Cluster(scheduler.scheduler_address) as there, pytest.raises(Lost, match="SystemExit: 3"):
+    with (
+        Cluster(scheduler.scheduler_address) as there,
+        pytest.raises(CallFailed, match="SystemExit: 3"),
+    ):
         there.submit(sys.exit, 3).result()
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from spincheck.reports.harness.executors.local_workers import Workers
-from spincheck.reports.harness.executors.worker_slot import Lost
+from spincheck.reports.harness.executors.worker_slot import CallFailed
 
 #: s; far longer than any test waits.
 FOREVER = 600.0
@@ -47,7 +47,7 @@ def test_leaving_waits_for_what_is_under_way():
 
 
 def test_a_lost_call_raises_where_its_result_is_asked_for():
-    with Workers(jobs=1) as pool, pytest.raises(Lost, match="exit code 5"):
+    with Workers(jobs=1) as pool, pytest.raises(CallFailed, match="exit code 5"):
         pool.submit(os._exit, 5).result()
 
 
@@ -67,7 +67,7 @@ def test_killed_it_ends_at_once_and_nobody_waits_in_vain(tmp_path):
     pool.kill()
     assert time.monotonic() - began < PATIENCE
     assert waiting.cancelled()
-    assert isinstance(hanging.outcome(), Lost)
+    assert isinstance(hanging.outcome(), CallFailed)
 
 
 def test_an_error_in_the_block_kills_what_is_under_way():

@@ -13,7 +13,7 @@ import pytest
 from spincheck.reports.harness.executors import local_workers as workers
 from spincheck.reports.harness.executors.local_workers import Workers
 from spincheck.reports.harness.executors.worker_process import KEPT_OUTPUT, MEMORY_SHARE
-from spincheck.reports.harness.executors.worker_slot import LAST_WORDS, Lost
+from spincheck.reports.harness.executors.worker_slot import LAST_WORDS, CallFailed
 
 LIBC = ctypes.CDLL(None)
 #: s; far longer than any test waits.
@@ -79,7 +79,7 @@ def pool():
 
 def reason(pool: Workers, call, *arguments) -> str:
     lost = pool.submit(call, *arguments).outcome()
-    assert isinstance(lost, Lost)
+    assert isinstance(lost, CallFailed)
     return lost.reason
 
 

@@ -1,0 +1,46 @@
+"""The executor that a command's options ask for."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from ..harness.executors import Executor, LocalWorkers
+from ..harness.executors.dask_cluster import ClusterError, DaskCluster
+from .terminal import BAD_INPUT, NOT_RUN, Complaint
+
+
+@dataclass(frozen=True)
+class Where:
+    """What runs are made on.
+
+    Attributes
+    ----------
+    jobs : worker processes on this computer
+    cluster : a Dask scheduler's address, in their stead
+    """
+
+    jobs: int
+    cluster: str | None = None
+
+
+@contextmanager
+def executor_for(where: Where, time_limit: float | None) -> Iterator[Executor]:
+    """Open it, and close it in the end.
+
+    Raises
+    ------
+    Complaint
+        If the cluster cannot be used, or goes away.
+    """
+    try:
+        with _executor(where, time_limit) as executor:
+            yield executor
+    except ClusterError as error:
+        exit_code = BAD_INPUT if error.bad_address else NOT_RUN
+        raise Complaint(f"'--dask': {error}", exit_code) from None
+
+
+def _executor(where: Where, time_limit: float | None) -> Executor:
+    if where.cluster is None:
+        return LocalWorkers(where.jobs, time_limit)
+    return DaskCluster(where.cluster, time_limit)

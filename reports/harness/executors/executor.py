@@ -1,0 +1,133 @@
+"""The interface of everything that makes calls; what runs anything is handed one of them."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Generic, ParamSpec, Self, TypeVar, final
+
+from ....engines import Cause
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+#: Tasks that wait for a thread, for each that runs: enough that none is idle.
+QUEUED_PER_THREAD = 1
+
+
+@dataclass(frozen=True)
+class CallFailed:
+    """A call that returned nothing: it raised, crashed, hung, or was killed.
+
+    Attributes
+    ----------
+    reason : one sentence
+    cause : the same as one word
+    """
+
+    reason: str
+    cause: Cause = "bug"
+
+
+@dataclass(frozen=True, eq=False)
+class Answer(Generic[T]):
+    """What came of a call.
+
+    Attributes
+    ----------
+    value : what it returned, or why it returned nothing
+    printed : what it wrote to stdout and stderr, from Python or C; the end of it if that is long
+    """
+
+    value: T | CallFailed
+    printed: str = ""
+
+
+class ExecutorStopped(Exception):
+    """The executor was stopped; the call under way, or one made later, has no result."""
+
+
+class Executor(ABC):
+    """Makes calls, several at a time from as many threads. A context manager.
+
+    Attributes
+    ----------
+    width : calls that can be under way at once
+    """
+
+    width: int = 1
+
+    def __init__(self) -> None:
+        self._threads: ThreadPoolExecutor | None = None
+
+    @abstractmethod
+    def call(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Answer[T]:
+        """Call a function of a module, wait, and return what came of it. From any thread.
+
+        Raises
+        ------
+        ExecutorStopped
+            If the executor was stopped.
+        """
+
+    @abstractmethod
+    def stop(self) -> None:
+        """End what is under way at once. From any thread."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Free processes and connections, once no call is under way."""
+
+    @abstractmethod
+    def alone(self) -> "Executor":
+        """An executor that makes one call at a time on this computer, for timing."""
+
+    @final
+    def each(self, tasks: Iterable[Callable[[], T]]) -> Iterator[T]:
+        """Run tasks, begun in their order, and yield what they return as they end.
+
+        A task is a loop of this process that makes calls; `width` of them run at once, in threads.
+        Tasks are taken from the iterable as threads become free. An exception stops all others.
+        """
+        if self.width == 1:
+            yield from (task() for task in tasks)
+            return
+        if self._threads is None:
+            self._threads = ThreadPoolExecutor(self.width, "spincheck")
+        pending: set[Future[T]] = set()
+        try:
+            for task in tasks:
+                pending.add(self._threads.submit(task))
+                if len(pending) >= (1 + QUEUED_PER_THREAD) * self.width:
+                    done, pending = wait(pending, return_when=FIRST_COMPLETED)
+                    yield from (future.result() for future in done)
+            while pending:
+                done, pending = wait(pending, return_when=FIRST_COMPLETED)
+                yield from (future.result() for future in done)
+        except BaseException:
+            for future in pending:
+                future.cancel()
+            self.stop()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    @final
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        try:
+            if kind is not None:
+                self.stop()
+            if self._threads is not None:
+                self._threads.shutdown(wait=True, cancel_futures=True)
+        except BaseException:
+            self.stop()
+            raise
+        finally:
+            self.close()

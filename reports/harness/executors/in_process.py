@@ -1,0 +1,31 @@
+"""Makes calls in this process: nothing is started, and nothing is isolated."""
+
+from collections.abc import Callable
+from typing import ParamSpec, TypeVar, final
+
+from .executor import Answer, CallFailed, Executor
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+@final
+class InProcess(Executor):
+    """A call that raises fails; one that crashes or hangs takes this process with it."""
+
+    def call(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Answer[T]:
+        """Call it here."""
+        try:
+            return Answer(function(*args, **kwargs))
+        except (Exception, SystemExit) as error:
+            return Answer(CallFailed(f"{type(error).__name__}: {error}"))
+
+    def alone(self) -> Executor:
+        """The same: nothing runs beside its one call."""
+        return self
+
+    def stop(self) -> None:
+        """Nothing is ever under way but the caller's own call."""
+
+    def close(self) -> None:
+        """There is nothing to free."""
