@@ -53,11 +53,20 @@ class Method:
 
 
 class Engine(ABC):
-    """A physics engine. Subclasses fill `open`; what a run is stands here, once."""
+    """A physics engine. Subclasses fill `open`; what a run is stands here, once.
+
+    Attributes
+    ----------
+    name : as users type it
+    methods : what it can simulate with
+    single_precision : whether it holds its state in 24 bits
+    stock_timestep : s, what its users get who say nothing; None where they have to say
+    """
 
     name: ClassVar[str]
     methods: ClassVar[tuple[Method, ...]]
     single_precision: ClassVar[bool] = False
+    stock_timestep: ClassVar[float | None] = None
 
     @property
     @abstractmethod

@@ -18,6 +18,8 @@ class MuJoCo(Engine):
     """MuJoCo's rigid-body dynamics in reduced coordinates."""
 
     name = "mujoco"
+    # Documentation, XML reference, option/timestep.
+    stock_timestep = 0.002
     # Orders: MuJoCo documentation, "Numerical integration" and changelog 4.0.0, item 5; measured
     # in docs/engines-mujoco.md.
     methods = (

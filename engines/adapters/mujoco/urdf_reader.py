@@ -15,6 +15,7 @@ from ...engine import Engine, Method
 from ...models.mjcf import start_coordinates, switched_off
 from ...models.urdf import BODY_LINK, urdf
 from .audit import disable
+from .engine import MuJoCo
 from .session import MuJoCoSession, check_not_too_small, compiled
 
 #: The reader diagonalises the principal moments again, wrong by up to 12 ulp, and then refuses
@@ -27,6 +28,8 @@ class MuJoCoURDF(Engine):
     """MuJoCo's URDF reader."""
 
     name = "mujoco-urdf"
+    # URDF has no word for it.
+    stock_timestep = MuJoCo.stock_timestep
     # What the reader does to a body shows with any integrator; the most exact one hides least.
     methods = (
         Method(

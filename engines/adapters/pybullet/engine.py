@@ -35,6 +35,8 @@ class PyBullet(Engine):
     """Bullet's two kinds of body, and its two ways to hold one at a point."""
 
     name = "pybullet"
+    # PyBullet quickstart guide, setTimeStep.
+    stock_timestep = 1 / 240
     methods = (
         Method(
             "multibody",

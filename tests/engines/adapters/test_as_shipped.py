@@ -63,6 +63,10 @@ def test_the_same_is_no_run_of_a_method_that_promises_to_simulate_the_scene(
 # MuJoCo
 
 
+def test_mujocos_stock_timestep_is_that_of_an_empty_model() -> None:
+    assert mujoco.MjModel.from_xml_string("<mujoco/>").opt.timestep == MUJOCO.stock_timestep
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_mujocos_defaults_are_its_euler_to_the_last_bit(name: str) -> None:
     shipped = default(MUJOCO, name).trajectory
@@ -103,6 +107,12 @@ def test_without_the_automatic_reset_only_the_warning_is_told() -> None:
 
 
 # PyBullet
+
+
+def test_pybullets_stock_timestep_is_that_of_an_empty_world() -> None:
+    world = p.connect(p.DIRECT)
+    assert p.getPhysicsEngineParameters(world)["fixedTimeStep"] == PYBULLET.stock_timestep
+    p.disconnect(world)
 
 
 @pytest.mark.parametrize("name", SCENES)
