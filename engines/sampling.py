@@ -1,6 +1,6 @@
 """The loop that every run goes through: step, read, and look at what was read."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,8 +15,10 @@ from .session import Session
 from .turn_faults import Reading
 
 #: States read before they are looked at, all at once: one by one, looking takes longer than ten
-#: steps do, and a look at many takes hardly longer than one at few. A run that has gone wrong
-#: unnoticed is stepped on for so many readings at most.
+#: steps do, and a look at many takes hardly longer than one at few. The first block is short, each
+#: other twice as long as the one before, up to a limit: a run that has gone wrong unnoticed is
+#: stepped on for no longer than it has gone so far, nor for more readings than the longest block.
+FIRST_BLOCK = 1 << 4
 BLOCK = 1 << 11
 #: A run of no more steps is read at every one of them: coarse ones are those that go wrong.
 READ_THROUGHOUT = 1 << 10
@@ -68,23 +70,34 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
     parts: list[State] = []
     start = _stacked([])
     end = _Block(start)
-    taken = 0
-    for first in range(0, len(steps), BLOCK):
-        read = steps[first : first + BLOCK]
-        snapshots, end = _read(session, taken, read.tolist())
-        taken = int(read[-1])
-        if snapshots:
+    last: list[Any] = []
+    for first, beyond in _blocks(len(steps)):
+        taken = int(steps[first - 1]) if first else 0
+        new, end = _read(session, taken, steps[first:beyond].tolist())
+        # The last state of the block before is looked at once more, beside the one after it.
+        snapshots, first = last + new, first - len(last)
+        if new:
             # What has blown up may overflow here; it is found to be infinite then.
             with np.errstate(all="ignore"):
                 states = session.states(snapshots)
                 start = start if first else _rows(states, slice(2))
-                reading = Reading(states, read[: len(snapshots)], start)
+                reading = Reading(states, steps[first : first + len(snapshots)], start)
                 end = _looked_at(session, snapshots, reading, end, bounds)
-        kept = is_sample[first : first + len(end.states.omega_body)]
+        kept = is_sample[first : first + len(end.states.omega_body)].copy()
+        kept[: len(last)] = False
         parts.append(_rows(end.states, kept))
         if end.outcome != "ok":
             break
+        last = snapshots[-1:]
     return Sampled(_stacked(parts), end.outcome, end.reason, end.cause)
+
+
+def _blocks(count: int) -> Iterator[tuple[int, int]]:
+    """Beginning and end of each block of so many readings."""
+    first, length = 0, FIRST_BLOCK
+    while first < count:
+        yield first, min(first + length, count)
+        first, length = first + length, min(2 * length, BLOCK)
 
 
 def steps_to_read(sample_steps: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -112,7 +112,8 @@ class ConvergenceStudy:
             return False
         if not self.rows:
             return self.ladder.least_steps > 0
-        return not (self._hopeless(self.rows[-1]) or self._known())
+        settled = self._hopeless(self.rows[-1]) or self._diverges_at_any_timestep
+        return not (settled or self._known())
 
     def discardable_timesteps(self) -> list[float]:
         """Timesteps of the runs whose samples nobody wants once there is a verdict: all but one.
@@ -169,6 +170,8 @@ class ConvergenceStudy:
         taken = len(self.rows)
         if taken == len(self.ladder.rungs) or (self.rows and self._hopeless(self.rows[-1])):
             return True
+        if self._diverges_at_any_timestep:
+            return True
         return taken >= MIN_RUNGS and (self._known() or self._out_of_reach())
 
     @property
@@ -178,6 +181,20 @@ class ConvergenceStudy:
             return (self.rows or self.single_rows)[-1]
         # Those above a ladder that does not fit are too coarse to say more than this.
         return next((row for row in self.above_rows if self._hopeless(row)), None)
+
+    @property
+    def _diverges_at_any_timestep(self) -> bool:
+        """Whether a halved timestep has put off the blow-up by nothing.
+
+        An unstable integrator grows by a factor a step that tends to 1 faster than the steps
+        increase, so that halving puts its blow-up off; a clamp is reached at the same time.
+        """
+        if len(self.rows) < 2:
+            return False
+        coarse, fine = (
+            row.stopped_at if row.outcome == "diverged" else None for row in self.rows[-2:]
+        )
+        return coarse is not None and fine is not None and fine <= coarse
 
     def _hopeless(self, last: Row) -> bool:
         """Whether no finer timestep can help: it failed, or lacks an effect at any timestep."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scenes import scene
 from spincheck.engines import BodyReading, Engine, EngineError, Fault, Method, Run, Session, State
-from spincheck.engines.sampling import BLOCK, steps_to_read
+from spincheck.engines.sampling import BLOCK, FIRST_BLOCK, steps_to_read
 from spincheck.scenarios import Scenario
 
 TIMESTEP = 0.125
@@ -204,10 +204,18 @@ def test_an_engine_that_stops_is_not_stepped_on(kind: type[Turning]) -> None:
     assert engine.session.steps == READ[np.searchsorted(READ, EARLY)]
 
 
-def test_what_goes_wrong_unnoticed_is_stepped_on_to_the_end_of_its_block_at_most() -> None:
+def test_what_goes_wrong_unnoticed_is_stepped_on_no_longer_than_it_has_gone() -> None:
     engine = Spinner(NotFinite, EARLY)
     engine.run(SCENE, METHOD, TIMESTEP, SAMPLES)
-    assert engine.session.steps == READ[BLOCK - 1]
+    wrong = np.searchsorted(READ, EARLY)
+    assert engine.session.steps <= READ[2 * wrong + FIRST_BLOCK]
+
+
+def test_what_goes_wrong_late_is_stepped_on_for_a_block_at_most() -> None:
+    engine = Spinner(NotFinite, LATE)
+    engine.run(SCENE, METHOD, TIMESTEP, SAMPLES)
+    wrong = np.searchsorted(READ, LATE)
+    assert engine.session.steps <= READ[min(wrong + BLOCK, len(READ) - 1)]
 
 
 class CheckedAtTheEnd(Turning):
@@ -222,11 +230,11 @@ class CheckedAtTheEnd(Turning):
 
 
 def test_a_block_that_went_wrong_nobody_knows_when_is_not_kept() -> None:
-    done = run(CheckedAtTheEnd, STRIDE * BLOCK + EARLY)
+    done = run(CheckedAtTheEnd, LATE)
     assert (done.outcome, done.reason) == ("diverged", "the clock was set by somebody else")
-    last_read = READ[BLOCK - 1]
-    assert done.steps == max(step for step in SAMPLES if step <= last_read)
-    assert run(CheckedAtTheEnd, EARLY).trajectory is None
+    wrong = np.searchsorted(READ, LATE)
+    assert READ[wrong - BLOCK] <= done.steps < LATE
+    assert run(CheckedAtTheEnd, int(READ[FIRST_BLOCK - 1])).trajectory is None
 
 
 class Unauditable(Turning):
