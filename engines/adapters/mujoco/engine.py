@@ -8,7 +8,8 @@ import mujoco
 from ....scenarios import EFFECTS, Scenario
 from ...engine import Engine, Method
 from ...models.mjcf import mjcf, switched_off
-from .session import MuJoCoSession, check_not_too_small, compiled
+from .clock import CLOCK
+from .session import MuJoCoSession, check_not_too_small, compiled, left_out
 
 ALL_EFFECTS = frozenset(EFFECTS)
 
@@ -53,12 +54,13 @@ class MuJoCo(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
         """Compile the scene's MJCF and set its keyframe."""
         if method.as_shipped:
-            return _open(scenario, mjcf(scenario, timestep, None, switched_off(scenario)))
-        return _open(scenario, mjcf(scenario, timestep, method.name))
+            text = mjcf(scenario, timestep, None, switched_off(scenario))
+            return _open(scenario, text, has_clock=True)
+        return _open(scenario, mjcf(scenario, timestep, method.name), has_clock=False)
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """The passes that are switched off."""
-        return () if method.as_shipped else switched_off(scenario)
+        """The passes that are switched off, and the clock."""
+        return () if method.as_shipped else left_out(scenario)
 
     def open_unpruned(
         self,
@@ -68,14 +70,14 @@ class MuJoCo(Engine):
         left_in: Collection[str] | None = None,
     ) -> MuJoCoSession | None:
         """The same with passes left on, to time what they cost."""
-        if not (left_out := self.left_out(scenario, method)):
+        if not (names := self.left_out(scenario, method)):
             return None
-        kept = left_out if left_in is None else left_in
-        return _open(scenario, mjcf(scenario, timestep, method.name, kept))
+        kept = names if left_in is None else left_in
+        return _open(scenario, mjcf(scenario, timestep, method.name, kept), CLOCK in kept)
 
 
-def _open(scenario: Scenario, text: str) -> MuJoCoSession:
+def _open(scenario: Scenario, text: str, has_clock: bool) -> MuJoCoSession:
     check_not_too_small(scenario)
     model = compiled(lambda: mujoco.MjModel.from_xml_string(text))
     start = model.key(0)
-    return MuJoCoSession(scenario, model, start.qpos, start.qvel)
+    return MuJoCoSession(scenario, model, start.qpos, start.qvel, has_clock)

@@ -11,9 +11,11 @@ from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray, Scenario
 from ...fault import Fault
+from ...models.mjcf import switched_off
 from ...read_back import BodyReading, EngineError, State, UnsupportedError
 from ...rotation import across, matrices, turned
 from ...session import Session
+from . import clock
 from .audit import acting
 
 #: Of a free joint's qpos and qvel, the leading numbers that are the origin's position and velocity.
@@ -37,10 +39,16 @@ class MuJoCoSession(Session):
     scenario : what is simulated, for the audit alone
     model : compiled, options and effects set
     qpos, qvel : the start, as `mjcf.start_coordinates` gives it
+    has_clock : whether MuJoCo reads the clock that its Python package hangs into it
     """
 
     def __init__(
-        self, scenario: Scenario, model: Any, qpos: Sequence[float], qvel: Sequence[float]
+        self,
+        scenario: Scenario,
+        model: Any,
+        qpos: Sequence[float],
+        qvel: Sequence[float],
+        has_clock: bool = False,
     ) -> None:
         self._scenario = scenario
         self.model = model
@@ -54,6 +62,7 @@ class MuJoCoSession(Session):
         self._com_body = model.body_ipos[self._body].copy()
         self._steps = 0
         self._warnings: list[str] = []
+        self._clock = clock.SHIPPED if has_clock else None
 
     def read_body(self) -> BodyReading:
         """From the compiled model, its principal moments turned back into body axes."""
@@ -73,6 +82,7 @@ class MuJoCoSession(Session):
         """One native loop."""
         previous = mujoco.get_mju_user_warning()
         mujoco.set_mju_user_warning(self._warnings.append)
+        clock.hang(self._clock)
         try:
             # By name, the number of steps would take a fifth of a step longer to pass.
             mujoco.mj_step(self.model, self.data, steps)
@@ -139,10 +149,13 @@ class MuJoCoSession(Session):
 
     def active(self) -> frozenset[str]:
         """What acts, from the compiled model, the data and the process."""
-        return acting(self.model, self.data, self._scenario)
+        clock.hang(self._clock)
+        found = acting(self.model, self.data, self._scenario)
+        return found | {clock.CLOCK} if clock.is_hung() else found
 
     def close(self) -> None:
-        """Drop model and data; MuJoCo frees them with the last reference."""
+        """Drop model and data, which MuJoCo frees with the last reference; hang its clock back."""
+        clock.hang(clock.SHIPPED)
         del self.model, self.data
 
     def _bytes(self) -> Snapshot:
@@ -153,6 +166,11 @@ class MuJoCoSession(Session):
 
 def _rows(snapshots: Sequence[Snapshot]) -> FloatArray:
     return np.frombuffer(bytearray().join(snapshots)).reshape(len(snapshots), -1)
+
+
+def left_out(scenario: Scenario) -> tuple[str, ...]:
+    """What a scene has no use for: passes by MuJoCo's names, and the clock where there is one."""
+    return (*switched_off(scenario), *([clock.CLOCK] if clock.SHIPPED else []))
 
 
 def check_not_too_small(scenario: Scenario) -> None:

@@ -15,8 +15,9 @@ from ...engine import Engine, Method
 from ...models.mjcf import start_coordinates, switched_off
 from ...models.urdf import BODY_LINK, urdf
 from .audit import disable
+from .clock import CLOCK
 from .engine import MuJoCo
-from .session import MuJoCoSession, check_not_too_small, compiled
+from .session import MuJoCoSession, check_not_too_small, compiled, left_out
 
 #: The reader diagonalises the principal moments again, wrong by up to 12 ulp, and then refuses
 #: every third flat body for breaking the triangle inequality.
@@ -51,8 +52,8 @@ class MuJoCoURDF(Engine):
         return _open(scenario, method, timestep, left_in=())
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
-        """The passes that are switched off."""
-        return switched_off(scenario)
+        """The passes that are switched off, and the clock."""
+        return left_out(scenario)
 
     def open_unpruned(
         self,
@@ -62,7 +63,7 @@ class MuJoCoURDF(Engine):
         left_in: Collection[str] | None = None,
     ) -> MuJoCoSession:
         """The same with passes left on, to time what they cost."""
-        kept = switched_off(scenario) if left_in is None else left_in
+        kept = left_out(scenario) if left_in is None else left_in
         return _open(scenario, method, timestep, kept)
 
 
@@ -76,7 +77,7 @@ def _open(
     model.opt.gravity = scenario.gravity_world
     model.opt.integrator = mujoco.mjtIntegrator.__members__[f"mjINT_{method.name}"]
     disable(model, (name for name in switched_off(scenario) if name not in left_in))
-    return MuJoCoSession(scenario, model, *start_coordinates(scenario))
+    return MuJoCoSession(scenario, model, *start_coordinates(scenario), CLOCK in left_in)
 
 
 def _spec(text: str, has_pivot: bool) -> Any:

@@ -1,0 +1,37 @@
+"""The clock that MuJoCo's Python package hangs into the library, and how to step without it.
+
+From 3.3.1 on the package sets the callback `mjcb_time`, which the library reads some 31 times a
+step to fill `mjData.timer`. It is one pointer of the process, NULL where there is no clock; Python
+can replace it, but not take it away.
+"""
+
+import ctypes
+from pathlib import Path
+
+import mujoco
+
+#: Names of the library in the package's folder: Linux, macOS, Windows.
+_LIBRARIES = ("libmujoco.so*", "libmujoco*.dylib", "mujoco.dll")
+#: The name of the clock among what is left out, and in the audit.
+CLOCK = "clock"
+
+
+def _pointer() -> ctypes.c_void_p:
+    folder = Path(mujoco.__file__).parent
+    file = next(file for pattern in _LIBRARIES for file in folder.glob(pattern))
+    return ctypes.c_void_p.in_dll(ctypes.CDLL(str(file)), "mjcb_time")
+
+
+_hung = _pointer()
+#: The package's clock, as it was when this module was imported; None before 3.3.1.
+SHIPPED = _hung.value
+
+
+def hang(clock: int | None) -> None:
+    """Have the library read this clock from now on, or none."""
+    _hung.value = clock
+
+
+def is_hung() -> bool:
+    """Whether the library reads a clock."""
+    return _hung.value is not None
