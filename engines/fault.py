@@ -32,6 +32,7 @@ Cause = Literal[
     # Of runs that were not made ("clamp" too).
     "effects",
     "body",
+    "timestep",
     # Of runs that came to their end.
     "lost",
     "law",

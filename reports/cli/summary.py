@@ -78,6 +78,7 @@ def row_record(row: Row) -> dict[str, Any]:
     return asdict(row.key) | {
         "engine_version": row.engine_version,
         "timestep": row.timestep,
+        "stock": row.stock,
         "outcome": row.outcome,
         "reason": row.reason,
         "cause": row.cause,

@@ -52,12 +52,9 @@ def row_of(
     elif row.outcome == "ok" and (said := lost(scenario, motion, truth)):
         reason = "; ".join(filter(None, (row.reason, said)))
         row = replace(row, cause=row.cause or "lost", reason=reason, lost=True)
-    return replace(
-        row,
-        errors=errors_between(scenario, motion, truth),
-        drifts=drifts(scenario, motion),
-        motion=motion,
-    )
+    # What did not come to its end has no errors: those up to there may be as small as you like.
+    errors = errors_between(scenario, motion, truth) if row.outcome == "ok" else None
+    return replace(row, errors=errors, drifts=drifts(scenario, motion), motion=motion)
 
 
 def unmet_expectations(expected: Expect, row: Row) -> list[str]:

@@ -17,6 +17,7 @@ from .executors import Answer
 from .expected_failures import held_to_known
 from .ladder import COARSEST_TURN, MIN_RUNGS, Ladder, Rung
 from .richardson import RichardsonSequence, com_growth, longest_way
+from .stock import StockRun, stock_timesteps
 from .verdict import ASYMPTOTIC, SHARP, Judgement, judge
 
 #: A ladder goes on until its limit is known to this, relative (ω) and in rad, or steps run out;
@@ -35,17 +36,27 @@ class SingleRun:
     expectations: tuple[Expect, ...] = ()
 
 
+@dataclass(frozen=True, eq=False)
+class _Coming:
+    """The run to make now, the truth at its samples, and the rows that it joins."""
+
+    rung: Rung
+    solution: Solution
+    rows: list[Row]
+
+
 @dataclass(eq=False)
 class ConvergenceStudy:
     """A scene, an engine and a method: first the single timesteps, then the ladder.
 
-    Last come timesteps above the ladder, as long as they survive.
+    Then come timesteps above the ladder, as long as they survive, and stock timesteps.
 
     Attributes
     ----------
     solution : the truth at the ladder's sample times
     ladder : None where only single timesteps are asked for
-    rows, single_rows, above_rows : the runs so far
+    stock : timesteps that the engine is run at whatever the scene
+    rows, single_rows, above_rows, stock_rows : the runs so far
     unmet : expectations of the scene that were not met, in words
     """
 
@@ -55,9 +66,11 @@ class ConvergenceStudy:
     solution: Solution
     ladder: Ladder | None
     singles: list[SingleRun] = field(default_factory=list)
+    stock: list[StockRun] = field(default_factory=list)
     rows: list[Row] = field(default_factory=list)
     single_rows: list[Row] = field(default_factory=list)
     above_rows: list[Row] = field(default_factory=list)
+    stock_rows: list[Row] = field(default_factory=list)
     unmet: list[str] = field(default_factory=list)
     _approaches: list[RichardsonSequence] = field(default_factory=list)
     _judged: tuple[Signal, Judgement] | None = None
@@ -69,41 +82,65 @@ class ConvergenceStudy:
 
     def next_rung(self) -> Rung | None:
         """The rung to run now, or None when enough is known."""
-        if single := self._next_single():
-            return single.rung
-        if self.ladder is None:
-            return None
-        return self._next_above() if self._down else self.ladder.rungs[len(self.rows)]
+        coming = self._coming()
+        return coming.rung if coming else None
 
     def compare(self, answer: Answer[Run]) -> Row:
         """The row of the next rung, from what came of running it."""
-        rung = self.next_rung()
-        assert rung is not None, "only a rung that is asked for is run"
-        single = self._next_single()
-        solution = single.solution if single else thinned(self.solution, rung.every)
-        row = row_of(self.scenario, self.key, self.engine.version, rung, answer.value, solution)
-        row = replace(row, printed=answer.printed)
-        if self.rows and not single and self._down:
+        coming = self._coming()
+        assert coming is not None, "only a rung that is asked for is run"
+        row = row_of(
+            self.scenario,
+            self.key,
+            self.engine.version,
+            coming.rung,
+            answer.value,
+            coming.solution,
+        )
+        stock = coming.rung.timestep in stock_timesteps(self.engine)
+        row = replace(row, printed=answer.printed, stock=stock)
+        if self.rows and coming.rows is self.above_rows and not stock:
             # Nothing is judged or drawn by it: there are finer ones.
             row = replace(row, motion=None)
         return row
 
     def take(self, row: Row) -> None:
         """Take the row of the next rung, whether it was run just now or is stored."""
-        if single := self._next_single():
-            self.single_rows.append(row)
-            for expectation in single.expectations:
-                self.unmet += unmet_expectations(expectation, row)
-        elif self._down:
-            self.above_rows.append(row)
-        else:
-            self.rows.append(row)
+        coming = self._coming()
+        assert coming is not None, "only a rung that is asked for is taken"
+        coming.rows.append(row)
+        if coming.rows is self.rows:
             self._approach(row)
+        elif coming.rows is self.single_rows:
+            for expectation in self.singles[len(self.single_rows) - 1].expectations:
+                self.unmet += unmet_expectations(expectation, row)
 
     def can_take(self, row: Row) -> bool:
-        """Whether the row of the next rung is enough: a ladder is judged on motions."""
-        judged = not (self._next_single() or self._down)
-        return not judged or row.outcome != "ok" or row.motion is not None
+        """Whether a stored row is enough: a ladder is judged on motions, at its own samples."""
+        coming = self._coming()
+        if coming is None or row.outcome != "ok":
+            return True
+        if coming.rows is self.rows or coming.rows is self.stock_rows:
+            return row.motion is not None and len(row.motion.t) == len(coming.rung.sample_steps)
+        return True
+
+    def refusals(self) -> list[Row]:
+        """The rows of stock timesteps that make no sense of the scene: nothing is run for them."""
+        if self._pointless:
+            return []
+        return [
+            Row(
+                self.key,
+                self.engine.version,
+                run.timestep,
+                "unsupported",
+                run.refusal,
+                "timestep",
+                stock=True,
+            )
+            for run in self.stock
+            if run.refusal and run.timestep not in self._taken
+        ]
 
     @property
     def cut_short(self) -> bool:
@@ -116,13 +153,13 @@ class ConvergenceStudy:
         return not (settled or self._known())
 
     def discardable_timesteps(self) -> list[float]:
-        """Timesteps of the runs whose samples nobody wants once there is a verdict: all but one.
+        """Timesteps of the runs whose samples nobody wants once there is a verdict.
 
-        A report shows the finest run that left any.
+        A report shows the finest run that left any, and those at stock timesteps.
         """
         rows = self.rows + self.single_rows + self.above_rows
         shown = min((row.timestep for row in rows if row.motion is not None), default=None)
-        return [row.timestep for row in rows if row.timestep != shown]
+        return [row.timestep for row in rows if row.timestep != shown and not row.stock]
 
     def verdict(self) -> Verdict:
         """Judge the ladder, and hold the scene's file to what it says is known."""
@@ -152,8 +189,38 @@ class ConvergenceStudy:
             **known,
         )
 
-    def _next_single(self) -> SingleRun | None:
-        return next(iter(self.singles[len(self.single_rows) :]), None)
+    def _coming(self) -> _Coming | None:
+        single = next(iter(self.singles[len(self.single_rows) :]), None)
+        if single is not None:
+            return _Coming(single.rung, single.solution, self.single_rows)
+        if self.ladder is None:
+            return None
+        if not self._down:
+            return _Coming(self.ladder.rungs[len(self.rows)], self.solution, self.rows)
+        if rung := self._next_above():
+            return _Coming(rung, thinned(self.solution, rung.every), self.above_rows)
+        return self._next_stock()
+
+    def _next_stock(self) -> _Coming | None:
+        """A stock timestep that no other run was made at, unless no timestep can help."""
+        if self._pointless:
+            return None
+        for run in self.stock:
+            if run.rung and run.solution and run.timestep not in self._taken:
+                return _Coming(run.rung, run.solution, self.stock_rows)
+        return None
+
+    @property
+    def _taken(self) -> set[float]:
+        rows = self.rows + self.single_rows + self.above_rows + self.stock_rows
+        return {row.timestep for row in rows}
+
+    @property
+    def _pointless(self) -> bool:
+        """Whether the method cannot do the scene, or failed at every timestep so far."""
+        if self.engine.unsupported(self.scenario, self.method):
+            return True
+        return bool(self.rows) and all(self._hopeless(row) for row in self.rows)
 
     def _next_above(self) -> Rung | None:
         """One more doubling while the timestep before it survives."""

@@ -25,6 +25,7 @@ from .executors import CallFailed, Executor, is_environmental, may_succeed_if_re
 from .ladder import Ladder, Rung, ladder, single
 from .plan import Plan, SceneLeft
 from .step_cost import one_thread
+from .stock import StockRun, stock_run, stock_timesteps
 from .timing import time_scene
 
 #: More than are under way at a time: the methods of the scenes at hand.
@@ -72,6 +73,8 @@ def study_method(
     }
     for row in run_rungs(study, executor, stored):
         store.put_row(row)
+    for row in study.refusals():
+        store.put_row(row)
     verdict = study.verdict()
     step_limit = choice.max_steps_on(scenario) if study.cut_short else None
     store.put_verdict(verdict, choice.timesteps, step_limit, study.discardable_timesteps())
@@ -103,11 +106,12 @@ def run_rungs(
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A scene's exact motion on its ladder, and on the single timesteps asked for."""
+    """A scene's exact motion on its ladder, on single timesteps asked for, and at stock ones."""
 
     solution: Solution
     ladder: Ladder
     singles: list[tuple[Rung, Solution]]
+    stock: list[StockRun] = field(default_factory=list)
 
 
 class SceneReference:
@@ -117,10 +121,17 @@ class SceneReference:
     ----------
     timesteps : s, single ones besides the ladder
     max_steps : of a run of the ladder
+    stock : s, timesteps that engines are run at whatever the scene
     """
 
-    def __init__(self, scenario: Scenario, timesteps: Sequence[float], max_steps: int) -> None:
-        self._asked = (scenario, timesteps, max_steps)
+    def __init__(
+        self,
+        scenario: Scenario,
+        timesteps: Sequence[float],
+        max_steps: int,
+        stock: Sequence[float] = (),
+    ) -> None:
+        self._asked = (scenario, timesteps, max_steps, stock)
         self._solving = Lock()
         self._solved: Prepared | CallFailed | None = None
 
@@ -134,21 +145,26 @@ class SceneReference:
             return self._solved
 
 
-def prepare(scenario: Scenario, timesteps: Sequence[float], max_steps: int) -> Prepared:
-    """Solve a scene at the sample times of its ladder and of every single timestep.
+def prepare(
+    scenario: Scenario, timesteps: Sequence[float], max_steps: int, stock: Sequence[float] = ()
+) -> Prepared:
+    """Solve a scene at the sample times of its ladder and of every single and stock timestep.
 
     Where the exact motion ends at its horizon, so do the runs.
     """
     rough = solve(scenario, scenario.times)
     samples = len(rough.trajectory.t)
-    rungs = ladder(scenario.window, fastest_rate(scenario, rough.trajectory), samples, max_steps)
+    rate = fastest_rate(scenario, rough.trajectory)
+    rungs = ladder(scenario.window, rate, samples, max_steps)
     solution = solve(scenario, rungs.times)
     singles = []
     for timestep in timesteps:
         rung = single(timestep, rough.trajectory.t)
         at_rung = solve(scenario, _times(rung))
         singles.append((rung.until(len(at_rung.trajectory.t)), at_rung))
-    return Prepared(solution, rungs.until(len(solution.trajectory.t)), singles)
+    end = float(rough.trajectory.t[-1])
+    stock_runs = [stock_run(scenario, timestep, rate, end) for timestep in stock]
+    return Prepared(solution, rungs.until(len(solution.trajectory.t)), singles, stock_runs)
 
 
 def convergence_study_of(
@@ -158,9 +174,9 @@ def convergence_study_of(
     prepared: Prepared,
     timesteps: Sequence[float] = (),
 ) -> ConvergenceStudy:
-    """The runs of a method: the timesteps asked for, those expected something of, and the ladder.
+    """The runs of a method: timesteps asked for or expected something of, ladder, stock timesteps.
 
-    Where timesteps are asked for there is no ladder.
+    Where timesteps are asked for there are these alone.
     """
     singles = []
     for rung, solution in prepared.singles:
@@ -168,8 +184,13 @@ def convergence_study_of(
         expectations = tuple(e for e in scenario.expect if (e.engine, e.method, e.timestep) == run)
         if expectations or rung.timestep in timesteps:
             singles.append(SingleRun(rung, solution, expectations))
-    rungs = None if timesteps else prepared.ladder
-    return ConvergenceStudy(scenario, engine, method, prepared.solution, rungs, singles)
+    if timesteps:
+        return ConvergenceStudy(scenario, engine, method, prepared.solution, None, singles)
+    own = stock_timesteps(engine)
+    stock = [run for run in prepared.stock if run.timestep in own]
+    return ConvergenceStudy(
+        scenario, engine, method, prepared.solution, prepared.ladder, singles, stock
+    )
 
 
 def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
@@ -221,7 +242,13 @@ def scene_reference(scene: SceneLeft, choice: Choice) -> SceneReference:
     """The exact motion that the methods of a scene are compared with."""
     expected = {expectation.timestep for expectation in scene.scenario.expect}
     timesteps = sorted({*choice.timesteps, *expected})
-    return SceneReference(scene.scenario, timesteps, choice.max_steps_on(scene.scenario))
+    stock = sorted({dt for engine in choice.engines for dt in stock_timesteps(engine)})
+    return SceneReference(
+        scene.scenario,
+        timesteps,
+        choice.max_steps_on(scene.scenario),
+        () if choice.timesteps else stock,
+    )
 
 
 def _unsolved(

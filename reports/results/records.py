@@ -34,7 +34,7 @@ class Row:
     cause : the same in a word
     lost : whether a run that is ok is no nearer to the truth than no motion would be (`lost.lost`)
     stopped_at : s, when it diverged or failed
-    errors : at the run's sample times, up to where it stopped; None without samples
+    errors : at the run's sample times; None unless it is ok
     drifts : largest change of each conserved quantity, relative, by name
     uncertainty : the reference's, in ω, relative
     seconds_per_step, seconds_spread : CPU seconds, least over the repeats, and (max − min) of them;
@@ -42,6 +42,8 @@ class Row:
     wall_seconds_per_step : likewise the least by the clock on the wall
     motion : the samples; None where there are none, and where a finer run of the method has them
     printed : what the engine wrote to the terminal
+    stock : whether the timestep is one of those that an engine is run at whatever the scene: its
+        own stock timestep, and 1 ms
     """
 
     key: Key
@@ -61,6 +63,12 @@ class Row:
     motion: Trajectory | None = None
     printed: str = ""
     lost: bool = False
+    stock: bool = False
+
+    @property
+    def made(self) -> bool:
+        """Whether there was a run at all: a stock timestep may make no sense of a scene."""
+        return self.cause != "timestep"
 
     @property
     def survived(self) -> bool:

@@ -19,7 +19,7 @@ from ...scenarios import printable
 
 #: "spin" in ASCII: tells a result file from any other SQLite database.
 APPLICATION_ID = 0x7370696E
-FORMAT = 7
+FORMAT = 8
 
 _IN_WORDS = {
     sqlite3.SQLITE_FULL: "cannot be written: the disk is full",

@@ -40,7 +40,7 @@ CREATE TABLE scenes (
 CREATE TABLE rows (
     scenario TEXT, engine TEXT, method TEXT, timestep REAL, engine_version TEXT NOT NULL,
     outcome TEXT NOT NULL, reason TEXT NOT NULL, cause TEXT NOT NULL, lost INTEGER NOT NULL,
-    stopped_at REAL, errors TEXT, drifts TEXT,
+    stock INTEGER NOT NULL, stopped_at REAL, errors TEXT, drifts TEXT,
     uncertainty REAL NOT NULL, steps INTEGER NOT NULL, motion BLOB, printed TEXT NOT NULL,
     PRIMARY KEY (scenario, engine, method, timestep));
 CREATE TABLE costs (

@@ -62,6 +62,7 @@ def of_row(row: Row) -> dict[str, Any]:
         **{name: getattr(row, name) for name in _PLAIN_ROW},
         "errors": json.dumps(asdict(row.errors)) if row.errors else None,
         "lost": row.lost,
+        "stock": row.stock,
         "drifts": json.dumps(row.drifts) if row.drifts is not None else None,
         "motion": _pack(row.motion) if row.motion is not None else None,
     }
@@ -141,6 +142,7 @@ def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
         key=key(record),
         errors=_errors(record["errors"]) if record["errors"] else None,
         lost=bool(record["lost"]),
+        stock=bool(record["stock"]),
         drifts=json.loads(record["drifts"]) if record["drifts"] else None,
         motion=_unpack(record["motion"]) if record["motion"] else None,
         seconds_per_step=cost["seconds_per_step"] if cost else None,

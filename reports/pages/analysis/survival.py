@@ -44,7 +44,7 @@ def survival(rows: Iterable[Row], fastest_rate: float | None) -> Survival | None
     ----------
     fastest_rate : the scene's, rad/s; None where it could not be solved, and nothing was run
     """
-    tried = sorted((row for row in rows if row.timestep), key=lambda row: row.timestep)
+    tried = sorted((row for row in rows if row.timestep and row.made), key=lambda row: row.timestep)
     if fastest_rate is None or all(row.outcome == "unsupported" for row in tried):
         return None
     survived = list(takewhile(lambda row: row.survived, tried))

@@ -42,7 +42,7 @@ class Curve:
     Attributes
     ----------
     points : every run that ended ok, coarse to fine
-    stable : those below the last run that did not end ok
+    stable : those of the ladder and above it that are below the last run that did not end ok
     seconds_per_step : CPU time of a step, s, None where it was not timed
     uncertainty : of the reference, in this error
     rounding : what rounding alone may cause at a timestep of 1 s; in inverse proportion at others
@@ -83,7 +83,7 @@ def curve_of(scene: SceneRuns, runs: MethodRuns, signal: Signal) -> Curve:
     assert scene.found is not None, "errors are against a reference"
     solution = scene.found.solution
     finished = [row for row in runs.rows if row.outcome == "ok" and row.errors]
-    unfinished = [row.timestep for row in runs.rows if row.outcome != "ok"]
+    unfinished = [row.timestep for row in runs.rows if row.made and row.outcome != "ok"]
     points = tuple(_point(scene, row, signal) for row in finished)
     duration = float(solution.trajectory.t[-1])
     return Curve(
@@ -91,7 +91,12 @@ def curve_of(scene: SceneRuns, runs: MethodRuns, signal: Signal) -> Curve:
         method=runs.method,
         signal=signal,
         points=points,
-        stable=tuple(p for p in points if p.timestep < min(unfinished, default=math.inf)),
+        stable=tuple(
+            point
+            for point, row in zip(points, finished, strict=True)
+            # A stock timestep may be next to one of the ladder's: no slope is read off such a pair.
+            if point.timestep < min(unfinished, default=math.inf) and not row.stock
+        ),
         seconds_per_step=finished[-1].seconds_per_step if finished else None,
         uncertainty=max(getattr(solution.uncertainty, signal), EPS),
         rounding=duration * getattr(solution.conditioning, signal),

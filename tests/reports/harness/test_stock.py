@@ -1,0 +1,130 @@
+"""Runs at stock timesteps: made besides the ladder, stored, told where they make no sense."""
+
+from dataclasses import replace
+
+import pytest
+from box import BOX
+from planted import ExplodingSession, HeunSession, RaisingSession, planted
+from spincheck.engines import Engine
+from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.harness.plan import plan
+from spincheck.reports.harness.stock import COMMON_TIMESTEP, STEP_BUDGET, stock_run
+from spincheck.reports.harness.study import run_study
+from spincheck.reports.results.records import Row
+from spincheck.reports.results.store import Results, Store, open_store
+from spincheck.scenarios import loads
+
+STOCK = 1 / 240
+#: Steps; Heun's method in Python takes some 30 µs each.
+BUDGET = 1 << 8
+
+
+class HeunAsSold(type(planted(HeunSession))):
+    """The faultless engine, with a timestep of its own."""
+
+    stock_timestep = STOCK
+
+
+def study(path, *engines: Engine, text: str = BOX, **asked) -> Results:
+    choice = replace(Choice(engines, max_steps=BUDGET, timed=False), **asked)
+    scenes = [loads(text, "box")]
+    with open_store(path, create=True) as store:
+        run_study(plan(scenes, choice, store), choice, store, InProcess(), lambda _: None)
+        return store.read()
+
+
+def stock_rows(results: Results) -> dict[float, Row]:
+    return {row.timestep: row for row in results.rows if row.stock}
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory) -> Results:
+    return study(tmp_path_factory.mktemp("stock") / "r.sqlite", HeunAsSold())
+
+
+def test_an_engine_is_run_at_its_own_stock_timestep_and_at_one_for_all(found):
+    assert set(stock_rows(found)) == {STOCK, COMMON_TIMESTEP}
+
+
+def test_such_a_run_has_errors_and_keeps_its_samples(found):
+    for row in stock_rows(found).values():
+        assert row.outcome == "ok"
+        assert row.errors.omega > 0
+        assert row.motion.t[-1] == pytest.approx(1.0, abs=row.timestep / 2)
+
+
+def test_the_verdict_is_that_of_the_ladder_alone(found, tmp_path, monkeypatch):
+    monkeypatch.setattr("spincheck.reports.harness.study.stock_timesteps", lambda _: ())
+    without = study(tmp_path / "r.sqlite", HeunAsSold())
+    assert not stock_rows(without)
+    assert without.verdicts == found.verdicts
+
+
+def test_a_blow_up_at_a_stock_timestep_leaves_the_verdict(tmp_path, monkeypatch):
+    class LastStepExplodes(HeunAsSold):
+        def open(self, scenario, method, timestep):
+            kind = ExplodingSession if timestep == STOCK else HeunSession
+            return kind(scenario, timestep)
+
+    results = study(tmp_path / "r.sqlite", LastStepExplodes())
+    assert stock_rows(results)[STOCK].outcome == "diverged"
+    assert results.verdicts[0].verdict == "converges"
+
+
+def test_stock_runs_are_not_made_again(tmp_path, monkeypatch):
+    path, put = tmp_path / "r.sqlite", []
+    study(path, HeunAsSold())
+    monkeypatch.setattr(Store, "put_row", lambda _, row: put.append(row))
+    study(path, HeunAsSold())
+    assert put == []
+
+
+def test_a_study_stopped_before_its_stock_runs_makes_them_alone(tmp_path, monkeypatch):
+    path, put_row, made = tmp_path / "r.sqlite", Store.put_row, []
+
+    def stopping(store: Store, row: Row) -> None:
+        if row.stock:
+            raise KeyboardInterrupt
+        put_row(store, row)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Store, "put_row", stopping)
+        with pytest.raises(KeyboardInterrupt):
+            study(path, HeunAsSold())
+    monkeypatch.setattr(Store, "put_row", lambda s, row: (made.append(row), put_row(s, row)))
+    study(path, HeunAsSold())
+    assert {row.timestep for row in made} == {STOCK, COMMON_TIMESTEP}
+
+
+def test_an_engine_that_fails_at_every_timestep_is_not_asked_at_stock_ones(tmp_path):
+    results = study(tmp_path / "r.sqlite", planted(RaisingSession))
+    assert [row.outcome for row in results.rows] == ["failed"]
+
+
+def test_timesteps_that_are_asked_for_are_run_alone(tmp_path):
+    results = study(tmp_path / "r.sqlite", HeunAsSold(), timesteps=(0.02,))
+    assert [row.timestep for row in results.rows] == [0.02]
+
+
+def test_where_the_motion_is_too_fast_for_it_a_row_says_so_and_nothing_is_run(tmp_path):
+    fast = BOX.replace("[1.0, 2.0, 0.5]", "[0.0, 0.0, 2000.0]")
+    fast = fast.replace("duration = 1.0", "duration = 0.1")
+    rows = stock_rows(study(tmp_path / "r.sqlite", HeunAsSold(), text=fast))
+    assert rows[STOCK].outcome == "unsupported"
+    assert rows[STOCK].cause == "timestep"
+    assert "turns 8.33 rad a step" in rows[STOCK].reason
+    assert rows[STOCK].errors is None
+    assert not rows[STOCK].made
+
+
+@pytest.mark.parametrize(
+    ("timestep", "rate", "horizon", "said"),
+    [
+        (1e-3, 1.0, 2 * STEP_BUDGET * 1e-3, "takes 2.62e+05 steps"),
+        (1e-3, 1.0, 5e-3, "are 5 steps, too few to judge"),
+        (2e-3, 2000.0, 1.0, "turns 4 rad a step"),
+    ],
+)
+def test_what_makes_no_sense_is_told_with_its_numbers(timestep, rate, horizon, said):
+    assert said in stock_run(loads(BOX, "box"), timestep, rate, horizon).refusal
