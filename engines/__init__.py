@@ -1,8 +1,9 @@
 """Physics engines behind one interface."""
 
-from .discovery import Missing, engines, missing
+from .discovery import add, engines, missing
 from .engine import Engine, Method
 from .fault import Cause, Fault
+from .missing import Missing
 from .read_back import BodyReading, EngineError, State
 from .run import Outcome, Run
 from .session import Session
@@ -19,6 +20,7 @@ __all__ = [
     "Run",
     "Session",
     "State",
+    "add",
     "engines",
     "missing",
 ]

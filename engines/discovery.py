@@ -2,32 +2,18 @@
 
 import importlib
 import pkgutil
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from importlib.metadata import entry_points
+from importlib.util import find_spec
 from inspect import isabstract
 from types import ModuleType
 
 from . import adapters
 from .engine import Engine
+from .missing import Missing
 
 ENTRY_POINTS = "spincheck.engines"
-
-
-@dataclass(frozen=True)
-class Missing:
-    """An adapter that cannot be imported here.
-
-    Attributes
-    ----------
-    name : of the adapter
-    package : the distribution that is not installed; empty where importing failed otherwise
-    reason : one sentence
-    """
-
-    name: str
-    package: str
-    reason: str
 
 
 @cache
@@ -40,6 +26,18 @@ def engines() -> dict[str, Engine]:
         If two engines share a name.
     """
     return dict(sorted(_discover()[0].items()))
+
+
+def add(engine: Engine) -> None:
+    """Have an engine among them, for as long as this process lives.
+
+    Raises
+    ------
+    ValueError
+        If there is another one of its name.
+    """
+    if engines().setdefault(engine.name, engine) is not engine:
+        raise ValueError(f"'{engine.name}' is another engine's name; rename one.")
 
 
 @cache
@@ -61,10 +59,13 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
         except Exception as error:
             absent.append(_missing(name.rpartition(".")[2], error))
             continue
-        for engine in _engines_in(module):
-            if engine.name in found:
+        for engine in (*_engines_in(module), *_discovered_by(module)):
+            if isinstance(engine, Missing):
+                absent.append(engine)
+            elif engine.name in found:
                 raise ValueError(f"two engines are named '{engine.name}'; rename one.")
-            found[engine.name] = engine
+            else:
+                found[engine.name] = engine
     return found, tuple(absent)
 
 
@@ -77,13 +78,27 @@ def _missing(name: str, error: Exception) -> Missing:
     return Missing(name, "", f"importing it failed: {type(error).__name__}: {words}")
 
 
-def _engines_in(module: ModuleType) -> list[Engine]:
+def _engines_in(module: ModuleType) -> Iterator[Engine | Missing]:
     """One instance of each engine class that the module, or a module of its package, defines."""
-    return [
-        cls()
-        for cls in vars(module).values()
-        if isinstance(cls, type)
-        and issubclass(cls, Engine)
-        and not isabstract(cls)
-        and f"{cls.__module__}.".startswith(f"{module.__name__}.")
-    ]
+    for cls in vars(module).values():
+        if (
+            isinstance(cls, type)
+            and issubclass(cls, Engine)
+            and not isabstract(cls)
+            and f"{cls.__module__}.".startswith(f"{module.__name__}.")
+        ):
+            engine = cls()
+            absent = engine.package and find_spec(engine.package) is None
+            yield _not_installed(engine) if absent else engine
+
+
+def _not_installed(engine: Engine) -> Missing:
+    how = f"pip install 'spincheck[{engine.name}]'"
+    reason = f"the package '{engine.package}' is not installed; {how}"
+    return Missing(engine.name, engine.package, reason)
+
+
+def _discovered_by(module: ModuleType) -> Iterable[Engine | Missing]:
+    """What a module finds that is no class, by its function `discovered`."""
+    discovered: Callable[[], Iterable[Engine | Missing]] = vars(module).get("discovered", tuple)
+    return discovered()

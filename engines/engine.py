@@ -3,7 +3,8 @@
 from abc import ABC, abstractmethod
 from collections.abc import Collection
 from dataclasses import dataclass
-from typing import ClassVar, final
+from pathlib import Path
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,17 +62,24 @@ class Engine(ABC):
     methods : what it can simulate with
     single_precision : whether it holds its state in 24 bits
     stock_timestep : s, what its users get who say nothing; None where they have to say
+    package : of an optional engine, the package that it needs, imported when a scene is opened
     """
 
-    name: ClassVar[str]
-    methods: ClassVar[tuple[Method, ...]]
-    single_precision: ClassVar[bool] = False
-    stock_timestep: ClassVar[float | None] = None
+    name: str
+    methods: tuple[Method, ...]
+    single_precision: bool = False
+    stock_timestep: float | None = None
+    package: str = ""
 
     @property
     @abstractmethod
     def version(self) -> str:
         """The engine's own version."""
+
+    @property
+    def sources(self) -> tuple[Path, ...]:
+        """Files that its results rest on, besides its adapter."""
+        return ()
 
     @abstractmethod
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:

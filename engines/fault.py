@@ -26,6 +26,7 @@ Cause = Literal[
     "bug",
     "crash",
     "time-out",
+    "protocol",
     "killed",
     "environment",
     "unsolved",
@@ -39,7 +40,9 @@ Cause = Literal[
 ]
 
 #: What no smaller timestep can mend: such a run has failed, and not only diverged.
-WRONG_AT_ANY_TIMESTEP: frozenset[Cause] = frozenset({"clock", "frozen", "late", "frames"})
+WRONG_AT_ANY_TIMESTEP: frozenset[Cause] = frozenset(
+    {"clock", "frozen", "late", "frames", "crash", "time-out", "killed", "protocol"}
+)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
+from .engine_commands import app as engine_commands
 from .options import (
     CORES,
     REPORT_FOLDER,
@@ -41,6 +42,7 @@ app = typer.Typer(
 )
 app.add_typer(result_commands)
 app.add_typer(sweep_commands)
+app.add_typer(engine_commands)
 
 
 def main() -> None:

@@ -20,7 +20,10 @@ Stored = Annotated[
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 AsCsv = Annotated[bool, typer.Option("--csv", help="Print CSV.")]
-Engines = Annotated[list[str] | None, typer.Option("--engine", help="Only this engine.")]
+Engines = Annotated[
+    list[str] | None,
+    typer.Option("--engine", help="Only this engine; 'child:COMMAND' is one in another language."),
+]
 Methods = Annotated[list[str] | None, typer.Option("--method", help="Only this method.")]
 Timesteps = Annotated[
     list[float] | None, typer.Option("--timestep", help="Run this timestep, s; no ladder.")

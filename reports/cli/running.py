@@ -1,10 +1,11 @@
 """What the command `run` does, and how its results are read back."""
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ...engines import Engine, engines, missing
+from ...engines import Engine, add, engines, missing
 from ...scenarios import Scenario
 from ..harness.choice import QUICK_STEPS, Choice
 from ..harness.plan import plan
@@ -17,6 +18,8 @@ from .named_scenes import scenes_to_run
 from .stopping import Stopped
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress, say
 
+#: Begins the name of an engine that is a command: docs/engine-protocol.md.
+CHILD = "child:"
 #: s; a system's clocks wait for no more than 2³¹ ms at once.
 MOST_TIME = 1e6
 
@@ -164,6 +167,8 @@ def limited(choice: Choice, time_limit: float | None) -> Choice:
 
 
 def _engine(name: str) -> Engine:
+    if name.startswith(CHILD):
+        return _child(name.removeprefix(CHILD))
     if name in engines():
         return engines()[name]
     for absent in missing():
@@ -173,6 +178,33 @@ def _engine(name: str) -> Engine:
                 NOT_RUN,
             )
     raise Complaint(f"'--engine' must be one of {', '.join(engines())}, got '{name}'", BAD_INPUT)
+
+
+def _child(command: str) -> Engine:
+    """The engine that a command is, under its own name from now on."""
+    from ...engines.child import ProtocolError, child_engine
+
+    try:
+        engine = child_engine(words_of(command))
+        add(engine)
+    except ProtocolError as error:
+        raise Complaint(f"'--engine' {CHILD}{command}: {error}", NOT_RUN) from None
+    except ValueError as error:
+        raise Complaint(f"'--engine' {CHILD}{command}: {error}", BAD_INPUT) from None
+    return engine
+
+
+def words_of(command: str) -> list[str]:
+    """A command's words, quoted as in a shell.
+
+    Raises
+    ------
+    ValueError
+        If a quotation does not end, or there is no word.
+    """
+    if not (words := shlex.split(command)):
+        raise ValueError("must be a command, got nothing")
+    return words
 
 
 def check_timesteps(scenarios: Sequence[Scenario], choice: Choice) -> None:

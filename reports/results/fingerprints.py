@@ -21,7 +21,12 @@ _DECIDING = "harness"
 def digests(scenario: Scenario, engines: Sequence[Engine]) -> dict[str, str]:
     """By engine name, of its version and adapter; under "", of the scene and of this program."""
     return {"": _digest(scenario.text.encode(), program())} | {
-        engine.name: _digest(engine.version.encode(), _adapter(type(engine))) for engine in engines
+        engine.name: _digest(
+            engine.version.encode(),
+            _adapter(type(engine)),
+            *(path.read_bytes() for path in engine.sources),
+        )
+        for engine in engines
     }
 
 

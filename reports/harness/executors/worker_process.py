@@ -144,12 +144,12 @@ class WorkerProcess:
         return self._printed.replace(self._mark, b"").decode(errors="replace")
 
     def cpu_seconds(self) -> float:
-        """CPU time it has used so far, s; 0 once it is gone."""
+        """CPU time it has used so far, s, with its children; 0 once it is gone."""
         try:
-            times = self._of_system.cpu_times()
+            processes = [self._of_system, *self._of_system.children()]
+            return sum(sum(process.cpu_times()[:2]) for process in processes)
         except psutil.Error:
             return 0.0
-        return float(times.user + times.system)
 
     def kill(self) -> None:
         """Kill it, from whichever thread; `end` is still to be called."""

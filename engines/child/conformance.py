@@ -1,0 +1,133 @@
+"""Whether a command keeps the protocol: every call, on scenes of every set of effects."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...scenarios import Scenario
+from ..engine import Method
+from ..fault import Cause
+from ..read_back import EngineError
+from ..run import Run
+from .engine import ChildEngine, child_engine
+from .messages import Done, Hello
+from .process import ChildProcess, ProtocolError
+
+#: Steps of a run, and of a timed stretch.
+STEPS = 64
+#: Angle turned in each, rad; so small that no method blows up.
+TURN = 1e-2
+#: What no method may do, not even one that is the engine as shipped.
+BROKEN: frozenset[Cause] = frozenset(
+    {"protocol", "crash", "killed", "time-out", "clock", "late", "frozen", "bug"}
+)
+
+
+@dataclass(frozen=True)
+class Check:
+    """One thing that was looked at.
+
+    Attributes
+    ----------
+    what : in words
+    problem : why it breaks the protocol; empty where it does not
+    remark : what there is to know besides
+    """
+
+    what: str
+    problem: str = ""
+    remark: str = ""
+
+
+def conformance(
+    command: Sequence[str], scenes: Sequence[Scenario], limit: float
+) -> Iterator[Check]:
+    """Ask everything; ends after the first problem that leaves nobody to ask.
+
+    Parameters
+    ----------
+    scenes : to open and run, each by every method that can simulate it
+    limit : s that an answer may take
+
+    Raises
+    ------
+    ProtocolError
+        If the command cannot be started.
+    """
+    child = ChildProcess(command, limit)
+    try:
+        try:
+            hello = child.ask(Hello, "hello")
+        except EngineError as error:
+            yield Check("hello", str(error))
+            return
+        yield Check("hello", remark=f"{hello.name} {hello.version}, {hello.precision} precision")
+        yield _repeats_itself(child, hello)
+        yield _answers_nonsense(child)
+    finally:
+        ended = child.end()
+    yield Check("ends when its standard input does", "" if ended else "it did not, and was killed")
+    if not ended:
+        return
+    engine = child_engine(command, limit)
+    for method in engine.methods:
+        for scenario in scenes:
+            if not engine.unsupported(scenario, method):
+                check = _runs(engine, method, scenario)
+                yield check
+                if check.problem:
+                    break
+
+
+def _repeats_itself(child: ChildProcess, hello: Hello) -> Check:
+    what = "hello again"
+    try:
+        same = child.ask(Hello, "hello") == hello
+    except EngineError as error:
+        return Check(what, str(error))
+    return Check(what, "" if same else "it says something else than before")
+
+
+def _answers_nonsense(child: ChildProcess) -> Check:
+    what = "a call that there is not"
+    try:
+        child.ask(Done, "nonsense")
+    except ProtocolError as error:
+        return Check(what, str(error))
+    except EngineError:
+        return Check(what)
+    return Check(what, "must be answered by an 'error'")
+
+
+def _runs(engine: ChildEngine, method: Method, scenario: Scenario) -> Check:
+    what = f"{method.name} on {scenario.name}"
+    speed = float(np.linalg.norm(scenario.start.omega_body))
+    timestep = TURN / speed if speed else scenario.window.duration / STEPS
+    steps = np.arange(STEPS + 1, dtype=np.int64)
+    first = engine.run(scenario, method, timestep, steps)
+    if problem := _problem(first, method):
+        return Check(what, problem)
+    if not _same(first, engine.run(scenario, method, timestep, steps)):
+        return Check(what, "a second run of it gives another motion")
+    try:
+        with engine.open(scenario, method, timestep) as session:
+            session.timed(STEPS)
+    except EngineError as error:
+        return Check(what, str(error))
+    residuals = engine.equation_residuals(scenario, method)
+    return Check(what, remark="; ".join(filter(None, (first.reason, residuals))))
+
+
+def _problem(run: Run, method: Method) -> str:
+    excused = method.as_shipped and run.cause not in BROKEN
+    return "" if run.outcome == "ok" or excused else f"{run.outcome}: {run.reason}"
+
+
+def _same(first: Run, second: Run) -> bool:
+    if first.trajectory is None or second.trajectory is None:
+        return first.trajectory is second.trajectory
+    return all(
+        np.array_equal(values, getattr(second.trajectory, name))
+        for name, values in vars(first.trajectory).items()
+    )

@@ -1,0 +1,76 @@
+"""An engine that is a command: what it says it is, and its scenes."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import final
+
+from ...scenarios import Scenario
+from ..engine import Engine, Method
+from .messages import Hello
+from .process import ANSWER_LIMIT, ChildProcess, ProtocolError, given_back, taken
+from .session import ChildSession
+
+
+@final
+class ChildEngine(Engine):
+    """An engine in another language.
+
+    Parameters
+    ----------
+    command : the program and its arguments
+    hello : what it said that it is; each process of it has to say the same
+    limit : s of wall time that an answer may take
+    """
+
+    def __init__(self, command: Sequence[str], hello: Hello, limit: float = ANSWER_LIMIT) -> None:
+        self.command, self.hello, self._limit = tuple(command), hello, limit
+        self.name = hello.name
+        self.methods = tuple(table.method() for table in hello.methods)
+        self.single_precision = hello.precision == "single"
+        self.stock_timestep = hello.stock_timestep
+
+    @property
+    def version(self) -> str:
+        """In its own words."""
+        return self.hello.version
+
+    @property
+    def sources(self) -> tuple[Path, ...]:
+        """Files that the command names: whoever edits one of them gets new results."""
+        return tuple(path for path in map(Path, self.command) if path.is_file())
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> ChildSession:
+        """Hand the scene to a child that has none."""
+        try:
+            child = taken(self.command, self._limit)
+            try:
+                self._check(child)
+                return ChildSession(child, scenario, method.name, timestep)
+            except BaseException:
+                given_back(child)
+                raise
+        except ProtocolError as error:
+            raise ProtocolError(f"{self.name}: {error}", error.cause) from None
+
+    def _check(self, child: ChildProcess) -> None:
+        if child.hello is None:
+            child.hello = child.ask(Hello, "hello")
+        if child.hello != self.hello:
+            words = "it says that it is another engine, version or set of methods than before"
+            raise ProtocolError(words, "protocol")
+
+
+def child_engine(command: Sequence[str], limit: float = ANSWER_LIMIT) -> ChildEngine:
+    """The engine that a command is.
+
+    Raises
+    ------
+    ProtocolError
+        If it cannot be started, or does not say what it is.
+    """
+    child = taken(tuple(command), limit)
+    try:
+        child.hello = hello = child.ask(Hello, "hello")
+    finally:
+        given_back(child)
+    return ChildEngine(command, hello, limit)

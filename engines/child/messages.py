@@ -1,0 +1,215 @@
+"""What a child may answer, one model a call: sizes, types and ranges of docs/engine-protocol.md."""
+
+import json
+import math
+from typing import Annotated, Any, Literal, Self, TypeVar
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from ...scenarios import EFFECTS
+from ..engine import Method
+
+PROTOCOL = 1
+#: Characters of an answer that a complaint quotes.
+QUOTED = 80
+#: Methods an engine may have, and names it may list as active.
+MOST_NAMES = 32
+
+
+def _printable(text: str) -> str:
+    if not text.isprintable():
+        raise ValueError("must be printable")
+    return text
+
+
+def _effect(name: str) -> str:
+    if name not in EFFECTS:
+        raise ValueError(f"must be one of {', '.join(EFFECTS)}")
+    return name
+
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,39}$")]
+Words = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_printable)]
+Effect = Annotated[str, AfterValidator(_effect)]
+Effects = Annotated[list[Effect], Field(max_length=len(EFFECTS))]
+Number = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Known = Number | None
+Vector = tuple[Number, Number, Number]
+Quaternion = tuple[Number, Number, Number, Number]
+Order = Annotated[int, Field(ge=1, le=12)]
+#: A rotation may be off by so much in single precision, and by no more to be one.
+UNIT_SLACK = 1e-3
+
+
+def _unit(q_wxyz: Quaternion) -> Quaternion:
+    if not abs(math.hypot(*q_wxyz) - 1) <= UNIT_SLACK:
+        raise ValueError("must be a unit quaternion")
+    return q_wxyz
+
+
+Rotation = Annotated[Quaternion, AfterValidator(_unit)]
+
+
+class Answer(BaseModel):
+    """Closed to unknown keys; a number is no string, and a string no number."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class MethodTable(Answer):
+    """A method, as `Method` has it."""
+
+    name: Name
+    order: Order
+    attitude_order: Order
+    summary: Words
+    effects: Effects
+    requires: Effects = []
+    max_rotation_per_step: Positive | None = None
+    as_shipped: bool = False
+
+    def method(self) -> Method:
+        """The same for the harness."""
+        return Method(
+            self.name,
+            self.order,
+            self.attitude_order,
+            self.summary,
+            frozenset(self.effects),
+            frozenset(self.requires),
+            self.max_rotation_per_step or float("inf"),
+            self.as_shipped,
+        )
+
+
+class Hello(Answer):
+    """What the engine is."""
+
+    protocol: Literal[1]
+    name: Name
+    version: Words
+    precision: Literal["double", "single"]
+    stock_timestep: Positive | None
+    methods: Annotated[list[MethodTable], Field(min_length=1, max_length=MOST_NAMES)]
+
+    @model_validator(mode="after")
+    def _named_once(self) -> Self:
+        names = [method.name for method in self.methods]
+        if len(set(names)) < len(names):
+            raise ValueError("'methods' must have names of their own")
+        return self
+
+
+class BodyTable(Answer):
+    """The body as the engine holds it, in its own axes and from its own origin.
+
+    Attributes
+    ----------
+    com : m
+    moments, frame : kg m² along principal axes, and these axes' attitude in the body's, w x y z
+    arm : m, where the body is held; null where it is not
+    """
+
+    mass: Number
+    com: Vector
+    moments: Vector
+    frame: Rotation
+    arm: Vector | None
+
+
+class StateRow(Answer):
+    """The motion of the com and the body's axes, in the world's.
+
+    Attributes
+    ----------
+    q : attitude, w x y z
+    omega, com, velocity : rad/s, m, m/s
+    """
+
+    q: Rotation
+    omega: Vector
+    com: Vector
+    velocity: Vector
+
+
+class Stepped(Answer):
+    """The same after steps; null where a number is not finite, which JSON cannot write."""
+
+    q: tuple[Known, Known, Known, Known]
+    omega: tuple[Known, Known, Known]
+    com: tuple[Known, Known, Known]
+    velocity: tuple[Known, Known, Known]
+
+
+class Opened(Answer):
+    """The scene as the engine holds it, before the first step."""
+
+    body: BodyTable
+    state: StateRow
+
+
+class Seconds(Answer):
+    """What steps took, measured around them alone."""
+
+    seconds: Positive
+
+
+class Active(Answer):
+    """What acts on the body."""
+
+    active: Annotated[list[Words], Field(max_length=MOST_NAMES)]
+
+
+class Done(Answer):
+    """Nothing."""
+
+
+class Refusal(Answer):
+    """Instead of any answer: why there is none."""
+
+    error: Annotated[str, Field(min_length=1, max_length=2000)]
+
+
+A = TypeVar("A", bound=Answer)
+
+
+class Misanswer(ValueError):
+    """An answer that is none, in words that go on from "its answer"."""
+
+
+def parse(line: bytes, number: int, expected: type[A]) -> A | Refusal:
+    """Read one line.
+
+    Raises
+    ------
+    Misanswer
+        If it is not what the protocol has there.
+    """
+    try:
+        answer: Any = json.loads(line, parse_constant=_no_number)
+    except (ValueError, RecursionError) as error:
+        said = str(error) if isinstance(error, Misanswer) else f"is not JSON: {_quoted(line)}"
+        raise Misanswer(said) from None
+    if not isinstance(answer, dict):
+        raise Misanswer(f"is not a JSON object: {_quoted(line)}")
+    if answer.pop("id", None) != number:
+        raise Misanswer(f"must have the call's 'id', {number}: {_quoted(line)}")
+    kind: type[A] | type[Refusal] = Refusal if "error" in answer else expected
+    try:
+        return kind.model_validate_json(json.dumps(answer))
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise Misanswer(
+            f"breaks the protocol{f' at {where!r}' if where else ''}: {first['msg']}"
+        ) from None
+
+
+def _no_number(name: str) -> float:
+    raise Misanswer(f"holds {name}, which is not JSON; null says that a number is not finite")
+
+
+def _quoted(line: bytes) -> str:
+    text = line.decode(errors="replace").strip()
+    return repr(text if len(text) <= QUOTED else text[:QUOTED] + "…")

@@ -1,0 +1,228 @@
+"""The child process: lines to its standard input, answers from a pipe of its own.
+
+What the engine prints is not in the way: standard output and error are read besides, and the end
+of it is quoted where the process dies.
+"""
+
+import atexit
+import json
+import os
+import selectors
+import signal
+import subprocess
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import Any, TypeVar
+
+from ..fault import Cause
+from ..read_back import EngineError
+from .messages import Answer, Hello, Misanswer, Refusal, parse
+
+#: Names the descriptor that a child writes its answers to.
+ANSWERS = "SPINCHECK_ANSWERS"
+#: s of wall time that an answer may take; one of a few thousand steps takes a fraction of one.
+ANSWER_LIMIT = 60.0
+#: s that a child has to end once its standard input has.
+END_LIMIT = 1.0
+#: Bytes of an answer, at the most; those that the protocol has are a few thousand long.
+LONGEST_ANSWER = 1 << 20
+#: Bytes read at once, as many as a pipe holds (pipe(7), Linux).
+PIPE_SIZE = 1 << 16
+#: Characters of what a child printed last that go into a reason.
+LAST_LINE = 200
+#: Bytes of what it printed that are kept, from its end.
+KEPT_OUTPUT = 4096
+#: What ends a process from outside.
+_FOREIGN = frozenset({signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP})
+
+A = TypeVar("A", bound=Answer)
+
+
+class ProtocolError(EngineError):
+    """The child died, is mute, or answers what the protocol does not have: no more is asked."""
+
+
+class ChildProcess:
+    """A child that is running.
+
+    Parameters
+    ----------
+    command : the program and its arguments
+    limit : s of wall time that an answer may take
+
+    Attributes
+    ----------
+    hello : what it has said that it is; None before it was asked
+
+    Raises
+    ------
+    ProtocolError
+        If it cannot be started.
+    """
+
+    def __init__(self, command: Sequence[str], limit: float) -> None:
+        self.command = command
+        self.hello: Hello | None = None
+        self._limit = limit
+        self._number = 0
+        self._heard = b""
+        self._printed = b""
+        self._broken: ProtocolError | None = None
+        self._answers, theirs = os.pipe()
+        try:
+            self._process = subprocess.Popen(
+                command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                bufsize=0,
+                pass_fds=(theirs,),
+                env=os.environ | {ANSWERS: str(theirs)},
+            )
+        except OSError as error:
+            os.close(self._answers)
+            words = f"'{command[0]}' cannot be started: {error.strerror}"
+            raise ProtocolError(words, "refused") from None
+        finally:
+            os.close(theirs)
+        assert self._process.stdin is not None, "it is a pipe"
+        assert self._process.stdout is not None, "it is a pipe"
+        self._calls, self._output = self._process.stdin, self._process.stdout
+        self._streams = selectors.DefaultSelector()
+        self._streams.register(self._answers, selectors.EVENT_READ)
+        self._streams.register(self._output.fileno(), selectors.EVENT_READ)
+
+    @property
+    def usable(self) -> bool:
+        """Whether it may be asked again."""
+        return self._broken is None
+
+    def ask(self, expected: type[A], do: str, /, **arguments: Any) -> A:
+        """Call, and wait for the answer.
+
+        Raises
+        ------
+        EngineError
+            With the child's own words, where it answers that it cannot.
+        ProtocolError
+            If it does not answer as the protocol has it; the child is killed then.
+        """
+        if self._broken is not None:
+            raise self._broken
+        try:
+            return self._ask(expected, do, arguments)
+        except ProtocolError as error:
+            self._broken = error
+            self.end()
+            raise
+
+    def _ask(self, expected: type[A], do: str, arguments: dict[str, Any]) -> A:
+        self._number += 1
+        call = json.dumps({"id": self._number, "do": do} | arguments, allow_nan=False)
+        if self._heard:
+            raise ProtocolError(f"it spoke unasked, before '{do}'", "protocol")
+        with suppress(BrokenPipeError):  # It has died; how, is told below.
+            self._calls.write(call.encode() + b"\n")
+        line = self._line(do)
+        try:
+            answer = parse(line, self._number, expected)
+        except Misanswer as error:
+            raise ProtocolError(f"its answer to '{do}' {error}", "protocol") from None
+        if isinstance(answer, Refusal):
+            raise EngineError(" ".join(answer.error.split()))
+        return answer
+
+    def _line(self, do: str) -> bytes:
+        """The next line, whatever the child prints meanwhile."""
+        until = time.monotonic() + self._limit
+        while b"\n" not in self._heard:
+            ready = self._streams.select(max(0.0, until - time.monotonic()))
+            if not ready and time.monotonic() >= until:
+                raise ProtocolError(
+                    f"it did not answer '{do}' within {self._limit:g} s", "time-out"
+                )
+            for key, _ in ready:
+                self._take(key.fd, do)
+        line, _, self._heard = self._heard.partition(b"\n")
+        return line
+
+    def _take(self, descriptor: int, do: str) -> None:
+        part = os.read(descriptor, PIPE_SIZE)
+        if descriptor != self._answers:
+            self._printed = (self._printed + part)[-KEPT_OUTPUT:]
+            if not part:
+                self._streams.unregister(descriptor)
+            return
+        if not part:
+            raise self._ended(do)
+        self._heard += part
+        if len(self._heard) > LONGEST_ANSWER:
+            raise ProtocolError(
+                f"its answer to '{do}' is beyond {LONGEST_ANSWER} bytes", "protocol"
+            )
+
+    def _ended(self, do: str) -> ProtocolError:
+        """How it ended, once it has closed its end of the pipe."""
+        self._calls.close()
+        try:
+            code = self._process.wait(END_LIMIT)
+        except subprocess.TimeoutExpired:
+            return ProtocolError(f"it closed its pipe instead of answering '{do}'", "protocol")
+        with suppress(OSError):
+            os.set_blocking(self._output.fileno(), False)
+            self._printed += os.read(self._output.fileno(), PIPE_SIZE)
+        how, cause = _death(code)
+        lines = self._printed.decode(errors="replace").strip().splitlines()
+        last = f"; it last printed: {lines[-1][-LAST_LINE:]}" if lines else ""
+        return ProtocolError(f"it {how} instead of answering '{do}'{last}", cause)
+
+    def end(self) -> bool:
+        """Let it end, or kill it; returns whether it ended by itself. May be called again."""
+        if self._streams.get_map() is None:
+            return True
+        self._streams.close()
+        self._calls.close()
+        try:
+            self._process.wait(END_LIMIT if self.usable else 0)
+            return True
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+            return False
+        finally:
+            self._output.close()
+            os.close(self._answers)
+
+
+def _death(code: int) -> tuple[str, Cause]:
+    if code >= 0:
+        return f"ended with exit code {code}", "crash"
+    try:
+        name = signal.Signals(-code).name
+    except ValueError:
+        name = f"signal {-code}"
+    return f"was killed by {name}", "killed" if -code in _FOREIGN else "crash"
+
+
+_idle: dict[tuple[str, ...], list[ChildProcess]] = {}
+
+
+def taken(command: tuple[str, ...], limit: float) -> ChildProcess:
+    """A child that nobody else has, started where none is idle."""
+    idle = _idle.get(command)
+    return idle.pop() if idle else ChildProcess(command, limit)
+
+
+def given_back(child: ChildProcess) -> None:
+    """Keep a child for the next scene; one that cannot be asked any more has ended."""
+    if child.usable:
+        _idle.setdefault(tuple(child.command), []).append(child)
+
+
+@atexit.register
+def end_idle() -> None:
+    """End the children that are kept."""
+    for children in _idle.values():
+        while children:
+            children.pop().end()

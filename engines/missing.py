@@ -1,0 +1,19 @@
+"""An engine that spincheck knows and that is not there."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Missing:
+    """An engine that cannot be used here.
+
+    Attributes
+    ----------
+    name : of the engine, or of its adapter where that cannot be imported
+    package : the distribution that is not installed; empty where importing failed otherwise
+    reason : one sentence, with how to get it
+    """
+
+    name: str
+    package: str
+    reason: str

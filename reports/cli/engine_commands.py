@@ -1,0 +1,60 @@
+"""What whoever develops an engine asks: whether it keeps the protocol."""
+
+from dataclasses import asdict
+from typing import Annotated, Any
+
+import typer
+
+from .options import AsJson
+from .terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say, to_json
+
+app = typer.Typer()
+
+#: s that an answer may take, where nothing large is asked.
+ANSWER_LIMIT = 10.0
+
+
+@app.command()
+def conform(
+    command: Annotated[
+        list[str], typer.Argument(metavar="-- COMMAND...", help="What starts the engine.")
+    ],
+    limit: Annotated[
+        float, typer.Option(min=0.1, help="s that an answer may take.")
+    ] = ANSWER_LIMIT,
+    as_json: AsJson = False,
+) -> None:
+    """Check that an engine in another language keeps the protocol (docs/engine-protocol.md).
+
+    Exits with 1 if it does not, with 3 if it cannot be started.
+    """
+    from ...engines.child import ProtocolError
+    from ...engines.child.conformance import conformance
+
+    found = []
+    try:
+        for check in conformance(command, _scenes(), limit):
+            found.append(check)
+            if not as_json:
+                verdict = "FAILS" if check.problem else "ok"
+                words = check.problem or check.remark
+                print(f"{verdict:5}  {check.what}{f': {words}' if words else ''}", flush=True)
+    except ProtocolError as error:
+        raise Complaint(str(error), NOT_RUN) from None
+    problems = sum(bool(check.problem) for check in found)
+    if as_json:
+        print(to_json({"conforms": not problems, "checks": [asdict(check) for check in found]}))
+    else:
+        say(f"{problems} of {len(found)} checks fail." if problems else "It keeps the protocol.")
+    raise typer.Exit(DISAGREES if problems else AGREES)
+
+
+def _scenes() -> list[Any]:
+    """Of the library, one plain scene for each set of effects that it has."""
+    from .named_scenes import scenes_to_run
+
+    first: dict[frozenset[str], Any] = {}
+    for scenario in scenes_to_run([]):
+        if not scenario.hard:
+            first.setdefault(scenario.called_for, scenario)
+    return list(first.values())

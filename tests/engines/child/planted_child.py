@@ -1,0 +1,130 @@
+"""An engine of a spinning sphere that nothing acts on, with a fault planted by name."""
+
+import json
+import math
+import os
+import signal
+import sys
+import time
+
+FAULT = sys.argv[1] if len(sys.argv) > 1 else ""
+#: The call at which what is wrong with a process goes wrong.
+WHEN = "run"
+HELLO = {
+    "protocol": 1,
+    "name": "sphere",
+    "version": "1",
+    "precision": "double",
+    "stock_timestep": None,
+    "methods": [
+        {
+            "name": "exact",
+            "order": 1,
+            "attitude_order": 1,
+            "summary": "turns about its axis",
+            "effects": [],
+        }
+    ],
+}
+answers = os.fdopen(int(os.environ["SPINCHECK_ANSWERS"]), "w", buffering=1)
+scene: dict = {}
+timestep = 0.0
+taken = 0
+
+
+def state() -> dict:
+    t = taken * timestep
+    w, (x, y, z) = scene["q"][0], scene["q"][1:]
+    speed = math.hypot(*scene["omega"])
+    a, b, c = (math.sin(speed * t / 2) * o / speed for o in scene["omega"])
+    s = math.cos(speed * t / 2)
+    q = (
+        s * w - a * x - b * y - c * z,
+        s * x + a * w + b * z - c * y,
+        s * y - a * z + b * w + c * x,
+        s * z + a * y - b * x + c * w,
+    )
+    com = [r + v * t for r, v in zip(scene["com"], scene["velocity"], strict=True)]
+    return {"q": q, "omega": scene["omega"], "com": com, "velocity": scene["velocity"]}
+
+
+def answer(call: dict) -> dict:
+    global scene, timestep, taken
+    match call["do"]:
+        case "hello":
+            return HELLO
+        case "open":
+            scene, timestep, taken = call["scene"], call["timestep"], 0
+            body = {"com": [0, 0, 0], "frame": [1, 0, 0, 0], "arm": None}
+            body |= {"mass": scene["mass"], "moments": scene["moments"]}
+            return {"body": body, "state": state()}
+        case "run":
+            taken += call["steps"]
+            return state()
+        case "time":
+            begun = time.perf_counter()
+            taken += call["steps"]
+            return {"seconds": time.perf_counter() - begun}
+        case "active":
+            return {"active": []}
+        case "close":
+            return {}
+        case other:
+            return {"error": f"there is no call '{other}'"}
+
+
+def spoilt(call: dict, said: dict) -> None:
+    """What goes wrong with an answer, in place."""
+    do = call["do"]
+    if FAULT == "heavier" and do == "open":
+        said["body"]["mass"] *= 1.01
+    elif FAULT == "confesses" and do == "active":
+        said["active"] = ["wind"]
+    elif FAULT == "faster than time" and do == "time":
+        said["seconds"] = 1e6
+    elif FAULT == "no number" and do == WHEN:
+        said["omega"] = [None, 0.0, 0.0]
+    elif FAULT == "three of four" and do == WHEN:
+        said["q"] = said["q"][:3]
+    elif FAULT == "text for numbers" and do == WHEN:
+        said["com"] = ["0", "0", "0"]
+    elif FAULT == "one key more" and do == WHEN:
+        said["energy"] = 1.0
+    elif FAULT == "NaN" and do == WHEN:
+        said["omega"] = [math.nan, 0.0, 0.0]
+    elif FAULT == "another's answer" and do == WHEN:
+        said["id"] -= 1
+    elif FAULT == "refuses" and do == WHEN:
+        said.clear()
+        said.update(id=call["id"], error="the solver\nwill not")
+    elif FAULT == "changes its name" and do == "hello":
+        said["version"] = str(os.getpid())
+
+
+for line in sys.stdin:
+    call = json.loads(line)
+    if call["do"] == WHEN:
+        if FAULT == "dies":
+            print("assertion failed: norm(q) > 0", flush=True)
+            sys.exit(3)
+        if FAULT == "crashes":
+            os.kill(os.getpid(), signal.SIGSEGV)
+        if FAULT == "hangs":
+            time.sleep(600)
+        if FAULT == "prints garbage":
+            answers.write("Hello from the physics engine\n")
+            continue
+        if FAULT == "never ends a line":
+            answers.write("[" * (1 << 21))
+            continue
+        if FAULT == "closes its pipe":
+            answers.close()
+            time.sleep(600)
+        if FAULT == "chats":
+            print("stepping " * 100_000, file=sys.stderr)
+            print("stepping " * 100_000)
+        if FAULT == "speaks unasked":
+            answers.write("{}\n{}\n")
+    said = {"id": call["id"]} | answer(call)
+    spoilt(call, said)
+    answers.write(json.dumps(said) + "\n")

@@ -1,0 +1,135 @@
+"""What a child does wrong costs its run, by name; what it does right is a run like any other."""
+
+import pickle
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scenes import scene
+from spincheck.engines import EngineError, Run
+from spincheck.engines.child import ChildEngine, ProtocolError, child_engine
+from spincheck.engines.child.process import end_idle
+
+PLANTED = Path(__file__).with_name("planted_child.py")
+SPHERE = scene("sphere", body="\nmass = 2.0\ninertia = [0.3, 0.3, 0.3]\n")
+STEPS = np.arange(0, 65, 8)
+TIMESTEP = 2.0**-6
+#: s; more than a child takes to answer on a busy machine, less than a test may take.
+LIMIT = 2.0
+
+
+@pytest.fixture(autouse=True)
+def _nobody_left():
+    yield
+    end_idle()
+
+
+def planted(fault: str = "") -> ChildEngine:
+    return child_engine([sys.executable, "-S", str(PLANTED), fault], LIMIT)
+
+
+def ran(engine: ChildEngine) -> Run:
+    (method,) = engine.methods
+    return engine.run(SPHERE, method, TIMESTEP, STEPS)
+
+
+def test_an_honest_child_is_an_engine_like_any_other() -> None:
+    run = ran(planted())
+    assert (run.outcome, run.reason) == ("ok", "")
+    assert run.trajectory is not None
+    start = SPHERE.start.omega_body
+    # Read back through two rotations.
+    slack = 8 * np.finfo(float).eps * np.linalg.norm(start)
+    assert np.abs(run.trajectory.omega_body - start).max() <= slack
+
+
+FAULTS = {
+    "dies": ("crash", "ended with exit code 3 instead of answering 'run'; it last printed: assert"),
+    "crashes": ("crash", "was killed by SIGSEGV"),
+    "hangs": ("time-out", "did not answer 'run' within 2 s"),
+    "prints garbage": ("protocol", "its answer to 'run' is not JSON: 'Hello from the physics"),
+    "never ends a line": ("protocol", "is beyond 1048576 bytes"),
+    "closes its pipe": ("protocol", "closed its pipe"),
+    "speaks unasked": ("protocol", "must have the call's 'id'"),
+    "another's answer": ("protocol", "must have the call's 'id'"),
+    "three of four": ("protocol", "breaks the protocol at 'q"),
+    "text for numbers": ("protocol", "breaks the protocol at 'com"),
+    "one key more": ("protocol", "breaks the protocol at 'energy'"),
+    "NaN": ("protocol", "null says that a number is not finite"),
+    "heavier": ("read-back", "'mass' must read back as 2.0, got 2.02"),
+    "confesses": ("model", "wind"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_child_that_misbehaves_costs_its_run_and_is_told_by_name(fault: str) -> None:
+    run = ran(planted(fault))
+    cause, words = FAULTS[fault]
+    assert (run.outcome, run.cause) == ("failed", cause)
+    assert words in run.reason
+
+
+def test_a_number_that_is_not_finite_is_a_motion_that_diverged() -> None:
+    run = ran(planted("no number"))
+    assert (run.outcome, run.cause) == ("diverged", "not-finite")
+
+
+def test_a_child_that_refuses_a_step_is_quoted() -> None:
+    run = ran(planted("refuses"))
+    assert (run.outcome, run.cause, run.reason) == ("diverged", "warning", "the solver will not")
+
+
+def test_what_a_child_prints_is_in_nobodys_way() -> None:
+    assert ran(planted("chats")).outcome == "ok"
+
+
+def test_a_child_that_is_another_each_time_is_not_opened() -> None:
+    engine = planted("changes its name")
+    end_idle()
+    run = ran(engine)
+    assert (run.outcome, run.cause) == ("failed", "protocol")
+    assert "another engine, version or set of methods" in run.reason
+
+
+def test_a_child_that_died_leaves_the_next_run_a_new_one() -> None:
+    engine = planted("dies")
+    reasons = {ran(engine).reason for _ in range(2)}
+    assert len(reasons) == 1
+    assert "exit code 3" in reasons.pop()
+
+
+def test_times_are_the_childs_own_unless_they_are_impossible() -> None:
+    for fault, is_possible in (("", True), ("faster than time", False)):
+        engine = planted(fault)
+        with engine.open(SPHERE, engine.methods[0], TIMESTEP) as session:
+            if is_possible:
+                cpu, wall = session.timed(1)
+                assert 0 < cpu == wall < LIMIT
+            else:
+                with pytest.raises(EngineError, match="took 1e\\+06 s, of"):
+                    session.timed(1)
+
+
+def test_two_scenes_at_once_are_in_two_children() -> None:
+    engine = planted()
+    (method,) = engine.methods
+    with engine.open(SPHERE, method, TIMESTEP) as first:
+        with engine.open(SPHERE, method, TIMESTEP) as second:
+            second.advance(8)
+            moved = second.read_state().q_world_body_wxyz
+        assert np.abs(first.read_state().q_world_body_wxyz - moved).max() > TIMESTEP
+
+
+def test_a_child_engine_goes_to_a_worker_by_pickle() -> None:
+    engine = pickle.loads(pickle.dumps(planted()))
+    assert ran(engine).outcome == "ok"
+
+
+def test_what_the_command_names_counts_as_the_engines_sources() -> None:
+    assert PLANTED in planted().sources
+
+
+def test_a_command_that_is_none_is_told() -> None:
+    with pytest.raises(ProtocolError, match="'no-such-engine' cannot be started"):
+        child_engine(["no-such-engine"])

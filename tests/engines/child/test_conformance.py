@@ -1,0 +1,42 @@
+"""`spincheck conform`: a stranger's engine keeps the protocol, or hears where it does not."""
+
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+from spincheck.reports.cli.app import app
+from typer.testing import CliRunner, Result
+
+HERE = Path(__file__).parent
+TOY = HERE / "toy.mjs"
+
+
+def conform(*command: str) -> Result:
+    return CliRunner().invoke(app, ["conform", "--limit", "5", "--", *command])
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+def test_an_engine_of_fifty_lines_in_another_language_conforms() -> None:
+    result = conform("node", str(TOY))
+    assert result.exit_code == 0, result.output
+    assert "FAILS" not in result.output
+    assert len(TOY.read_text(encoding="utf-8").splitlines()) <= 55
+
+
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    {
+        "dies": "ended with exit code 3",
+        "prints garbage": "is not JSON",
+        "heavier": "'mass' must read back as",
+        "confesses": "active though the scene does not call for it: wind",
+        "faster than time": "it says that 64 steps took",
+    }.items(),
+    ids=str,
+)
+def test_one_that_breaks_the_protocol_is_told_where(fault: str, said: str) -> None:
+    result = conform(sys.executable, "-S", str(HERE / "planted_child.py"), fault)
+    assert result.exit_code == 1
+    assert "FAILS  exact on book-in-skew-axes: " in result.output
+    assert said in result.output
