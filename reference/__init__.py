@@ -3,7 +3,16 @@
 from .facts import facts
 from .invariants import drifts, invariants
 from .solution import Solution
-from .solve import solve, solve_ode
+from .solve import ExactMotion, solve, solve_ode
 from .taylor import IntegrationError
 
-__all__ = ["IntegrationError", "Solution", "drifts", "facts", "invariants", "solve", "solve_ode"]
+__all__ = [
+    "ExactMotion",
+    "IntegrationError",
+    "Solution",
+    "drifts",
+    "facts",
+    "invariants",
+    "solve",
+    "solve_ode",
+]

@@ -1,6 +1,8 @@
 """Solves a scene by the simplest method that covers its effects, and bounds the error."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import final
 
 import numpy as np
 from mpmath import mp
@@ -44,14 +46,56 @@ def solve(scenario: Scenario, times: FloatArray) -> Solution:
     IntegrationError
         If the motion cannot be integrated over that span.
     """
+    return ExactMotion(scenario).solve(times)
+
+
+@final
+class ExactMotion:
+    """The exact motion of one scene: what does not depend on the times is worked out once."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+        self._problem = rotational_problem(scenario)
+        self._closed = closed_form(self._problem)
+
+    def solve(self, times: FloatArray) -> Solution:
+        """The motion and its uncertainty; parameters and errors as of the function `solve`."""
+        times = _increasing(times)
+        if self._closed is not None:
+            return _solve_closed(self._scenario, self._problem, self._closed, times)
+        return _solve_ode(self._scenario, self._problem, times)
+
+    def solve_each(self, rows: Sequence[FloatArray]) -> list[Solution]:
+        """The motion at several rows of times, each from 0 on, solved at all of them together.
+
+        Uncertainty and conditioning are those of all times, so they are upper bounds for a row.
+        """
+        together = self.solve(np.unique(np.concatenate(list(rows))))
+        return [_part(together, times) for times in rows]
+
+    def outline(self, times: FloatArray) -> Trajectory:
+        """The motion as `solve` finds it, up to its horizon, without its uncertainty."""
+        times = _increasing(times)
+        if self._closed is not None:
+            return motion(self._scenario, self._problem, times, self._closed.states(times))
+        return _integrated_to_horizon(self._scenario, self._problem, times)[0]
+
+
+def _increasing(times: FloatArray) -> FloatArray:
     times = np.asarray(times, dtype=float)
     if not (len(times) and times[0] >= 0 and (np.diff(times) > 0).all()):
         raise ValueError("'times' must increase from 0 on.")
-    problem = rotational_problem(scenario)
-    closed = closed_form(problem)
-    if closed is not None:
-        return _solve_closed(scenario, problem, closed, times)
-    return _solve_ode(scenario, problem, times)
+    return times
+
+
+def _part(together: Solution, times: FloatArray) -> Solution:
+    """A solution at some of its times, up to its horizon."""
+    known = (
+        len(times) if together.horizon is None else int(np.searchsorted(times, together.horizon))
+    )
+    at = np.searchsorted(together.trajectory.t, times[:known])
+    horizon = float(times[known]) if known < len(times) else None
+    return replace(together, trajectory=together.trajectory.at(at), horizon=horizon)
 
 
 def solve_ode(scenario: Scenario, times: FloatArray) -> Trajectory:
@@ -125,6 +169,26 @@ def _conditioning_of_closed(
 
 
 def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solution:
+    within, coarser = _integrated_to_horizon(scenario, problem, times)
+    n = len(within.t)
+
+    def solved(neighbour: Problem) -> Trajectory:
+        return motion(scenario, neighbour, within.t, integrate(neighbour, within.t, CHECK_ORDERS))
+
+    return Solution(
+        trajectory=within,
+        method="Taylor series of the equations of motion, low orders in double-double",
+        uncertainty=_at_least(errors_between(scenario, within, coarser), ROUNDING),
+        conditioning=conditioning(scenario, problem, within, solved, nudged_alike),
+        horizon=float(times[n]) if n < len(times) else None,
+    )
+
+
+def _integrated_to_horizon(
+    scenario: Scenario, problem: Problem, times: FloatArray
+) -> tuple[Trajectory, Trajectory]:
+    """The motion by two series, the better one first, as far as they agree."""
+
     def integrated(orders: Orders) -> Trajectory:
         return motion(scenario, problem, times, integrate(problem, times, orders))
 
@@ -137,18 +201,7 @@ def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
         raise IntegrationError(
             f"The motion is chaotic and not known any more at {times[0]} s. Ask for earlier times."
         )
-    within = trajectory.until(n)
-
-    def solved(neighbour: Problem) -> Trajectory:
-        return motion(scenario, neighbour, within.t, integrate(neighbour, within.t, CHECK_ORDERS))
-
-    return Solution(
-        trajectory=within,
-        method="Taylor series of the equations of motion, low orders in double-double",
-        uncertainty=_at_least(errors_between(scenario, within, coarser.until(n)), ROUNDING),
-        conditioning=conditioning(scenario, problem, within, solved, nudged_alike),
-        horizon=float(times[n]) if n < len(times) else None,
-    )
+    return trajectory.until(n), coarser.until(n)
 
 
 def _rate(problem: Problem, trajectory: Trajectory) -> float:

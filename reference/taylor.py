@@ -4,6 +4,7 @@ What is integrated and how well: docs/ode.md.
 """
 
 from dataclasses import dataclass
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -161,6 +162,7 @@ def _constants(problem: Problem) -> Tables:
     return _tables([list(row) for row in zip(*by_axis, strict=True)])
 
 
+@cache
 def _inverses(order: int) -> Tables:
     """Return 1/n in row 0 and 1/(2n) in row 1, n = 0 left out."""
     with workprec(_CONSTANT_BITS):

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, fields
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from .body import FloatArray
@@ -79,6 +80,10 @@ class Trajectory:
     def every(self, n: int) -> "Trajectory":
         """The first sample, and each n-th after it."""
         return Trajectory(**{field.name: getattr(self, field.name)[::n] for field in fields(self)})
+
+    def at(self, samples: NDArray[np.intp]) -> "Trajectory":
+        """Some of the samples, by their indices, (k,), increasing."""
+        return Trajectory(**{f.name: getattr(self, f.name)[samples] for f in fields(self)})
 
 
 _WIDTHS = {"q_world_body_wxyz": 4, "omega_body": 3, "com_world": 3, "velocity_world": 3}

@@ -6,11 +6,9 @@ They are made and stored besides a method's ladder, and take no part in its verd
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from ...engines import Engine
-from ...reference import Solution, solve
-from ...scenarios import Scenario
+from ...reference import Solution
+from ...scenarios import FloatArray
 from .ladder import LARGEST_TURN, LEAST_STEPS, Rung, single
 
 #: s; every engine is run at it besides its own, so that they can be compared at one timestep.
@@ -41,23 +39,20 @@ def stock_timesteps(engine: Engine) -> tuple[float, ...]:
     return tuple(sorted({own or COMMON_TIMESTEP, COMMON_TIMESTEP}, reverse=True))
 
 
-def stock_run(scenario: Scenario, timestep: float, rate: float, horizon: float) -> StockRun:
-    """The exact motion at the samples of a run with such a timestep, where it makes sense.
+def stock_rung(times: FloatArray, timestep: float, rate: float) -> Rung | str:
+    """A run with such a timestep, or why it is not made.
 
     Parameters
     ----------
+    times : (n,) s, of the window's samples, as far as the motion is known
     rate : the fastest of the motion, rad/s
-    horizon : s, up to which the motion is known
     """
-    if refusal := _refusal(timestep, rate, horizon):
-        return StockRun(timestep, refusal=refusal)
-    rung = single(timestep, scenario.times[scenario.times <= horizon])
-    times = np.asarray(rung.sample_steps * timestep, dtype=float)
-    solution = solve(scenario, times)
-    rung = rung.until(len(solution.trajectory.t))
+    if refusal := _refusal(timestep, rate, float(times[-1])):
+        return refusal
+    rung = single(timestep, times)
     if rung.steps < LEAST_STEPS:
-        return StockRun(timestep, refusal=_too_few(timestep, rung.steps * timestep))
-    return StockRun(timestep, rung, solution)
+        return _too_few(timestep, rung.steps * timestep)
+    return rung
 
 
 def _refusal(timestep: float, rate: float, horizon: float) -> str:

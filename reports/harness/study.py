@@ -13,7 +13,7 @@ from threading import Lock
 import numpy as np
 
 from ...engines import Engine, Method, Run
-from ...reference import Solution, solve
+from ...reference import ExactMotion, Solution
 from ...scenarios import FloatArray, Scenario
 from ...scenarios.fastest_rate import fastest_rate
 from ..results.environment import environment
@@ -25,7 +25,7 @@ from .executors import CallFailed, Executor, is_environmental, may_succeed_if_re
 from .ladder import Ladder, Rung, ladder, single
 from .plan import Plan, SceneLeft
 from .step_cost import one_thread
-from .stock import StockRun, stock_run, stock_timesteps
+from .stock import StockRun, stock_rung, stock_timesteps
 from .timing import time_scene
 
 #: More than are under way at a time: the methods of the scenes at hand.
@@ -152,19 +152,28 @@ def prepare(
 
     Where the exact motion ends at its horizon, so do the runs.
     """
-    rough = solve(scenario, scenario.times)
-    samples = len(rough.trajectory.t)
-    rate = fastest_rate(scenario, rough.trajectory)
-    rungs = ladder(scenario.window, rate, samples, max_steps)
-    solution = solve(scenario, rungs.times)
-    singles = []
-    for timestep in timesteps:
-        rung = single(timestep, rough.trajectory.t)
-        at_rung = solve(scenario, _times(rung))
-        singles.append((rung.until(len(at_rung.trajectory.t)), at_rung))
-    end = float(rough.trajectory.t[-1])
-    stock_runs = [stock_run(scenario, timestep, rate, end) for timestep in stock]
-    return Prepared(solution, rungs.until(len(solution.trajectory.t)), singles, stock_runs)
+    exact = ExactMotion(scenario)
+    outline = exact.outline(scenario.times)
+    rate = fastest_rate(scenario, outline)
+    rungs = ladder(scenario.window, rate, len(outline.t), max_steps)
+    alone = [single(timestep, outline.t) for timestep in timesteps]
+    at_stock = [stock_rung(outline.t, timestep, rate) for timestep in stock]
+    made = [rung for rung in at_stock if isinstance(rung, Rung)]
+    # One solve for all: what it costs hardly depends on how many times there are.
+    solution, *solutions = exact.solve_each([rungs.times, *map(_times, [*alone, *made])])
+    runs = [
+        (rung.until(len(part.trajectory.t)), part)
+        for rung, part in zip([*alone, *made], solutions, strict=True)
+    ]
+    made_at_stock = iter(runs[len(alone) :])
+    stock_runs = [
+        StockRun(timestep, *next(made_at_stock))
+        if isinstance(rung, Rung)
+        else StockRun(timestep, refusal=rung)
+        for timestep, rung in zip(stock, at_stock, strict=True)
+    ]
+    ladder_rungs = rungs.until(len(solution.trajectory.t))
+    return Prepared(solution, ladder_rungs, runs[: len(alone)], stock_runs)
 
 
 def convergence_study_of(
