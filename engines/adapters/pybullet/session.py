@@ -18,6 +18,7 @@ from .as_shipped import DEFAULT_CLAMP, UNREACHED_VELOCITY
 from .audit import what_acts
 from .load import BodyRepresentation, load
 from .model import BASE, Model
+from .worlds import give_back, take_world
 
 #: Steps a native call, some 20 ms: nothing can interrupt one.
 MOST_STEPS_A_CALL = 2**14
@@ -132,8 +133,11 @@ class PyBulletSession(Session):
         return what_acts(self, self.model, self._scenario)
 
     def close(self) -> None:
-        """Free the world."""
-        p.disconnect(self.client)
+        """Give the world back, or where something went wrong in it, drop it."""
+        if np.isfinite(self.read_state().omega_body).all():
+            give_back(self.client)
+        else:
+            p.disconnect(self.client)
 
 
 def _open(
@@ -143,9 +147,7 @@ def _open(
     client = -1
     try:
         with native_output() as printed:
-            client = p.connect(p.DIRECT)
-            if client < 0:
-                raise EngineError("PyBullet cannot open another world")
+            client = take_world()
             model = load(client, scenario, holding, left_in)
             p.setGravity(*scenario.gravity_world, physicsClientId=client)
         if WARNING in printed.text:

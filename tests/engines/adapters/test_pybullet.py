@@ -11,6 +11,7 @@ import pytest
 from scenes import SCENES, scene
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError, Method, Run, State
+from spincheck.engines.adapters.pybullet import worlds
 from spincheck.engines.adapters.pybullet.engine import PyBullet
 from spincheck.engines.adapters.pybullet.session import PyBulletSession
 from spincheck.scenarios import Scenario
@@ -199,10 +200,13 @@ def test_a_closed_world_is_given_back() -> None:
     session = opened(SCENES["pivot"], ENGINE.method("multibody"), TIMESTEP)
     assert p.isConnected(session.client)
     session.close()
-    assert not p.isConnected(session.client)
+    assert p.getNumBodies(session.client) == 0
+    with opened(SCENES["free"], ENGINE.method("multibody"), TIMESTEP) as again:
+        assert again.client == session.client
 
 
-def test_a_scene_that_does_not_load_leaves_no_world_behind() -> None:
+def test_a_scene_that_does_not_load_leaves_no_world_behind(monkeypatch) -> None:
+    monkeypatch.setattr(worlds, "_empty", [])
     tiny = scene("tiny", body="\nmass = 1.0\ninertia = [1e-17, 1e-17, 1e-17]\n")
     before = p.connect(p.DIRECT)
     assert run(tiny, ENGINE.method("multibody")).outcome == "unsupported"

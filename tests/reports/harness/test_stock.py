@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from box import BOX
 from planted import ExplodingSession, HeunSession, RaisingSession, planted
@@ -9,7 +10,7 @@ from spincheck.engines import Engine
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.plan import plan
-from spincheck.reports.harness.stock import COMMON_TIMESTEP, STEP_BUDGET, stock_run
+from spincheck.reports.harness.stock import COMMON_TIMESTEP, STEP_BUDGET, stock_rung
 from spincheck.reports.harness.study import run_study
 from spincheck.reports.results.records import Row
 from spincheck.reports.results.store import Results, Store, open_store
@@ -127,4 +128,4 @@ def test_where_the_motion_is_too_fast_for_it_a_row_says_so_and_nothing_is_run(tm
     ],
 )
 def test_what_makes_no_sense_is_told_with_its_numbers(timestep, rate, horizon, said):
-    assert said in stock_run(loads(BOX, "box"), timestep, rate, horizon).refusal
+    assert said in str(stock_rung(np.array([0.0, horizon]), timestep, rate))
