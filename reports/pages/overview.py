@@ -22,7 +22,7 @@ _SAID: dict[VerdictWord, tuple[str, str]] = {
     "unsupported": ("cannot be simulated", "cannot be simulated"),
 }
 #: Groups of scenes, in reading order.
-GROUPS = ("Free", "Thrown", "On a pivot", "Driven or damped", "Not solved")
+GROUPS = ("On a pivot", "Free", "Thrown", "Driven or damped", "Not solved")
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,10 @@ from ..results.records import VerdictWord
 from ..results.store import Results
 from . import hard_cases, overview, scene_tables
 from .analysis.report_data import ReportData, SceneRuns, report_data
+from .answer import answer
 from .cost_section import LEGEND, cost_section, scene_costs
 from .figures.figures import figures
+from .heat_map import heat_map
 from .left_out_tables import effects_table, harm_in_words, passes_tables
 from .links import scene_page
 from .markdown import code_block, escaped, to_html
@@ -20,7 +22,9 @@ from .protocol import constants
 from .sweep_section import sweep_section, write_sweeps
 
 TEMPLATES = Path(str(files(__package__))) / "templates"
-STYLE, SCRIPT, PLOTLY = "style.css", "figures.js", "plotly.min.js"
+PLOTLY = "plotly.min.js"
+#: Of ours; written as they are.
+ASSETS = ("style.css", "figures.js", "overview.js")
 #: What calls for attention; what is merely a limit of the method, and what was never tried.
 WRONG: tuple[VerdictWord, ...] = ("disagrees", "failed")
 LIMITS: tuple[tuple[VerdictWord, ...], ...] = (("diverges", "unresolved"), ("unsupported",))
@@ -102,6 +106,8 @@ def _overview(gathered: ReportData) -> dict[str, Any]:
     plain = gathered.plain
     limits = [overview.complaints(plain, words) for words in LIMITS]
     return {
+        "answer": answer(gathered),
+        "heat": heat_map(gathered),
         "headline": overview.headline(gathered),
         "counts": overview.counts(plain),
         "matrix": overview.matrix(plain),
@@ -150,7 +156,7 @@ def _write_assets(folder: Path) -> None:
 
     folder.mkdir(exist_ok=True)
     _write(folder / PLOTLY, get_plotlyjs())
-    for name in (STYLE, SCRIPT):
+    for name in ASSETS:
         _write(folder / name, (TEMPLATES / name).read_text(encoding="utf-8"))
 
 

@@ -65,6 +65,10 @@ class Row:
     lost: bool = False
     stock: bool = False
 
+    def __post_init__(self) -> None:
+        if self.errors is not None and self.outcome != "ok":
+            raise ValueError(f"a run that is not ok has no errors: {self.outcome}, {self.key}")
+
     @property
     def made(self) -> bool:
         """Whether there was a run at all: a stock timestep may make no sense of a scene."""

@@ -133,7 +133,7 @@ def _rows(scenario: Scenario, truth: Trajectory, key: Key, method: MadeUp) -> li
                 "diverged" if diverged else "ok",
                 method.reason if diverged else "",
                 stopped_at=float(truth.t[n]) if diverged else None,
-                errors=errors_between(scenario, motion, truth.until(n)),
+                errors=None if diverged else errors_between(scenario, motion, truth),
                 drifts={"energy": 1e-3 * dt, "L_norm": 1e-4 * dt},
                 uncertainty=UNCERTAINTY.omega,
                 steps=round(truth.t[n - 1] / dt),

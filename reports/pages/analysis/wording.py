@@ -8,7 +8,7 @@ from ....scenarios import Errors
 NOTHING = "—"
 #: Numbers from 0.01 up to 1000 are printed without a power of ten.
 PLAIN_POWERS = range(-2, 3)
-SIGNIFICANT_DIGITS, COMPARED_DIGITS = 3, 5
+SIGNIFICANT_DIGITS, COMPARED_DIGITS, READABLE_DIGITS = 3, 5, 2
 #: The four signals, in the order of `Errors`, with the units of their errors.
 SIGNALS = {
     "omega": "ω, relative",
@@ -17,6 +17,9 @@ SIGNALS = {
     "energy": "energy, relative",
 }
 ERROR_HEADINGS = {name: title.replace(",", " error,") for name, title in SIGNALS.items()}
+
+#: s; below it a timestep is told in milliseconds.
+TENTH = 0.1
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MINUS = "−"
@@ -39,6 +42,21 @@ def number(value: float | None, digits: int = SIGNIFICANT_DIGITS) -> str:
         decimals = digits - 1 - power
         return f"{sign}{round(abs(value), decimals):.{max(decimals, 0)}f}"
     return f"{sign}{mantissa}×{power_of_ten(power)}"
+
+
+def readable(value: float) -> str:
+    """Two significant digits, for sentences: 13, 0.24, 3.1×10⁻⁷, 180."""
+    if value >= 10 ** (READABLE_DIGITS - 1) and value < 10**PLAIN_POWERS.stop:
+        return f"{value:.0f}"
+    return number(value, READABLE_DIGITS)
+
+
+def timestep_in_words(seconds: float) -> str:
+    """As people say it: 2 ms, 1/240 s, 0.5 s."""
+    rate = round(1 / seconds)
+    if math.isclose(seconds * rate, 1.0) and not (seconds * 1e4).is_integer():
+        return f"1/{rate} s"
+    return f"{seconds * 1e3:.3g} ms" if seconds < TENTH else f"{seconds:.3g} s"
 
 
 def power_of_ten(exponent: int) -> str:

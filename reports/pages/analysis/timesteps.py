@@ -1,0 +1,98 @@
+"""A method's runs at the timesteps that people use, and the best run there is of a scene."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from ...harness.stock import COMMON_TIMESTEP
+from ...results.records import Pair, Row
+from .report_data import MethodRuns, ReportData, SceneRuns
+from .work_precision import cost
+
+#: The engine's own stock timestep, the one that all engines share, and the finest that ended well.
+At = Literal["stock", "common", "finest"]
+AT: tuple[At, ...] = ("stock", "common", "finest")
+#: What a best choice stays within: attitude in rad, and ω relative to its largest.
+ATTITUDE_WITHIN, OMEGA_WITHIN = math.radians(0.1), 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class BestChoice:
+    """The cheapest run of a scene that is accurate enough.
+
+    Attributes
+    ----------
+    cost : CPU seconds a simulated second; None where nothing was timed
+    within : whether it is accurate enough; else it is the most accurate there is
+    """
+
+    runs: MethodRuns
+    row: Row
+    cost: float | None
+    within: bool
+
+
+def stock_timesteps(gathered: ReportData) -> dict[str, float]:
+    """The timestep of each engine, s, that its users get unasked; 1 ms where it has none."""
+    found: dict[str, set[float]] = {}
+    for scene in gathered.scenes:
+        for runs in scene.methods:
+            steps = {row.timestep for row in runs.rows if row.stock}
+            found.setdefault(runs.engine, set()).update(steps)
+    return {
+        engine: next(iter(steps - {COMMON_TIMESTEP}), COMMON_TIMESTEP)
+        for engine, steps in found.items()
+    }
+
+
+def row_at(runs: MethodRuns, at: At, stock_timestep: float) -> Row | None:
+    """The run of a method at one of these timesteps; None where there is none."""
+    if at == "finest":
+        return next((row for row in reversed(runs.rows) if row.outcome == "ok"), None)
+    timestep = stock_timestep if at == "stock" else COMMON_TIMESTEP
+    return next((row for row in runs.rows if row.stock and row.timestep == timestep), None)
+
+
+def as_shipped(gathered: ReportData) -> list[Pair]:
+    """Engines with all their defaults."""
+    shipped = {
+        (runs.engine, runs.method)
+        for scene in gathered.scenes
+        for runs in scene.methods
+        if runs.declared and runs.declared.as_shipped
+    }
+    return [pair for pair in gathered.pairs if pair in shipped]
+
+
+def best_choice(scene: SceneRuns) -> BestChoice | None:
+    """The cheapest run within `ATTITUDE_WITHIN` and `OMEGA_WITHIN`, of methods that converge.
+
+    The most accurate where none is; None where no method converges. Engines as shipped are left
+    out, and so is what was not timed where anything was.
+    """
+    tried = [
+        BestChoice(runs, row, cost(row), _within(scene, row))
+        for runs in scene.methods
+        if runs.verdict and runs.verdict.verdict == "converges" and not runs.verdict.as_shipped
+        for row in runs.rows
+        if row.survived and row.errors
+    ]
+    tried = [one for one in tried if one.cost is not None] or tried
+    accurate = [one for one in tried if one.within]
+    if accurate:
+        return min(accurate, key=lambda one: (one.cost or 0.0, -one.row.timestep))
+    return min(tried, key=lambda one: _attitude(one.row), default=None)
+
+
+def _within(scene: SceneRuns, row: Row) -> bool:
+    assert row.errors is not None, "only a run with errors is chosen"
+    limits = scene.uncertainty(row)
+    return (
+        max(row.errors.attitude, limits.attitude) <= ATTITUDE_WITHIN
+        and max(row.errors.omega, limits.omega) <= OMEGA_WITHIN
+    )
+
+
+def _attitude(row: Row) -> float:
+    assert row.errors is not None, "only a run with errors is chosen"
+    return row.errors.attitude

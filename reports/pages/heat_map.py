@@ -1,0 +1,108 @@
+"""The first screen's table: how far off each method is on each scene, as data for its script."""
+
+from typing import Any
+
+import numpy as np
+
+from ..results.records import Row
+from .analysis.report_data import MethodRuns, ReportData, SceneRuns
+from .analysis.timesteps import AT, as_shipped, best_choice, row_at, stock_timesteps
+from .analysis.wording import timestep_in_words
+from .analysis.work_precision import cost
+from .links import method_anchor, scene_page
+from .overview import GROUPS, group_of
+from .tables import SIGNS
+
+#: Significant digits: cells show two, their details three.
+DIGITS = 3
+#: Characters of why a run did not end ok.
+REASON = 160
+
+
+def heat_map(gathered: ReportData) -> dict[str, Any]:
+    """Columns, and for each scene a cell a column and the best choice.
+
+    A cell is None where a method was not tried, else `[verdict, stock, 1 ms, finest]`, each of the
+    three None, or `[timestep, cost, attitude, ω, L, energy]` of a run that ended ok, or
+    `[timestep, outcome, when, why]` of one that did not. An error below what the reference is good
+    for is that, with a minus sign.
+    """
+    steps = stock_timesteps(gathered)
+    shipped = as_shipped(gathered)
+    pairs = [*shipped, *(pair for pair in gathered.pairs if pair not in shipped)]
+    columns = [
+        {
+            "engine": engine,
+            "method": method,
+            "shipped": (engine, method) in shipped,
+            "stock": timestep_in_words(steps[engine]) if engine in steps else "",
+            "anchor": method_anchor(engine, method),
+        }
+        for engine, method in pairs
+    ]
+    scenes = []
+    for scene in gathered.scenes:
+        tried = {(runs.engine, runs.method): runs for runs in scene.methods}
+        cells = [_cell(scene, tried.get(pair), steps.get(pair[0])) for pair in pairs]
+        scenes.append(_scene(scene) | {"cells": cells, "best": _best(scene, steps)})
+    return {"columns": columns, "scenes": scenes, "kinds": GROUPS, "signs": SIGNS}
+
+
+def _scene(scene: SceneRuns) -> dict[str, Any]:
+    found = scene.found.scenario if scene.found else None
+    return {
+        "name": scene.name,
+        "title": scene.title,
+        "page": scene_page(scene.name),
+        "kind": group_of(scene),
+        "hard": bool(found and found.hard),
+        "tags": list(found.document.tags) if found else [],
+    }
+
+
+def _cell(scene: SceneRuns, runs: MethodRuns | None, stock: float | None) -> list[Any] | None:
+    if runs is None:
+        return None
+    rows = [row_at(runs, at, stock or 0.0) for at in AT]
+    verdict = runs.verdict.verdict if runs.verdict else ""
+    return [verdict, *(_run(scene, row) if row else None for row in rows)]
+
+
+def _run(scene: SceneRuns, row: Row) -> list[Any]:
+    if row.errors is None:
+        return [row.timestep, row.outcome, _rounded(row.stopped_at), row.reason[:REASON]]
+    limits = dict(scene.uncertainty(row))
+    errors = [
+        -limits[name] if error <= limits[name] else error
+        for name, error in sorted(row.errors, key=lambda pair: pair[0] != "attitude")
+    ]
+    return [_rounded(row.timestep), _rounded(cost(row)), *(_rounded(error) for error in errors)]
+
+
+def _best(scene: SceneRuns, steps: dict[str, float]) -> dict[str, Any] | None:
+    """The best choice, and how many times its engine's default it costs."""
+    found = best_choice(scene) if scene.found else None
+    if found is None:
+        return None
+    default = next(
+        (
+            cost(row)
+            for runs in scene.methods
+            if runs.verdict and runs.verdict.as_shipped and runs.engine == found.runs.engine
+            if (row := row_at(runs, "stock", steps.get(runs.engine, 0.0))) is not None
+        ),
+        None,
+    )
+    return {
+        "label": found.runs.label,
+        "anchor": method_anchor(found.runs.engine, found.runs.method),
+        "timestep": timestep_in_words(found.row.timestep),
+        "within": found.within,
+        "price": _rounded(found.cost / default) if found.cost and default else None,
+        "run": _run(scene, found.row),
+    }
+
+
+def _rounded(value: float | None) -> float | None:
+    """To the digits shown; None for what JSON has no number for."""
+    return float(f"{value:.{DIGITS}g}") if value is not None and np.isfinite(value) else None
