@@ -7,7 +7,7 @@ import numpy as np
 from ..results.records import Row
 from .analysis.report_data import MethodRuns, ReportData, SceneRuns
 from .analysis.timesteps import AT, as_shipped, best_choice, row_at, stock_timesteps
-from .analysis.wording import timestep_in_words
+from .analysis.wording import duration
 from .analysis.work_precision import cost
 from .links import method_anchor, scene_page
 from .overview import GROUPS, group_of
@@ -35,7 +35,7 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
             "engine": engine,
             "method": method,
             "shipped": (engine, method) in shipped,
-            "stock": timestep_in_words(steps[engine]) if engine in steps else "",
+            "stock": duration(steps[engine]) if engine in steps else "",
             "anchor": method_anchor(engine, method),
         }
         for engine, method in pairs
@@ -80,24 +80,24 @@ def _run(scene: SceneRuns, row: Row) -> list[Any]:
 
 
 def _best(scene: SceneRuns, steps: dict[str, float]) -> dict[str, Any] | None:
-    """The best choice, and how many times its engine's default it costs."""
+    """The best choice, and how many times the default costs: its engine's own, or the first."""
     found = best_choice(scene) if scene.found else None
     if found is None:
         return None
-    default = next(
-        (
-            cost(row)
-            for runs in scene.methods
-            if runs.verdict and runs.verdict.as_shipped and runs.engine == found.runs.engine
-            if (row := row_at(runs, "stock", steps.get(runs.engine, 0.0))) is not None
-        ),
-        None,
-    )
+    defaults = {
+        runs.engine: cost(row)
+        for runs in scene.methods
+        if runs.verdict and runs.verdict.as_shipped
+        if (row := row_at(runs, "stock", steps.get(runs.engine, 0.0))) is not None
+    }
+    engine = found.runs.engine
+    default = defaults.get(engine, next(iter(defaults.values()), None))
     return {
         "label": found.runs.label,
         "anchor": method_anchor(found.runs.engine, found.runs.method),
-        "timestep": timestep_in_words(found.row.timestep),
+        "timestep": duration(found.row.timestep),
         "within": found.within,
+        "default": engine if engine in defaults else next(iter(defaults), ""),
         "price": _rounded(found.cost / default) if found.cost and default else None,
         "run": _run(scene, found.row),
     }

@@ -11,9 +11,9 @@ from ..results.records import VerdictWord
 from ..results.store import Results
 from . import hard_cases, overview, scene_tables
 from .analysis.report_data import ReportData, SceneRuns, report_data
-from .answer import answer
 from .cost_section import LEGEND, cost_section, scene_costs
 from .figures.figures import figures
+from .first_screen import answer
 from .heat_map import heat_map
 from .left_out_tables import effects_table, harm_in_words, passes_tables
 from .links import scene_page

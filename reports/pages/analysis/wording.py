@@ -18,8 +18,9 @@ SIGNALS = {
 }
 ERROR_HEADINGS = {name: title.replace(",", " error,") for name, title in SIGNALS.items()}
 
-#: s; below it a timestep is told in milliseconds.
-TENTH = 0.1
+#: Steps a second of screens and simulators: their timesteps are said as fractions.
+RATES = range(30, 1000, 30)
+UNITS = (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9))
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MINUS = "−"
@@ -51,17 +52,19 @@ def readable(value: float) -> str:
     return number(value, READABLE_DIGITS)
 
 
-def timestep_in_words(seconds: float) -> str:
-    """As people say it: 2 ms, 1/240 s, 0.5 s."""
-    rate = round(1 / seconds)
-    if math.isclose(seconds * rate, 1.0) and not (seconds * 1e4).is_integer():
-        return f"1/{rate} s"
-    return f"{seconds * 1e3:.3g} ms" if seconds < TENTH else f"{seconds:.3g} s"
-
-
 def power_of_ten(exponent: int) -> str:
     """`10⁻⁶`."""
     return f"10{str(exponent).translate(_SUPERSCRIPT)}"
+
+
+def duration(seconds: float) -> str:
+    """A timestep as one says it: 2 ms, 1/240 s, 65.1 µs, 0.5 s."""
+    per_second = round(1 / seconds) if seconds else 0
+    if per_second in RATES and math.isclose(seconds * per_second, 1.0):
+        return f"1/{per_second} s"
+    unit, size = next(((u, s) for u, s in UNITS if seconds >= s / 10), UNITS[-1])
+    shown = number(seconds / size)
+    return f"{shown.rstrip('0').rstrip('.') if '.' in shown else shown} {unit}"
 
 
 def observed(value: float) -> str:

@@ -124,7 +124,7 @@
     const told = [
       `${scene.name}, ${best.within ? "the cheapest run within 0.1° and 10⁻³ in ω" : "the most accurate run: none is within 0.1° and 10⁻³ in ω"}`,
       `${best.label} at ${said(best.run, "")}`,
-      best.price === null ? "" : `${number(best.price)} times what its engine's default costs`,
+      best.price === null ? "" : `${number(best.price)} times the CPU time of ${best.default} as shipped`,
     ];
     linked(td, `${scene.page}#${best.anchor}`, "", told.filter(Boolean).join(" · "));
     td.firstChild.append(chip, `${best.label} ${best.timestep}${price}`);

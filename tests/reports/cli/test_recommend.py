@@ -112,7 +112,7 @@ def test_a_bound_broken_by_any_error_is_broken() -> None:
     assert within(row, {"omega": 1e-3, "attitude": 1e-2})
     assert not within(row, {"omega": 1e-3, "attitude": 9e-3})
     assert not within(replace(row, errors=Errors(math.nan, 0, 0, 0)), {"omega": 1.0})
-    assert not within(replace(row, outcome="diverged"), {"omega": 1.0})
+    assert not within(replace(row, outcome="diverged", errors=None), {"omega": 1.0})
 
 
 @pytest.mark.parametrize(

@@ -280,7 +280,7 @@ def test_the_comparison_notices(undisturbed, what):
     heun = next(row for row in undisturbed.rows if row.motion is not None)
     assert heun.motion
     planted_fault = {
-        "outcome": replace(heun, outcome="diverged"),
+        "outcome": replace(heun, outcome="diverged", errors=None),
         "motion": replace(heun, motion=heun.motion.until(3)),
     }
     others = [row for row in undisturbed.rows if row is not heun]

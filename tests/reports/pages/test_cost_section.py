@@ -47,7 +47,11 @@ def test_the_first_page_has_its_section(first: Page) -> None:
 
 def test_the_first_page_draws_its_profiles(first: Page) -> None:
     assert "profiles" in first.attribute("id")
-    assert {Path(src).name for src in first.attribute("src")} == {"plotly.min.js", "figures.js"}
+    assert {Path(src).name for src in first.attribute("src")} == {
+        "overview.js",
+        "plotly.min.js",
+        "figures.js",
+    }
 
 
 def test_every_method_can_be_switched_off(first: Page) -> None:

@@ -31,9 +31,9 @@ def row() -> Row:
         KEY,
         "4.0.0",
         0.001,
-        "diverged",
-        "the state is no longer finite",
-        "not-finite",
+        "ok",
+        "the first steps do not obey the scene's equations",
+        "law",
         0.5,
         ERRORS,
         {"energy": 1e-3},
@@ -41,6 +41,7 @@ def row() -> Row:
         500,
         motion=motion(),
         printed="a warning",
+        stock=True,
     )
 
 

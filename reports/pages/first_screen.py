@@ -9,7 +9,7 @@ from statistics import median, median_high
 from ..results.records import Pair, Row
 from .analysis.report_data import ReportData, SceneRuns
 from .analysis.timesteps import as_shipped, row_at, stock_timesteps
-from .analysis.wording import plural, readable, timestep_in_words
+from .analysis.wording import duration, plural, readable
 from .analysis.work_precision import cost
 
 #: A method is offered instead of a default if it can do so many of the scenes that any can.
@@ -104,7 +104,7 @@ def _instead(shipped: _AtStock, clean: Sequence[_AtStock]) -> str:
     if best is None or best.size >= shipped.size:
         return ""
     engine, method = best.pair
-    text = f"{engine} {method} at the same {timestep_in_words(best.timestep)} is {best}"
+    text = f"{engine} {method} at the same {duration(best.timestep)} is {best}"
     prices = [
         dear / cheap
         for name in best.rows.keys() & shipped.rows.keys()
@@ -154,7 +154,7 @@ def _causes(row: Row) -> Iterator[str]:
 
 
 def _named(one: _AtStock) -> str:
-    return f"{' '.join(one.pair)} at its stock {timestep_in_words(one.timestep)}"
+    return f"{' '.join(one.pair)} at its stock {duration(one.timestep)}"
 
 
 def _degrees(error: float) -> str:
