@@ -55,11 +55,12 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
     for name in names:
         try:
             module = importlib.import_module(name)
+            there = [*_engines_in(module), *_discovered_by(module)]
         # An engine's package may raise anything when imported; that costs this engine alone.
         except Exception as error:
             absent.append(_missing(name.rpartition(".")[2], error))
             continue
-        for engine in (*_engines_in(module), *_discovered_by(module)):
+        for engine in there:
             if isinstance(engine, Missing):
                 absent.append(engine)
             elif engine.name in found:

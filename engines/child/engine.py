@@ -20,14 +20,22 @@ class ChildEngine(Engine):
     command : the program and its arguments
     hello : what it said that it is; each process of it has to say the same
     limit : s of wall time that an answer may take
+    sources : files that its results rest on; those that the command names if None
     """
 
-    def __init__(self, command: Sequence[str], hello: Hello, limit: float = ANSWER_LIMIT) -> None:
+    def __init__(
+        self,
+        command: Sequence[str],
+        hello: Hello,
+        limit: float = ANSWER_LIMIT,
+        sources: Sequence[Path] | None = None,
+    ) -> None:
         self.command, self.hello, self._limit = tuple(command), hello, limit
         self.name = hello.name
         self.methods = tuple(table.method() for table in hello.methods)
         self.single_precision = hello.precision == "single"
         self.stock_timestep = hello.stock_timestep
+        self._sources = sources
 
     @property
     def version(self) -> str:
@@ -36,7 +44,9 @@ class ChildEngine(Engine):
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """Files that the command names: whoever edits one of them gets new results."""
+        """Whoever edits one of them gets new results."""
+        if self._sources is not None:
+            return tuple(self._sources)
         return tuple(path for path in map(Path, self.command) if path.is_file())
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> ChildSession:

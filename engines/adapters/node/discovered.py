@@ -1,0 +1,67 @@
+"""Which engines under node can be used here, without starting any that has said what it is."""
+
+import json
+import shutil
+from collections.abc import Iterator
+from hashlib import sha256
+from pathlib import Path
+
+from ...child import ChildEngine, child_engine
+from ...child.messages import Hello
+from ...engine import Engine
+from ...missing import Missing
+from ...read_back import EngineError
+from ...user_cache import user_cache
+
+HERE = Path(__file__).parent
+#: Not an engine: what all of them share.
+HOST = HERE / "host.mjs"
+LOCK = HERE / "package-lock.json"
+HOW = "python -m spincheck.engines.adapters.node"
+
+
+def discovered() -> Iterator[Engine | Missing]:
+    """Every engine that has a file here."""
+    files = [path for path in sorted(HERE.glob("*.mjs")) if path != HOST]
+    if shutil.which("node") is None:
+        yield from (Missing(path.stem, "node", "node is not installed") for path in files)
+        return
+    modules = modules_folder()
+    for path in files:
+        if modules.is_dir():
+            yield _engine(path, modules)
+        else:
+            reason = f"its npm package is not installed; '{HOW}' does it, for all of them"
+            yield Missing(path.stem, path.stem, reason)
+
+
+def modules_folder() -> Path:
+    """Where npm puts the packages: a folder of its own for each state of the lock file."""
+    digest = sha256(LOCK.read_bytes()).hexdigest()[:16]
+    return user_cache() / "node" / digest / "node_modules"
+
+
+def _engine(path: Path, modules: Path) -> ChildEngine | Missing:
+    command = ("node", str(path), str(modules))
+    hello = _said_before(path, modules)
+    if hello is not None:
+        return ChildEngine(command, hello, sources=(path, HOST, LOCK))
+    try:
+        engine = child_engine(command)
+    except EngineError as error:
+        return Missing(path.stem, "", f"it does not start: {error}")
+    _memory(path, modules).write_text(engine.hello.model_dump_json(), encoding="utf-8")
+    return ChildEngine(command, engine.hello, sources=(path, HOST, LOCK))
+
+
+def _said_before(path: Path, modules: Path) -> Hello | None:
+    """What an engine said of itself when it was first asked; None for one whose file is new."""
+    try:
+        return Hello.model_validate_json(_memory(path, modules).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+
+
+def _memory(path: Path, modules: Path) -> Path:
+    digest = sha256(path.read_bytes() + HOST.read_bytes()).hexdigest()[:16]
+    return modules.parent / f"{path.stem}-{digest}.json"
