@@ -7,6 +7,7 @@ folder named after all sources of kernels: change one of them and all are compil
 
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
@@ -36,9 +37,12 @@ def digest_of_kernels(package: Path) -> str:
 
 def _folder() -> str | None:
     """Return the first place that can be written to, beside the sources or in the home."""
-    package, home = _PACKAGE / "__pycache__", Path("~/.cache/spincheck").expanduser()
-    for place in (config.CACHE_DIR or package, home):
-        folder = Path(place) / f"kernels-{digest_of_kernels(_PACKAGE)}"
+    places = [Path(config.CACHE_DIR or _PACKAGE / "__pycache__")]
+    # Not every user has a home.
+    with suppress(RuntimeError):
+        places.append(Path("~/.cache/spincheck").expanduser())
+    for place in places:
+        folder = place / f"kernels-{digest_of_kernels(_PACKAGE)}"
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError:
@@ -63,7 +67,20 @@ def kernel(function: Callable[P, T]) -> Callable[P, T]:
     elsewhere = config.CACHE_DIR
     config.CACHE_DIR = _FOLDER
     try:
-        compiled: Callable[P, T] = njit(forceinline=True, cache=True)(function)
+        compiled: Any = njit(forceinline=True, cache=True)(function)
     finally:
         config.CACHE_DIR = elsewhere
-    return compiled
+    _save_if_there_is_room(compiled._cache)
+    kept: Callable[P, T] = compiled
+    return kept
+
+
+def _save_if_there_is_room(cache: Any) -> None:
+    """Have a full disk cost the next process a compilation, and this one nothing."""
+    save = cache.save_overload
+
+    def save_overload(signature: Any, machine_code: Any) -> None:
+        with suppress(OSError):
+            save(signature, machine_code)
+
+    cache.save_overload = save_overload

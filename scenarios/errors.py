@@ -33,4 +33,6 @@ def printable(text: str, limit: int | None = None) -> str:
     """Text of foreign origin on one line: control characters as escapes, cut off at a limit."""
     if limit is not None and len(text) > limit:
         text = f"{text[:limit]}…"
+    if text.isprintable():
+        return text
     return "".join(c.encode("unicode_escape").decode("ascii") if is_control(c) else c for c in text)

@@ -1,18 +1,35 @@
-"""A connection to a result file that several threads share."""
+"""A connection to a result file that several threads share; records go in and out by their names.
+
+Every record has a checksum (`checksum`), and of every text that goes in or comes out the control
+characters are escapes, so that nothing in a result file commands a terminal.
+"""
 
 import sqlite3
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from threading import RLock
 from typing import Any
 
+from ...scenarios import printable
+from .checksum import CHECKSUM, checksum
+from .result_file import ResultFileError
+
 
 class Database:
-    """Queries and transactions, one at a time."""
+    """Queries and transactions, one at a time.
 
-    def __init__(self, connection: sqlite3.Connection) -> None:
+    Parameters
+    ----------
+    check : called before every commit; raises where what is written would be lost
+    """
+
+    def __init__(
+        self, connection: sqlite3.Connection, check: Callable[[], None] = lambda: None
+    ) -> None:
         connection.row_factory = sqlite3.Row
+        connection.text_factory = _text
         self._connection = connection
+        self._check = check
         self._one_at_a_time = RLock()
 
     @contextmanager
@@ -20,8 +37,54 @@ class Database:
         """All of what is written in here, or none of it."""
         with self._one_at_a_time, self._connection:
             yield self._connection
+            # Stands in the log with every transaction (`result_file`).
+            self._connection.execute("UPDATE file SET commits = commits + 1")
+            self._check()
 
-    def query(self, text: str, values: Sequence[Any] = ()) -> list[sqlite3.Row]:
-        """All rows of a query."""
+    def select(
+        self, table: str, where: str = "TRUE", values: Sequence[Any] = (), order: str = "rowid"
+    ) -> list[sqlite3.Row]:
+        """Records of a table.
+
+        Raises
+        ------
+        ResultFileError
+            If one is not as it was written.
+        """
+        query = f"SELECT * FROM {table} WHERE {where} ORDER BY {order}"
         with self._one_at_a_time:
-            return self._connection.execute(text, values).fetchall()
+            records = self._connection.execute(query, values).fetchall()
+        for record in records:
+            if record[CHECKSUM] != checksum(table, dict(record)):
+                raise ResultFileError(
+                    f"a record was changed after it was written (its checksum differs): "
+                    f"'{table}', {_named(record)}"
+                )
+        return records
+
+
+def put(connection: sqlite3.Connection, table: str, record: Mapping[str, Any]) -> None:
+    """Write a record, in place of one of the same key."""
+    written = {n: shown(value) if isinstance(value, str) else value for n, value in record.items()}
+    written[CHECKSUM] = checksum(table, written)
+    columns = ", ".join(f'"{name}"' for name in written)
+    marks = ", ".join(f":{name}" for name in written)
+    connection.execute(f"INSERT OR REPLACE INTO {table} ({columns}) VALUES ({marks})", written)
+
+
+def shown(text: str) -> str:
+    """A text with escapes in place of control characters, but for tabs and ends of lines."""
+    if text.isprintable():
+        return text
+    lines = ("\t".join(map(printable, line.split("\t"))) for line in text.split("\n"))
+    return "\n".join(lines)
+
+
+def _text(content: bytes) -> str:
+    """A text out of a result file, which may not even be one."""
+    return shown(content.decode(errors="backslashreplace"))
+
+
+def _named(record: sqlite3.Row) -> str:
+    """The first of a record's values, which say what it is about."""
+    return printable(", ".join(str(value) for value in tuple(record)[:3]), 100)

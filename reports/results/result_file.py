@@ -5,39 +5,72 @@ instruction leaves a whole file. `synchronous` is NORMAL: no commit waits for th
 killed process does not miss, since what it wrote is with the operating system; only a power cut
 takes the last runs, never the file's wholeness (https://www.sqlite.org/pragma.html, synchronous),
 and the next study makes them again.
+
+A result file comes from anyone. Before anything is read from it its schema is compared with ours,
+word for word, so that it is tables of data and no view, trigger or expression of somebody else's
+is ever evaluated (https://www.sqlite.org/security.html).
 """
 
-import fcntl
+import errno
 import os
+import secrets
 import sqlite3
 import stat
-from collections.abc import Iterator
+import sys
+from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
+from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 from ...scenarios import printable
 
 #: "spin" in ASCII: tells a result file from any other SQLite database.
 APPLICATION_ID = 0x7370696E
-FORMAT = 8
+FORMAT = 9
+#: Bytes of a record; the motion of the longest window, 10⁶ samples, has 112 MB.
+LARGEST_RECORD = 1 << 28
 
+_SCHEMA = """
+-- Of the run that wrote last: its name, how often it committed, and whether all of that is in here
+-- and none of it in a log beside.
+CREATE TABLE file (session TEXT NOT NULL, commits INTEGER NOT NULL, whole INTEGER NOT NULL);
+INSERT INTO file VALUES ('', 0, 1);
+"""
 _IN_WORDS = {
     sqlite3.SQLITE_FULL: "cannot be written: the disk is full",
     sqlite3.SQLITE_READONLY: "cannot be written: it is read-only",
     sqlite3.SQLITE_IOERR: "cannot be read or written: the disk fails or is full",
     sqlite3.SQLITE_CANTOPEN: "cannot be opened",
     sqlite3.SQLITE_BUSY: "another program holds it",
+    sqlite3.SQLITE_TOOBIG: f"a record is larger than {LARGEST_RECORD} bytes",
 }
 #: An SQLite error code's lowest byte is its kind.
 _KIND = 0xFF
+#: Where Windows locks, beyond what a result file ever holds: a lock there keeps readers out.
+_BEYOND = 1 << 62
 
 
 class ResultFileError(ValueError):
-    """A result file is missing, not one of ours, of another format version, or not writable."""
+    """A result file is missing, not one of ours, changed by others, or not writable."""
+
+
+class OpenFile(NamedTuple):
+    """An open result file.
+
+    Attributes
+    ----------
+    check : raises `ResultFileError` where what is written would be lost
+    log_missing : whether it was being written when it was copied, and the copy is not all of it
+    """
+
+    connection: sqlite3.Connection
+    check: Callable[[], None]
+    log_missing: bool
 
 
 @contextmanager
-def opened(path: Path, schema: str, *, writing: bool) -> Iterator[sqlite3.Connection]:
+def opened(path: Path, schema: str, *, writing: bool) -> Iterator[OpenFile]:
     """Open a result file to read it, or to write it and begin it where there is none.
 
     Raises
@@ -46,14 +79,16 @@ def opened(path: Path, schema: str, *, writing: bool) -> Iterator[sqlite3.Connec
         If the file is missing, cannot be opened, read or written, is not a result file of this
         format, or is being written by another process.
     """
+    schema = _SCHEMA + schema
     try:
         if not _is_there(path, "written" if writing else "read") and not writing:
             raise ResultFileError("no such result file; 'spincheck run' writes one")
-        with _to_write(path, schema) if writing else _to_read(path) as connection:
-            yield connection
+        _check_log(path)
+        with _to_write(path, schema) if writing else _to_read(path, schema) as file:
+            yield file
     except sqlite3.DatabaseError as error:
         kind = getattr(error, "sqlite_errorcode", 0) & _KIND
-        words = _IN_WORDS.get(kind, f"not a usable result file: {error}")
+        words = _IN_WORDS.get(kind, f"not a usable result file: {printable(str(error))}")
         raise ResultFileError(f"{printable(str(path))}: {words}") from error
     except ResultFileError as error:
         raise ResultFileError(f"{printable(str(path))}: {error}") from error
@@ -74,70 +109,174 @@ def _is_there(path: Path, purpose: str) -> bool:
 
 
 @contextmanager
-def _to_read(path: Path) -> Iterator[sqlite3.Connection]:
-    address = f"{path.resolve().as_uri()}?mode=ro"
-    with closing(sqlite3.connect(address, uri=True)) as connection:
-        _check(connection)
-        yield connection
+def _to_read(path: Path, schema: str) -> Iterator[OpenFile]:
+    with _connected(path, "mode=ro") as connection:
+        connection.execute("PRAGMA query_only = ON")
+        _check(connection, schema)
+        (whole,) = connection.execute("SELECT min(whole) FROM file").fetchone()
+        yield OpenFile(connection, lambda: None, not whole and not _log(path).exists())
 
 
 @contextmanager
-def _to_write(path: Path, schema: str) -> Iterator[sqlite3.Connection]:
-    with _alone(path), closing(sqlite3.connect(path, check_same_thread=False)) as connection:
-        begun = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
-        if begun:
-            _check(connection)
-        # Can be chosen before there is anything in the file, and has no effect later.
-        connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
+def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
+    with _alone(path) as check, _connected(path, "mode=rw") as connection:
+        if connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
+            _check(connection, schema)
+        else:
+            _begin(connection, schema)
+        # Before there is a log, so that the file itself says that there is one, and which.
+        session = "UPDATE file SET session = ?, whole = 0"
+        connection.execute("PRAGMA journal_mode = DELETE")
+        with connection:
+            connection.execute(session, (secrets.token_hex(),))
         connection.execute("PRAGMA journal_mode = WAL")
         connection.execute("PRAGMA synchronous = NORMAL")
-        if not begun:
-            _begin(connection, schema)
         try:
-            yield connection
+            yield OpenFile(connection, check, log_missing=False)
         finally:
             # A file at rest is one file without gaps, which can be read where nothing may be
             # written; where somebody reads it just now it stays as it is.
             with suppress(sqlite3.DatabaseError):
                 connection.execute("PRAGMA busy_timeout = 0")
                 connection.executescript("PRAGMA incremental_vacuum")
+                with connection:
+                    connection.execute("UPDATE file SET whole = 1")
                 connection.execute("PRAGMA journal_mode = DELETE")
 
 
 @contextmanager
-def _alone(path: Path) -> Iterator[None]:
+def _connected(path: Path, options: str) -> Iterator[sqlite3.Connection]:
+    address = f"{path.resolve().as_uri()}?{options}"
+    with closing(sqlite3.connect(address, uri=True, check_same_thread=False)) as connection:
+        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_RECORD)
+        connection.text_factory = _text
+        connection.execute("PRAGMA trusted_schema = OFF")
+        connection.execute("PRAGMA cell_size_check = ON")
+        yield connection
+
+
+def _check_log(path: Path) -> None:
+    """See that the log beside a file is its own, not one that a killed run of another has left.
+
+    SQLite would write what it holds into whatever file now has the name.
+    """
+    log = _log(path)
+    if not (log.exists() and path.exists() and log.stat().st_size):
+        return
+    by_itself = _session(path, "immutable=1")
+    if by_itself is not None and _session(path, "mode=ro") != by_itself:
+        raise ResultFileError(
+            f"the log beside it, '{printable(log.name)}', belongs to another result file, which a "
+            "run was writing when it was killed: put those two side by side again, or delete the "
+            "log, and with it the last runs of that one"
+        )
+
+
+def _session(path: Path, options: str) -> str | None:
+    """Which run wrote last; None where that cannot be told."""
+    try:
+        with _connected(path, options) as connection:
+            return str(connection.execute("SELECT max(session) FROM file").fetchone()[0])
+    except sqlite3.OperationalError as error:
+        # No result file, which is told later; anything else, such as a lock, at once.
+        if getattr(error, "sqlite_errorcode", 0) & _KIND != sqlite3.SQLITE_ERROR:
+            raise
+    except sqlite3.DatabaseError:
+        pass
+    return None
+
+
+def _log(path: Path) -> Path:
+    return path.with_name(f"{path.name}-wal")
+
+
+@contextmanager
+def _alone(path: Path) -> Iterator[Callable[[], None]]:
     """Hold the file as its only writer; the system lets go of it when this process ends.
 
-    The lock is not one of those by which SQLite lets readers and a writer take turns.
+    The lock is not one of those by which SQLite lets readers and a writer take turns. What is
+    yielded raises where the file has been removed or replaced since.
     """
     try:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
     except OSError as error:
         raise ResultFileError(f"cannot be written: {error.strerror}") from None
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        yield
-    except BlockingIOError:
-        raise ResultFileError("another 'spincheck run' is writing to it") from None
+        _lock(descriptor)
+        yield lambda: _check_still_there(path, descriptor)
     finally:
         os.close(descriptor)
 
 
+def _lock(descriptor: int) -> None:
+    try:
+        if sys.platform == "win32":
+            import msvcrt
+
+            os.lseek(descriptor, _BEYOND, os.SEEK_SET)
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
+
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        if error.errno in (errno.EWOULDBLOCK, errno.EACCES, errno.EDEADLK):
+            raise ResultFileError("another 'spincheck run' is writing to it") from None
+        raise ResultFileError(
+            f"cannot be locked against a second run: {error.strerror}; "
+            "put it on a disk of this computer"
+        ) from None
+
+
+def _check_still_there(path: Path, descriptor: int) -> None:
+    with suppress(FileNotFoundError):
+        if os.path.samestat(path.stat(), os.fstat(descriptor)):
+            return
+    raise ResultFileError(
+        "was removed or replaced while it was being written; what this run has found is lost"
+    )
+
+
 def _begin(connection: sqlite3.Connection, schema: str) -> None:
     """In one transaction, so that a file is begun or empty, whenever this is interrupted."""
+    # Can be chosen before there is anything in the file, and has no effect later.
+    connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
     connection.executescript(
         f"BEGIN; PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {FORMAT};"
         f"{schema} COMMIT;"
     )
 
 
-def _check(connection: sqlite3.Connection) -> None:
+def _check(connection: sqlite3.Connection, schema: str) -> None:
     if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION_ID:
         raise ResultFileError("not a result file of spincheck")
+    version = connection.execute("PRAGMA user_version").fetchone()[0]
+    if version != FORMAT:
+        raise ResultFileError(f"result file format {version}, this version reads {FORMAT}")
+    if strange := _objects(connection) ^ _objects_of(schema):
+        name = min(named[1] for named in strange)
+        raise ResultFileError(
+            f"its schema is not that of a result file: '{printable(name, 100)}' differs"
+        )
     # Damage is told here, rather than stumbled upon in the middle of a report.
     found = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
     if found != "ok":
         raise ResultFileError(f"damaged: {printable(found)}")
-    version = connection.execute("PRAGMA user_version").fetchone()[0]
-    if version != FORMAT:
-        raise ResultFileError(f"result file format {version}, this version reads {FORMAT}")
+
+
+def _objects(connection: sqlite3.Connection) -> frozenset[tuple[str, ...]]:
+    """Type, name, table and text of everything that a schema holds."""
+    query = "SELECT type, name, tbl_name, sql FROM sqlite_master"
+    return frozenset(tuple(map(str, found)) for found in connection.execute(query))
+
+
+def _text(content: bytes) -> str:
+    """A text that may not even be one."""
+    return content.decode(errors="backslashreplace")
+
+
+@cache
+def _objects_of(schema: str) -> frozenset[tuple[str, ...]]:
+    with closing(sqlite3.connect(":memory:")) as connection:
+        connection.executescript(schema)
+        return _objects(connection)

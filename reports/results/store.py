@@ -9,53 +9,56 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from ...engines import Engine, Method
 from ...reference import Solution
 from ...scenarios import Scenario
 from . import table_records
 from .cost_records import EffectsCost, PassCosts, StepCost
-from .database import Database
+from .database import Database, put
 from .records import UNSOLVED, Key, Pair, Row, Verdict
-from .result_file import ResultFileError, opened
+from .result_file import OpenFile, ResultFileError, opened
 from .sweep_records import EnsembleResult, MapResult
 from .sweep_tables import SCHEMA as SWEEPS_SCHEMA
 from .sweep_tables import SweepTables
 
 _SCHEMA = """
-CREATE TABLE environment (name TEXT PRIMARY KEY, value TEXT NOT NULL);
+CREATE TABLE environment (
+    name TEXT PRIMARY KEY, value TEXT NOT NULL, checksum TEXT NOT NULL);
 -- As the adapters declared them to the study, so that a report needs no engine.
 CREATE TABLE methods (
     engine TEXT, method TEXT, "order" INTEGER NOT NULL, attitude_order INTEGER NOT NULL,
     summary TEXT NOT NULL, effects TEXT NOT NULL, requires TEXT NOT NULL,
     max_rotation_per_step REAL NOT NULL, as_shipped INTEGER NOT NULL,
-    PRIMARY KEY (engine, method));
+    checksum TEXT NOT NULL, PRIMARY KEY (engine, method));
 -- What results rest on: where the engine is empty the scene and this program, else the engine.
 CREATE TABLE fingerprints (
-    scenario TEXT, engine TEXT, digest TEXT NOT NULL, PRIMARY KEY (scenario, engine));
+    scenario TEXT, engine TEXT, digest TEXT NOT NULL, checksum TEXT NOT NULL,
+    PRIMARY KEY (scenario, engine));
 CREATE TABLE scenes (
     scenario TEXT PRIMARY KEY, digest TEXT NOT NULL, toml TEXT NOT NULL, method TEXT NOT NULL,
-    uncertainty TEXT NOT NULL, conditioning TEXT NOT NULL, horizon REAL, truth BLOB NOT NULL);
+    uncertainty TEXT NOT NULL, conditioning TEXT NOT NULL, horizon REAL, truth BLOB NOT NULL,
+    checksum TEXT NOT NULL);
 CREATE TABLE rows (
     scenario TEXT, engine TEXT, method TEXT, timestep REAL, engine_version TEXT NOT NULL,
     outcome TEXT NOT NULL, reason TEXT NOT NULL, cause TEXT NOT NULL, lost INTEGER NOT NULL,
     stock INTEGER NOT NULL, stopped_at REAL, errors TEXT, drifts TEXT,
     uncertainty REAL NOT NULL, steps INTEGER NOT NULL, motion BLOB, printed TEXT NOT NULL,
-    PRIMARY KEY (scenario, engine, method, timestep));
+    checksum TEXT NOT NULL, PRIMARY KEY (scenario, engine, method, timestep));
 CREATE TABLE costs (
     scenario TEXT, engine TEXT, method TEXT, processor TEXT NOT NULL, seconds_per_step REAL,
-    seconds_spread REAL, wall_seconds_per_step REAL, PRIMARY KEY (scenario, engine, method));
+    seconds_spread REAL, wall_seconds_per_step REAL, checksum TEXT NOT NULL,
+    PRIMARY KEY (scenario, engine, method));
 -- What pruning saves: an EffectsCost, or the PassCosts of a method, as JSON.
 CREATE TABLE left_out (
     scenario TEXT, engine TEXT, method TEXT, kind TEXT, record TEXT NOT NULL,
-    PRIMARY KEY (scenario, engine, method, kind));
+    checksum TEXT NOT NULL, PRIMARY KEY (scenario, engine, method, kind));
 -- Timesteps are empty for a ladder; the step limit is that of a ladder it cut short, else null.
 CREATE TABLE verdicts (
     scenario TEXT, engine TEXT, method TEXT, timesteps TEXT, verdict TEXT NOT NULL,
     reason TEXT NOT NULL, signal TEXT NOT NULL, "order" REAL, limit_error REAL,
     limit_estimate REAL, unmet TEXT NOT NULL, as_shipped INTEGER NOT NULL, known INTEGER NOT NULL,
-    step_limit INTEGER,
+    step_limit INTEGER, checksum TEXT NOT NULL,
     PRIMARY KEY (scenario, engine, method, timesteps));
 """
 _OF_ENGINES = ("rows", "costs", "left_out", "verdicts", "points")
@@ -93,17 +96,24 @@ class Results:
 
 
 class Store:
-    """An open result file."""
+    """An open result file.
 
-    def __init__(self, connection: sqlite3.Connection) -> None:
-        self._database = Database(connection)
+    Attributes
+    ----------
+    log_missing : whether it is a copy, made while a run was writing it, of a part of the results
+    """
+
+    def __init__(self, file: OpenFile) -> None:
+        self._database = Database(file.connection, file.check)
+        self._select = self._database.select
         self.sweeps = SweepTables(self._database)
+        self.log_missing = file.log_missing
 
     def put_environment(self, environment: dict[str, str]) -> None:
         """Record machine and versions."""
         with self._database.transaction() as connection:
             for name, value in environment.items():
-                _put(connection, "environment", {"name": name, "value": value})
+                put(connection, "environment", {"name": name, "value": value})
 
     def put_methods(self, engines: Iterable[Engine]) -> None:
         """Record what adapters declare of all their methods."""
@@ -111,7 +121,7 @@ class Store:
             for engine in engines:
                 connection.execute("DELETE FROM methods WHERE engine = ?", (engine.name,))
                 for method in engine.methods:
-                    _put(connection, "methods", table_records.of_method(engine.name, method))
+                    put(connection, "methods", table_records.of_method(engine.name, method))
 
     def keep_matching(self, scenario: str, digests: dict[str, str]) -> int:
         """Drop what is known of a scene but rests on something else; returns how many verdicts.
@@ -127,7 +137,7 @@ class Store:
                 if not (stored and stored[0]["digest"] == digest):
                     dropped += self._drop(connection, scenario, engine)
                     record = {"scenario": scenario, "engine": engine, "digest": digest}
-                    _put(connection, "fingerprints", record)
+                    put(connection, "fingerprints", record)
         return dropped
 
     def _drop(self, connection: sqlite3.Connection, scenario: str, engine: str) -> int:
@@ -135,15 +145,23 @@ class Store:
         tables = _OF_ENGINES if engine else _OF_SCENES
         where = _ONE_ENGINE if engine else "scenario = ?"
         names = (scenario, engine) if engine else (scenario,)
-        verdicts = self._select("verdicts", where, names)
-        for table in tables:
-            connection.execute(f"DELETE FROM {table} WHERE {where}", names)
-        return len(verdicts)
+        dropped = {
+            table: connection.execute(f"DELETE FROM {table} WHERE {where}", names).rowcount
+            for table in tables
+        }
+        return dropped["verdicts"]
+
+    def forget(self, keys: Iterable[Key]) -> None:
+        """Drop all that was found of some methods on their scenes."""
+        with self._database.transaction() as connection:
+            for key in keys:
+                for table in _OF_ENGINES:
+                    connection.execute(f"DELETE FROM {table} WHERE {_ONE_METHOD}", _names(key))
 
     def put_scene(self, scenario: Scenario, solution: Solution) -> None:
         """Record a scene and its truth."""
         with self._database.transaction() as connection:
-            _put(connection, "scenes", table_records.of_scene(scenario, solution))
+            put(connection, "scenes", table_records.of_scene(scenario, solution))
             # Such a row says that the scene could not be solved, which was an accident then.
             unsolved = "DELETE FROM rows WHERE scenario = ? AND timestep = ?"
             connection.execute(unsolved, (scenario.name, UNSOLVED))
@@ -151,7 +169,7 @@ class Store:
     def put_row(self, row: Row) -> None:
         """Record a run, with its samples: the verdict may have to be reached by another process."""
         with self._database.transaction() as connection:
-            _put(connection, "rows", table_records.of_row(row))
+            put(connection, "rows", table_records.of_row(row))
 
     def put_verdict(
         self,
@@ -172,7 +190,7 @@ class Store:
         record |= {"timesteps": _asked(timesteps), "step_limit": step_limit}
         names = _names(verdict.key)
         with self._database.transaction() as connection:
-            _put(connection, "verdicts", record)
+            put(connection, "verdicts", record)
             connection.executemany(
                 f"UPDATE rows SET motion = NULL WHERE {_ONE_METHOD} AND timestep = ?",
                 [(*names, timestep) for timestep in discardable],
@@ -181,12 +199,12 @@ class Store:
     def put_cost(self, key: Key, processor: str, cost: StepCost | None) -> None:
         """Record what a step of a method costs on a scene; None where it cannot be timed."""
         with self._database.transaction() as connection:
-            _put(connection, "costs", table_records.of_cost(key, processor, cost))
+            put(connection, "costs", table_records.of_cost(key, processor, cost))
 
     def put_left_out(self, found: EffectsCost | PassCosts) -> None:
         """Record what a method leaves out of a scene saves."""
         with self._database.transaction() as connection:
-            _put(connection, "left_out", table_records.of_left_out(found))
+            put(connection, "left_out", table_records.of_left_out(found))
 
     def settled(self, scenario: str, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
         """The verdicts there are on what is asked of a scene; not those a lesser limit cut short.
@@ -261,18 +279,6 @@ class Store:
             first.setdefault(table_records.key(record), table_records.verdict(record))
         return list(first.values())
 
-    def _select(
-        self, table: str, where: str = "TRUE", values: Sequence[Any] = (), order: str = "rowid"
-    ) -> list[sqlite3.Row]:
-        query = f"SELECT * FROM {table} WHERE {where} ORDER BY {order}"
-        return self._database.query(query, values)
-
-
-def _put(connection: sqlite3.Connection, table: str, record: dict[str, Any]) -> None:
-    columns = ", ".join(f'"{name}"' for name in record)
-    marks = ", ".join(f":{name}" for name in record)
-    connection.execute(f"INSERT OR REPLACE INTO {table} ({columns}) VALUES ({marks})", record)
-
 
 def _names(key: Key) -> tuple[str, str, str]:
     return key.scenario, key.engine, key.method
@@ -291,5 +297,5 @@ def open_store(path: Path, *, create: bool = False) -> Iterator[Store]:
     ResultFileError
         As `result_file.opened`.
     """
-    with opened(path, _SCHEMA + SWEEPS_SCHEMA, writing=create) as connection:
-        yield Store(connection)
+    with opened(path, _SCHEMA + SWEEPS_SCHEMA, writing=create) as file:
+        yield Store(file)

@@ -1,10 +1,11 @@
 """What a sweep is: a scene run at many points, on a grid of two numbers or at random."""
 
 import json
-from collections.abc import Iterator
+from bisect import bisect_left
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
-from typing import Literal
+from typing import Any, Literal
 
 from ...engines import Outcome
 from ...scenarios import Errors, Scenario
@@ -12,6 +13,10 @@ from ...scenarios.vary import TIMESTEP as TIMESTEP
 from ...scenarios.vary import Axis as Axis
 from .records import Key
 
+#: A month on one core; a larger ensemble tells no more.
+MAX_MEMBERS = 1_000_000
+#: As many bits as numpy asks of a seed (`numpy.random.SeedSequence`).
+MAX_SEED = (1 << 128) - 1
 #: Besides how a run can end: the varied numbers make no scene, or the run would take more steps
 #: than a point may. Neither is run.
 PointOutcome = Outcome | Literal["invalid", "skipped"]
@@ -139,8 +144,39 @@ def sweep_points(sweep: Map | Ensemble) -> Iterator[SweepPoint]:
         for number in range(sweep.members):
             yield SweepPoint((float(number),), (), (sweep.seed, number), sweep.timestep)
         return
-    paths = [axis.path for axis in sweep.axes]
     for at in product(*(axis.values for axis in sweep.axes)):
-        numbers = dict(zip(paths, at, strict=True))
-        timestep = numbers.pop(TIMESTEP, sweep.timestep)
-        yield SweepPoint(at, tuple(numbers.items()), None, timestep)
+        yield _on_map(sweep, at)
+
+
+def place_in(sweep: Map | Ensemble, parts: Mapping[str, Any]) -> SweepPoint | None:
+    """The point of a sweep with an identity, or None if the sweep has none such.
+
+    Parameters
+    ----------
+    parts : of the identity
+    """
+    if isinstance(sweep, Ensemble):
+        number = parts.get("member")
+        if type(number) is not int or not 0 <= number < sweep.members:
+            return None
+        point = SweepPoint((float(number),), (), (sweep.seed, number), sweep.timestep)
+    else:
+        paths = [axis.path for axis in sweep.axes]
+        at: tuple[Any, ...] = tuple(parts.get(path) for path in paths)
+        if not all(_is_on(axis, value) for value, axis in zip(at, sweep.axes, strict=True)):
+            return None
+        point = _on_map(sweep, at)
+    return point if json.loads(point.identity) == parts else None
+
+
+def _is_on(axis: Axis, value: object) -> bool:
+    if not isinstance(value, float | int):
+        return False
+    at = bisect_left(axis.values, value)
+    return at < len(axis.values) and axis.values[at] == value
+
+
+def _on_map(sweep: Map, at: tuple[float, ...]) -> SweepPoint:
+    numbers = dict(zip((axis.path for axis in sweep.axes), at, strict=True))
+    timestep = numbers.pop(TIMESTEP, sweep.timestep)
+    return SweepPoint(at, tuple(numbers.items()), None, timestep)

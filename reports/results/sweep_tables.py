@@ -1,38 +1,42 @@
 """Sweeps in a result file: what was asked for, and every point as soon as it is there."""
 
 import json
+import math
 import sqlite3
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 from ...scenarios import Errors, Scenario, loads
-from .database import Database
-from .records import Key
+from ...scenarios.vary import MAX_COUNT, Axis, check_path
+from .database import Database, put
 from .sweep_records import (
-    Axis,
+    MAX_MEMBERS,
+    MAX_SEED,
+    TIMESTEP,
     Ensemble,
     EnsembleResult,
     Map,
     MapResult,
     PointResult,
     SweepPoint,
-    sweep_points,
+    place_in,
 )
-from .table_records import told
+from .table_records import from_json, point_key, scene_name, told, typed
 
 SCHEMA = """
 -- A Map or an Ensemble, as JSON, and the scene that is varied.
 CREATE TABLE sweeps (
-    scenario TEXT, kind TEXT, asked TEXT, toml TEXT NOT NULL,
+    scenario TEXT, kind TEXT, asked TEXT, toml TEXT NOT NULL, checksum TEXT NOT NULL,
     PRIMARY KEY (scenario, kind, asked));
 -- A place is known by what is different there, as JSON: two maps that share it share its points.
 -- Engine and method are empty where it has no scene.
 CREATE TABLE points (
     scenario TEXT, place TEXT, engine TEXT, method TEXT, timestep REAL NOT NULL,
     outcome TEXT NOT NULL, cause TEXT NOT NULL, reason TEXT NOT NULL, stopped_at REAL,
-    errors TEXT, uncertainty REAL NOT NULL, steps INTEGER NOT NULL,
+    errors TEXT, uncertainty REAL NOT NULL, steps INTEGER NOT NULL, checksum TEXT NOT NULL,
     PRIMARY KEY (scenario, place, engine, method));
 """
 #: Engine and method of the point of a place that has no scene.
@@ -46,6 +50,9 @@ _PLAIN = (
     "uncertainty",
     "steps",
 )
+
+
+_STORED = ("place", "engine", "method", "cause", "reason")
 
 
 class StoredPoint(NamedTuple):
@@ -66,52 +73,56 @@ class SweepTables:
 
     def put(self, asked: Map | Ensemble, scenario: Scenario) -> None:
         """Record what is asked for."""
-        values = (scenario.name, type(asked).__name__, json.dumps(asdict(asked)), scenario.text)
+        record = {
+            "scenario": scenario.name,
+            "kind": type(asked).__name__,
+            "asked": json.dumps(asdict(asked)),
+            "toml": scenario.text,
+        }
         with self._database.transaction() as connection:
-            connection.execute("INSERT OR REPLACE INTO sweeps VALUES (?, ?, ?, ?)", values)
+            put(connection, "sweeps", record)
 
     def put_points(self, place: SweepPoint, points: Iterable[PointResult]) -> None:
         """Record points of one place."""
-        records = [_record(place, point) for point in points]
-        columns = ", ".join(records[0])
-        marks = ", ".join(f":{name}" for name in records[0])
         with self._database.transaction() as connection:
-            connection.executemany(
-                f"INSERT OR REPLACE INTO points ({columns}) VALUES ({marks})", records
-            )
+            for point in points:
+                put(connection, "points", _record(place, point))
 
     def stored(self, scenario: str) -> Iterator[StoredPoint]:
         """What there is of a scene's points, whichever sweep asked for it."""
-        query = "SELECT place, engine, method, cause, reason FROM points WHERE scenario = ?"
-        for record in self._database.query(query, (scenario,)):
-            yield StoredPoint(*record)
+        for record in self._database.select("points", "scenario = ?", (scenario,)):
+            yield StoredPoint(*(record[name] for name in _STORED))
 
     def points(self, asked: Map | Ensemble) -> tuple[PointResult, ...]:
         """The points there are, in the order of the places."""
-        query = "SELECT * FROM points WHERE scenario = ? ORDER BY engine, method"
-        found: dict[str, list[sqlite3.Row]] = defaultdict(list)
-        for record in self._database.query(query, (asked.scenario,)):
-            found[record["place"]].append(record)
+        records = self._database.select("points", "scenario = ?", (asked.scenario,))
+        # From what is there, not from what was asked for, of which little may have been run.
+        found: dict[SweepPoint, list[PointResult]] = defaultdict(list)
+        for record in records:
+            if (place := _place(asked, record)) is not None:
+                found[place].append(_point(place, record))
         return tuple(
-            _point(place, record)
-            for place in sweep_points(asked)
-            for record in found[place.identity]
+            point
+            for place in sorted(found, key=lambda place: place.at)
+            for point in sorted(
+                found[place], key=lambda point: (point.key.engine, point.key.method)
+            )
         )
 
     def maps(self) -> list[MapResult]:
         """Every map, with its points."""
-        found = [(_map(asked), scenario) for asked, scenario in self._asked(Map)]
+        found = [(_map(record), _scene(record)) for record in self._asked(Map)]
         return [MapResult(asked, scenario, self.points(asked)) for asked, scenario in found]
 
     def ensembles(self) -> list[EnsembleResult]:
         """Every ensemble, with its points."""
-        found = [(Ensemble(**asked), scenario) for asked, scenario in self._asked(Ensemble)]
+        found = [(_ensemble(record), _scene(record)) for record in self._asked(Ensemble)]
         return [EnsembleResult(asked, scenario, self.points(asked)) for asked, scenario in found]
 
-    def _asked(self, kind: type) -> list[tuple[dict[str, Any], Scenario]]:
-        query = "SELECT * FROM sweeps WHERE kind = ? ORDER BY scenario, asked"
-        records = self._database.query(query, (kind.__name__,))
-        return [(json.loads(r["asked"]), loads(r["toml"], r["scenario"])) for r in records]
+    def _asked(self, kind: type) -> list[sqlite3.Row]:
+        return self._database.select(
+            "sweeps", "kind = ?", (kind.__name__,), order="scenario, asked"
+        )
 
 
 def _record(place: SweepPoint, point: PointResult) -> dict[str, Any]:
@@ -124,18 +135,68 @@ def _record(place: SweepPoint, point: PointResult) -> dict[str, Any]:
 
 
 @told
-def _point(place: SweepPoint, record: sqlite3.Row) -> PointResult:
-    return PointResult(
-        at=place.at,
-        key=Key(record["scenario"], record["engine"], record["method"]),
-        errors=Errors(**json.loads(record["errors"])) if record["errors"] else None,
-        **{name: record[name] for name in _PLAIN},
-    )
+def _place(asked: Map | Ensemble, record: sqlite3.Row) -> SweepPoint | None:
+    """Where in a sweep a point lies; None if it is another sweep's."""
+    return place_in(asked, from_json(record["place"], dict))
 
 
 @told
-def _map(asked: dict[str, Any]) -> Map:
-    first, second = (
-        Axis(axis["path"], tuple(axis["values"]), axis["logarithmic"]) for axis in asked["axes"]
+def _point(place: SweepPoint, record: sqlite3.Row) -> PointResult:
+    found = PointResult(
+        at=place.at,
+        key=point_key(record),
+        errors=typed(Errors(**from_json(record["errors"], dict))) if record["errors"] else None,
+        **{name: record[name] for name in _PLAIN},
     )
-    return Map(asked["scenario"], (first, second), asked["timestep"])
+    return typed(found)
+
+
+@told
+def _scene(record: sqlite3.Row) -> Scenario:
+    return loads(record["toml"], scene_name(record))
+
+
+@told
+def _map(record: sqlite3.Row) -> Map:
+    asked = from_json(record["asked"], dict)
+    first, second = (
+        typed(Axis(axis["path"], tuple(axis["values"]), axis["logarithmic"]))
+        for axis in asked["axes"]
+    )
+    scene = _scene(record)
+    for axis in (first, second):
+        check_path(scene, axis.path)
+        _check_axis(axis)
+    if first.path == second.path:
+        raise ValueError(f"{first.path}: varied twice")
+    found = typed(Map(scene.name, (first, second), asked["timestep"]))
+    _check_timestep(found.timestep)
+    return found
+
+
+@told
+def _ensemble(record: sqlite3.Row) -> Ensemble:
+    asked = from_json(record["asked"], dict)
+    found = typed(Ensemble(**{**asked, "scenario": scene_name(record)}))
+    if not (0 < found.members <= MAX_MEMBERS and 0 <= found.seed <= MAX_SEED):
+        raise ValueError(f"an ensemble of {found.members} members and seed {found.seed}")
+    _check_timestep(found.timestep)
+    return found
+
+
+def _check_axis(axis: Axis) -> None:
+    """See that an axis is one that `parse_axis` makes."""
+    values, positive = axis.values, axis.logarithmic or axis.path == TIMESTEP
+    if not 2 <= len(values) <= MAX_COUNT:
+        raise ValueError(f"{axis.path}: {len(values)} values")
+    if not (
+        all(a < b for a, b in pairwise(values)) and -math.inf < values[0] <= values[-1] < math.inf
+    ):
+        raise ValueError(f"{axis.path}: its values do not increase")
+    if positive and values[0] <= 0:
+        raise ValueError(f"{axis.path}: {values[0]:g} is not positive")
+
+
+def _check_timestep(timestep: float | None) -> None:
+    if timestep is not None and not 0 < timestep < math.inf:
+        raise ValueError(f"timestep: {timestep:g} s")

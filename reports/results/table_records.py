@@ -1,6 +1,5 @@
 """Records as they lie in the tables of a result file, and back."""
 
-import io
 import json
 import math
 import sqlite3
@@ -9,18 +8,22 @@ from dataclasses import asdict
 from functools import cache, wraps
 from typing import Any, TypeVar, get_type_hints
 
-import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from ...engines import Method
 from ...reference import Solution
 from ...scenarios import Errors, Scenario, Trajectory, is_scene_name, loads, printable
 from .cost_records import EffectsCost, PassCost, PassCosts, Ratio, StepCost
+from .database import shown
+from .motion_blobs import pack, unpack
 from .records import Key, Pair, Row, Verdict
 from .result_file import ResultFileError
+from .sweep_records import PointResult
 
 T = TypeVar("T")
 
+#: Characters; the two axes of a map have some 40 000.
+LONGEST_JSON = 1 << 20
 #: Of a run's times and counts, SI.
 LARGEST = 1e150
 #: Characters of what is wrong with a record.
@@ -51,7 +54,7 @@ def of_scene(scenario: Scenario, solution: Solution) -> dict[str, Any]:
         "uncertainty": json.dumps(asdict(solution.uncertainty)),
         "conditioning": json.dumps(asdict(solution.conditioning)),
         "horizon": solution.horizon,
-        "truth": _pack(solution.trajectory),
+        "truth": pack(solution.trajectory),
     }
 
 
@@ -64,7 +67,7 @@ def of_row(row: Row) -> dict[str, Any]:
         "lost": row.lost,
         "stock": row.stock,
         "drifts": json.dumps(row.drifts) if row.drifts is not None else None,
-        "motion": _pack(row.motion) if row.motion is not None else None,
+        "motion": pack(row.motion) if row.motion is not None else None,
     }
 
 
@@ -126,13 +129,13 @@ def told(read: Callable[..., T]) -> Callable[..., T]:
 def scene(record: sqlite3.Row) -> tuple[Scenario, Solution]:
     """A record of the table `scenes`."""
     solution = Solution(
-        trajectory=_unpack(record["truth"]),
+        trajectory=unpack(record["truth"]),
         method=record["method"],
         uncertainty=_errors(record["uncertainty"]),
         conditioning=_errors(record["conditioning"]),
         horizon=record["horizon"],
     )
-    return loads(record["toml"], record["scenario"]), _typed(solution)
+    return loads(record["toml"], scene_name(record)), typed(solution)
 
 
 @told
@@ -143,14 +146,14 @@ def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
         errors=_errors(record["errors"]) if record["errors"] else None,
         lost=bool(record["lost"]),
         stock=bool(record["stock"]),
-        drifts=json.loads(record["drifts"]) if record["drifts"] else None,
-        motion=_unpack(record["motion"]) if record["motion"] else None,
+        drifts=from_json(record["drifts"], dict) if record["drifts"] else None,
+        motion=unpack(record["motion"]) if record["motion"] else None,
         seconds_per_step=cost["seconds_per_step"] if cost else None,
         seconds_spread=cost["seconds_spread"] if cost else None,
         wall_seconds_per_step=cost["wall_seconds_per_step"] if cost else None,
         **{name: record[name] for name in _PLAIN_ROW},
     )
-    return _typed(found)
+    return typed(found)
 
 
 @told
@@ -158,12 +161,12 @@ def verdict(record: sqlite3.Row) -> Verdict:
     """A record of the table `verdicts`."""
     found = Verdict(
         key=key(record),
-        unmet=tuple(json.loads(record["unmet"])),
+        unmet=tuple(from_json(record["unmet"], list)),
         as_shipped=bool(record["as_shipped"]),
         known=bool(record["known"]),
         **{name: record[name] for name in _PLAIN_VERDICT},
     )
-    return _typed(found)
+    return typed(found)
 
 
 @told
@@ -172,20 +175,64 @@ def method(record: sqlite3.Row) -> tuple[Pair, Method]:
     declared = {name: record[name] for name in _PLAIN_METHOD}
     found = Method(
         name=record["method"],
-        effects=frozenset(json.loads(record["effects"])),
-        requires=frozenset(json.loads(record["requires"])),
+        effects=frozenset(from_json(record["effects"], list)),
+        requires=frozenset(from_json(record["requires"], list)),
         **declared | {"as_shipped": bool(declared["as_shipped"])},
     )
-    return (_text(record["engine"]), found.name), _typed(found)
+    return (_text(record["engine"]), found.name), typed(found)
 
 
 @told
 def key(record: sqlite3.Row) -> Key:
     """What a record of `rows`, `costs` or `verdicts` is about."""
-    # A page is named after it.
-    if not is_scene_name(_text(record["scenario"])):
-        raise ValueError(f"{printable(record['scenario'])!r} is no scene's name")
-    return _typed(Key(record["scenario"], record["engine"], record["method"]))
+    found = point_key(record)
+    if not (found.engine and found.method):
+        raise ValueError("names no engine or no method")
+    return found
+
+
+def point_key(record: sqlite3.Row) -> Key:
+    """What a record of `points` is about; engine and method may be empty."""
+    return typed(Key(scene_name(record), record["engine"], record["method"]))
+
+
+def scene_name(record: sqlite3.Row) -> str:
+    """The name in a record's column `scenario`.
+
+    Raises
+    ------
+    ValueError
+        If no scene can have it: a page is named after it.
+    """
+    name = _text(record["scenario"])
+    if not is_scene_name(name):
+        raise ValueError(f"{printable(name)!r} is no scene's name")
+    return name
+
+
+def from_json(text: Any, kind: type[T]) -> T:
+    """What a column holds as JSON, its texts printable.
+
+    Raises
+    ------
+    ValueError
+        If it is no JSON, too long, or of another kind.
+    """
+    if len(_text(text)) > LONGEST_JSON:
+        raise ValueError(f"JSON of more than {LONGEST_JSON} characters")
+    found = _shown(json.loads(text))
+    if not isinstance(found, kind):
+        raise ValueError(f"JSON of another kind: {str(found)!r}")
+    return found
+
+
+def _shown(value: Any) -> Any:
+    """The value with its texts as `shown`: JSON has escapes of its own, which hid them so far."""
+    if isinstance(value, str):
+        return shown(value)
+    if isinstance(value, dict):
+        return {_shown(name): _shown(entry) for name, entry in value.items()}
+    return [_shown(entry) for entry in value] if isinstance(value, list) else value
 
 
 @told
@@ -197,16 +244,16 @@ def environment(record: sqlite3.Row) -> tuple[str, str]:
 @told
 def left_out(record: sqlite3.Row) -> EffectsCost | PassCosts:
     """What pruning saves, of the table `left_out`."""
-    found = json.loads(record["record"])
+    found = from_json(record["record"], dict)
     if record["kind"] == EffectsCost.__name__:
         left_out, ratio = tuple(found.pop("left_out")), Ratio(**found.pop("ratio"))
-        return _typed(EffectsCost(key(record), left_out, ratio=_typed(ratio), **found))
-    passes = tuple(_typed(PassCost(**one)) for one in found.pop("passes"))
-    return _typed(PassCosts(key(record), passes=passes, **found))
+        return typed(EffectsCost(key(record), left_out, ratio=typed(ratio), **found))
+    passes = tuple(typed(PassCost(**one)) for one in found.pop("passes"))
+    return typed(PassCosts(key(record), passes=passes, **found))
 
 
 def _errors(text: str) -> Errors:
-    return _typed(Errors(**json.loads(text)))
+    return typed(Errors(**from_json(text, dict)))
 
 
 def _text(value: Any) -> str:
@@ -214,7 +261,7 @@ def _text(value: Any) -> str:
     return str(value)
 
 
-def _typed(record: T) -> T:
+def typed(record: T) -> T:
     """The record, if the values in it are of the types that its class declares.
 
     Raises
@@ -222,14 +269,20 @@ def _typed(record: T) -> T:
     ValueError
         If one is not: SQLite takes any value in any column.
     """
-    for name, declared in get_type_hints(type(record)).items():
+    kind: type = type(record)
+    for name, declared in _declared(kind).items():
         value = getattr(record, name)
         # A trajectory sees to itself as it is made.
         if not isinstance(value, Trajectory | None):
             _check(name, value, declared)
-        if isinstance(record, Row) and isinstance(value, float | int):
+        if isinstance(record, Row | PointResult) and isinstance(value, float | int):
             _check_size(name, value)
     return record
+
+
+@cache
+def _declared(kind: type) -> dict[str, Any]:
+    return get_type_hints(kind)
 
 
 def _check_size(name: str, value: float) -> None:
@@ -249,14 +302,3 @@ def _check(name: str, value: Any, declared: Any) -> None:
 @cache
 def _adapter(declared: Any) -> TypeAdapter[Any]:
     return TypeAdapter(declared)
-
-
-def _pack(motion: Trajectory) -> bytes:
-    buffer = io.BytesIO()
-    np.savez_compressed(buffer, **vars(motion))
-    return buffer.getvalue()
-
-
-def _unpack(blob: bytes) -> Trajectory:
-    with np.load(io.BytesIO(blob), allow_pickle=False) as arrays:
-        return Trajectory(**{name: arrays[name] for name in arrays.files})

@@ -4,20 +4,25 @@ import os
 import resource
 import shutil
 import sqlite3
-import subprocess
-import sys
-from contextlib import closing
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from pathlib import Path
 
+import command_line
 import pytest
+import small_result_file
+from forging import columns, forge
 from mutated_scenes import LEAST, written
-from spincheck.reports.cli import running
+from spincheck.reports.cli import executing, running
 from spincheck.reports.cli.app import app
-from spincheck.reports.cli.terminal import BAD_INPUT, Complaint
+from spincheck.reports.cli.executing import Where
+from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, Complaint
+from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.results.result_file import APPLICATION_ID, FORMAT
 from typer.testing import CliRunner
 
-COMMAND = Path(sys.executable).with_name("spincheck")
+#: Bytes of a file that fit on a full disk: an empty result file has less, a full one more.
+FULL = 100_000
 #: A file is cut at this many places, and damaged at as many.
 STRIDES = 20
 READERS = (["rows"], ["verdicts"], ["report", "--out", "pages"], ["compare"])
@@ -37,12 +42,7 @@ DAMAGE = {
 
 @pytest.fixture(scope="module")
 def good(tmp_path_factory):
-    """What a study of one scene leaves."""
-    folder = tmp_path_factory.mktemp("good")
-    (folder / "made.toml").write_text(written(LEAST))
-    out = folder / "good.sqlite"
-    running.run([str(folder / "made.toml")], ["mujoco"], ["RK4"], [], 1, out, quick=True)
-    return out
+    return small_result_file.write(tmp_path_factory.mktemp("good") / "good.sqlite")
 
 
 def read_by(command: list[str], path: Path) -> str:
@@ -91,31 +91,6 @@ def test_a_page_overwritten_is_told_or_holds_nothing(good, elsewhere, part):
     assert said or read_by(["rows"], path) == ""
 
 
-def columns(path: Path) -> list[tuple[str, str]]:
-    with closing(sqlite3.connect(path)) as connection:
-        names = connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchall()
-        filled = [
-            name
-            for (name,) in names
-            if connection.execute(f"SELECT count(*) FROM {name}").fetchone()[0]
-        ]
-        return [
-            (name, row[1])
-            for name in filled
-            for row in connection.execute(f"PRAGMA table_info({name})")
-        ]
-
-
-def damage(path: Path, places: list[tuple[str, str]], value: object) -> None:
-    """Put a value into columns, in the first record of each table."""
-    with closing(sqlite3.connect(path)) as connection, connection:
-        for table, column in places:
-            connection.execute(
-                f'UPDATE {table} SET "{column}" = ? WHERE rowid = (SELECT min(rowid) FROM {table})',
-                (value,),
-            )
-
-
 def is_read(path: Path) -> bool:
     """Whether a file is read; otherwise it is complained of."""
     said = None
@@ -135,24 +110,14 @@ def test_a_damaged_record_is_told_or_reported_never_stumbled_upon(good, elsewher
     passed = []
     for place in columns(good):
         shutil.copy(good, path)
-        damage(path, [place], value)
+        forge(path, [place], value)
         if is_read(path):
             passed.append(place)
     shutil.copy(good, path)
-    damage(path, passed, value)
+    forge(path, passed, value)
     read_by(["report", "--out", "pages"], path)
     assert {entry.name for entry in elsewhere.iterdir()} <= {"damaged.sqlite", "pages"}
     assert len(passed) < len(columns(good))
-
-
-def test_a_page_never_leaves_its_folder(good, elsewhere):
-    """A name such as `../../evil` in the file is refused; the report is where it was asked for."""
-    path = elsewhere / "evil.sqlite"
-    shutil.copy(good, path)
-    with closing(sqlite3.connect(path)) as connection, connection:
-        for table in ("scenes", "rows", "verdicts"):
-            connection.execute(f"UPDATE {table} SET scenario = '../../evil'")
-    assert "'../../evil' is no scene's name" in read_by(["report", "--out", "pages"], path)
 
 
 def foreign(path: Path, application: int, version: int) -> None:
@@ -184,21 +149,16 @@ def test_what_is_no_result_file_is_told_and_left_as_it_is(elsewhere, make):
     for command in READERS:
         assert read_by(command, path)
     with pytest.raises(Complaint) as complaint:
-        running.run(["made.toml"], ["mujoco"], ["RK4"], [], 1, path, quick=True)
+        running.run(["made.toml"], ["mujoco"], ["RK4"], [], Where(1), path, quick=True)
     assert complaint.value.exit_code == BAD_INPUT
     assert before is None or path.read_bytes() == before
 
 
 @pytest.mark.parametrize("name", ["nowhere/x.sqlite", "x" * 300, "a\nb\x1b[31m/x.sqlite"])
-def test_a_place_that_cannot_be_is_one_line_without_escapes(tmp_path, name):
-    (tmp_path / "made.toml").write_text(written(LEAST))
-    done = subprocess.run(
-        [COMMAND, "run", "made.toml", "--quick", "--out", name],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == BAD_INPUT
+def test_a_place_that_cannot_be_is_one_line_without_escapes(elsewhere, name):
+    (elsewhere / "made.toml").write_text(written(LEAST))
+    done = command_line.run("run", "made.toml", "--quick", "--out", name)
+    assert done.exit_code == BAD_INPUT
     assert len(done.stderr.splitlines()) == 1
     assert "\x1b" not in done.stderr
 
@@ -216,35 +176,32 @@ def test_a_log_without_its_file_is_no_result(good, elsewhere):
     assert "no such result file" in read_by(["rows"], elsewhere / "gone.sqlite")
 
 
-def limited(folder: Path, size: int, *arguments: object) -> subprocess.CompletedProcess[str]:
-    """Run the command where no file may grow beyond a size: the disk is full."""
-    return subprocess.run(
-        [COMMAND, *map(str, arguments)],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
-    )
+@contextmanager
+def full_disk(size: int) -> Iterator[None]:
+    """No file may grow beyond a size."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
-@pytest.mark.parametrize("share", [0.3, 0.9])
-def test_a_full_disk_costs_a_message_and_the_run_resumes(good, tmp_path, share):
-    (tmp_path / "made.toml").write_text(written(LEAST))
+def test_a_full_disk_costs_a_message_and_the_run_resumes(elsewhere, monkeypatch):
+    monkeypatch.setattr(executing, "_executor", lambda *_: InProcess())
+    (elsewhere / "made.toml").write_text(written(LEAST))
     command = ("run", "made.toml", "--engine", "mujoco", "--method", "RK4", "--quick")
-    size = int(share * good.stat().st_size)
-    done = limited(tmp_path, size, *command, "--out", "full.sqlite")
-    assert done.returncode == BAD_INPUT
-    assert "the disk fails or is full" in done.stderr
-    assert "Traceback" not in done.stderr
-    again = subprocess.run(
-        [COMMAND, *command, "--out", "full.sqlite"], cwd=tmp_path, capture_output=True, text=True
-    )
-    assert again.returncode == 0, again.stderr
+    with full_disk(FULL):
+        done = command_line.run(*command, "--out", "full.sqlite")
+    assert done.exit_code == BAD_INPUT
+    assert done.stderr.endswith("the disk fails or is full\n")
+    assert command_line.run(*command, "--out", "full.sqlite").exit_code == AGREES
 
 
-def test_a_report_that_does_not_fit_is_told(good, tmp_path):
-    done = limited(tmp_path, 10_000, "report", good, "--out", "pages")
-    assert done.returncode == BAD_INPUT
+def test_a_report_that_does_not_fit_is_told(good, elsewhere):
+    with full_disk(FULL):
+        done = command_line.run("report", str(good), "--out", "pages")
+    assert done.exit_code == BAD_INPUT
     assert done.stderr == "spincheck: pages: cannot be written: File too large\n"
 
 

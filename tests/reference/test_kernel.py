@@ -1,9 +1,11 @@
 """Machine code is kept, but never longer than the sources it was made from."""
 
+import errno
 from pathlib import Path
 
 import numba
 import pytest
+from numba.core import caching
 from spincheck.reference.kernel import digest_of_kernels, kernel
 
 KERNELS = "from .kernel import kernel\n"
@@ -43,3 +45,15 @@ def test_other_users_of_numba_keep_their_cache_where_they_had_it() -> None:
 
 def abs_difference(a: float, b: float) -> float:
     return abs(a - b)
+
+
+def test_a_full_disk_costs_the_kept_machine_code_and_no_result(monkeypatch) -> None:
+    def no_room(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(caching.IndexDataCacheFile, "save", no_room)
+    assert kernel(sum_of)(2.0, 5.0) == 7.0
+
+
+def sum_of(a: float, b: float) -> float:
+    return a + b

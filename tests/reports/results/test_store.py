@@ -8,6 +8,7 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
+from forging import forge
 from spincheck.reference import Solution
 from spincheck.reports.results.cost_records import StepCost
 from spincheck.reports.results.records import Key, Row, Verdict
@@ -143,7 +144,7 @@ def test_a_verdict_drops_the_samples_that_are_spent(path, row):
     with open_store(path, create=True) as store:
         store.put_row(row)
         store.put_row(fine)
-        store.put_verdict(Verdict(KEY, "converges", ""), spent=[row.timestep])
+        store.put_verdict(Verdict(KEY, "converges", ""), discardable=[row.timestep])
         kept = [r.timestep for r in store.rows_of(KEY) if r.motion is not None]
     assert kept == [fine.timestep]
 
@@ -177,11 +178,11 @@ def test_a_row_is_on_disk_as_soon_as_it_is_put(path, row):
 def test_a_file_at_rest_is_one_file_without_gaps(path, row):
     with open_store(path, create=True) as store:
         store.put_row(replace(row, motion=motion(10_000)))
-        store.put_verdict(Verdict(KEY, "converges", ""), spent=[row.timestep])
-        assert store._connection.execute("PRAGMA freelist_count").fetchone()[0] > 0
+        store.put_verdict(Verdict(KEY, "converges", ""), discardable=[row.timestep])
+        assert store._database._connection.execute("PRAGMA freelist_count").fetchone()[0] > 0
     assert [file.name for file in path.parent.iterdir()] == [path.name]
     with open_store(path) as store:
-        assert store._connection.execute("PRAGMA freelist_count").fetchone()[0] == 0
+        assert store._database._connection.execute("PRAGMA freelist_count").fetchone()[0] == 0
 
 
 def test_an_empty_file_is_begun(path):
@@ -205,8 +206,9 @@ def test_a_second_writer_is_refused(path):
 def fill_the_disk(path, row) -> None:
     with open_store(path, create=True) as store:
         # As many pages as there are: what SQLite says of a page too many is what a full disk says.
-        pages = store._connection.execute("PRAGMA page_count").fetchone()[0]
-        store._connection.execute(f"PRAGMA max_page_count = {pages}")
+        connection = store._database._connection
+        pages = connection.execute("PRAGMA page_count").fetchone()[0]
+        connection.execute(f"PRAGMA max_page_count = {pages}")
         for step in range(1, 100):
             store.put_row(replace(row, timestep=step))
 
@@ -284,10 +286,7 @@ def test_a_file_of_another_format_version_is_refused(path):
 def test_a_damaged_record_is_told(path, row, column):
     with open_store(path, create=True) as store:
         store.put_row(row)
-    connection = sqlite3.connect(path)
-    connection.execute(f"UPDATE rows SET {column} = 'nonsense'")
-    connection.commit()
-    connection.close()
+    forge(path, [("rows", column)], "nonsense")
     with (
         pytest.raises(ResultFileError, match="cannot be read"),
         open_store(path) as store,

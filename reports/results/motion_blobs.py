@@ -1,0 +1,68 @@
+"""Motions as they lie in a result file: compressed archives of arrays, unpacked with care.
+
+An archive from a stranger may unpack to any size, so that what it declares is held against what a
+motion can be before a byte of it is unpacked, and no more than was declared is.
+"""
+
+import io
+import zipfile
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from ...scenarios import FloatArray, Trajectory
+from ...scenarios.document import MAX_SAMPLES
+
+#: Of an array in an archive: magic, shape and type (numpy.lib.format).
+HEADER = 1 << 10
+_NAMES = tuple(field.name for field in fields(Trajectory))
+#: Components of the widest array, the quaternions.
+_WIDEST = 4
+_LARGEST = HEADER + _WIDEST * 8 * MAX_SAMPLES
+
+
+def pack(motion: Trajectory) -> bytes:
+    """A motion as a compressed archive in numpy's format .npz."""
+    buffer = io.BytesIO()
+    arrays: dict[str, Any] = {n: np.ascontiguousarray(getattr(motion, n)) for n in _NAMES}
+    np.savez_compressed(buffer, **arrays)
+    return buffer.getvalue()
+
+
+def unpack(blob: bytes) -> Trajectory:
+    """The motion in an archive.
+
+    Raises
+    ------
+    ValueError
+        If it is none, or larger than a motion can be.
+    zipfile.BadZipFile
+        If it is damaged, which its checksums (CRC-32) tell.
+    """
+    with zipfile.ZipFile(io.BytesIO(blob)) as archive:
+        members = archive.infolist()
+        if sorted(member.filename for member in members) != sorted(f"{n}.npy" for n in _NAMES):
+            raise ValueError("the archive does not hold the arrays of a motion")
+        arrays = {
+            member.filename.removesuffix(".npy"): _array(archive, member) for member in members
+        }
+    return Trajectory(**arrays)
+
+
+def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> FloatArray:
+    if member.file_size > _LARGEST:
+        raise ValueError(f"an array of {member.file_size} bytes, more than {MAX_SAMPLES} samples")
+    if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        raise ValueError("the archive is compressed otherwise than a motion is")
+    with archive.open(member) as packed:
+        # One byte more than was declared would be too many.
+        content = packed.read(member.file_size + 1)
+    stream = io.BytesIO(content)
+    if np.lib.format.read_magic(stream) != (1, 0):
+        raise ValueError("an array of another format")
+    shape, in_columns, kind = np.lib.format.read_array_header_1_0(stream)
+    values = content[stream.tell() :]
+    if in_columns or kind != np.float64 or len(values) != 8 * int(np.prod(shape, dtype=object)):
+        raise ValueError(f"an array of type {kind} and shape {shape} in {len(values)} bytes")
+    return np.frombuffer(values).reshape(shape)

@@ -1,0 +1,59 @@
+"""A result file with something in each of its tables, made without a run."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import made_up
+import made_up_sweeps
+from spincheck.reports.results.cost_records import (
+    EffectsCost,
+    PassCost,
+    PassCosts,
+    Ratio,
+    StepCost,
+)
+from spincheck.reports.results.records import Key
+from spincheck.reports.results.store import open_store
+from spincheck.reports.results.sweep_records import Ensemble, Map, sweep_points
+
+SCENE = "made-up-top"
+#: Samples of every motion.
+SAMPLES = 5
+SWEPT = "disc"
+KEY = Key(SCENE, "mujoco", "Euler")
+EFFECTS = EffectsCost(KEY, ("contact",), 1e-6, 1.2e-6, Ratio(1.2, 0.02), 1e-3, 1.0, 0.0)
+PASSES = PassCosts(KEY, 1e-6, 0.01, (PassCost("contact", 0.2, 0.1),))
+MEMBERS = 2
+
+
+def write(path: Path) -> Path:
+    """Begin the file and fill it."""
+    found = made_up.results(SAMPLES, made_up.METHODS[:1])
+    with open_store(path, create=True) as store:
+        store.put_environment(found.environment)
+        store.put_methods([SimpleNamespace(name="mujoco", methods=tuple(found.methods.values()))])
+        store.keep_matching(SCENE, {"": "a digest", "mujoco": "another"})
+        result = found.scenes[SCENE]
+        store.put_scene(result.scenario, result.solution)
+        rows = [row for row in found.rows if row.key == KEY]
+        for row in rows[-2:]:
+            store.put_row(row)
+        for verdict in found.verdicts:
+            if verdict.key == KEY:
+                store.put_verdict(verdict)
+        store.put_cost(KEY, "a processor", StepCost(1e-6, 1e-7, 1e-6))
+        store.put_left_out(EFFECTS)
+        store.put_left_out(PASSES)
+        _put_sweeps(store)
+    return path
+
+
+def _put_sweeps(store) -> None:
+    base = made_up_sweeps.scene(name=SWEPT)
+    axes = made_up_sweeps.axes("start.omega_body[2]=1:2:2", "timestep=1e-3:1e-2:2")
+    for asked in (Map(SWEPT, axes, None), Ensemble(SWEPT, MEMBERS, 7, 0.01)):
+        store.sweeps.put(asked, base)
+        for place in sweep_points(asked):
+            at = (*place.at, 0.0)[:2]
+            point = made_up_sweeps.point(at, ("mujoco", "RK4"), place.timestep, base)
+            store.sweeps.put_points(place, [point])
