@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 from spincheck.engines import engines
-from spincheck.reports.harness.study import convergence_study_of, prepare, simulate
+from spincheck.reports.harness.study import convergence_study_of, prepare
 from spincheck.reports.results.records import Verdict
 from spincheck.scenarios import Expect, Scenario, find, load, loads
+from studies import verdict_of
 
 pytest_plugins = ["pytester"]
 COMMAND = Path(sys.executable).with_name("spincheck")
@@ -64,10 +65,9 @@ def judged(scene: Scenario, engine: str, method: str, timestep: float) -> Verdic
     """The verdict on the one timestep that the scene says something about."""
     found = engines()[engine]
     prepared = prepare(scene, [timestep], BUDGET)
-    study = convergence_study_of(scene, found, found.method(method), prepared, [timestep])
-    while rung := study.next_rung():
-        study.add(simulate(found, scene, method, rung))
-    return study.verdict()
+    return verdict_of(
+        convergence_study_of(scene, found, found.method(method), prepared, [timestep])
+    )
 
 
 def top(engine: str, method: str, timestep: float, spin: float) -> str:

@@ -8,6 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Engine, Method, Run
 from spincheck.reports.harness.convergence_study import GOAL, RUNGS_OF_A_LIMIT, ConvergenceStudy
+from spincheck.reports.harness.executors import Answer
 from spincheck.reports.harness.ladder import MAX_STEPS, MIN_RUNGS, Rung
 from spincheck.reports.harness.study import prepare
 from spincheck.scenarios import Scenario, Trajectory, loads
@@ -70,7 +71,8 @@ def go_down(
         outcome = "ok"
         if rung.timestep > dies_above:
             outcome, known = "diverged", {"stopped_at": rung.timestep}
-        found.add(Run("made-up", "1", "made-up", rung.timestep, outcome, **known))
+        run = Run("made-up", "1", "made-up", rung.timestep, outcome, **known)
+        found.take(found.compare(Answer(run)))
     return found
 
 
@@ -117,7 +119,7 @@ def test_what_is_run_above_takes_no_part_in_the_verdict():
 def test_samples_of_runs_above_are_not_kept_and_those_of_the_finest_are():
     found = go_down(study(), lambda dt: 0.1 * dt)
     assert all(row.motion is None for row in found.above_rows)
-    assert found.rows[-1].timestep not in found.spent()
+    assert found.rows[-1].timestep not in found.discardable_timesteps()
 
 
 def test_a_ladder_that_cannot_tell_is_given_up_before_its_last_rung():

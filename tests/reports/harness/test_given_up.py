@@ -4,8 +4,9 @@ import re
 
 from spincheck.engines import engines
 from spincheck.reports.harness.ladder import MAX_STEPS
-from spincheck.reports.harness.study import convergence_study_of, prepare, simulate
+from spincheck.reports.harness.study import convergence_study_of, prepare
 from spincheck.scenarios import find, load
+from studies import verdict_of
 
 
 def test_what_would_tell_is_finer_than_the_ladder_where_one_signal_alone_is_out_of_reach():
@@ -14,9 +15,7 @@ def test_what_would_tell_is_finer_than_the_ladder_where_one_signal_alone_is_out_
     engine = engines()["mujoco"]
     prepared = prepare(scene, [], MAX_STEPS)
     study = convergence_study_of(scene, engine, engine.method("Euler"), prepared)
-    while rung := study.next_rung():
-        study.add(simulate(engine, scene, "Euler", rung))
-    verdict = study.verdict()
+    verdict = verdict_of(study)
     assert (verdict.verdict, verdict.signal) == ("unresolved", "attitude")
     finest = study.ladder.rungs[-1].timestep
     assert len(study.rows) < len(study.ladder.rungs)

@@ -5,7 +5,6 @@ import pytest
 from box import BOX
 from lies import HeavierOnceLoaded, engine_of
 from planted import (
-    AbortSession,
     DampedInSecretSession,
     ExplodingSession,
     HeunSession,
@@ -13,16 +12,14 @@ from planted import (
     NotANumberSession,
     RaisingSession,
     ResetSession,
-    SegfaultSession,
     SwappedMomentsSession,
     UpsideDown,
     XyzwSession,
     planted,
 )
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.study import run_study
-from spincheck.reports.results.store import open_store
 from spincheck.scenarios import find, load, loads
+from studies import study
 
 #: Steps of a ladder.
 BUDGET = 1 << 11
@@ -31,8 +28,6 @@ TIMESTEP = 2.0**-7
 
 #: By session class: the outcome, the cause, and words of the reason.
 TOLD = {
-    SegfaultSession: ("failed", "crash", "SIGSEGV"),
-    AbortSession: ("failed", "crash", "assertion failed: norm(q) > 0"),
     RaisingSession: ("failed", "bug", "ZeroDivisionError"),
     LyingAboutBodySession: ("failed", "read-back", "'mass' must read back"),
     NotANumberSession: ("diverged", "not-finite", "no longer finite"),
@@ -61,10 +56,9 @@ def engine(kind):
 
 def rows_of(tmp_path, engines, scene, timestep):
     """The row of each engine, by its name."""
-    with open_store(tmp_path / "results.sqlite", create=True) as store:
-        choice = Choice(tuple(engines), (), (timestep,), timed=False)
-        run_study([scene], choice, store, jobs=2, progress=lambda _: None)
-        return {row.key.engine: row for row in store.read().rows}
+    choice = Choice(tuple(engines), (), (timestep,), timed=False)
+    results = study(tmp_path / "results.sqlite", [scene], choice)
+    return {row.key.engine: row for row in results.rows}
 
 
 @pytest.fixture(scope="module")
@@ -103,10 +97,8 @@ def test_some_lies_no_row_can_tell(rows, kind):
 
 def test_a_lie_that_begins_later_is_told_by_the_ladder(tmp_path):
     liar = engine(lies.SpunUpFromHalfwaySession)
-    with open_store(tmp_path / "results.sqlite", create=True) as store:
-        choice = Choice((liar,), max_steps=BUDGET, timed=False)
-        run_study([loads(BOX, "box")], choice, store, jobs=1, progress=lambda _: None)
-        (verdict,) = store.read().verdicts
+    choice = Choice((liar,), max_steps=BUDGET, timed=False)
+    (verdict,) = study(tmp_path / "results.sqlite", [loads(BOX, "box")], choice).verdicts
     assert verdict.verdict == "disagrees"
 
 

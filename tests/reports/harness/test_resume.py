@@ -1,7 +1,5 @@
 """A study that was stopped, in whatever way, is gone on with and ends as if it had not been."""
 
-import os
-import signal
 import subprocess
 import sys
 from dataclasses import replace
@@ -9,15 +7,20 @@ from pathlib import Path
 
 import pytest
 from box import BOX
+from failing_calls import FailingCalls, of_function
 from planted import HeunSession, RaisingSession, planted
 from same_results import differences
-from spincheck.reports.harness import convergence_study, study
+from spincheck.reports.harness import convergence_study
+from spincheck.reports.harness import study as study_module
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.study import run_study
+from spincheck.reports.harness.executors import CallFailed, Executor
+from spincheck.reports.harness.executors.worker_slot import KILLED
+from spincheck.reports.harness.study import simulate
 from spincheck.reports.results import fingerprints as fingerprints
 from spincheck.reports.results.records import Row
 from spincheck.reports.results.store import Results, Store, open_store
 from spincheck.scenarios import loads
+from studies import study as study_of
 
 PROMISE = """
 [[expect]]
@@ -40,11 +43,15 @@ def path(tmp_path):
     return tmp_path / "results.sqlite"
 
 
-def run(path: Path, choice: Choice = LADDER, text: str = BOX + PROMISE) -> list[str]:
+def run(
+    path: Path,
+    choice: Choice = LADDER,
+    text: str = BOX + PROMISE,
+    executor: Executor | None = None,
+) -> list[str]:
     """Run a study of one scene; returns what progress was told."""
     told: list[str] = []
-    with open_store(path, create=True) as store:
-        run_study([loads(text, "box")], choice, store, jobs=1, progress=told.append)
+    study_of(path, [loads(text, "box")], choice, executor, told.append)
     return told
 
 
@@ -104,7 +111,7 @@ def test_a_study_stopped_after_some_rows_runs_only_the_others(
 
 def test_a_study_stopped_before_steps_are_timed_has_them_timed(path, monkeypatch):
     with monkeypatch.context() as patch:
-        patch.setattr(study, "time_scene", _interrupted)
+        patch.setattr(study_module, "time_scene", _interrupted)
         with pytest.raises(KeyboardInterrupt):
             run(path, TIMED)
     assert run(path, TIMED) == ["box  timed"]
@@ -163,9 +170,7 @@ def test_an_engine_added_later_is_run_alone(path, runs, undisturbed):
 
 def test_a_scene_run_later_leaves_the_others_as_they_are(path, undisturbed):
     run(path)
-    with open_store(path, create=True) as store:
-        run_study([loads(BOX, "crate")], LADDER, store, jobs=1, progress=lambda _: None)
-    both = read(path)
+    both = study_of(path, [loads(BOX, "crate")], LADDER)
     one = replace(
         both,
         scenes={"box": both.scenes["box"]},
@@ -178,9 +183,8 @@ def test_a_scene_run_later_leaves_the_others_as_they_are(path, undisturbed):
 def test_a_broken_promise_is_told_by_a_study_that_was_gone_on_with(path, runs, monkeypatch):
     run(path)
     told = [verdict.unmet for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
-    with open_store(path, create=True) as store:
-        store._connection.execute("DELETE FROM verdicts")
-        store._connection.commit()
+    with open_store(path, create=True) as store, store._database.transaction() as connection:
+        connection.execute("DELETE FROM verdicts")
     run(path)
     again = [verdict.unmet for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
     assert told == again
@@ -228,18 +232,12 @@ def test_a_longer_ladder_serves_whoever_asks_for_a_shorter_one(path, runs):
     assert runs == []
 
 
-def test_a_run_that_was_killed_from_outside_is_made_again(path, undisturbed, monkeypatch):
-    # The worker of every run is killed, as often as it is tried.
-    with monkeypatch.context() as patch:
-        patch.setattr(study, "simulate", _killed)
-        run(path)
+def test_a_run_that_was_killed_from_outside_is_made_again(path, undisturbed):
+    killed = CallFailed(f"{KILLED} by SIGKILL", "killed")
+    run(path, executor=FailingCalls(of_function(simulate, killed)))
     assert {verdict.verdict for verdict in read(path).verdicts} == {"failed"}
     run(path)
     assert differences(read(path), undisturbed) == []
-
-
-def _killed(*_: object) -> None:
-    os.kill(os.getpid(), signal.SIGKILL)
 
 
 def overrun(path: Path, reason: str) -> None:

@@ -7,10 +7,11 @@ import sys
 import numpy as np
 import pytest
 from clockwork import METHOD, SCENE, Clock, Clockwork, Works, clock, steadily
+from planted import METHOD as METHOD_OF_PLANTED
 from planted import HeunSession, RaisingSession, SegfaultSession, planted
 from spincheck.engines import EngineError, engines
 from spincheck.reports.harness import step_cost as cost
-from spincheck.reports.harness.executors.local_workers import Workers
+from spincheck.reports.harness.executors import InProcess, LocalWorkers
 from spincheck.reports.harness.step_cost import measure, one_thread, step_costs
 from spincheck.reports.results.cost_records import StepCost
 from spincheck.scenarios import find, load
@@ -24,7 +25,7 @@ TICK = 2 / cost.RESOLUTIONS
 
 
 def costs_of(*sessions: Clockwork) -> list[StepCost | None]:
-    return step_costs(SCENE, [(Works(lambda _, s=s: s), METHOD.name) for s in sessions])
+    return step_costs(SCENE, [(Works(lambda _, s=s: s), METHOD) for s in sessions])
 
 
 def cost_of(session: Clockwork) -> StepCost:
@@ -102,7 +103,7 @@ def test_a_scene_that_does_not_load_has_no_cost(clock: Clock) -> None:
     def refuse(_: object) -> Clockwork:
         raise EngineError("refused")
 
-    assert step_costs(SCENE, [(Works(refuse), METHOD.name)]) == [None]
+    assert step_costs(SCENE, [(Works(refuse), METHOD)]) == [None]
 
 
 def test_a_finer_timestep_costs_more_a_simulated_second() -> None:
@@ -111,23 +112,30 @@ def test_a_finer_timestep_costs_more_a_simulated_second() -> None:
     assert (coarse, fine) == (pytest.approx(TAKES / 1e-3), pytest.approx(2 * coarse))
 
 
-# With the system's own clocks, in processes of their own
+# With the system's own clocks
 
 
-@pytest.mark.parametrize("fault", [SegfaultSession, RaisingSession])
-def test_a_method_that_takes_its_process_with_it_costs_its_own_figure(fault: type) -> None:
-    kinds = [HeunSession, fault, HeunSession]
-    pairs = [(planted(kind), "Heun") for kind in kinds]
-    with Workers(jobs=1) as workers:
+@pytest.mark.processes
+def test_a_method_that_takes_its_process_with_it_costs_its_own_figure() -> None:
+    kinds = [HeunSession, SegfaultSession, HeunSession]
+    pairs = [(planted(kind), METHOD_OF_PLANTED) for kind in kinds]
+    with LocalWorkers(jobs=1) as workers:
         costs, complaints = measure(workers, SCENE, pairs)
     assert [found is not None for found in costs] == [True, False, True]
     (complaint,) = complaints
-    assert complaint.startswith(f"{planted(fault).name} Heun could not be timed: ")
+    assert complaint.startswith("Segfault Heun could not be timed: ")
+
+
+def test_a_method_that_raises_costs_its_own_figure() -> None:
+    pairs = [(planted(kind), METHOD_OF_PLANTED) for kind in (HeunSession, RaisingSession)]
+    costs, complaints = measure(InProcess(), SCENE, pairs)
+    assert [found is not None for found in costs] == [True, False]
+    (complaint,) = complaints
+    assert complaint.startswith("Raising Heun could not be timed: ZeroDivisionError")
 
 
 def test_where_all_goes_well_there_is_no_complaint() -> None:
-    with Workers(jobs=1) as workers:
-        costs, complaints = measure(workers, SCENE, [(planted(HeunSession), "Heun")])
+    costs, complaints = measure(InProcess(), SCENE, [(planted(HeunSession), METHOD_OF_PLANTED)])
     assert (len(costs), costs[0] is None, complaints) == (1, False, [])
 
 
@@ -146,10 +154,12 @@ def test_processes_started_for_timing_start_no_threads() -> None:
 def test_engines_step_in_one_thread() -> None:
     """Threads that share the work take more CPU time than there is on the wall."""
     scenario = load(find(["fast-top"])[0])
-    pairs = [(engine, method.name) for engine in engines().values() for method in engine.methods]
-    pairs = [(e, m) for e, m in pairs if not e.unsupported(scenario, e.method(m))]
+    pairs = [(engine, method) for engine in engines().values() for method in engine.methods]
+    pairs = [
+        (engine, method) for engine, method in pairs if not engine.unsupported(scenario, method)
+    ]
     for (engine, method), found in zip(pairs, step_costs(scenario, pairs), strict=True):
-        assert found is not None, (engine.name, method)
+        assert found is not None, (engine.name, method.name)
         assert found.seconds_per_step <= found.wall_seconds_per_step * (1 + TICK)
 
 

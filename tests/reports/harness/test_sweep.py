@@ -1,7 +1,6 @@
 """Sweeps: every point once, whatever engines do, and none again that is there."""
 
 import sqlite3
-from concurrent.futures import Executor, Future
 from contextlib import closing, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -9,25 +8,33 @@ from pathlib import Path
 import numpy as np
 import pytest
 from box import BOX
-from in_process import InProcess
+from failing_calls import FailingCalls, of_engine
 from planted import (
+    METHOD,
     HeunSession,
     NotANumberSession,
     RaisingSession,
     SegfaultSession,
     planted,
 )
-from spincheck.reports.harness import sweep_run as point_run
+from spincheck.reports.harness import sweep_run
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.executors.local_workers import Workers
-from spincheck.reports.harness.executors.worker_slot import KILLED, CallFailed
-from spincheck.reports.harness.sweep import carry_out_sweep, plan_sweep
-from spincheck.reports.harness.sweep_points import STEP_TURN, places
+from spincheck.reports.harness.executors import CallFailed, Executor, LocalWorkers
+from spincheck.reports.harness.executors.worker_slot import KILLED
+from spincheck.reports.harness.sweep import plan_sweep
+from spincheck.reports.harness.sweep_points import STEP_TURN
 from spincheck.reports.results import fingerprints as fingerprints
 from spincheck.reports.results.store import open_store
-from spincheck.reports.results.sweep_records import Axis, Ensemble, Map, PointResult
+from spincheck.reports.results.sweep_records import (
+    Axis,
+    Ensemble,
+    Map,
+    PointResult,
+    sweep_points,
+)
 from spincheck.scenarios import loads
 from spincheck.scenarios.scatter import member
+from studies import sweep as sweep_of
 
 SCENE = loads(BOX, "box")
 SPIN = Axis("start.omega_body[1]", (0.5, 2.0), logarithmic=True)
@@ -52,11 +59,12 @@ def sweep(
     scene=SCENE,
     executor: Executor | None = None,
 ) -> tuple[PointResult, ...]:
-    """Carry out what is missing; returns the points."""
-    with open_store(path, create=True) as store, executor or InProcess() as calls:
-        plan = plan_sweep(asked, scene, choice, store)
-        carry_out_sweep(plan, scene, store, calls, lambda _: None)
-        return store.sweeps.points(asked)
+    return sweep_of(path, asked, scene, choice, executor)
+
+
+def crashing(failure: CallFailed) -> Executor:
+    """An executor on which the calls fail that the crashing engine has a part in."""
+    return FailingCalls(of_engine("Segfault", failure))
 
 
 def left(path: Path, asked=MAP, choice: Choice = FAULTLESS, scene=SCENE) -> int:
@@ -120,7 +128,7 @@ def test_another_engine_leaves_what_is_there(path):
     sweep(path)
     with open_store(path, create=True) as store:
         plan = plan_sweep(MAP, SCENE, Choice((*FAULTLESS.engines, planted(RaisingSession))), store)
-    assert {engine.name for one in plan.left for engine, _ in one.pairs} == {"Raising"}
+    assert {engine.name for one in plan.left for engine, _ in one.to_run} == {"Raising"}
 
 
 @pytest.mark.parametrize("what", ["scene", "program"])
@@ -145,9 +153,8 @@ def stop_after(path: Path, points: int) -> None:
         if len(stored) == points:
             raise Stop
 
-    with suppress(Stop), open_store(path, create=True) as store, InProcess() as calls:
-        plan = plan_sweep(MAP, SCENE, FAULTLESS, store)
-        carry_out_sweep(plan, SCENE, store, calls, progress)
+    with suppress(Stop):
+        sweep_of(path, MAP, SCENE, FAULTLESS, progress=progress)
 
 
 def test_stopped_at_any_point_it_goes_on_and_ends_the_same(path, finished):
@@ -168,8 +175,9 @@ def test_nothing_is_stored_twice(path):
     assert count == len(SPIN.values) * len(STEPS.values)
 
 
+@pytest.mark.processes
 def test_a_crash_costs_its_own_point_and_the_others_are_as_ever(path, finished):
-    points = sweep(path, PART, CRASHING, executor=Workers(jobs=1))
+    points = sweep(path, PART, CRASHING, executor=LocalWorkers(jobs=1))
     crashed = [p for p in points if p.key.engine == "Segfault"]
     assert {(p.outcome, p.cause) for p in crashed} == {("failed", "crash")}
     assert "SIGSEGV" in crashed[0].reason
@@ -180,9 +188,7 @@ def test_a_crash_costs_its_own_point_and_the_others_are_as_ever(path, finished):
 
 @pytest.mark.parametrize("cause", ["crash", "time-out", "killed", "bug"])
 def test_a_method_that_is_lost_costs_its_own_point_and_says_why(path, finished, cause):
-    points = sweep(
-        path, MAP, CRASHING, executor=InProcess("Segfault", CallFailed("so it went", cause))
-    )
+    points = sweep(path, MAP, CRASHING, executor=crashing(CallFailed("so it went", cause)))
     lost = [p for p in points if p.key.engine == "Segfault"]
     assert {(p.outcome, p.cause, p.reason) for p in lost} == {("failed", cause, "so it went")}
     assert [(p.at, p.timestep) for p in lost] == [(p.at, p.at[1]) for p in finished[1]]
@@ -190,28 +196,28 @@ def test_a_method_that_is_lost_costs_its_own_point_and_says_why(path, finished, 
 
 
 def test_a_point_that_somebody_killed_is_tried_again_by_the_next_sweep(path):
-    sweep(path, MAP, CRASHING, executor=InProcess("Segfault", CallFailed(KILLED, "killed")))
+    sweep(path, MAP, CRASHING, executor=crashing(CallFailed(KILLED, "killed")))
     with open_store(path, create=True) as store:
         plan = plan_sweep(MAP, SCENE, CRASHING, store)
-    assert [[engine.name for engine, _ in one.pairs] for one in plan.left] == [["Segfault"]] * 6
+    assert [[engine.name for engine, _ in one.to_run] for one in plan.left] == [["Segfault"]] * 6
 
 
 @pytest.mark.parametrize(("time_limit", "again"), [(None, 0), (120.0, 0), (500.0, 6)])
 def test_one_that_was_stopped_is_tried_again_with_more_time(path, time_limit, again):
     stopped = CallFailed("did not finish within 120 s", "time-out")
-    sweep(path, MAP, CRASHING, executor=InProcess("Segfault", stopped))
+    sweep(path, MAP, CRASHING, executor=crashing(stopped))
     with open_store(path, create=True) as store:
         choice = replace(CRASHING, time_limit=time_limit)
         assert len(plan_sweep(MAP, SCENE, choice, store).left) == again
 
 
 def test_one_that_crashed_is_not(path):
-    sweep(path, MAP, CRASHING, executor=InProcess("Segfault", CallFailed("it", "crash")))
+    sweep(path, MAP, CRASHING, executor=crashing(CallFailed("it", "crash")))
     assert left(path, MAP, CRASHING) == 0
 
 
 def test_points_of_a_place_are_made_by_one_call(path):
-    executor = InProcess()
+    executor = FailingCalls()
     sweep(path, choice=Choice((planted(HeunSession), planted(RaisingSession))), executor=executor)
     assert executor.calls == len(SPIN.values) * len(STEPS.values)
 
@@ -251,7 +257,7 @@ def test_a_run_beyond_the_budget_is_skipped_and_says_so(path):
     points = sweep(path, replace(MAP, axes=(SPIN, short)))
     skipped = points[0]
     assert (skipped.outcome, skipped.cause, skipped.timestep) == ("skipped", "steps", 1e-9)
-    assert skipped.reason.endswith(f"a point may take {point_run.STEP_BUDGET}")
+    assert skipped.reason.endswith(f"a point may take {sweep_run.STEP_BUDGET}")
     assert points[1].outcome == "ok"
 
 
@@ -261,27 +267,18 @@ def test_a_scene_that_cannot_be_solved_is_told_of_every_method(path, monkeypatch
     def unsolvable(*_: object) -> None:
         raise ArithmeticError("no series converges")
 
-    monkeypatch.setattr(point_run, "solve", unsolvable)
-    place = next(places(MAP))
-    pairs = [(planted(HeunSession), "Heun"), (planted(RaisingSession), "Heun")]
-    points = point_run.run_place(BOX, "box", place, pairs)
+    monkeypatch.setattr(sweep_run, "solve", unsolvable)
+    pairs = [(planted(HeunSession), METHOD), (planted(RaisingSession), METHOD)]
+    points = sweep_run.run_point(SCENE, next(sweep_points(MAP)), pairs)
     assert [(p.outcome, p.cause) for p in points] == [("failed", "unsolved")] * 2
     assert "no series converges" in points[0].reason
 
 
-class Unsolvable(InProcess):
-    """Loses every call, also those that run no method."""
-
-    def submit(self, *args, **kwargs):
-        future = Future()
-        future.set_exception(CallFailed("it crashed", "crash"))
-        return future
-
-
 def test_a_reference_that_takes_its_process_with_it_is_not_blamed_on_a_method(path):
-    points = sweep(path, PART, CRASHING, executor=Unsolvable())
+    crashed = CallFailed("it crashed", "crash")
+    points = sweep(path, PART, CRASHING, executor=FailingCalls(lambda *_: crashed))
     assert [(p.outcome, p.cause) for p in points] == [("failed", "unsolved")] * 4
-    assert points[0].reason == "the reference could not be solved: it crashed"
+    assert points[0].reason == "the exact motion could not be found: it crashed"
 
 
 def test_members_are_those_of_the_seed_and_run_at_a_fixed_turn_a_step(path):

@@ -175,14 +175,19 @@ def test_a_row_is_on_disk_as_soon_as_it_is_put(path, row):
             assert len(other.read().rows) == 1
 
 
+def pages_of(store, pragma: str) -> int:
+    (row,) = store._database.query(f"PRAGMA {pragma}")
+    return row[0]
+
+
 def test_a_file_at_rest_is_one_file_without_gaps(path, row):
     with open_store(path, create=True) as store:
         store.put_row(replace(row, motion=motion(10_000)))
         store.put_verdict(Verdict(KEY, "converges", ""), discardable=[row.timestep])
-        assert store._database._connection.execute("PRAGMA freelist_count").fetchone()[0] > 0
+        assert pages_of(store, "freelist_count") > 0
     assert [file.name for file in path.parent.iterdir()] == [path.name]
     with open_store(path) as store:
-        assert store._database._connection.execute("PRAGMA freelist_count").fetchone()[0] == 0
+        assert pages_of(store, "freelist_count") == 0
 
 
 def test_an_empty_file_is_begun(path):
@@ -206,9 +211,7 @@ def test_a_second_writer_is_refused(path):
 def fill_the_disk(path, row) -> None:
     with open_store(path, create=True) as store:
         # As many pages as there are: what SQLite says of a page too many is what a full disk says.
-        connection = store._database._connection
-        pages = connection.execute("PRAGMA page_count").fetchone()[0]
-        connection.execute(f"PRAGMA max_page_count = {pages}")
+        store._database.query(f"PRAGMA max_page_count = {pages_of(store, 'page_count')}")
         for step in range(1, 100):
             store.put_row(replace(row, timestep=step))
 

@@ -1,0 +1,51 @@
+"""Studies and sweeps of a result file, in this process unless a test brings an executor."""
+
+from collections import deque
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.convergence_study import ConvergenceStudy
+from spincheck.reports.harness.executors import Executor, InProcess
+from spincheck.reports.harness.plan import plan
+from spincheck.reports.harness.study import run_rungs, run_study
+from spincheck.reports.harness.sweep import plan_sweep, run_sweep
+from spincheck.reports.results.records import Verdict
+from spincheck.reports.results.store import Results, open_store
+from spincheck.reports.results.sweep_records import Ensemble, Map, PointResult
+from spincheck.scenarios import Scenario
+
+Progress = Callable[[str], object]
+
+
+def study(
+    path: Path,
+    scenes: Sequence[Scenario],
+    choice: Choice,
+    executor: Executor | None = None,
+    progress: Progress = len,
+) -> Results:
+    """Run what is missing of a study; returns all that the file then holds."""
+    with open_store(path, create=True) as store, executor or InProcess() as calls:
+        run_study(plan(scenes, choice, store), choice, store, calls, progress)
+        return store.read()
+
+
+def sweep(
+    path: Path,
+    asked: Map | Ensemble,
+    scene: Scenario,
+    choice: Choice,
+    executor: Executor | None = None,
+    progress: Progress = len,
+) -> tuple[PointResult, ...]:
+    """Run what is missing of a sweep; returns its points."""
+    with open_store(path, create=True) as store, executor or InProcess() as calls:
+        run_sweep(plan_sweep(asked, scene, choice, store), scene, store, calls, progress)
+        return store.sweeps.points(asked)
+
+
+def verdict_of(study: ConvergenceStudy) -> Verdict:
+    """Run the ladder of one method to its end."""
+    deque(run_rungs(study, InProcess()), maxlen=0)
+    return study.verdict()
