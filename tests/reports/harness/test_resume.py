@@ -125,7 +125,7 @@ def _interrupted(*_: object) -> None:
 
 
 def test_the_samples_of_a_finished_ladder_are_those_of_one_run(undisturbed):
-    rows = [row for row in undisturbed.rows if row.key.engine == "Heun"]
+    rows = [row for row in undisturbed.rows if row.key.engine == "Heun" and not row.stock]
     (kept,) = [row for row in rows if row.motion is not None]
     assert kept.timestep == min(row.timestep for row in rows)
 

@@ -22,7 +22,7 @@ from planted import (
     UpsideDown,
     planted,
 )
-from spincheck.reference import solve
+from spincheck.reference.solve import ExactMotion
 from spincheck.reports.harness import study as study_module
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import LocalWorkers
@@ -33,7 +33,9 @@ from studies import study as study_of
 #: Steps; Heun's method in Python takes some 30 µs each.
 BUDGET = 1 << 11
 #: s, of CPU or idle: longer than the ladder of the faultless one takes.
-TIME_LIMIT = 3.0
+TIME_LIMIT = 5.0
+#: s, of the window of `BOX`.
+HALFWAY = 0.5
 
 
 def study(
@@ -109,8 +111,11 @@ def test_what_cannot_be_judged_failed(judged, kind):
 
 
 @pytest.fixture(scope="module")
-def isolated(tmp_path_factory):
-    """A study, in a worker process, of engines that would take this one along."""
+def isolated(judged, tmp_path_factory):
+    """A study, in a worker process, of engines that would take this one along.
+
+    What it needs compiled was compiled in this one.
+    """
     kinds = (ChattySession, HangSession, AbortSession, HeunSession)
     folder = tmp_path_factory.mktemp("isolated")
     return study(folder, *kinds, executor=LocalWorkers(1, TIME_LIMIT))
@@ -151,17 +156,26 @@ def test_what_an_engine_prints_is_kept_with_its_own_runs(isolated):
     }
 
 
-def test_where_the_truth_ends_at_a_horizon_so_do_all_runs(monkeypatch):
-    def solve_to_a_horizon(scenario, times):
-        found = solve(scenario, times)
-        return replace(found, trajectory=found.trajectory.until(len(times) // 2))
+class UpToHalfway(ExactMotion):
+    """Known up to half the window and no further."""
 
-    monkeypatch.setattr(study_module, "solve", solve_to_a_horizon)
+    def solve(self, times):
+        whole = super().solve(times)
+        known = np.searchsorted(times, HALFWAY)
+        return replace(whole, trajectory=whole.trajectory.until(known), horizon=HALFWAY)
+
+    def outline(self, times):
+        return super().outline(times).until(np.searchsorted(times, HALFWAY))
+
+
+def test_where_the_exact_motion_ends_at_a_horizon_so_do_all_runs(monkeypatch):
+    monkeypatch.setattr(study_module, "ExactMotion", UpToHalfway)
     prepared = study_module.prepare(loads(BOX, "box"), [0.01], BUDGET)
     ladder = [(rung, prepared.solution) for rung in prepared.ladder.rungs]
-    for rung, truth in ladder + prepared.singles:
+    for rung, solution in ladder + prepared.singles:
         times = rung.sample_steps * rung.timestep
-        np.testing.assert_array_equal(times, truth.trajectory.t)
+        np.testing.assert_array_equal(times, solution.trajectory.t)
+        assert 0 < times[-1] < HALFWAY
 
 
 PROMISE = """
