@@ -9,7 +9,7 @@ import numpy as np
 from ..scenarios import FloatArray, Trajectory
 from .fault import Fault
 from .read_back import State
-from .rotation import matrices
+from .rotation import matrices, norms
 from .turn_faults import Reading, turn_faults
 
 #: Of so many states one is asked whether the pivot holds, the last among them.
@@ -44,12 +44,12 @@ def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
         finite = np.hstack([np.isfinite(column) for column in columns(states)])
         if not finite.all():
             yield Fault(_first(~finite.all(axis=1)), "not-finite", "the state is no longer finite")
-    norms = _norms(states.q_world_body_wxyz)
-    off = np.abs(norms - 1) > Trajectory.UNIT_NORM_SLACK
+    sizes = norms(states.q_world_body_wxyz)
+    off = np.abs(sizes - 1) > Trajectory.UNIT_NORM_SLACK
     if off.any():
-        norm = norms[_first(off)]
+        norm = sizes[_first(off)]
         yield Fault(_first(off), "not-unit", f"the attitude's quaternion is of norm {norm:.3g}")
-    speeds = _norms(states.omega_body)
+    speeds = norms(states.omega_body)
     clamped = speeds * timestep > bounds.most_turn
     if clamped.any():
         speed = float(speeds[_first(clamped)])
@@ -85,18 +85,13 @@ def _pivot_faults(states: State, arm_body: FloatArray) -> Iterator[Fault]:
 
     def drift_of(rows: slice) -> FloatArray:
         arm_world = matrices(states.q_world_body_wxyz[rows]) @ arm_body
-        return _norms(states.com_world[rows] - arm_world)
+        return norms(states.com_world[rows] - arm_world)
 
     # One that has given way does not hold again.
     if arm > 0 and (drift_of(slice(None, None, -PIVOT_EVERY)) > arm).any():
         drift = drift_of(slice(None))
         first = _first(drift > arm)
         yield Fault(first, "pivot", f"the pivot gave way by {drift[first]:.3g} m")
-
-
-def _norms(vectors: FloatArray) -> FloatArray:
-    """Of rows; in half the time that numpy's own takes."""
-    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
 
 
 def _first(bad: Any) -> int:

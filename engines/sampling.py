@@ -14,11 +14,13 @@ from .run import Outcome
 from .session import Session
 from .turn_faults import Reading
 
-#: States read before they are looked at, all at once: one by one, looking takes longer than ten
-#: steps do, and a look at many takes hardly longer than one at few. The first block is short, each
-#: other twice as long as the one before, up to a limit: a run that has gone wrong unnoticed is
-#: stepped on for no longer than it has gone so far, nor for more readings than the longest block.
+#: States read before they are looked at, all at once: a look takes as long as thousands of steps,
+#: at many states hardly longer than at few. A block has no fewer states than the first, takes no
+#: fewer steps than `BLOCK_STEPS`, and is as long as all blocks before it, up to a limit: a run that
+#: has gone wrong unnoticed is stepped on for no longer than it has gone so far, or a look would
+#: have taken as long, and for no more readings than the longest block.
 FIRST_BLOCK = 1 << 4
+BLOCK_STEPS = 1 << 14
 BLOCK = 1 << 11
 #: A run of no more steps is read at every one of them: coarse ones are those that go wrong.
 READ_THROUGHOUT = 1 << 10
@@ -71,9 +73,9 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
     start = _stacked([])
     end = _Block(start)
     last: list[Any] = []
-    for first, beyond in _blocks(len(steps)):
+    for first, beyond in _blocks(steps):
         taken = int(steps[first - 1]) if first else 0
-        new, end = _read(session, taken, steps[first:beyond].tolist())
+        new, end = _read(session, np.diff(steps[first:beyond], prepend=taken).tolist())
         # The last state of the block before is looked at once more, beside the one after it.
         snapshots, first = last + new, first - len(last)
         if new:
@@ -92,12 +94,15 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
     return Sampled(_stacked(parts), end.outcome, end.reason, end.cause)
 
 
-def _blocks(count: int) -> Iterator[tuple[int, int]]:
-    """Beginning and end of each block of so many readings."""
-    first, length = 0, FIRST_BLOCK
-    while first < count:
-        yield first, min(first + length, count)
-        first, length = first + length, min(2 * length, BLOCK)
+def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
+    """Beginning and end of each block of these readings."""
+    first = 0
+    while first < len(steps):
+        worth_a_look = int(np.searchsorted(steps, steps[first] + BLOCK_STEPS))
+        beyond = max(2 * first, FIRST_BLOCK, worth_a_look)
+        beyond = min(beyond, first + BLOCK, len(steps))
+        yield first, beyond
+        first = beyond
 
 
 def steps_to_read(sample_steps: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -109,17 +114,12 @@ def steps_to_read(sample_steps: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.union1d(sample_steps, sample_steps[:-1:every] + 1)
 
 
-def _read(session: Session, taken: int, steps: Sequence[int]) -> tuple[list[Any], _Block]:
+def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], _Block]:
     """Snapshots of a block; fewer where the engine stopped, and how it ended then."""
     snapshots: list[Any] = []
-    advance, snapshot, keep = session.advance, session.snapshot, snapshots.append
     nothing = _stacked([])
     try:
-        for wanted in steps:
-            if wanted > taken:
-                advance(wanted - taken)
-                taken = wanted
-            keep(snapshot())
+        session.record(strides, snapshots.append)
     except EngineError as error:
         blown_up = _blown_up(session)
         if blown_up and error.cause not in WRONG_AT_ANY_TIMESTEP:

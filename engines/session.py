@@ -2,7 +2,7 @@
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any, Self
 
@@ -15,8 +15,9 @@ from .read_back import BodyReading, State
 class Session(ABC):
     """A scene loaded in an engine: set to its start, ready to step.
 
-    An engine whose readings take as long as its steps gives them raw, as `snapshot`, and turns
-    them into states many at a time; for any other `read_state` and `check` are enough.
+    An engine whose readings take as long as its steps gives them raw, as `snapshot`, turns them
+    into states many at a time, and may have a `record` of its own; for any other `read_state` and
+    `check` are enough.
 
     Raises
     ------
@@ -68,6 +69,19 @@ class Session(ABC):
         """
         self.check()
         return self.read_state()
+
+    def record(self, strides: Sequence[int], keep: Callable[[Any], object]) -> None:
+        """Again and again take some steps, then keep a snapshot: what every run consists of.
+
+        Parameters
+        ----------
+        strides : steps before each snapshot, 0 or more
+        keep : takes a snapshot as soon as it is made
+        """
+        for steps in strides:
+            if steps:
+                self.advance(steps)
+            keep(self.snapshot())
 
     def states(self, snapshots: Sequence[Any]) -> State:
         """The states of n snapshots, one a row of each column."""

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray
 from .fault import Cause, Fault
 from .read_back import State
+from .rotation import norms, rotation_vectors
 
 #: rad. A turn is told from one the other way round up to π, and this far off it to be sure.
 FURTHEST = 3.0
@@ -56,7 +56,8 @@ def turn_faults(
     with np.errstate(all="ignore"):
         yield from _resets(reading)
         pairs = np.flatnonzero(np.diff(reading.steps) == 1)
-        pairs = pairs[_is_sound(reading.states, pairs) & _is_sound(reading.states, pairs + 1)]
+        is_sound = _is_sound(reading.states)
+        pairs = pairs[is_sound[pairs] & is_sound[pairs + 1]]
         if len(pairs):
             yield from _turns(reading, pairs, timestep, round_off, decay)
 
@@ -69,19 +70,20 @@ def _turns(
     decay: float,
 ) -> Iterator[Fault]:
     states = reading.states
-    attitudes = Rotation.from_quat(states.q_world_body_wxyz[pairs], scalar_first=True)
-    after = Rotation.from_quat(states.q_world_body_wxyz[pairs + 1], scalar_first=True)
-    rate_body = (attitudes.inv() * after).as_rotvec() / timestep
+    q_world_body = states.q_world_body_wxyz
+    rate_body = rotation_vectors(q_world_body[pairs], q_world_body[pairs + 1]) / timestep
     before_body, after_body = states.omega_body[pairs], states.omega_body[pairs + 1]
     said_body = (before_body + after_body) / 2
-    speeds = np.linalg.norm(said_body, axis=1)
-    fastest = np.maximum(_norms(before_body), _norms(after_body))
+    speeds = norms(said_body)
+    fastest = np.maximum(norms(before_body), norms(after_body))
     # ω may turn back within a step; so it is its change there or next to it that counts.
-    change = np.pad(_norms(after_body - before_body), 1)
-    change = np.maximum(change[1:-1], np.maximum(change[:-2], change[2:]))
+    own_change = norms(after_body - before_body)
+    change = own_change.copy()
+    np.maximum(change[1:], own_change[:-1], out=change[1:])
+    np.maximum(change[:-1], own_change[1:], out=change[:-1])
     change += decay * timestep * fastest
     allowed = change + ATAN * timestep**2 * fastest**3 + round_off / timestep
-    bad = (_norms(rate_body - said_body) > allowed) & (fastest * timestep < FURTHEST)
+    bad = (norms(rate_body - said_body) > allowed) & (fastest * timestep < FURTHEST)
     if not bad.any():
         return
     k = int(np.argmax(bad))
@@ -123,7 +125,12 @@ def _resets(reading: Reading) -> Iterator[Fault]:
 
     An engine that is set back shows its start, or the step after it, once more.
     """
+    scalars = reading.states.q_world_body_wxyz[:, 0]
     for first in range(len(reading.start.omega_body)):
+        likely = scalars == reading.start.q_world_body_wxyz[first, 0]
+        # In few blocks is there any: it is all that most have to be looked at for.
+        if not (likely & (reading.steps > first)).any():
+            continue
         is_first = _is_same(reading.states, reading.start, first)
         again = np.flatnonzero(is_first[1:] & ~is_first[:-1] & (reading.steps[1:] > first)) + 1
         if len(again):
@@ -133,12 +140,8 @@ def _resets(reading: Reading) -> Iterator[Fault]:
 
 def _is_same(states: State, others: State, k: int) -> NDArray[np.bool_]:
     """Which states are one of the others to the last bit, row by row."""
-    is_same = states.q_world_body_wxyz[:, 0] == others.q_world_body_wxyz[k, 0]
-    # Few are, as far as that goes: it is all that most have to be looked at for.
-    likely = np.flatnonzero(is_same)
     pairs = zip(_motion(states), _motion(others), strict=True)
-    is_same[likely] = np.all([(a[likely] == b[k]).all(axis=1) for a, b in pairs], axis=0)
-    return np.asarray(is_same)
+    return np.asarray(np.all([(a == b[k]).all(axis=1) for a, b in pairs], axis=0))
 
 
 def _motion(states: State) -> list[FloatArray]:
@@ -149,11 +152,7 @@ def _same(states: State, i: int, j: int) -> bool:
     return all(bool((column[i] == column[j]).all()) for column in _motion(states))
 
 
-def _is_sound(states: State, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
+def _is_sound(states: State) -> NDArray[np.bool_]:
     """Whether a state is finite and its attitude one, row by row."""
-    finite = np.isfinite(states.omega_body[rows]).all(axis=1)
-    return finite & (np.abs(_norms(states.q_world_body_wxyz[rows]) - 1) < 0.5)
-
-
-def _norms(vectors: FloatArray) -> FloatArray:
-    return np.asarray(np.linalg.norm(vectors, axis=1))
+    is_finite = np.isfinite(norms(states.omega_body))
+    return is_finite & (np.abs(norms(states.q_world_body_wxyz) - 1) < 0.5)

@@ -2,7 +2,14 @@
 
 import numpy as np
 from scipy.spatial.transform import Rotation
-from spincheck.engines.rotation import across, matrices, times, turned, turned_back
+from spincheck.engines.rotation import (
+    across,
+    matrices,
+    rotation_vectors,
+    times,
+    turned,
+    turned_back,
+)
 
 EPS = float(np.finfo(float).eps)
 #: Sums of a few products of numbers up to one.
@@ -50,3 +57,13 @@ def test_what_is_no_number_spoils_its_own_row_only() -> None:
     q[3] = np.nan
     finite = np.isfinite(turned(matrices(q), V)).all(axis=1)
     assert finite.tolist() == [row != 3 for row in range(len(Q))]
+
+
+def test_a_turn_from_one_attitude_to_another_is_scipys() -> None:
+    scipys = (Rotation.from_quat(Q[:-1], scalar_first=True).inv() * ROTATIONS[1:]).as_rotvec()
+    assert misfit(rotation_vectors(Q[:-1], Q[1:]), scipys) <= ROUND_OFF
+    assert misfit(rotation_vectors(Q[1:], Q[:-1]), scipys) > 0.1
+
+
+def test_an_attitude_is_not_turned_by_its_negative() -> None:
+    assert not rotation_vectors(Q, -Q).any()

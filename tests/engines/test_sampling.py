@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scenes import scene
 from spincheck.engines import BodyReading, Engine, EngineError, Fault, Method, Run, Session, State
-from spincheck.engines.sampling import BLOCK, FIRST_BLOCK, steps_to_read
+from spincheck.engines.sampling import BLOCK, BLOCK_STEPS, FIRST_BLOCK, steps_to_read
 from spincheck.scenarios import Scenario
 
 TIMESTEP = 0.125
@@ -205,10 +205,18 @@ def test_an_engine_that_stops_is_not_stepped_on(kind: type[Turning]) -> None:
 
 
 def test_what_goes_wrong_unnoticed_is_stepped_on_no_longer_than_it_has_gone() -> None:
+    samples = np.arange(0, 100 * BLOCK_STEPS, BLOCK_STEPS)
+    read = steps_to_read(samples)
+    wrong = FIRST_BLOCK + 1
+    engine = Spinner(NotFinite, int(read[wrong]))
+    engine.run(SCENE, METHOD, TIMESTEP, samples)
+    assert engine.session.steps <= read[2 * wrong]
+
+
+def test_no_look_is_taken_at_fewer_steps_than_it_is_worth() -> None:
     engine = Spinner(NotFinite, EARLY)
     engine.run(SCENE, METHOD, TIMESTEP, SAMPLES)
-    wrong = np.searchsorted(READ, EARLY)
-    assert engine.session.steps <= READ[2 * wrong + FIRST_BLOCK]
+    assert engine.session.steps == READ[min(BLOCK, np.searchsorted(READ, BLOCK_STEPS)) - 1]
 
 
 def test_what_goes_wrong_late_is_stepped_on_for_a_block_at_most() -> None:

@@ -26,6 +26,7 @@ MOST_STEPS_A_CALL = 2**14
 ROTATED = 8 * float(np.finfo(float).eps)
 #: Three numbers of the com, four of the attitude, three of its velocity, three of ω.
 MOTION = Struct("13d")
+NOT_FINITE, NOT_COMPLETED = "the state is no longer finite", "PyBullet did not complete a step"
 #: How PyBullet marks what it warns of.
 WARNING = "b3Warning"
 
@@ -88,7 +89,20 @@ class PyBulletSession(Session):
         for apply in self._torques:
             apply()
         if p.stepSimulation(self.client) is None:
-            raise EngineError("PyBullet did not complete a step", "warning")
+            raise EngineError(NOT_COMPLETED, "warning")
+
+    def record(self, strides: Sequence[int], keep: Callable[[bytes], object]) -> None:
+        """As of any session, without a call of ours between PyBullet's: each takes a tenth step."""
+        step, client, read = p.stepSimulation, self.client, self._reader()
+        # Steps that need nothing but the call, once PyBullet knows their number.
+        is_plain = self.at_once and not self._torques
+        for steps in strides:
+            if steps and is_plain and steps == self._substeps:
+                if step(client) is None:
+                    raise EngineError(NOT_COMPLETED, "warning")
+            elif steps:
+                self.advance(steps)
+            keep(read())
 
     def check(self) -> None:
         """Raise if the clock is not what was set, a velocity is clamped, or the pivot gave way."""
@@ -105,11 +119,36 @@ class PyBulletSession(Session):
 
     def snapshot(self) -> bytes:
         """The motion as PyBullet tells it: its numbers one after the other."""
-        com_world, q_xyzw, velocity_world, omega_world = self.model.motion()
-        if isnan(omega_world[0]):
-            # Nobody knows how long the solvers take over one that is not a number.
-            raise EngineError("the state is no longer finite", "not-finite")
-        return MOTION.pack(*com_world, *q_xyzw, *velocity_world, *omega_world)
+        return self._reader()()
+
+    def _reader(self) -> Callable[[], bytes]:
+        """A function that makes snapshots: `Model.motion`, packed, with all that is constant bound.
+
+        Nobody knows how long the solvers take over a motion that is not a number: it ends the run.
+        """
+        body, link, client, pack = self.model.body, self.model.link, self.client, MOTION.pack
+        pose, velocity, link_state = (
+            p.getBasePositionAndOrientation,
+            p.getBaseVelocity,
+            p.getLinkState,
+        )
+
+        def of_base() -> bytes:
+            com_world, q_xyzw = pose(body, client)
+            velocity_world, omega_world = velocity(body, client)
+            if isnan(omega_world[0]):
+                raise EngineError(NOT_FINITE, "not-finite")
+            return pack(*com_world, *q_xyzw, *velocity_world, *omega_world)
+
+        def of_link() -> bytes:
+            com_world, q_xyzw, _, _, _, _, velocity_world, omega_world = link_state(
+                body, link, 1, 1, client
+            )
+            if isnan(omega_world[0]):
+                raise EngineError(NOT_FINITE, "not-finite")
+            return pack(*com_world, *q_xyzw, *velocity_world, *omega_world)
+
+        return of_base if link == BASE else of_link
 
     def states(self, snapshots: Sequence[bytes]) -> State:
         """The same in the program's own frames."""
