@@ -225,6 +225,9 @@ def test_a_clock_that_somebody_else_set_is_noticed() -> None:
             session.check()
 
 
+#: Where `scenes` is.
+SUPPORT = Path(__file__).parents[2] / "support"
+
 SILENT = """
 import sys
 sys.path.insert(0, {folder!r})
@@ -240,7 +243,7 @@ for method in engine.methods:
 
 def printed(first: str) -> str:
     """What a process that runs every method prints, C's output included."""
-    script = SILENT.format(folder=str(Path(__file__).parent), first=first)
+    script = SILENT.format(folder=str(SUPPORT), first=first)
     process = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)
     return (process.stdout + process.stderr).decode()
 

@@ -23,15 +23,9 @@ from pybullet_planted import (
 from scenes import SCENES, scene
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError, Method
-from spincheck.engines.adapters.pybullet.engine import (
-    as_shipped as pybullet_defaults,
-)
-from spincheck.engines.adapters.pybullet.engine import (
-    load as pybullet_load,
-)
-from spincheck.engines.adapters.pybullet.engine import (
-    session as pybullet_session,
-)
+from spincheck.engines.adapters.pybullet import as_shipped as pybullet_defaults
+from spincheck.engines.adapters.pybullet import load as pybullet_load
+from spincheck.engines.adapters.pybullet import session as pybullet_session
 from spincheck.scenarios import Scenario
 
 EPS = np.finfo(float).eps
