@@ -111,6 +111,11 @@ def read(path: Path) -> Results:
     try:
         with open_store(path) as store:
             results = store.read()
+            if store.log_missing:
+                say(
+                    f"{path}: it was being written when it was copied, and its log "
+                    f"'{path.name}-wal' is not beside it: the last runs are missing"
+                )
     except ResultFileError as error:
         raise Complaint(str(error), BAD_INPUT) from None
     if not (results.verdicts or results.maps or results.ensembles):

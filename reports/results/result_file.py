@@ -43,7 +43,7 @@ _IN_WORDS = {
     sqlite3.SQLITE_IOERR: "cannot be read or written: the disk fails or is full",
     sqlite3.SQLITE_CANTOPEN: "cannot be opened",
     sqlite3.SQLITE_BUSY: "another program holds it",
-    sqlite3.SQLITE_TOOBIG: f"a record is larger than {LARGEST_RECORD} bytes",
+    sqlite3.SQLITE_TOOBIG: "a record is larger than any that spincheck writes",
 }
 #: An SQLite error code's lowest byte is its kind.
 _KIND = 0xFF
@@ -110,11 +110,13 @@ def _is_there(path: Path, purpose: str) -> bool:
 
 @contextmanager
 def _to_read(path: Path, schema: str) -> Iterator[OpenFile]:
+    # Before it is opened, which begins an empty one.
+    log_missing = not _has_log(path)
     with _connected(path, "mode=ro") as connection:
         connection.execute("PRAGMA query_only = ON")
         _check(connection, schema)
         (whole,) = connection.execute("SELECT min(whole) FROM file").fetchone()
-        yield OpenFile(connection, lambda: None, not whole and not _log(path).exists())
+        yield OpenFile(connection, lambda: None, log_missing and not whole)
 
 
 @contextmanager
@@ -133,6 +135,11 @@ def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
         connection.execute("PRAGMA synchronous = NORMAL")
         try:
             yield OpenFile(connection, check, log_missing=False)
+            check()
+        except sqlite3.DatabaseError:
+            # SQLite has words of its own for a file that is gone.
+            check()
+            raise
         finally:
             # A file at rest is one file without gaps, which can be read where nothing may be
             # written; where somebody reads it just now it stays as it is.
@@ -160,15 +167,14 @@ def _check_log(path: Path) -> None:
 
     SQLite would write what it holds into whatever file now has the name.
     """
-    log = _log(path)
-    if not (log.exists() and path.exists() and log.stat().st_size):
+    if not (_has_log(path) and path.exists()):
         return
     by_itself = _session(path, "immutable=1")
     if by_itself is not None and _session(path, "mode=ro") != by_itself:
         raise ResultFileError(
-            f"the log beside it, '{printable(log.name)}', belongs to another result file, which a "
-            "run was writing when it was killed: put those two side by side again, or delete the "
-            "log, and with it the last runs of that one"
+            f"the log beside it, '{printable(_log(path).name)}', belongs to another result file, "
+            "whose run was killed: put those two side by side again, or delete the log, and with "
+            "it the last runs of that one"
         )
 
 
@@ -188,6 +194,12 @@ def _session(path: Path, options: str) -> str | None:
 
 def _log(path: Path) -> Path:
     return path.with_name(f"{path.name}-wal")
+
+
+def _has_log(path: Path) -> bool:
+    with suppress(OSError):
+        return _log(path).stat().st_size > 0
+    return False
 
 
 @contextmanager

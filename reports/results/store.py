@@ -255,6 +255,7 @@ class Store:
             for record in self._select("left_out", order="scenario, engine, method")
         ]
         found = [table_records.row(r, costs.get(table_records.key(r))) for r in rows]
+        maps, ensembles = self.sweeps.read()
         known = {r["scenario"]: SceneResult(*table_records.scene(r)) for r in scenes}
         for row in found:
             if row.errors is not None and row.key.scenario not in known:
@@ -266,8 +267,8 @@ class Store:
             verdicts=self._verdicts(_asked(timesteps)),
             effects=[found for found in left_out if isinstance(found, EffectsCost)],
             passes=[found for found in left_out if isinstance(found, PassCosts)],
-            maps=self.sweeps.maps(),
-            ensembles=self.sweeps.ensembles(),
+            maps=maps,
+            ensembles=ensembles,
             methods=dict(table_records.method(record) for record in self._select("methods")),
         )
 

@@ -95,34 +95,38 @@ class SweepTables:
 
     def points(self, asked: Map | Ensemble) -> tuple[PointResult, ...]:
         """The points there are, in the order of the places."""
-        records = self._database.select("points", "scenario = ?", (asked.scenario,))
-        # From what is there, not from what was asked for, of which little may have been run.
-        found: dict[SweepPoint, list[PointResult]] = defaultdict(list)
-        for record in records:
-            if (place := _place(asked, record)) is not None:
-                found[place].append(_point(place, record))
-        return tuple(
-            point
-            for place in sorted(found, key=lambda place: place.at)
-            for point in sorted(
-                found[place], key=lambda point: (point.key.engine, point.key.method)
-            )
-        )
+        return _placed(asked, self._database.select("points", "scenario = ?", (asked.scenario,)))
 
-    def maps(self) -> list[MapResult]:
-        """Every map, with its points."""
-        found = [(_map(record), _scene(record)) for record in self._asked(Map)]
-        return [MapResult(asked, scenario, self.points(asked)) for asked, scenario in found]
+    def read(self) -> tuple[list[MapResult], list[EnsembleResult]]:
+        """Every map and every ensemble, with their points."""
+        points: dict[str, list[sqlite3.Row]] = defaultdict(list)
+        for record in self._database.select("points"):
+            points[record["scenario"]].append(record)
+        maps, ensembles = [], []
+        for record in self._database.select("sweeps", order="scenario, asked"):
+            asked, scenario = _asked(record), _scene(record)
+            placed = _placed(asked, points[scenario.name])
+            if isinstance(asked, Map):
+                maps.append(MapResult(asked, scenario, placed))
+            else:
+                ensembles.append(EnsembleResult(asked, scenario, placed))
+        return maps, ensembles
 
-    def ensembles(self) -> list[EnsembleResult]:
-        """Every ensemble, with its points."""
-        found = [(_ensemble(record), _scene(record)) for record in self._asked(Ensemble)]
-        return [EnsembleResult(asked, scenario, self.points(asked)) for asked, scenario in found]
 
-    def _asked(self, kind: type) -> list[sqlite3.Row]:
-        return self._database.select(
-            "sweeps", "kind = ?", (kind.__name__,), order="scenario, asked"
-        )
+def _placed(asked: Map | Ensemble, records: Iterable[sqlite3.Row]) -> tuple[PointResult, ...]:
+    """The points of a sweep among those of its scene, in the order of its places.
+
+    It goes through what is there, not through all that was asked for: little may have been run.
+    """
+    found: dict[SweepPoint, list[PointResult]] = defaultdict(list)
+    for record in records:
+        if (place := _place(asked, record)) is not None:
+            found[place].append(_point(place, record))
+    return tuple(
+        point
+        for place in sorted(found, key=lambda place: place.at)
+        for point in sorted(found[place], key=lambda point: (point.key.engine, point.key.method))
+    )
 
 
 def _record(place: SweepPoint, point: PointResult) -> dict[str, Any]:
@@ -157,13 +161,21 @@ def _scene(record: sqlite3.Row) -> Scenario:
 
 
 @told
-def _map(record: sqlite3.Row) -> Map:
+def _asked(record: sqlite3.Row) -> Map | Ensemble:
+    """What a sweep asks for; only what a user can ask for."""
     asked = from_json(record["asked"], dict)
+    if record["kind"] == Ensemble.__name__:
+        return _ensemble(asked, scene_name(record))
+    if record["kind"] == Map.__name__:
+        return _map(asked, _scene(record))
+    raise ValueError(f"a sweep of kind '{record['kind']}'")
+
+
+def _map(asked: dict[str, Any], scene: Scenario) -> Map:
     first, second = (
         typed(Axis(axis["path"], tuple(axis["values"]), axis["logarithmic"]))
         for axis in asked["axes"]
     )
-    scene = _scene(record)
     for axis in (first, second):
         check_path(scene, axis.path)
         _check_axis(axis)
@@ -174,10 +186,8 @@ def _map(record: sqlite3.Row) -> Map:
     return found
 
 
-@told
-def _ensemble(record: sqlite3.Row) -> Ensemble:
-    asked = from_json(record["asked"], dict)
-    found = typed(Ensemble(**{**asked, "scenario": scene_name(record)}))
+def _ensemble(asked: dict[str, Any], scene: str) -> Ensemble:
+    found = typed(Ensemble(**{**asked, "scenario": scene}))
     if not (0 < found.members <= MAX_MEMBERS and 0 <= found.seed <= MAX_SEED):
         raise ValueError(f"an ensemble of {found.members} members and seed {found.seed}")
     _check_timestep(found.timestep)

@@ -5,6 +5,7 @@ from contextlib import closing
 from pathlib import Path
 
 from spincheck.reports.results.checksum import CHECKSUM, checksum
+from spincheck.reports.results.database import shown
 
 
 def columns(path: Path) -> list[tuple[str, str]]:
@@ -40,6 +41,8 @@ def seal(path: Path) -> None:
     """Compute the checksum of every record anew."""
     with closing(sqlite3.connect(path)) as connection, connection:
         connection.row_factory = sqlite3.Row
+        # As a reader sees it.
+        connection.text_factory = lambda content: shown(content.decode(errors="backslashreplace"))
         for table in sorted({table for table, _ in columns(path)} - {"file"}):
             for record in connection.execute(f"SELECT rowid AS at, * FROM {table}").fetchall():
                 content = {name: value for name, value in dict(record).items() if name != "at"}

@@ -1,0 +1,281 @@
+"""Result files that somebody meant harm with: data is all that is ever read of them."""
+
+import io
+import json
+import shutil
+import sqlite3
+import tracemalloc
+import zipfile
+from contextlib import closing
+from unittest.mock import patch
+
+import command_line
+import numpy as np
+import pytest
+import small_result_file
+from forging import change, columns, forge, seal
+from small_result_file import SWEPT
+from spincheck.reports.cli.terminal import BAD_INPUT
+from spincheck.reports.results.motion_blobs import pack, unpack
+from spincheck.reports.results.result_file import ResultFileError
+from spincheck.reports.results.store import open_store
+from spincheck.reports.results.sweep_records import MAX_MEMBERS, SweepPoint
+from spincheck.scenarios import Trajectory
+from spincheck.scenarios.errors import is_control
+
+#: Never read by a report: what results rest on, and which run wrote last.
+NOT_READ = ("fingerprints", "file")
+BLOBS = ("truth", "motion")
+#: Bytes; unpacking refuses what is larger than a motion without having unpacked it.
+BOMB = 1 << 26
+#: Place of a byte of an archive's first array, after its header of 59.
+IN_THE_FIRST_ARRAY = 100
+COMMANDS = ("\x1b[2J", "\x9b31m", "\u202e", "\x07", "\r")
+HOSTILE = f"evil{''.join(COMMANDS)}"
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory):
+    return small_result_file.write(tmp_path_factory.mktemp("good") / "good.sqlite")
+
+
+@pytest.fixture
+def path(good, tmp_path, monkeypatch):
+    """A copy to be forged, in the folder that commands write to."""
+    monkeypatch.chdir(tmp_path)
+    return shutil.copy(good, tmp_path / "forged.sqlite")
+
+
+def executed(path, *statements: str) -> None:
+    with closing(sqlite3.connect(path)) as connection, connection:
+        for statement in statements:
+            connection.execute(statement)
+
+
+def rewritten_schema(path, old: str, new: str) -> None:
+    executed(
+        path,
+        "PRAGMA writable_schema = ON",
+        f"UPDATE sqlite_master SET sql = CAST(replace(sql, '{old}', {new}) AS TEXT)",
+    )
+
+
+ENDLESS = "WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x FROM n) SELECT x FROM n"
+SCHEMAS = {
+    "a view that never ends": lambda path: executed(
+        path, "DROP TABLE environment", f"CREATE VIEW environment(name) AS {ENDLESS}"
+    ),
+    "a trigger that forges": lambda path: executed(
+        path,
+        "CREATE TRIGGER t AFTER INSERT ON verdicts BEGIN "
+        "UPDATE verdicts SET verdict = 'converges'; END",
+    ),
+    "a further table": lambda path: executed(path, "CREATE TABLE evil (x)"),
+    "a further index": lambda path: executed(path, "CREATE INDEX evil ON rows (reason)"),
+    "a column that is computed": lambda path: executed(
+        path, "ALTER TABLE rows ADD COLUMN evil AS (reason || 'evil')"
+    ),
+    "a check that is computed": lambda path: rewritten_schema(
+        path, "value TEXT NOT NULL", "'value TEXT NOT NULL CHECK (length(randomblob(1e9)))'"
+    ),
+    "a virtual table": lambda path: executed(
+        path,
+        "PRAGMA writable_schema = ON",
+        "INSERT INTO sqlite_master VALUES "
+        "('table', 'evil', 'evil', 0, 'CREATE VIRTUAL TABLE evil USING fts5(x)')",
+    ),
+    "a byte that is no text": lambda path: rewritten_schema(path, "value", "x'd8'"),
+}
+
+
+@pytest.mark.parametrize("write", [False, True], ids=["read", "written"])
+@pytest.mark.parametrize("forged", SCHEMAS.values(), ids=SCHEMAS)
+def test_a_file_of_another_schema_is_refused_and_left_as_it_is(path, forged, write):
+    forged(path)
+    before = path.read_bytes()
+    with (
+        pytest.raises(ResultFileError, match=r"its schema is not|not a usable result file"),
+        open_store(path, create=write),
+    ):
+        pass
+    assert path.read_bytes() == before
+
+
+def test_nothing_can_be_written_through_a_file_opened_to_be_read(path):
+    with (
+        open_store(path) as store,
+        pytest.raises(sqlite3.OperationalError, match="readonly"),
+        store._database.transaction() as connection,
+    ):
+        connection.execute("DELETE FROM rows")
+
+
+@pytest.mark.parametrize("name", ["/tmp/evil", "../../evil", "a/b", "..", "-x", ""])
+def test_a_scene_in_what_a_sweep_asks_for_names_no_page(path, name):
+    """The name is the column's, which is checked; that in the JSON is nobody's."""
+    with closing(sqlite3.connect(path)) as connection, connection:
+        for row, asked in connection.execute("SELECT rowid, asked FROM sweeps").fetchall():
+            changed = json.dumps(json.loads(asked) | {"scenario": name})
+            connection.execute("UPDATE sweeps SET asked = ? WHERE rowid = ?", (changed, row))
+    seal(path)
+    assert command_line.run("report", str(path), "--out", "pages").exit_code != BAD_INPUT
+    assert {entry.name for entry in path.parent.iterdir()} == {path.name, "pages"}
+    assert (path.parent / "pages" / "maps" / f"{SWEPT}-1.html").is_file()
+
+
+def test_a_number_that_was_changed_is_told(good, path):
+    """Any column of any table that is read, but for motions, which have checksums of their own."""
+    silent = []
+    for table, column in columns(good):
+        if table in NOT_READ or column in BLOBS:
+            continue
+        shutil.copy(good, path)
+        change(path, [(table, column)], 0.125)
+        if "changed after it was written" not in complaint_of(path):
+            silent.append((table, column))
+    assert silent == []
+
+
+def complaint_of(path) -> str:
+    try:
+        with open_store(path) as store:
+            store.read()
+    except ResultFileError as error:
+        return str(error)
+    return ""
+
+
+@pytest.mark.parametrize(("table", "column"), [("scenes", "truth"), ("rows", "motion")])
+def test_a_motion_that_was_changed_is_told(path, table, column):
+    with closing(sqlite3.connect(path)) as connection, connection:
+        (blob,) = connection.execute(f"SELECT {column} FROM {table}").fetchone()
+        changed = bytearray(blob)
+        changed[IN_THE_FIRST_ARRAY] ^= 1
+        connection.execute(f"UPDATE {table} SET {column} = ?", (bytes(changed),))
+    with pytest.raises(ResultFileError, match="cannot be read"), open_store(path) as store:
+        store.read()
+
+
+def archive_of(arrays: dict[str, np.ndarray], **others: np.ndarray) -> bytes:
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, **arrays, **others)
+    return buffer.getvalue()
+
+
+def lying(blob: bytes) -> bytes:
+    """An archive whose largest member says that it is small."""
+    content = bytearray(blob)
+    content = content.replace((BOMB + 128).to_bytes(4, "little"), (200).to_bytes(4, "little"))
+    return bytes(content)
+
+
+MOTION = Trajectory(
+    np.arange(3.0), np.tile([1.0, 0, 0, 0], (3, 1)), *(np.zeros((3, 3)) for _ in range(3))
+)
+ARRAYS = dict(vars(MOTION))
+ZEROS = {**ARRAYS, "t": np.zeros(BOMB // 8)}
+BLOBS_OF_HARM = {
+    "of zeros": archive_of(ZEROS),
+    "of zeros, said to be few": lying(archive_of(ZEROS)),
+    "with another array": archive_of(ARRAYS, evil=np.zeros(3)),
+    "with an array too few": archive_of({"t": np.zeros(3)}),
+    "of numbers of another type": archive_of({**ARRAYS, "t": np.arange(3)}),
+    "of objects": archive_of({**ARRAYS, "t": np.array([None] * 3)}),
+    "none": b"PK\x05\x06" + bytes(18),
+}
+
+
+@pytest.mark.parametrize("blob", BLOBS_OF_HARM.values(), ids=BLOBS_OF_HARM)
+def test_no_archive_unpacks_to_more_than_a_motion(blob):
+    assert len(unpack(pack(MOTION)).t) == len(MOTION.t)
+    tracemalloc.start()
+    try:
+        with pytest.raises((ValueError, zipfile.BadZipFile)):
+            unpack(blob)
+        assert tracemalloc.get_traced_memory()[1] < BOMB / 10
+    finally:
+        tracemalloc.stop()
+
+
+def with_asked(path, kind: str, **changed: object) -> None:
+    with closing(sqlite3.connect(path)) as connection, connection:
+        query = "SELECT asked FROM sweeps WHERE kind = ?"
+        (asked,) = connection.execute(query, (kind,)).fetchone()
+        text = json.dumps(json.loads(asked) | changed)
+        connection.execute("UPDATE sweeps SET asked = ? WHERE kind = ?", (text, kind))
+    seal(path)
+
+
+def axis(values: list[float], path: str = "timestep", logarithmic: bool = False) -> dict:
+    return {"path": path, "values": values, "logarithmic": logarithmic}
+
+
+GOOD_AXIS = axis([1.0, 2.0], "start.omega_body[2]")
+ASKED = {
+    "more members than anyone waits for": ("Ensemble", {"members": 10**12}),
+    "no members": ("Ensemble", {"members": 0}),
+    "members that are no number": ("Ensemble", {"members": "10"}),
+    "a negative seed": ("Ensemble", {"seed": -1}),
+    "a seed of a thousand digits": ("Ensemble", {"seed": 10**1000}),
+    "a timestep of nothing": ("Ensemble", {"timestep": 0.0}),
+    "something else": ("Ensemble", {"evil": 1}),
+    "one axis": ("Map", {"axes": [GOOD_AXIS]}),
+    "the same axis twice": ("Map", {"axes": [GOOD_AXIS, GOOD_AXIS]}),
+    "an axis of nothing": ("Map", {"axes": [GOOD_AXIS, axis([])]}),
+    "a long axis": ("Map", {"axes": [GOOD_AXIS, axis([k / 8 for k in range(1, 2000)])]}),
+    "a decreasing axis": ("Map", {"axes": [GOOD_AXIS, axis([2e-3, 1e-3])]}),
+    "an infinite axis": ("Map", {"axes": [GOOD_AXIS, axis([1e-3, float("inf")])]}),
+    "negative timesteps": ("Map", {"axes": [GOOD_AXIS, axis([-1.0, 1e-3])]}),
+    "an axis of texts": ("Map", {"axes": [GOOD_AXIS, axis(["a", "b"])]}),
+    "a number that the scene has not": ("Map", {"axes": [GOOD_AXIS, axis([1.0, 2.0], "evil")]}),
+}
+
+
+@pytest.mark.parametrize(("kind", "changed"), ASKED.values(), ids=ASKED)
+def test_a_sweep_that_nobody_can_ask_for_is_one_message(path, kind, changed):
+    with_asked(path, kind, **changed)
+    for command in ("rows", "points", "report"):
+        done = command_line.run(command, str(path))
+        assert (done.exit_code, done.stdout) == (BAD_INPUT, "")
+        assert len(done.stderr.splitlines()) == 1
+        assert "a record cannot be read" in done.stderr
+
+
+def test_reading_the_largest_ensemble_takes_as_long_as_what_there_is_of_it(path):
+    with_asked(path, "Ensemble", members=MAX_MEMBERS)
+    places = 0
+    identity = SweepPoint.identity.fget
+
+    def counted(place: SweepPoint) -> str:
+        nonlocal places
+        places += 1
+        return identity(place)
+
+    with open_store(path) as store, patch.object(SweepPoint, "identity", property(counted)):
+        (found,) = store.read().ensembles
+    assert len(found.points) == small_result_file.MEMBERS
+    assert places < 10 * len(columns(path))
+
+
+def texts(path) -> list[tuple[str, str]]:
+    """Columns of texts that are no JSON, no scene file and no name."""
+    free = {"reason", "cause", "printed", "summary", "value", "engine_version", "method", "signal"}
+    return [(table, column) for table, column in columns(path) if column in free]
+
+
+OUTPUTS = (
+    *(["rows"], ["rows", "--csv"], ["rows", "--json"], ["points"], ["points", "--csv"]),
+    *(["verdicts"], ["verdicts", "--csv"], ["verdicts", "--json"], ["report"]),
+)
+
+
+def test_nothing_in_a_file_commands_a_terminal_or_a_page(path):
+    kept = {"rows": "printed", "verdicts": "reason", "environment": "value"}
+    forge(path, [("rows", "printed"), ("verdicts", "reason"), ("environment", "value")], HOSTILE)
+    forge(path, [("rows", "reason"), ("points", "reason"), ("rows", "engine_version")], HOSTILE)
+    forge(path, [("verdicts", "unmet")], json.dumps([HOSTILE]))
+    shown = "".join(command_line.run(*arguments, str(path)).stdout for arguments in OUTPUTS)
+    pages = [page for page in path.parent.rglob("*") if page.suffix in (".html", ".md")]
+    shown += "".join(page.read_text(encoding="utf-8") for page in pages)
+    assert shown.count("evil\\x1b[2J\\x9b31m") > len(kept)
+    assert {c for c in shown if is_control(c)} <= {"\n", "\t"}
