@@ -1,6 +1,5 @@
 """Which engines under node can be used here, without starting any that has said what it is."""
 
-import json
 import shutil
 from collections.abc import Iterator
 from hashlib import sha256
