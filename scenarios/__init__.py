@@ -1,6 +1,13 @@
 """What is simulated: the scenario format, its loader, the library and trajectories."""
 
-from .agreement import Errors, ErrorSeries, error_series, errors_between
+from .agreement import (
+    ErrorNorm,
+    Errors,
+    ErrorSeries,
+    error_series,
+    errors_between,
+    radius_of_gyration,
+)
 from .body import Body, FloatArray
 from .catalogue import LIBRARY, find, scenario_files
 from .document import Document, Effects, Expect, Known, Published, Window
@@ -17,6 +24,7 @@ __all__ = [
     "Body",
     "Document",
     "Effects",
+    "ErrorNorm",
     "ErrorSeries",
     "Errors",
     "Expect",
@@ -44,5 +52,6 @@ __all__ = [
     "loads",
     "potential_energy",
     "printable",
+    "radius_of_gyration",
     "scenario_files",
 ]

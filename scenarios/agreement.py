@@ -1,7 +1,8 @@
-"""How far one motion is from another: the four errors, each relative to a base of the truth."""
+"""How far one motion is from another in each signal, relative to a base of the truth."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 
@@ -21,12 +22,19 @@ class Errors:
     attitude : max angle of R_eᵀ R_r, rad
     angular_momentum : max |L_e − L_r| / max |L_r|, world axes
     energy : max |E_e − E_r| / (max T_r + m |g| max |r_com|)
+    com : max |r_e − r_r| / max(the longest way of r_r from its start, k), world axes
+    velocity : max |v_e − v_r| / max(max |v_r|, k max |ω_r|), world axes, of the com
+
+    The radius of gyration k = √(tr I / 2m), I about the fixed point, is there for a com that stays
+    where it is.
     """
 
     omega: float
     attitude: float
     angular_momentum: float
     energy: float
+    com: float
+    velocity: float
 
     def __iter__(self) -> Iterator[tuple[str, float]]:
         return iter((field.name, getattr(self, field.name)) for field in fields(self))
@@ -34,16 +42,93 @@ class Errors:
 
 @dataclass(frozen=True, eq=False)
 class ErrorSeries:
-    """The same four, sample by sample, each (n,)."""
+    """The same, sample by sample, each (n,)."""
 
     omega: FloatArray
     attitude: FloatArray
     angular_momentum: FloatArray
     energy: FloatArray
+    com: FloatArray
+    velocity: FloatArray
 
     def worst(self) -> Errors:
         """The largest of each over the samples."""
         return Errors(*(float(getattr(self, field.name).max()) for field in fields(self)))
+
+
+#: Columns of each signal in a table of them all, in the order of `Errors`.
+WIDTHS = {"omega": 3, "attitude": 4, "angular_momentum": 3, "energy": 1, "com": 3, "velocity": 3}
+_FIRST_COLUMNS = np.cumsum([0, *WIDTHS.values()])[:-1]
+_ATTITUDE = list(WIDTHS).index("attitude")
+_ENERGY = list(WIDTHS).index("energy")
+_QUATERNION = slice(_FIRST_COLUMNS[_ATTITUDE], _FIRST_COLUMNS[_ATTITUDE] + 4)
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorNorm:
+    """The norm of errors against one truth: motions as tables of signals, and their distances."""
+
+    scenario: Scenario
+    truth: Trajectory
+
+    def table(self, motion: Trajectory) -> FloatArray:
+        """All signals of a motion side by side, SI, (n, 17); quaternions of the truth's sign."""
+        return _table(self.scenario, motion, self.truth)
+
+    @cached_property
+    def true_table(self) -> FloatArray:
+        """The truth's own."""
+        return self.table(self.truth)
+
+    def distances(self, table: FloatArray, other: FloatArray) -> FloatArray:
+        """Between two motions of n samples, by signal in the order of `Errors`, (n, 6).
+
+        Over a base of zero they are 0 where equal and inf elsewhere.
+        """
+        apart = table - other
+        # Of what has blown up the square may be too large for a double.
+        with np.errstate(over="ignore"):
+            found: FloatArray = np.sqrt(np.add.reduceat(apart * apart, _FIRST_COLUMNS, axis=1))
+        found[:, _ENERGY] = np.abs(apart[:, _FIRST_COLUMNS[_ENERGY]])
+        # The chord between unit quaternions is 2 sin of a quarter of the angle.
+        half_chord = np.minimum(found[:, _ATTITUDE] / 2, 1.0)
+        found[:, _ATTITUDE] = 4 * np.arcsin(half_chord)
+        if self._bases.all():
+            return found / self._bases
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(found > 0, found / self._bases, 0.0)
+
+    def extrapolated(
+        self, coarse: FloatArray, fine: FloatArray, orders: FloatArray | list[int]
+    ) -> FloatArray:
+        """Richardson's limit of dt and dt / 2 (Hairer, Nørsett & Wanner I, §II.4), a table.
+
+        Parameters
+        ----------
+        orders : of accuracy, by signal, (6,)
+        """
+        weights = np.repeat(1 / (2.0 ** np.asarray(orders) - 1), list(WIDTHS.values()))
+        limit: FloatArray = fine + weights * (fine - coarse)
+        limit[:, _QUATERNION] = _normalised(limit[:, _QUATERNION])
+        return limit
+
+    @cached_property
+    def _bases(self) -> FloatArray:
+        """What distances are relative to, (6,)."""
+        speed = _longest(self.truth.omega_body)
+        gyration = radius_of_gyration(self.scenario)
+        way = _longest(self.truth.com_world - self.truth.com_world[0])
+        fast = _longest(self.truth.velocity_world)
+        L = _longest(angular_momentum_world(self.scenario, self.truth))
+        joule = energy_base(self.scenario, self.truth)
+        return np.array([speed, 1.0, L, joule, max(way, gyration), max(fast, gyration * speed)])
+
+
+def radius_of_gyration(scenario: Scenario) -> float:
+    """√(tr I / 2m), m; I about the pivot, or the com where there is none."""
+    body = scenario.body
+    inertia = body.inertia_origin if scenario.has_pivot else body.inertia_com
+    return float(np.sqrt(np.trace(inertia) / (2 * body.mass)))
 
 
 def error_series(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> ErrorSeries:
@@ -56,29 +141,34 @@ def error_series(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> E
     """
     if not np.array_equal(motion.t, truth.t):
         raise ValueError("'motion' and 'truth' must be sampled at the same times.")
-    L = angular_momentum_world(scenario, motion)
-    L_true = angular_momentum_world(scenario, truth)
-    energies = energy(scenario, motion) - energy(scenario, truth)
-    return ErrorSeries(
-        omega=_relative(_norms(motion.omega_body - truth.omega_body), _norms(truth.omega_body)),
-        attitude=np.asarray((motion.R_world_body.inv() * truth.R_world_body).magnitude()),
-        angular_momentum=_relative(_norms(L - L_true), _norms(L_true)),
-        energy=_relative(np.abs(energies), np.array([energy_base(scenario, truth)])),
-    )
+    norm = ErrorNorm(scenario, truth)
+    return ErrorSeries(*norm.distances(norm.table(motion), norm.true_table).T)
 
 
 def errors_between(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> Errors:
-    """The four errors of `motion` against `truth`."""
+    """The errors of `motion` against `truth`, the largest of each signal."""
     return error_series(scenario, motion, truth).worst()
 
 
-def _norms(vectors: FloatArray) -> FloatArray:
-    return np.asarray(np.linalg.norm(vectors, axis=1))
+def _table(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> FloatArray:
+    q = _normalised(motion.q_world_body_wxyz)
+    same_side = np.einsum("ni,ni->n", q, truth.q_world_body_wxyz) >= 0
+    return np.column_stack(
+        [
+            motion.omega_body,
+            np.where(same_side[:, None], q, -q),
+            angular_momentum_world(scenario, motion),
+            energy(scenario, motion),
+            motion.com_world,
+            motion.velocity_world,
+        ]
+    )
 
 
-def _relative(differences: FloatArray, bases: FloatArray) -> FloatArray:
-    """Differences over the largest base; over a base of zero, 0 where equal and inf elsewhere."""
-    base = float(bases.max())
-    if base > 0:
-        return differences / base
-    return np.where(differences == 0, 0.0, np.inf)
+def _normalised(q_wxyz: FloatArray) -> FloatArray:
+    norms = np.sqrt(np.einsum("ni,ni->n", q_wxyz, q_wxyz))
+    return np.asarray(q_wxyz / norms[:, None])
+
+
+def _longest(vectors: FloatArray) -> float:
+    return float(np.sqrt(np.einsum("ni,ni->n", vectors, vectors).max()))

@@ -78,6 +78,9 @@ def run(
     ensemble: Members = None,
     seed: Seed = 0,
     dask: Dask = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Exit with 1 for what is only unproven, too.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Simulate scenes, compare with the truth, and store what was found.
@@ -103,7 +106,9 @@ def run(
     else:
         print_results(results)
         say(f"Results are in {out}; 'spincheck report {out}' makes pages of them.")
-    raise typer.Exit(running.exit_code(results))
+        if unproven := running.unproven_in_words(results):
+            say(unproven)
+    raise typer.Exit(running.exit_code(results, strict=strict))
 
 
 @app.command()

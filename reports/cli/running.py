@@ -123,11 +123,28 @@ def read(path: Path) -> Results:
     return results
 
 
-def exit_code(results: Results) -> int:
-    """0 if everything agrees, 1 if something does not, 3 if nothing could be run."""
+def unproven_in_words(results: Results) -> str:
+    """How many verdicts say neither that a method agrees nor that it does not; empty if none."""
+    count = sum(verdict.is_unproven for verdict in results.verdicts)
+    if not count:
+        return ""
+    return (
+        f"Unproven: {count} of {len(results.verdicts)} verdicts are 'unresolved' or 'diverges'; "
+        "'--strict' makes that exit code 1."
+    )
+
+
+def exit_code(results: Results, *, strict: bool = False) -> int:
+    """0 if everything agrees, 1 if something does not, 3 if nothing could be run.
+
+    Parameters
+    ----------
+    strict : whether what is only unproven does not agree
+    """
     if results.rows and all(row.outcome == "failed" for row in results.rows):
         return NOT_RUN
-    return AGREES if all(verdict.agrees for verdict in results.verdicts) else DISAGREES
+    agrees = all(v.agrees and not (strict and v.is_unproven) for v in results.verdicts)
+    return AGREES if agrees else DISAGREES
 
 
 def choose(

@@ -1,30 +1,20 @@
 """One method's way down the ladder of one scene: which rung next, and the verdict at the end."""
 
-import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
-
-import numpy as np
 
 from ...engines import Engine, Method, Run
 from ...reference import Solution
 from ...reference.solution import MAX_UNCERTAINTY
 from ...scenarios import Expect, Scenario
-from ..results.records import Key, Row, Signal, Verdict
+from ..results.records import SIGNAL_NAMES, Key, Row, Verdict
 from .comparison import row_of, unmet_expectations
 from .executors import Answer
 from .expected_failures import held_to_known
 from .ladder import COARSEST_TURN, MIN_RUNGS, Ladder, Rung
-from .richardson import RichardsonSequence, com_growth, longest_way
+from .ladder_judge import RUNGS_OF_A_LIMIT, LadderJudge
 from .stock import StockRun, stock_timesteps
-from .verdict import ASYMPTOTIC, SHARP, Judgement, judge
-
-#: A ladder goes on until its limit is known to this, relative (ω) and in rad, or steps run out;
-#: that of an engine as shipped, whose accuracy nobody pays for, until it is sharp enough to judge.
-GOAL = 1e-4
-#: Rungs an extrapolated limit with an error estimate takes.
-RUNGS_OF_A_LIMIT = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +62,11 @@ class ConvergenceStudy:
     above_rows: list[Row] = field(default_factory=list)
     stock_rows: list[Row] = field(default_factory=list)
     unmet: list[str] = field(default_factory=list)
-    _approaches: list[RichardsonSequence] = field(default_factory=list)
-    _judged: tuple[Signal, Judgement] | None = None
+
+    @cached_property
+    def judge(self) -> LadderJudge:
+        """What judges the ladder."""
+        return LadderJudge(self.scenario, self.engine, self.method, self.solution)
 
     @property
     def key(self) -> Key:
@@ -110,7 +103,7 @@ class ConvergenceStudy:
         assert coming is not None, "only a rung that is asked for is taken"
         coming.rows.append(row)
         if coming.rows is self.rows:
-            self._approach(row)
+            self.judge.take(row)
         elif coming.rows is self.single_rows:
             for expectation in self.singles[len(self.single_rows) - 1].expectations:
                 self.unmet += unmet_expectations(expectation, row)
@@ -150,7 +143,7 @@ class ConvergenceStudy:
         if not self.rows:
             return self.ladder.least_steps > 0
         settled = self._hopeless(self.rows[-1]) or self._diverges_at_any_timestep
-        return not (settled or self._known())
+        return not (settled or self.judge.is_known)
 
     def discardable_timesteps(self) -> list[float]:
         """Timesteps of the runs whose samples nobody wants once there is a verdict.
@@ -174,18 +167,33 @@ class ConvergenceStudy:
         if last is None and (lacking := self.engine.unsupported(self.scenario, self.method)):
             return Verdict(self.key, "unsupported", lacking, **known)
         if last and last.outcome in ("failed", "diverged", "unsupported"):
+            if last.outcome == "diverged" and (sound := self.judge.blown_up_below):
+                return Verdict(self.key, "disagrees", _grown_into(sound[-1], last), **known)
             word = "diverges" if last.outcome == "diverged" else last.outcome
             return Verdict(self.key, word, _with_time(last), **known)
-        signal, judgement = self._judge()
+        # Of an engine as shipped, what differs from the scene.
+        said = last.reason if last else ""
+        breaks_law = last is not None and last.cause == "law"
+        if self.judge.signals:
+            return self._of_signals(said, breaks_law=breaks_law, **known)
+        reason = "; ".join(part for part in (self._no_verdict(), said) if part)
+        return Verdict(self.key, "disagrees" if breaks_law else "unresolved", reason, **known)
+
+    def _of_signals(self, said: str, *, breaks_law: bool, **known: Any) -> Verdict:
+        """The worst of the judgements on each signal, unless the first steps tell already."""
+        worst = self.judge.worst
+        found = worst.judgement
+        word, reason = found.word, f"{SIGNAL_NAMES[worst.sequence.signal]}: {found.reason}"
+        parts = [said, reason] if breaks_law and word != "disagrees" else [reason, said]
         return Verdict(
             self.key,
-            judgement.word,
-            # Of an engine as shipped, what differs from the scene.
-            "; ".join(said for said in (judgement.reason, last.reason if last else "") if said),
-            signal,
-            judgement.order,
-            judgement.limit_error,
-            judgement.limit_estimate,
+            "disagrees" if breaks_law else word,
+            "; ".join(part for part in parts if part),
+            worst.sequence.signal,
+            found.order,
+            found.limit_error,
+            found.tolerance,
+            self.judge.records(),
             **known,
         )
 
@@ -239,7 +247,9 @@ class ConvergenceStudy:
             return True
         if self._diverges_at_any_timestep:
             return True
-        return taken >= MIN_RUNGS and (self._known() or self._out_of_reach())
+        finest = self.ladder.rungs[-1].timestep
+        settled = self.judge.is_known or self.judge.is_out_of_reach(finest)
+        return taken >= MIN_RUNGS and settled
 
     @property
     def _last(self) -> Row | None:
@@ -269,84 +279,14 @@ class ConvergenceStudy:
             return bool(self.engine.unsupported(self.scenario, self.method))
         return last.outcome == "failed"
 
-    def _known(self) -> bool:
-        """Whether every signal is judged and its limit known to the goal."""
-        if not self._approaches or len(self._approaches[0]) < RUNGS_OF_A_LIMIT:
-            return False
-        _, worst = self._judge()
-        goal = SHARP if self.method.as_shipped else GOAL
-        known = worst.limit_estimate is None or worst.limit_estimate <= goal
-        return worst.word != "unresolved" and known
-
-    def _out_of_reach(self) -> bool:
-        """Whether the error would be too large even on the last rung, if it shrinks as declared.
-
-        Of what is known of the ladder the error alone is asked: the limit's settles last.
-        """
-        assert self.ladder is not None, "only a ladder has an end"
-        finest = self.ladder.rungs[-1].timestep
-        return self._judge()[1].word == "unresolved" and any(
-            approach.errors[-1] * (finest / approach.timesteps[-1]) ** approach.declared_order
-            > ASYMPTOTIC
-            for approach in self._approaches
-        )
-
-    def _approach(self, row: Row) -> None:
-        """Compare a rung's motion; what counts are those below the last that did not finish."""
-        self._judged = None
-        if row.outcome != "ok" or row.motion is None:
-            self._approaches.clear()
-            return
-        if not self._approaches:
-            orders: dict[Signal, int] = {
-                "omega": self.method.order,
-                "attitude": self.method.attitude_order,
-            }
-            truth = self.solution.trajectory
-            if self._flies:
-                orders["com"] = self.method.order
-            # What is closed in form is known to its rounding.
-            known = dict(self.solution.uncertainty) | {"com": self._growth["com"]}
-            self._approaches += [
-                RichardsonSequence(signal, truth, order, known[signal])
-                for signal, order in orders.items()
-            ]
-        # Each step is good for one ulp, grown as the motion grows it.
-        for approach in self._approaches:
-            floor = row.steps * self._growth[approach.signal]
-            approach.add(row.timestep, row.motion, floor)
-
-    @property
-    def _flies(self) -> bool:
-        """Whether the com goes anywhere, of itself and not round a pivot."""
-        return not self.scenario.has_pivot and longest_way(self.solution.trajectory) > 0
-
-    @cached_property
-    def _growth(self) -> dict[str, float]:
-        """What an ulp of the state does to each signal."""
-        growth = dict(self.solution.conditioning)
-        arm = float(np.linalg.norm(self.scenario.body.com))
-        truth = self.solution.trajectory
-        flown = com_growth(truth, arm, growth["attitude"]) if self._flies else 0.0
-        return growth | {"com": flown}
-
-    def _judge(self) -> tuple[Signal, Judgement]:
-        """The worst of the judgements on each signal; each set of rows is judged once."""
-        if self._judged is None:
-            self._judged = self._judge_anew()
-        return self._judged
-
-    def _judge_anew(self) -> tuple[Signal, Judgement]:
+    def _no_verdict(self) -> str:
+        """Why the ladder cannot be judged."""
         if self.ladder is None:
-            return "omega", Judgement("unresolved", "no ladder was run, only single timesteps")
+            return "no ladder was run, only single timesteps"
         if not self.ladder.rungs:
-            return "omega", Judgement("unresolved", self._no_ladder(self.ladder))
-        finished = len(self._approaches[0]) if self._approaches else 0
-        if finished < RUNGS_OF_A_LIMIT:
-            reason = f"only {finished} timesteps ran to the end; {RUNGS_OF_A_LIMIT} make a verdict"
-            return "omega", Judgement("unresolved", reason)
-        judged = [(approach.signal, judge(approach)) for approach in self._approaches]
-        return max(judged, key=lambda pair: _severity(pair[1]))
+            return self._no_ladder(self.ladder)
+        finished = self.judge.finished
+        return f"only {finished} timesteps ran to the end; {RUNGS_OF_A_LIMIT} make a verdict"
 
     def _no_ladder(self, ladder: Ladder) -> str:
         """Why there is none, and what one would take."""
@@ -372,7 +312,8 @@ def _with_time(row: Row) -> str:
     return f"{row.reason}{when}, with a timestep of {row.timestep:.3g} s"
 
 
-def _severity(judgement: Judgement) -> tuple[int, float]:
-    """What is worse; of two that are unresolved, what takes the smaller timestep to tell."""
-    rank = ("converges", "unresolved", "disagrees").index(judgement.word)
-    return rank, -(judgement.needed_timestep or math.inf)
+def _grown_into(sound: Row, last: Row) -> str:
+    return (
+        f"errors grow as the timestep shrinks: a run ends well at {sound.timestep:.3g} s, while "
+        f"{_with_time(last)}"
+    )

@@ -1,159 +1,204 @@
-"""How one signal of a ladder approaches the truth, measured as rungs are added.
+"""How a ladder of halved timesteps approaches the exact motion, in every signal.
 
 Whatever takes the length of a motion is worked out once, when its rung comes; a judgement then
 costs a few numbers a rung.
 """
 
-from abc import ABC, abstractmethod
-from typing import final
+from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from ...scenarios import FloatArray, Trajectory
+from ...reference import Solution
+from ...scenarios import ErrorNorm, FloatArray, Scenario, Trajectory
+from ...scenarios.fastest_rate import fastest_rate
 from ..results.records import Signal
+from .observed_order import ORDER_SLACK
+from .rounding import EPS, ulp_growth
 
-EPS = float(np.finfo(float).eps)
+SIGNALS: tuple[Signal, ...] = get_args(Signal)
+
+#: Safety factors of the grid convergence index (Roache, Annu. Rev. Fluid Mech. 29 (1997) 123): over
+#: rungs that shrink as they should, and over others.
+SAFE, CAUTIOUS = 1.25, 3.0
+#: A method of order p commits Ω (hΩ)^p a second at a rate Ω: where that comes to more than one
+#: within the time, its leading error term need not be seen and no limit is claimed to be wrong.
+WHOLE = 1.0
 
 
-class RichardsonSequence:
-    """A ladder in one signal, coarse to fine, each rung half the one before.
+@dataclass(frozen=True, eq=False)
+class Refinement:
+    """What two neighbouring rungs show of all signals, each array (6,), the one before at hand.
 
     Attributes
     ----------
-    timesteps, errors, roundoff_bounds : s, distance from the exact motion, and what rounding may
-        do; one a rung
-    limit_distances : (n,) distance from the truth of each limit that two neighbours extrapolate to,
-        sample by sample; one for each rung after the first
-    limit_increments : distance of each such limit from the one before; one for each rung after
-        the second
+    difference : distance between the two motions
+    orders : those they are extrapolated with
+    limit_error : distance of their Richardson limit from the exact motion
+    limit_change : of that limit from the one that the coarser rung and the one before it have
+    excess : the largest ratio, over the samples, of the limit's distance from the exact motion to
+        its tolerance, both by the largest so far; over the samples within the asymptotic range
+    since : s, the first sample at which that ratio is reached
     """
 
-    def __init__(
-        self, signal: Signal, truth: Trajectory, declared_order: int, uncertainty: float
-    ) -> None:
-        self.signal = signal
-        self.truth = truth
-        self.declared_order = declared_order
-        self.uncertainty = uncertainty
-        self.timesteps: list[float] = []
-        self.errors: list[float] = []
-        self.roundoff_bounds: list[float] = []
-        self.limit_distances: list[FloatArray] = []
-        self.limit_increments: list[float] = []
-        self._measure = _MEASURES[signal]
-        self._true = self._measure.values(truth)
-        self._finest: FloatArray | None = None
-        self._limit: FloatArray | None = None
+    difference: FloatArray
+    orders: FloatArray
+    limit_error: FloatArray
+    limit_change: FloatArray
+    excess: FloatArray
+    since: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class SignalSequence:
+    """A ladder of n rungs in one signal, coarse to fine.
+
+    Attributes
+    ----------
+    timesteps, errors, roundoff_bounds : s; distance from the exact motion; what rounding at every
+        step may come to; (n,)
+    differences : between neighbouring rungs, (n − 1,)
+    orders, limit_errors, limit_changes, excess, since : as `Refinement` has them, (n − 2,); one
+        for each rung from the third on
+    declared_order : of accuracy
+    uncertainty : the reference's, and what the start and the body as the engine holds them may do
+    duration : s, of the window
+    rate : rad/s, the fastest of the motion
+    """
+
+    signal: Signal
+    timesteps: FloatArray
+    errors: FloatArray
+    roundoff_bounds: FloatArray
+    differences: FloatArray
+    orders: FloatArray
+    limit_errors: FloatArray
+    limit_changes: FloatArray
+    excess: FloatArray
+    since: FloatArray
+    declared_order: int
+    uncertainty: float
+    duration: float
+    rate: float
 
     def __len__(self) -> int:
-        return len(self.errors)
-
-    def add(self, timestep: float, motion: Trajectory, floor: float) -> None:
-        """Take the next rung: its timestep, s, motion, and the error rounding may have caused."""
-        measure, values = self._measure, self._measure.values(motion)
-        self.timesteps.append(timestep)
-        self.errors.append(float(measure.off(values, self._true).max()))
-        self.roundoff_bounds.append(floor)
-        if self._finest is not None:
-            limit = measure.limit(self._finest, values, 1.0 / (2**self.declared_order - 1))
-            self.limit_distances.append(measure.off(limit, self._true))
-            if self._limit is not None:
-                self.limit_increments.append(float(measure.off(self._limit, limit).max()))
-            self._limit = limit
-        self._finest = values
+        return len(self.timesteps)
 
 
-def com_growth(truth: Trajectory, arm: float, attitude_growth: float) -> float:
-    """What one ulp in each number of a state does to the com, relative to the longest way it goes.
+class RichardsonLadder:
+    """The rungs of a method on a scene, each half the one before.
 
     Parameters
     ----------
-    arm : m, from the body's origin, where an engine may keep the position, to the com
-    attitude_growth : rad, what one ulp does to the attitude
+    solution : the exact motion at the ladder's sample times
+    order, attitude_order : declared, of ω and of the attitude; the other signals are made of both
+    precision : relative, to which body and start are held by the engine
+    ulp : relative, of the engine's floating-point numbers
     """
-    times = truth.t[-1] - truth.t[0]
-    far = np.linalg.norm(truth.com_world, axis=1).max()
-    fast = np.linalg.norm(truth.velocity_world, axis=1).max()
-    return float(EPS * (far + fast * times) + attitude_growth * arm) / longest_way(truth)
 
+    def __init__(
+        self,
+        scenario: Scenario,
+        solution: Solution,
+        order: int,
+        attitude_order: int,
+        precision: float,
+        ulp: float = EPS,
+    ) -> None:
+        truth = solution.trajectory
+        lesser = min(order, attitude_order)
+        orders = {"omega": order, "attitude": attitude_order}
+        self.declared = np.array([orders.get(signal, lesser) for signal in SIGNALS], dtype=float)
+        growth = np.array([value for _, value in ulp_growth(scenario, solution)]) / EPS
+        self._roundoff_a_step = growth * ulp
+        known = np.array([value for _, value in solution.uncertainty])
+        self._uncertainty = known + growth * precision
+        self._norm = ErrorNorm(scenario, truth)
+        self._truth = truth
+        self._rate = fastest_rate(scenario, truth)
+        self.timesteps: list[float] = []
+        self._errors: list[FloatArray] = []
+        self._roundoff_bounds: list[FloatArray] = []
+        self._refinements: list[Refinement] = []
+        self._differences: list[FloatArray] = []
+        self._last: list[FloatArray] = []
 
-def longest_way(truth: Trajectory) -> float:
-    """Of the com from where it starts, m."""
-    return float(np.linalg.norm(truth.com_world - truth.com_world[0], axis=1).max())
+    def __len__(self) -> int:
+        return len(self.timesteps)
 
+    def add(self, timestep: float, motion: Trajectory, steps: int) -> None:
+        """Take the next rung: its timestep, s, motion, and how many steps it took."""
+        norm = self._norm
+        table = norm.table(motion)
+        self.timesteps.append(timestep)
+        self._errors.append(norm.distances(table, norm.true_table).max(axis=0))
+        self._roundoff_bounds.append(steps * self._roundoff_a_step)
+        self._last = [*self._last[-2:], table]
+        if len(self) > 1:
+            self._differences.append(norm.distances(self._last[-2], table).max(axis=0))
+        if len(self) > 2:
+            self._refinements.append(self._refined())
 
-class _Measure(ABC):
-    """How motions are compared in one signal, by arrays of a row a sample."""
+    def signal(self, signal: Signal) -> SignalSequence:
+        """The ladder in one signal."""
+        k = SIGNALS.index(signal)
 
-    @abstractmethod
-    def values(self, motion: Trajectory) -> FloatArray:
-        """The signal itself."""
+        def column(rows: list[FloatArray]) -> FloatArray:
+            return np.array([row[k] for row in rows])
 
-    @abstractmethod
-    def off(self, values: FloatArray, truth: FloatArray) -> FloatArray:
-        """Distance from one to the other, (n,), as the errors of runs have it."""
+        found = self._refinements
+        return SignalSequence(
+            signal,
+            np.array(self.timesteps),
+            column(self._errors),
+            column(self._roundoff_bounds),
+            column(self._differences),
+            column([one.orders for one in found]),
+            column([one.limit_error for one in found]),
+            column([one.limit_change for one in found]),
+            column([one.excess for one in found]),
+            column([one.since for one in found]),
+            int(self.declared[k]),
+            float(self._uncertainty[k]),
+            float(self._truth.t[-1]),
+            self._rate,
+        )
 
-    @abstractmethod
-    def limit(self, coarse: FloatArray, fine: FloatArray, weight: float) -> FloatArray:
-        """Richardson's limit of dt and dt / 2 (Hairer, Nørsett & Wanner I, §II.4).
+    def _refined(self) -> Refinement:
+        norm = self._norm
+        coarsest, coarse, fine = self._last
+        orders = self._extrapolation_orders()
+        limit = norm.extrapolated(coarse, fine, orders)
+        off = norm.distances(limit, norm.true_table)
+        changes = norm.distances(limit, norm.extrapolated(coarsest, coarse, orders))
+        known = self._roundoff_bounds[-1] + self._uncertainty
+        allowed = CAUTIOUS * np.maximum.accumulate(changes) + known
+        ratios = (np.maximum.accumulate(off) / allowed)[: self._samples_in_range()]
+        worst = ratios.argmax(axis=0)
+        return Refinement(
+            difference=self._differences[-1],
+            orders=orders,
+            limit_error=off.max(axis=0),
+            limit_change=changes.max(axis=0),
+            excess=ratios.max(axis=0),
+            since=self._truth.t[worst],
+        )
 
-        Parameters
-        ----------
-        weight : 1 / (2^p - 1), of the way from coarse to fine, that is left to go
-        """
+    def _extrapolation_orders(self) -> FloatArray:
+        """The declared orders, or whole ones above them that two refinements in a row show."""
+        if len(self._differences) < 3:
+            return self.declared
+        with np.errstate(divide="ignore", invalid="ignore"):
+            seen = -np.diff(np.log2(self._differences[-3:]), axis=0)
+        least = np.floor(np.min(seen, axis=0) + ORDER_SLACK)
+        is_above = np.isfinite(least) & (least > self.declared) & (least <= 2 * self.declared + 2)
+        return np.where(is_above, least, self.declared)
 
-
-@final
-class _Omega(_Measure):
-    """Vectors, relative to the largest of the truth's."""
-
-    def values(self, motion: Trajectory) -> FloatArray:
-        return motion.omega_body
-
-    def off(self, values: FloatArray, truth: FloatArray) -> FloatArray:
-        base = np.linalg.norm(truth, axis=1).max()
-        distance = np.asarray(np.linalg.norm(values - truth, axis=1))
-        return distance / base if base else (distance > 0).astype(float)
-
-    def limit(self, coarse: FloatArray, fine: FloatArray, weight: float) -> FloatArray:
-        return np.asarray(fine + weight * (fine - coarse), dtype=float)
-
-
-@final
-class _Attitude(_Measure):
-    """Unit quaternions, scalar first; limits lie along the rotation from the coarse to the fine."""
-
-    def values(self, motion: Trajectory) -> FloatArray:
-        return motion.q_world_body_wxyz
-
-    def off(self, values: FloatArray, truth: FloatArray) -> FloatArray:
-        return np.asarray((_rotations(values).inv() * _rotations(truth)).magnitude())
-
-    def limit(self, coarse: FloatArray, fine: FloatArray, weight: float) -> FloatArray:
-        R_world_fine = _rotations(fine)
-        turn = (_rotations(coarse).inv() * R_world_fine).as_rotvec()
-        limit = R_world_fine * Rotation.from_rotvec(weight * turn)
-        return np.asarray(limit.as_quat(scalar_first=True))
-
-
-@final
-class _Com(_Measure):
-    """Positions, relative to the longest way of the truth's from its start."""
-
-    def values(self, motion: Trajectory) -> FloatArray:
-        return motion.com_world
-
-    def off(self, values: FloatArray, truth: FloatArray) -> FloatArray:
-        way = np.linalg.norm(truth - truth[0], axis=1).max()
-        return np.asarray(np.linalg.norm(values - truth, axis=1) / way)
-
-    def limit(self, coarse: FloatArray, fine: FloatArray, weight: float) -> FloatArray:
-        return np.asarray(fine + weight * (fine - coarse), dtype=float)
-
-
-def _rotations(q_world_body_wxyz: FloatArray) -> Rotation:
-    return Rotation.from_quat(q_world_body_wxyz, scalar_first=True)
-
-
-_MEASURES: dict[Signal, _Measure] = {"omega": _Omega(), "attitude": _Attitude(), "com": _Com()}
+    def _samples_in_range(self) -> int:
+        """Samples, the first at least, by which not all of the motion can have been damped away."""
+        # By the coarsest of the three rungs that a limit's change is made of.
+        turn = self._rate * self.timesteps[-3]
+        order = float(self.declared.min())
+        errs_a_second = self._rate * turn**order
+        span = WHOLE / errs_a_second if errs_a_second else np.inf
+        return max(1, int(np.searchsorted(self._truth.t, span, side="right")))

@@ -1,28 +1,42 @@
-"""Judges a method on its ladder: does it go to the truth as its timestep goes to zero."""
+"""Judges a method on its ladder, signal by signal: whether it goes to the exact motion as dt → 0.
 
+Verification as numerical analysts do it: the motion is extrapolated to dt → 0 with the order of
+accuracy (L. F. Richardson, Phil. Trans. R. Soc. A 210 (1911) 307), what the limit is known to is
+its grid convergence index (P. J. Roache, Annu. Rev. Fluid Mech. 29 (1997) 123), and the limit's
+error is held against that and the uncertainties of reference, input and round-off together (ASME
+V&V 20-2009). Of many rungs the window that is known best is taken (L. Eça and M. Hoekstra, J.
+Comput. Phys. 262 (2014) 104).
+"""
+
+import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...scenarios import FloatArray
-from ..results.records import VerdictWord
-from .richardson import RichardsonSequence
+from ..results.records import SignalVerdict, VerdictWord
+from .observed_order import (
+    ABOVE_UNCERTAINTY,
+    ASYMPTOTIC,
+    FITTED_RUNGS,
+    ORDER_SLACK,
+    SETTLING_ORDER,
+    observed_order,
+)
+from .richardson import CAUTIOUS, SAFE, SignalSequence
 
-#: The order found must reach the order declared to within this.
-ORDER_SLACK = 0.25
-#: An order is read off errors at least this many times the reference's own uncertainty.
-ABOVE_UNCERTAINTY = 100.0
-#: Larger errors are not in the asymptotic range: on the unit sphere of directions they saturate.
-ASYMPTOTIC = 0.1
-#: Rungs an order is fitted to: the finest usable ones.
-FITTED_RUNGS = 3
-#: A limit known no better than this says nothing, relative (ω) or in rad (attitude).
+#: A limit known no better than this says nothing, relative or in rad.
 SHARP = 1e-2
-#: A limit is another one if it is this many times further from the truth than it is known to be;
-#: up to there a finer rung has to tell: it halves what the limit is known to, at the least.
+#: A limit is another one if it is this many times further from the truth than its tolerance; up to
+#: there a finer rung has to tell.
 DISTINCT = 4.0
-#: Differences between rungs must at least shrink like dt to this power for a ladder to settle.
-SETTLING_ORDER = 0.5
+#: An order this far below the declared one, seen over clean rungs, is another order.
+SHORTFALL = 0.5
+#: Rungs over which such a shortfall, or errors that grow, must be seen.
+SHOWN_OVER = 4
+#: Growth of errors from rung to rung, each, that is no scatter.
+GROWTH = 2**0.5
 
 
 @dataclass(frozen=True)
@@ -32,144 +46,227 @@ class Judgement:
     Attributes
     ----------
     word, reason : the verdict and why, in words
-    order : signed order of accuracy found, None where errors are at round-off
-    limit_error : distance of the motion extrapolated to dt → 0 from the truth
-    limit_estimate : how well that limit is known, from the ladder alone
-    needed_timestep : s, what would resolve the ladder, where it is unresolved
+    order : observed order of accuracy, signed; None where no errors show one
+    limit_error : distance of the Richardson-extrapolated motion from the exact one
+    tolerance : what that may be: the grid convergence index of the limit and the uncertainties of
+        reference, input and round-off
+    extrapolation_tolerance : the first of these alone: what finer rungs would make less
+    needed_timestep : s, what would resolve the ladder, where it is unresolved and round-off lets it
     """
 
     word: VerdictWord
     reason: str
     order: float | None = None
     limit_error: float | None = None
-    limit_estimate: float | None = None
+    tolerance: float | None = None
+    extrapolation_tolerance: float = 0.0
     needed_timestep: float | None = None
 
-
-def judge(ladder: RichardsonSequence) -> Judgement:
-    """Judge a ladder of at least three rungs in one signal."""
-    errors, roundoff_bounds = np.array(ladder.errors), np.array(ladder.roundoff_bounds)
-    uncertainty = ladder.uncertainty
-    if errors.max() <= SHARP and (errors <= roundoff_bounds + uncertainty).all():
-        return Judgement("converges", "errors are at round-off throughout")
-    limit_increments = np.array(ladder.limit_increments)
-    best = _finest_above_round_off(limit_increments, roundoff_bounds[2:])
-    estimate = _estimate(limit_increments, best, ladder.declared_order)
-    off = ladder.limit_distances[best + 1]
-    given = uncertainty + float(roundoff_bounds[best + 2])
-    allowance = estimate + given
-    return _weigh(
-        _Found(
-            ladder,
-            fitted_order(np.array(ladder.timesteps), errors, roundoff_bounds, uncertainty),
-            estimate,
-            given,
-            limit_error=float(off.max()),
-            allowance=allowance,
-            settles=_settles(limit_increments, roundoff_bounds[2:]),
-            since=float(ladder.truth.t[np.argmax(off > allowance)]),
+    def of(self, sequence: SignalSequence) -> SignalVerdict:
+        """The same as a record."""
+        return SignalVerdict(
+            sequence.signal,
+            self.word,
+            self.reason,
+            sequence.declared_order,
+            self.order,
+            self.limit_error,
+            self.tolerance,
         )
-    )
 
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    ladder: RichardsonSequence
+    """The window of a sequence whose limit is known best.
+
+    Attributes
+    ----------
+    order : observed
+    limit_error : of its Richardson limit
+    extrapolation : grid convergence index of that limit
+    given : what rounding, reference and input may do besides
+    """
+
+    sequence: SignalSequence
     order: float | None
-    estimate: float
-    given: float
     limit_error: float
-    allowance: float
-    settles: bool
-    since: float
+    extrapolation: float
+    given: float
+
+    @property
+    def tolerance(self) -> float:
+        return self.extrapolation + self.given
 
 
-def _weigh(found: _Found) -> Judgement:
-    """Turn what was found into a verdict."""
-    at_limit = found.limit_error <= found.allowance
-    declared = found.ladder.declared_order
-    in_order = found.order is None or found.order >= declared - ORDER_SLACK
-    sharp = found.estimate <= SHARP and found.given <= SHARP
-    numbers = (found.order, found.limit_error, found.estimate)
+def judge(sequence: SignalSequence) -> Judgement:
+    """Judge a ladder of at least three rungs in one signal."""
+    errors, rounding = sequence.errors, sequence.roundoff_bounds
+    if errors.max() <= SHARP and (errors <= rounding + sequence.uncertainty).all():
+        tolerance = float(rounding[-1] + sequence.uncertainty)
+        reason = f"errors are at round-off throughout: {errors.max():.1e}, bound {tolerance:.1e}"
+        return Judgement("converges", reason, None, float(errors[-1]), tolerance)
+    found = _best_window(sequence)
+    word, reason, needed = _weigh(found)
+    return Judgement(
+        word,
+        reason,
+        found.order,
+        found.limit_error,
+        found.tolerance,
+        found.extrapolation,
+        needed,
+    )
+
+
+def _best_window(sequence: SignalSequence) -> _Found:
+    """Where the tolerance is least."""
+    extrapolation, is_clean = _convergence_indices(sequence)
+    changes, rounding = sequence.limit_changes, sequence.roundoff_bounds[2:]
+    # Rounding shows in the limit's change; where the rungs are clean it cannot be much more.
+    rounding = np.where(is_clean, np.minimum(rounding, CAUTIOUS * changes), rounding)
+    given = rounding + sequence.uncertainty
+    best = int(np.argmin(extrapolation + given))
+    order = observed_order(
+        sequence.timesteps, sequence.errors, sequence.roundoff_bounds, sequence.uncertainty
+    )
+    return _Found(
+        sequence,
+        order,
+        float(sequence.limit_errors[best]),
+        float(extrapolation[best]),
+        float(given[best]),
+    )
+
+
+def _convergence_indices(sequence: SignalSequence) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Grid convergence index of each limit, and whether its rungs shrink as they should.
+
+    In the asymptotic range a limit's error shrinks by 2^(p+1) a rung, so that its last change is
+    2^(p+1) − 1 times what is left; elsewhere no more is left than the change itself, or than those
+    next to it where it is rounding that they show.
+    """
+    changes, p = sequence.limit_changes, sequence.orders
+    before = np.concatenate([[0.0], changes[:-1]])
+    after = np.concatenate([changes[1:], [0.0]])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shrinking = np.log2(before / changes)
+        seen = np.log2(sequence.differences[:-1] / sequence.differences[1:])
+    # The next term is of order p + 1, or of p + 2 where the method is symmetric.
+    is_clean = (shrinking >= p + 1 - 2 * ORDER_SLACK) & (shrinking <= p + 2 + 2 * ORDER_SLACK)
+    is_clean &= np.abs(seen - p) <= ORDER_SLACK
+    # A change that is small by accident is not believed.
+    held = np.maximum(changes, before / 2 ** (p + 1))
+    clean_index = SAFE / (2 ** (p + 1 - 2 * ORDER_SLACK) - 1) * held
+    stalls = np.maximum(after, np.where(changes > before / 2, before, 0.0)) > changes / 2
+    around = np.where(stalls, np.maximum(before, after), np.maximum(before, after) / 4)
+    index = np.where(is_clean, clean_index, CAUTIOUS * np.maximum(changes, around))
+    return index, is_clean
+
+
+def _weigh(found: _Found) -> tuple[VerdictWord, str, float | None]:
+    """Verdict, reason and the timestep that would tell."""
+    sequence = found.sequence
     limit = (
-        f"the limit dt → 0 is {max(found.limit_error, found.ladder.uncertainty):.1e} off, "
-        f"which may be {found.allowance:.1e}"
+        f"Richardson-extrapolated error {max(found.limit_error, sequence.uncertainty):.1e}, "
+        f"tolerance {found.tolerance:.1e}"
     )
-    if sharp and at_limit and in_order:
-        return Judgement("converges", f"{_order_words(found)}; {limit}", *numbers)
-    elsewhere = found.limit_error > DISTINCT * found.allowance
-    if sharp and elsewhere and found.settles:
-        return Judgement(
-            "disagrees", f"settles elsewhere, from t = {found.since:.3g} s on: {limit}", *numbers
-        )
-    if found.given > SHARP:
-        reason = f"rounding and the reference's own uncertainty alone may cause {found.given:.1e}"
-        return Judgement("unresolved", f"{reason}: no timestep would tell; {limit}", *numbers)
-    needed = _needed_timestep(found)
-    steps = float(found.ladder.truth.t[-1]) / needed
-    reason = (
-        f"not in its asymptotic range: {_order_words(found)}, {limit}; "
-        f"a timestep of {needed:.1e} s would tell, {steps:.1e} steps"
+    if elsewhere := _elsewhere(sequence):
+        return "disagrees", f"settles on another motion, {elsewhere}: {limit}", None
+    if growing := _growing(sequence):
+        return "disagrees", growing, None
+    if short := _shortfall(sequence):
+        return "disagrees", f"{short}; {limit}", None
+    if found.tolerance <= SHARP and found.limit_error <= found.tolerance:
+        return "converges", f"{_order_words(found)}; {limit}", None
+    return "unresolved", *_unresolved(found, limit)
+
+
+def _elsewhere(sequence: SignalSequence) -> str:
+    """Since when the limit is another one; empty unless the last two limits both are."""
+    if len(sequence.excess) < 2 or not (sequence.excess[-2:] > DISTINCT).all():
+        return ""
+    return f"from t = {sequence.since[-1]:.3g} s on"
+
+
+def _growing(sequence: SignalSequence) -> str:
+    """Say so if errors grow towards the finest rungs, far above round-off."""
+    errors = sequence.errors[-SHOWN_OVER:]
+    known = sequence.roundoff_bounds[-1] + sequence.uncertainty
+    grows = len(errors) == SHOWN_OVER and bool((errors[1:] >= GROWTH * errors[:-1]).all())
+    if not grows or errors[0] > ASYMPTOTIC or errors[0] <= DISTINCT * known:
+        return ""
+    first, last = sequence.timesteps[-SHOWN_OVER], sequence.timesteps[-1]
+    return (
+        f"errors grow as the timestep shrinks: from {errors[0]:.1e} at {first:.1e} s "
+        f"to {errors[-1]:.1e} at {last:.1e} s"
     )
-    return Judgement("unresolved", reason, *numbers, needed)
+
+
+def _shortfall(sequence: SignalSequence) -> str:
+    """Say so if clean rungs show an order that is not the declared one but less."""
+    errors = sequence.errors
+    known = sequence.roundoff_bounds + sequence.uncertainty
+    usable = (errors < ASYMPTOTIC) & (errors > ABOVE_UNCERTAINTY * known)
+    rungs = np.flatnonzero(usable)[-SHOWN_OVER:]
+    if len(rungs) < SHOWN_OVER or rungs[-1] != len(errors) - 1:
+        return ""
+    seen = -np.diff(np.log2(errors[rungs]))
+    is_clean = np.ptp(seen) <= ORDER_SLACK and seen.min() >= SETTLING_ORDER
+    if not is_clean or seen.max() >= sequence.declared_order - SHORTFALL:
+        return ""
+    return (
+        f"order {seen.mean():.2f} over {SHOWN_OVER} rungs, "
+        f"though {sequence.declared_order} is declared"
+    )
 
 
 def _order_words(found: _Found) -> str:
-    if found.order is None:
-        return "too few errors above round-off to read an order"
-    declared = found.ladder.declared_order
-    above = " or better" if found.order > declared + ORDER_SLACK else ""
-    return f"order {found.order:.2f}, declared {declared}{above}"
+    declared = found.sequence.declared_order
+    if found.order is not None:
+        above = " or better" if found.order > declared + ORDER_SLACK else ""
+        return f"order {found.order:.2f}, declared {declared}{above}"
+    if (found.sequence.errors >= ASYMPTOTIC).sum() > len(found.sequence) / 2:
+        return (
+            f"errors of {found.sequence.errors.min():.1e} and more are too large to show an order"
+        )
+    return "too few errors above round-off to show an order"
 
 
-def _settles(limit_increments: FloatArray, roundoff_bounds: FloatArray) -> bool:
-    """Whether the extrapolated limits move less and less, down to the finest or to rounding."""
-    if limit_increments[-1] <= roundoff_bounds[-1]:
-        return True
-    return len(limit_increments) > 1 and bool(
-        limit_increments[-1] <= limit_increments[-2] * 2**-SETTLING_ORDER
+def _unresolved(found: _Found, limit: str) -> tuple[str, float | None]:
+    """Why, and the timestep that would tell, s, if there is one."""
+    sequence = found.sequence
+    bounds = sequence.roundoff_bounds
+    finest, errors = float(sequence.timesteps[-1]), sequence.errors
+    least = int(np.argmin(errors))
+    needed = _needed_timestep(found)
+    rounding = float(bounds[-1]) * finest / needed
+    if rounding + sequence.uncertainty <= SHARP and found.extrapolation > found.given:
+        steps = sequence.duration / needed
+        return (
+            f"not in the asymptotic range: {_order_words(found)}; {limit}; "
+            f"a timestep of {needed:.1e} s would tell, {steps:.1e} steps",
+            needed,
+        )
+    a_step = float(bounds[-1]) * finest / sequence.duration
+    floor = math.sqrt(sequence.duration / sequence.timesteps[least]) * a_step
+    return (
+        f"round-off × conditioning bounds the error from below: a step's rounding moves the "
+        f"motion by {a_step:.1e}, all of them by {floor:.1e}; the least error is "
+        f"{errors[least]:.1e}, at a timestep of {sequence.timesteps[least]:.1e} s, and no finer "
+        f"one would tell; {limit}",
+        None,
     )
-
-
-def _finest_above_round_off(limit_increments: FloatArray, roundoff_bounds: FloatArray) -> int:
-    """Index of the last limit that moved by more than rounding; beyond it there is only noise."""
-    above = np.flatnonzero(limit_increments > roundoff_bounds)
-    return int(above[-1]) if len(above) else int(np.argmin(limit_increments))
-
-
-def _estimate(limit_increments: FloatArray, best: int, order: int) -> float:
-    """How well the limit is known: by how much it moved last.
-
-    The move overestimates the error in the asymptotic range, where it shrinks by 2^(p+1) a rung;
-    the move before, shrunk so, keeps one that is small by accident from being believed.
-    """
-    before = limit_increments[best - 1] / 2 ** (order + 1) if best else 0.0
-    return float(max(limit_increments[best], before))
-
-
-def fitted_order(
-    timesteps: FloatArray, errors: FloatArray, roundoff_bounds: FloatArray, uncertainty: float
-) -> float | None:
-    """Signed least-squares slope of log error against log dt over the finest usable rungs.
-
-    Usable are errors in the asymptotic range and above round-off and the reference's uncertainty;
-    of fewer than two there is no slope. All arrays are (n,), coarse to fine.
-    """
-    usable = (
-        (errors > ABOVE_UNCERTAINTY * uncertainty)
-        & (errors > roundoff_bounds)
-        & (errors < ASYMPTOTIC)
-    )
-    finest = np.flatnonzero(usable)[-FITTED_RUNGS:]
-    if len(finest) < 2:
-        return None
-    return float(np.polyfit(np.log(timesteps[finest]), np.log(errors[finest]), 1)[0])
 
 
 def _needed_timestep(found: _Found) -> float:
     """The timestep at which errors are asymptotic and the limit is sharp, by the declared order."""
-    ladder, order = found.ladder, found.ladder.declared_order
-    by_error = (ASYMPTOTIC / max(ladder.errors[-1], ASYMPTOTIC)) ** (1 / order)
-    by_limit = (SHARP / max(found.estimate, SHARP)) ** (1 / (order + 1))
+    sequence, order = found.sequence, float(found.sequence.declared_order)
+    by_error = (ASYMPTOTIC / max(float(sequence.errors[-1]), ASYMPTOTIC)) ** (1 / order)
+    by_limit = (SHARP / max(found.extrapolation, SHARP)) ** (1 / (order + 1))
     # Three rungs are read, so the finest must lie below the point where the range begins.
-    return float(ladder.timesteps[-1] * min(by_error, by_limit) / 2 ** (FITTED_RUNGS - 1))
+    finest = float(sequence.timesteps[-1])
+    by_ladder = finest * min(by_error, by_limit) / 2 ** (FITTED_RUNGS - 1)
+    # Beyond it a method may have damped away whatever moves at the fastest rate.
+    rate = sequence.rate
+    in_range = 1 / (rate * (rate * sequence.duration) ** (1 / order)) if rate else finest
+    return float(min(by_ladder, in_range / 2 ** (FITTED_RUNGS - 1)))

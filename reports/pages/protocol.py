@@ -2,7 +2,16 @@
 
 from ...engines.read_back import READ_BACK_SLACK, READ_BACK_SLACK_SINGLE
 from ...reference.solution import MAX_UNCERTAINTY
-from ..harness import choice, comparison, convergence_study, ladder, step_cost, verdict
+from ..harness import (
+    choice,
+    comparison,
+    ladder,
+    ladder_judge,
+    observed_order,
+    richardson,
+    step_cost,
+    verdict,
+)
 from ..harness.executors import TIME_LIMIT
 from .analysis.wording import count, number
 
@@ -16,15 +25,21 @@ def constants() -> dict[str, str]:
         "max_steps": count(ladder.MAX_STEPS),
         "quick_steps": count(choice.QUICK_STEPS),
         "min_rungs": str(ladder.MIN_RUNGS),
-        "goal": number(convergence_study.GOAL),
-        "rungs_of_a_limit": str(convergence_study.RUNGS_OF_A_LIMIT),
+        "goal": number(ladder_judge.GOAL),
+        "fine_goal": number(ladder_judge.FINE_GOAL),
+        "high_order": str(ladder_judge.HIGH_ORDER),
+        "rungs_of_a_limit": str(ladder_judge.RUNGS_OF_A_LIMIT),
         "absurd_energy": f"{comparison.ABSURD_ENERGY:g}",
-        "order_slack": f"{verdict.ORDER_SLACK:g}",
-        "above_uncertainty": f"{verdict.ABOVE_UNCERTAINTY:g}",
-        "asymptotic": f"{verdict.ASYMPTOTIC:g}",
-        "fitted_rungs": str(verdict.FITTED_RUNGS),
+        "order_slack": f"{observed_order.ORDER_SLACK:g}",
+        "above_uncertainty": f"{observed_order.ABOVE_UNCERTAINTY:g}",
+        "asymptotic": f"{observed_order.ASYMPTOTIC:g}",
+        "fitted_rungs": str(observed_order.FITTED_RUNGS),
         "sharp": f"{verdict.SHARP:g}",
-        "settling_order": f"{verdict.SETTLING_ORDER:g}",
+        "distinct": f"{verdict.DISTINCT:g}",
+        "shown_over": str(verdict.SHOWN_OVER),
+        "safe": f"{richardson.SAFE:g}",
+        "cautious": f"{richardson.CAUTIOUS:g}",
+        "settling_order": f"{observed_order.SETTLING_ORDER:g}",
         "time_limit": f"{TIME_LIMIT:g}",
         "resolutions": str(step_cost.RESOLUTIONS),
         "stretch_ms": f"{1e3 * step_cost.STRETCH:g}",

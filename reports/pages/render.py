@@ -136,6 +136,7 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
     content: dict[str, Any] = {
         "scene": scene,
         "verdicts": scene_tables.verdict_table(scene),
+        "signals": scene_tables.signals_table(scene),
         "runs": scene_tables.runs_table(scene),
         "printed": scene_tables.printed(scene),
     }

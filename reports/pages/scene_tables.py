@@ -3,7 +3,7 @@
 from ...reference import facts, invariants
 from ...reference.observables import observables
 from ...scenarios import EFFECTS, Scenario
-from ..results.records import Row
+from ..results.records import SIGNAL_NAMES, Row
 from ..results.store import SceneResult
 from .analysis.report_data import Compared, MethodRuns, SceneRuns
 from .analysis.survival import in_words, survival
@@ -64,8 +64,8 @@ def verdict_table(scene: SceneRuns) -> Table:
         "order found",
         "declared",
         "decided by",
-        "limit dt → 0 off by",
-        "its estimate",
+        "Richardson-extrapolated error",
+        "tolerance",
         "survives up to, s",
         "rad a step",
         "reason",
@@ -73,6 +73,35 @@ def verdict_table(scene: SceneRuns) -> Table:
     made = table(headings, [_verdict_row(scene, runs) for runs in scene.methods])
     anchors = tuple(method_anchor(runs.engine, runs.method) for runs in scene.methods)
     return Table(made.headings, made.rows, anchors)
+
+
+def signals_table(scene: SceneRuns) -> Table:
+    """One row a method and signal: what the ladder says of each."""
+    headings = (
+        "engine",
+        "method",
+        "signal",
+        "verdict",
+        "order found",
+        "declared",
+        "Richardson-extrapolated error",
+        "tolerance",
+    )
+    rows: list[list[Cell | str]] = [
+        [
+            Cell(runs.engine, "name" if k == 0 else "name again"),
+            Cell(runs.method, "name" if k == 0 else "name again"),
+            SIGNAL_NAMES[found.signal],
+            verdict_cell(found.verdict),
+            figure(order(found.order)),
+            figure(str(found.declared_order)),
+            figure(number(found.limit_error)),
+            figure(number(found.tolerance)),
+        ]
+        for runs in scene.methods
+        for k, found in enumerate(runs.verdict.signals if runs.verdict else ())
+    ]
+    return table(headings, rows)
 
 
 def drifts_table(scene: SceneRuns) -> Table | None:
@@ -143,7 +172,7 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
     if verdict is None:
         nothing = [figure(NOTHING)] * 7
         return [*_named(runs), Cell("no verdict", "absent"), *nothing, "stopped early"]
-    decided = {"omega": "ω", "attitude": "attitude", "com": "com"}[verdict.signal]
+    decided = SIGNAL_NAMES[verdict.signal]
     uncertainty = 0.0
     if scene.found is not None:
         uncertainty = dict(scene.found.solution.uncertainty).get(verdict.signal, 0.0)
@@ -159,7 +188,7 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
         figure(declared),
         decided if verdict.limit_error is not None else NOTHING,
         figure(limited(verdict.limit_error, uncertainty)),
-        figure(number(verdict.limit_estimate)),
+        figure(number(verdict.tolerance)),
         *(figure(words) for words in survives),
         reason_of(verdict),
     ]

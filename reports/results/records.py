@@ -6,7 +6,16 @@ from typing import Literal
 from ...engines import Cause, Outcome
 from ...scenarios import Errors, Trajectory
 
-Signal = Literal["omega", "attitude", "com"]
+Signal = Literal["omega", "attitude", "angular_momentum", "energy", "com", "velocity"]
+#: As readers know them.
+SIGNAL_NAMES: dict[Signal, str] = {
+    "omega": "ω",
+    "attitude": "attitude",
+    "angular_momentum": "L",
+    "energy": "energy",
+    "com": "com",
+    "velocity": "velocity",
+}
 VerdictWord = Literal["converges", "disagrees", "unresolved", "diverges", "unsupported", "failed"]
 
 #: Names of an engine and of one of its methods.
@@ -81,13 +90,34 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """What a ladder says of a method on a scene.
+class SignalVerdict:
+    """What a ladder says of a method in one signal.
 
     Attributes
     ----------
-    order, limit_error, limit_estimate : of the signal that decided
-    signal : which one that was
+    declared_order, order : of accuracy; the observed one is None where no errors show it
+    limit_error : distance of the Richardson-extrapolated motion from the exact one
+    tolerance : what that may be
+    """
+
+    signal: Signal
+    verdict: VerdictWord
+    reason: str
+    declared_order: int
+    order: float | None = None
+    limit_error: float | None = None
+    tolerance: float | None = None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a ladder says of a method on a scene: the worst of what it says of each signal.
+
+    Attributes
+    ----------
+    signal : the one that decided
+    order, limit_error, tolerance : of that signal, as `SignalVerdict` has them
+    signals : all of them; none where no ladder was judged
     unmet : expectations in the scene's file that this method did not meet, in words
     as_shipped : of the engine with all its defaults: nobody promised that it simulates the scene
     known : it is what the scene's file says is known of this method
@@ -99,7 +129,8 @@ class Verdict:
     signal: Signal = "omega"
     order: float | None = None
     limit_error: float | None = None
-    limit_estimate: float | None = None
+    tolerance: float | None = None
+    signals: tuple[SignalVerdict, ...] = ()
     unmet: tuple[str, ...] = ()
     as_shipped: bool = False
     known: bool = False
@@ -110,3 +141,9 @@ class Verdict:
         expected = self.as_shipped or self.known
         wrong = self.verdict in ("disagrees", "failed") and not expected
         return not wrong and not self.unmet
+
+    @property
+    def is_unproven(self) -> bool:
+        """Whether a clean method was neither found to converge nor to be wrong."""
+        open_ended = self.verdict in ("unresolved", "diverges")
+        return open_ended and not (self.as_shipped or self.known)

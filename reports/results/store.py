@@ -57,8 +57,8 @@ CREATE TABLE left_out (
 CREATE TABLE verdicts (
     scenario TEXT, engine TEXT, method TEXT, timesteps TEXT, verdict TEXT NOT NULL,
     reason TEXT NOT NULL, signal TEXT NOT NULL, "order" REAL, limit_error REAL,
-    limit_estimate REAL, unmet TEXT NOT NULL, as_shipped INTEGER NOT NULL, known INTEGER NOT NULL,
-    step_limit INTEGER, checksum TEXT NOT NULL,
+    tolerance REAL, signals TEXT NOT NULL, unmet TEXT NOT NULL, as_shipped INTEGER NOT NULL,
+    known INTEGER NOT NULL, step_limit INTEGER, checksum TEXT NOT NULL,
     PRIMARY KEY (scenario, engine, method, timesteps));
 """
 _OF_ENGINES = ("rows", "costs", "left_out", "verdicts", "points")

@@ -16,7 +16,7 @@ from ...scenarios import Errors, Scenario, Trajectory, is_scene_name, loads, pri
 from .cost_records import EffectsCost, PassCost, PassCosts, Ratio, StepCost
 from .database import shown
 from .motion_blobs import pack, unpack
-from .records import Key, Pair, Row, Verdict
+from .records import Key, Pair, Row, SignalVerdict, Verdict
 from .result_file import ResultFileError
 from .sweep_records import PointResult
 
@@ -41,7 +41,7 @@ _PLAIN_ROW = (
     "printed",
 )
 _PLAIN_METHOD = ("order", "attitude_order", "summary", "max_rotation_per_step", "as_shipped")
-_PLAIN_VERDICT = ("verdict", "reason", "signal", "order", "limit_error", "limit_estimate")
+_PLAIN_VERDICT = ("verdict", "reason", "signal", "order", "limit_error", "tolerance")
 
 
 def of_scene(scenario: Scenario, solution: Solution) -> dict[str, Any]:
@@ -76,6 +76,7 @@ def of_verdict(verdict: Verdict) -> dict[str, Any]:
     return {
         **asdict(verdict.key),
         **{name: getattr(verdict, name) for name in _PLAIN_VERDICT},
+        "signals": json.dumps([asdict(one) for one in verdict.signals]),
         "unmet": json.dumps(verdict.unmet),
         "as_shipped": verdict.as_shipped,
         "known": verdict.known,
@@ -161,6 +162,7 @@ def verdict(record: sqlite3.Row) -> Verdict:
     """A record of the table `verdicts`."""
     found = Verdict(
         key=key(record),
+        signals=tuple(_typed(SignalVerdict(**one)) for one in from_json(record["signals"], list)),
         unmet=tuple(from_json(record["unmet"], list)),
         as_shipped=bool(record["as_shipped"]),
         known=bool(record["known"]),

@@ -1,10 +1,10 @@
-"""The four errors, on motions whose error is known because it was put there."""
+"""The errors, on motions whose error is known because it was put there."""
 
 import numpy as np
 import pytest
 from scene_texts import scene
 from scipy.spatial.transform import Rotation
-from spincheck.scenarios import Trajectory, error_series, errors_between
+from spincheck.scenarios import Trajectory, error_series, errors_between, radius_of_gyration
 
 EPS = np.finfo(float).eps
 ROUNDED = 32 * EPS
@@ -46,6 +46,7 @@ def test_a_rate_off_by_a_hundredth_is_off_by_a_hundredth():
     """ω and L by 0.01, energy by 2 · 0.01 + 0.01², attitude by 0.04 rad after a second."""
     errors = errors_between(MADE, spinning(4.04), TRUTH)
     by_hand = {"omega": 0.01, "attitude": 0.04, "angular_momentum": 0.01, "energy": 0.0201}
+    by_hand |= {"com": 0.0, "velocity": 0.0}
     # The rate 4.04 is itself rounded, and 0.01 is a difference of numbers near 4.
     assert dict(errors) == pytest.approx(by_hand, abs=ROUNDED)
 
@@ -136,3 +137,17 @@ def test_the_series_tells_when():
 def test_other_sample_times_are_refused():
     with pytest.raises(ValueError, match="must be sampled at the same times"):
         errors_between(MADE, spinning(t=T * 1.0000001), TRUTH)
+
+
+@pytest.mark.parametrize("signal", ["com", "velocity"])
+def test_a_com_that_should_stay_is_measured_against_the_radius_of_gyration(signal):
+    scene_of = MADE
+    k = radius_of_gyration(scene_of)
+    moved = spinning(**{f"{signal}_world": always(0.0, 0.1, 0.0)})
+    base = {"com": k, "velocity": 4.0 * k}[signal]
+    assert getattr(errors_between(scene_of, moved, TRUTH), signal) == pytest.approx(0.1 / base)
+
+
+def test_a_quaternion_of_the_other_sign_is_no_error():
+    negated = spinning(q_world_body_wxyz=-TRUTH.q_world_body_wxyz)
+    assert errors_between(MADE, negated, TRUTH).attitude == 0.0

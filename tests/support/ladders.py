@@ -43,7 +43,7 @@ def with_law(law: Law, method: str = "Euler") -> Results:
 
 
 def errors_of(law: Law, timestep: float) -> Errors:
-    return Errors(*[law(timestep)] * 4)
+    return Errors(*[law(timestep)] * 6)
 
 
 def scene_of(found: Results) -> SceneRuns:

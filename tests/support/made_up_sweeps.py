@@ -83,7 +83,7 @@ def point(
         cause = "not finite" if turn < 10 else "energy"
         return PointResult(at, key, timestep, "diverged", cause, f"blew up {MISCHIEF}", 0.25)
     error = timestep ** ORDERS[pair[1]]
-    errors = Errors(error, 2 * error, 3 * error, 4 * error)
+    errors = Errors(*(k * error for k in range(1, 7)))
     steps = round(base.window.duration / timestep)
     return PointResult(at, key, timestep, "ok", errors=errors, uncertainty=UNCERTAINTY, steps=steps)
 
@@ -114,7 +114,7 @@ def ensemble_result(members: int = 10, name: str = "disc") -> EnsembleResult:
                 points.append(PointResult((float(k),), key, 0.01, *ended))
                 continue
             error = (k + 1) / 100 * (1e-6 if pair[1] == "RK4" else 1.0)
-            errors = Errors(error, 2 * error, 3 * error, 4 * error)
+            errors = Errors(*(k * error for k in range(1, 7)))
             known = {"errors": errors, "uncertainty": UNCERTAINTY, "steps": 1000}
             points.append(PointResult((float(k),), key, 0.01, "ok", **known))
     return EnsembleResult(Ensemble(name, members, 7, 0.01), base, tuple(points))

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from ....engines import Outcome
 from ....scenarios import Scenario
-from ...harness.verdict import ASYMPTOTIC
+from ...harness.observed_order import ASYMPTOTIC
 from ...results.records import Key, Row, Verdict, VerdictWord
 from ...results.store import Results, SceneResult
 

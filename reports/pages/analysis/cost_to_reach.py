@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from ...harness.verdict import SETTLING_ORDER
+from ...harness.observed_order import SETTLING_ORDER
 from .work_precision import Curve, CurvePoint, observed_order, slope
 
 #: Errors at which methods are compared, relative (attitude: rad): useful to excellent.

@@ -87,12 +87,7 @@ class SceneRuns:
         """What the reference of a run is good for; that of ω is recorded with the run."""
         assert self.found is not None, "a run with errors has a reference"
         known = self.found.solution.uncertainty
-        return Errors(
-            max(known.omega, row.uncertainty),
-            known.attitude,
-            known.angular_momentum,
-            known.energy,
-        )
+        return replace(known, omega=max(known.omega, row.uncertainty))
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +100,7 @@ class Compared:
     truth: Trajectory
 
     def series(self, scene: SceneResult) -> ErrorSeries:
-        """The four errors at every sample."""
+        """The errors at every sample."""
         return error_series(scene.scenario, self.motion, self.truth)
 
 

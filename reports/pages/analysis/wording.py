@@ -9,12 +9,14 @@ NOTHING = "—"
 #: Numbers from 0.01 up to 1000 are printed without a power of ten.
 PLAIN_POWERS = range(-2, 3)
 SIGNIFICANT_DIGITS, COMPARED_DIGITS, READABLE_DIGITS = 3, 5, 2
-#: The four signals, in the order of `Errors`, with the units of their errors.
+#: The signals, in the order of `Errors`, with the units of their errors.
 SIGNALS = {
     "omega": "ω, relative",
     "attitude": "attitude, rad",
     "angular_momentum": "L, relative",
     "energy": "energy, relative",
+    "com": "com, relative",
+    "velocity": "velocity, relative",
 }
 ERROR_HEADINGS = {name: title.replace(",", " error,") for name, title in SIGNALS.items()}
 
@@ -85,7 +87,7 @@ def limited(error: float | None, uncertainty: float) -> str:
 
 
 def limited_errors(errors: Errors | None, uncertainty: Errors) -> tuple[str, ...]:
-    """The four errors of a run, in the order of `ERROR_HEADINGS`."""
+    """The errors of a run, in the order of `ERROR_HEADINGS`."""
     if errors is None:
         return (NOTHING,) * len(ERROR_HEADINGS)
     limits = dict(uncertainty)

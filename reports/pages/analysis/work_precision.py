@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from ...harness.verdict import fitted_order
+from ...harness.observed_order import observed_order as observed_order_of
 from ...results.records import Row, VerdictWord
 from .report_data import MethodRuns, SceneRuns
 
@@ -128,7 +128,7 @@ def observed_order(curve: Curve) -> float | None:
     timesteps = np.array([point.timestep for point in curve.stable])
     errors = np.array([point.error for point in curve.stable])
     floors = np.array([curve.floor(timestep) for timestep in timesteps])
-    order = fitted_order(timesteps, errors, floors, curve.uncertainty)
+    order = observed_order_of(timesteps, errors, floors, curve.uncertainty)
     return curve.order if order is None else order
 
 

@@ -8,7 +8,7 @@ from itertools import chain
 import numpy as np
 
 from ....scenarios import FloatArray
-from ...harness.verdict import ABOVE_UNCERTAINTY, ASYMPTOTIC
+from ...harness.observed_order import ABOVE_UNCERTAINTY, ASYMPTOTIC
 from ...results.records import Row
 from ..analysis.report_data import MethodRuns, SceneRuns
 from ..analysis.wording import number

@@ -9,7 +9,7 @@ from pathlib import Path
 import made_up
 import pytest
 from spincheck.reports.cli.compare import changes_as_json, exit_code, print_changes
-from spincheck.reports.harness.verdict import ASYMPTOTIC
+from spincheck.reports.harness.observed_order import ASYMPTOTIC
 from spincheck.reports.pages.analysis.changes import (
     COST_FACTOR,
     ERROR_FACTOR,
@@ -244,7 +244,7 @@ def stored(tmp_path):
         with open_store(tmp_path / name, create=True) as store:
             store.put_scene(scene.scenario, scene.solution)
             store.put_verdict(Verdict(KEY, word, ""))
-            store.put_row(Row(KEY, "1", 0.01, errors=Errors(1e-6, 1e-6, 1e-6, 1e-6), outcome="ok"))
+            store.put_row(Row(KEY, "1", 0.01, errors=Errors(*[1e-6] * 6), outcome="ok"))
         return tmp_path / name
 
     return write

@@ -107,11 +107,13 @@ def test_what_no_method_reaches_is_said_and_exits_with_1(monkeypatch: pytest.Mon
 
 
 def test_a_bound_broken_by_any_error_is_broken() -> None:
-    row = Row(Key(TOP, "e", "m"), "1", 1e-3, "ok", errors=Errors(1e-3, 1e-2, 1e-4, 1e-5))
+    row = Row(
+        Key(TOP, "e", "m"), "1", 1e-3, "ok", errors=Errors(1e-3, 1e-2, 1e-4, 1e-5, 1e-3, 1e-3)
+    )
     within = recommend_module.within
     assert within(row, {"omega": 1e-3, "attitude": 1e-2})
     assert not within(row, {"omega": 1e-3, "attitude": 9e-3})
-    assert not within(replace(row, errors=Errors(math.nan, 0, 0, 0)), {"omega": 1.0})
+    assert not within(replace(row, errors=Errors(math.nan, 0, 0, 0, 0, 0)), {"omega": 1.0})
     assert not within(replace(row, outcome="diverged", errors=None), {"omega": 1.0})
 
 

@@ -11,13 +11,13 @@ import pytest
 from forging import forge
 from spincheck.reference import Solution
 from spincheck.reports.results.cost_records import StepCost
-from spincheck.reports.results.records import Key, Row, Verdict
+from spincheck.reports.results.records import Key, Row, SignalVerdict, Verdict
 from spincheck.reports.results.result_file import FORMAT, ResultFileError
 from spincheck.reports.results.store import open_store
 from spincheck.scenarios import Errors, Trajectory, find, load
 
 KEY = Key("tennis-racket", "mujoco", "RK4")
-ERRORS = Errors(1e-9, 2e-9, 3e-9, 4e-9)
+ERRORS = Errors(1e-9, 2e-9, 3e-9, 4e-9, 5e-9, 6e-9)
 
 
 def motion(n: int = 5) -> Trajectory:
@@ -76,7 +76,9 @@ def test_a_row_comes_back_to_the_last_bit(path, row):
 
 
 def test_a_verdict_comes_back(path):
-    verdict = Verdict(KEY, "converges", "order 4.00", "attitude", 4.0, 1e-9, 2e-9, ("a promise",))
+    signal = SignalVerdict("attitude", "converges", "order 4.00", 4, 4.0, 1e-9, 2e-9)
+    found = ("attitude", 4.0, 1e-9, 2e-9, (signal,))
+    verdict = Verdict(KEY, "converges", "order 4.00", *found, unmet=("a promise",))
     with open_store(path, create=True) as store:
         store.put_verdict(verdict)
         assert store.read().verdicts == [verdict]

@@ -1,0 +1,144 @@
+"""The judgement on a method's ladder as it grows: each signal by itself, and the worst of them."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...engines import Engine, Method
+from ...engines.read_back import READ_BACK_SLACK, READ_BACK_SLACK_SINGLE
+from ...reference import Solution
+from ...scenarios import Scenario
+from ..results.records import Row, SignalVerdict
+from .observed_order import ASYMPTOTIC
+from .richardson import SIGNALS, RichardsonLadder, SignalSequence
+from .verdict import SHARP, Judgement, judge
+
+#: A ladder goes on until every limit is known to this, relative or in rad, or steps run out; that
+#: of a method of high order, which gets there in a few rungs, further; that of an engine as
+#: shipped, whose accuracy nobody pays for, until it is sharp enough to judge.
+GOAL, FINE_GOAL = 1e-4, 1e-9
+HIGH_ORDER = 4
+#: Rungs an extrapolated limit with an error estimate takes.
+RUNGS_OF_A_LIMIT = 3
+
+
+@dataclass(frozen=True, eq=False)
+class SignalJudgement:
+    """A ladder in one signal, and what is found of it."""
+
+    sequence: SignalSequence
+    judgement: Judgement
+
+    @property
+    def severity(self) -> tuple[int, float, float]:
+        """What is worse; of two that are unresolved, what takes the smaller timestep to tell."""
+        found = self.judgement
+        rank = ("converges", "unresolved", "disagrees").index(found.word)
+        off = (found.limit_error or 0.0) / (found.tolerance or math.inf)
+        return rank, -(found.needed_timestep or math.inf) if rank == 1 else 0.0, off
+
+
+@dataclass(eq=False)
+class LadderJudge:
+    """Takes the rows of a ladder, coarse to fine, and judges those below the last that ended early.
+
+    Attributes
+    ----------
+    solution : the exact motion at the ladder's sample times
+    blown_up_below : rows that ended well before a finer one did not, where there are enough of them
+        to tell that it is finer timesteps that do harm
+    """
+
+    scenario: Scenario
+    engine: Engine
+    method: Method
+    solution: Solution
+    blown_up_below: list[Row] = field(default_factory=list)
+    _taken: list[Row] = field(default_factory=list)
+    _ladder: RichardsonLadder | None = None
+    _judged: list[SignalJudgement] | None = None
+
+    def take(self, row: Row) -> None:
+        """Take the next rung's row."""
+        self._judged = None
+        if row.outcome != "ok" or row.motion is None:
+            sound = [taken for taken in self._taken if taken.survived]
+            if len(sound) >= RUNGS_OF_A_LIMIT:
+                self.blown_up_below = sound
+            self._ladder, self._taken = None, []
+            return
+        if self._ladder is None:
+            self._ladder = self._new_ladder()
+            self.blown_up_below = []
+        self._ladder.add(row.timestep, row.motion, row.steps)
+        self._taken.append(row)
+
+    @property
+    def finished(self) -> int:
+        """Rungs that are judged."""
+        return len(self._ladder) if self._ladder else 0
+
+    @property
+    def signals(self) -> list[SignalJudgement]:
+        """Every signal's judgement, made once a rung; none before there are enough rungs."""
+        if self._judged is None:
+            self._judged = []
+            if self._ladder is not None and self.finished >= RUNGS_OF_A_LIMIT:
+                sequences = [self._ladder.signal(signal) for signal in SIGNALS]
+                self._judged = [SignalJudgement(one, judge(one)) for one in sequences]
+        return self._judged
+
+    @property
+    def worst(self) -> SignalJudgement:
+        """What the verdict rests on; there must be enough rungs."""
+        return max(self.signals, key=lambda one: one.severity)
+
+    def records(self) -> tuple[SignalVerdict, ...]:
+        """The judgements to store."""
+        return tuple(one.judgement.of(one.sequence) for one in self.signals)
+
+    @property
+    def is_known(self) -> bool:
+        """Whether some signal disagrees, or every one is judged and its limit known to the goal."""
+        if not self.signals:
+            return False
+        words = {one.judgement.word for one in self.signals}
+        if "disagrees" in words:
+            return True
+        goal = self._goal
+        return "unresolved" not in words and all(
+            one.judgement.extrapolation_tolerance <= max(goal, (one.judgement.tolerance or 0) / 2)
+            for one in self.signals
+        )
+
+    def is_out_of_reach(self, finest: float) -> bool:
+        """Whether an error would be too large even at the finest timestep, s, by declared orders.
+
+        Of what is known of the ladder the error alone is asked: the limit's settles last.
+        """
+        return any(
+            one.judgement.word == "unresolved"
+            and one.sequence.errors[-1]
+            * (finest / one.sequence.timesteps[-1]) ** one.sequence.declared_order
+            > ASYMPTOTIC
+            for one in self.signals
+        )
+
+    @property
+    def _goal(self) -> float:
+        if self.method.as_shipped:
+            return SHARP
+        order = min(self.method.order, self.method.attitude_order)
+        return FINE_GOAL if order >= HIGH_ORDER else GOAL
+
+    def _new_ladder(self) -> RichardsonLadder:
+        single = self.engine.single_precision
+        return RichardsonLadder(
+            self.scenario,
+            self.solution,
+            self.method.order,
+            self.method.attitude_order,
+            precision=READ_BACK_SLACK_SINGLE if single else READ_BACK_SLACK,
+            ulp=float(np.finfo(np.float32 if single else np.float64).eps),
+        )

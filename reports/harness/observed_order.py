@@ -1,0 +1,49 @@
+"""The observed order of accuracy: how errors shrink with the timestep."""
+
+import numpy as np
+
+from ...scenarios import FloatArray
+
+#: An order is read off errors at least this many times the reference's own uncertainty.
+ABOVE_UNCERTAINTY = 100.0
+#: Larger errors are not in the asymptotic range: on the unit sphere of directions they saturate.
+ASYMPTOTIC = 0.1
+#: Rungs an order is fitted to.
+FITTED_RUNGS = 3
+#: Orders that are this near to one another are one.
+ORDER_SLACK = 0.25
+#: An order below this is none: errors do not shrink.
+SETTLING_ORDER = 0.5
+
+
+def observed_order(
+    timesteps: FloatArray, errors: FloatArray, roundoff_bounds: FloatArray, uncertainty: float
+) -> float | None:
+    """Signed least-squares slope of log error against log dt over the best window of usable rungs.
+
+    Usable are errors in the asymptotic range and above round-off and the reference's uncertainty;
+    of fewer than two there is no slope. Of the windows of `FITTED_RUNGS` neighbours the finest is
+    taken whose errors lie on a line to within `ORDER_SLACK`, one that falls before one that is
+    level, or where none does the one nearest to it: rounding bends the finest. All arrays are (n,),
+    coarse to fine.
+    """
+    usable = (
+        (errors > ABOVE_UNCERTAINTY * uncertainty)
+        & (errors > roundoff_bounds)
+        & (errors < ASYMPTOTIC)
+    )
+    rungs = np.flatnonzero(usable)
+    if len(rungs) < 2:
+        return None
+    log_timesteps, log_errors = np.log(timesteps[rungs]), np.log(errors[rungs])
+    slopes = np.diff(log_errors) / np.diff(log_timesteps)
+    if len(slopes) < FITTED_RUNGS - 1:
+        return float(slopes[0])
+    bends = np.abs(np.diff(slopes))
+    straight = np.flatnonzero(bends <= ORDER_SLACK)
+    sloping = straight[slopes[straight + 1] >= SETTLING_ORDER]
+    if len(sloping):
+        straight = sloping
+    start = int(straight[-1]) if len(straight) else int(np.argmin(bends))
+    window = slice(start, start + FITTED_RUNGS)
+    return float(np.polyfit(log_timesteps[window], log_errors[window], 1)[0])

@@ -1,0 +1,42 @@
+"""What rounding does to a run: once in the body and the start it is given, and at every step."""
+
+import numpy as np
+
+from ...reference import Solution
+from ...scenarios import Errors, Scenario, energy_base, radius_of_gyration
+
+EPS = float(np.finfo(float).eps)
+
+
+def ulp_growth(scenario: Scenario, solution: Solution) -> Errors:
+    """What one ulp in each number of a state does to each signal by the end, in units of errors.
+
+    The rotation's is its conditioning; the flight of a free body, which engines integrate in a
+    frame whose origin need not be the com, is added.
+    """
+    growth = solution.conditioning
+    if scenario.has_pivot:
+        return growth
+    truth, body = solution.trajectory, scenario.body
+    arm = float(np.linalg.norm(body.com))
+    speed = float(np.linalg.norm(truth.omega_body, axis=1).max())
+    far = float(np.linalg.norm(truth.com_world, axis=1).max())
+    fast = float(np.linalg.norm(truth.velocity_world, axis=1).max())
+    way = float(np.linalg.norm(truth.com_world - truth.com_world[0], axis=1).max())
+    gyration = radius_of_gyration(scenario)
+    metres = EPS * (far + arm + fast * float(truth.t[-1])) + growth.attitude * arm
+    metres_a_second = EPS * fast + (growth.attitude + growth.omega) * arm * speed
+    weight = body.mass * float(np.linalg.norm(scenario.gravity_world))
+    joules = body.mass * fast * metres_a_second + weight * metres
+    return Errors(
+        growth.omega,
+        growth.attitude,
+        growth.angular_momentum,
+        max(growth.energy, _relative(joules, energy_base(scenario, truth))),
+        _relative(metres, max(way, gyration)),
+        max(EPS, _relative(metres_a_second, max(fast, gyration * speed))),
+    )
+
+
+def _relative(change: float, base: float) -> float:
+    return change / base if base else EPS
