@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from . import FloatArray, Scenario, Trajectory
+from . import Scenario, Trajectory
 
 
 def fastest_rate(scenario: Scenario, truth: Trajectory) -> float:
@@ -21,22 +21,19 @@ def fastest_rate(scenario: Scenario, truth: Trajectory) -> float:
     inverse = np.asarray(np.linalg.inv(inertia), dtype=float)
     spin = float(np.linalg.norm(truth.omega_body, axis=1).max())
     damping = scenario.drag * float(np.linalg.norm(inverse, 2))
-    return max(spin, _swing(scenario, inverse), damping)
+    return max(spin, swing_rate(scenario), damping)
 
 
-def _swing(scenario: Scenario, inverse: FloatArray) -> float:
+def swing_rate(scenario: Scenario) -> float:
     """√(m g l / I) for the axis across the lever about which I is least, rad/s; 0 if free.
 
     Gravity's torque is across the lever, so that the moment about the lever does not count: a
     needle hanging by its end swings slowly, however easily it spins.
-
-    Parameters
-    ----------
-    inverse : (3, 3) of the tensor about the pivot, 1/(kg m²), body axes
     """
     length = float(np.linalg.norm(scenario.body.com))
     if not (scenario.has_pivot and length):
         return 0.0
+    inverse = np.asarray(np.linalg.inv(scenario.body.inertia_origin), dtype=float)
     direction = scenario.body.com / length
     across = np.eye(3) - np.outer(direction, direction)
     pull = scenario.body.mass * float(np.linalg.norm(scenario.gravity_world)) * length

@@ -11,9 +11,9 @@ import numpy as np
 
 from ...reference import Solution
 from ...scenarios import ErrorNorm, FloatArray, Scenario, Trajectory
-from ...scenarios.fastest_rate import fastest_rate
+from ...scenarios.fastest_rate import fastest_rate, swing_rate
 from ..results.records import Signal
-from .observed_order import ORDER_SLACK
+from .observed_order import ASYMPTOTIC, ORDER_SLACK
 from .rounding import EPS, ulp_growth
 
 SIGNALS: tuple[Signal, ...] = get_args(Signal)
@@ -37,7 +37,8 @@ class Refinement:
     limit_error : distance of their Richardson limit from the exact motion
     limit_change : of that limit from the one that the coarser rung and the one before it have
     excess : the largest ratio, over the samples, of the limit's distance from the exact motion to
-        its tolerance, both by the largest so far; over the samples within the asymptotic range
+        its tolerance, both by the largest so far; over the samples within the asymptotic range, and
+        where that tolerance is
     since : s, the first sample at which that ratio is reached
     """
 
@@ -116,6 +117,10 @@ class RichardsonLadder:
         self._norm = ErrorNorm(scenario, truth)
         self._truth = truth
         self._rate = fastest_rate(scenario, truth)
+        self._p = float(self.declared.min())
+        rates = np.maximum(np.linalg.norm(truth.omega_body, axis=1), swing_rate(scenario))
+        # ∫ Ω^(p+1) dt, of which h^p is what a method may have committed by then.
+        self._committed = np.cumsum(rates ** (self._p + 1) * np.gradient(truth.t))
         self.timesteps: list[float] = []
         self._errors: list[FloatArray] = []
         self._roundoff_bounds: list[FloatArray] = []
@@ -173,7 +178,8 @@ class RichardsonLadder:
         changes = norm.distances(limit, norm.extrapolated(coarsest, coarse, orders))
         known = self._roundoff_bounds[-1] + self._uncertainty
         allowed = CAUTIOUS * np.maximum.accumulate(changes) + known
-        ratios = (np.maximum.accumulate(off) / allowed)[: self._samples_in_range()]
+        ratios = np.maximum.accumulate(off) / allowed
+        ratios = np.where(allowed <= ASYMPTOTIC, ratios, 0.0)[: self._samples_in_range()]
         worst = ratios.argmax(axis=0)
         return Refinement(
             difference=self._differences[-1],
@@ -197,8 +203,4 @@ class RichardsonLadder:
     def _samples_in_range(self) -> int:
         """Samples, the first at least, by which not all of the motion can have been damped away."""
         # By the coarsest of the three rungs that a limit's change is made of.
-        turn = self._rate * self.timesteps[-3]
-        order = float(self.declared.min())
-        errs_a_second = self._rate * turn**order
-        span = WHOLE / errs_a_second if errs_a_second else np.inf
-        return max(1, int(np.searchsorted(self._truth.t, span, side="right")))
+        return max(1, int(np.searchsorted(self._committed * self.timesteps[-3] ** self._p, WHOLE)))

@@ -162,7 +162,7 @@ def verdict(record: sqlite3.Row) -> Verdict:
     """A record of the table `verdicts`."""
     found = Verdict(
         key=key(record),
-        signals=tuple(_typed(SignalVerdict(**one)) for one in from_json(record["signals"], list)),
+        signals=tuple(typed(SignalVerdict(**one)) for one in from_json(record["signals"], list)),
         unmet=tuple(from_json(record["unmet"], list)),
         as_shipped=bool(record["as_shipped"]),
         known=bool(record["known"]),

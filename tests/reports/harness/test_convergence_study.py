@@ -79,7 +79,7 @@ def go_down(
 
 def wandering(dt: float) -> float:
     """An error that no halving makes less."""
-    return 2.0 + np.sin(1.0 / dt)
+    return 2.0 + np.sin(1e4 / dt)
 
 
 def first(found: ConvergenceStudy) -> Rung:
