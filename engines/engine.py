@@ -104,6 +104,21 @@ class Engine(ABC):
         """
         return None
 
+    def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
+        """What a method as shipped does unasked that alters motions, by the engine's names."""
+        return ()
+
+    def open_with_defaults(
+        self, scenario: Scenario, method: Method, timestep: float, defaults: Collection[str]
+    ) -> Session:
+        """As `open`, with these alone of a method's defaults.
+
+        Parameters
+        ----------
+        defaults : names out of `defaults`
+        """
+        raise NotImplementedError(f"{self.name} {method.name} has no defaults that alter motions.")
+
     @final
     def method(self, name: str) -> Method:
         """The method of that name.

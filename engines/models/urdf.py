@@ -5,6 +5,8 @@ of it; the adapters that load it set them.
 """
 
 import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+from math import sqrt
 
 from ...scenarios import Scenario
 from .principal_frame import principal_frame
@@ -17,7 +19,12 @@ WORLD_LINK = "world"
 PIVOT_JOINT = "pivot"
 
 
-def urdf(scenario: Scenario, thickness: float = 0.0, shape_radius: float = 0.0) -> str:
+def urdf(
+    scenario: Scenario,
+    thickness: float = 0.0,
+    shape_radius: float = 0.0,
+    has_box: bool = False,
+) -> str:
     """The scene's body, and its pivot where there is one, as a URDF document.
 
     A pivoted body hangs by a ``spherical`` joint at its own origin on a fixed link at the world's
@@ -31,13 +38,19 @@ def urdf(scenario: Scenario, thickness: float = 0.0, shape_radius: float = 0.0) 
     ----------
     thickness : as of `principal_frame`, for a reader that cannot take an entirely flat body
     shape_radius : m, of a sphere about the com to collide with; none if zero
+    has_box : whether it is to have a box to collide with, which is the body's own shape in so far
+        as with a uniform density it has the body's tensor
     """
     robot = ET.Element("robot", name=scenario.name)
     if scenario.has_pivot:
         ET.SubElement(robot, "link", name=WORLD_LINK)
     _add_body(robot, scenario, thickness)
     if shape_radius:
-        _add_shape(robot, scenario, shape_radius)
+        _add_shape(robot, scenario.body.com, (0.0, 0.0, 0.0), "sphere", radius=[shape_radius])
+    if has_box:
+        frame = principal_frame(scenario.body, thickness)
+        sides = box_sides(scenario.body.mass, frame.moments)
+        _add_shape(robot, scenario.body.com, frame.rpy_body_axes, "box", size=sides)
     if scenario.has_pivot:
         _add_pivot(robot)
     return xml_text(robot)
@@ -53,10 +66,26 @@ def _add_body(robot: ET.Element, scenario: Scenario, thickness: float) -> None:
     ET.SubElement(inertial, "inertia", ixx=ixx, ixy="0", ixz="0", iyy=iyy, iyz="0", izz=izz)
 
 
-def _add_shape(robot: ET.Element, scenario: Scenario, radius: float) -> None:
+def box_sides(mass: float, moments: Iterable[float]) -> list[float]:
+    """Sides of the uniform box with these principal moments, m; of a flat body one is zero.
+
+    From I₁ = m (b² + c²) / 12 and so on; the triangle inequality makes the squares positive.
+    """
+    moments = list(moments)
+    return [sqrt(max(0.0, 6 * (sum(moments) - 2 * own) / mass)) for own in moments]
+
+
+def _add_shape(
+    robot: ET.Element,
+    center: Iterable[float],
+    rpy: Iterable[float],
+    shape: str,
+    **sizes: Iterable[float],
+) -> None:
     collision = ET.SubElement(robot.findall("link")[-1], "collision")
-    ET.SubElement(collision, "origin", xyz=decimals(scenario.body.com), rpy="0 0 0")
-    ET.SubElement(ET.SubElement(collision, "geometry"), "sphere", radius=decimals([radius]))
+    ET.SubElement(collision, "origin", xyz=decimals(center), rpy=decimals(rpy))
+    numbers = {name: decimals(values) for name, values in sizes.items()}
+    ET.SubElement(ET.SubElement(collision, "geometry"), shape, numbers)
 
 
 def _add_pivot(robot: ET.Element) -> None:

@@ -4,6 +4,7 @@ What it does to a top when nobody asks, and how each was measured: docs/engines-
 """
 
 from collections.abc import Collection
+from dataclasses import replace
 from functools import cache
 from importlib.metadata import version
 from math import pi
@@ -15,7 +16,7 @@ from ...session import Session
 
 with native_output():
     # Bullet prints when it was built as soon as it is imported.
-    from .load import BodyRepresentation, left_out
+    from .load import DEFAULTS, INERTIA, JOINT_MOTOR, BodyRepresentation, left_out
     from .session import PyBulletSession
 
 ALL_EFFECTS = frozenset(EFFECTS)
@@ -27,7 +28,10 @@ REPRESENTATIONS = {
     "multibody": BodyRepresentation(maximal=False, hung=True),
     "multibody-p2p": BodyRepresentation(maximal=False, hung=False),
     "maximal": BodyRepresentation(maximal=True, hung=False),
-    "default": BodyRepresentation(maximal=False, hung=True, as_shipped=True),
+    "default": BodyRepresentation(maximal=False, hung=True, defaults=frozenset(DEFAULTS)),
+    "default-inertia-from-file": BodyRepresentation(
+        maximal=False, hung=True, defaults=frozenset(DEFAULTS) - {INERTIA}
+    ),
 }
 
 
@@ -72,6 +76,15 @@ class PyBullet(Engine):
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             as_shipped=True,
         ),
+        Method(
+            "default-inertia-from-file",
+            1,
+            1,
+            "as shipped, but for the inertia, which is the file's (URDF_USE_INERTIA_FROM_FILE)",
+            ALL_EFFECTS,
+            max_rotation_per_step=MOST_ROTATION_A_STEP,
+            as_shipped=True,
+        ),
     )
 
     @property
@@ -99,6 +112,20 @@ class PyBullet(Engine):
             return None
         kept = names if left_in is None else left_in
         return PyBulletSession(scenario, REPRESENTATIONS[method.name], timestep, kept)
+
+    def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
+        """Of a method as shipped; without a joint there is no motor."""
+        left = REPRESENTATIONS[method.name].defaults - (
+            frozenset() if scenario.has_pivot else {JOINT_MOTOR}
+        )
+        return tuple(name for name in DEFAULTS if name in left)
+
+    def open_with_defaults(
+        self, scenario: Scenario, method: Method, timestep: float, defaults: Collection[str]
+    ) -> Session:
+        """Loaded like the method, with some of its defaults."""
+        holding = replace(REPRESENTATIONS[method.name], defaults=frozenset(defaults))
+        return PyBulletSession(scenario, holding, timestep)
 
 
 @cache

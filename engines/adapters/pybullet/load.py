@@ -21,6 +21,14 @@ from .model import BASE, HUNG, Model
 
 #: Names of what is left out that would change no motion.
 SHAPE, MOTOR = "collision shape", "idle joint motor"
+#: What PyBullet does to the motion of a body unasked; the third is a joint's.
+INERTIA, DAMPING, JOINT_MOTOR, CLAMP = (
+    "inertia of the shape",
+    "damping",
+    "joint motor",
+    "velocity clamp",
+)
+DEFAULTS = (INERTIA, DAMPING, JOINT_MOTOR, CLAMP)
 #: N. A constraint's default limit is an impulse of 500 N s a step; this is out of reach.
 UNREACHED_FORCE = 1e100
 #: SIMD_EPSILON of Bullet's LinearMath/btScalar.h: what is not above it is taken for zero, in SI.
@@ -35,12 +43,17 @@ class BodyRepresentation:
     ----------
     maximal : six coordinates a body (btRigidBody) instead of joint coordinates (btMultiBody)
     hung : the pivot is a spherical joint; otherwise a point-to-point constraint
-    as_shipped : loaded with no flag and stripped of no default
+    defaults : of `DEFAULTS`, those that are left as shipped
     """
 
     maximal: bool
     hung: bool
-    as_shipped: bool = False
+    defaults: frozenset[str] = frozenset()
+
+    @property
+    def as_shipped(self) -> bool:
+        """Whether it is what a user gets, but for defaults taken away one by one."""
+        return bool(self.defaults)
 
 
 def left_out(scenario: Scenario, holding: BodyRepresentation) -> tuple[str, ...]:
@@ -72,7 +85,11 @@ def load(
     if not holding.as_shipped:
         _check_not_lost(scenario, holding)
     radius = _gyration_radius(scenario) if SHAPE in left_in else 0.0
-    text = urdf(scenario if hung else _set_free(scenario), shape_radius=radius)
+    text = urdf(
+        scenario if hung else _set_free(scenario),
+        shape_radius=radius,
+        has_box=holding.as_shipped,
+    )
     if hung:
         body = _load_urdf(client, text, holding, np.zeros(3), Rotation.identity())
         model = _model_of_link(client, body, HUNG)
@@ -83,12 +100,13 @@ def load(
             model = _model_of_rigid_body(client, body, position, world_from_body)
         else:
             model = _model_of_link(client, body, BASE)
-    if not holding.as_shipped:
+    if DAMPING not in holding.defaults:
         take_away_damping(model)
+    if CLAMP not in holding.defaults:
         take_away_clamp(model)
-        if hung:
-            # Taken away first, it would not come back.
-            idle_motor(model) if MOTOR in left_in else take_away_motor(model)
+    if hung and JOINT_MOTOR not in holding.defaults:
+        # Taken away first, it would not come back.
+        idle_motor(model) if MOTOR in left_in else take_away_motor(model)
     if hung:
         model.set_joint_attitude(world_from_body)
     elif scenario.has_pivot:
@@ -120,7 +138,7 @@ def _load_urdf(
                     position,
                     attitude.as_quat(),
                     useMaximalCoordinates=holding.maximal,
-                    flags=0 if holding.as_shipped else p.URDF_USE_INERTIA_FROM_FILE,
+                    flags=0 if INERTIA in holding.defaults else p.URDF_USE_INERTIA_FROM_FILE,
                     physicsClientId=client,
                 )
             )

@@ -16,7 +16,7 @@ from ...read_back import BodyReading, EngineError, State
 from ...session import Session
 from .as_shipped import DEFAULT_CLAMP, UNREACHED_VELOCITY
 from .audit import what_acts
-from .load import BodyRepresentation, load
+from .load import CLAMP, BodyRepresentation, load
 from .model import BASE, Model
 from .worlds import give_back, take_world
 
@@ -50,7 +50,7 @@ class PyBulletSession(Session):
     ) -> None:
         self._scenario = scenario
         self.client, self.model = _open(scenario, holding, left_in)
-        self._clamp = DEFAULT_CLAMP if holding.as_shipped else UNREACHED_VELOCITY
+        self._clamp = DEFAULT_CLAMP if CLAMP in holding.defaults else UNREACHED_VELOCITY
         self._torques, self.at_once = _torques(self.model, scenario)
         self.set_timestep(timestep)
 

@@ -1,0 +1,39 @@
+"""What each default of an engine does to the motion of a scene."""
+
+from dataclasses import dataclass
+
+from ...scenarios import Errors
+from .records import Key
+
+
+@dataclass(frozen=True)
+class DefaultEffect:
+    """One default of a method as shipped.
+
+    Attributes
+    ----------
+    name : by the engine's own name
+    alone : errors with it and no other default; None where the run did not come to its end
+    without : errors with all defaults but this; None likewise
+    """
+
+    name: str
+    alone: Errors | None
+    without: Errors | None
+
+
+@dataclass(frozen=True)
+class DefaultEffects:
+    """A method as shipped on a scene, its defaults taken away one at a time.
+
+    Attributes
+    ----------
+    timestep : s
+    none, all : errors with none and with all of the defaults; None where the run did not end
+    """
+
+    key: Key
+    timestep: float
+    none: Errors | None
+    all: Errors | None
+    each: tuple[DefaultEffect, ...]

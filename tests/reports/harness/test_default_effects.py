@@ -1,0 +1,77 @@
+"""What each default of PyBullet does to a motion is told apart, one default at a time."""
+
+import pytest
+from scenes import GRAVITY, PIVOT, SPUN_UP, TOP, scene
+from spincheck.engines.adapters.mujoco.engine import MuJoCo
+from spincheck.engines.adapters.pybullet.engine import PyBullet
+from spincheck.engines.adapters.pybullet.load import CLAMP, DAMPING, INERTIA, JOINT_MOTOR
+from spincheck.reference import solve
+from spincheck.reports.harness.default_effects import default_effects
+from spincheck.reports.harness.ladder import single
+from spincheck.reports.results.default_records import DefaultEffects
+from spincheck.scenarios import Scenario
+
+ENGINE = PyBullet()
+TIMESTEP = ENGINE.stock_timestep
+AXISYMMETRIC = scene("top", body=TOP, start=SPUN_UP, effects=PIVOT + GRAVITY, duration=0.5)
+
+
+def effects_on(scenario: Scenario) -> DefaultEffects:
+    rung = single(TIMESTEP, scenario.times)
+    solution = solve(scenario, rung.sample_steps * TIMESTEP)
+    found = default_effects(scenario, ENGINE, ENGINE.method("default"), rung, solution)
+    assert found is not None
+    return found
+
+
+@pytest.fixture(scope="module")
+def of_a_top() -> DefaultEffects:
+    return effects_on(AXISYMMETRIC)
+
+
+def test_every_default_of_a_top_is_taken_away_once(of_a_top: DefaultEffects) -> None:
+    assert [one.name for one in of_a_top.each] == [INERTIA, DAMPING, JOINT_MOTOR, CLAMP]
+
+
+def test_a_free_body_has_no_motor() -> None:
+    names = ENGINE.defaults(scene("free"), ENGINE.method("default"))
+    assert names == (INERTIA, DAMPING, CLAMP)
+
+
+def test_it_is_the_motor_that_stops_a_top(of_a_top: DefaultEffects) -> None:
+    """Alone it takes all of L; with all others but it, the top spins on."""
+    motor = next(one for one in of_a_top.each if one.name == JOINT_MOTOR)
+    assert of_a_top.all is not None
+    assert motor.alone is not None
+    assert motor.without is not None
+    assert motor.alone.angular_momentum > 0.9
+    assert of_a_top.all.angular_momentum > 0.9
+    assert motor.without.angular_momentum < 0.5
+
+
+def test_a_clamp_out_of_reach_does_nothing(of_a_top: DefaultEffects) -> None:
+    clamp = next(one for one in of_a_top.each if one.name == CLAMP)
+    assert clamp.alone == of_a_top.none
+    assert clamp.without == of_a_top.all
+
+
+def test_damping_does_something_by_itself(of_a_top: DefaultEffects) -> None:
+    damping = next(one for one in of_a_top.each if one.name == DAMPING)
+    assert damping.alone != of_a_top.none
+
+
+def test_a_run_that_ends_at_the_clamp_has_no_errors() -> None:
+    fast = scene("fast", start=SPUN_UP.replace("40.0", "140.0"), duration=0.1)
+    found = effects_on(fast)
+    clamp = next(one for one in found.each if one.name == CLAMP)
+    assert found.all is None
+    assert clamp.alone is None
+    assert clamp.without is not None
+
+
+def test_an_engine_whose_defaults_alter_no_motion_has_none() -> None:
+    engine = MuJoCo()
+    rung = single(TIMESTEP, AXISYMMETRIC.times)
+    solution = solve(AXISYMMETRIC, rung.sample_steps * TIMESTEP)
+    default = engine.method("default")
+    assert default_effects(AXISYMMETRIC, engine, default, rung, solution) is None
