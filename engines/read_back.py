@@ -125,8 +125,8 @@ def _pairs(
     speed = float(np.linalg.norm(start.omega_body))
     yield "mass", np.array(held.mass), np.array(body.mass), body.mass
     yield "com", held.com, body.com, arm
-    largest_moment = float(np.abs(body.inertia_origin).max())
-    yield "inertia_com", held.inertia_com, body.inertia_com, largest_moment
+    # Not of the tensor about the origin: beside a long arm it would hide any fault of this one.
+    yield "inertia_com", held.inertia_com, body.inertia_com, float(body.principal_moments[-1])
     yield "omega_body", state.omega_body, start.omega_body, speed
     yield "com_world", state.com_world, com_world, arm + float(np.linalg.norm(com_world))
     size = arm * speed + float(np.linalg.norm(velocity_world))

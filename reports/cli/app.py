@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from .engine_commands import app as engine_commands
+from .model_commands import app as model_commands
 from .options import (
     CORES,
     REPORT_FOLDER,
@@ -43,6 +44,7 @@ app = typer.Typer(
 app.add_typer(result_commands)
 app.add_typer(sweep_commands)
 app.add_typer(engine_commands)
+app.add_typer(model_commands)
 
 
 def main() -> None:

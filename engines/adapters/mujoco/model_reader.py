@@ -1,0 +1,121 @@
+"""What MuJoCo holds of a user's URDF or MJCF."""
+
+import contextlib
+import tempfile
+from pathlib import Path
+from typing import Any, final
+
+import mujoco
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ....scenarios.model_files import ModelFile, Shape
+from ....scenarios.model_files.mjcf import unnamed
+from ...model_reader import Configuration, ModelReader
+from ...models.users_urdf import with_meshes
+from ...read_back import BodyReading, EngineError
+
+#: Meshes that MuJoCo reads.
+MESHES = frozenset((".obj", ".stl", ".msh"))
+WORLD = 0
+
+
+@final
+class MuJoCoModelReader(ModelReader):
+    """MuJoCo's compiler, as it is and with nothing fused.
+
+    Meshes are read where a link has no inertia but theirs; those of links that state one have no
+    part in it.
+    """
+
+    name = "mujoco"
+    formats = frozenset({"urdf", "mjcf"})
+    configurations = (
+        Configuration("as-is", "compiled with the file's own settings"),
+        Configuration("unfused", "shapes stripped off a URDF, fusestatic = false"),
+    )
+
+    @property
+    def version(self) -> str:
+        """Of the library that runs, which is what counts."""
+        return str(mujoco.mj_versionString())
+
+    def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
+        """Compile it."""
+        try:
+            # MuJoCo writes a log of its warnings into the current folder.
+            with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+                compiled = _compiled(model, unfused=configuration == "unfused")
+        except (ValueError, mujoco.FatalError) as error:
+            words = " ".join(str(error).removeprefix("Error: ").split())
+            raise EngineError(f"MuJoCo refuses the file: {words}") from None
+        return {
+            compiled.body(body).name: _body(compiled, body)
+            for body in range(WORLD + 1, compiled.nbody)
+        }
+
+
+def _compiled(model: ModelFile, *, unfused: bool) -> Any:
+    spec = _urdf(model) if model.format == "urdf" else _mjcf(model)
+    _name_bodies(spec)
+    if unfused:
+        spec.compiler.fusestatic = False
+        if model.format == "urdf":
+            _strip(spec)
+    return spec.compile()
+
+
+def _urdf(model: ModelFile) -> Any:
+    """The file with the meshes that it takes an inertia from, under names that lose no folder."""
+    stateless = {s.span for link in model.links if link.stated is None for s in link.shapes}
+
+    def usable(shape: Shape) -> bool:
+        return shape.span in stateless and Path(shape.mesh or "").suffix.lower() in MESHES
+
+    data, meshes = with_meshes(model, usable)
+    assets = {name: path.read_bytes() for name, path in meshes.items()}
+    return mujoco.MjSpec.from_string(data.decode(errors="replace"), assets=assets)
+
+
+def _mjcf(model: ModelFile) -> Any:
+    """The file without what is only drawn, and without meshes that no inertia comes from."""
+    spec = mujoco.MjSpec.from_file(str(model.folders.own / model.path.name))
+    explicit = spec.compiler.inertiafromgeom != mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
+    for geom in list(spec.geoms):
+        needless = explicit and geom.parent.explicitinertial
+        if geom.meshname and (needless or not _is_there(model, spec, geom)):
+            spec.delete(geom)
+    for drawn in (*spec.geoms, *spec.sites, *spec.tendons, *spec.flexes):
+        drawn.material = ""
+    used = {geom.meshname for geom in spec.geoms}
+    unused = [mesh for mesh in spec.meshes if mesh.name not in used]
+    for part in (*spec.skins, *unused, *spec.materials, *spec.textures):
+        spec.delete(part)
+    return spec
+
+
+def _is_there(model: ModelFile, spec: Any, geom: Any) -> bool:
+    """Whether a geom's mesh needs no file, or one inside the model's folders."""
+    mesh = spec.mesh(geom.meshname)
+    if mesh is None or not mesh.file:
+        return mesh is not None
+    return model.folders.find(str(Path(spec.compiler.meshdir, mesh.file))) is not None
+
+
+def _name_bodies(spec: Any) -> None:
+    """Name those without a name by their order, as the file's reader does."""
+    nameless = [body for body in spec.bodies if not body.name]
+    for number, body in enumerate(nameless, 1):
+        body.name = unnamed(number)
+
+
+def _strip(spec: Any) -> None:
+    """Take away shapes and what moves: a body that cannot move may have no inertia."""
+    for part in (*spec.geoms, *spec.equalities, *spec.joints):
+        spec.delete(part)
+
+
+def _body(compiled: Any, body: int) -> BodyReading:
+    R = Rotation.from_quat(compiled.body_iquat[body], scalar_first=True).as_matrix()
+    tensor = R @ np.diag(compiled.body_inertia[body]) @ R.T
+    return BodyReading(float(compiled.body_mass[body]), compiled.body_ipos[body].copy(), tensor)

@@ -1,0 +1,98 @@
+"""What PyBullet holds of a user's URDF."""
+
+import re
+import tempfile
+from importlib.metadata import version
+from pathlib import Path
+from typing import final
+
+import numpy as np
+import pybullet as p
+from scipy.spatial.transform import Rotation
+
+from ....scenarios.model_files import ModelFile, Shape
+from ...model_reader import Configuration, ModelReader
+from ...models.users_urdf import with_meshes
+from ...native_output import native_output
+from ...read_back import BodyReading, EngineError
+from .model import BASE
+
+#: Meshes that PyBullet makes collision shapes of.
+MESHES = frozenset((".obj", ".stl", ".dae"))
+#: The head of what PyBullet prints: file and line of its source.
+_HEAD = re.compile(r"b3(?:Warning|Error|Printf)\[[^\]]*\]:\n?")
+#: In bytes of the index of `getJointInfo`.
+LINK_NAME = 12
+
+
+@final
+class PyBulletModelReader(ModelReader):
+    """`loadURDF`, without and with the flag that has it take the file's tensors."""
+
+    name = "pybullet"
+    formats = frozenset({"urdf"})
+    configurations = (
+        Configuration(
+            "default",
+            "loadURDF without a flag",
+            "made up from the collision shapes",
+            "load it with flags=pybullet.URDF_USE_INERTIA_FROM_FILE",
+        ),
+        Configuration("inertia-from-file", "loadURDF with URDF_USE_INERTIA_FROM_FILE"),
+    )
+
+    @property
+    def version(self) -> str:
+        """Of the distribution: the module tells only its API's."""
+        return version("pybullet")
+
+    def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
+        """Load it into an empty world; only the default asks the collision shapes."""
+        asks_shapes = configuration == "default"
+        flags = p.URDF_IGNORE_VISUAL_SHAPES
+        if not asks_shapes:
+            flags |= p.URDF_USE_INERTIA_FROM_FILE | p.URDF_IGNORE_COLLISION_SHAPES
+
+        def usable(shape: Shape) -> bool:
+            return asks_shapes and Path(shape.mesh or "").suffix.lower() in MESHES
+
+        data, meshes = with_meshes(model, usable)
+        client = p.connect(p.DIRECT)
+        try:
+            with tempfile.TemporaryDirectory() as folder, native_output() as printed:
+                for name, path in meshes.items():
+                    Path(folder, name).symlink_to(path)
+                file = Path(folder, "model.urdf")
+                file.write_bytes(data)
+                body = _load(client, file, flags)
+            if body is None:
+                raise EngineError(f"PyBullet refuses the file: {_last_line(printed.text)}")
+            return _bodies(client, body)
+        finally:
+            p.disconnect(client)
+
+
+def _load(client: int, file: Path, flags: int) -> int | None:
+    try:
+        return int(p.loadURDF(str(file), flags=flags, physicsClientId=client))
+    except p.error:
+        return None
+
+
+def _bodies(client: int, body: int) -> dict[str, BodyReading]:
+    found = {}
+    for link in range(BASE, p.getNumJoints(body, client)):
+        if link == BASE:
+            name = p.getBodyInfo(body, client)[0]
+        else:
+            name = p.getJointInfo(body, link, client)[LINK_NAME]
+        mass, _, moments, com, q_body_principal_xyzw, *_ = p.getDynamicsInfo(body, link, client)
+        R = Rotation.from_quat(q_body_principal_xyzw).as_matrix()
+        held = BodyReading(mass, np.array(com), R @ np.diag(moments) @ R.T)
+        found[name.decode(errors="replace")] = held
+    return found
+
+
+def _last_line(printed: str) -> str:
+    lines = [line.strip() for line in _HEAD.sub("", printed).splitlines() if line.strip()]
+    return lines[-1] if lines else "it does not say why"

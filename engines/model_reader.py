@@ -1,0 +1,83 @@
+"""What an engine holds of a user's own model: every engine reads the file in its own way."""
+
+import importlib
+import pkgutil
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cache
+from inspect import isabstract
+from typing import ClassVar
+
+from ..scenarios.model_files import ModelFile
+from ..scenarios.model_files.model_file import Format
+from . import adapters
+from .read_back import BodyReading
+
+#: The module of an adapter's package that has its reader.
+MODULE = "model_reader"
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """One way in which users have an engine read a file.
+
+    Attributes
+    ----------
+    name : as users type and read it
+    summary : what is set, in one line
+    made_up : where it takes tensors from instead of the file; empty if it takes the file's
+    remedy : what to do where it holds another tensor than the file's; empty if nothing is known
+    """
+
+    name: str
+    summary: str
+    made_up: str = ""
+    remedy: str = ""
+
+
+class ModelReader(ABC):
+    """An engine's reader of model files."""
+
+    name: ClassVar[str]
+    formats: ClassVar[frozenset[Format]]
+    configurations: ClassVar[tuple[Configuration, ...]]
+
+    @property
+    @abstractmethod
+    def version(self) -> str:
+        """The engine's own version."""
+
+    @abstractmethod
+    def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
+        """The bodies that the engine has after it has read the file, by the links' names.
+
+        A link that it has no body for, because it is fused with another, is not there.
+
+        Raises
+        ------
+        EngineError
+            If it refuses the file.
+        """
+
+
+@cache
+def model_readers() -> dict[str, ModelReader]:
+    """The readers of the engines that are installed, by name, sorted."""
+    found: dict[str, ModelReader] = {}
+    for package in pkgutil.iter_modules(adapters.__path__):
+        where = f"{adapters.__name__}.{package.name}"
+        if not package.ispkg:
+            continue
+        try:
+            names = [
+                inner.name
+                for inner in pkgutil.iter_modules(importlib.import_module(where).__path__)
+            ]
+            module = importlib.import_module(f"{where}.{MODULE}") if MODULE in names else None
+        # An engine's package may raise anything when imported; that costs this engine alone.
+        except Exception:
+            continue
+        for cls in vars(module).values() if module else ():
+            if isinstance(cls, type) and issubclass(cls, ModelReader) and not isabstract(cls):
+                found[cls.name] = cls()
+    return dict(sorted(found.items()))

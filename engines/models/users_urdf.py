@@ -1,0 +1,49 @@
+"""A user's URDF as it is handed to an engine: verbatim, but for meshes and what is only drawn."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from ...scenarios.model_files import ModelFile, Shape
+
+_FILENAME = re.compile(rb"""\bfilename\s*=\s*(?:"[^"]*"|'[^']*')""")
+
+
+def with_meshes(model: ModelFile, usable: Callable[[Shape], bool]) -> tuple[bytes, dict[str, Path]]:
+    """The file with its meshes renamed, so that an engine finds those and no others.
+
+    Parameters
+    ----------
+    usable : whether the mesh of a collision shape is to be read
+
+    Returns
+    -------
+    data : the file, without what is only drawn, and without collision shapes whose mesh is not
+        there, lies outside the model's folders, or is not to be read
+    meshes : the files by the names that the file has for them now
+    """
+    edits: list[tuple[tuple[int, int], bytes]] = []
+    meshes: dict[str, Path] = {}
+    for link in model.links:
+        for shape in link.shapes:
+            path = None
+            if shape.collides and shape.mesh is not None and usable(shape):
+                path = model.folders.find(shape.mesh)
+            if path is not None:
+                name = f"mesh-{len(meshes)}{path.suffix.lower()}"
+                meshes[name] = path
+                start, end = shape.span
+                named = f'filename="{name}"'.encode()
+                edits.append((shape.span, _FILENAME.sub(named, model.data[start:end])))
+            elif not shape.collides or shape.mesh is not None:
+                edits.append((shape.span, b""))
+    return _edited(model.data, edits), meshes
+
+
+def _edited(data: bytes, edits: list[tuple[tuple[int, int], bytes]]) -> bytes:
+    """Replace spans, which do not overlap."""
+    parts, at = [], 0
+    for (start, end), new in sorted(edits):
+        parts += [data[at:start], new]
+        at = end
+    return b"".join([*parts, data[at:]])

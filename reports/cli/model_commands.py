@@ -1,0 +1,53 @@
+"""The commands about users' own models: URDF and MJCF files."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .options import AsJson, Engines
+from .terminal import AGREES, BAD_INPUT, DISAGREES, Complaint, to_json
+
+app = typer.Typer()
+
+ModelFiles = Annotated[list[Path], typer.Argument(metavar="FILE...", help="URDF or MJCF.")]
+Packages = Annotated[
+    list[str] | None,
+    typer.Option("--package-path", metavar="NAME=DIR", help="Where package://NAME is."),
+]
+
+
+@app.command()
+def inspect(
+    files: ModelFiles,
+    engine: Engines = None,
+    package_path: Packages = None,
+    as_json: AsJson = False,
+) -> None:
+    """Compare what engines hold of a model's links with what its file states.
+
+    Exits with 1 if an engine holds something else, or the file states what no body can have.
+    """
+    from .inspect import inspected, print_inspection, record
+
+    found = inspected(files, engine or [], _packages(package_path or []))
+    if as_json:
+        records = [record(one) for one in found]
+        print(to_json(records[0] if len(records) == 1 else records))
+    else:
+        for one in found:
+            print_inspection(one)
+    raise typer.Exit(AGREES if all(one.is_well for one in found) else DISAGREES)
+
+
+def _packages(given: list[str]) -> tuple[tuple[str, Path], ...]:
+    found = []
+    for one in given:
+        name, equals, folder = one.partition("=")
+        if not (name and equals and Path(folder).is_dir()):
+            raise Complaint(
+                f"'--package-path' takes NAME=DIR with a folder that is there, got '{one}'",
+                BAD_INPUT,
+            )
+        found.append((name, Path(folder)))
+    return tuple(found)

@@ -1,0 +1,96 @@
+"""What differs, in words: by its size and its cause."""
+
+import numpy as np
+
+from ....engines.read_back import BodyReading
+from ....scenarios import FloatArray
+from ....scenarios.model_files import Problem, Stated
+from ....scenarios.model_files.problems import principal_moments
+from .difference import moments_alike
+from .records import AGREES, Difference
+
+#: Ratios this close to 1 are told as a share.
+NEAR_ONE = 0.1
+
+
+def held_of_nothing(body: BodyReading) -> str:
+    """An engine holds a body where the file has none."""
+    return (
+        f"held as {body.mass:.3g} kg, {_moments(body.inertia_com)} kg m²: the file states nothing"
+    )
+
+
+def cause(
+    stated: Stated,
+    body: BodyReading,
+    found: Difference,
+    problems: tuple[Problem, ...],
+    made_up: str,
+) -> str:
+    """Why an engine's body is not the file's.
+
+    Parameters
+    ----------
+    problems : what the file has wrong of the link
+    made_up : where the engine takes tensors from instead of the file; empty if it does not
+    """
+    said = []
+    if found.mass > AGREES:
+        said.append(f"{body.mass:.6g} kg, not {stated.mass:.6g} kg")
+    if found.com > AGREES:
+        distance = float(np.linalg.norm(body.com - stated.com))
+        said.append(f"com {1000 * distance:.3g} mm off")
+    if found.inertia > AGREES:
+        said.append(_of_tensor(stated, body.inertia_com, found, problems, made_up))
+    return "; ".join(said)
+
+
+def _of_tensor(
+    stated: Stated,
+    held: FloatArray,
+    found: Difference,
+    problems: tuple[Problem, ...],
+    made_up: str,
+) -> str:
+    if not held.any():
+        why = next((f": {_reason(problem)}" for problem in problems if problem.impossible), "")
+        return f"tensor set to zero{why}"
+    if made_up:
+        return f"{made_up}: {_size(stated.inertia, held, found)}"
+    if not stated.inertia.any():
+        return f"{_moments(held)} kg m²: the file states a tensor of zero"
+    if moments_alike(stated.inertia, held):
+        lost = _close(held, stated.unturned)
+        why = ": the rotation of its inertial frame is lost" if lost else ""
+        return f"moments kept, axes turned by {found.axes_deg:.3g}°{why}"
+    if _close(held, np.diag(np.diag(stated.inertia))):
+        return f"products of inertia dropped: {_size(stated.inertia, held, found)}"
+    return _size(stated.inertia, held, found)
+
+
+def _reason(problem: Problem) -> str:
+    """What a problem says, its rule first: "no body has it, 0.3 + 0.1 < 0.9"."""
+    text, colon, rule = problem.text.partition(": ")
+    return f"{rule}, {text}" if colon else text
+
+
+def _size(stated: FloatArray, held: FloatArray, found: Difference) -> str:
+    total = float(np.trace(stated))
+    ratio = float(np.trace(held)) / total if total > 0 else 0.0
+    if ratio <= 0 or abs(ratio - 1) < NEAR_ONE:
+        turned = f", axes turned by {found.axes_deg:.3g}°" if found.axes_deg > 1 else ""
+        return f"tensor off by {found.inertia:.3g} of the file's{turned}"
+    if ratio > 1:
+        return f"tensor {ratio:.3g} times the file's"
+    return f"tensor 1/{1 / ratio:.3g} of the file's"
+
+
+def _close(one: FloatArray, other: FloatArray) -> bool:
+    return bool(np.linalg.norm(one - other) <= AGREES * np.linalg.norm(other))
+
+
+def _moments(inertia: FloatArray) -> str:
+    """One number where all three are alike."""
+    moments = principal_moments(inertia)
+    alike = moments[2] - moments[0] <= AGREES * abs(moments[2])
+    return f"{moments[2]:.3g}" if alike else ", ".join(f"{moment:.3g}" for moment in moments)

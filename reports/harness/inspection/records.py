@@ -1,0 +1,96 @@
+"""What an inspection finds: a link of a file × a configuration of an engine."""
+
+from dataclasses import dataclass
+
+from ....engines.read_back import BodyReading
+from ....scenarios.model_files import Link, ModelFile, Problem, Stated
+
+#: Relative; an engine that holds a link within this holds the file's. Tensors that engines
+#: diagonalise loosely are off by 1e-12 to 1e-6: at 1e-12 a third of all links would be wrong.
+AGREES = 1e-5
+#: s after which two motions are compared.
+TIMES = (1.0, 3.0)
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How far an engine's body is from the file's.
+
+    Attributes
+    ----------
+    mass : relative
+    com : distance, relative to the file's radius of gyration or |com|, whichever is larger
+    inertia : norm of the difference of the tensors about the com, relative to the file's
+    axes_deg : the least rotation between the principal axes; 0 where both have all moments alike
+    """
+
+    mass: float
+    com: float
+    inertia: float
+    axes_deg: float
+
+    @property
+    def worst(self) -> float:
+        """The largest of the three that are judged."""
+        return max(self.mass, self.com, self.inertia)
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """What one engine holds of one link.
+
+    Attributes
+    ----------
+    body : None if it holds nothing: it refused the file, or fused the link with another
+    agrees : whether that is what the file states; None where there is nothing to compare
+    cause : in words, what it holds and why; empty where it agrees
+    fused : links whose mass the engine has added to this one
+    expected : the exact sum of the parts, which `difference` is taken from; None as `stated`
+    attitude_apart_deg : by the time in s, between the file's body and the engine's, tumbling from
+        the same start; None where there is no such motion
+    """
+
+    engine: str
+    engine_version: str
+    configuration: str
+    body: BodyReading | None
+    agrees: bool | None
+    cause: str = ""
+    fused: tuple[str, ...] = ()
+    expected: Stated | None = None
+    difference: Difference | None = None
+    attitude_apart_deg: dict[float, float] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class InspectedLink:
+    """One link, what its file has wrong, and what the engines hold."""
+
+    link: Link
+    problems: tuple[Problem, ...]
+    held: tuple[Held, ...]
+
+    @property
+    def is_well(self) -> bool:
+        """Whether the file states something possible and every engine holds it."""
+        impossible = any(problem.impossible for problem in self.problems)
+        return not impossible and all(held.agrees is not False for held in self.held)
+
+
+@dataclass(frozen=True, eq=False)
+class Inspection:
+    """A whole file.
+
+    Attributes
+    ----------
+    refusals : why an engine holds nothing of the file, by engine and configuration
+    """
+
+    model: ModelFile
+    links: tuple[InspectedLink, ...]
+    refusals: dict[tuple[str, str], str]
+
+    @property
+    def is_well(self) -> bool:
+        """Whether nothing is wrong with the file, nor with what the engines hold of it."""
+        return not self.refusals and all(link.is_well for link in self.links)

@@ -1,0 +1,18 @@
+"""Users' own models, URDF and MJCF: what a file states of its links, before any engine."""
+
+from .errors import ModelFileError
+from .model_file import Link, ModelFile, Shape, Stated, fused
+from .problems import Problem, problems
+from .read import read_model
+
+__all__ = [
+    "Link",
+    "ModelFile",
+    "ModelFileError",
+    "Problem",
+    "Shape",
+    "Stated",
+    "fused",
+    "problems",
+    "read_model",
+]

@@ -1,0 +1,131 @@
+"""What a file itself has wrong: tensors that no body has, and ones that nobody has measured."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ..body import FloatArray
+from .model_file import Link, Stated
+
+Kind = Literal[
+    "negative mass",
+    "zero mass",
+    "zero tensor",
+    "not positive definite",
+    "triangle inequality",
+    "placeholder",
+    "radius of gyration",
+]
+#: What no body can have; the other kinds are doubtful.
+IMPOSSIBLE: frozenset[Kind] = frozenset(
+    ("negative mass", "zero mass", "zero tensor", "not positive definite", "triangle inequality")
+)
+#: Relative rounding of the eigenvalues of a tensor, in ulp.
+ROUNDING = 16 * float(np.finfo(float).eps)
+#: A link's mass may lie outside the shapes that it is drawn with by so much of their size: shapes
+#: are drawn for looks and for speed, and a doubtful tensor is rarely off by less.
+SHAPE_SLACK = 1.1
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing that a file has wrong of a link; `text` says what, with its numbers."""
+
+    kind: Kind
+    text: str
+
+    @property
+    def impossible(self) -> bool:
+        """Whether no body can have it, as against a doubtful number."""
+        return self.kind in IMPOSSIBLE
+
+
+def problems(link: Link) -> tuple[Problem, ...]:
+    """All that a file has wrong of a link."""
+    stated = link.stated
+    if stated is None:
+        return ()
+    found = [*_of_mass(stated), *_of_tensor(stated)]
+    if not found and stated.is_physical:
+        found = [*_placeholder(stated), *_outside_its_shapes(link, stated)]
+    return tuple(found)
+
+
+def principal_moments(inertia: FloatArray) -> FloatArray:
+    """Ascending, kg m², (3,)."""
+    if not (inertia - np.diag(np.diag(inertia))).any():
+        return np.sort(np.diag(inertia))
+    return np.asarray(np.linalg.eigvalsh(inertia))
+
+
+def _of_mass(stated: Stated) -> list[Problem]:
+    has_tensor = bool(stated.inertia.any())
+    if stated.mass < 0:
+        return [Problem("negative mass", f"a mass of {stated.mass:g} kg")]
+    if stated.mass == 0 and has_tensor:
+        return [Problem("zero mass", "a tensor without a mass")]
+    if stated.mass > 0 and not has_tensor:
+        return [Problem("zero tensor", f"a mass of {stated.mass:g} kg without a tensor")]
+    return []
+
+
+def _of_tensor(stated: Stated) -> list[Problem]:
+    if not stated.inertia.any():
+        return []
+    small, middle, large = principal_moments(stated.inertia)
+    rounding = ROUNDING * max(abs(small), abs(large))
+    if small <= -rounding or middle <= rounding:
+        moments = ", ".join(f"{moment:.4g}" for moment in (small, middle, large))
+        rule = "principal moments must be positive"
+        return [Problem("not positive definite", f"{rule}, they are {moments} kg m²")]
+    if large - small - middle > rounding:
+        told = f"{_digits(small, middle, large)}: no body has it"
+        return [Problem("triangle inequality", told)]
+    if small <= rounding:
+        # A rod: the largest two are equal, and nothing says how fast it turns about itself.
+        return [Problem("not positive definite", f"a principal moment is {small:.3g} kg m²")]
+    return []
+
+
+def _digits(small: float, middle: float, large: float) -> str:
+    """a + b < c, with as many digits as it takes to see it."""
+    for digits in range(2, 18):
+        a, b, c = (float(f"{moment:.{digits}g}") for moment in (small, middle, large))
+        if a + b < c:
+            return f"{a:.{digits}g} + {b:.{digits}g} < {c:.{digits}g}"
+    return f"{small!r} + {middle!r} < {large!r}"
+
+
+def _placeholder(stated: Stated) -> list[Problem]:
+    """A power of ten times the identity: nobody has measured that."""
+    moment = float(stated.unturned[0, 0])
+    exponent = round(np.log10(moment)) if moment > 0 else 0
+    if moment == float(f"1e{exponent}") and (stated.unturned == moment * np.eye(3)).all():
+        return [Problem("placeholder", f"{moment:g} × identity: nobody has measured that")]
+    return []
+
+
+def _outside_its_shapes(link: Link, stated: Stated) -> list[Problem]:
+    """A tensor that a mass within the link's shapes cannot have, whatever their density.
+
+    A mass within a width w varies along it by no more than (w/2)² (T. Popoviciu 1935); along x
+    that is (Iyy + Izz − Ixx) / 2m.
+    """
+    if not link.shapes or any(s.low is None or s.high is None for s in link.shapes):
+        return []
+    low = np.min([s.low for s in link.shapes if s.low is not None], axis=0)
+    high = np.max([s.high for s in link.shapes if s.high is not None], axis=0)
+    diagonal = np.diag(stated.inertia)
+    spread = np.sqrt((diagonal.sum() / 2 - diagonal) / stated.mass)
+    most = SHAPE_SLACK * (high - low) / 2
+    axis = int(np.argmax(spread / np.maximum(most, np.finfo(float).tiny)))
+    if spread[axis] <= most[axis]:
+        return []
+    return [
+        Problem(
+            "radius of gyration",
+            f"its mass spreads {spread[axis]:.3g} m along {'xyz'[axis]}; within the link's shapes, "
+            f"{high[axis] - low[axis]:.3g} m wide, it can spread {(high - low)[axis] / 2:.3g} m",
+        )
+    ]

@@ -1,0 +1,64 @@
+"""Reads a model file of either format; every complaint is one message with file, line, element."""
+
+from pathlib import Path
+
+from ..errors import printable
+from .errors import ModelFileError
+from .mjcf import read_mjcf
+from .model_file import Folders, Link, ModelFile
+from .urdf import urdf_links
+from .xml_tree import Element, read_xml, shown
+
+
+def read_model(path: str | Path, packages: tuple[tuple[str, Path], ...] = ()) -> ModelFile:
+    """Read a URDF or an MJCF file.
+
+    Parameters
+    ----------
+    packages : folders of its meshes by the name that `package://` gives them
+
+    Raises
+    ------
+    ModelFileError
+        If the file cannot be read, or engines would not read it alike.
+    """
+    path = Path(path)
+    named = tuple((name, folder.absolute()) for name, folder in packages)
+    folders = Folders(path.absolute().parent, named)
+    file = read_xml(path)
+    root = file.root
+    if root.tag == "robot":
+        _refuse_includes(root)
+        links = urdf_links(root)
+        notes = (*file.notes, *_missing_meshes(links, folders, path))
+        return ModelFile(path, file.data, "urdf", links, notes, folders)
+    if root.tag == "mujoco":
+        links, notes = read_mjcf(root, folders)
+        return ModelFile(path, file.data, "mjcf", links, (*file.notes, *notes), folders)
+    if root.tag == "sdf":
+        raise ModelFileError(f"{root.where}: SDF is not read; convert it to URDF or MJCF")
+    raise ModelFileError(
+        f"{root.where}: <{root.tag}> is neither URDF (<robot>) nor MJCF (<mujoco>)"
+    )
+
+
+def _refuse_includes(robot: Element) -> None:
+    """MuJoCo follows them in a URDF too, wherever they point."""
+    left = [robot]
+    while left:
+        element = left.pop()
+        if element.tag == "include":
+            element.refuse("<include> has no place in a URDF; expand the file first")
+        left += element.children
+
+
+def _missing_meshes(links: tuple[Link, ...], folders: Folders, path: Path) -> list[str]:
+    named = {s.mesh for link in links for s in link.shapes if s.collides and s.mesh is not None}
+    lost = sorted(name for name in named if folders.find(name) is None)
+    if not lost:
+        return []
+    return [
+        f"{printable(str(path))}: {len(lost)} of {len(named)} collision meshes are not inside the "
+        f"model's folders, the first is {shown(lost[0])}; stated inertia needs none, and "
+        "'--package-path NAME=DIR' says where they are"
+    ]

@@ -1,0 +1,188 @@
+"""The command 'inspect', from a file to the words and the exit code, on the engines themselves."""
+
+import json
+
+import pytest
+from spincheck.reports.cli import inspect as command
+from spincheck.reports.cli.app import app
+from spincheck.reports.cli.terminal import Complaint
+from spincheck.reports.harness.executors import CallFailed, InProcess
+from spincheck.reports.harness.executors.executor import Answer
+from spincheck.reports.harness.inspection import inspect as harness
+from typer.testing import CliRunner
+from users_models import arm, body, diagonal, inertial, joint, link, robot, written
+
+ROUND = diagonal(0.002, 0.002, 0.003)
+KEYS = {
+    "engine",
+    "engine_version",
+    "configuration",
+    "mass",
+    "com",
+    "inertia",
+    "agrees",
+    "cause",
+    "fused",
+    "difference",
+    "attitude_apart_deg",
+}
+
+
+@pytest.fixture(autouse=True)
+def in_process(monkeypatch):
+    """Without processes: that a reading is made in one is told by one test."""
+    monkeypatch.setattr(command, "LocalWorkers", lambda *_: InProcess())
+
+
+def inspect(*arguments):
+    return CliRunner().invoke(app, ["inspect", *map(str, arguments)])
+
+
+def records(*arguments):
+    return json.loads(inspect(*arguments, "--json").stdout)
+
+
+def held_of(found, name, configuration):
+    (one,) = (li for li in found["links"] if li["link"] == name)
+    (held,) = (h for h in one["held"] if h["configuration"] == configuration)
+    return held
+
+
+def test_a_faithful_engine_ends_with_exit_code_0(tmp_path):
+    path = written(
+        tmp_path, body('<inertial mass="1" pos="0 0 0" diaginertia="1 2 2.5"/>'), "a.xml"
+    )
+    ended = inspect(path)
+    assert ended.exit_code == 0
+    assert ended.stdout.endswith("All is well.\n\n")
+
+
+def test_json_keeps_its_contract(tmp_path):
+    path = written(tmp_path, arm())
+    found = records(path)
+    assert set(found) == {"file", "links", "summary"}
+    assert found["file"] == str(path)
+    base, moved = found["links"]
+    assert (base["stated"], moved["stated"]["mass"]) == (None, 2)
+    for held in moved["held"]:
+        assert set(held) == KEYS
+    held = held_of(found, "arm", "default")
+    assert set(held["difference"]) == {"mass", "com", "inertia", "axes_deg"}
+    assert set(held["attitude_apart_deg"]) == {"1", "3"}
+    assert held["agrees"] is False
+    assert held_of(found, "arm", "inertia-from-file")["agrees"] is True
+    assert found["summary"]["held_wrongly"] == {
+        "mujoco as-is": 0,
+        "mujoco unfused": 0,
+        "pybullet default": 2,
+        "pybullet inertia-from-file": 1,
+    }
+
+
+def test_several_files_are_a_list(tmp_path):
+    path = written(tmp_path, arm())
+    assert [one["file"] for one in records(path, path)] == [str(path)] * 2
+
+
+def test_what_differs_is_told_in_words_with_what_to_do(tmp_path):
+    ended = inspect(written(tmp_path, arm()))
+    assert ended.exit_code == 1
+    assert "arm, pybullet default: made up from the collision shapes: tensor 1/" in ended.stdout
+    assert "base, pybullet inertia-from-file: held as 1 kg, 1 kg m²: the file states nothing" in (
+        ended.stdout
+    )
+    assert "load it with flags=pybullet.URDF_USE_INERTIA_FROM_FILE" in ended.stdout
+
+
+def test_an_impossible_tensor_is_told_of_file_and_engines(tmp_path):
+    path = written(tmp_path, arm(diagonal(0.3, 0.1, 0.9)))
+    ended = inspect(path)
+    assert ended.exit_code == 1
+    assert f"{path}:3: link 'arm': 0.1 + 0.3 < 0.9: no body has it" in ended.stdout
+    assert (
+        "arm, pybullet inertia-from-file: tensor set to zero: no body has it, 0.1 + 0.3 < 0.9"
+        in (ended.stdout)
+    )
+    assert "mujoco as-is: MuJoCo refuses the file: inertia must satisfy A + B >= C" in ended.stdout
+
+
+def test_fused_links_are_compared_with_the_sum_of_their_parts(tmp_path):
+    tool = inertial("2", ROUND)
+    text = robot(
+        link("base"),
+        link("arm", tool),
+        link("tool", tool),
+        joint("base", "arm"),
+        joint("arm", "tool", "fixed"),
+    )
+    found = records(written(tmp_path, text), "--engine", "mujoco")
+    whole = held_of(found, "arm", "as-is")
+    assert (whole["agrees"], whole["fused"], whole["mass"]) == (True, ["tool"], 4)
+    assert held_of(found, "tool", "as-is")["cause"] == "fused with 'arm'"
+    assert held_of(found, "base", "as-is")["cause"] == "fused with the world: it cannot move"
+
+
+def test_a_sum_that_an_engine_gets_wrong_is_told(tmp_path, monkeypatch):
+    """Planted: the engine adds the parts' tensors without their distance."""
+    tool = inertial("2", ROUND)
+    text = robot(
+        link("base"),
+        link("arm", tool),
+        link("tool", tool),
+        joint("base", "arm"),
+        joint("arm", "tool", "fixed"),
+    )
+    read = harness.read_held
+
+    def lossy(engine, model, configuration):
+        bodies = read(engine, model, configuration)
+        if configuration == "as-is":
+            bodies["arm"].inertia_com[:] /= 2
+        return bodies
+
+    monkeypatch.setattr(harness, "read_held", lossy)
+    found = records(written(tmp_path, text), "--engine", "mujoco")
+    assert held_of(found, "arm", "as-is")["cause"] == "tensor 1/2 of the file's"
+
+
+def test_an_engine_that_crashes_costs_its_configuration_alone(tmp_path, monkeypatch):
+    class Crashing(InProcess):
+        def call(self, function, /, *arguments):
+            if arguments[2] == "default":
+                return Answer(CallFailed("the worker process was killed by SIGSEGV", "crash"))
+            return super().call(function, *arguments)
+
+    monkeypatch.setattr(command, "LocalWorkers", lambda *_: Crashing())
+    path = written(tmp_path, arm())
+    assert inspect(path).exit_code == 1
+    found = records(path)
+    assert held_of(found, "arm", "default")["cause"] == "the worker process was killed by SIGSEGV"
+    assert held_of(found, "arm", "inertia-from-file")["agrees"] is True
+    assert found["summary"]["refused"] == {
+        "pybullet default": "the worker process was killed by SIGSEGV"
+    }
+
+
+def test_a_file_that_nobody_can_read_ends_with_exit_code_2(tmp_path):
+    path = written(tmp_path, arm(mass="0,5"))
+    with pytest.raises(Complaint, match="'value' of <mass> must be decimal numbers") as caught:
+        command.inspected([path], [], ())
+    assert caught.value.exit_code == 2
+
+
+def test_an_engine_that_there_is_not_is_told(tmp_path):
+    with pytest.raises(Complaint, match=r"no engine 'bullet' reads model files; there are mujoco"):
+        command.inspected([written(tmp_path, arm())], ["bullet"], ())
+
+
+def test_an_engine_that_cannot_read_the_format_is_told(tmp_path):
+    path = written(tmp_path, body("<geom/>"), "a.xml")
+    with pytest.raises(Complaint, match="pybullet cannot read MJCF"):
+        command.inspected([path], ["pybullet"], ())
+
+
+@pytest.mark.parametrize("given", ["made-up", "made-up=/no/such/folder", "=/tmp"])
+def test_a_package_is_given_as_name_and_folder(tmp_path, given):
+    ended = inspect(written(tmp_path, arm()), "--package-path", given)
+    assert isinstance(ended.exception, Complaint)
+    assert "'--package-path' takes NAME=DIR with a folder that is there" in str(ended.exception)
