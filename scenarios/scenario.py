@@ -65,7 +65,7 @@ class Scenario:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Unpickled by building it anew: mpmath would round its numbers to double precision."""
-        return build, (self.document, self.name, self.text, self.path)
+        return _unpickled, (self.document, self.name, self.text, self.path)
 
     @cached_property
     def digest(self) -> str:
@@ -152,6 +152,21 @@ class Scenario:
     def times(self) -> FloatArray:
         """The window's sample times, s, (samples,)."""
         return _readonly(np.linspace(0.0, self.window.duration, self.window.samples))
+
+
+#: How many scenes that were unpickled are kept: more than are run at a time.
+KEPT = 64
+_unpickled_scenes: dict[tuple[str, str], Scenario] = {}
+
+
+def _unpickled(document: Document, name: str, text: str, path: Path | None) -> Scenario:
+    """The scene, the same object each time: a worker process is sent it anew for every run."""
+    kept = _unpickled_scenes.get((name, text))
+    if kept is None or kept.path != path or kept.document != document:
+        if len(_unpickled_scenes) >= KEPT:
+            _unpickled_scenes.clear()
+        kept = _unpickled_scenes[name, text] = build(document, name, text, path)
+    return kept
 
 
 def build(document: Document, name: str, text: str, path: Path | None = None) -> Scenario:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from mpmath import mp, mpf
@@ -10,6 +11,8 @@ from ...scenarios import Body, FloatArray
 from ...scenarios.exact import DIGITS, Quaternion, Tensor, Vector, product
 from ...scenarios.principal import principal_axes
 
+#: Bodies whose frame is kept: every run of a scene asks for it.
+KEPT = 64
 #: Below this cosine of the pitch, roll and yaw turn about one axis and only their sum is defined.
 #: Half the working digits: entries of the rotation are good to all of them.
 GIMBAL_LOCK = mpf(10) ** (-DIGITS // 2)
@@ -31,6 +34,7 @@ class PrincipalFrame:
     rpy_body_axes: FloatArray
 
 
+@lru_cache(maxsize=KEPT)
 def principal_frame(body: Body, thickness: float = 0.0) -> PrincipalFrame:
     """The principal frame about the com, as engines' files want it.
 

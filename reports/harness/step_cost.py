@@ -1,10 +1,9 @@
 """What a step costs: native stepping, nothing recorded, nothing but steps in the timed region."""
 
 import math
-import os
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import cache
 
@@ -34,8 +33,6 @@ WARM_UP = 200
 TIMED_TURN = 1e-4
 #: Changes of the clock that its resolution is read off.
 CLOCK_TICKS = 100
-#: What libraries start threads by. Engines step in one thread; others would spin beside it.
-THREAD_COUNTS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @dataclass(frozen=True)
@@ -44,21 +41,6 @@ class TimingSample:
 
     cpu: float
     wall: float
-
-
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Processes started in here have libraries that start no threads."""
-    before = {name: os.environ.get(name) for name in THREAD_COUNTS}
-    os.environ.update(dict.fromkeys(THREAD_COUNTS, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
 
 
 def measure(

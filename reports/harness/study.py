@@ -24,7 +24,6 @@ from .convergence_study import ConvergenceStudy, SingleRun
 from .executors import CallFailed, Executor, is_environmental, may_succeed_if_repeated
 from .ladder import Ladder, Rung, ladder, single
 from .plan import Plan, SceneLeft
-from .step_cost import one_thread
 from .stock import StockRun, stock_rung, stock_timesteps
 from .timing import time_scene
 
@@ -46,10 +45,10 @@ def run_study(
     for verdict in executor.each(_methods_left(left, choice, store, executor)):
         key = verdict.key
         progress(f"{key.scenario}  {key.engine} {key.method}: {verdict.verdict}")
-    with one_thread(), executor.alone() as alone:
-        for scene in left.scenes:
-            if scene.to_time:
-                time_scene(scene, choice, store, alone, progress)
+    alone = executor.alone()
+    for scene in left.scenes:
+        if scene.to_time:
+            time_scene(scene, choice, store, alone, progress)
 
 
 def study_method(

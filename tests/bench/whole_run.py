@@ -42,6 +42,8 @@ SCENES = [
     "conical-pendulum",
     "gyroscope-on-a-stand",
 ]
+#: The engines that are always there, whatever else is installed.
+ENGINES = ("mujoco", "mujoco-urdf", "pybullet")
 #: CPU seconds of these scenes over their bare stepping.
 GOAL = 1.6
 #: What a phase is spent in: module or class, and the name of the function there. The inner phase
@@ -52,7 +54,7 @@ PHASES: dict[str, list[tuple[Any, str]]] = {
         (mujoco.engine.MuJoCoSession, "advance"),
         (pybullet.engine.PyBulletSession, "advance"),
     ],
-    "loading models": [(engine, "open") for engine in engines().values()],
+    "loading models": [(engine, "open") for engine in map(engines().get, ENGINES)],
     "looking at states": [(sampling, "_looked_at")],
     "first steps": [(study, "_equation_residuals")],
     "comparing": [(convergence_study, "row_of")],
@@ -85,7 +87,10 @@ def whole_run(names: list[str], out: Path) -> tuple[float, Results]:
     """CPU seconds of the command and of all the processes it starts, and what it found."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     command = Path(sys.executable).with_name("spincheck")
-    subprocess.run([command, "run", *names, "--out", out], capture_output=True, check=False)
+    chosen = [part for name in ENGINES for part in ("--engine", name)]
+    subprocess.run(
+        [command, "run", *names, *chosen, "--out", out], capture_output=True, check=False
+    )
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     with open_store(out) as store:
         results = store.read()
@@ -101,7 +106,7 @@ def phases(names: list[str], out: Path) -> dict[str, float]:
     """CPU seconds by phase of a run in this process."""
     spent: dict[str, float] = defaultdict(float)
     scenarios = [load(path) for path in find(names)]
-    choice = Choice(tuple(engines().values()))
+    choice = Choice(tuple(engines()[name] for name in ENGINES))
     with clocks(spent), open_store(out, create=True) as store:
         begun = time.process_time()
         left = plan(scenarios, choice, store)

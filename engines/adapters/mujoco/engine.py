@@ -1,7 +1,9 @@
 """MuJoCo, from the scene as MJCF: every integrator it has is a method."""
 
 from collections.abc import Collection
-from typing import final
+from copy import copy
+from functools import lru_cache
+from typing import Any, final
 
 import mujoco
 
@@ -12,6 +14,10 @@ from .clock import CLOCK
 from .session import MuJoCoSession, check_not_too_small, compiled, left_out
 
 ALL_EFFECTS = frozenset(EFFECTS)
+#: Compiled models that are kept: a ladder runs each at every timestep.
+KEPT = 16
+#: s, of a model before it is given the run's.
+ANY_TIMESTEP = 1e-3
 
 
 @final
@@ -54,9 +60,9 @@ class MuJoCo(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
         """Compile the scene's MJCF and set its keyframe."""
         if method.as_shipped:
-            text = mjcf(scenario, timestep, None, switched_off(scenario))
-            return _open(scenario, text, has_clock=True)
-        return _open(scenario, mjcf(scenario, timestep, method.name), has_clock=False)
+            left_in = switched_off(scenario)
+            return _open(scenario, timestep, None, left_in, has_clock=True)
+        return _open(scenario, timestep, method.name, (), has_clock=False)
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """The passes that are switched off, and the clock."""
@@ -73,11 +79,25 @@ class MuJoCo(Engine):
         if not (names := self.left_out(scenario, method)):
             return None
         kept = names if left_in is None else left_in
-        return _open(scenario, mjcf(scenario, timestep, method.name, kept), CLOCK in kept)
+        return _open(scenario, timestep, method.name, tuple(kept), CLOCK in kept)
 
 
-def _open(scenario: Scenario, text: str, has_clock: bool) -> MuJoCoSession:
+def _open(
+    scenario: Scenario,
+    timestep: float,
+    integrator: str | None,
+    left_in: tuple[str, ...],
+    has_clock: bool,
+) -> MuJoCoSession:
     check_not_too_small(scenario)
-    model = compiled(lambda: mujoco.MjModel.from_xml_string(text))
+    model = copy(_model(scenario, integrator, left_in))
+    model.opt.timestep = timestep
     start = model.key(0)
     return MuJoCoSession(scenario, model, start.qpos, start.qvel, has_clock)
+
+
+@lru_cache(maxsize=KEPT)
+def _model(scenario: Scenario, integrator: str | None, left_in: tuple[str, ...]) -> Any:
+    """The compiled scene; of all that is in it, only one number depends on the timestep."""
+    text = mjcf(scenario, ANY_TIMESTEP, integrator, left_in)
+    return compiled(lambda: mujoco.MjModel.from_xml_string(text))

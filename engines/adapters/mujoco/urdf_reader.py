@@ -5,6 +5,8 @@ is the reader's.
 """
 
 from collections.abc import Collection
+from copy import copy
+from functools import lru_cache
 from typing import Any, final
 
 import mujoco
@@ -16,7 +18,7 @@ from ...models.mjcf import start_coordinates, switched_off
 from ...models.urdf import BODY_LINK, urdf
 from .audit import disable
 from .clock import CLOCK
-from .engine import MuJoCo
+from .engine import KEPT, MuJoCo
 from .session import MuJoCoSession, check_not_too_small, compiled, left_out
 
 #: The reader diagonalises the principal moments again, wrong by up to 12 ulp, and then refuses
@@ -71,13 +73,19 @@ def _open(
     scenario: Scenario, method: Method, timestep: float, left_in: Collection[str]
 ) -> MuJoCoSession:
     check_not_too_small(scenario)
-    text = urdf(scenario, READER_ROUNDOFF)
-    model = compiled(lambda: _spec(text, scenario.has_pivot).compile())
+    model = copy(_model(scenario))
     model.opt.timestep = timestep
     model.opt.gravity = scenario.gravity_world
     model.opt.integrator = mujoco.mjtIntegrator.__members__[f"mjINT_{method.name}"]
     disable(model, (name for name in switched_off(scenario) if name not in left_in))
     return MuJoCoSession(scenario, model, *start_coordinates(scenario), CLOCK in left_in)
+
+
+@lru_cache(maxsize=KEPT)
+def _model(scenario: Scenario) -> Any:
+    """The compiled body, as it was read."""
+    text = urdf(scenario, READER_ROUNDOFF)
+    return compiled(lambda: _spec(text, scenario.has_pivot).compile())
 
 
 def _spec(text: str, has_pivot: bool) -> Any:

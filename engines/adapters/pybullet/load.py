@@ -3,9 +3,12 @@
 Why each call is there, and what happens without it: docs/engines-pybullet.md.
 """
 
+import atexit
 import tempfile
 from collections.abc import Collection
 from dataclasses import dataclass, replace
+from functools import cache
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -128,8 +131,8 @@ def _load_urdf(
     given here, not set after: a rigid body keeps the inertia it was loaded with, in world axes,
     until the end of its first step.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder, "top.urdf")
+    file = Path(_folder(), f"{next(_numbers)}.urdf")
+    try:
         file.write_text(text, encoding="utf-8")
         try:
             return int(
@@ -144,6 +147,19 @@ def _load_urdf(
             )
         except p.error as error:
             raise EngineError(f"PyBullet cannot load the body: {error}") from None
+    finally:
+        file.unlink(missing_ok=True)
+
+
+_numbers = count()
+
+
+@cache
+def _folder() -> str:
+    """For files that PyBullet is to read; this process's own, and gone with it."""
+    folder = tempfile.TemporaryDirectory(prefix="spincheck-", ignore_cleanup_errors=True)
+    atexit.register(folder.cleanup)
+    return folder.name
 
 
 def _model_of_link(client: int, body: int, link: int) -> Model:

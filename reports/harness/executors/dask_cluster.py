@@ -63,6 +63,8 @@ class DaskCluster(Executor):
         self._address = address
         self._time_limit = TIME_LIMIT if time_limit is None else time_limit
         self._stopped = False
+        #: For what is timed: times taken on several computers are not to be compared.
+        self._here = LocalWorkers(1, self._time_limit)
         self._client = _connected(address)
         self._check_alike()
         threads = sum(self._client.nthreads().values())
@@ -95,17 +97,19 @@ class DaskCluster(Executor):
         return answer
 
     def alone(self) -> Executor:
-        """A worker process on this computer: times taken on several are not to be compared."""
-        return LocalWorkers(1, self._time_limit)
+        """A worker process on this computer."""
+        return self._here
 
     def stop(self) -> None:
         """Let go of the cluster, which drops what is under way."""
         self._stopped = True
         self._client.close()
+        self._here.stop()
 
     def close(self) -> None:
         """Let go of the cluster, which goes on without us."""
         self._client.close()
+        self._here.close()
 
     def _check_alike(self) -> None:
         """See that the workers that are there run this very program."""

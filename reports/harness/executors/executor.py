@@ -81,7 +81,10 @@ class Executor(ABC):
 
     @abstractmethod
     def alone(self) -> "Executor":
-        """An executor that makes one call at a time on this computer, for timing."""
+        """One that makes one call at a time on this computer, for timing; it ends with this one.
+
+        No other call may be under way meanwhile.
+        """
 
     @final
     def each(self, tasks: Iterable[Callable[[], T]]) -> Iterator[T]:

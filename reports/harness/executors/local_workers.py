@@ -36,8 +36,14 @@ class LocalWorkers(Executor):
         return self._slot().call(partial(function, *args, **kwargs))
 
     def alone(self) -> Executor:
-        """One more worker process; those of this executor are idle meanwhile."""
-        return LocalWorkers(1, self._time_limit)
+        """The first of its workers; the others are idle meanwhile."""
+        alone = LocalWorkers(1, self._time_limit)
+        with self._changing:
+            slot = self._slots[0] if self._slots else WorkerSlot(self._time_limit)
+            self._slots = self._slots or [slot]
+        alone._of_thread.slot = slot
+        alone._slots.append(slot)
+        return alone
 
     def stop(self) -> None:
         """Kill the processes."""

@@ -41,6 +41,8 @@ PIPE_SIZE = 1 << 16
 OUTPUT_WAIT = 5.0
 #: Errors of the operating system that are the machine's fault and pass.
 PASSING = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE, errno.EAGAIN})
+#: What libraries start threads by. Engines step in one; others would spin beside it.
+THREAD_COUNTS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _LENGTH = struct.Struct("<Q")
 #: What the process runs; its arguments are the mark that ends a call's output, the parent's id, and
 #: where modules are found, as JSON.
@@ -75,6 +77,7 @@ class WorkerProcess:
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             bufsize=0,
+            env=os.environ | dict.fromkeys(THREAD_COUNTS, "1"),
             **own_group,
         )
         try:
