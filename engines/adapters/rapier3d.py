@@ -166,9 +166,7 @@ def _described(rapier3d: Any, scenario: Scenario, as_shipped: bool) -> Any:
         origin = start.position_world - attitude.apply(np.array(body.com))
         velocity = start.velocity_world
     axes = rapier3d.Rotation3(*_tuple(frame.q_body_axes_wxyz))
-    held = rapier3d.MassProperties(
-        _tuple(body.com), float(body.mass), _tuple(frame.moments), axes
-    )
+    held = rapier3d.MassProperties(_tuple(body.com), float(body.mass), _tuple(frame.moments), axes)
     turned = rapier3d.Rotation3(*_tuple(start.q_world_body_wxyz))
     described = (
         rapier3d.RigidBody.dynamic()

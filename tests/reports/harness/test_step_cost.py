@@ -1,8 +1,6 @@
 """What a step costs is what it takes, by clocks of any resolution, whoever else is timed."""
 
 import os
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -12,7 +10,7 @@ from planted import HeunSession, RaisingSession, SegfaultSession, planted
 from spincheck.engines import EngineError, engines
 from spincheck.reports.harness import step_cost as cost
 from spincheck.reports.harness.executors import InProcess, LocalWorkers
-from spincheck.reports.harness.step_cost import measure, one_thread, step_costs
+from spincheck.reports.harness.step_cost import measure, step_costs
 from spincheck.reports.results.cost_records import StepCost
 from spincheck.scenarios import find, load
 
@@ -139,16 +137,9 @@ def test_where_all_goes_well_there_is_no_complaint() -> None:
     assert (len(costs), costs[0] is None, complaints) == (1, False, [])
 
 
-def test_processes_started_for_timing_start_no_threads() -> None:
-    script = "import os; print(*(os.environ.get(n) for n in ('OMP_NUM_THREADS', 'X')))"
-    before = dict(os.environ)
-
-    def seen() -> str:
-        return subprocess.check_output([sys.executable, "-c", script], text=True).split()[0]
-
-    with one_thread():
-        assert seen() == "1"
-    assert dict(os.environ) == before
+def test_worker_processes_start_no_threads() -> None:
+    with LocalWorkers(jobs=1) as workers:
+        assert workers.call(os.getenv, "OMP_NUM_THREADS").value == "1"
 
 
 def test_engines_step_in_one_thread() -> None:
