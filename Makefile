@@ -3,7 +3,6 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
-TYPES := build/types/spincheck
 CODE := scenarios reference engines reports
 
 .PHONY: report test bench kills lint types contract check schema clean
@@ -30,10 +29,7 @@ lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
-# mypy cannot follow the editable install's mapping of names to folders; links can be followed.
 types: $(READY)
-	mkdir -p $(TYPES)
-	for part in $(CODE); do ln -sfn ../../../$$part $(TYPES)/$$part; done
 	$(BIN)/mypy
 
 contract: $(READY)
