@@ -14,6 +14,7 @@ from .options import (
     CORES,
     REPORT_FOLDER,
     RESULT_FILE,
+    Again,
     AsJson,
     Bound,
     Dask,
@@ -83,11 +84,13 @@ def run(
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 1 for what is only unproven, too.")
     ] = False,
+    again: Again = False,
     as_json: AsJson = False,
 ) -> None:
     """Simulate scenes, compare with the truth, and store what was found.
 
-    What the file holds already is not run again, unless its scene, engine or spincheck changed.
+    What the file holds already is not run again, unless its scene, engine or spincheck changed,
+    the machine was to blame that it failed, or by '--again'.
     """
     from . import running
     from .executing import Where
@@ -98,11 +101,13 @@ def run(
         if quick:
             raise Complaint("'--quick' is for ladders; an ensemble has none", BAD_INPUT)
         code = run_members(
-            scenes or [], ensemble, seed, asked, time_limit, Where(jobs, dask), out, as_json
+            scenes or [], ensemble, seed, asked, time_limit, again, Where(jobs, dask), out, as_json
         )
         raise typer.Exit(code)
     where = Where(jobs, dask)
-    results = running.run(scenes or [], *asked, where, out, quick=quick, time_limit=time_limit)
+    results = running.run(
+        scenes or [], *asked, where, out, quick=quick, time_limit=time_limit, again=again
+    )
     if as_json:
         print(to_json(results_as_json(results)))
     else:

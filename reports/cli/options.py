@@ -42,6 +42,9 @@ Members = Annotated[
     int | None, typer.Option("--ensemble", min=1, help="Scatter one scene into so many members.")
 ]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Of the ensemble's random numbers.")]
+Again = Annotated[
+    bool, typer.Option("--again", help="Run what the result file holds already, too.")
+]
 Dask = Annotated[
     str | None, typer.Option("--dask", metavar="ADDRESS", help="A Dask scheduler to run on.")
 ]

@@ -34,13 +34,14 @@ def run(
     *,
     quick: bool = False,
     time_limit: float | None = None,
+    again: bool = False,
 ) -> Results:
     """Run what was named and read back what was found of it.
 
     Where nothing is named that is the whole library, its hard scenes in passing; a quick run leaves
     those out.
 
-    What the file holds already is not run again.
+    What the file holds already is not run again, unless asked for (`again`).
 
     Raises
     ------
@@ -50,7 +51,7 @@ def run(
     """
     scenarios = scenes_of(scenes, quick=quick)
     choice = limited(choose(engine_names, methods, timesteps), time_limit)
-    choice = replace(choice, hard_in_passing=not scenes)
+    choice = replace(choice, hard_in_passing=not scenes, again=again)
     if quick:
         choice = replace(choice, max_steps=QUICK_STEPS, timed=False)
     check_timesteps(scenarios, choice)

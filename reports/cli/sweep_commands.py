@@ -8,6 +8,7 @@ import typer
 from .options import (
     CORES,
     RESULT_FILE,
+    Again,
     AsJson,
     Dask,
     Engines,
@@ -43,17 +44,18 @@ def map_scene(
     time_limit: TimeLimit = None,
     dask: Dask = None,
     out: Annotated[Path, typer.Option(help="The result file; added to.")] = RESULT_FILE,
+    again: Again = False,
     as_json: AsJson = False,
 ) -> None:
     """Vary two numbers of a scene, and compare every method with the truth at every point.
 
-    What the file holds already is not run again.
+    What the file holds already is not run again, unless by '--again'.
     """
     from .executing import Where
     from .sweep_running import choose_for_sweep, exit_code, run_map
     from .sweep_summary import print_sweep, sweep_as_json
 
-    choice = choose_for_sweep(engine or [], method or [], timestep or [], time_limit)
+    choice = choose_for_sweep(engine or [], method or [], timestep or [], time_limit, again=again)
     found = run_map(scenario, vary or [], choice, Where(jobs, dask), out)
     if as_json:
         print(to_json(sweep_as_json(found)))
@@ -92,6 +94,7 @@ def run_members(
     seed: int,
     asked: tuple[list[str], list[str], list[float]],
     time_limit: float | None,
+    again: bool,
     where: "Where",
     out: Path,
     as_json: bool,
@@ -102,6 +105,7 @@ def run_members(
     ----------
     asked : engines, methods, timesteps
     time_limit : s, that a call may take, if one was chosen
+    again : whether members that are there already are run again
     where, out : what it runs on, and the result file
     """
     from .sweep_running import choose_for_sweep, exit_code, run_ensemble
@@ -110,7 +114,7 @@ def run_members(
 
     if len(scenes) != 1:
         raise Complaint(f"'--ensemble' takes one scene, got {len(scenes)}", BAD_INPUT)
-    choice = choose_for_sweep(*asked, time_limit)
+    choice = choose_for_sweep(*asked, time_limit, again=again)
     found = run_ensemble(scenes[0], members, seed, choice, where, out)
     if as_json:
         print(to_json(sweep_as_json(found)))

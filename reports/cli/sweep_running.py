@@ -1,6 +1,7 @@
 """What the commands `map`, `member` and `run --ensemble` do."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from ...scenarios import Scenario, ScenarioError
@@ -10,7 +11,15 @@ from ..harness.choice import Choice
 from ..harness.sweep import plan_sweep, run_sweep
 from ..results.result_file import ResultFileError
 from ..results.store import open_store
-from ..results.sweep_records import Ensemble, EnsembleResult, Map, MapResult, PointResult
+from ..results.sweep_records import (
+    MAX_MEMBERS,
+    MAX_SEED,
+    Ensemble,
+    EnsembleResult,
+    Map,
+    MapResult,
+    PointResult,
+)
 from .executing import Where, executor_for
 from .named_scenes import one_scene
 from .running import check_timesteps, choose, limited
@@ -65,13 +74,28 @@ def run_ensemble(
     """
     base = one_scene(scene)
     check_timesteps([base], choice)
+    _check_members(members, seed)
     asked = Ensemble(base.name, members, seed, _timestep(choice))
     return EnsembleResult(asked, base, _carried_out(asked, base, choice, where, out))
 
 
 def member_text(scene: str, seed: int, number: int) -> str:
-    """A member's scenario file."""
+    """A member's scenario file.
+
+    Raises
+    ------
+    Complaint
+        If there is no such scene or member.
+    """
+    _check_members(number + 1, seed)
     return member(one_scene(scene), seed, number).text
+
+
+def _check_members(members: int, seed: int) -> None:
+    if members > MAX_MEMBERS:
+        raise Complaint(f"an ensemble has {MAX_MEMBERS} members at most, got {members}", BAD_INPUT)
+    if seed > MAX_SEED:
+        raise Complaint(f"'--seed' must be less than 2^128, got {seed}", BAD_INPUT)
 
 
 def varied_text(scene: str, numbers: Sequence[str]) -> str:
@@ -103,8 +127,10 @@ def choose_for_sweep(
     methods: Sequence[str],
     timesteps: Sequence[float],
     time_limit: float | None = None,
+    *,
+    again: bool = False,
 ) -> Choice:
-    """Engines, methods, at most one timestep, and a time limit, s.
+    """Engines, methods, at most one timestep, a time limit, s, and whether all is run again.
 
     Raises
     ------
@@ -116,7 +142,7 @@ def choose_for_sweep(
             f"'--timestep' may be given once here, got {len(timesteps)}; or vary it in a map",
             BAD_INPUT,
         )
-    return limited(choose(engine_names, methods, timesteps), time_limit)
+    return replace(limited(choose(engine_names, methods, timesteps), time_limit), again=again)
 
 
 def exit_code(points: Iterable[PointResult]) -> int:
@@ -169,10 +195,10 @@ def _carried_out(
             left = plan_sweep(asked, base, choice, store)
             if str(left):
                 say(f"{out}: {left}")
-            if left.left:
+            if left.missing:
                 with (
                     executor_for(where, choice.time_limit) as executor,
-                    progress(len(left.left), PROGRESS_LINES) as advance,
+                    progress(left.missing, PROGRESS_LINES) as advance,
                 ):
                     run_sweep(left, base, store, executor, advance)
             pairs = {(engine.name, method.name) for engine, method in choice.pairs()} | {("", "")}

@@ -25,6 +25,7 @@ class Choice:
     hard_in_passing : whether hard scenes are taken as in a quick study, as long as a run is that of
         the whole library: what survives them shows in few steps
     time_limit : s, that a run may take; the workers' own if None
+    again : whether what is there already is run again
     """
 
     engines: tuple[Engine, ...]
@@ -34,6 +35,7 @@ class Choice:
     timed: bool = True
     hard_in_passing: bool = False
     time_limit: float | None = None
+    again: bool = False
 
     def max_steps_on(self, scenario: Scenario) -> int:
         """How long a run of a scene's ladder may be."""

@@ -60,6 +60,8 @@ class Plan:
 
 def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
     """Drop what is out of date, and see what is missing."""
+    if choice.again:
+        store.forget(key for scenario in scenarios for key in choice.methods_on(scenario))
     dropped = sum(store.keep_matching(s.name, digests(s, choice.engines)) for s in scenarios)
     settled = {
         verdict.key: verdict

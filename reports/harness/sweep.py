@@ -5,18 +5,28 @@ scene is solved alone, to tell the reference from the engines, and then each met
 a crash costs one method's result.
 """
 
-from collections.abc import Callable, Sequence
+import json
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 from ...scenarios import Scenario
 from ..results.environment import environment
 from ..results.fingerprints import digests
+from ..results.records import Pair
 from ..results.store import Store
-from ..results.sweep_records import Ensemble, Map, PointResult, SweepPoint, sweep_points
+from ..results.sweep_records import (
+    Ensemble,
+    Map,
+    PointResult,
+    SweepPoint,
+    count_points,
+    place_in,
+    sweep_points,
+)
 from ..results.sweep_tables import NO_SCENE
 from .choice import Choice, EngineMethod
-from .executors import CallFailed, Executor, may_succeed_if_repeated
+from .executors import CallFailed, Executor, is_environmental, may_succeed_if_repeated
 from .sweep_run import failed_point, run_point
 
 Progress = Callable[[str], None]
@@ -36,16 +46,33 @@ class SweepPlan:
 
     Attributes
     ----------
-    complete : points that lack nothing
+    pairs : the methods asked for
+    stored : by a point's identity, engine and method of the results that are there
+    total, complete : points asked for, and those that lack nothing
     """
 
-    left: list[PointLeft]
+    sweep: Map | Ensemble
+    pairs: Sequence[EngineMethod]
+    stored: Mapping[str, Collection[Pair]]
+    total: int
     complete: int
+
+    @property
+    def missing(self) -> int:
+        """Points that lack something."""
+        return self.total - self.complete
+
+    def left(self) -> Iterator[PointLeft]:
+        """Those points, one by one: a sweep may have more than fit into memory."""
+        for point in sweep_points(self.sweep):
+            if to_run := _to_run(self.pairs, self.stored.get(point.identity, ())):
+                yield PointLeft(point, to_run)
 
     def __str__(self) -> str:
         """What is used again, in words; empty where that is nothing."""
-        total = len(self.left) + self.complete
-        return f"{self.complete} of {total} points are there already" if self.complete else ""
+        if not self.complete:
+            return ""
+        return f"{self.complete} of {self.total} points are there already"
 
 
 def plan_sweep(sweep: Map | Ensemble, base: Scenario, choice: Choice, store: Store) -> SweepPlan:
@@ -55,27 +82,29 @@ def plan_sweep(sweep: Map | Ensemble, base: Scenario, choice: Choice, store: Sto
     store.put_methods(choice.engines)
     store.sweeps.put(sweep, base)
     pairs = choice.pairs()
-    stored: dict[str, set[tuple[str, str]]] = {}
-    for result in store.sweeps.stored(base.name):
+    stored: dict[str, set[Pair]] = {}
+    for result in [] if choice.again else store.sweeps.stored(base.name):
         if not may_succeed_if_repeated(result.cause, result.reason, choice.time_limit):
             stored.setdefault(result.identity, set()).add((result.engine, result.method))
-    left, total = [], 0
-    for point in sweep_points(sweep):
-        total += 1
-        there = stored.get(point.identity, set())
-        if NO_SCENE in there:
-            continue
-        missing = [pair for pair in pairs if (pair[0].name, pair[1].name) not in there]
-        if missing:
-            left.append(PointLeft(point, missing))
-    return SweepPlan(left, total - len(left))
+    complete = sum(
+        not _to_run(pairs, there) and place_in(sweep, json.loads(identity)) is not None
+        for identity, there in stored.items()
+    )
+    return SweepPlan(sweep, pairs, stored, count_points(sweep), complete)
+
+
+def _to_run(pairs: Sequence[EngineMethod], there: Collection[Pair]) -> list[EngineMethod]:
+    """The methods that have no result at a point."""
+    if NO_SCENE in there:
+        return []
+    return [pair for pair in pairs if (pair[0].name, pair[1].name) not in there]
 
 
 def run_sweep(
     plan: SweepPlan, base: Scenario, store: Store, executor: Executor, progress: Progress
 ) -> None:
     """Run what is left, and store the results of every point as soon as they are there."""
-    tasks = (partial(study_point, left, base, store, executor) for left in plan.left)
+    tasks = (partial(study_point, left, base, store, executor) for left in plan.left())
     for point in executor.each(tasks):
         progress(str(point))
 
@@ -98,7 +127,8 @@ def _one_by_one(
     solved = executor.call(run_point, base, left.point, ()).value
     if isinstance(solved, CallFailed):
         reason = f"the exact motion could not be found: {solved.reason}"
-        unsolved = CallFailed(reason, "unsolved")
+        cause = solved.cause if is_environmental(solved.cause) else "unsolved"
+        unsolved = CallFailed(reason, cause)
         return [failed_point(base, left.point, pair, unsolved) for pair in left.to_run]
     if len(left.to_run) == 1:
         return [failed_point(base, left.point, left.to_run[0], failure)]

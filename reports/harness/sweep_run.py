@@ -10,7 +10,7 @@ from ..results.records import Key, Row
 from ..results.sweep_records import PointOutcome, PointResult, SweepPoint
 from .choice import EngineMethod
 from .comparison import row_of
-from .executors import CallFailed
+from .executors import CallFailed, cause_of, is_environmental
 from .ladder import Rung
 from .sweep_points import rung_at, scene_at
 
@@ -38,6 +38,8 @@ def run_point(
     try:
         solution = solve(scenario, np.asarray(rung.sample_steps * rung.timestep, dtype=float))
     except Exception as error:
+        if is_environmental(cause_of(error)):
+            raise
         reason = f"the exact motion could not be found: {type(error).__name__}: {error}"
         return [_not_run(point, key, rung, "failed", "unsolved", reason) for key in keys]
     return [_result(scenario, point, rung, solution, pair) for pair in pairs]

@@ -61,7 +61,8 @@ CREATE TABLE verdicts (
     known INTEGER NOT NULL, step_limit INTEGER, checksum TEXT NOT NULL,
     PRIMARY KEY (scenario, engine, method, timesteps));
 """
-_OF_ENGINES = ("rows", "costs", "left_out", "verdicts", "points")
+_OF_STUDIES = ("rows", "costs", "left_out", "verdicts")
+_OF_ENGINES = (*_OF_STUDIES, "points")
 _OF_SCENES = ("fingerprints", "scenes", "sweeps", *_OF_ENGINES)
 _ONE_ENGINE = "scenario = ? AND engine = ?"
 _ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
@@ -152,10 +153,10 @@ class Store:
         return dropped["verdicts"]
 
     def forget(self, keys: Iterable[Key]) -> None:
-        """Drop all that was found of some methods on their scenes."""
+        """Drop what a study has found of some methods on their scenes; sweeps keep their points."""
         with self._database.transaction() as connection:
             for key in keys:
-                for table in _OF_ENGINES:
+                for table in _OF_STUDIES:
                     connection.execute(f"DELETE FROM {table} WHERE {_ONE_METHOD}", _names(key))
 
     def put_scene(self, scenario: Scenario, solution: Solution) -> None:

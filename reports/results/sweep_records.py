@@ -148,6 +148,13 @@ def sweep_points(sweep: Map | Ensemble) -> Iterator[SweepPoint]:
         yield _on_map(sweep, at)
 
 
+def count_points(sweep: Map | Ensemble) -> int:
+    """How many `sweep_points` there are."""
+    if isinstance(sweep, Ensemble):
+        return sweep.members
+    return len(sweep.axes[0].values) * len(sweep.axes[1].values)
+
+
 def place_in(sweep: Map | Ensemble, parts: Mapping[str, Any]) -> SweepPoint | None:
     """The point of a sweep with an identity, or None if the sweep has none such.
 

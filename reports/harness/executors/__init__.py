@@ -1,6 +1,6 @@
 """Where calls are made: in this process, in local worker processes, or on a Dask cluster."""
 
-from .executor import Answer, CallFailed, Executor, ExecutorStopped
+from .executor import Answer, CallFailed, Executor, ExecutorStopped, cause_of
 from .in_process import InProcess
 from .local_workers import LocalWorkers
 from .worker_slot import TIME_LIMIT, is_environmental, may_succeed_if_repeated
@@ -13,6 +13,7 @@ __all__ = [
     "ExecutorStopped",
     "InProcess",
     "LocalWorkers",
+    "cause_of",
     "is_environmental",
     "may_succeed_if_repeated",
 ]

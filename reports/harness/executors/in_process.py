@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import ParamSpec, TypeVar, final
 
-from .executor import Answer, CallFailed, Executor
+from .executor import Answer, CallFailed, Executor, cause_of
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -18,7 +18,7 @@ class InProcess(Executor):
         try:
             return Answer(function(*args, **kwargs))
         except (Exception, SystemExit) as error:
-            return Answer(CallFailed(f"{type(error).__name__}: {error}"))
+            return Answer(CallFailed(f"{type(error).__name__}: {error}", cause_of(error)))
 
     def alone(self) -> Executor:
         """The same: nothing runs beside its one call."""

@@ -8,7 +8,6 @@ this one.
 """
 
 import ctypes
-import errno
 import io
 import json
 import os
@@ -26,6 +25,7 @@ from typing import IO, Any
 import psutil
 
 from ....engines import Cause
+from .executor import cause_of
 
 #: <stdio.h>, _IONBF: nothing that was printed before a crash is lost in a buffer.
 UNBUFFERED = 2
@@ -39,8 +39,6 @@ MEMORY_SHARE = 0.5
 PIPE_SIZE = 1 << 16
 #: s that are waited for the end of what a call printed, once it has answered.
 OUTPUT_WAIT = 5.0
-#: Errors of the operating system that are the machine's fault and pass.
-PASSING = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE, errno.EAGAIN})
 #: What libraries start threads by. Engines step in one; others would spin beside it.
 THREAD_COUNTS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _LENGTH = struct.Struct("<Q")
@@ -255,9 +253,7 @@ def _answer(request: bytes) -> bytes:
         return pickle.dumps((True, call(*arguments), ""))
     # A call that exits is a call that failed, not the end of the worker.
     except (Exception, SystemExit) as error:
-        passing = isinstance(error, OSError) and error.errno in PASSING
-        cause: Cause = "environment" if passing else "bug"
-        return pickle.dumps((False, f"{type(error).__name__}: {error}", cause))
+        return pickle.dumps((False, f"{type(error).__name__}: {error}", cause_of(error)))
 
 
 def _refuse(reason: str) -> None:

@@ -1,5 +1,7 @@
 """A study that was stopped, in whatever way, is gone on with and ends as if it had not been."""
 
+import errno
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -15,7 +17,7 @@ from spincheck.reports.harness import study as study_module
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import CallFailed, Executor
 from spincheck.reports.harness.executors.worker_slot import KILLED
-from spincheck.reports.harness.study import simulate
+from spincheck.reports.harness.study import prepare, simulate
 from spincheck.reports.results import fingerprints as fingerprints
 from spincheck.reports.results.records import Row
 from spincheck.reports.results.store import Results, Store, open_store
@@ -232,11 +234,52 @@ def test_a_longer_ladder_serves_whoever_asks_for_a_shorter_one(path, runs):
     assert runs == []
 
 
-def test_a_run_that_was_killed_from_outside_is_made_again(path, undisturbed):
-    killed = CallFailed(f"{KILLED} by SIGKILL", "killed")
+@pytest.mark.parametrize("name", ["SIGKILL", "SIGXCPU", "SIGUSR1"])
+def test_a_run_that_was_killed_from_outside_is_made_again(path, undisturbed, name):
+    killed = CallFailed(f"{KILLED} by {name}", "killed")
     run(path, executor=FailingCalls(of_function(simulate, killed)))
     assert {verdict.verdict for verdict in read(path).verdicts} == {"failed"}
     run(path)
+    assert differences(read(path), undisturbed) == []
+
+
+@pytest.mark.parametrize("function", [simulate, prepare], ids=["run", "reference"])
+def test_what_the_machine_refused_is_made_again(path, undisturbed, function):
+    """No worker could be started, for want of descriptors or processes."""
+    refused = CallFailed("no worker process could be started: [Errno 24]", "environment")
+    run(path, executor=FailingCalls(of_function(function, refused)))
+    assert {verdict.verdict for verdict in read(path).verdicts} == {"failed"}
+    run(path)
+    assert differences(read(path), undisturbed) == []
+
+
+@pytest.mark.parametrize(
+    ("number", "again"),
+    [
+        *((number, True) for number in (errno.ENOSPC, errno.EMFILE, errno.EAGAIN, errno.EROFS)),
+        *((number, False) for number in (errno.EINVAL, errno.ENOENT)),
+    ],
+    ids=errno.errorcode.get,
+)
+def test_an_error_of_the_system_is_the_engines_only_if_it_stays(
+    path, runs, monkeypatch, number, again
+):
+    def refuse(*_: object) -> None:
+        raise OSError(number, os.strerror(number))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(type(ENGINES[0]), "open", refuse)
+        run(path)
+    runs.clear()
+    run(path)
+    assert {row.key.engine for row in runs} == ({"Heun"} if again else set())
+
+
+def test_everything_is_made_again_if_that_is_asked_for(path, runs, undisturbed):
+    run(path)
+    before = len(runs)
+    run(path, replace(LADDER, again=True))
+    assert len(runs) == 2 * before
     assert differences(read(path), undisturbed) == []
 
 
@@ -246,7 +289,7 @@ def overrun(path: Path, reason: str) -> None:
         found = store.read()
         (verdict,) = (v for v in found.verdicts if v.key.engine == "Heun")
         row = next(row for row in found.rows if row.key == verdict.key)
-        store.put_row(replace(row, outcome="failed", reason=reason))
+        store.put_row(replace(row, outcome="failed", reason=reason, errors=None))
         store.put_verdict(replace(verdict, verdict="failed", reason=reason))
 
 

@@ -26,10 +26,12 @@ from spincheck.reports.harness.sweep_points import STEP_TURN
 from spincheck.reports.results import fingerprints as fingerprints
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.sweep_records import (
+    MAX_MEMBERS,
     Axis,
     Ensemble,
     Map,
     PointResult,
+    SweepPoint,
     sweep_points,
 )
 from spincheck.scenarios import loads
@@ -69,7 +71,7 @@ def crashing(failure: CallFailed) -> Executor:
 
 def left(path: Path, asked=MAP, choice: Choice = FAULTLESS, scene=SCENE) -> int:
     with open_store(path, create=True) as store:
-        return len(plan_sweep(asked, scene, choice, store).left)
+        return plan_sweep(asked, scene, choice, store).missing
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +130,7 @@ def test_another_engine_leaves_what_is_there(path):
     sweep(path)
     with open_store(path, create=True) as store:
         plan = plan_sweep(MAP, SCENE, Choice((*FAULTLESS.engines, planted(RaisingSession))), store)
-    assert {engine.name for one in plan.left for engine, _ in one.to_run} == {"Raising"}
+    assert {engine.name for one in plan.left() for engine, _ in one.to_run} == {"Raising"}
 
 
 @pytest.mark.parametrize("what", ["scene", "program"])
@@ -199,7 +201,32 @@ def test_a_point_that_somebody_killed_is_tried_again_by_the_next_sweep(path):
     sweep(path, MAP, CRASHING, executor=crashing(CallFailed(KILLED, "killed")))
     with open_store(path, create=True) as store:
         plan = plan_sweep(MAP, SCENE, CRASHING, store)
-    assert [[engine.name for engine, _ in one.to_run] for one in plan.left] == [["Segfault"]] * 6
+    assert [[engine.name for engine, _ in one.to_run] for one in plan.left()] == [["Segfault"]] * 6
+
+
+def test_a_point_where_the_machine_refused_everything_is_tried_again(path):
+    refused = CallFailed("no worker process could be started", "environment")
+    sweep(path, executor=FailingCalls(lambda *_: refused))
+    assert left(path) == len(SPIN.values) * len(STEPS.values)
+
+
+def test_everything_is_tried_again_if_that_is_asked_for(finished):
+    path, points = finished
+    assert left(path) == 0
+    assert left(path, choice=replace(FAULTLESS, again=True)) == len(points)
+
+
+def test_the_largest_ensemble_is_planned_member_by_member(path, monkeypatch):
+    identities = []
+    identity = SweepPoint.identity.fget
+    monkeypatch.setattr(
+        SweepPoint, "identity", property(lambda point: identities.append(point) or identity(point))
+    )
+    with open_store(path, create=True) as store:
+        plan = plan_sweep(replace(ENSEMBLE, members=MAX_MEMBERS), SCENE, FAULTLESS, store)
+    assert plan.missing == MAX_MEMBERS
+    assert next(plan.left()).point.member == (ENSEMBLE.seed, 0)
+    assert len(identities) == 1
 
 
 @pytest.mark.parametrize(("time_limit", "again"), [(None, 0), (120.0, 0), (500.0, 6)])
@@ -208,7 +235,7 @@ def test_one_that_was_stopped_is_tried_again_with_more_time(path, time_limit, ag
     sweep(path, MAP, CRASHING, executor=crashing(stopped))
     with open_store(path, create=True) as store:
         choice = replace(CRASHING, time_limit=time_limit)
-        assert len(plan_sweep(MAP, SCENE, choice, store).left) == again
+        assert plan_sweep(MAP, SCENE, choice, store).missing == again
 
 
 def test_one_that_crashed_is_not(path):
