@@ -38,7 +38,8 @@ def give_back(client: int) -> None:
         p.removeConstraint(p.getConstraintUniqueId(index, client), client)
     for index in reversed(range(p.getNumBodies(client))):
         p.removeBody(p.getBodyUniqueId(index, client), client)
-    p.resetSimulation(client)
+    # By name: its first argument is another, and world 0 would be emptied instead.
+    p.resetSimulation(physicsClientId=client)
     p.setPhysicsEngineParameter(
         fixedTimeStep=DEFAULT_TIMESTEP, numSubSteps=DEFAULT_SUBSTEPS, physicsClientId=client
     )

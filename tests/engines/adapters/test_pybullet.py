@@ -205,6 +205,14 @@ def test_a_closed_world_is_given_back() -> None:
         assert again.client == session.client
 
 
+def test_giving_a_world_back_leaves_every_other_as_it_is() -> None:
+    first = opened(SCENES["pivot"], ENGINE.method("multibody"), TIMESTEP)
+    with opened(SCENES["pivot"], ENGINE.method("multibody"), TIMESTEP):
+        pass
+    assert p.getNumBodies(first.client) == 1
+    first.close()
+
+
 def test_a_scene_that_does_not_load_leaves_no_world_behind(monkeypatch) -> None:
     monkeypatch.setattr(worlds, "_empty", [])
     tiny = scene("tiny", body="\nmass = 1.0\ninertia = [1e-17, 1e-17, 1e-17]\n")
