@@ -125,9 +125,11 @@ def _why(shipped: _AtStock, scenes: Sequence[SceneRuns]) -> str:
     name = " ".join(shipped.pair)
     good = sum(word == "converges" for word in verdicts.values())
     if not wrong:
+        open_ = len(verdicts) - good
+        left = f" (on {open_} its timesteps were too coarse to tell)" if open_ else ""
         return (
             f"{name} goes to the exact motion on {good} of {plural(len(verdicts), 'scene')} as its "
-            "timestep shrinks: its errors are its integrator's"
+            f"timestep shrinks{left}: its errors are its integrator's"
         )
     rows = [shipped.rows[name] for name in wrong if name in shipped.rows]
     counted = Counter(cause for row in rows for cause in set(_causes(row)))

@@ -1,0 +1,231 @@
+"""Every page of a real report, in a real browser: it draws, answers, fits, and loads nothing."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import made_up_sweeps
+import pytest
+from browser import chromium, launched
+from playwright.sync_api import Browser, Page, expect
+from spincheck.engines import engines
+from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.harness.plan import plan
+from spincheck.reports.harness.study import run_study
+from spincheck.reports.pages.render import render
+from spincheck.reports.results.store import open_store
+from spincheck.scenarios import find, load
+
+CHROMIUM = chromium()
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+
+SCENES = ("fast-top", "hammer", "reaction-wheel")
+METHODS = ("default", "RK4", "multibody")
+#: Steps: short ladders, whose pages are made of the same parts.
+BUDGET = 1 << 11
+DESK, PHONE = {"width": 1280, "height": 900}, {"width": 400, "height": 800}
+#: ms; as much as a busy machine may need.
+PATIENCE = 60_000
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    """A report of real runs, timed, of a scene of each kind and a hard one; with maps besides."""
+    folder = tmp_path_factory.mktemp("browsed")
+    installed = [engine for name, engine in engines().items() if name in ("mujoco", "pybullet")]
+    choice = Choice(tuple(installed), METHODS, max_steps=BUDGET)
+    scenes = [load(path) for path in find(SCENES)]
+    with open_store(folder / "results.sqlite", create=True) as store:
+        run_study(plan(scenes, choice, store), choice, store, InProcess(), lambda _: None)
+        results = store.read()
+    swept = made_up_sweeps.swept()
+    render(replace(results, maps=swept.maps, ensembles=swept.ensembles), folder / "report")
+    return folder / "report"
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with launched(str(CHROMIUM)) as browser:
+        yield browser
+
+
+@dataclass
+class Visit:
+    """A page that is open, the errors it told since, and what it asked for."""
+
+    page: Page
+    said: list[str] = field(default_factory=list)
+    asked: list[str] = field(default_factory=list)
+
+
+@pytest.fixture
+def visit(browser: Browser) -> Iterator[Visit]:
+    page = browser.new_page(viewport=DESK)
+    page.set_default_timeout(PATIENCE)
+    found = Visit(page)
+    page.on("console", lambda m: found.said.append(m.text) if m.type == "error" else None)
+    page.on("pageerror", lambda error: found.said.append(str(error)))
+    page.on("request", lambda request: found.asked.append(request.url))
+    yield found
+    page.close()
+
+
+def open_page(visit: Visit, folder: Path, name: str = "index.html") -> Page:
+    visit.page.goto((folder / name).as_uri(), wait_until="domcontentloaded")
+    return visit.page
+
+
+def open_table(visit: Visit, folder: Path) -> Page:
+    """The first page without its figures, which its table does not need."""
+    visit.page.route("**/plotly.min.js", lambda route: route.abort())
+    return open_page(visit, folder)
+
+
+def draw_all(page: Page) -> None:
+    """Come past every figure, as a reader does, and wait until it is drawn."""
+    page.evaluate("for (const d of document.querySelectorAll('details')) d.open = true")
+    for plot in page.locator(".plot").all():
+        plot.scroll_into_view_if_needed()
+        plot.locator(".main-svg").first.wait_for(state="attached")
+
+
+def widest(page: Page) -> int:
+    return page.evaluate("document.documentElement.scrollWidth")
+
+
+def test_every_page_draws_its_figures_fits_a_desk_and_a_phone_and_asks_for_nothing(visit, folder):
+    too_wide = []
+    for path in sorted(folder.rglob("*.html")):
+        page = open_page(visit, folder, str(path.relative_to(folder)))
+        for window in (DESK, PHONE):
+            page.set_viewport_size(window)
+            draw_all(page)
+            if (width := widest(page)) > window["width"]:
+                too_wide.append(f"{path.name}: {width} of {window['width']}")
+    assert too_wide == []
+    assert visit.said == []
+    assert [url for url in visit.asked if not url.startswith(("file:", "data:", "blob:"))] == []
+
+
+def test_what_a_page_says_and_asks_for_is_noticed(visit, folder):
+    page = open_page(visit, folder)
+    page.evaluate("console.error('wrong'); fetch('http://127.0.0.1:9/x').catch(() => 0)")
+    page.wait_for_timeout(100)
+    assert any("wrong" in line for line in visit.said)
+    assert "http://127.0.0.1:9/x" in visit.asked
+
+
+def cell(page: Page, scene: str, column: str) -> str:
+    """The text of the first table's cell in a scene's row, below a heading."""
+    headings = page.locator("#heat thead tr:last-child button").all_inner_texts()
+    index = next(k for k, text in enumerate(headings) if text.startswith(column))
+    return rows(page)[scene][index]
+
+
+def rows(page: Page) -> dict[str, list[str]]:
+    """The first table's rows of scenes in order, by name."""
+    found = page.evaluate(
+        "[...document.querySelectorAll('#heat tbody tr')].filter(r => r.cells.length > 1)"
+        ".map(r => [...r.cells].map(c => c.innerText.trim()))"
+    )
+    return {row[0]: row for row in found}
+
+
+def test_the_first_screen_answers_what_the_default_gets_wrong_on_a_top(visit, folder):
+    page = open_table(visit, folder)
+    sentences = page.locator(".answer")
+    expect(sentences).to_have_count(3)
+    expect(sentences.nth(0)).to_contain_text("mujoco default at its stock 2 ms")
+    expect(sentences.nth(1)).to_contain_text("mujoco RK4 at the same 2 ms")
+    assert cell(page, "fast-top", "mujoco").endswith("13°")
+    best = cell(page, "fast-top", "cheapest")
+    assert "mujoco RK4" in best
+    assert best.endswith("×")
+    box = page.locator("#heat tbody tr", has_text="fast-top").bounding_box()
+    assert box["y"] + box["height"] < DESK["height"]
+
+
+def test_cells_switch_between_signals_and_timesteps(visit, folder):
+    page = open_table(visit, folder)
+    at_stock = cell(page, "fast-top", "mujoco")
+    page.locator("label", has_text="1 ms").click()
+    at_common = cell(page, "fast-top", "mujoco")
+    # Of first order in a halved timestep.
+    assert float(at_common.strip("°? ")) < 0.7 * float(at_stock.strip("°? "))
+    page.locator("label", has_text="ω").click()
+    assert "°" not in cell(page, "fast-top", "mujoco")
+    page.locator("label", has_text="CPU time").click()
+    expect(page.locator("#unit")).to_contain_text("CPU seconds")
+
+
+@pytest.mark.parametrize(
+    ("control", "value", "left"),
+    [
+        ("#find", "top", {"fast-top"}),
+        ("#kind", "Thrown", {"hammer"}),
+        ("#tag", "hard", {"reaction-wheel"}),
+    ],
+)
+def test_filters_leave_the_scenes_that_match(visit, folder, control, value, left):
+    page = open_table(visit, folder)
+    box = page.locator(control)
+    box.fill(value) if control == "#find" else box.select_option(value)
+    assert set(rows(page)) == left
+
+
+def test_a_verdict_chosen_leaves_the_scenes_where_any_method_got_it(visit, folder):
+    page = open_table(visit, folder)
+    carried = json.loads(page.locator("#heat-data").text_content())["scenes"]
+    found = {s["name"]: {cell[0] for cell in s["cells"] if cell} for s in carried}
+    for word in set.union(*found.values()):
+        page.locator("#verdict").select_option(word)
+        assert set(rows(page)) == {name for name, words in found.items() if word in words}
+
+
+def test_the_engine_chosen_alone_has_columns(visit, folder):
+    page = open_table(visit, folder)
+    page.locator("#engine").select_option("pybullet")
+    headings = page.locator("#heat thead tr:last-child button").all_inner_texts()
+    assert [text.split()[0] for text in headings] == ["scene", "pybullet", "multibody", "cheapest"]
+
+
+def test_a_heading_sorts_and_sorts_back(visit, folder):
+    page = open_table(visit, folder)
+    in_groups = list(rows(page))
+    heading = page.locator("#heat thead button", has_text="RK4")
+    orders = []
+    for _ in range(3):
+        heading.click()
+        orders.append(list(rows(page)))
+    plain = len(SCENES) - 1
+    assert orders[0][:plain] == orders[1][:plain][::-1]
+    assert orders[2] == in_groups
+
+
+def test_hard_scenes_are_one_row_a_kind_that_unfolds(visit, folder):
+    page = open_table(visit, folder)
+    assert "reaction-wheel" not in rows(page)
+    page.locator(".folded button").click()
+    assert "reaction-wheel" in rows(page)
+    expect(page.locator(".folded button")).to_be_focused()
+
+
+def test_the_table_is_walked_with_arrow_keys_and_tells_each_run(visit, folder):
+    page = open_table(visit, folder)
+    page.locator("#heat tbody a[tabindex='0']").focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.locator("#detail")).to_contain_text("fast-top, mujoco default")
+    page.keyboard.press("ArrowDown")
+    expect(page.locator("#detail")).to_contain_text("hammer, mujoco default")
+    page.keyboard.press("Enter")
+    page.wait_for_url("**/scenes/hammer.html*")
+
+
+def test_colours_follow_the_dark_scheme(visit, folder):
+    page = open_table(visit, folder)
+    colour = "getComputedStyle(document.querySelector('#heat tbody td')).backgroundColor"
+    light = page.evaluate(colour)
+    page.emulate_media(color_scheme="dark")
+    page.wait_for_function(f"{colour} !== '{light}'")
