@@ -7,6 +7,9 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
+from ...engines.models.mjcf import mjcf
+from ...engines.models.urdf import urdf
+from ...scenarios import Scenario
 from ..results.records import VerdictWord
 from ..results.store import Results
 from . import hard_cases, overview, scene_tables
@@ -18,13 +21,25 @@ from .heat_map import heat_map
 from .left_out_tables import effects_table, harm_in_words, passes_tables
 from .links import scene_page
 from .markdown import code_block, escaped, to_html
+from .motion_data import motion_data
+from .page_data import PageData
 from .protocol import constants
+from .scene_answer import scene_answer, shown_at_first
 from .sweep_section import sweep_section, write_sweeps
 
 TEMPLATES = Path(str(files(__package__))) / "templates"
 PLOTLY = "plotly.min.js"
 #: Of ours; written as they are.
-ASSETS = ("style.css", "figures.js", "overview.js")
+ASSETS = (
+    "style.css",
+    "scene.css",
+    "figures.js",
+    "overview.js",
+    "motion.js",
+    "player.js",
+)
+#: Of the MJCF that a page shows, s; runs differ from it in these two alone.
+SHOWN_TIMESTEP, SHOWN_INTEGRATOR = 0.002, "RK4"
 #: What calls for attention; what is merely a limit of the method, and what was never tried.
 WRONG: tuple[VerdictWord, ...] = ("disagrees", "failed")
 LIMITS: tuple[tuple[VerdictWord, ...], ...] = (("diverges", "unresolved"), ("unsupported",))
@@ -78,9 +93,17 @@ def _write_scenes(
             "previous": scenes[k - 1] if k else None,
             "following": scenes[k + 1] if k + 1 < len(scenes) else None,
         }
-        html = page.render(root="../", figures=figures(scene), **content, **around)
+        drawn = {
+            "packed": PageData(),
+            "figures": figures(scene),
+            "motions": motion_data(scene),
+            "shown_at_first": shown_at_first(scene),
+        }
+        html = page.render(root="../", **drawn, **content, **around)
         _write(folder / f"{scene.name}.html", html)
         _write(folder / f"{scene.name}.md", text.render(**content))
+        for name, model in content.get("models", {}).items():
+            _write(folder / name, model)
 
 
 def _environment() -> Environment:
@@ -135,9 +158,10 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
     """Everything that the HTML page and the Markdown section of a scene both show."""
     content: dict[str, Any] = {
         "scene": scene,
+        "answer": scene_answer(scene),
         "verdicts": scene_tables.verdict_table(scene),
         "signals": scene_tables.signals_table(scene),
-        "runs": scene_tables.runs_table(scene),
+        "runs": scene_tables.runs_tables(scene),
         "printed": scene_tables.printed(scene),
     }
     if scene.found is not None:
@@ -148,8 +172,18 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
             "costs": scene_costs(scene),
             "drifts": scene_tables.drifts_table(scene),
             "observables": scene_tables.observables_table(scene),
+            "published": scene_tables.published_table(scene.found.scenario),
+            "models": _models(scene.found.scenario),
         }
     return content
+
+
+def _models(scenario: Scenario) -> dict[str, str]:
+    """The scene as engines load it, by the names of the files beside its page."""
+    return {
+        f"{scenario.name}.xml": mjcf(scenario, SHOWN_TIMESTEP, SHOWN_INTEGRATOR),
+        f"{scenario.name}.urdf": urdf(scenario),
+    }
 
 
 def _write_assets(folder: Path) -> None:

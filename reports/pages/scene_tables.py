@@ -1,11 +1,15 @@
 """A scene's tables: its truth, verdicts, conserved quantities, every run."""
 
+from collections import Counter
+from dataclasses import dataclass
+
 from ...reference import facts, invariants
 from ...reference.observables import observables
-from ...scenarios import EFFECTS, Scenario
+from ...scenarios import EFFECTS, FloatArray, Scenario, Trajectory
+from ..harness.reference_checks import published_values
 from ..results.records import SIGNAL_NAMES, Row
 from ..results.store import SceneResult
-from .analysis.report_data import Compared, MethodRuns, SceneRuns
+from .analysis.report_data import MethodRuns, SceneRuns
 from .analysis.survival import in_words, survival
 from .analysis.wording import (
     ERROR_HEADINGS,
@@ -17,6 +21,7 @@ from .analysis.wording import (
     number,
     observed,
     order,
+    plural,
 )
 from .analysis.work_precision import cost
 from .links import method_anchor
@@ -61,14 +66,10 @@ def verdict_table(scene: SceneRuns) -> Table:
         "engine",
         "method",
         "verdict",
-        "order found",
-        "declared",
-        "decided by",
+        "observed order",
         "Richardson-extrapolated error",
-        "tolerance",
-        "survives up to, s",
-        "rad a step",
-        "reason",
+        "stable up to, s",
+        "why",
     )
     made = table(headings, [_verdict_row(scene, runs) for runs in scene.methods])
     anchors = tuple(method_anchor(runs.engine, runs.method) for runs in scene.methods)
@@ -89,8 +90,8 @@ def signals_table(scene: SceneRuns) -> Table:
     )
     rows: list[list[Cell | str]] = [
         [
-            Cell(runs.engine, "name" if k == 0 else "name again"),
-            Cell(runs.method, "name" if k == 0 else "name again"),
+            Cell(runs.engine, "name"),
+            Cell(runs.method, "name"),
             SIGNAL_NAMES[found.signal],
             verdict_cell(found.verdict),
             figure(order(found.order)),
@@ -99,16 +100,35 @@ def signals_table(scene: SceneRuns) -> Table:
             figure(number(found.tolerance)),
         ]
         for runs in scene.methods
-        for k, found in enumerate(runs.verdict.signals if runs.verdict else ())
+        for found in (runs.verdict.signals if runs.verdict else ())
     ]
     return table(headings, rows)
+
+
+def published_table(scenario: Scenario) -> Table | None:
+    """What others printed of the scene beside the reference's; None where nobody did."""
+    rows: list[list[Cell | str]] = [
+        [
+            Cell(value.quantity, "name"),
+            figure(f"{value.published.t:g}"),
+            figure(_components(value.printed)),
+            figure(_components(value.ours)),
+            figure(number(value.difference)),
+            figure(number(value.published.tolerance)),
+            Cell("✓ holds", "converges") if value.holds else Cell("✗ does not hold", "disagrees"),
+            value.published.source,
+        ]
+        for value in published_values(scenario)
+    ]
+    headings = ("quantity", "t, s", "printed", "ours", "difference", "tolerance", "", "source")
+    return table(headings, rows) if rows else None
 
 
 def drifts_table(scene: SceneRuns) -> Table | None:
     """How far each method's finest run drifts from each conserved quantity; None without any."""
     assert scene.found is not None, "conserved quantities are those of a scene"
     laws = [invariant.law for invariant in invariants(scene.found.scenario)]
-    shown = [(runs, runs.shown) for runs in scene.methods]
+    shown = [(runs, runs.finest) for runs in scene.methods]
     rows = [
         (
             *_named(runs),
@@ -136,16 +156,26 @@ def observables_table(scene: SceneRuns) -> Table | None:
         ["exact value", "", *(figure(observed(seen.exact)) for seen in exact)],
         ["exact motion", "read alike", *(figure(observed(seen.value)) for seen in exact)],
     ]
-    rows += [_observables_row(scenario, run, names) for run in scene.compared]
+    rows += [
+        _observables_row(scenario, runs, runs.finest.motion, names)
+        for runs in scene.methods
+        if runs.finest and runs.finest.motion
+    ]
     return table(headings, rows)
 
 
-def runs_table(scene: SceneRuns) -> Table:
-    """Every run, coarse to fine."""
+@dataclass(frozen=True, eq=False)
+class MethodTable:
+    """Every run of one method, coarse to fine."""
+
+    label: str
+    summary: str
+    runs: Table
+
+
+def runs_tables(scene: SceneRuns) -> list[MethodTable]:
+    """A table for each method."""
     headings = (
-        "engine",
-        "version",
-        "method",
         "timestep, s",
         "steps",
         *ERROR_HEADINGS.values(),
@@ -153,12 +183,14 @@ def runs_table(scene: SceneRuns) -> Table:
         "CPU s a simulated s",
         "outcome",
     )
-    rows = [
-        _run_row(scene, row, "name" if k == 0 else "name again")
+    return [
+        MethodTable(
+            runs.label,
+            _summary(runs),
+            table(headings, [_run_row(scene, row) for row in runs.rows]),
+        )
         for runs in scene.methods
-        for k, row in enumerate(runs.rows)
     ]
-    return table(headings, rows)
 
 
 def printed(scene: SceneRuns) -> list[tuple[str, str]]:
@@ -170,57 +202,74 @@ def printed(scene: SceneRuns) -> list[tuple[str, str]]:
 def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
     verdict = runs.verdict
     if verdict is None:
-        nothing = [figure(NOTHING)] * 7
+        nothing = [figure(NOTHING)] * 3
         return [*_named(runs), Cell("no verdict", "absent"), *nothing, "stopped early"]
-    decided = SIGNAL_NAMES[verdict.signal]
+    survives, turn = in_words(survival(runs.rows, scene.fastest_rate if scene.found else None))
+    stable = Cell(survives, "number", f"{turn} rad a step" if turn != NOTHING else "")
     uncertainty = 0.0
     if scene.found is not None:
         uncertainty = dict(scene.found.solution.uncertainty).get(verdict.signal, 0.0)
-    survives = in_words(survival(runs.rows, scene.fastest_rate if scene.found else None))
-    declared = NOTHING
+    decided = ""
+    if verdict.limit_error is not None:
+        decided = f"{SIGNAL_NAMES[verdict.signal]}; tolerance {number(verdict.tolerance)}"
+    declared = ""
     if runs.declared is not None:
-        of_attitude = verdict.signal == "attitude"
-        declared = str(runs.declared.attitude_order if of_attitude else runs.declared.order)
+        attitude = verdict.signal == "attitude"
+        expected = runs.declared.attitude_order if attitude else runs.declared.order
+        declared = f"declared {expected}"
     return [
         *_named(runs),
         verdict_cell(verdict.verdict),
-        figure(order(verdict.order)),
-        figure(declared),
-        decided if verdict.limit_error is not None else NOTHING,
-        figure(limited(verdict.limit_error, uncertainty)),
-        figure(number(verdict.tolerance)),
-        *(figure(words) for words in survives),
+        Cell(order(verdict.order), "number", declared if verdict.order is not None else ""),
+        Cell(limited(verdict.limit_error, uncertainty), "number", decided),
+        stable,
         reason_of(verdict),
     ]
+
+
+def _summary(runs: MethodRuns) -> str:
+    """In a line: version, verdict, how many runs and how they ended."""
+    ended = Counter(row.outcome for row in runs.rows if row.made)
+    versions = dict.fromkeys(row.engine_version for row in runs.rows)
+    outcomes = ", ".join(f"{amount} {outcome}" for outcome, amount in ended.items())
+    verdict = runs.verdict.verdict if runs.verdict else "no verdict"
+    return f"{', '.join(versions)} · {verdict} · {plural(sum(ended.values()), 'run')}: {outcomes}"
+
+
+def _components(values: FloatArray) -> str:
+    return ", ".join(f"{value:.9g}" for value in values)
 
 
 def _named(runs: MethodRuns) -> tuple[Cell, Cell]:
     return Cell(runs.engine, "name"), Cell(runs.method, "name")
 
 
-def _observables_row(scenario: Scenario, run: Compared, names: list[str]) -> list[Cell | str]:
-    seen = {found.name: found.value for found in observables(scenario, run.motion)}
+def _observables_row(
+    scenario: Scenario, runs: MethodRuns, motion: Trajectory, names: list[str]
+) -> list[Cell | str]:
+    seen = {found.name: found.value for found in observables(scenario, motion)}
     cells = [figure(observed(seen[name]) if name in seen else NOTHING) for name in names]
-    return [*_named(run.runs), *cells]
+    return [*_named(runs), *cells]
 
 
-def _run_row(scene: SceneRuns, row: Row, named: str) -> list[Cell | str]:
+def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:
     errors = (NOTHING,) * len(ERROR_HEADINGS)
     if row.errors is not None:
         errors = limited_errors(row.errors, scene.uncertainty(row))
     when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
     cause = f" ({row.cause})" if row.cause else ""
-    outcome = f"{row.outcome}{cause}{when}" + (f": {row.reason}" if row.reason else "")
+    outcome = f"{row.outcome}{cause}{when}" if row.made else "not run"
     return [
-        Cell(row.key.engine, named),
-        Cell(row.engine_version, named),
-        Cell(row.key.method, named),
-        figure(number(row.timestep) if row.timestep else NOTHING),
+        Cell(
+            number(row.timestep) if row.timestep else NOTHING,
+            "number",
+            "stock" if row.stock else "",
+        ),
         figure(count(row.steps)),
         *(figure(error) for error in errors),
         figure(_largest_drift(row)),
         figure(number(cost(row))),
-        Cell(outcome, row.outcome),
+        Cell(outcome, row.outcome, note=row.reason),
     ]
 
 

@@ -34,12 +34,14 @@ class Cell:
     kind : what it is ("number", a verdict, …), which the style sheet colours or aligns
     detail : a second, smaller line
     link : where it leads, relative to the page; the HTML page alone uses it
+    note : what the HTML page shows when it is asked for
     """
 
     text: str
     kind: str = ""
     detail: str = ""
     link: str = ""
+    note: str = ""
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """A result file's contents without a study: made-up motions whose errors are known."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -16,6 +16,8 @@ UNCERTAINTY = Errors(1e-13, 2e-13, 3e-13, 4e-13, 5e-13, 6e-13)
 CONDITIONING = Errors(1e-15, 1e-14, 1e-15, 1e-15, 1e-15, 1e-15)
 #: s; halved from rung to rung.
 TIMESTEPS = tuple(0.02 / 2**k for k in range(6))
+#: s; two of them stand for an engine's own stock timestep and for the one of all engines.
+STOCK = TIMESTEPS[1:3]
 #: Error of a method of order p with the coarsest timestep; with dt, (dt/`TIMESTEPS[0]`)^p of it.
 #: That of order 4 falls below the uncertainty of the truth.
 SIZE = {1: 0.05, 2: 1e-3, 3: 1e-5, 4: 1e-8}
@@ -107,6 +109,12 @@ def results(samples: int = 101, methods: Sequence[MadeUp] = METHODS) -> Results:
     environment = {"date": "2026-01-01T00:00:00+00:00", "processor": "a <fast> one"}
     declared = {(m.engine, m.method): _declared(m) for m in methods}
     return Results(environment, scenes, rows, verdicts, methods=declared)
+
+
+def at_stock(found: Results) -> Results:
+    """The same with the runs at `STOCK` marked as those at stock timesteps."""
+    rows = [replace(row, stock=row.timestep in STOCK) for row in found.rows]
+    return replace(found, rows=rows)
 
 
 def _declared(method: MadeUp) -> Method:

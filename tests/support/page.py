@@ -1,8 +1,13 @@
 """Reads a page of the report as a browser would, and complains where one would have to guess."""
 
+import base64
+import json
+import zlib
 from dataclasses import dataclass, field
+from functools import cached_property
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 #: Elements without an end tag.
 VOID = {"meta", "link", "br", "hr", "img", "input"}
@@ -34,10 +39,30 @@ class Page:
         """Every value of an attribute."""
         return [e.attributes[name] for e in self.elements if name in e.attributes]
 
+    @cached_property
+    def packed(self) -> list[Any]:
+        """The items of the page's compressed element; none without one."""
+        found = [e for e in self.all("script") if e.attributes.get("id") == "packed"]
+        if not found:
+            return []
+        items: list[Any] = json.loads(zlib.decompress(base64.b64decode(found[0].text)))
+        return items
+
+    @property
+    def motions(self) -> dict[str, Any]:
+        """What the page's player plays."""
+        (script,) = (e for e in self.all("script") if "data-motions" in e.attributes)
+        motions: dict[str, Any] = self.packed[int(script.attributes["data-motions"])]
+        return motions
+
     def tables(self) -> list[list[list[str]]]:
-        """The texts of every table's cells, row by row."""
+        """The texts of every table's cells, row by row; those that the script makes included."""
         tables: list[list[list[str]]] = []
         for element in self.elements:
+            if "data-table" in element.attributes:
+                made = self.packed[int(element.attributes["data-table"])]
+                rows = [["".join([c[0], *c[2:3], *c[4:5]]) for c in row] for row in made["rows"]]
+                tables.append([made["headings"], *rows])
             if element.tag == "table":
                 tables.append([])
             elif element.tag == "tr":

@@ -13,9 +13,9 @@ def values_of(spec: dict[str, str]) -> FloatArray:
 
 
 def coloured(value: Any) -> Any:
-    """A figure as the page's script completes it."""
+    """A figure as the page's script completes it; what it draws from the motions is left out."""
     if isinstance(value, dict):
-        return {name: coloured(item) for name, item in value.items()}
+        return {name: coloured(item) for name, item in value.items() if name != "overlays"}
     if isinstance(value, list):
         return [coloured(item) for item in value]
     return "#123456" if value in (INK, WIRE, GROUND) else value

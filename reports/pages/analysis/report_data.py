@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from ....engines import Method
-from ....reference import solve
-from ....scenarios import Errors, ErrorSeries, Trajectory, error_series
+from ....reference import ExactMotion
+from ....scenarios import Errors, ErrorSeries, Scenario, Trajectory, error_series
 from ....scenarios.fastest_rate import fastest_rate
 from ...results.records import Pair, Row, Verdict
 from ...results.store import Results, SceneResult
@@ -38,12 +38,26 @@ class MethodRuns:
         return f"{self.engine} {self.method}"
 
     @cached_property
-    def shown(self) -> Row | None:
-        """The run to draw: the finest that ended well, else the finest with any samples."""
-        sampled = [row for row in self.rows if row.motion is not None and len(row.motion.t)]
-        finished = [row for row in sampled if row.outcome == "ok"]
-        drawn = finished or sampled
-        return drawn[-1] if drawn else None
+    def sampled(self) -> tuple[Row, ...]:
+        """The runs whose samples are kept, coarse to fine."""
+        return tuple(row for row in self.rows if row.motion is not None and len(row.motion.t))
+
+    @cached_property
+    def finest(self) -> Row | None:
+        """The finest run that ended well, else the finest with any samples."""
+        finished = [row for row in self.sampled if row.outcome == "ok"]
+        return next(iter([*(finished or self.sampled)][-1:]), None)
+
+    @cached_property
+    def stock(self) -> tuple[Row, ...]:
+        """The runs at stock timesteps, the engine's own first, made or not."""
+        return tuple(row for row in self.rows if row.stock)
+
+    @property
+    def drawn(self) -> tuple[Row, ...]:
+        """The runs whose motions are drawn: at stock timesteps, or else the finest there is."""
+        at_stock = tuple(row for row in self.sampled if row.stock)
+        return at_stock or tuple(row for row in [self.finest] if row)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,11 +89,11 @@ class SceneRuns:
         """The runs to draw, each beside the truth at its own sample times."""
         if self.found is None:
             return ()
-        scene = self.found
-        shown = [(runs, row) for runs in self.methods if (row := runs.shown) is not None]
+        truths = _Truths(self.found)
         return tuple(
-            Compared(runs, row, row.motion, _truth_at(scene, row.motion))
-            for runs, row in shown
+            _compared(self.found.scenario, runs, row, row.motion, truths.at(row.motion))
+            for runs in self.methods
+            for row in runs.drawn
             if row.motion is not None
         )
 
@@ -92,16 +106,13 @@ class SceneRuns:
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """A run and the truth, sample by sample."""
+    """A run, the truth, and the four errors, sample by sample."""
 
     runs: MethodRuns
     row: Row
     motion: Trajectory
     truth: Trajectory
-
-    def series(self, scene: SceneResult) -> ErrorSeries:
-        """The errors at every sample."""
-        return error_series(scene.scenario, self.motion, self.truth)
+    series: ErrorSeries
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,10 +173,25 @@ def report_data(results: Results) -> ReportData:
     return ReportData(results.environment, pairs, scenes)
 
 
-def _truth_at(scene: SceneResult, motion: Trajectory) -> Trajectory:
-    """The truth at a run's samples: as stored if they are the ladder's, else solved again."""
-    stored = scene.solution.trajectory
-    n = len(motion.t)
-    if n <= len(stored.t) and np.array_equal(stored.t[:n], motion.t):
-        return stored.until(n)
-    return solve(scene.scenario, motion.t).trajectory
+def _compared(
+    scenario: Scenario, runs: MethodRuns, row: Row, motion: Trajectory, truth: Trajectory
+) -> Compared:
+    return Compared(runs, row, motion, truth, error_series(scenario, motion, truth))
+
+
+class _Truths:
+    """The truth at the samples of runs: as stored if they are the ladder's, else solved again."""
+
+    def __init__(self, scene: SceneResult) -> None:
+        self._scene = scene
+        self._solved: dict[bytes, Trajectory] = {}
+
+    def at(self, motion: Trajectory) -> Trajectory:
+        stored = self._scene.solution.trajectory
+        n = len(motion.t)
+        if n <= len(stored.t) and np.array_equal(stored.t[:n], motion.t):
+            return stored.until(n)
+        times = motion.t.tobytes()
+        if times not in self._solved:
+            self._solved[times] = ExactMotion(self._scene.scenario).outline(motion.t)
+        return self._solved[times]

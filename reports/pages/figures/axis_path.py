@@ -2,26 +2,14 @@
 
 import numpy as np
 
-from ....scenarios import FloatArray, Scenario, Trajectory
-from ...results.store import SceneResult
-from ..analysis.report_data import Compared
+from ....scenarios import FloatArray, Scenario
+from ..analysis.report_data import SceneRuns
 from . import solid
-from .plot import (
-    Figure,
-    Panel,
-    Range,
-    exact_look,
-    layout,
-    line,
-    method_style,
-    padded,
-    start_dot,
-    thinned,
-)
+from .dense_motion import dense_motion
+from .drawn_body import axis_body
+from .plot import Figure, Panel, Range, exact_look, layout, line, padded, start_dot
 
-GLOBE = ((0.0, 0.3), (0.0, 1.0))
-FROM_ABOVE = ((0.36, 0.62), (0.0, 1.0))
-UNROLLED = ((0.71, 1.0), (0.0, 1.0))
+HEIGHT = 400
 #: Degrees of azimuth unrolled at first; more is there to be dragged into view.
 ONE_TURN = 360.0
 #: Room around the path as seen from above, as a factor.
@@ -34,62 +22,71 @@ JUMP = 90.0
 STEADY, STEADY_ROOM = 1e-6, 0.5
 
 
-def axis_path(found: SceneResult, compared: tuple[Compared, ...]) -> Figure:
+def axis_path(scene: SceneRuns) -> list[Figure]:
     """On the sphere, from above, and unrolled into azimuth and tilt."""
-    axis_body, R_upright_world = _axis_body(found.scenario), _upright(found.scenario)
-
-    def tips(motion: Trajectory) -> FloatArray:
-        """Where the axis points, (n, 3): two level components and up."""
-        axis_world = motion.to_world(axis_body)
-        return np.asarray(axis_world[thinned(len(motion.t))] @ R_upright_world.T)
-
-    exact = tips(found.solution.trajectory)
-    curves = [(exact, exact_look())] + [
-        (tips(run.motion), method_style(run.runs.label, run.runs.look)) for run in compared
-    ]
-    traces = solid.surface(np.ones(3), ("x", "y", "up"))
-    for points, look in curves:
-        traces.append(solid.curve(points, look))
-        traces.append(line(points[:, 0], points[:, 1], 1, **look))
-        azimuth, tilt = _unrolled(points)
-        traces.append(line(_broken(azimuth), tilt, 2, **look))
-    azimuth, tilt = _unrolled(exact)
-    traces += [
-        solid.dot(exact[0]),
-        start_dot(exact[0, 0], exact[0, 1], 1),
-        start_dot(azimuth[0], tilt[0], 2),
-    ]
-    figure: Figure = {"data": traces, "layout": layout([_panels(exact)], height=460)}
-    figure["layout"]["scene"] = solid.view(np.ones(3), exact.mean(axis=0), GLOBE)
-    return figure
-
-
-def _panels(exact: FloatArray) -> list[Panel]:
-    widest = MARGIN * max(float(np.abs(exact[:, :2]).max()), NARROWEST)
-    azimuth, tilt = _unrolled(exact)
-    if np.ptp(tilt) < STEADY:
-        tilt = tilt[:1] + np.array([-1.0, 1.0]) * STEADY_ROOM
-    low, high = padded(tilt)
+    assert scene.found is not None, "what is exact is known of a solved scene"
+    scenario, motion = scene.found.scenario, dense_motion(scene)
+    R_upright_world = _upright(scenario)
+    # Where the axis points, (n, 3): two level components and up.
+    exact = np.asarray(motion.to_world(axis_body(scenario)) @ R_upright_world.T)
     return [
-        Panel(
-            x_title="level component, x",
-            y_title="level component, y",
-            heading="From above",
-            x_range=(-widest, widest),
-            y_range=(-widest, widest),
-            equal_scales=True,
-            domain=FROM_ABOVE,
-        ),
-        # Upside down: where the axis is higher, its tilt is smaller.
-        Panel(
-            x_title="azimuth α, °",
-            y_title="tilt β from the upward vertical, °",
-            heading="Unrolled",
-            x_range=_first_turn(azimuth),
-            y_range=(high, low),
-            domain=UNROLLED,
-        ),
+        _on_sphere(exact, R_upright_world),
+        _from_above(exact, R_upright_world),
+        _unrolled_figure(exact, R_upright_world),
     ]
+
+
+def _on_sphere(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
+    traces = [
+        *solid.surface(np.ones(3), ("x", "y", "up")),
+        solid.curve(exact, exact_look()),
+        solid.dot(exact[0]),
+    ]
+    overlay = {"kind": "axis", "matrix": R_upright_world.tolist()}
+    view = solid.view(np.ones(3), exact.mean(axis=0))
+    return {"data": traces, "layout": {"height": HEIGHT, "scene": view}, "overlays": [overlay]}
+
+
+def _from_above(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
+    widest = MARGIN * max(float(np.abs(exact[:, :2]).max()), NARROWEST)
+    panel = Panel(
+        x_title="level component, x",
+        y_title="level component, y",
+        heading="From above",
+        x_range=(-widest, widest),
+        y_range=(-widest, widest),
+        equal_scales=True,
+    )
+    traces = [
+        line(exact[:, 0], exact[:, 1], 1, **exact_look()),
+        start_dot(exact[0, 0], exact[0, 1], 1),
+    ]
+    overlay = {"kind": "axis", "panel": 1, "matrix": R_upright_world[:2].tolist()}
+    laid_out = layout([[panel]], height=HEIGHT)
+    return {"data": traces, "layout": laid_out, "overlays": [overlay]}
+
+
+def _unrolled_figure(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
+    azimuth, tilt = _unrolled(exact)
+    framed = tilt
+    if np.ptp(tilt) < STEADY:
+        framed = tilt[:1] + np.array([-1.0, 1.0]) * STEADY_ROOM
+    low, high = padded(framed)
+    # Upside down: where the axis is higher, its tilt is smaller.
+    panel = Panel(
+        x_title="azimuth α, °",
+        y_title="tilt β from the upward vertical, °",
+        heading="Unrolled",
+        x_range=_first_turn(azimuth),
+        y_range=(high, low),
+    )
+    traces = [
+        line(_broken(azimuth), tilt, 1, **exact_look()),
+        start_dot(azimuth[0], tilt[0], 1),
+    ]
+    overlay = {"kind": "axis_unrolled", "panel": 1, "matrix": R_upright_world.tolist()}
+    laid_out = layout([[panel]], height=HEIGHT)
+    return {"data": traces, "layout": laid_out, "overlays": [overlay]}
 
 
 def _broken(azimuth: FloatArray) -> FloatArray:
@@ -104,12 +101,6 @@ def _first_turn(azimuth: FloatArray) -> Range:
         return padded(azimuth)
     onwards = np.sign(azimuth[-1] - azimuth[0]) or 1.0
     return padded(azimuth[0] + np.array([0.0, onwards * ONE_TURN]))
-
-
-def _axis_body(scenario: Scenario) -> FloatArray:
-    """From the pivot to the com; the third body axis where they coincide, (3,)."""
-    length = float(np.linalg.norm(scenario.body.com))
-    return scenario.body.com / length if length else np.array([0.0, 0.0, 1.0])
 
 
 def _upright(scenario: Scenario) -> FloatArray:

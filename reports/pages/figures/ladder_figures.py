@@ -1,9 +1,7 @@
 """Error against timestep and against cost: every run of every method on one scene."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from html import escape
-from itertools import chain
 
 import numpy as np
 
@@ -38,99 +36,143 @@ BESIDE = 1.5
 #: Broad enough to be seen behind the curves that touch it.
 FRONT_WIDTH = 7.0
 
+#: The panel of errors, and below it the strip of the runs that have none.
+ERRORS, STRIP = ((0.0, 1.0), (0.26, 1.0)), ((0.0, 1.0), (0.0, 0.12))
+HEIGHT = 520
+#: Marks of runs without an error, and of what the timestep is that users get unasked.
+ENDED = {"diverged": "x-thin-open", "failed": "triangle-down-open"}
+RING_SIZE, MARK_SIZE = 14, 9
+
 Abscissa = Callable[[Row], float | None]
 
 
-def convergence(scene: SceneRuns) -> Figure:
+def convergence(scene: SceneRuns) -> list[Figure]:
     """ω and attitude errors against the timestep, with the slopes of the declared orders."""
-    figure = _against(scene, lambda row: row.timestep, "timestep, s")
-    for k, signal in enumerate(SIGNALS, start=1):
-        figure["data"] += list(_guides(scene, signal, k))
-    return figure
+    return [
+        _with(figure, [], [*_guides(scene, signal)])
+        for signal, figure in _against(scene, lambda row: row.timestep, "timestep, s")
+    ]
 
 
-def work_precision(scene: SceneRuns) -> Figure:
+def work_precision(scene: SceneRuns) -> list[Figure]:
     """The same errors against CPU seconds a simulated second, over the best of all methods."""
-    figure = _against(scene, cost, "CPU seconds a simulated second")
-    signals: tuple[Signal, ...] = ("omega", "attitude")
-    fronts = [_front(scene, signal, k) for k, signal in enumerate(signals, start=1)]
-    return figure | {"data": fronts + figure["data"]}
+    return [
+        _with(figure, [_front(scene, signal)], [])
+        for signal, figure in _against(scene, cost, "CPU seconds a simulated second")
+    ]
 
 
-def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Figure:
+def _with(figure: Figure, below: list[Trace], above: list[Trace]) -> Figure:
+    return figure | {"data": [*below, *figure["data"], *above]}
+
+
+def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Iterator[tuple[Signal, Figure]]:
+    """A figure for each of the two signals."""
     assert scene.found is not None, "errors are drawn where there is a reference"
-    limits = scene.found.solution.uncertainty
-    traces: list[Trace] = []
-    panels = []
     x_range = _x_range(scene, abscissa)
-    for k, signal in enumerate(SIGNALS, start=1):
-        floor = float(getattr(limits, signal))
-        drawn = [_curves(runs, scene, signal, abscissa, k) for runs in scene.methods]
-        traces += chain.from_iterable(drawn)
-        values = [
-            _claimed(scene, [row for row in runs.rows if row.outcome == "ok"], signal)
-            for runs in scene.methods
+    ended = list(_ended(scene, abscissa))
+    signals: tuple[Signal, ...] = ("omega", "attitude")
+    for signal in signals:
+        floor = float(getattr(scene.found.solution.uncertainty, signal))
+        traces = [
+            trace for runs in scene.methods for trace in _curves(runs, scene, signal, abscissa)
         ]
+        values = [_claimed(scene, _finished(runs), signal) for runs in scene.methods]
         y_range = error_range(values, floor)
-        heading = HEADINGS[signal]
-        panels.append(Panel(x_title, SIGNALS[signal], heading, True, y_range, x_range, True, floor))
-    return {"data": traces, "layout": layout([panels], height=520)}
+        panels = [
+            Panel(
+                "" if ended else x_title,
+                SIGNALS[signal],
+                HEADINGS[signal],
+                log_x=True,
+                y_range=y_range,
+                x_range=x_range,
+                log_y=True,
+                floor=floor,
+                domain=ERRORS if ended else None,
+            )
+        ]
+        if ended:
+            panels.append(_strip(x_title, x_range))
+        figure: Figure = {"data": [*traces, *ended], "layout": layout([panels], height=HEIGHT)}
+        if ended:
+            figure["layout"]["xaxis2"]["matches"] = "x"
+            figure["layout"]["yaxis2"] |= {"showticklabels": False, "fixedrange": True}
+        yield signal, figure
 
 
-def _front(scene: SceneRuns, signal: Signal, k: int) -> Trace:
+def _strip(x_title: str, x_range: Range) -> Panel:
+    heading = "Ended without an error to compare"
+    return Panel(x_title, "", heading, True, (0.0, 1.0), x_range, domain=STRIP)
+
+
+def _finished(runs: MethodRuns) -> list[Row]:
+    return [row for row in runs.rows if row.outcome == "ok" and row.errors]
+
+
+def _ended(scene: SceneRuns, abscissa: Abscissa) -> Iterator[Trace]:
+    """Runs without an error, each method on a line of its own in the strip."""
+    for k, runs in enumerate(scene.methods):
+        height = 1 - (k + 0.5) / len(scene.methods)
+        for outcome, symbol in ENDED.items():
+            found = [
+                (x, row)
+                for row in runs.rows
+                if row.outcome == outcome and row.timestep and (x := abscissa(row)) is not None
+            ]
+            if found:
+                yield line(
+                    np.array([x for x, _ in found]),
+                    np.full(len(found), height),
+                    2,
+                    **method_style(runs.label, runs.look)
+                    | {
+                        "text": [_hover(runs, row) for _, row in found],
+                        "hovertemplate": "%{text}<extra></extra>",
+                        "mode": "markers",
+                        "marker": {
+                            "color": runs.look.colour,
+                            "symbol": symbol,
+                            "size": MARK_SIZE,
+                        },
+                    },
+                )
+
+
+def _front(scene: SceneRuns, signal: Signal) -> Trace:
     """The Pareto front as steps: what no cheaper run is as accurate as."""
     best = [point for _, point in front(curves(scene, signal))]
     return line(
         np.array([point.cost for point in best], dtype=float),
         np.array([point.error for point in best]),
-        k,
+        1,
         line={"color": WIRE, "width": FRONT_WIDTH, "shape": "hv"},
         name="Pareto front",
         hoverinfo="skip",
     )
 
 
-def _curves(
-    runs: MethodRuns, scene: SceneRuns, signal: str, abscissa: Abscissa, k: int
-) -> Iterator[Trace]:
-    """Finished runs joined by a line; crosses for those that diverged."""
-    found = [(x, row) for row in runs.rows if row.errors and (x := abscissa(row)) is not None]
-    for outcome, style in _STYLES.items():
-        chosen = [(x, row) for x, row in found if row.outcome == outcome]
-        if not chosen:
-            continue
-        rows = [row for _, row in chosen]
-        yield line(
-            np.array([x for x, _ in chosen]),
-            _claimed(scene, rows, signal),
-            k,
-            **method_style(runs.label, runs.look)
-            | {
-                "text": [_hover(runs, row) for row in rows],
-                "hovertemplate": "%{text}<br>off by %{y:.2e}<extra></extra>",
-                "mode": style.mode,
-                "marker": {
-                    "color": runs.look.colour,
-                    "symbol": style.symbol or runs.look.symbol,
-                    "size": style.size,
-                },
-            },
-        )
+def _curves(runs: MethodRuns, scene: SceneRuns, signal: str, abscissa: Abscissa) -> Iterator[Trace]:
+    """The runs that ended well joined by a line, those at stock timesteps with a ring."""
+    rows = [row for row in _finished(runs) if abscissa(row) is not None]
+    stock = [row for row in rows if row.stock]
+    look = method_style(runs.label, runs.look)
+    marker = {"color": runs.look.colour, "symbol": runs.look.symbol, "size": 6}
+    if rows:
+        hover = {
+            "text": [_hover(runs, row) for row in rows],
+            "hovertemplate": "%{text}<br>off by %{y:.2e}<extra></extra>",
+        }
+        style = look | hover | {"mode": "lines+markers", "marker": marker}
+        yield line(_places(rows, abscissa), _claimed(scene, rows, signal), 1, **style)
+    if stock:
+        ring = {"color": runs.look.colour, "symbol": "circle-open", "size": RING_SIZE}
+        style = look | {"mode": "markers", "marker": ring, "hoverinfo": "skip"}
+        yield line(_places(stock, abscissa), _claimed(scene, stock, signal), 1, **style)
 
 
-@dataclass(frozen=True)
-class _Style:
-    """How runs of one outcome are drawn; an empty symbol is the engine's own."""
-
-    mode: str
-    symbol: str
-    size: int
-
-
-_STYLES = {
-    "ok": _Style("lines+markers", "", 6),
-    "diverged": _Style("markers", "x-thin-open", 9),
-}
+def _places(rows: Sequence[Row], abscissa: Abscissa) -> FloatArray:
+    return np.array([abscissa(row) for row in rows], dtype=float)
 
 
 def _claimed(scene: SceneRuns, rows: Sequence[Row], signal: str) -> FloatArray:
@@ -147,9 +189,15 @@ def _hover(runs: MethodRuns, row: Row) -> str:
     parts = [
         f"{escape(runs.label, quote=False)}, timestep {number(row.timestep)} s",
         f"{number(took)} CPU s a simulated second" if took is not None else "",
-        f"{row.outcome} at {number(row.stopped_at)} s" if row.stopped_at is not None else "",
+        "a stock timestep" if row.stock else "",
+        "" if row.outcome == "ok" else _ending(row),
     ]
     return "<br>".join(part for part in parts if part)
+
+
+def _ending(row: Row) -> str:
+    when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
+    return f"{row.outcome}{when}"
 
 
 def _x_range(scene: SceneRuns, abscissa: Abscissa) -> Range:
@@ -157,12 +205,14 @@ def _x_range(scene: SceneRuns, abscissa: Abscissa) -> Range:
         x
         for runs in scene.methods
         for row in runs.rows
-        if row.errors and (x := abscissa(row)) is not None
+        if (row.errors or row.outcome in ENDED)
+        and row.timestep
+        and (x := abscissa(row)) is not None
     ]
     return min(values) / BESIDE, max(values) * BESIDE
 
 
-def _guides(scene: SceneRuns, signal: str, k: int) -> Iterator[Trace]:
+def _guides(scene: SceneRuns, signal: str) -> Iterator[Trace]:
     """One dotted line an order declared, below the lowest curve that declares it."""
     attribute = {"omega": "order", "attitude": "attitude_order"}[signal]
     orders = {getattr(runs.declared, attribute) for runs in scene.methods if runs.declared}
@@ -177,7 +227,7 @@ def _guides(scene: SceneRuns, signal: str, k: int) -> Iterator[Trace]:
         if points:
             middle = sorted(timestep for timestep, _ in points)[len(points) // 2]
             lowest = min(error / timestep**order for timestep, error in points)
-            yield _guide((middle, lowest * middle**order), order, scene, signal, k)
+            yield _guide((middle, lowest * middle**order), order, scene, signal)
 
 
 def _readable(scene: SceneRuns, row: Row, signal: str) -> bool:
@@ -186,7 +236,7 @@ def _readable(scene: SceneRuns, row: Row, signal: str) -> bool:
     return ABOVE_UNCERTAINTY * uncertainty < error < ASYMPTOTIC
 
 
-def _guide(anchor: tuple[float, float], order: int, scene: SceneRuns, signal: str, k: int) -> Trace:
+def _guide(anchor: tuple[float, float], order: int, scene: SceneRuns, signal: str) -> Trace:
     assert scene.found is not None, "a guide runs beside a curve of errors"
     floor = float(getattr(scene.found.solution.uncertainty, signal))
     taken = [row.timestep for runs in scene.methods for row in runs.rows if row.errors]
@@ -199,7 +249,7 @@ def _guide(anchor: tuple[float, float], order: int, scene: SceneRuns, signal: st
     return line(
         timesteps,
         errors,
-        k,
+        1,
         mode="lines+text",
         text=labels,
         textposition="bottom right",

@@ -155,14 +155,14 @@ def packed(values: FloatArray) -> dict[str, str]:
     return {"dtype": "f4", "bdata": base64.b64encode(single.tobytes()).decode("ascii")}
 
 
-def thinned(n: int) -> NDArray[np.intp]:
-    """Indices of at most `MOST_SAMPLES` samples out of n, first and last among them."""
-    return np.unique(np.linspace(0, n - 1, min(n, MOST_SAMPLES)).astype(np.intp))
+def thinned(n: int, most: int = MOST_SAMPLES) -> NDArray[np.intp]:
+    """Indices of at most so many samples out of n, first and last among them."""
+    return np.unique(np.linspace(0, n - 1, min(n, most)).astype(np.intp))
 
 
-def peaks(values: FloatArray) -> FloatArray:
-    """At every thinned sample the largest value up to the next one: no peak is lost."""
-    return np.asarray(np.maximum.reduceat(values, thinned(len(values))))
+def peaks(values: FloatArray, kept: NDArray[np.intp]) -> FloatArray:
+    """At every sample that is kept the largest value up to the next one: no peak is lost."""
+    return np.asarray(np.maximum.reduceat(values, kept))
 
 
 def claimed(errors: FloatArray, floor: float) -> FloatArray:

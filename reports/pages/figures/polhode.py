@@ -7,14 +7,13 @@ from scipy.spatial.transform import Rotation
 
 from ....reference.rotational_problem import rotational_problem
 from ....scenarios import FloatArray, Trajectory
-from ...results.store import SceneResult
-from ..analysis.report_data import Compared
+from ..analysis.report_data import SceneRuns
 from . import solid
 from .axis_path import frame_about
-from .plot import Figure, Panel, exact_look, layout, line, method_style, start_dot, thinned
+from .dense_motion import dense_motion
+from .plot import Figure, Panel, exact_look, layout, line, start_dot
 
-ELLIPSOID = ((0.0, 0.56), (0.0, 1.0))
-HERPOLHODE = ((0.66, 0.99), (0.0, 1.0))
+HEIGHT = 460
 #: Room around the herpolhode, as a factor.
 MARGIN = 1.15
 #: In lengths of its longest semi-axis: how far from the ellipsoid's centre a run is followed.
@@ -43,49 +42,62 @@ class Poinsot:
     R_level_world: FloatArray
 
     def on_ellipsoid(self, motion: Trajectory) -> FloatArray:
-        """ω/√2T in principal axes, (n, 3), with gaps where a blow-up is far off."""
+        """ω/√2T in principal axes, (n, 3)."""
         omega_axes = self.R_axes_body.apply(np.array(motion.omega_body))
-        points = omega_axes[thinned(len(motion.t))] / self.root_energy
-        farthest = OFF_THE_ELLIPSOID / np.sqrt(self.moments.min())
-        near = np.linalg.norm(points, axis=1) <= farthest
-        return np.where(near[:, None], points, np.nan)
+        return np.asarray(omega_axes / self.root_energy)
 
     def in_space(self, motion: Trajectory) -> FloatArray:
         """ω across L, rad/s, (n, 2)."""
         omega_level = motion.to_world(motion.omega_body) @ self.R_level_world.T
-        return np.asarray(omega_level[thinned(len(motion.t)), :2])
+        return np.asarray(omega_level[:, :2])
 
 
-def polhode(found: SceneResult, compared: tuple[Compared, ...]) -> Figure | None:
-    """The polhode on its ellipsoid beside the herpolhode; None for a body that never turns."""
-    truth = found.solution.trajectory
-    picture = _poinsot(found)
-    if picture is None:
-        return None
-    curves = [(truth, exact_look())] + [
-        (run.motion, method_style(run.runs.label, run.runs.look)) for run in compared
+def polhode(scene: SceneRuns) -> list[Figure]:
+    """The polhode on its ellipsoid, and the herpolhode; none for a body that never turns."""
+    exact = dense_motion(scene)
+    picture = _poinsot(scene, exact)
+    return [_on_ellipsoid(picture, exact), _in_space(picture, exact)] if picture else []
+
+
+def _on_ellipsoid(picture: Poinsot, exact: Trajectory) -> Figure:
+    semi_axes = 1 / np.sqrt(picture.moments)
+    tips = picture.on_ellipsoid(exact)
+    traces = [
+        *solid.surface(semi_axes, ("1", "2", "3")),
+        solid.curve(tips, exact_look()),
+        solid.dot(tips[0]),
     ]
-    traces = solid.surface(1 / np.sqrt(picture.moments), ("1", "2", "3"))
-    for motion, look in curves:
-        traces.append(solid.curve(picture.on_ellipsoid(motion), look))
-        across = picture.in_space(motion)
-        traces.append(line(across[:, 0], across[:, 1], 1, **look))
-    tips, flat = picture.on_ellipsoid(truth), picture.in_space(truth)
-    traces += [solid.dot(tips[0]), start_dot(flat[0, 0], flat[0, 1], 1)]
-    fastest = float(np.linalg.norm(truth.omega_body, axis=1).max())
+    matrix = picture.R_axes_body.as_matrix() / picture.root_energy
+    overlay = {
+        "kind": "omega_body",
+        "matrix": matrix.tolist(),
+        "within": OFF_THE_ELLIPSOID * float(semi_axes.max()),
+    }
+    scene = solid.view(semi_axes, tips.mean(axis=0))
+    return {"data": traces, "layout": {"height": HEIGHT, "scene": scene}, "overlays": [overlay]}
+
+
+def _in_space(picture: Poinsot, exact: Trajectory) -> Figure:
+    flat = picture.in_space(exact)
+    fastest = float(np.linalg.norm(exact.omega_body, axis=1).max())
     widest = MARGIN * max(float(np.abs(flat).max()), NARROWEST * fastest)
-    figure: Figure = {"data": traces, "layout": layout([[_panel(widest)]], height=500)}
-    figure["layout"]["scene"] = solid.view(
-        1 / np.sqrt(picture.moments), tips.mean(axis=0), ELLIPSOID
-    )
-    return figure
+    traces = [
+        line(flat[:, 0], flat[:, 1], 1, **exact_look()),
+        start_dot(flat[0, 0], flat[0, 1], 1),
+    ]
+    overlay = {"kind": "omega_world", "panel": 1, "matrix": picture.R_level_world[:2].tolist()}
+    return {
+        "data": traces,
+        "layout": layout([[_panel(widest)]], height=HEIGHT),
+        "overlays": [overlay],
+    }
 
 
-def _poinsot(found: SceneResult) -> Poinsot | None:
-    problem = rotational_problem(found.scenario)
+def _poinsot(scene: SceneRuns, truth: Trajectory) -> Poinsot | None:
+    assert scene.found is not None, "what is exact is known of a solved scene"
+    problem = rotational_problem(scene.found.scenario)
     moments = np.array(problem.moments, dtype=float)
     R_axes_body = Rotation.from_quat(np.array(problem.q_axes_body, dtype=float), scalar_first=True)
-    truth = found.solution.trajectory
     omega_axes = R_axes_body.apply(np.array(truth.omega_body))
     twice_energy = float((omega_axes**2 @ moments).max())
     if twice_energy == 0:
@@ -105,5 +117,4 @@ def _panel(widest: float) -> Panel:
         x_range=(-widest, widest),
         y_range=(-widest, widest),
         equal_scales=True,
-        domain=HERPOLHODE,
     )

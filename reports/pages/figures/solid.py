@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 
 from ....scenarios import FloatArray
-from .plot import INK, WIRE, Range, Trace, packed
+from .plot import INK, WIRE, Trace, packed
 
 #: Lines that show a surface: circles of latitude, half circles of longitude, points on each.
-LATITUDES, LONGITUDES, POINTS = 5, 12, 61
+LATITUDES, LONGITUDES, POINTS = 5, 8, 37
 #: Axes stick out of the surface by this factor; the eye is this far away, in sides of the scene.
 STICK_OUT = 1.18
 #: The scene ends here, behind the names of the axes.
@@ -56,7 +56,7 @@ def dot(point: FloatArray) -> Trace:
     return _trace(point[None, :], mode="markers", marker={"color": INK, "size": 5})
 
 
-def view(semi_axes: FloatArray, towards: FloatArray, domain: tuple[Range, Range]) -> dict[str, Any]:
+def view(semi_axes: FloatArray, towards: FloatArray) -> dict[str, Any]:
     """Plotly's 3-D scene without a box around it, the eye on the side where the curve is."""
     size = float(np.linalg.norm(towards))
     direction = towards / size if size else np.array([1.0, 1.0, 1.0])
@@ -67,7 +67,6 @@ def view(semi_axes: FloatArray, towards: FloatArray, domain: tuple[Range, Range]
     reach = EDGE * semi_axes
     sides = dict(zip("xyz", (reach / reach.max()).tolist(), strict=True))
     return {
-        "domain": {"x": domain[0], "y": domain[1]},
         "aspectmode": "manual",
         "aspectratio": sides,
         "camera": {"eye": dict(zip("xyz", eye.tolist(), strict=True))},

@@ -13,7 +13,7 @@ from plotted import coloured, values_of
 from spincheck.reports.pages.analysis.cost_to_reach import LEVELS
 from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.pages.analysis.wording import number
-from spincheck.reports.pages.analysis.work_precision import SIGNALS, curves, front
+from spincheck.reports.pages.analysis.work_precision import SIGNALS, Signal, curves, front
 from spincheck.reports.pages.cost_section import PROFILED, cost_section
 from spincheck.reports.pages.figures.ladder_figures import work_precision
 from spincheck.reports.pages.render import render
@@ -92,10 +92,10 @@ def test_the_time_of_a_step_is_told_in_cpu_time_and_on_the_wall(folder: Path) ->
         assert [cell.partition("+")[0].strip() for cell in row[2:4]] == expected
 
 
-@pytest.mark.parametrize(("signal", "axis"), [("omega", "x"), ("attitude", "x2")])
-def test_the_front_is_drawn_behind_the_curves(signal: str, axis: str) -> None:
+@pytest.mark.parametrize(("part", "signal"), [(0, "omega"), (1, "attitude")])
+def test_the_front_is_drawn_behind_the_curves(part: int, signal: Signal) -> None:
     scene = next(scene for scene in report_data(results()).scenes if scene.name == TOP)
-    traces = [trace for trace in work_precision(scene)["data"] if trace["xaxis"] == axis]
+    traces = work_precision(scene)[part]["data"]
     assert [trace["name"] for trace in traces].index("Pareto front") == 0
     best = [point for _, point in front(curves(scene, signal))]
     np.testing.assert_array_equal(values_of(traces[0]["x"]), np.float32([p.cost for p in best]))

@@ -10,16 +10,18 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 from contrast import contrast
-from made_up import METHODS, TIMESTEPS, UNCERTAINTY, results
+from made_up import METHODS, STOCK, TIMESTEPS, UNCERTAINTY, at_stock, results
 from plotted import coloured, values_of
 from spincheck.reference import facts, solve
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
 from spincheck.reports.pages.analysis.trace_style import COLOURS, looks
-from spincheck.reports.pages.figures import figures as figures_module
+from spincheck.reports.pages.analysis.work_precision import Signal
 from spincheck.reports.pages.figures import ladder_figures
+from spincheck.reports.pages.figures.dense_motion import MOST as MOST_DENSE
 from spincheck.reports.pages.figures.figures import Titled, figures
 from spincheck.reports.pages.figures.ladder_figures import cost
 from spincheck.reports.pages.figures.plot import MOST_SAMPLES, claimed, error_range, peaks, thinned
+from spincheck.reports.pages.motion_data import motion_data
 from spincheck.reports.pages.render import TEMPLATES
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.store import Results
@@ -28,76 +30,77 @@ from spincheck.scenarios import Trajectory
 TOP, BRICK, UNSOLVED = "made-up-top", "made-up-brick", "unsolved"
 #: WCAG 2.1, 1.4.11: contrast of what must be seen in a figure.
 GRAPHICS = 3.0
-#: Which signal each panel of errors shows, by figure and number of the panel.
-SIGNALS = {
-    "omega": {4: "omega", 5: "omega", 6: "omega"},
-    "errors": {1: "attitude", 2: "angular_momentum", 3: "energy"},
-    "convergence": {1: "omega", 2: "attitude"},
-    "cost": {1: "omega", 2: "attitude"},
-}
+#: The signal of each part of a figure of errors.
+SIGNALS: tuple[Signal, ...] = ("omega", "attitude")
+LADDER = ("convergence", "cost")
 
 
 def scene(name: str, samples: int = 101) -> SceneRuns:
-    return {scene.name: scene for scene in report_data(results(samples)).scenes}[name]
+    return {scene.name: scene for scene in report_data(at_stock(results(samples))).scenes}[name]
 
 
-def drawn(name: str, samples: int = 101) -> dict[str, Titled]:
-    return {titled.name: titled for titled in figures(scene(name, samples))}
+def drawn(of: SceneRuns) -> dict[str, Titled]:
+    return {titled.name: titled for section in figures(of).values() for titled in section}
 
 
 @pytest.fixture(scope="module")
 def top() -> dict[str, Titled]:
-    return drawn(TOP)
+    return drawn(scene(TOP))
+
+
+@pytest.fixture(scope="module")
+def brick() -> dict[str, Titled]:
+    return drawn(scene(BRICK))
 
 
 def test_a_heavy_top_has_its_figures(top: dict[str, Titled]) -> None:
-    assert list(top) == ["omega", "axis", "potential", "errors", "convergence", "cost"]
+    assert list(top) == ["tilt", "omega", "convergence", "cost", "axis", "polhode", "potential"]
 
 
-def test_a_free_body_has_its_figures() -> None:
-    assert list(drawn(BRICK)) == ["omega", "polhode", "errors", "convergence", "cost"]
+def test_a_free_body_has_its_figures(brick: dict[str, Titled]) -> None:
+    assert list(brick) == ["tilt", "omega", "convergence", "cost", "polhode"]
 
 
 def test_a_scene_without_a_truth_has_none() -> None:
-    assert drawn(UNSOLVED) == {}
+    assert drawn(scene(UNSOLVED)) == {}
 
 
-@pytest.mark.parametrize("name", [TOP, BRICK])
-def test_plotly_accepts_every_figure(name: str) -> None:
-    for titled in drawn(name).values():
-        go.Figure(coloured(titled.figure))
+def test_plotly_accepts_every_figure(top: dict[str, Titled], brick: dict[str, Titled]) -> None:
+    for titled in [*top.values(), *brick.values()]:
+        for part in titled.parts:
+            go.Figure(coloured(part))
 
 
 def test_plotly_refuses_what_it_does_not_know(top: dict[str, Titled]) -> None:
-    planted = top["omega"].figure | {"layout": {"xaxes": {}}}
+    planted = top["tilt"].figure | {"layout": {"xaxes": {}}}
     with pytest.raises(ValueError, match="xaxes"):
         go.Figure(coloured(planted))
 
 
-@pytest.mark.parametrize("name", [TOP, BRICK])
-def test_no_figure_shows_an_error_below_the_reference(name: str) -> None:
-    assert list(_errors_too_small(drawn(name))) == []
+def test_no_figure_shows_an_error_below_the_reference(top: dict[str, Titled]) -> None:
+    assert list(_errors_too_small(top)) == []
 
 
 def test_an_error_shown_below_the_reference_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (figures_module, ladder_figures):
-        monkeypatch.setattr(module, "claimed", lambda errors, _: errors)
-    shown = {titled for titled, _ in _errors_too_small(drawn(TOP))}
-    assert {"omega", "errors"} <= shown
+    monkeypatch.setattr(ladder_figures, "_claimed", lambda _, rows, __: np.full(len(rows), 1e-16))
+    shown = {titled for titled, _ in _errors_too_small(drawn(scene(TOP)))}
+    assert shown == set(LADDER)
 
 
-@pytest.mark.parametrize("figure", SIGNALS)
-def test_every_method_with_samples_is_in_every_figure(top: dict[str, Titled], figure: str) -> None:
-    ran = {f"{m.engine} {m.method}" for m in METHODS if m.verdict not in ("failed", "unsupported")}
-    traced = {trace.get("legendgroup") for trace in top[figure].figure["data"]}
-    assert traced - {None} == ran
+@pytest.mark.parametrize("figure", LADDER)
+def test_every_method_that_ran_is_in_every_figure(top: dict[str, Titled], figure: str) -> None:
+    ran = {f"{m.engine} {m.method}" for m in METHODS if m.verdict != "unsupported"}
+    for part in top[figure].parts:
+        traced = {trace.get("legendgroup") for trace in part["data"]}
+        # What failed was not timed.
+        assert ran - traced == (set() if figure == "convergence" else {"elsewhere fancy<i>"})
 
 
 def test_no_line_has_more_samples_than_a_page_carries() -> None:
-    for titled in drawn(TOP, samples=2001).values():
-        for trace in titled.figure["data"]:
-            if "legendgroup" in trace:
-                assert len(values_of(trace["x"])) <= MOST_SAMPLES
+    for titled in drawn(scene(TOP, samples=2001)).values():
+        for part in titled.parts:
+            for trace in part["data"]:
+                assert len(values_of(trace["x"])) <= MOST_DENSE
 
 
 def test_thinning_keeps_both_ends() -> None:
@@ -109,8 +112,9 @@ def test_thinning_keeps_both_ends() -> None:
 def test_thinning_loses_no_peak() -> None:
     values = np.zeros(2001)
     values[1003] = 1.0
-    assert peaks(values).max() == 1.0
-    assert values[thinned(len(values))].max() == 0.0
+    kept = thinned(len(values))
+    assert peaks(values, kept).max() == 1.0
+    assert values[kept].max() == 0.0
 
 
 def test_convergence_shows_the_error_of_every_finished_run(top: dict[str, Titled]) -> None:
@@ -125,11 +129,27 @@ def test_convergence_shows_the_error_of_every_finished_run(top: dict[str, Titled
     np.testing.assert_array_equal(values_of(euler["y"]), np.float32(wanted))
 
 
-def test_diverged_runs_are_crosses(top: dict[str, Titled]) -> None:
-    traces = top["convergence"].figure["data"]
-    multibody = [t for t in traces if t.get("legendgroup") == "pybullet multibody"]
-    assert {t["marker"]["symbol"] for t in multibody} == {"x-thin-open"}
-    assert {t["mode"] for t in multibody} == {"markers"}
+@pytest.mark.parametrize("figure", LADDER)
+def test_a_diverged_run_is_a_cross_on_a_strip_of_its_own(
+    top: dict[str, Titled], figure: str
+) -> None:
+    for part in top[figure].parts:
+        multibody = [t for t in part["data"] if t.get("legendgroup") == "pybullet multibody"]
+        assert {(t["marker"]["symbol"], t["yaxis"]) for t in multibody} == {("x-thin-open", "y2")}
+        assert sum(len(values_of(t["x"])) for t in multibody) == len(TIMESTEPS)
+
+
+def test_no_run_with_an_error_is_on_the_strip(top: dict[str, Titled]) -> None:
+    marks = [t for t in top["convergence"].figure["data"] if t["yaxis"] == "y2"]
+    assert {t["legendgroup"] for t in marks} == {"pybullet multibody", "elsewhere fancy<i>"}
+
+
+def test_stock_timesteps_have_rings(top: dict[str, Titled]) -> None:
+    for part in top["convergence"].parts:
+        rings = [t for t in part["data"] if t.get("marker", {}).get("symbol") == "circle-open"]
+        assert rings
+        for ring in rings:
+            np.testing.assert_array_equal(values_of(ring["x"]), np.float32(STOCK))
 
 
 def test_guides_have_the_declared_slopes(top: dict[str, Titled]) -> None:
@@ -153,7 +173,7 @@ def test_untimed_runs_have_no_cost_figure() -> None:
     found = results()
     untimed = [Row(**vars(row) | {"seconds_per_step": None}) for row in found.rows]
     gathered = report_data(Results(**vars(found) | {"rows": untimed}))
-    named = {titled.name for scene in gathered.scenes for titled in figures(scene)}
+    named = {name for scene in gathered.scenes for name in drawn(scene)}
     assert "convergence" in named
     assert "cost" not in named
 
@@ -168,22 +188,26 @@ def test_turning_points_of_the_well_are_the_bounds_of_nutation(top: dict[str, Ti
 
 
 def test_the_axis_stays_on_the_sphere(top: dict[str, Titled]) -> None:
-    curves = [t for t in top["axis"].figure["data"] if t["type"] == "scatter3d" and "name" in t]
+    curves = [t for t in top["axis"].figure["data"] if t.get("name") == "exact"]
+    assert curves
     for curve in curves:
         radius = np.sqrt(sum(values_of(curve[axis]) ** 2 for axis in "xyz"))
         np.testing.assert_allclose(radius, 1.0, atol=4 * np.finfo(np.float32).eps)
 
 
-def test_the_polhode_starts_on_the_scene_s_own_rates() -> None:
-    figure = drawn(BRICK)["polhode"].figure
+def test_the_polhode_starts_at_the_scenes_own_rates_and_stays_on_the_ellipsoid(
+    brick: dict[str, Titled],
+) -> None:
+    """Of a free body Σ I ω² stays; the made-up motion, which is another, is not drawn."""
     found = scene(BRICK).found
     assert found is not None
-    omega = found.solution.trajectory.omega_body
+    exact = next(t for t in brick["polhode"].figure["data"] if t.get("name") == "exact")
+    tips = np.column_stack([values_of(exact[axis]) for axis in "xyz"])
     moments = np.diag(found.scenario.body.inertia_com)
-    scale = np.sqrt((omega**2 @ moments).max())
-    exact = next(t for t in figure["data"] if t["type"] == "scatter3d" and t.get("name") == "exact")
-    start = [values_of(exact[axis])[0] for axis in "xyz"]
-    np.testing.assert_array_equal(start, np.float32(omega[0] / scale))
+    slack = 8 * np.finfo(np.float32).eps
+    np.testing.assert_allclose(tips**2 @ moments, 1.0, rtol=slack)
+    start = found.scenario.start.omega_body
+    np.testing.assert_allclose(tips[0], start / np.sqrt(start**2 @ moments), rtol=slack)
 
 
 def test_a_method_has_one_colour_in_all_engines_and_an_engine_one_dash() -> None:
@@ -199,7 +223,7 @@ def test_colours_are_those_of_the_whole_study_on_every_page() -> None:
     per_page = [
         {trace["legendgroup"]: trace["line"]["color"]}
         for name in (TOP, BRICK)
-        for titled in drawn(name).values()
+        for titled in drawn(scene(name)).values()
         for trace in titled.figure["data"]
         if "legendgroup" in trace
     ]
@@ -250,13 +274,12 @@ def test_a_run_that_blows_up_leaves_the_figures_readable(size: float) -> None:
     ]
     gathered = report_data(Results(**vars(found) | {"rows": rows[: k + 1]}))
     brick = next(scene for scene in gathered.scenes if scene.name == BRICK)
-    drawn_now = {titled.name: titled for titled in figures(brick)}
-    ellipsoid = [t for t in drawn_now["polhode"].figure["data"] if t["type"] == "scatter3d"]
-    assert all(np.nanmax(np.abs(values_of(t[axis]))) < 2 for t in ellipsoid for axis in "xyz")
-    for titled in drawn_now.values():
-        for trace in titled.figure["data"]:
-            assert not np.isinf(values_of(trace["y"])).any()
-        json.dumps(titled.figure, allow_nan=False)
+    for titled in drawn(brick).values():
+        for part in titled.parts:
+            for trace in part["data"]:
+                assert not np.isinf(values_of(trace["y"])).any()
+            json.dumps(part, allow_nan=False)
+    json.dumps(motion_data(brick), allow_nan=False)
 
 
 def test_a_run_sampled_at_times_of_its_own_is_compared_with_the_truth_at_those() -> None:
@@ -278,14 +301,14 @@ def test_blow_ups_do_not_squeeze_the_rest() -> None:
 
 
 def _errors_too_small(found: dict[str, Titled]) -> Iterator[tuple[str, float]]:
-    for name, panels in SIGNALS.items():
-        for trace in found[name].figure["data"]:
-            panel = int(trace.get("xaxis", "x")[1:] or 1)
-            if "legendgroup" in trace and panel in panels:
-                # Values are drawn in single precision, and so is their limit.
-                limit = np.float32(getattr(UNCERTAINTY, panels[panel]))
-                values = values_of(trace["y"])
-                yield from ((name, float(v)) for v in values[values < limit])
+    for name in LADDER:
+        for signal, part in zip(SIGNALS, found[name].parts, strict=True):
+            # Values are drawn in single precision, and so is their limit.
+            limit = np.float32(getattr(UNCERTAINTY, signal))
+            for trace in part["data"]:
+                if "legendgroup" in trace and trace["yaxis"] == "y":
+                    values = values_of(trace["y"])
+                    yield from ((name, float(v)) for v in values[values < limit])
 
 
 def _label(key: Any) -> str:

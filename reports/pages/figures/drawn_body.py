@@ -1,0 +1,97 @@
+"""How a scene's body is drawn: a solid of its inertia, its axis, and which way is up."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ....reference.rotational_problem import rotational_problem
+from ....reference.symmetry import symmetry_axis
+from ....scenarios import FloatArray, Scenario, angular_momentum_world
+from ....scenarios.principal import principal_axes
+from ...results.store import SceneResult
+
+#: Moments of a box of half sides h: I₁ = m (h₂² + h₃²)/3; of an ellipsoid: I₁ = m (h₂² + h₃²)/5.
+BOX, ELLIPSOID = 3.0, 5.0
+#: A flat body is drawn at least this thick, as a part of its widest half side.
+LEAST_THICKNESS = 0.03
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnBody:
+    """The body in a picture.
+
+    Attributes
+    ----------
+    shape : an ellipsoid where the body has an axis of symmetry, else a box
+    half_sides : m, along its principal axes, (3,); a solid of the body's mass and moments
+    R_body_axes : principal axes about the com to body axes, (3, 3)
+    axis_body : unit vector of the axis whose path is drawn, (3,)
+    up_world : the direction that the axis' tilt θ is measured from, unit, (3,)
+    up_means : the same in words
+    """
+
+    shape: Literal["box", "ellipsoid"]
+    half_sides: FloatArray
+    R_body_axes: FloatArray
+    axis_body: FloatArray
+    up_world: FloatArray
+    up_means: str
+
+
+def drawn_body(found: SceneResult) -> DrawnBody:
+    """Choose what is drawn of a scene's body."""
+    scenario = found.scenario
+    exact_moments, exact_axes = principal_axes(scenario.body.inertia_com_exact)
+    moments = np.array(exact_moments, dtype=float)
+    R_body_axes = np.array(exact_axes, dtype=float)
+    first, second, third = np.sort(moments)
+    symmetric = first == second or second == third
+    up_world, up_means = _up(found)
+    return DrawnBody(
+        "ellipsoid" if symmetric else "box",
+        _half_sides(scenario.body.mass, moments, ELLIPSOID if symmetric else BOX),
+        R_body_axes,
+        axis_body(scenario),
+        up_world,
+        up_means,
+    )
+
+
+def axis_body(scenario: Scenario) -> FloatArray:
+    """From the pivot to the com; else the axis of symmetry, else that of the largest part of L."""
+    length = float(np.linalg.norm(scenario.body.com))
+    if scenario.has_pivot and length:
+        return np.asarray(scenario.body.com / length, dtype=float)
+    problem = rotational_problem(scenario)
+    moments, rates = np.array(problem.moments, float), np.array(problem.omega_axes, float)
+    symmetric = symmetry_axis(problem)
+    axis = np.eye(3)[int(np.argmax(np.abs(moments * rates)))]
+    if symmetric is not None:
+        axis = np.array(symmetric, dtype=float)
+    _, R_body_axes = principal_axes(
+        scenario.body.inertia_origin_exact
+        if scenario.has_pivot
+        else scenario.body.inertia_com_exact
+    )
+    return np.asarray(np.array(R_body_axes, dtype=float) @ axis)
+
+
+def _up(found: SceneResult) -> tuple[FloatArray, str]:
+    """Against gravity where it turns the body, along the initial L elsewhere; z at rest."""
+    scenario = found.scenario
+    gravity = float(np.linalg.norm(scenario.gravity_world))
+    if scenario.has_pivot and gravity:
+        return -scenario.gravity_world / gravity, "the upward vertical"
+    L_world = angular_momentum_world(scenario, found.solution.trajectory.until(1))[0]
+    size = float(np.linalg.norm(L_world))
+    if size:
+        return np.asarray(L_world / size), "the initial angular momentum"
+    return np.array([0.0, 0.0, 1.0]), "the z axis"
+
+
+def _half_sides(mass: float, moments: FloatArray, shape: float) -> FloatArray:
+    """Of the homogeneous solid with these moments: h₁² = (shape / 2 m) (I₂ + I₃ − I₁), m, (3,)."""
+    squares = shape / (2 * mass) * (moments.sum() - 2 * moments)
+    half_sides = np.sqrt(np.maximum(squares, 0.0))
+    return np.asarray(np.maximum(half_sides, LEAST_THICKNESS * half_sides.max()))

@@ -1,0 +1,100 @@
+"""Tilt and angular velocity over time, and how far runs are from the exact ones.
+
+The lines themselves are drawn by the page's script, from the motions that the page carries; these
+are the axes, and which line belongs in which panel (`overlays`).
+"""
+
+import math
+
+import numpy as np
+
+from ....scenarios import FloatArray
+from ...results.store import SceneResult
+from ..analysis.report_data import SceneRuns
+from .drawn_body import drawn_body
+from .plot import Figure, Panel, Range, claimed, error_range, layout
+
+TILT, DIFFERENCE = ((0.0, 1.0), (0.52, 1.0)), ((0.0, 1.0), (0.0, 0.42))
+#: Degrees; a tilt that changes less is framed with this room.
+STEADY = 0.5
+#: Room above and below a component of ω, in parts of the largest ω.
+STEADY_RATE = 0.05
+AXES = ("₁", "₂", "₃")
+
+
+def tilt_figure(scene: SceneRuns) -> Figure:
+    """θ(t), and below it the angle between each run's attitude and the exact one."""
+    assert scene.found is not None, "what is exact is known of a solved scene"
+    truth, body = scene.found.solution.trajectory, drawn_body(scene.found)
+    cosine = np.clip(truth.to_world(body.axis_body) @ body.up_world, -1.0, 1.0)
+    tilt = np.degrees(np.arccos(cosine))
+    room = max(STEADY, float(np.ptp(tilt)) / 4)
+    low, high = max(0.0, float(tilt.min()) - room), min(180.0, float(tilt.max()) + room)
+    floor = math.degrees(scene.found.solution.uncertainty.attitude)
+    curves = [np.degrees(run.series.attitude) for run in scene.compared]
+    panels = [
+        Panel("", "θ, °", "Tilt", False, (low, high), _window(scene.found), domain=TILT),
+        Panel(
+            "t, s",
+            "off by, °",
+            "Attitude error",
+            y_range=_errors(curves, floor),
+            x_range=_window(scene.found),
+            log_y=True,
+            floor=floor,
+            domain=DIFFERENCE,
+        ),
+    ]
+    overlays = [
+        {"kind": "tilt", "panel": 1, "exact": True},
+        {"kind": "attitude_error", "panel": 2, "noticed": True},
+    ]
+    figure: Figure = {"data": [], "layout": layout([panels], height=500), "overlays": overlays}
+    figure["layout"]["xaxis2"]["matches"] = "x"
+    return figure
+
+
+def omega_figures(scene: SceneRuns) -> list[Figure]:
+    """The three components of ω in body axes, and how far the vector is from the exact one."""
+    assert scene.found is not None, "what is exact is known of a solved scene"
+    found, runs = scene.found, scene.compared
+    figures = [_component(found, k) for k in range(3)]
+    floor = found.solution.uncertainty.omega
+    panel = Panel(
+        "t, s",
+        "‖Δω‖ / max ‖ω‖",
+        "Difference",
+        y_range=_errors([run.series.omega for run in runs], floor),
+        x_range=_window(found),
+        log_y=True,
+        floor=floor,
+    )
+    overlays = [{"kind": "omega_error", "panel": 1}]
+    laid_out = layout([[panel]], height=HEIGHT)
+    return [*figures, {"data": [], "layout": laid_out, "overlays": overlays}]
+
+
+HEIGHT = 300
+
+
+def _component(found: SceneResult, k: int) -> Figure:
+    truth = found.solution.trajectory.omega_body
+    omega = truth[:, k]
+    room = float(np.linalg.norm(truth, axis=1).max()) * STEADY_RATE
+    panel = Panel(
+        "t, s",
+        f"ω{AXES[k]}, rad/s",
+        f"ω{AXES[k]}",
+        y_range=(float(omega.min()) - room, float(omega.max()) + room),
+        x_range=_window(found),
+    )
+    overlays = [{"kind": "omega", "component": k, "panel": 1, "exact": True}]
+    return {"data": [], "layout": layout([[panel]], height=HEIGHT), "overlays": overlays}
+
+
+def _window(found: SceneResult) -> Range:
+    return 0.0, float(found.solution.trajectory.t[-1])
+
+
+def _errors(curves: list[FloatArray], floor: float) -> Range:
+    return error_range([claimed(curve, floor) for curve in curves], floor)

@@ -1,0 +1,191 @@
+"""The first thing on a scene's page: what to use, and what the engines' own defaults give."""
+
+import math
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..results.records import Key, Row
+from .analysis.report_data import Compared, MethodRuns, SceneRuns
+from .analysis.timesteps import (
+    ATTITUDE_WITHIN,
+    OMEGA_WITHIN,
+    BestChoice,
+    best_choice,
+)
+from .analysis.wording import NOTHING, duration, limited, number
+from .analysis.work_precision import cost
+from .motion_data import noticeable_from
+from .tables import Cell, Table, figure, table
+
+HEADINGS = (
+    "engine",
+    "method",
+    "timestep",
+    "attitude off by, °",
+    "more than 1° from",
+    "ω error, relative",
+    "L error, relative",
+    "energy error, relative",
+    "CPU s a simulated s",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What a reader in a hurry takes away.
+
+    Attributes
+    ----------
+    sentence : the defaults' errors, and what to use instead, in words
+    best : None where no method converges on the scene
+    command : runs the best choice again; empty without one
+    defaults : engines as shipped at their stock timesteps, and the best choice
+    others : every other method at its engine's stock timestep and at the one of all engines
+    """
+
+    sentence: str
+    best: BestChoice | None
+    label: str
+    facts: tuple[tuple[str, str], ...]
+    command: str
+    defaults: Table
+    others: Table
+
+
+def scene_answer(scene: SceneRuns) -> Answer | None:
+    """None where the scene could not be solved."""
+    if scene.found is None:
+        return None
+    best = best_choice(scene)
+    shipped = [runs for runs in scene.methods if runs.declared and runs.declared.as_shipped]
+    others = [runs for runs in scene.methods if runs not in shipped]
+    seen = {(run.row.key, run.row.timestep): run for run in scene.compared}
+    rows = [_line(scene, runs, row, seen) for runs in shipped for row in runs.stock[:1]]
+    if best is not None:
+        rows.append(_line(scene, best.runs, best.row, seen, "recommended"))
+    return Answer(
+        _sentence(scene, shipped, best),
+        best,
+        f"{best.runs.label} at {duration(best.row.timestep)}" if best else "",
+        tuple(_facts(scene, best)) if best else (),
+        _command(scene, best) if best else "",
+        table(HEADINGS, rows),
+        table(HEADINGS, [_line(scene, runs, row, seen) for runs in others for row in runs.stock]),
+    )
+
+
+def shown_at_first(scene: SceneRuns) -> set[str]:
+    """Labels of the methods in the figures of motions: engines as shipped, and the best choice."""
+    best = best_choice(scene) if scene.found else None
+    shipped = {r.label for r in scene.methods if r.declared and r.declared.as_shipped}
+    return shipped | ({best.runs.label} if best else set())
+
+
+def attitude_in_degrees(scene: SceneRuns, row: Row) -> str:
+    """The attitude error of a run as it may be claimed; `NOTHING` where it has none."""
+    if row.errors is None:
+        return NOTHING
+    limit = math.degrees(scene.uncertainty(row).attitude)
+    return limited(math.degrees(row.errors.attitude), limit)
+
+
+def _sentence(scene: SceneRuns, shipped: Sequence[MethodRuns], best: BestChoice | None) -> str:
+    said = [_told(scene, runs.label, row) for runs in shipped for row in runs.stock[:1]]
+    if best is None:
+        return " ".join([*said, "No method converges on this scene: nothing is recommended."])
+    angle = attitude_in_degrees(scene, best.row)
+    label = f"{best.runs.label} at {duration(best.row.timestep)}"
+    if best.within:
+        said.append(
+            f"{_capital(label)} is within {angle.removeprefix('≤ ')}°{_price(best, shipped)}."
+        )
+    else:
+        bound = number(math.degrees(ATTITUDE_WITHIN), 1)
+        said.append(
+            f"No run comes within {bound}° of attitude and {OMEGA_WITHIN:g} of ω; the most "
+            f"accurate is {label}, off by {angle}°."
+        )
+    return " ".join(said)
+
+
+def _told(scene: SceneRuns, label: str, row: Row) -> str:
+    run = f"{_capital(label)} at {duration(row.timestep)}"
+    if row.errors is not None:
+        return f"{run} is off by {attitude_in_degrees(scene, row)}° at worst."
+    if not row.made:
+        return f"{run} was not run: {row.reason}."
+    when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
+    return f"{run} {row.outcome}{when}."
+
+
+def _price(best: BestChoice, shipped: Sequence[MethodRuns]) -> str:
+    """What the best choice costs beside the default of the same engine, in words."""
+    of_engine = [runs for runs in shipped if best.runs.engine.startswith(runs.engine)]
+    usual = [cost(row) for runs in of_engine for row in runs.stock[:1] if row.outcome == "ok"]
+    if not usual or usual[0] is None or best.cost is None:
+        return ""
+    ratio = number(best.cost / usual[0], 2)
+    return f", for {ratio} times the CPU time of {of_engine[0].label}"
+
+
+def _facts(scene: SceneRuns, best: BestChoice) -> list[tuple[str, str]]:
+    errors, limits = best.row.errors, scene.uncertainty(best.row)
+    assert errors is not None, "only a run with errors is recommended"
+    found = [
+        ("engine", f"{best.runs.engine} {best.row.engine_version}"),
+        ("integrator", best.runs.method),
+        ("timestep", f"{best.row.timestep:.6g} s"),
+        ("attitude error", f"{attitude_in_degrees(scene, best.row)}°"),
+        ("ω error", limited(errors.omega, limits.omega)),
+    ]
+    if best.cost is not None:
+        found.append(("cost", f"{number(best.cost)} CPU s a simulated s"))
+    return found
+
+
+def _line(
+    scene: SceneRuns,
+    runs: MethodRuns,
+    row: Row,
+    seen: dict[tuple[Key, float], Compared],
+    note: str = "",
+) -> list[Cell | str]:
+    compared = seen.get((row.key, row.timestep))
+    noticed = noticeable_from(compared) if compared else None
+    return [
+        Cell(runs.engine, "name", note),
+        Cell(runs.method, "name"),
+        figure(duration(row.timestep)),
+        *_errors(scene, row, noticed),
+        figure(number(cost(row))),
+    ]
+
+
+def _errors(scene: SceneRuns, row: Row, noticed: float | None) -> list[Cell]:
+    if row.errors is None:
+        when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
+        word = f"{row.outcome}{when}" if row.made else "not run"
+        kind = row.outcome if row.made else "unsupported"
+        return [Cell(word, kind, note=row.reason), *[figure(NOTHING)] * 4]
+    limits = scene.uncertainty(row)
+    of_signal = [
+        figure(limited(getattr(row.errors, signal), getattr(limits, signal)))
+        for signal in ("omega", "angular_momentum", "energy")
+    ]
+    begins = f"{number(noticed)} s" if noticed is not None else "never"
+    if row.errors.attitude > math.radians(1) and noticed is None:
+        begins = NOTHING
+    return [figure(attitude_in_degrees(scene, row)), figure(begins), *of_signal]
+
+
+def _command(scene: SceneRuns, best: BestChoice) -> str:
+    key = best.row.key
+    words = ["spincheck", "run", scene.name, "--engine", key.engine, "--method", key.method]
+    return shlex.join([*words, "--timestep", repr(best.row.timestep)])
+
+
+def _capital(text: str) -> str:
+    names = {"mujoco": "MuJoCo", "pybullet": "PyBullet", "mujoco-urdf": "MuJoCo (URDF)"}
+    engine, _, method = text.partition(" ")
+    return f"{names.get(engine, engine)} {method}"
