@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray, Scenario, Trajectory
+from ..scenarios.fastest_rate import damping_rate, fastest_rate
 
 EPS = float(np.finfo(float).eps)
 #: The tightest relative tolerance that scipy accepts without a warning, rounded up.
@@ -32,8 +33,8 @@ class CrossCheck:
 
 def times_within_reach(scenario: Scenario, truth: Trajectory) -> FloatArray:
     """The sample times up to which it follows in good time, and the last time to which it does."""
-    rates = _rates(scenario, float(np.linalg.norm(truth.omega_body, axis=1).max()))
-    end = REACH / max(rates) if any(rates) else np.inf
+    rate = fastest_rate(scenario, truth.omega_body)
+    end = REACH / rate if rate else np.inf
     return truth.t if truth.t[-1] <= end else np.append(truth.t[truth.t < end], end)
 
 
@@ -137,22 +138,13 @@ def _tolerance(scenario: Scenario) -> float:
     return max(RELATIVE_TOLERANCE, EPS * float(np.linalg.norm(inverse @ differences, 2)))
 
 
-def _rates(scenario: Scenario, turning: float) -> tuple[float, float, float]:
-    """rad/s and 1/s: of turning, of swinging, and of drag about the axis it slows down most."""
-    body, inverse = scenario.body, np.linalg.inv(_inertia(scenario))
-    least = float(np.linalg.norm(inverse, 2))
-    lever = body.mass * float(np.linalg.norm(body.com)) * float(scenario.has_pivot)
-    swinging = np.sqrt(lever * float(np.linalg.norm(scenario.gravity_world)) * least)
-    return turning, float(swinging), scenario.drag * least
-
-
 def _time_of_drag(scenario: Scenario) -> float:
     """s, in which drag takes e from the fastest to slow down; inf without drag.
 
     Stability alone would let DOP853 step six times as far, where it misjudges its error.
     """
-    *_, fastest = _rates(scenario, 0.0)
-    return 1 / fastest if fastest else np.inf
+    rate = damping_rate(scenario)
+    return 1 / rate if rate else np.inf
 
 
 def _sizes(scenario: Scenario) -> FloatArray:

@@ -36,6 +36,7 @@ from .symmetry import (
     is_free,
     is_undriven,
     moment_about,
+    moments_across_and_along,
     norm,
     symmetry_axis,
 )
@@ -136,8 +137,7 @@ def _of_a_free_top(problem: Problem) -> Iterator[Fact]:
     axis = symmetry_axis(problem)
     assert axis is not None
     with mp.workdps(DIGITS):
-        I3 = moment_about(problem, axis)
-        I1 = (mp.fsum(problem.moments) - I3) / 2
+        I1, I3 = moments_across_and_along(problem, axis)
         omega, L = problem.omega_axes, angular_momentum_axes(problem)
         omega3, size = dot(omega, axis), norm(L)
         aside = norm([dot(omega, e) for e in across(axis)])

@@ -14,7 +14,7 @@ from .symmetry import (
     angular_momentum_axes,
     equal,
     is_free,
-    moment_about,
+    moments_across_and_along,
     norm,
     scaled,
     symmetry_axis,
@@ -46,8 +46,7 @@ def free_symmetric(problem: Problem) -> ClosedForm:
         L, omega = (along(triad, v) for v in (angular_momentum_axes(problem), problem.omega_axes))
         start, q_frame_axes = with_L_upright(L), from_matrix(triad)
         q_left = product(problem.q_world_axes, conjugate(product(start.quaternion, q_frame_axes)))
-        I3 = moment_about(problem, axis)
-        I1 = (mp.fsum(problem.moments) - I3) / 2
+        I1, I3 = moments_across_and_along(problem, axis)
         precession, spin = norm(L) / I1, omega[2] * (1 - I3 / I1)
         rates = ((precession + spin) / 2, (precession - spin) / 2)
         form = regular_precession(Frames(q_left, q_frame_axes, triad), start, omega, rates)

@@ -24,7 +24,7 @@ from .symmetry import (
     angular_momentum_axes,
     equal,
     gravity_torque_scale,
-    moment_about,
+    moments_across_and_along,
     norm,
     scaled,
     symmetry_axis,
@@ -108,8 +108,7 @@ def heavy_symmetric_top(problem: Problem) -> HeavySymmetricTop | None:
         for sign in (1, -1):
             if equal(p_alpha, sign * p_gamma, norm(L)):
                 p_alpha = sign * p_gamma
-        I3 = moment_about(problem, axis)
-        I1 = (mp.fsum(problem.moments) - I3) / 2
+        I1, I3 = moments_across_and_along(problem, axis)
         energy = dot(omega, L) / 2 + kappa * cos_beta
         return HeavySymmetricTop(I1, I3, kappa, p_alpha, p_gamma, energy, cos_beta)
 

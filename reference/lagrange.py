@@ -28,7 +28,7 @@ from .symmetry import (
     equal,
     gravity_torque_scale,
     is_undriven,
-    moment_about,
+    moments_across_and_along,
     norm,
     scaled,
     symmetry_axis,
@@ -61,8 +61,7 @@ def lagrange(problem: Problem) -> ClosedForm:
         frames = _frames(problem, triad)
         start = _attitude(problem, frames)
         omega = along(triad, problem.omega_axes)
-        I3 = moment_about(problem, axis)
-        I1 = (mp.fsum(problem.moments) - I3) / 2
+        I1, I3 = moments_across_and_along(problem, axis)
         if _rests_at_a_pole(start, omega, mp.sqrt(kappa / I1)):
             return rigid_rotation(problem)
         known = constants(start, omega, 2 * kappa / I1, I3 * omega[2] / I1)

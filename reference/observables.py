@@ -27,7 +27,7 @@ from .symmetry import (
     angular_momentum_axes,
     is_free,
     is_undriven,
-    moment_about,
+    moments_across_and_along,
     norm,
     scaled,
     symmetry_axis,
@@ -157,8 +157,8 @@ def _of_a_free_top(problem: Problem, motion: Trajectory) -> Iterator[Observable]
     axis = symmetry_axis(problem)
     assert axis is not None
     with mp.workdps(DIGITS):
-        I3, L = moment_about(problem, axis), angular_momentum_axes(problem)
-        I1 = (mp.fsum(problem.moments) - I3) / 2
+        I1, I3 = moments_across_and_along(problem, axis)
+        L = angular_momentum_axes(problem)
         omega3 = dot(problem.omega_axes, axis)
         direction = scaled(rotate(problem.q_world_axes, L), 1 / norm(L))
         precession = float(norm(L) / I1)

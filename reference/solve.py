@@ -5,17 +5,15 @@ from dataclasses import replace
 from typing import final
 
 import numpy as np
-from mpmath import mp
 
 from ..scenarios import Errors, FloatArray, Scenario, Trajectory, error_series, errors_between
-from ..scenarios.exact import DIGITS
+from ..scenarios.fastest_rate import fastest_rate
 from .closed_forms import ClosedForm, closed_form
 from .conditioning import conditioning, nudged_alike
 from .motion import motion
 from .problem import Problem
 from .rotational_problem import rotational_problem
 from .solution import MAX_UNCERTAINTY, Solution
-from .symmetry import gravity_torque_scale
 from .taylor import CHECK_ORDERS, FINE_ORDERS, TRUTH_ORDERS, IntegrationError, Orders, integrate
 
 EPS = float(np.finfo(float).eps)
@@ -108,7 +106,7 @@ def _solve_closed(
     scenario: Scenario, problem: Problem, closed: ClosedForm, times: FloatArray
 ) -> Solution:
     trajectory = motion(scenario, problem, times, closed.states(times))
-    rate = _rate(problem, trajectory)
+    rate = fastest_rate(scenario, trajectory.omega_body)
     checked = _checked_times(times, rate)
     by_form = motion(scenario, problem, checked, closed.states(checked))
     difference = _apart_from_ode(scenario, problem, by_form)
@@ -202,14 +200,6 @@ def _integrated_to_horizon(
             f"The motion is chaotic and not known any more at {times[0]} s. Ask for earlier times."
         )
     return trajectory.until(n), coarser.until(n)
-
-
-def _rate(problem: Problem, trajectory: Trajectory) -> float:
-    """rad/s: of the turning, and of the swinging, which may be small and is no slower for that."""
-    turning = float(np.linalg.norm(trajectory.omega_body, axis=1).max())
-    across = sorted(problem.moments)[1]  # of a symmetric top, about the axes that it swings about
-    with mp.workdps(DIGITS):
-        return max(turning, float(mp.sqrt(gravity_torque_scale(problem) / across)))
 
 
 def _checked_times(times: FloatArray, rate: float) -> FloatArray:

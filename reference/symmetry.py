@@ -83,6 +83,13 @@ def moment_about(problem: Problem, axis: Vector) -> mpf:
         return mp.fsum(m * n * n for m, n in zip(problem.moments, axis, strict=True))
 
 
+def moments_across_and_along(problem: Problem, axis: Vector) -> tuple[mpf, mpf]:
+    """I1 and I3 of a symmetric top: moments across its axis, which are equal, and about it."""
+    with mp.workdps(DIGITS):
+        I3 = moment_about(problem, axis)
+        return (mp.fsum(problem.moments) - I3) / 2, I3
+
+
 def across(axis: Vector) -> tuple[Vector, Vector]:
     """Two unit vectors e1, e2 that make a right-handed triad (e1, e2, axis); e1, e2 for e3."""
     with mp.workdps(DIGITS):

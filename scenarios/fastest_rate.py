@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from . import Scenario, Trajectory
+from .body import FloatArray
+from .scenario import Scenario
 
 
-def fastest_rate(scenario: Scenario, truth: Trajectory) -> float:
+def fastest_rate(scenario: Scenario, omega_body: FloatArray) -> float:
     """The fastest rate at which a scene's state can change, rad/s.
 
     The largest of three: |ω|, that of a small swing under gravity, and that at which drag takes
@@ -14,14 +15,17 @@ def fastest_rate(scenario: Scenario, truth: Trajectory) -> float:
 
     Parameters
     ----------
-    truth : the motion at the window's times
+    omega_body : angular velocities of the motion, rad/s, (3,) or (n, 3)
     """
+    spin = float(np.linalg.norm(omega_body, axis=-1).max())
+    return max(spin, swing_rate(scenario), damping_rate(scenario))
+
+
+def damping_rate(scenario: Scenario) -> float:
+    """The rate at which drag slows the body about the axis of its least moment, 1/s."""
     body = scenario.body
     inertia = body.inertia_origin if scenario.has_pivot else body.inertia_com
-    inverse = np.asarray(np.linalg.inv(inertia), dtype=float)
-    spin = float(np.linalg.norm(truth.omega_body, axis=1).max())
-    damping = scenario.drag * float(np.linalg.norm(inverse, 2))
-    return max(spin, swing_rate(scenario), damping)
+    return scenario.drag * float(np.linalg.norm(np.linalg.inv(inertia), 2))
 
 
 def swing_rate(scenario: Scenario) -> float:

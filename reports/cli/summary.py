@@ -49,7 +49,7 @@ def results_as_json(results: Results) -> dict[str, Any]:
 def verdict_records(results: Results) -> list[dict[str, Any]]:
     """Verdicts, each with the largest timestep that its method survives."""
     fastest_rates = {
-        name: fastest_rate(found.scenario, found.solution.trajectory)
+        name: fastest_rate(found.scenario, found.solution.trajectory.omega_body)
         for name, found in results.scenes.items()
     }
     rows: dict[Key, list[Row]] = {}

@@ -116,7 +116,7 @@ class RichardsonLadder:
         self._uncertainty = known + growth * precision
         self._norm = ErrorNorm(scenario, truth)
         self._truth = truth
-        self._rate = fastest_rate(scenario, truth)
+        self._rate = fastest_rate(scenario, truth.omega_body)
         self._p = float(self.declared.min())
         rates = np.maximum(np.linalg.norm(truth.omega_body, axis=1), swing_rate(scenario))
         # ∫ Ω^(p+1) dt, of which h^p is what a method may have committed by then.

@@ -153,7 +153,7 @@ def prepare(
     """
     exact = ExactMotion(scenario)
     outline = exact.outline(scenario.times)
-    rate = fastest_rate(scenario, outline)
+    rate = fastest_rate(scenario, outline.omega_body)
     rungs = ladder(scenario.window, rate, len(outline.t), max_steps)
     alone = [single(timestep, outline.t) for timestep in timesteps]
     at_stock = [stock_rung(outline.t, timestep, rate) for timestep in stock]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...scenarios import Scenario, Trajectory
+from ...scenarios import Scenario
 from ...scenarios.fastest_rate import fastest_rate
 from ...scenarios.scatter import member
 from ...scenarios.vary import varied
@@ -36,18 +36,6 @@ def rung_at(point: SweepPoint, scenario: Scenario) -> Rung:
         return single(point.timestep, scenario.times)
     intervals = scenario.window.samples - 1
     interval = scenario.window.duration / intervals
-    rate = fastest_rate(scenario, _start(scenario))
+    rate = fastest_rate(scenario, scenario.start.omega_body)
     per_interval = max(1, int(np.ceil(interval * rate / STEP_TURN)))
     return Rung(interval / per_interval, np.arange(intervals + 1, dtype=np.int64) * per_interval)
-
-
-def _start(scenario: Scenario) -> Trajectory:
-    """The motion at t = 0, and no more of it."""
-    start = scenario.start
-    return Trajectory(
-        t=np.zeros(1),
-        q_world_body_wxyz=start.q_world_body_wxyz[np.newaxis],
-        omega_body=start.omega_body[np.newaxis],
-        com_world=start.position_world[np.newaxis],
-        velocity_world=start.velocity_world[np.newaxis],
-    )

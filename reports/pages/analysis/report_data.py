@@ -82,7 +82,7 @@ class SceneRuns:
     def fastest_rate(self) -> float:
         """The scene's fastest rate, rad/s."""
         assert self.found is not None, "how fast a motion is, its truth says"
-        return fastest_rate(self.found.scenario, self.found.solution.trajectory)
+        return fastest_rate(self.found.scenario, self.found.solution.trajectory.omega_body)
 
     @cached_property
     def compared(self) -> tuple["Compared", ...]:
