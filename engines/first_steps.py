@@ -156,6 +156,7 @@ def _spinning(scenario: Scenario, before: State, after: State, span: float, rate
     if_other = {
         "gravity were turned round": wanted_body - 2 * fall_body,
         "there were no gravity": wanted_body - fall_body,
+        "there were no gyroscopic torque": wanted_body + np.cross(omega_body, L_body),
         f"it were {word} by {abs(resistance):.3g} N m s": wanted_body - resistance * omega_body,
         f"L were {word} by {abs(decay):.3g} /s": wanted_body - decay * L_body,
     }

@@ -1,0 +1,259 @@
+"""Exudyn, flexible multibody dynamics with explicit and implicit integrators, in double precision.
+
+What it does to a top when nobody asks, and how each was measured: docs/engines-more.md.
+"""
+
+import warnings
+from importlib import import_module
+from importlib.metadata import version
+from typing import Any, final
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ...scenarios import EFFECTS, FloatArray, Scenario
+from ..engine import Engine, Method
+from ..native_output import native_output
+from ..read_back import BodyReading, EngineError, State
+from ..session import Session
+
+ALL_EFFECTS = frozenset(EFFECTS)
+AS_SHIPPED = "GeneralizedAlpha"
+#: Integrators that solve for accelerations at the end of a step.
+IMPLICIT = frozenset({AS_SHIPPED, "TrapezoidalIndex2"})
+#: Coordinates of a node that are its place, and entries of a tensor in its order.
+PLACE = range(3)
+ENTRIES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+#: By which a step may differ, relative, that ends at a time which is a sum of steps.
+CLOCK_SLACK = 1e-6
+
+
+def _method(name: str, order: int, summary: str) -> Method:
+    return Method(name, order, order, summary, ALL_EFFECTS)
+
+
+@final
+class Exudyn(Engine):
+    """A rigid body on a Lie-group node, its pivot three constrained coordinates."""
+
+    name = "exudyn"
+    package = "exudyn"
+    # SimulationSettings: a hundred steps to an end time of 1 s.
+    stock_timestep = 0.01
+    # Orders: its manual, "Explicit solvers" and "Implicit solvers"; measured in
+    # docs/engines-more.md.
+    methods = (
+        _method("ExplicitEuler", 1, "explicit Euler, the attitude by the exponential map"),
+        _method("ExplicitMidpoint", 2, "explicit midpoint rule"),
+        _method("RK33", 3, "Runge-Kutta of third order"),
+        _method("RK44", 4, "Runge-Kutta of fourth order"),
+        _method("RK67", 6, "Runge-Kutta of sixth order, seven stages"),
+        _method("TrapezoidalIndex2", 2, "implicit trapezoidal rule, constraints in velocities"),
+        Method(
+            "default",
+            2,
+            2,
+            "as shipped: generalised α, spectral radius 0.9",
+            ALL_EFFECTS,
+            as_shipped=True,
+        ),
+    )
+
+    @property
+    def version(self) -> str:
+        """Of the installed package."""
+        return version("exudyn")
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        """Assemble the system and set its start."""
+        solver = AS_SHIPPED if method.as_shipped else method.name
+        with native_output() as printed, warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            session = ExudynSession(scenario, solver, timestep)
+        if "ERROR" in printed.text:
+            raise EngineError(f"Exudyn: {' '.join(printed.text.split())}")
+        return session
+
+
+@final
+class ExudynSession(Session):
+    """One body; of a body with a pivot, what is stepped is its rotation about that.
+
+    Explicit solvers eliminate constraints wrongly where the com is off the node: so the node is at
+    the pivot, the tensor about it, and gravity a force on a marker at the com.
+    """
+
+    def __init__(self, scenario: Scenario, solver: str, timestep: float) -> None:
+        import exudyn
+
+        self._scenario, self._timestep = scenario, timestep
+        self._variables = exudyn.OutputVariableType
+        self._container = exudyn.SystemContainer()
+        self._system = self._container.AddSystem()
+        self._node, self._body, self._com = _assembled(self._system, scenario)
+        self._settings = _settings(exudyn, solver, timestep)
+        implicit = exudyn.MainSolverImplicitSecondOrder
+        self._solver = (implicit if solver in IMPLICIT else exudyn.MainSolverExplicit)()
+        self._system.Assemble()
+        self._solver.InitializeSolver(self._system, self._settings)
+
+    def read_body(self) -> BodyReading:
+        """As the object holds it, from the node; the com is where gravity pulls."""
+        held = self._system.GetObject(self._body)
+        com = np.array(self._system.GetMarker(self._com)["localPosition"])
+        xx, yy, zz, yz, xz, xy = held["inertia"]
+        inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        mass = float(held["mass"])
+        if self._scenario.has_pivot:
+            inertia -= _of_point(mass, com)
+        else:
+            com = com + self._scenario.body.com
+        return BodyReading(mass, com, inertia)
+
+    def read_state(self) -> State:
+        """The state now."""
+        of_node, of_marker = self._system.GetNodeOutput, self._system.GetMarkerOutput
+        names = self._variables
+        R = np.array(of_node(self._node, names.RotationMatrix)).reshape(3, 3)
+        if not np.isfinite(R).all():
+            raise EngineError("the state is no longer finite", "not-finite")
+        return State(
+            Rotation.from_matrix(R).as_quat(scalar_first=True),
+            np.array(of_node(self._node, names.AngularVelocityLocal)),
+            np.array(of_marker(self._com, names.Position)),
+            np.array(of_marker(self._com, names.Velocity)),
+        )
+
+    def advance(self, steps: int) -> None:
+        """One native loop; it ends by its clock, which begins anew so as to stay exact."""
+        progress = self._solver.it
+        progress.currentTime, progress.endTime = 0.0, steps * self._timestep
+        if not self._solver.SolveSteps(self._system, self._settings):
+            raise EngineError("Exudyn's solver gave up", "warning")
+        # It counts from 1; as shipped it halves a step that its solver fails on.
+        taken, last = progress.currentStepIndex - 1, progress.currentStepSize
+        if taken != steps or abs(last - self._timestep) > CLOCK_SLACK * self._timestep:
+            words = f"Exudyn took {taken} steps, the last of {last!r} s"
+            raise EngineError(f"{words}, not {steps} of {self._timestep!r} s", "clock")
+
+    def check(self) -> None:
+        """After each step `advance` has looked."""
+
+    def active(self) -> frozenset[str]:
+        """What is in the system: its loads and its objects, by strength."""
+        system, numbers = self._system, self._system.systemData
+        found = set()
+        for number in range(numbers.NumberOfLoads()):
+            found.add(self._of_load(system.GetLoad(number)))
+        kinds = []
+        for number in range(numbers.NumberOfObjects()):
+            held = system.GetObject(number)
+            kinds.append(held["objectType"])
+            if held["objectType"] == "ConnectorRigidBodySpringDamper":
+                found.add(self._of_damper(held))
+        if kinds.count("ConnectorCoordinate") == len(PLACE):
+            found.add("pivot")
+        known = {"RigidBody", "Ground", "ConnectorCoordinate", "ConnectorRigidBodySpringDamper"}
+        return frozenset(found | {f"an object of type {kind}" for kind in set(kinds) - known})
+
+    def _of_load(self, held: Any) -> str:
+        vector, scenario = np.array(held["loadVector"]), self._scenario
+        if held["loadType"] == "ForceVector":
+            name, wanted = "gravity", scenario.body.mass * scenario.gravity_world
+        elif held["bodyFixed"]:
+            name, wanted = "torque_body", scenario.torque_body
+        else:
+            name, wanted = "torque_world", scenario.torque_world
+        return name if np.array_equal(vector, wanted) else f"a load of {vector.tolist()}"
+
+    def _of_damper(self, held: Any) -> str:
+        wanted = _damping(self._scenario.drag)
+        is_drag = np.array_equal(held["damping"], wanted) and not np.any(held["stiffness"])
+        return "drag" if is_drag else "a spring or damper"
+
+    def close(self) -> None:
+        """Drop the system."""
+        self._solver.FinalizeSolver(self._system, self._settings)
+        self._container.Reset()
+
+
+def _settings(exudyn: Any, solver: str, timestep: float) -> Any:
+    settings = exudyn.SimulationSettings()
+    settings.solution.file.write = False
+    integration = settings.timeIntegration
+    integration.numberOfSteps, integration.endTime = 1, timestep
+    integration.solverType = getattr(exudyn.DynamicSolverType, solver)
+    if solver == "TrapezoidalIndex2":
+        # As its own SolveDynamic sets them for this name.
+        integration.generalizedAlpha.useIndex2Constraints = True
+        integration.generalizedAlpha.useNewmark = True
+    integration.adaptiveStep = solver == AS_SHIPPED
+    return settings
+
+
+def _assembled(system: Any, scenario: Scenario) -> tuple[int, int, int]:
+    """The numbers of node, object, and marker at the com."""
+    items = import_module("exudyn.itemInterface")
+    body, start = scenario.body, scenario.start
+    attitude = Rotation.from_quat(start.q_world_body_wxyz, scalar_first=True)
+    place, velocity, arm = start.position_world, start.velocity_world, np.zeros(3)
+    inertia = np.array(body.inertia_com)
+    if scenario.has_pivot:
+        place, velocity, arm = np.zeros(3), np.zeros(3), np.array(body.com)
+        inertia += _of_point(body.mass, arm)
+    node = system.AddNode(
+        items.NodeRigidBodyRotVecLG(
+            referenceCoordinates=[*place, *attitude.as_rotvec()],
+            initialVelocities=[*velocity, *start.omega_body],
+        )
+    )
+    entries = [float(inertia[row, column]) for row, column in ENTRIES]
+    number = system.AddObject(
+        items.ObjectRigidBody(mass=float(body.mass), inertia=entries, nodeNumber=node)
+    )
+    com = system.AddMarker(items.MarkerBodyPosition(bodyNumber=number, localPosition=[*arm]))
+    if scenario.has_pivot:
+        _hold(system, items, node)
+    _load(system, items, scenario, number, com)
+    return node, number, com
+
+
+def _hold(system: Any, items: Any, node: int) -> None:
+    """Constrain the node's place."""
+    ground = system.AddNode(items.NodePointGround())
+    still = system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
+    for coordinate in PLACE:
+        held = system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
+        system.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[still, held]))
+
+
+def _load(system: Any, items: Any, scenario: Scenario, body: int, com: int) -> None:
+    """What pushes and slows the body: of a scene's effects those that it calls for."""
+    if scenario.gravity_world.any():
+        weight = scenario.body.mass * scenario.gravity_world
+        system.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[*weight]))
+    whole = system.AddMarker(items.MarkerBodyRigid(bodyNumber=body))
+    for torque, turns in ((scenario.torque_body, True), (scenario.torque_world, False)):
+        if torque.any():
+            system.AddLoad(
+                items.LoadTorqueVector(markerNumber=whole, loadVector=[*torque], bodyFixed=turns)
+            )
+    if scenario.drag:
+        still = system.AddMarker(
+            items.MarkerBodyRigid(bodyNumber=system.AddObject(items.ObjectGround()))
+        )
+        system.AddObject(
+            items.ObjectConnectorRigidBodySpringDamper(
+                markerNumbers=[still, whole], damping=_damping(scenario.drag)
+            )
+        )
+
+
+def _damping(drag: float) -> FloatArray:
+    """Of a connector between two bodies: N s/m, then N m s; (6, 6)."""
+    return np.diag([0.0, 0.0, 0.0, drag, drag, drag])
+
+
+def _of_point(mass: float, arm: FloatArray) -> FloatArray:
+    """The tensor of a point mass, kg m²."""
+    return np.asarray(mass * (arm @ arm * np.eye(3) - np.outer(arm, arm)))
