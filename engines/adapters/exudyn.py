@@ -84,8 +84,7 @@ class ExudynSession(Session):
     """
 
     def __init__(self, scenario: Scenario, solver: str, timestep: float) -> None:
-        import exudyn
-
+        exudyn: Any = import_module("exudyn")
         self._scenario, self._timestep = scenario, timestep
         self._variables = exudyn.OutputVariableType
         self._container = exudyn.SystemContainer()

@@ -3,6 +3,7 @@
 What it does to a top when nobody asks, and how each was measured: docs/engines-more.md.
 """
 
+from importlib import import_module
 from importlib.metadata import version
 from math import pi
 from typing import Any, final
@@ -59,8 +60,7 @@ class Rapier3DSession(Session):
     """One body in a world of its own; its frame is the scene's body frame."""
 
     def __init__(self, scenario: Scenario, as_shipped: bool, timestep: float) -> None:
-        import rapier3d
-
+        rapier3d: Any = import_module("rapier3d")
         self._scenario = scenario
         self._world = rapier3d.PhysicsWorld(gravity=_tuple(scenario.gravity_world))
         self._world.integration_parameters.dt = timestep
@@ -107,7 +107,7 @@ class Rapier3DSession(Session):
 
     def check(self) -> None:
         """Rapier stops bodies whose numbers are not finite, and says so."""
-        if not self._world.quarantine.is_empty:
+        if not self._world.quarantine.is_empty():
             raise EngineError("Rapier has quarantined a body: not finite", "not-finite")
 
     def active(self) -> frozenset[str]:
