@@ -95,20 +95,20 @@ class Rapier3DSession(Session):
         )
 
     def advance(self, steps: int) -> None:
-        """A torque that Rapier is given stays; one that turns is given anew each step."""
-        step = self._world.step
-        if not self._push_turns:
-            for _ in range(steps):
-                step()
-            return
+        """A torque that Rapier is given stays; one that turns is given anew each step.
+
+        A body whose numbers are not finite Rapier stops, and says so after that one step.
+        """
+        world = self._world
         for _ in range(steps):
-            self._push()
-            step()
+            if self._push_turns:
+                self._push()
+            world.step()
+            if not world.quarantine.is_empty():
+                raise EngineError("Rapier has quarantined the body: not finite", "not-finite")
 
     def check(self) -> None:
-        """Rapier stops bodies whose numbers are not finite, and says so."""
-        if not self._world.quarantine.is_empty():
-            raise EngineError("Rapier has quarantined a body: not finite", "not-finite")
+        """After each step `advance` has looked."""
 
     def active(self) -> frozenset[str]:
         """What acts, as the world and the body tell it."""
