@@ -150,7 +150,7 @@ class Engine(ABC):
         numbers = np.float32 if self.single_precision else np.float64
         try:
             said = equation_residuals(
-                lambda timestep: self.open(scenario, method, timestep),
+                lambda scene, timestep: self.open(scene, method, timestep),
                 scenario,
                 float(np.finfo(numbers).eps),
             )

@@ -2,16 +2,20 @@
 
 import numpy as np
 import pytest
+from box import BOX
+from lies import SingleSession, SingleUngyroscopicSession, UngyroscopicSession
+from planted import HeunSession
 from scenes import SCENES
 from spincheck.engines import Engine, Method, engines
-from spincheck.engines.first_steps import equation_residuals
+from spincheck.engines.first_steps import equation_residuals, starting_with
 from spincheck.scenarios import loads
 
+#: Of the engines that this package depends on; what others lack is for a study to tell.
 METHODS = [
     pytest.param(engine, method, id=f"{engine.name}-{method.name}")
     for engine in engines().values()
     for method in engine.methods
-    if not method.as_shipped
+    if not method.as_shipped and engine.name in ("mujoco", "mujoco-urdf", "pybullet")
 ]
 EPS = float(np.finfo(float).eps)
 
@@ -45,7 +49,64 @@ def test_an_engine_with_another_scene_in_it_begins_otherwise(
     assert old in text
     other = loads(text.replace(old, new), name)
     said = equation_residuals(
-        lambda h: mujoco.open(other, mujoco.method("RK4"), h), SCENES[name], EPS
+        lambda scene, h: mujoco.open(
+            starting_with(other, scene.start.omega_body), mujoco.method("RK4"), h
+        ),
+        SCENES[name],
+        EPS,
     )
     assert words in "; ".join(said)
     assert bool(said) == bool(words)
+
+
+#: Changes of a ten-thousandth: a scene, what is done to its text, and how it is named.
+SMALL = [
+    (
+        "heavy-tilted",
+        "[1.0, -2.0, -9.0]",
+        "[1.0001, -2.0002, -9.0009]",
+        "gravity were 1.0001 times",
+    ),
+    (
+        "free-falling",
+        "[1.0, -2.0, -9.0]",
+        "[1.0001, -2.0002, -9.0009]",
+        "gravity were 1.0001 times",
+    ),
+    (
+        "heavy-tilted",
+        "[1.0, -2.0, -9.0]",
+        "[1.001, -2.0, -9.0]",
+        "gravity were [1.00",
+    ),
+    ("free", "[1.0, 2.0, 2.5]", "[1.0001, 2.0, 2.5]", "the moments were ["),
+    ("pivot-drag", "rotational = 0.3", "rotational = 0.30003", "it were slowed by 3e-05 N m s"),
+]
+
+
+@pytest.mark.parametrize(("name", "old", "new", "words"), SMALL)
+def test_a_change_of_a_ten_thousandth_is_named(name: str, old: str, new: str, words: str) -> None:
+    test_an_engine_with_another_scene_in_it_begins_otherwise(name, old, new, f"as if {words}")
+
+
+ALONG_AN_AXIS = loads(BOX.replace("[1.0, 2.0, 0.5]", "[0.0, 0.0, 3.0]"), "along-an-axis")
+
+
+@pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
+@pytest.mark.parametrize("scene", [loads(BOX, "box"), ALONG_AN_AXIS], ids=lambda scene: scene.name)
+def test_a_missing_gyroscopic_torque_is_named_whatever_the_start(scene, single) -> None:
+    session = SingleUngyroscopicSession if single else UngyroscopicSession
+    epsilon = float(np.finfo(np.float32 if single else float).eps)
+    said = "; ".join(equation_residuals(session, scene, epsilon))
+    assert "as if there were no gyroscopic torque" in said
+
+
+@pytest.mark.parametrize("size", [1e-4, 1e-2])
+def test_a_clock_that_is_off_is_named_with_its_number(size: float) -> None:
+    said = equation_residuals(lambda s, h: HeunSession(s, (1 - size) * h), loads(BOX, "box"), EPS)
+    assert f"as if a step were {1 - size:.7g} of a timestep" in said[-1]
+
+
+def test_a_faultless_engine_in_single_precision_begins_as_the_scene_does() -> None:
+    epsilon = float(np.finfo(np.float32).eps)
+    assert equation_residuals(SingleSession, loads(BOX, "box"), epsilon) == []

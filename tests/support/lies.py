@@ -121,6 +121,31 @@ class LateSession(HeunSession):
         super().advance(1)
 
 
+class UngyroscopicSession(HeunSession):
+    """Leaves the gyroscopic torque out, as engines for games do."""
+
+    def rate(self, omega):
+        return 0 * omega
+
+
+class SingleSession(HeunSession):
+    """Holds its state in 24 bits."""
+
+    def advance(self, steps: int) -> None:
+        for _ in range(steps):
+            super().advance(1)
+            self.omega = self.omega.astype(np.float32).astype(float)
+            q = self.attitude.as_quat().astype(np.float32).astype(float)
+            self.attitude = Rotation.from_quat(q)
+
+
+class SingleUngyroscopicSession(SingleSession):
+    """Both."""
+
+    def rate(self, omega):
+        return 0 * omega
+
+
 class AnotherStartSession(HeunSession):
     """Reads back its start, and starts from another."""
 

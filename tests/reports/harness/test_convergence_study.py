@@ -79,7 +79,7 @@ def go_down(
 
 def wandering(dt: float) -> float:
     """An error that no halving makes less."""
-    return 2.0 + np.sin(1e4 / dt)
+    return 0.9 + 0.8 * np.sin(1e4 / dt)
 
 
 def first(found: ConvergenceStudy) -> Rung:
