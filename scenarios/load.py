@@ -17,6 +17,8 @@ from .scales import check_scales
 from .scenario import Scenario, build
 
 MARKER = "spincheck"
+#: Bytes of a scene's name; a page's has an ending and perhaps a number more, and 255 at most.
+LONGEST_NAME = 200
 #: More digits than Python makes an integer of.
 _MANY_DIGITS = re.compile(rf"[0-9_]{{{sys.get_int_max_str_digits()}}}")
 #: Where the parser says that it stopped.
@@ -57,7 +59,8 @@ def loads(text: str, name: str, path: Path | None = None) -> Scenario:
     where = printable(str(path or name))
     if not is_scene_name(name):
         raise ScenarioError(
-            f"{where}: a scenario's name is its file's stem; use letters, digits, '-', '_', '.'"
+            f"{where}: a scenario's name is its file's stem; use letters, digits, '-', '_', '.', "
+            f"{LONGEST_NAME} bytes at most"
         )
     try:
         return _scenario(_parsed(text, where), name, text, path)
@@ -71,7 +74,8 @@ def loads(text: str, name: str, path: Path | None = None) -> Scenario:
 
 def is_scene_name(name: str) -> bool:
     """Whether a name can be mistaken for nothing else: files and pages are named after it."""
-    return name[:1].isalnum() and all(c.isalnum() or c in "-_." for c in name)
+    short = len(name.encode(errors="replace")) <= LONGEST_NAME
+    return short and name[:1].isalnum() and all(c.isalnum() or c in "-_." for c in name)
 
 
 def _parsed(text: str, where: str) -> dict[str, Any]:

@@ -29,10 +29,10 @@ from .options import (
     Timesteps,
 )
 from .result_commands import app as result_commands
-from .stopping import Stopped, raise_when_stopped
+from .stopping import STDOUT, Stopped, open_closed_streams, print_nowhere, raise_when_stopped
 from .sweep_commands import app as sweep_commands
 from .sweep_commands import run_members
-from .terminal import BAD_INPUT, Complaint, say, table, to_json
+from .terminal import BAD_INPUT, NOT_RUN, Complaint, say, table, to_json
 
 app = typer.Typer(
     name="spincheck",
@@ -51,18 +51,34 @@ app.add_typer(model_commands)
 def main() -> None:
     """Run the command line; every complaint is one message and an exit code."""
     # A title's Greek letters, or a file's name of bytes, where the terminal has no such letters.
+    open_closed_streams()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     raise_when_stopped()
     try:
-        app()
+        _run_and_flush()
     except Complaint as complaint:
         say(f"spincheck: {complaint}")
         sys.exit(complaint.exit_code)
     except Stopped as stopped:
         say(f"spincheck: {stopped}")
         sys.exit(stopped.exit_code)
+
+
+def _run_and_flush() -> None:
+    """Run the command line; raises a `Complaint` where its output cannot be written."""
+    try:
+        try:
+            app()
+        finally:
+            sys.stdout.flush()
+    except OSError as error:
+        # Of a file, which has a name, commands complain themselves.
+        if error.filename is not None:
+            raise
+        print_nowhere(STDOUT)
+        raise Complaint(f"the output cannot be written: {error.strerror}", NOT_RUN) from None
 
 
 @app.command()

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from tempfile import gettempdir
 
 from ..harness.executors import Executor, LocalWorkers
 from ..harness.executors.dask_cluster import ClusterError, DaskCluster
@@ -30,14 +31,29 @@ def executor_for(where: Where, time_limit: float | None) -> Iterator[Executor]:
     Raises
     ------
     Complaint
-        If the cluster cannot be used, or goes away.
+        If the cluster cannot be used, or goes away, or engines have no temporary folder here.
     """
+    check_temporary_folder()
     try:
         with _executor(where, time_limit) as executor:
             yield executor
     except ClusterError as error:
         exit_code = BAD_INPUT if error.bad_address else NOT_RUN
         raise Complaint(f"'--dask': {error}", exit_code) from None
+
+
+def check_temporary_folder() -> None:
+    """See that there is one: engines read their models from files, and print into others.
+
+    Raises
+    ------
+    Complaint
+        If there is none that can be written.
+    """
+    try:
+        gettempdir()
+    except FileNotFoundError as error:
+        raise Complaint(f"{error.strerror}; 'TMPDIR' names another", NOT_RUN) from None
 
 
 def _executor(where: Where, time_limit: float | None) -> Executor:

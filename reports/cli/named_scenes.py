@@ -72,7 +72,11 @@ def checked(files: Iterable[Path]) -> tuple[list[str], list[str]]:
     """A line for each file that is right, folders gone through; and what is wrong with others."""
     lines, wrong = [], []
     for file in files:
-        scenarios, complaints = load_each(_in_it(file))
+        try:
+            scenarios, complaints = load_each(_in_it(file))
+        except ScenarioError as error:
+            # Two of one name.
+            scenarios, complaints = [], [str(error)]
         wrong += complaints
         for scenario in scenarios:
             if promised := unknown_expectations([scenario]):

@@ -24,7 +24,7 @@ from ..pages.analysis.report_data import report_data
 from ..results.records import Key, Row
 from ..results.store import Results, open_store
 from . import running
-from .executing import Where
+from .executing import Where, check_temporary_folder
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table
 
 #: Checks before it is given up: each that misses is taken into account by the next.
@@ -73,6 +73,7 @@ def recommend(scene: str, bounds: Bounds, engine_names: Sequence[str], jobs: int
     """
     _check_bounds(bounds)
     methods = _methods(engine_names)
+    check_temporary_folder()
     with TemporaryDirectory() as folder:
         out = Path(folder) / "ladder.sqlite"
         results = running.run([scene], engine_names, methods, [], Where(jobs), out)

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
+from .stopping import STDERR, print_nowhere
+
 #: Exit codes: everything agrees, something does not, bad input or usage, could not be run at all.
 AGREES, DISAGREES, BAD_INPUT, NOT_RUN = 0, 1, 2, 3
 
@@ -23,7 +25,11 @@ def say(text: str) -> None:
     """Print beside the results, on stderr; what would command a terminal is shown instead."""
     from ...scenarios import printable
 
-    print("\n".join(printable(line) for line in text.split("\n")), file=sys.stderr)
+    try:
+        print("\n".join(printable(line) for line in text.split("\n")), file=sys.stderr, flush=True)
+    except OSError:
+        # A full disk or a closed pipe: nobody reads it, which is no reason to stop.
+        print_nowhere(STDERR)
 
 
 def to_json(value: Any) -> str:

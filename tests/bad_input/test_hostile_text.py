@@ -5,6 +5,7 @@ import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from html.parser import HTMLParser
+from unittest.mock import patch
 
 import mujoco
 import pytest
@@ -12,10 +13,14 @@ from markdown_it import MarkdownIt
 from mutated_scenes import LEAST, Raw, written
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.engines.models.urdf import urdf
-from spincheck.reports.cli import running
+from spincheck.reports.cli import executing, running
+from spincheck.reports.cli.executing import Where
 from spincheck.reports.cli.scene import export_scene
+from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.pages.markdown import escaped, to_html
 from spincheck.reports.pages.render import render
+from spincheck.reports.results.cost_records import EffectsCost, PassCost, PassCosts, Ratio
+from spincheck.reports.results.records import Key
 from spincheck.reports.results.store import SceneResult
 from spincheck.scenarios import ScenarioError, is_scene_name, load, loads
 
@@ -37,6 +42,8 @@ HOSTILE = (
     "| evil | evil |",
 )
 TEXT = " ".join(HOSTILE)
+#: Of an engine and a method that chose their own names.
+KEY = Key("made", TEXT, TEXT)
 
 
 class Structure(HTMLParser):
@@ -74,7 +81,9 @@ def results(tmp_path_factory):
     folder = tmp_path_factory.mktemp("clean")
     (folder / "made.toml").write_text(written(LEAST))
     out = folder / "clean.sqlite"
-    return running.run([str(folder / "made.toml")], ["mujoco"], ["RK4"], [], 1, out, quick=True)
+    scene = [str(folder / "made.toml")]
+    with patch.object(executing, "_executor", lambda *_: InProcess()):
+        return running.run(scene, ["mujoco"], ["RK4"], [], Where(1), out, quick=True)
 
 
 def hostile_scene():
@@ -101,6 +110,8 @@ def hostile(results):
         scenes={"made": SceneResult(hostile_scene(), found.solution)},
         rows=[replace(renamed(row), printed=TEXT) for row in results.rows],
         verdicts=[replace(renamed(v), unmet=(TEXT,)) for v in results.verdicts],
+        effects=[EffectsCost(KEY, (TEXT,), 1e-6, 2e-6, Ratio(2.0, 0.1), 1e-3, 1.0, 0.0)],
+        passes=[PassCosts(KEY, 1e-6, 0.01, (PassCost(TEXT, 0.2, 0.1),))],
     )
 
 
@@ -184,7 +195,21 @@ def test_whatever_name_a_scene_may_have_its_models_have_too(tmp_path, name):
 
 BAD_NAMES = (
     *("..", "..%2f..", "%2e%2e", "<script>", "a b", "a&b", "a'b", 'a"b', "-x", ".x", "a\nb"),
-    *("\x1b[31m", "a\x00b", "a\u202eb", "a/b", "a\\b", "con:", "~", "", "a?b", "a#b", "*"),
+    *(
+        "x" * 201,
+        "é" * 101,
+        "\x1b[31m",
+        "a\x00b",
+        "a\u202eb",
+        "a/b",
+        "a\\b",
+        "con:",
+        "~",
+        "",
+        "a?b",
+        "a#b",
+        "*",
+    ),
 )
 
 

@@ -24,6 +24,17 @@ def records(text: str) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(text)))
 
 
+@pytest.mark.parametrize("text", ["=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "\n=1"])
+def test_no_text_is_a_formula_of_a_spreadsheet(text):
+    (record,) = records(csv_text([{"reason": text, "unmet": [text], "drifts": {"energy": text}}]))
+    assert set(record.values()) == {f"'{text}"}
+
+
+def test_a_negative_number_and_an_ordinary_text_are_as_they_are():
+    (record,) = records(csv_text([{"at": -1.5, "reason": "a = b"}]))
+    assert record == {"at": "-1.5", "reason": "a = b"}
+
+
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
     """A result file of made-up results."""
