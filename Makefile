@@ -41,6 +41,7 @@ schema: $(READY)
 $(READY): pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --editable '.[dev]'
+	$(BIN)/python -m spincheck.reference.compiled
 	touch $@
 
 clean:

@@ -35,7 +35,7 @@ def digest_of_kernels(package: Path) -> str:
     return digest.hexdigest()[:16]
 
 
-def _folder() -> str | None:
+def _folder() -> Path | None:
     """Return the first place that can be written to, beside the sources or in the home."""
     places = [Path(config.CACHE_DIR or _PACKAGE / "__pycache__")]
     # Not every user has a home.
@@ -48,11 +48,12 @@ def _folder() -> str | None:
         except OSError:
             continue
         if os.access(folder, os.W_OK):
-            return str(folder)
+            return folder
     return None
 
 
-_FOLDER = _folder()
+#: Where machine code is kept; None if nowhere can be written.
+FOLDER = _folder()
 
 
 def kernel(function: Callable[P, T]) -> Callable[P, T]:
@@ -61,11 +62,11 @@ def kernel(function: Callable[P, T]) -> Callable[P, T]:
     What is passed is tables and pairs, many words each, to a few operations: not to inline costs
     a quarter of the time. Never ``fastmath``, which would cancel the error terms of pairs.
     """
-    if _FOLDER is None:
+    if FOLDER is None:
         uncached: Callable[P, T] = njit(forceinline=True)(function)
         return uncached
     elsewhere = config.CACHE_DIR
-    config.CACHE_DIR = _FOLDER
+    config.CACHE_DIR = str(FOLDER)
     try:
         compiled: Any = njit(forceinline=True, cache=True)(function)
     finally:

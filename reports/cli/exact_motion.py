@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...reference import IntegrationError, drifts, facts, solve
+from ...reference.euler_angles import euler_zyz_from_quaternion, rates_from_omega_body
 from ...scenarios import Misfit, Scenario, angular_momentum_world, check_scales, energy
 from .terminal import BAD_INPUT, NOT_RUN, Complaint, table
 
@@ -34,9 +35,13 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
     except IntegrationError as error:
         raise Complaint(f"{scenario.name}: {error}", NOT_RUN) from None
     motion = solution.trajectory
+    angles = euler_zyz_from_quaternion(motion.q_world_body_wxyz)
     columns = {
         "t": motion.t,
         "quaternion_wxyz": motion.q_world_body_wxyz,
+        "euler_zyz_deg": np.degrees(angles),
+        # Not a number, so null in JSON, where β is 0 or π: α and γ have no rates of their own there.
+        "euler_zyz_rates": rates_from_omega_body(angles, motion.omega_body),
         "omega_body": motion.omega_body,
         "omega_world": motion.to_world(motion.omega_body),
         "com_world": motion.com_world,

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...engines import Engine, Method, Run
 from ...reference import ExactMotion, Solution
+from ...reference.compiled import compile_kernels, is_compiled
 from ...scenarios import FloatArray, Scenario
 from ...scenarios.fastest_rate import fastest_rate
 from ..results.environment import environment
@@ -42,6 +43,8 @@ def run_study(
     """
     store.put_environment(environment(choice.engines, choice.max_steps))
     store.put_methods(choice.engines)
+    if left.scenes and not is_compiled():
+        executor.call(compile_kernels)
     for verdict in executor.each(_methods_left(left, choice, store, executor)):
         key = verdict.key
         progress(f"{key.scenario}  {key.engine} {key.method}: {verdict.verdict}")

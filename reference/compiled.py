@@ -1,0 +1,50 @@
+"""Compiles all kernels and keeps their machine code, so that whoever solves a scene only loads it.
+
+``python -m spincheck.reference.compiled`` does it after an installation. A study does it in one
+worker before the others begin: each would compile for itself.
+"""
+
+from ..scenarios import loads
+from .kernel import FOLDER
+from .solve import ExactMotion
+
+#: Says in the folder of the machine code that nothing is missing there.
+COMPLETE = "complete"
+#: A free body and a heavy top, solved in closed form and, for a comparison, as an ODE.
+_SCENES = {
+    "free": "\n[effects]\n",
+    "heavy": "\n[effects.gravity]\nacceleration = [0.0, 0.0, -9.81]\n[effects.pivot]\n",
+}
+_TEXT = """spincheck = 1
+title = "Compiled with"
+source = "none"
+[body]
+mass = 1.0
+inertia = [2.0, {I2}, 3.0]
+com = [0.0, 0.0, 0.1]
+[start]
+euler_zyz_deg = [0.0, 30.0, 0.0]
+omega_body = [0.1, 0.2, 3.0]
+[window]
+duration = 0.1
+samples = 2
+"""
+_I2 = {"free": 2.5, "heavy": 2.0}
+
+
+def is_compiled() -> bool:
+    """Whether the machine code of all kernels is kept already."""
+    return FOLDER is not None and (FOLDER / COMPLETE).exists()
+
+
+def compile_kernels() -> None:
+    """Call every kernel once, as the solvers do; what is kept is loaded."""
+    for name, effects in _SCENES.items():
+        scenario = loads(_TEXT.format(I2=_I2[name]) + effects, name)
+        ExactMotion(scenario).solve(scenario.times)
+    if FOLDER is not None:
+        (FOLDER / COMPLETE).touch()
+
+
+if __name__ == "__main__":
+    compile_kernels()

@@ -1,0 +1,40 @@
+"""What `spincheck reference` prints of the exact motion."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from spincheck.reference.euler_angles import omega_body_from_rates
+from spincheck.reports.cli.exact_motion import describe
+from spincheck.scenarios import find, load
+
+TOP = load(find(["fast-top"])[0])
+UPRIGHT = load(find(["asleep-at-the-threshold"])[0])
+#: Of a few trigonometric functions each.
+ROUNDING = 16 * float(np.finfo(float).eps)
+
+
+@pytest.fixture(scope="module")
+def states() -> list[dict[str, list[float]]]:
+    found: list[dict[str, list[float]]] = describe(TOP, [0.3, 1.7])["states"]
+    return found
+
+
+def test_its_euler_angles_are_the_attitude(states):
+    for state in states:
+        by_angles = Rotation.from_euler("ZYZ", state["euler_zyz_deg"], degrees=True)
+        by_quaternion = Rotation.from_quat(state["quaternion_wxyz"], scalar_first=True)
+        assert (by_angles.inv() * by_quaternion).magnitude() <= ROUNDING
+
+
+def test_their_rates_are_the_angular_velocity(states):
+    for state in states:
+        angles, rates = np.radians(state["euler_zyz_deg"]), np.array(state["euler_zyz_rates"])
+        omega = omega_body_from_rates(angles, rates)
+        speed = np.linalg.norm(omega)
+        assert np.abs(omega - state["omega_body"]).max() <= ROUNDING * speed
+
+
+def test_an_upright_axis_has_no_rates():
+    upright = describe(UPRIGHT, [0.0])["states"][0]
+    assert upright["euler_zyz_deg"][1] == 0
+    assert np.isnan(upright["euler_zyz_rates"]).all()
