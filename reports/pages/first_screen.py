@@ -58,7 +58,9 @@ class _AtStock:
         if math.isinf(middle):
             return f"does not come to the end of {lost} of {plural(len(off), 'scene')}"
         worst = max(ended, key=lambda name: ended[name])
-        text = f"{_degrees(middle)} off in attitude, at worst {_degrees(ended[worst])} on {worst}"
+        text = (
+            f"is {_degrees(middle)} off in attitude, at worst {_degrees(ended[worst])} on {worst}"
+        )
         return text + (f", and {plural(lost, 'run')} blew up" if lost else "")
 
 
@@ -73,7 +75,7 @@ def answer(gathered: ReportData) -> tuple[Sentence, ...]:
     if not shipped:
         return ()
     most = max(len(one.rows) for one in shipped)
-    wrong = [f"{_named(one)} is {one}" for one in shipped]
+    wrong = [f"{_named(one)} {one}" for one in shipped]
     instead = [said for one in shipped if (said := _instead(one, clean))]
     found = [
         Sentence(f"What defaults get wrong (median of {plural(most, 'scene')})", _sentences(wrong)),
@@ -104,7 +106,7 @@ def _instead(shipped: _AtStock, clean: Sequence[_AtStock]) -> str:
     if best is None or best.size >= shipped.size:
         return ""
     engine, method = best.pair
-    text = f"{engine} {method} at the same {duration(best.timestep)} is {best}"
+    text = f"{engine} {method} at the same {duration(best.timestep)} {best}"
     prices = [
         dear / cheap
         for name in best.rows.keys() & shipped.rows.keys()
@@ -132,7 +134,7 @@ def _why(shipped: _AtStock, scenes: Sequence[SceneRuns]) -> str:
             f"timestep shrinks{left}: its errors are its integrator's"
         )
     rows = [shipped.rows[name] for name in wrong if name in shipped.rows]
-    counted = Counter(cause for row in rows for cause in set(_causes(row)))
+    counted = Counter(cause for row in rows for cause in dict.fromkeys(_causes(row)))
     causes = [
         f"{cause} ({amount})"
         for cause, amount in counted.most_common()

@@ -15,6 +15,8 @@ from .tables import SIGNS
 
 #: Significant digits: cells show two, their details three.
 DIGITS = 3
+#: As the script's switch has them.
+SHOWN_SIGNALS = ("attitude", "omega", "angular_momentum", "energy")
 #: Characters of why a run did not end ok.
 REASON = 160
 
@@ -72,9 +74,9 @@ def _run(scene: SceneRuns, row: Row) -> list[Any]:
     if row.errors is None:
         return [row.timestep, row.outcome, _rounded(row.stopped_at), row.reason[:REASON]]
     limits = dict(scene.uncertainty(row))
+    found = dict(row.errors)
     errors = [
-        -limits[name] if error <= limits[name] else error
-        for name, error in sorted(row.errors, key=lambda pair: pair[0] != "attitude")
+        -limits[name] if found[name] <= limits[name] else found[name] for name in SHOWN_SIGNALS
     ]
     return [_rounded(row.timestep), _rounded(cost(row)), *(_rounded(error) for error in errors)]
 

@@ -25,6 +25,7 @@ from .motion_data import motion_data
 from .page_data import PageData
 from .protocol import constants
 from .scene_answer import scene_answer, shown_at_first
+from .stock_table import stock_table
 from .sweep_section import sweep_section, write_sweeps
 
 TEMPLATES = Path(str(files(__package__))) / "templates"
@@ -131,6 +132,7 @@ def _overview(gathered: ReportData) -> dict[str, Any]:
     return {
         "answer": answer(gathered),
         "heat": heat_map(gathered),
+        "stock": stock_table(plain),
         "headline": overview.headline(gathered),
         "counts": overview.counts(plain),
         "matrix": overview.matrix(plain),
