@@ -5,12 +5,17 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 CODE := scenarios reference engines reports
 
-.PHONY: report test bench kills lint types contract check schema clean
+.PHONY: report engines test bench kills lint types contract check schema clean
 
 # Exit code 1 says that something disagrees: the report tells what.
 report: $(READY)
 	$(BIN)/spincheck run || [ $$? -eq 1 ]
 	$(BIN)/spincheck report || [ $$? -eq 1 ]
+
+# Every optional engine: Python packages into .venv, npm packages into the user's cache.
+engines: $(READY)
+	$(BIN)/pip install --quiet --editable '.[exudyn,rapier3d]'
+	$(BIN)/python -m spincheck.engines.adapters.node || [ $$? -eq 3 ]
 
 test: $(READY)
 	$(BIN)/pytest -n auto --dist loadfile tests scenarios/library

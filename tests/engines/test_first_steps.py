@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from box import BOX
+from kinds_of_engines import required_engines
 from lies import SingleSession, SingleUngyroscopicSession, UngyroscopicSession
 from planted import HeunSession
 from scenes import SCENES
@@ -13,7 +14,7 @@ from spincheck.scenarios import loads
 #: Of the engines that this package depends on; what others lack is for a study to tell.
 METHODS = [
     pytest.param(engine, method, id=f"{engine.name}-{method.name}")
-    for engine in engines().values()
+    for engine in required_engines()
     for method in engine.methods
     if not method.as_shipped and engine.name in ("mujoco", "mujoco-urdf", "pybullet")
 ]

@@ -3,8 +3,9 @@
 import numpy as np
 import pybullet as p
 import pytest
+from kinds_of_engines import required_engines
 from scenes import SCENES
-from spincheck.engines import Engine, Method, Session, engines
+from spincheck.engines import Engine, Method, Session
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.pybullet.engine import PyBullet
 from spincheck.engines.models.mjcf import switched_off
@@ -15,7 +16,7 @@ STEPS = 100
 LIBRARY = [load(path) for path in find([])]
 METHODS = [
     pytest.param(engine, method, id=f"{engine.name}-{method.name}")
-    for engine in engines().values()
+    for engine in required_engines()
     for method in engine.methods
     if not method.as_shipped
 ]
@@ -90,7 +91,7 @@ def test_with_nothing_left_in_it_is_the_pruned_session(engine: Engine, method: M
         assert session.active() == scene.called_for
 
 
-@pytest.mark.parametrize("engine", engines().values(), ids=lambda engine: engine.name)
+@pytest.mark.parametrize("engine", required_engines(), ids=lambda engine: engine.name)
 def test_of_an_engine_as_shipped_nothing_is_left_out(engine: Engine) -> None:
     for method in engine.methods:
         if method.as_shipped:

@@ -40,7 +40,7 @@ PIPE_SIZE = 1 << 16
 #: s that are waited for the end of what a call printed, once it has answered.
 OUTPUT_WAIT = 5.0
 #: What libraries start threads by. Engines step in one; others would spin beside it.
-THREAD_COUNTS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+THREAD_COUNTS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
 _LENGTH = struct.Struct("<Q")
 #: What the process runs; its arguments are the mark that ends a call's output, the parent's id, and
 #: where modules are found, as JSON.

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import scene
 from spincheck.engines import EngineError, Run
 from spincheck.engines.child import ChildEngine, ProtocolError, child_engine
 from spincheck.engines.child.process import end_idle
+from spincheck.engines.contract.scenes import scene
 
 PLANTED = Path(__file__).with_name("planted_child.py")
 SPHERE = scene("sphere", body="\nmass = 2.0\ninertia = [0.3, 0.3, 0.3]\n")

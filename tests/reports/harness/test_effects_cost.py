@@ -4,7 +4,8 @@ from collections.abc import Collection
 
 import pytest
 from clockwork import METHOD, SCENE, Clock, Clockwork, Works, clock, steadily
-from spincheck.engines import Engine, EngineError, Method, engines
+from kinds_of_engines import required_engines
+from spincheck.engines import Engine, EngineError, Method
 from spincheck.reports.harness import effects_cost
 from spincheck.reports.harness import step_cost as cost
 from spincheck.reports.harness.effects_cost import effects_costs, first_pass_costs, pass_costs
@@ -182,7 +183,7 @@ def test_the_first_method_that_can_do_it_is_timed_pass_by_pass(clock: Clock) -> 
 
 REAL = [
     pytest.param(engine, method, id=f"{engine.name}-{method.name}")
-    for engine in engines().values()
+    for engine in required_engines()
     for method in engine.methods
 ]
 
@@ -200,7 +201,7 @@ def test_real_engines_move_alike_with_and_without_what_is_left_out(engine, metho
     assert (found.difference, found.compared_until) == (0.0, scenario.window.duration)
 
 
-@pytest.mark.parametrize("engine", engines().values(), ids=lambda engine: engine.name)
+@pytest.mark.parametrize("engine", required_engines(), ids=lambda engine: engine.name)
 def test_real_engines_are_timed_for_all_that_they_leave_out(engine) -> None:
     scenario = load(find(["fast-top"])[0])
     able = [m for m in engine.methods if not engine.unsupported(scenario, m)]

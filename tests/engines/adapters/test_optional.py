@@ -1,0 +1,112 @@
+"""Optional engines hold the scene they are told, and nothing else acts; each skips if not there."""
+
+import ast
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from kinds_of_engines import OPTIONAL, why_missing
+from spincheck.engines import Engine, engines, missing
+from spincheck.engines import adapters as adapters_package
+from spincheck.engines.adapters.node import discovered
+from spincheck.engines.child.process import end_idle
+from spincheck.engines.contract.scenes import SCENES
+
+TIMESTEP = 2.0**-10
+#: A scene with everything that is held, and one with everything that acts on a free body.
+HELD = ("everything", "heavy-top", "free-tilted-plate")
+PUSHED = ("free-falling", "free-drag", "free-torque-body", "free-torque-world", "pivot-torque-body")
+WITHOUT_GYROSCOPIC_TORQUE = ("cannon-es", "havok")
+
+
+@pytest.fixture(params=OPTIONAL)
+def engine(request: pytest.FixtureRequest):
+    if reason := why_missing(request.param):
+        pytest.skip(reason)
+    return engines()[request.param]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _nobody_left():
+    yield
+    end_idle()
+
+
+def test_every_optional_engine_is_there_or_missing_with_how_to_get_it() -> None:
+    there, absent = set(engines()), {one.name: one.reason for one in missing()}
+    assert set(OPTIONAL) <= there | set(absent)
+    remedies = ("pip install 'spincheck[", "python -m spincheck.engines", "node is not installed")
+    for name in set(OPTIONAL) & set(absent):
+        assert any(remedy in absent[name] for remedy in remedies)
+
+
+@pytest.mark.parametrize("name", [*HELD, *PUSHED])
+def test_it_holds_the_scene_and_no_other_thing_acts(engine: Engine, name: str) -> None:
+    for method in engine.methods:
+        if not method.as_shipped:
+            run = engine.run(SCENES[name], method, TIMESTEP, np.arange(3))
+            assert (run.outcome, run.reason) == ("ok", "")
+            assert run.active == SCENES[name].called_for
+
+
+def test_its_defaults_have_a_row_that_says_what_differs(engine: Engine) -> None:
+    (shipped,) = [method for method in engine.methods if method.as_shipped]
+    run = engine.run(SCENES["heavy-top"], shipped, TIMESTEP, np.arange(3))
+    assert run.outcome == "ok"
+    assert {"gravity", "pivot"} <= run.active
+
+
+def test_a_second_run_of_it_is_the_same_to_the_last_bit(engine: Engine) -> None:
+    method = engine.methods[0]
+    runs = [engine.run(SCENES["everything"], method, TIMESTEP, np.arange(9)) for _ in range(2)]
+    first, second = (run.trajectory for run in runs)
+    assert first is not None
+    assert second is not None
+    assert np.array_equal(first.q_world_body_wxyz, second.q_world_body_wxyz)
+    assert np.array_equal(first.omega_body, second.omega_body)
+
+
+def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
+    engine: Engine,
+) -> None:
+    said = engine.equation_residuals(SCENES["free-drag"], engine.methods[0])
+    if engine.name in WITHOUT_GYROSCOPIC_TORQUE:
+        assert said.endswith("as if there were no gyroscopic torque")
+    else:
+        assert said == ""
+
+
+def test_nothing_optional_is_imported_before_a_scene_is_opened() -> None:
+    """In the sources: another test of this process may have opened one."""
+    packages = {engine.package for engine in engines().values()} - {""}
+    assert not packages & _imported_by_modules()
+
+
+def test_without_node_its_engines_are_missing_and_say_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys.modules[discovered.__module__].shutil, "which", lambda _: None)
+    found = list(discovered())
+    assert {"cannon-es", "rapier3d-js"} <= {one.name for one in found}
+    assert {one.reason for one in found} == {"node is not installed"}
+
+
+def test_without_their_packages_they_are_missing_with_the_command_that_installs_them(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(sys.modules[discovered.__module__].shutil, "which", lambda _: "node")
+    reasons = {one.reason for one in discovered()}
+    assert len(reasons) == 1
+    assert "python -m spincheck.engines.adapters.node" in reasons.pop()
+
+
+def _imported_by_modules() -> set[str]:
+    """What the adapters' modules import as soon as they are imported themselves."""
+    found = set()
+    for path in Path(adapters_package.__path__[0]).rglob("*.py"):
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.Import):
+                found |= {alias.name.partition(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and not node.level:
+                found.add((node.module or "").partition(".")[0])
+    return found

@@ -1,0 +1,17 @@
+"""Engines that are always there, and optional ones: what a test asks of both, or of one kind."""
+
+from spincheck.engines import Engine, engines, missing
+from spincheck.engines.child import ChildEngine
+
+#: Optional engines of which a name stands in a test; each is run where it is there.
+OPTIONAL = ("cannon-es", "exudyn", "havok", "jolt", "physx", "rapier3d", "rapier3d-js")
+
+
+def required_engines() -> list[Engine]:
+    """Those whose packages spincheck depends on."""
+    return [e for e in engines().values() if not (e.package or isinstance(e, ChildEngine))]
+
+
+def why_missing(name: str) -> str:
+    """Why an optional engine is not there, with how to get it; empty if it is."""
+    return next((absent.reason for absent in missing() if absent.name == name), "")
