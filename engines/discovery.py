@@ -57,7 +57,7 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
             module = importlib.import_module(name)
             there = [*_engines_in(module), *_discovered_by(module)]
         # An engine's package may raise anything when imported; that costs this engine alone.
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             absent.append(_missing(name.rpartition(".")[2], error))
             continue
         for engine in there:
@@ -70,7 +70,7 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
     return found, tuple(absent)
 
 
-def _missing(name: str, error: Exception) -> Missing:
+def _missing(name: str, error: BaseException) -> Missing:
     if isinstance(error, ModuleNotFoundError) and error.name:
         package = error.name.partition(".")[0]
         if package != "spincheck":

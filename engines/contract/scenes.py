@@ -1,9 +1,9 @@
-"""Small scenes for engine tests, built in memory: one for every effect and every trap of a model.
+"""Small scenes, built in memory: one for every effect and every trap of a model.
 
 `SCENES` holds them by name. `scene` builds another from tables of its own.
 """
 
-from spincheck.scenarios import Scenario, loads
+from ...scenarios import Scenario, loads
 
 #: Principal moments all different, the triangle inequality satisfied with room to spare.
 ASYMMETRIC = """
@@ -62,7 +62,14 @@ def scene(
     duration: float = 1.0,
     samples: int = 11,
 ) -> Scenario:
-    """A scenario out of the contents of its tables; `effects` comes with its own headers."""
+    """A scenario out of the contents of its tables; `effects` comes with its own headers.
+
+    Parameters
+    ----------
+    body, start : lines of these tables
+    effects : tables, headers included
+    duration : s
+    """
     return loads(
         f"""spincheck = 1
 title = "{name}"

@@ -1,0 +1,36 @@
+"""The contract as tests of pytest: one an engine, method and promise."""
+
+from collections.abc import Callable
+
+from ..discovery import engines
+from ..engine import Engine, Method
+from .checks import CHECKS, Check
+
+
+def contract_tests(*names: str) -> Callable[..., None]:
+    """A test function to be assigned to a name that pytest collects.
+
+    Parameters
+    ----------
+    names : of engines; every engine that can be used here if there are none
+
+    Raises
+    ------
+    KeyError
+        If there is no engine of that name.
+    """
+    import pytest
+
+    chosen = [engines()[name] for name in names or engines()]
+    cases = [
+        pytest.param(check, engine, method, id=f"{engine.name}-{method.name}-{check.__name__}")
+        for engine in chosen
+        for method in engine.methods
+        for check in CHECKS
+    ]
+
+    @pytest.mark.parametrize(("check", "engine", "method"), cases)
+    def test_contract(check: Check, engine: Engine, method: Method) -> None:
+        check(engine, method)
+
+    return test_contract

@@ -1,0 +1,83 @@
+"""An engine in a package of its own is found, keeps the contract and appears in a report.
+
+And one whose package raises on import costs only itself.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from spincheck.engines import discovery
+from spincheck.engines.contract import CHECKS, Check, contract_tests
+from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.harness.plan import plan
+from spincheck.reports.harness.study import run_study
+from spincheck.reports.pages.render import render
+from spincheck.reports.results.store import open_store
+from spincheck.scenarios import find, load
+
+STRANGER = Path(__file__).parent / "stranger"
+#: What a package may raise, and not only that it lacks another.
+RAISES = ["raise RuntimeError('built for numpy 1')", "1 / 0", "import sys; sys.exit(3)"]
+
+
+def forget() -> None:
+    for found in (discovery.engines, discovery.missing, discovery._discover):
+        found.cache_clear()
+
+
+@pytest.fixture
+def installed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.syspath_prepend(str(STRANGER))
+    forget()
+    yield
+    forget()
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
+def test_it_keeps_the_contract(installed: None, check: Check) -> None:
+    toy = discovery.engines()["toy"]
+    check(toy, toy.methods[0])
+
+
+def test_its_own_tests_are_one_line(installed: None) -> None:
+    (mark,) = contract_tests("toy").pytestmark  # type: ignore[attr-defined]
+    names = [case.id for case in mark.args[1]]
+    assert names == [f"toy-RK4-{check.__name__}" for check in CHECKS]
+
+
+def test_it_is_short() -> None:
+    assert len((STRANGER / "toy_engine.py").read_text().splitlines()) < 60
+
+
+def test_it_appears_in_a_report(installed: None, tmp_path: Path) -> None:
+    scene = load(find(["tennis-racket"])[0])
+    choice = Choice((discovery.engines()["toy"],), (), (0.01,), timed=False)
+    with open_store(tmp_path / "toy.sqlite", create=True) as store:
+        run_study(plan([scene], choice, store), choice, store, InProcess(), lambda _: None)
+        results = store.read()
+    (row,) = [row for row in results.rows if row.timestep == 0.01]
+    assert (row.key.engine, row.outcome) == ("toy", "ok")
+    render(results, tmp_path / "report")
+    assert "toy" in (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("source", RAISES)
+def test_a_package_that_raises_on_import_costs_only_its_own_engine(
+    source: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "broken_engine.py").write_text(source, encoding="utf-8")
+    info = tmp_path / "broken_engine-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Name: broken-engine\nVersion: 1.0\n", encoding="utf-8")
+    points = "[spincheck.engines]\nbroken = broken_engine\n"
+    (info / "entry_points.txt").write_text(points, encoding="utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    forget()
+    try:
+        assert {"mujoco", "pybullet"} <= set(discovery.engines())
+        (found,) = [one for one in discovery.missing() if one.name == "broken_engine"]
+        assert "importing it failed" in found.reason
+    finally:
+        forget()
