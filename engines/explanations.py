@@ -14,6 +14,8 @@ from ..scenarios import FloatArray
 from .equations import Equations, Gain
 from .rotation import matrices
 
+#: Stands for a size of nothing; its inverse can be squared.
+NO_SIZE = 1e-100
 #: Of what is seen, so much may be left unexplained: the fit is linear in θ, the model need not be.
 LINEAR, LINEAR_AT_MOST = 1e-2, 0.2
 #: A fitted number that is this near to a whole one is that one.
@@ -54,7 +56,7 @@ def explanation(equations: Equations, gains: Sequence[Gain], noise: FloatArray) 
         # Of numbers that make no difference, such as a free body's scale, none is changed.
         theta, _, count, _ = np.linalg.lstsq(matrix, seen, rcond=RANK)
         left = (seen - matrix @ theta).reshape(weights.shape[0], 4, 3)
-        size = float(np.linalg.norm(excess / np.maximum(_sizes(gains), 1e-300)))
+        size = float(np.linalg.norm(excess / np.maximum(_sizes(gains), NO_SIZE)))
         slack = np.abs(seen).max() * min(max(LINEAR, size), LINEAR_AT_MOST)
         rest = float(np.abs(left).max())
         if rest <= max(1.0, slack) and (words := change.words(theta)):

@@ -3,14 +3,9 @@
 import numpy as np
 import pytest
 from box import BOX
-from kinds_of_engines import required_engines
 from lies import SingleSession, SingleUngyroscopicSession, UngyroscopicSession
 from planted import HeunSession
 from scenes import SCENES
-from spincheck.engines import engines
-from spincheck.engines.first_steps import equation_residuals, starting_with
-from spincheck.scenarios import loads
-
 from spincheck.engines import engines
 from spincheck.engines.first_steps import equation_residuals, starting_with
 from spincheck.scenarios import loads
