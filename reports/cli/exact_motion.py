@@ -40,7 +40,7 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
         "t": motion.t,
         "quaternion_wxyz": motion.q_world_body_wxyz,
         "euler_zyz_deg": np.degrees(angles),
-        # Not a number, so null in JSON, where β is 0 or π: α and γ have no rates of their own there.
+        # NaN (null in JSON) where β is 0 or π: α and γ have no rates of their own there.
         "euler_zyz_rates": rates_from_omega_body(angles, motion.omega_body),
         "omega_body": motion.omega_body,
         "omega_world": motion.to_world(motion.omega_body),
