@@ -33,8 +33,12 @@ PIPE_SIZE = 1 << 16
 LAST_LINE = 200
 #: Bytes of what it printed that are kept, from its end.
 KEPT_OUTPUT = 4096
-#: What ends a process from outside.
-_FOREIGN = frozenset({signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP})
+#: What ends a process from outside; Windows has fewer of these.
+_FOREIGN = frozenset(
+    getattr(signal, name).value
+    for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")
+    if hasattr(signal, name)
+)
 
 A = TypeVar("A", bound=Answer)
 

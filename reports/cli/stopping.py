@@ -14,9 +14,11 @@ from contextlib import suppress
 from types import FrameType
 
 STDIN, STDOUT, STDERR = 0, 1, 2
-_STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 #: s, in which Python has to hear of a signal, and in which everything has to be put away then.
 HEARING, ENDING = 0.5, 10.0
+#: Windows has no SIGHUP.
+_HANGUP: signal.Signals | None = getattr(signal, "SIGHUP", None)
+_STOPPING = tuple(n for n in (signal.SIGINT, signal.SIGTERM, _HANGUP) if n is not None)
 #: Exit codes of what a signal ended, as shells have it: this and the signal's number.
 _BY_SIGNAL = 128
 
@@ -40,7 +42,7 @@ def raise_when_stopped() -> None:
         heard.set()
         for each in obeyed:
             signal.signal(each, _leave)
-        if number == signal.SIGHUP:
+        if number == _HANGUP:
             print_nowhere(*terminals)
         raise Stopped(number)
 

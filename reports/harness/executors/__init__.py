@@ -1,8 +1,9 @@
 """Where calls are made: in this process, in local worker processes, or on a Dask cluster."""
 
-from .executor import Answer, CallFailed, Executor, ExecutorStopped, cause_of
+from .executor import Answer, CallFailed, Executor, ExecutorStopped
 from .in_process import InProcess
 from .local_workers import LocalWorkers
+from .worker_main import cause_of
 from .worker_slot import TIME_LIMIT, is_environmental, may_succeed_if_repeated
 
 __all__ = [

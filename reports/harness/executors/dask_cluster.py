@@ -7,6 +7,7 @@ comes back comes back once (https://distributed.dask.org/en/stable/resilience.ht
 import asyncio
 import logging
 import threading
+import weakref
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -130,7 +131,7 @@ class DaskCluster(Executor):
 
 
 def isolated(call: Callable[[], Any], time_limit: float) -> Answer[Any]:
-    """Make a call on a cluster's worker, in a process beside it that belongs to this thread."""
+    """Make a call on a cluster's worker, in a process beside it that ends with this thread."""
     slots: dict[float, WorkerSlot] = _of_this_thread.__dict__.setdefault("slots", {})
     if time_limit not in slots:
         # Of another run; this one has a process of its own.
@@ -138,6 +139,7 @@ def isolated(call: Callable[[], Any], time_limit: float) -> Answer[Any]:
             slot.end()
         slots.clear()
         slots[time_limit] = WorkerSlot(time_limit)
+        weakref.finalize(threading.current_thread(), slots[time_limit].end)
     return slots[time_limit].call(call)
 
 

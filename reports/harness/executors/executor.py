@@ -1,6 +1,5 @@
 """The interface of everything that makes calls; what runs anything is handed one of them."""
 
-import errno
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -13,15 +12,6 @@ from ....engines import Cause
 P = ParamSpec("P")
 T = TypeVar("T")
 
-#: Errors of the operating system that are the machine's fault and pass.
-PASSING = frozenset(
-    getattr(errno, name)
-    for name in (
-        *("ENOSPC", "EDQUOT", "EFBIG", "EROFS", "EIO"),
-        *("EMFILE", "ENFILE", "EAGAIN", "ENOMEM", "ENOLCK"),
-    )
-    if hasattr(errno, name)
-)
 #: Tasks that wait for a thread, for each that runs: enough that none is idle.
 QUEUED_PER_THREAD = 1
 
@@ -38,12 +28,6 @@ class CallFailed:
 
     reason: str
     cause: Cause = "bug"
-
-
-def cause_of(error: BaseException) -> Cause:
-    """Why a call failed that raised."""
-    passing = isinstance(error, OSError) and error.errno in PASSING
-    return "environment" if passing else "bug"
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from typing import ParamSpec, TypeVar, final
 
-from .executor import Answer, CallFailed, Executor, cause_of
+from .executor import Answer, CallFailed, Executor, ExecutorStopped
+from .worker_main import cause_of
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -13,8 +14,14 @@ T = TypeVar("T")
 class InProcess(Executor):
     """A call that raises fails; one that crashes or hangs takes this process with it."""
 
+    def __init__(self) -> None:
+        super().__init__()
+        self._stopped = False
+
     def call(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Answer[T]:
         """Call it here."""
+        if self._stopped:
+            raise ExecutorStopped
         try:
             return Answer(function(*args, **kwargs))
         except (Exception, SystemExit) as error:
@@ -25,7 +32,8 @@ class InProcess(Executor):
         return self
 
     def stop(self) -> None:
-        """Nothing is ever under way but the caller's own call."""
+        """Make no further call; one that is under way ends by itself."""
+        self._stopped = True
 
     def close(self) -> None:
         """There is nothing to free."""

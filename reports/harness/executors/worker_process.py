@@ -7,49 +7,31 @@ process that may have no children of `multiprocessing`'s, such as a worker of a 
 this one.
 """
 
-import ctypes
-import io
 import json
 import os
 import pickle
 import secrets
-import signal
-import struct
 import subprocess
 import sys
 import threading
-from collections.abc import Callable
 from queue import Empty, SimpleQueue
 from typing import IO, Any
 
 import psutil
 
 from ....engines import Cause
-from .executor import cause_of
+from . import worker_main
+from .worker_main import receive, send
 
-#: <stdio.h>, _IONBF: nothing that was printed before a crash is lost in a buffer.
-UNBUFFERED = 2
-#: <sys/prctl.h>, Linux: choose the signal to be sent when the parent is gone.
-PR_SET_PDEATHSIG = 1
 #: Bytes of what a call printed that are kept, from its end.
 KEPT_OUTPUT = 4096
-#: Of the machine's memory, what one worker may hold (RLIMIT_DATA of getrlimit(2)).
-MEMORY_SHARE = 0.5
 #: Bytes read at once of what is printed: as many as a pipe holds (pipe(7), Linux).
 PIPE_SIZE = 1 << 16
 #: s that are waited for the end of what a call printed, once it has answered.
 OUTPUT_WAIT = 5.0
 #: What libraries start threads by. Engines step in one; others would spin beside it.
 THREAD_COUNTS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
-_LENGTH = struct.Struct("<Q")
-#: What the process runs; its arguments are the mark that ends a call's output, the parent's id, and
-#: where modules are found, as JSON.
-_PROGRAM = """
-import json, sys
-sys.path[:] = json.loads(sys.argv[3])
-from spincheck.reports.harness.executors.worker_process import serve
-serve(bytes.fromhex(sys.argv[1]), int(sys.argv[2]))
-"""
+ONE_THREAD = dict.fromkeys(THREAD_COUNTS, "1")
 
 
 class WorkerProcess:
@@ -65,18 +47,18 @@ class WorkerProcess:
         self._mark = secrets.token_bytes(16)
         # -P: no module of the current folder is taken for one of Python's own. A process group of
         # its own: Ctrl-C is for the program that the user sees, which ends its workers.
-        own_group: dict[str, Any] = {"process_group": 0}
+        program: str = sys.executable
+        started: dict[str, Any] = {"process_group": 0, "env": os.environ | ONE_THREAD}
         if sys.platform == "win32":
-            own_group = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
+            program, started = _on_windows()
         arguments = (self._mark.hex(), os.getpid(), json.dumps(sys.path))
         self._process = subprocess.Popen(
-            [sys.executable, "-P", "-c", _PROGRAM, *map(str, arguments)],
+            [program, "-P", worker_main.__file__, *map(str, arguments)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             bufsize=0,
-            env=os.environ | dict.fromkeys(THREAD_COUNTS, "1"),
-            **own_group,
+            **started,
         )
         try:
             self._of_system = psutil.Process(self._process.pid)
@@ -101,8 +83,8 @@ class WorkerProcess:
         """Whether the process is there."""
         return self._process.poll() is None
 
-    def give(self, call: Callable[[], Any]) -> None:
-        """Let it call.
+    def give(self, call: bytes) -> None:
+        """Let it make a pickled call.
 
         Raises
         ------
@@ -111,12 +93,7 @@ class WorkerProcess:
         """
         self._printed = b""
         self._printed_all.clear()
-        try:
-            request = pickle.dumps((call, ()))
-        except Exception as error:
-            # Comes back like a call that failed.
-            request = pickle.dumps((_refuse, (f"{type(error).__name__}: {error}",)))
-        _send(_raw(self._process.stdin), request)
+        send(_raw(self._process.stdin), call)
 
     def has_answered(self, seconds: float) -> bool:
         """Wait until it has answered or is gone, so long at most."""
@@ -172,7 +149,7 @@ class WorkerProcess:
         stream = _raw(self._process.stdout)
         try:
             while True:
-                self._answers.put(_receive(stream))
+                self._answers.put(receive(stream))
         except (EOFError, OSError):
             self._answers.put(None)
 
@@ -186,111 +163,21 @@ class WorkerProcess:
         self._printed_all.set()
 
 
+def _on_windows() -> tuple[str, dict[str, Any]]:
+    """The interpreter and what it is started with.
+
+    In a virtual environment `sys.executable` only launches another process, whose CPU time would
+    not be seen; that one is started instead, in the way of `multiprocessing.popen_spawn_win32`.
+    """
+    program = getattr(sys, "_base_executable", sys.executable)
+    environment = os.environ | ONE_THREAD
+    if program != sys.executable:
+        environment |= {"__PYVENV_LAUNCHER__": sys.executable}
+    flags = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
+    return program, {"creationflags": flags, "env": environment}
+
+
 def _raw(stream: Any) -> IO[bytes]:
     assert stream is not None, "all three streams are pipes"
     pipe: IO[bytes] = stream
     return pipe
-
-
-def _send(stream: IO[bytes], message: bytes) -> None:
-    parts = memoryview(_LENGTH.pack(len(message)) + message)
-    while parts:
-        parts = parts[stream.write(parts) :]
-
-
-def _receive(stream: IO[bytes]) -> bytes:
-    (length,) = _LENGTH.unpack(_read(stream, _LENGTH.size))
-    return _read(stream, length)
-
-
-def _read(stream: IO[bytes], length: int) -> bytes:
-    parts = bytearray()
-    while len(parts) < length:
-        part = stream.read(length - len(parts))
-        if not part:
-            raise EOFError
-        parts += part
-    return bytes(parts)
-
-
-def serve(mark: bytes, parent: int) -> None:
-    """The process itself: take calls until the parent is gone.
-
-    Parameters
-    ----------
-    mark : is printed when a call has answered
-    parent : its process id
-    """
-    # Ctrl-C is the parent's to decide on, should it reach this process after all.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _die_with(parent)
-    _bound_memory()
-    calls, answers = _pipes_of_its_own()
-    _print_at_once()
-    while True:
-        try:
-            request = _receive(calls)
-        except (EOFError, OSError):
-            return
-        answer = _answer(request)
-        os.write(2, mark)
-        _send(answers, answer)
-
-
-def _pipes_of_its_own() -> tuple[IO[bytes], IO[bytes]]:
-    """Move calls and answers off the standard streams, where an engine may read or print."""
-    calls, answers = os.fdopen(os.dup(0), "rb", 0), os.fdopen(os.dup(1), "wb", 0)
-    nothing = os.open(os.devnull, os.O_RDONLY)
-    os.dup2(nothing, 0)
-    os.close(nothing)
-    os.dup2(2, 1)
-    return calls, answers
-
-
-def _answer(request: bytes) -> bytes:
-    try:
-        call, arguments = pickle.loads(request)
-        return pickle.dumps((True, call(*arguments), ""))
-    # A call that exits is a call that failed, not the end of the worker.
-    except (Exception, SystemExit) as error:
-        return pickle.dumps((False, f"{type(error).__name__}: {error}", cause_of(error)))
-
-
-def _refuse(reason: str) -> None:
-    raise RuntimeError(f"the call cannot be sent to a worker: {reason}")
-
-
-def _die_with(parent: int) -> None:
-    """Have the system kill this process as soon as its parent's thread is gone, whatever it does.
-
-    See prctl(2), on Linux: the parent is the thread that started this process. Elsewhere it ends
-    when its standard input does, once its call has returned.
-    """
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-    if os.getppid() != parent:
-        os._exit(1)
-
-
-def _bound_memory() -> None:
-    """Refuse an engine that leaks more memory than `MEMORY_SHARE`, before others have none."""
-    if sys.platform == "win32":
-        return
-    import resource
-
-    bytes_there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    limit = int(MEMORY_SHARE * bytes_there)
-    _, most = resource.getrlimit(resource.RLIMIT_DATA)
-    if most != resource.RLIM_INFINITY:
-        limit = min(limit, most)
-    resource.setrlimit(resource.RLIMIT_DATA, (limit, most))
-
-
-def _print_at_once() -> None:
-    """Have both streams, Python's and C's, write each byte as soon as it is printed."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(write_through=True)
-    if sys.platform == "linux":
-        library = ctypes.CDLL(None)
-        library.setvbuf(ctypes.c_void_p.in_dll(library, "stdout"), None, UNBUFFERED, 0)

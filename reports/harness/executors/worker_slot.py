@@ -1,5 +1,6 @@
 """One worker process at a time, replaced whenever it dies; what its death tells of the call."""
 
+import pickle
 import re
 import signal
 import sys
@@ -60,8 +61,13 @@ class WorkerSlot:
         ExecutorStopped
             If the slot was stopped.
         """
+        try:
+            request = pickle.dumps(call)
+        except Exception as error:
+            reason = f"the call cannot be sent to a worker: {type(error).__name__}: {error}"
+            return Answer(CallFailed(reason))
         for attempt in range(ATTEMPTS):
-            answer = self._attempt(call)
+            answer = self._attempt(request)
             if self._stopped:
                 raise ExecutorStopped
             killed = isinstance(answer.value, CallFailed) and answer.value.cause == "killed"
@@ -84,16 +90,16 @@ class WorkerSlot:
                 self._worker.end()
                 self._worker = None
 
-    def _attempt(self, call: Callable[[], Any]) -> Answer[Any]:
+    def _attempt(self, request: bytes) -> Answer[Any]:
         try:
             worker = self._ready()
         except OSError as error:
             return Answer(CallFailed(f"no worker process could be started: {error}", "environment"))
         try:
-            worker.give(call)
+            worker.give(request)
             if overdue := self._wait(worker):
-                printed = worker.printed()
                 self._forget(worker)
+                printed = worker.printed()
                 return Answer(CallFailed(overdue + _last_line(printed), "time-out"), printed)
             returned, value, cause = worker.take()
         except (EOFError, OSError):
@@ -133,8 +139,8 @@ class WorkerSlot:
                 return f"{_OVERDUE}{limit:g} s: {wall:.3g} s went by, {used:.2g} s of CPU time"
 
     def _died(self, worker: WorkerProcess) -> Answer[Any]:
-        printed = worker.printed()
         reason, cause = _cause_of_death(self._forget(worker))
+        printed = worker.printed()
         return Answer(CallFailed(reason + _last_line(printed), cause), printed)
 
     def _forget(self, worker: WorkerProcess) -> int:

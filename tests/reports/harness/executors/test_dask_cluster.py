@@ -1,43 +1,90 @@
-"""Sweeps on a Dask cluster: the same points to the last bit, whatever happens to its workers."""
+"""Calls on a Dask cluster: results to the last bit, whatever happens to its workers."""
 
+import asyncio
 import os
 import signal
 import socket
 import sys
-import time
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
+import calls
 import pytest
 from box import BOX
-from in_process import InProcess
-from planted import HeunSession, SegfaultSession, planted
-from spincheck.reports.cli.terminal import BAD_INPUT, NOT_RUN, Complaint
+from clusters import cluster_of_threads
+from planted import HeunSession, planted
+from same_results import differences
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.executors import dask_cluster as cluster
-from spincheck.reports.harness.executors.dask_cluster import CONNECT_LIMIT, Cluster
-from spincheck.reports.harness.executors.worker_slot import CallFailed
-from spincheck.reports.harness.sweep import carry_out_sweep, plan_sweep
+from spincheck.reports.harness.executors import Executor, dask_cluster
+from spincheck.reports.harness.executors.dask_cluster import (
+    ClusterError,
+    DaskCluster,
+    program_and_numpy,
+)
 from spincheck.reports.results.store import open_store
-from spincheck.reports.results.sweep_records import Axis, Ensemble, Map, PointResult
+from spincheck.reports.results.sweep_records import Axis, Map, PointResult
 from spincheck.scenarios import loads
+from studies import study
+from studies import sweep as sweep_of
 
 distributed = pytest.importorskip("distributed")
 
 SCENE = loads(BOX, "box")
 STEPS = Axis("timestep", (0.01, 0.02, 0.04), logarithmic=True)
-SPIN = Axis("start.omega_body[1]", tuple(0.5 + k / 8 for k in range(8)), logarithmic=False)
+SPIN = Axis("start.omega_body[1]", (0.5, 1.0, 1.5, 2.0), logarithmic=False)
 MAP = Map("box", (SPIN, STEPS), None)
-ENSEMBLE = Ensemble("box", 6, seed=5, timestep=None)
-FAULTLESS = Choice((planted(HeunSession),), timed=False)
-CRASHING = Choice((planted(HeunSession), planted(SegfaultSession)), timed=False)
-#: s; what is to be told promptly takes no longer, on a machine that is busy with other tests.
-PATIENCE = 4 * CONNECT_LIMIT
+FAULTLESS = Choice((planted(HeunSession),), max_steps=1 << 9, timed=False)
 
 
 @pytest.fixture(scope="module")
 def scheduler():
+    with cluster_of_threads(2) as started:
+        yield started
+
+
+def sweep(path: Path, executor: Executor | None = None, progress: Callable[[str], object] = len):
+    return sweep_of(path, MAP, SCENE, FAULTLESS, executor, progress)
+
+
+@pytest.fixture(scope="module")
+def here(tmp_path_factory) -> tuple[PointResult, ...]:
+    """The points of this process."""
+    return sweep(tmp_path_factory.mktemp("here") / "here.sqlite")
+
+
+@pytest.mark.processes
+def test_the_points_of_a_sweep_are_those_of_this_process_to_the_last_bit(tmp_path, scheduler, here):
+    there = DaskCluster(scheduler.scheduler_address)
+    assert sweep(tmp_path / "there.sqlite", there) == here
+
+
+@pytest.mark.processes
+def test_so_are_the_results_of_a_study(tmp_path, scheduler):
+    there = DaskCluster(scheduler.scheduler_address)
+    made_there = study(tmp_path / "there.sqlite", [SCENE], FAULTLESS, there)
+    made_here = study(tmp_path / "here.sqlite", [SCENE], FAULTLESS)
+    assert differences(made_there, made_here) == []
+
+
+@pytest.mark.processes
+def test_a_cluster_that_goes_away_ends_the_sweep_and_keeps_what_was_finished(tmp_path, here):
+    path = tmp_path / "there.sqlite"
+    with cluster_of_threads(1) as local:
+        there = DaskCluster(local.scheduler_address)
+        with pytest.raises(ClusterError, match="is gone"):
+            sweep(path, there, progress=lambda _: local.close())
+    with open_store(path) as store:
+        assert 1 <= len(store.sweeps.points(MAP)) < len(here)
+    assert sweep(path) == here
+
+
+def worker_processes(scheduler) -> set[int]:
+    with distributed.Client(scheduler.scheduler_address, set_as_default=False) as client:
+        return set(client.run(os.getpid).values())
+
+
+@pytest.fixture(scope="module")
+def scheduler_with_processes():
     """A scheduler with two worker processes, each under a nanny that replaces it if it dies."""
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs=True
@@ -45,107 +92,82 @@ def scheduler():
         yield started
 
 
-def sweep(
-    path: Path, asked, executor, choice=FAULTLESS, progress: Callable[[str], None] = len
-) -> tuple[PointResult, ...]:
-    with open_store(path, create=True) as store, executor:
-        plan = plan_sweep(asked, SCENE, choice, store)
-        carry_out_sweep(plan, SCENE, store, executor, progress)
-        return store.sweeps.points(asked)
-
-
-def workers_of(scheduler) -> list[int]:
-    with distributed.Client(scheduler.scheduler_address, set_as_default=False) as client:
-        return list(client.run(os.getpid).values())
-
-
-@pytest.mark.parametrize("asked", [MAP, ENSEMBLE], ids=["map", "ensemble"])
-def test_the_points_are_those_of_this_computer_to_the_last_bit(tmp_path, scheduler, asked):
-    there = sweep(tmp_path / "there.sqlite", asked, Cluster(scheduler.scheduler_address))
-    assert there == sweep(tmp_path / "here.sqlite", asked, InProcess())
-
-
-def test_a_worker_killed_in_the_midst_loses_nothing_and_makes_nothing_twice(tmp_path, scheduler):
+@pytest.mark.processes
+def test_a_worker_killed_in_the_midst_loses_nothing_and_makes_nothing_twice(
+    tmp_path, scheduler_with_processes, here
+):
     told: list[str] = []
 
     def kill_one(said: str) -> None:
         told.append(said)
         if len(told) == 3:
-            os.kill(workers_of(scheduler)[0], signal.SIGKILL)
+            os.kill(worker_processes(scheduler_with_processes).pop(), signal.SIGKILL)
 
-    disturbed = sweep(
-        tmp_path / "there.sqlite", MAP, Cluster(scheduler.scheduler_address), progress=kill_one
-    )
-    assert len(set(told)) == len(told) == len(SPIN.values) * len(STEPS.values)
-    assert disturbed == sweep(tmp_path / "here.sqlite", MAP, InProcess())
+    there = DaskCluster(scheduler_with_processes.scheduler_address)
+    assert sweep(tmp_path / "there.sqlite", there, kill_one) == here
+    assert len(set(told)) == len(told) == len(here)
 
 
-def test_an_engine_that_crashes_costs_its_point_and_no_worker(tmp_path, scheduler):
-    before = set(workers_of(scheduler))
-    asked = replace(MAP, axes=(SPIN, replace(STEPS, values=(0.02,))))
-    asked = replace(asked, axes=(replace(SPIN, values=(2.0,)), asked.axes[1]))
-    points = sweep(tmp_path / "there.sqlite", asked, Cluster(scheduler.scheduler_address), CRASHING)
-    assert [(p.key.engine, p.outcome, p.cause) for p in points] == [
-        ("Heun", "ok", ""),
-        ("Segfault", "failed", "crash"),
-    ]
-    assert set(workers_of(scheduler)) == before
-
-
-def test_what_a_call_raises_there_is_told_here(scheduler):
-    with (
-        Cluster(scheduler.scheduler_address) as there,
-        pytest.raises(CallFailed, match="SystemExit: 3"),
-    ):
-        there.submit(sys.exit, 3).result()
-
-
-def test_workers_with_the_same_program_pass(scheduler):
-    with Cluster(scheduler.scheduler_address) as there:
-        there.check_alike()
+@pytest.mark.processes
+def test_a_call_that_crashes_costs_no_worker_of_the_cluster(scheduler_with_processes):
+    before = worker_processes(scheduler_with_processes)
+    with DaskCluster(scheduler_with_processes.scheduler_address) as there:
+        failed = there.call(calls.crash).value
+    assert (failed.cause, "SIGSEGV" in failed.reason) == ("crash", True)
+    assert worker_processes(scheduler_with_processes) == before
 
 
 def test_workers_with_another_program_are_refused(scheduler, monkeypatch):
-    with Cluster(scheduler.scheduler_address) as there:
-        monkeypatch.setattr(cluster, "program", lambda: b"another")
-        with pytest.raises(Complaint, match="runs another spincheck or numpy") as told:
-            there.check_alike()
-    assert told.value.exit_code == NOT_RUN
+    monkeypatch.setattr(dask_cluster, "program_and_numpy", Another(program_and_numpy()))
+    with pytest.raises(ClusterError, match="runs another spincheck or numpy"):
+        DaskCluster(scheduler.scheduler_address)
 
 
-def test_a_cluster_that_goes_away_ends_the_sweep_and_keeps_what_was_finished(tmp_path):
-    path = tmp_path / "there.sqlite"
-    local = distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, dashboard_address=":0", silence_logs=True
-    )
-    there = Cluster(local.scheduler_address)
-    with pytest.raises(Complaint, match="gave up"):
-        sweep(path, MAP, there, progress=lambda _: local.close())
-    with open_store(path) as store:
-        assert len(store.sweeps.points(MAP)) >= 1
-    assert sweep(path, MAP, InProcess()) == sweep(tmp_path / "here.sqlite", MAP, InProcess())
+class Another:
+    """Tells the cluster's worker the truth, and whoever asks here something else."""
+
+    def __init__(self, truth: tuple[bytes, str]) -> None:
+        self.truth, self.asked = truth, 0
+
+    def __call__(self) -> tuple[bytes, str]:
+        return self.truth
+
+    def __reduce__(self):
+        return _another, ()
 
 
-def test_where_no_scheduler_answers_it_is_told_promptly():
+def _another() -> Callable[[], tuple[bytes, str]]:
+    return lambda: (b"another", "")
+
+
+def test_where_no_scheduler_answers_it_is_told():
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    began = time.monotonic()
-    with pytest.raises(Complaint, match=f"no scheduler answers at 127.0.0.1:{port}") as told:
-        Cluster(f"127.0.0.1:{port}")
-    assert told.value.exit_code == NOT_RUN
-    assert time.monotonic() - began < PATIENCE
+    with pytest.raises(ClusterError, match=f"no scheduler answers at 127.0.0.1:{port}") as told:
+        DaskCluster(f"127.0.0.1:{port}")
+    assert not told.value.bad_address
+
+
+def test_a_scheduler_that_is_silent_is_waited_for_no_longer_than_the_limit(monkeypatch):
+    monkeypatch.setattr(dask_cluster, "CONNECT_LIMIT", 0.1)
+
+    async def silent(address: str) -> None:
+        await asyncio.sleep(600)
+
+    monkeypatch.setattr("distributed.comm.core.connect", silent)
+    with pytest.raises(ClusterError, match="no scheduler answers"):
+        DaskCluster("127.0.0.1:8786")
 
 
 @pytest.mark.parametrize("address", ["", "localhost", "nonsense://here:1"])
 def test_what_is_no_address_is_bad_input(address):
-    with pytest.raises(Complaint, match="'--dask' must be a scheduler's address") as told:
-        Cluster(address)
-    assert told.value.exit_code == BAD_INPUT
+    with pytest.raises(ClusterError, match="must be a scheduler's address") as told:
+        DaskCluster(address)
+    assert told.value.bad_address
 
 
 def test_without_the_package_it_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(Complaint, match=r"pip install 'spincheck\[dask\]'") as told:
-        Cluster("127.0.0.1:8786")
-    assert told.value.exit_code == NOT_RUN
+    with pytest.raises(ClusterError, match=r"pip install 'spincheck\[dask\]'"):
+        DaskCluster("127.0.0.1:8786")

@@ -1,0 +1,273 @@
+"""Worker processes: a call that crashes, hangs, exits or is killed costs itself and no other."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from contextlib import suppress
+
+import calls
+import psutil
+import pytest
+from spincheck.reports.harness.executors import (
+    Answer,
+    CallFailed,
+    ExecutorStopped,
+    LocalWorkers,
+    worker_slot,
+)
+from spincheck.reports.harness.executors.worker_main import MEMORY_SHARE
+from spincheck.reports.harness.executors.worker_process import KEPT_OUTPUT
+from spincheck.reports.harness.executors.worker_slot import LAST_LINE, WorkerSlot
+
+pytestmark = pytest.mark.processes
+
+#: s; far longer than any test waits.
+FOREVER = 600.0
+#: s; of CPU time for what uses it, of idleness for what hangs.
+TIME_LIMIT = 1.0
+#: A real-time signal, which Python has no name for.
+NAMELESS = 40
+
+
+@pytest.fixture(scope="module")
+def worker():
+    """One worker for all tests, replaced whenever one makes it die."""
+    with LocalWorkers(jobs=1) as started:
+        yield started
+
+
+def failure(answer: Answer) -> CallFailed:
+    assert isinstance(answer.value, CallFailed)
+    return answer.value
+
+
+# What is returned
+
+
+def test_a_result_larger_than_any_pipe_arrives(worker):
+    assert worker.call(calls.megabytes, 16).value == bytes(16 << 20)
+
+
+def test_an_argument_larger_than_any_pipe_arrives(worker):
+    assert worker.call(len, bytes(16 << 20)).value == 16 << 20
+
+
+@pytest.mark.parametrize(
+    "call", [(calls.unpicklable,), (len, lambda: None)], ids=["result", "argument"]
+)
+def test_what_cannot_be_pickled_fails_the_call_alone(worker, call):
+    pid = worker.call(os.getpid).value
+    assert "lambda" in failure(worker.call(*call)).reason
+    assert worker.call(os.getpid).value == pid
+
+
+def test_a_full_disk_is_no_fault_of_what_was_called(worker):
+    assert failure(worker.call(calls.find_the_disk_full)).cause == "environment"
+
+
+# What takes the process with it
+
+
+def test_a_crash_says_by_what_signal_and_the_next_call_returns(worker):
+    assert failure(worker.call(calls.crash)) == CallFailed(
+        "the worker process was killed by SIGSEGV", "crash"
+    )
+    assert worker.call(calls.power, 3).value == 9
+
+
+def test_what_c_printed_last_is_told_even_from_its_buffer_and_cut(worker):
+    reason = failure(worker.call(calls.abort_after_c_printed, "y" * 2 * LAST_LINE)).reason
+    words = "the worker process was killed by SIGABRT; it last printed: "
+    assert reason == words + "y" * LAST_LINE
+
+
+def test_a_call_that_leaves_tells_its_exit_code(worker):
+    assert failure(worker.call(calls.leave_at_once, 7)) == CallFailed(
+        "the worker process ended with exit code 7", "crash"
+    )
+
+
+def test_a_call_whose_worker_is_killed_from_outside_is_made_once_more(worker, tmp_path):
+    assert worker.call(calls.killed_once, tmp_path / "mark").value == "second attempt"
+
+
+@pytest.mark.parametrize(
+    ("number", "name"), [(signal.SIGKILL, "SIGKILL"), (NAMELESS, f"signal {NAMELESS}")]
+)
+def test_one_that_is_killed_again_fails_through_no_fault_of_its_own(worker, number, name):
+    assert failure(worker.call(calls.killed_by, number)) == CallFailed(
+        f"the worker process was killed from outside by {name}", "killed"
+    )
+
+
+def test_a_worker_killed_while_idle_costs_no_call(worker):
+    pid = worker.call(os.getpid).value
+    psutil.Process(pid).kill()
+    assert worker.call(calls.power, 3).value == 9
+
+
+def test_a_call_that_holds_too_much_memory_is_refused_it(worker):
+    assert "Cannot allocate memory" in failure(worker.call(calls.hold, MEMORY_SHARE)).reason
+    assert worker.call(calls.hold, MEMORY_SHARE / 2).value > 0
+
+
+def test_where_no_process_can_be_started_the_machine_is_to_blame(monkeypatch):
+    monkeypatch.setattr(sys, "executable", "/nowhere/python")
+    with LocalWorkers(jobs=1) as pool:
+        failed = failure(pool.call(calls.power, 3))
+    assert failed.cause == "environment"
+    assert failed.reason.startswith("no worker process could be started: ")
+
+
+# What does not end
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        ((time.sleep, FOREVER), f"did not finish within {TIME_LIMIT:g} s: it hangs"),
+        ((calls.spin,), f"did not finish within {TIME_LIMIT:g} s of CPU time"),
+        ((calls.print_for_ever,), f"did not finish within {TIME_LIMIT:g} s of CPU time"),
+    ],
+    ids=["hangs", "computes", "prints"],
+)
+def test_what_does_not_end_is_stopped(call, words):
+    with LocalWorkers(jobs=1, time_limit=TIME_LIMIT) as pool:
+        failed = failure(pool.call(*call))
+    assert failed.cause == "time-out"
+    assert words in failed.reason
+
+
+class Unanswering:
+    """A worker whose clocks a test sets; it never answers."""
+
+    def __init__(self, cpu_per_poll: float) -> None:
+        self.cpu, self.step = 0.0, cpu_per_poll
+
+    def has_answered(self, seconds: float) -> bool:
+        return False
+
+    def cpu_seconds(self) -> float:
+        self.cpu += self.step
+        return self.cpu
+
+
+class Clock:
+    """Seconds on the wall, so many from look to look."""
+
+    def __init__(self, step: float) -> None:
+        self.now, self.step = 0.0, step
+
+    def monotonic(self) -> float:
+        self.now += self.step
+        return self.now
+
+
+@pytest.mark.parametrize(
+    ("cpu", "words"),
+    [
+        (0.0, "it hangs"),
+        (worker_slot.POLL, "s of CPU time"),
+        # Slow, on a machine that is busy: as long as it gets anywhere it is waited for.
+        (0.02 * worker_slot.POLL, "s went by"),
+    ],
+    ids=["idle", "busy", "slowed"],
+)
+def test_time_is_limited_by_cpu_seconds_and_idleness(monkeypatch, cpu, words):
+    monkeypatch.setattr(worker_slot, "time", Clock(worker_slot.POLL))
+    told = WorkerSlot(time_limit=10.0)._wait(Unanswering(cpu))
+    assert words in told
+
+
+def test_time_in_which_this_process_was_stopped_is_not_counted(monkeypatch):
+    """One look that takes a night: Ctrl-Z, or a laptop that was closed."""
+    clock, looks = Clock(worker_slot.POLL), iter([False, True])
+    worker = Unanswering(0.0)
+
+    def asleep(_: float) -> bool:
+        clock.now += FOREVER
+        return next(looks)
+
+    worker.has_answered = asleep
+    monkeypatch.setattr(worker_slot, "time", clock)
+    assert WorkerSlot(time_limit=10.0)._wait(worker) == ""
+
+
+# What is printed
+
+
+def test_what_is_printed_by_c_and_python_is_kept_with_its_own_call(worker, capfd):
+    answers = [worker.call(*call) for call in ((calls.say, "one"), (abs, 1), (calls.say, "two"))]
+    assert [answer.value for answer in answers] == [1, 1, 1]
+    assert [answer.printed for answer in answers] == ["from C\none\n", "", "from C\ntwo\n"]
+    assert capfd.readouterr() == ("", "")
+
+
+def test_however_much_is_printed_nothing_but_the_end_is_kept(worker):
+    printed = worker.call(calls.print_megabytes, 64).printed
+    assert printed.endswith("the end")
+    assert len(printed) == KEPT_OUTPUT
+
+
+def test_a_call_that_closes_its_output_returns(worker):
+    assert worker.call(calls.close_its_output).value == "done"
+    assert worker.call(calls.power, 3).value == 9
+
+
+# What is left behind
+
+
+MAIN = """
+import sys
+from operator import mul
+from spincheck.reports.harness.executors import LocalWorkers
+print("main")
+with LocalWorkers(jobs=1) as pool:
+    print(pool.call(mul, 6, 7).value, flush=True)
+    {then}
+"""
+
+
+def test_a_script_without_a_guard_is_not_run_again_by_its_workers(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(MAIN.format(then=""))
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
+    assert done.stdout == "main\n42\n"
+
+
+def test_no_worker_outlives_a_parent_that_is_killed(tmp_path):
+    script = tmp_path / "script.py"
+    then = (
+        "import os, time; print(pool.call(os.getpid).value, flush=True); pool.call(time.sleep, 600)"
+    )
+    script.write_text(MAIN.format(then=then))
+    parent = subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True)
+    with parent.stdout as printed:
+        worker = psutil.Process(int([next(printed) for _ in range(3)][-1]))
+        parent.kill()
+        parent.wait()
+    gone, _ = psutil.wait_procs([worker])
+    assert gone == [worker]
+
+
+def test_an_error_in_the_block_ends_what_is_under_way(tmp_path):
+    begun, end = tmp_path / "begun", tmp_path / "end"
+    stopped: list[bool] = []
+
+    def wait(pool: LocalWorkers) -> None:
+        try:
+            pool.call(calls.mark_and_wait, begun, end)
+        except ExecutorStopped:
+            stopped.append(True)
+
+    with suppress(ZeroDivisionError), LocalWorkers(jobs=2) as pool:
+        thread = threading.Thread(target=wait, args=(pool,))
+        thread.start()
+        while not begun.exists():
+            time.sleep(0.01)
+        raise ZeroDivisionError
+    thread.join()
+    assert stopped == [True]
