@@ -63,6 +63,24 @@ class ScenarioFile(pytest.File):
                     continue
                 name = f"{engine.name}-{method.name}"
                 yield EngineItem.from_parent(self, name=name, engine=engine, method=method)
+        yield from self._not_tested({name for name, _ in promised})
+
+    def _not_tested(self, promised: set[str]) -> Iterator[pytest.Item]:
+        """Yield an item for each engine that should be here and is not: it is skipped, not passed.
+
+        Parameters
+        ----------
+        promised : engines that the scene promises about, which are asked for though optional
+        """
+        from importlib.metadata import requires
+
+        from ...engines import missing
+
+        needed = [line for line in requires("spincheck") or [] if "extra ==" not in line]
+        for absent in missing():
+            required = any(line.lower().startswith(absent.name.lower()) for line in needed)
+            if required or absent.name in promised:
+                yield MissingEngineItem.from_parent(self, name=absent.name, reason=absent.reason)
 
     @cached_property
     def prepared(self) -> "Prepared":
@@ -141,6 +159,18 @@ class EngineItem(SceneItem):
             )
         if verdict.verdict != "converges" and not (verdict.as_shipped or verdict.known):
             pytest.skip(f"{verdict.verdict}: {verdict.reason}")
+
+
+class MissingEngineItem(SceneItem):
+    """Says that an engine was not tested, and why."""
+
+    def __init__(self, *, reason: str, **known: Any) -> None:
+        super().__init__(**known)
+        self.reason = reason
+
+    def runtest(self) -> None:
+        """Skip."""
+        pytest.skip(f"not tested: {self.reason}")
 
 
 _WORKER: "pytest.StashKey[LocalWorkers]" = pytest.StashKey()
