@@ -154,6 +154,17 @@ def gain_between(equations: Equations, before: State, after: State, span: float)
     return Gain(before, after, span, got - np.array(wanted), np.array(wanted))
 
 
+def gain_sizes(equations: Equations, gain: Gain) -> FloatArray:
+    """What the gains are made up of, cancelled or not, (4,)."""
+    omega = gain.before.omega_body
+    R = matrices(gain.before.q_world_body_wxyz[None])[0]
+    L = float(np.linalg.norm(equations.inertia @ omega))
+    speed = float(np.linalg.norm(omega))
+    outer = np.linalg.norm(equations.fall_body(R)) + np.linalg.norm(equations.push_body(R))
+    torque = L * speed + float(outer) + equations.scenario.drag * speed
+    return np.array([speed, torque, *np.linalg.norm(gain.wanted[2:], axis=1)])
+
+
 def rounded(equations: Equations, gain: Gain, epsilon: float) -> FloatArray:
     """What one rounding of the states read makes of a gain, (4,)."""
     speed = float(np.linalg.norm(gain.before.omega_body)) + equations.rate

@@ -20,7 +20,7 @@ import numpy as np
 
 from ..scenarios import FloatArray, Scenario
 from ..scenarios.scenario import build
-from .equations import Equations, Gain, gain_between, rounded
+from .equations import Equations, Gain, gain_between, gain_sizes, rounded
 from .explanations import explanation
 from .read_back import State
 from .session import Session
@@ -32,6 +32,8 @@ STEPS = 64
 HALVINGS = (1, 2, 4)
 #: An excess is real if it is so many times its noise, and so many roundings of the states.
 ABOVE_NOISE, ABOVE_ROUNDING = 8.0, 64.0
+#: Part of a gain's size that a constraint's solver may leave, and its tolerance need not show.
+NEGLIGIBLE = 2e-6
 #: Directions of ω in the body, beside the scene's own: askew to every axis of a body that is drawn
 #: along its axes.
 ASKEW = ((0.62, 0.55, 0.56), (-0.48, 0.71, 0.52))
@@ -118,6 +120,7 @@ def _felt(
     extrapolated = 2 * fine - middle
     apart = np.abs(extrapolated - (2 * middle - coarse)).max(axis=1)
     noise = ABOVE_NOISE * apart + ABOVE_ROUNDING * rounded(equations, gains[-1], epsilon)
+    noise += NEGLIGIBLE * gain_sizes(equations, gains[-1])
     return _Felt(replace(gains[-1], excess=extrapolated), noise, start.has_pivot), leap
 
 

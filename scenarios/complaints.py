@@ -1,7 +1,7 @@
 """What is wrong with a scenario file, in the house's words: file, line, table, key, value, rule."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any, get_args
 
 from pydantic import BaseModel
@@ -17,7 +17,12 @@ MAX_COMPLAINTS = 20
 MAX_SHOWN = 100
 _TABLES = ("body", "start", "effects", "window")
 _TABLE_ARRAYS = ("published", "expect")
-_UNION_ARMS = (("inertia", "moments"), ("inertia", "matrix"))
+_PUBLISHED = ("omega_body", "omega_world", "com_world", "L_world")
+_UNION_ARMS = (
+    ("inertia", "moments"),
+    ("inertia", "matrix"),
+    *((name, arm) for name in _PUBLISHED for arm in ("all", "some")),
+)
 #: Where pydantic would speak of Python's types, by its name for the error.
 _IN_TOML = {"model_type": "must be a table", "tuple_type": "must be an array"}
 
@@ -78,7 +83,8 @@ def _spell(keys: Keys) -> str:
     parents, last = tables[:-1], tables[-1]
     if len(keys) > 1 and isinstance(keys[1], int) and parents:
         head = f"[[{parents[0]}]] number {keys[1] + 1} "
-        entries = keys[3:]
+        last = ".".join(tables[1:])
+        entries = tuple(key for key in keys[2:] if isinstance(key, int))
     else:
         head = f"[{'.'.join(parents)}] " if parents else ""
         entries = keys[len(tables) :]
@@ -111,15 +117,16 @@ def _known_keys(table: Keys) -> list[str]:
     model: type[BaseModel] = Document
     for key in table:
         if isinstance(key, str):
-            model = _model_in(model.model_fields[key].annotation)
+            model = next(_models_in(model.model_fields[key].annotation))
     return list(model.model_fields)
 
 
-def _model_in(annotation: Any) -> type[BaseModel]:
-    """The table model inside an annotation such as ``Table | None`` or ``tuple[Table, ...]``."""
+def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
+    """The table models inside an annotation such as ``Table | None`` or ``tuple[Table, ...]``."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    return next(_model_in(arm) for arm in get_args(annotation) if arm not in (type(None), ...))
+        yield annotation
+    for arm in get_args(annotation):
+        yield from _models_in(arm)
 
 
 def _shown(value: Any) -> str:

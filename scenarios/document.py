@@ -6,7 +6,7 @@ concern. `schema.json` is generated from these models.
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from .body import Body, body_about_com, body_about_origin, body_of_particles
 from .errors import Misfit
@@ -165,15 +165,39 @@ class Window(Table):
     )
 
 
+class SomeComponents(Table):
+    """Those components of a vector that are known, such as `{ z = 0.3 }`."""
+
+    x: Number | None = None
+    y: Number | None = None
+    z: Number | None = None
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if self.x is self.y is self.z is None:
+            raise ValueError("names no component; give any of 'x', 'y', 'z'")
+        return self
+
+
+def _vector_form(value: Any) -> str:
+    return "some" if isinstance(value, dict | SomeComponents) else "all"
+
+
+Components = Annotated[
+    Annotated[Vector, Tag("all")] | Annotated[SomeComponents, Tag("some")],
+    Discriminator(_vector_form),
+]
+
+
 class Published(Table):
     """Values somebody else printed, to check the reference against."""
 
     t: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)] = Field(description="s")
-    omega_body: Vector | None = Field(None, description="rad/s, body axes")
-    omega_world: Vector | None = Field(None, description="rad/s, world axes")
+    omega_body: Components | None = Field(None, description="rad/s, body axes")
+    omega_world: Components | None = Field(None, description="rad/s, world axes")
     quaternion_wxyz: Quaternion | None = Field(None, description="body to world, up to its sign")
-    com_world: Vector | None = Field(None, description="m")
-    L_world: Vector | None = Field(None, description="kg m²/s, about the pivot, else the com")
+    com_world: Components | None = Field(None, description="m")
+    L_world: Components | None = Field(None, description="kg m²/s, about the pivot, else the com")
     energy: Number | None = Field(None, description="J")
     tolerance: Positive = Field(description="absolute, from the digits printed")
     source: Text
@@ -188,9 +212,13 @@ class Published(Table):
         return self
 
     def values(self) -> dict[str, Any]:
-        """The quantities given, by name."""
+        """The quantities given, by name; None for components that are not."""
         given = self.model_dump(exclude={"t", "tolerance", "source"})
-        return {name: value for name, value in given.items() if value is not None}
+        return {
+            name: tuple(value.values()) if isinstance(value, dict) else value
+            for name, value in given.items()
+            if value is not None
+        }
 
 
 _BOUNDS = ("omega", "attitude", "angular_momentum", "energy")

@@ -32,7 +32,7 @@ from .result_commands import app as result_commands
 from .stopping import STDOUT, Stopped, open_closed_streams, print_nowhere, raise_when_stopped
 from .sweep_commands import app as sweep_commands
 from .sweep_commands import run_members
-from .terminal import BAD_INPUT, NOT_RUN, Complaint, say, table, to_json
+from .terminal import BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table, to_json
 
 app = typer.Typer(
     name="spincheck",
@@ -131,6 +131,7 @@ def run(
         say(f"Results are in {out}; 'spincheck report {out}' makes pages of them.")
         if unproven := running.unproven_in_words(results):
             say(unproven)
+    running.tell_untrue(results)
     raise typer.Exit(running.exit_code(results, strict=strict))
 
 
@@ -155,6 +156,7 @@ def report(
         print(f"The report is {render(found, out)}")
     except OSError as error:
         raise _unwritable(out, error) from None
+    running.tell_untrue(found)
     raise typer.Exit(running.exit_code(found))
 
 
@@ -183,13 +185,17 @@ def reference(
     as_json: AsJson = False,
 ) -> None:
     """Print the exact motion: states, L, energy, invariants, and how exact they are."""
+    from ..harness.reference_checks import published_that_do_not_hold
     from .exact_motion import describe, print_truth
 
-    truth = describe(_scenario(scenario), at or [])
+    scene = _scenario(scenario)
+    truth = describe(scene, at or [])
     if as_json:
         print(to_json(truth))
     else:
         print_truth(truth)
+    if untrue := list(published_that_do_not_hold(scene)):
+        raise Complaint("\n".join(untrue), DISAGREES)
 
 
 @app.command()
@@ -253,13 +259,15 @@ def show(scenario: Scene, as_json: AsJson = False) -> None:
 def check(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Files or folders.")],
 ) -> None:
-    """Check scenario files against the format; say all that is wrong."""
+    """Check scenario files: the format, published values, and what a scene cannot tell."""
     from .named_scenes import checked, complain
 
-    lines, wrong = checked(files)
-    for line in lines:
+    found = checked(files)
+    for line in [*found.lines, *found.powerless]:
         print(line)
-    complain(wrong)
+    complain(found.wrong)
+    if found.untrue:
+        raise Complaint("\n".join(found.untrue), DISAGREES)
 
 
 @app.command("engines")

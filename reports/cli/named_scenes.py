@@ -1,8 +1,10 @@
 """The scenes that a user named: found, read and complained of."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
+from ...reference import IntegrationError
 from ...scenarios import (
     LIBRARY,
     Scenario,
@@ -68,22 +70,48 @@ def listed(names: Sequence[str]) -> tuple[list[dict[str, object]], list[str]]:
     return rows, wrong
 
 
-def checked(files: Iterable[Path]) -> tuple[list[str], list[str]]:
-    """A line for each file that is right, folders gone through; and what is wrong with others."""
-    lines, wrong = [], []
+@dataclass(frozen=True)
+class Checked:
+    """What a check of files found, in words.
+
+    Attributes
+    ----------
+    lines : one for each file that is right
+    wrong : what is wrong with others
+    untrue : published values that the exact motion does not have
+    powerless : effects that a scene cannot tell from none
+    """
+
+    lines: list[str] = field(default_factory=list)
+    wrong: list[str] = field(default_factory=list)
+    untrue: list[str] = field(default_factory=list)
+    powerless: list[str] = field(default_factory=list)
+
+
+def checked(files: Iterable[Path]) -> Checked:
+    """Check files, folders gone through, and the scenes in them."""
+    from ..harness.power import powerless
+    from ..harness.reference_checks import published_that_do_not_hold
+
+    found = Checked()
     for file in files:
         try:
             scenarios, complaints = load_each(_in_it(file))
         except ScenarioError as error:
             # Two of one name.
             scenarios, complaints = [], [str(error)]
-        wrong += complaints
+        found.wrong.extend(complaints)
         for scenario in scenarios:
             if promised := unknown_expectations([scenario]):
-                wrong += promised
-            else:
-                lines.append(f"{printable(str(scenario.path))}: {scenario.title}")
-    return lines, wrong
+                found.wrong.extend(promised)
+                continue
+            found.lines.append(f"{printable(str(scenario.path))}: {scenario.title}")
+            try:
+                found.untrue.extend(published_that_do_not_hold(scenario))
+                found.powerless.extend(powerless(scenario))
+            except IntegrationError as error:
+                found.lines.append(f"{scenario.name}: no exact motion: {error}")
+    return found
 
 
 def _in_it(file: Path) -> list[Path]:

@@ -9,6 +9,7 @@ from ...engines import Engine, add, engines, missing
 from ...scenarios import Scenario
 from ..harness.choice import QUICK_STEPS, Choice
 from ..harness.plan import plan
+from ..harness.reference_checks import published_that_do_not_hold
 from ..harness.study import run_study
 from ..results.records import UNSOLVED, Key, Row
 from ..results.result_file import ResultFileError
@@ -122,6 +123,14 @@ def read(path: Path) -> Results:
     if not (results.verdicts or results.maps or results.ensembles):
         raise Complaint(f"{path}: holds no results; 'spincheck run' fills it", BAD_INPUT)
     return results
+
+
+def tell_untrue(results: Results) -> None:
+    """Raise a `Complaint` if a scene's published values are not those of its exact motion."""
+    scenarios = [found.scenario for found in results.scenes.values()]
+    untrue = [line for scenario in scenarios for line in published_that_do_not_hold(scenario)]
+    if untrue:
+        raise Complaint("\n".join(untrue), DISAGREES)
 
 
 def unproven_in_words(results: Results) -> str:

@@ -29,7 +29,7 @@ def complaints(scenario: Scenario) -> Iterator[str]:
     solution = solve(scenario, scenario.times)
     yield from drifting(scenario, solution)
     yield from _cross_check(scenario, solution)
-    yield from _published(scenario)
+    yield from published_that_do_not_hold(scenario)
 
 
 def drifting(scenario: Scenario, solution: Solution) -> Iterator[str]:
@@ -70,7 +70,8 @@ class PublishedValue:
     Attributes
     ----------
     quantity : as the scenario file names it
-    printed, ours : of as many components, SI; a quaternion of ours has the sign of the printed one
+    printed, ours : of as many components, SI, NaN where none was printed; a quaternion of ours has
+        the sign of the printed one
     """
 
     published: Published
@@ -81,7 +82,7 @@ class PublishedValue:
     @property
     def difference(self) -> float:
         """The largest of the components'."""
-        return float(np.max(np.abs(self.ours - self.printed)))
+        return float(np.nanmax(np.abs(self.ours - self.printed)))
 
     @property
     def holds(self) -> bool:
@@ -102,14 +103,14 @@ def published_values(scenario: Scenario) -> Iterator[PublishedValue]:
             yield PublishedValue(published, name, wanted, -ours if flipped else ours)
 
 
-def _published(scenario: Scenario) -> Iterator[str]:
-    """Compare with what somebody else printed."""
+def published_that_do_not_hold(scenario: Scenario) -> Iterator[str]:
+    """Values that somebody else printed and the exact motion does not have, in words."""
     for value in published_values(scenario):
         if not value.holds:
             yield (
-                f"{value.quantity} at t = {value.published.t:g} s is {value.difference:.2e} from "
-                f"the value printed in {value.published.source}, tolerance "
-                f"{value.published.tolerance:g}"
+                f"{scenario.name}: {value.quantity} at t = {value.published.t:g} s is "
+                f"{value.difference:.2e} from the value printed in {value.published.source}, "
+                f"tolerance {value.published.tolerance:g}"
             )
 
 

@@ -1,0 +1,48 @@
+"""What a scene cannot tell: effects without which no signal would be another."""
+
+from collections.abc import Iterator
+
+from ...reference import IntegrationError, solve
+from ...scenarios import Errors, Scenario, errors_between
+from ...scenarios.scenario import build
+
+#: Tables of effects that can be taken away; without its pivot a scene is another.
+REMOVABLE = ("gravity", "drag", "torque")
+
+
+def powerless(scenario: Scenario) -> Iterator[str]:
+    """Effects of a scene that an engine may lack unnoticed, in words.
+
+    Raises
+    ------
+    IntegrationError
+        If the exact motion cannot be found.
+    """
+    present = [name for name in REMOVABLE if getattr(scenario.effects, name) is not None]
+    if not present:
+        return
+    solution = solve(scenario, scenario.times)
+    truth = solution.trajectory
+    for name in present:
+        try:
+            other = solve(_without(scenario, name), truth.t).trajectory
+        except IntegrationError:
+            continue
+        until = min(len(other.t), len(truth.t))
+        moved = errors_between(scenario, other.until(until), truth.until(until))
+        if _is_nothing(moved, solution.uncertainty):
+            yield (
+                f"{scenario.name}: cannot tell whether there is {name}: without it no signal "
+                f"changes by more than the reference's uncertainty"
+            )
+
+
+def _without(scenario: Scenario, name: str) -> Scenario:
+    effects = scenario.effects.model_copy(update={name: None})
+    document = scenario.document.model_copy(update={"effects": effects})
+    return build(document, scenario.name, scenario.text, scenario.path)
+
+
+def _is_nothing(moved: Errors, uncertainty: Errors) -> bool:
+    known = dict(uncertainty)
+    return all(change <= 2 * known[signal] for signal, change in moved)

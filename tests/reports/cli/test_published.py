@@ -1,0 +1,73 @@
+"""Published values that do not hold, and effects that a scene cannot tell, are said alike."""
+
+from pathlib import Path
+
+import pytest
+from command_line import run
+
+SCENE = """
+spincheck = 1
+title = "A sphere"
+source = "made up"
+[body]
+mass = 1.0
+inertia = [1.0, 1.0, 1.0]
+com = [0.0, 0.0, {arm}]
+[start]
+euler_zyz_deg = [0.0, {tilt}, 0.0]
+omega_body = [0.0, 0.0, 3.0]
+[effects.gravity]
+acceleration = [0.0, 0.0, -9.81]
+[effects.pivot]
+[window]
+duration = 1.0
+samples = 11
+"""
+PUBLISHED = """
+[[published]]
+t = 1.0
+omega_body = {{ z = {value} }}
+tolerance = 1e-6
+source = "a book"
+"""
+#: By the command, what is asked of it besides the scene.
+COMMANDS = {
+    "check": (),
+    "reference": ("--at", "1"),
+    "run": ("--engine", "mujoco", "--method", "RK4", "--quick", "--jobs", "1"),
+}
+
+
+def file_of(folder: Path, value: float | None = None, arm: float = 0.1, tilt: float = 30) -> Path:
+    path = folder / "sphere.toml"
+    more = PUBLISHED.format(value=value) if value is not None else ""
+    path.write_text(SCENE.format(arm=arm, tilt=tilt) + more, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(("value", "code"), [(3.0, 0), (3.1, 1)])
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_published_value_that_does_not_hold_is_told_alike(
+    tmp_path, monkeypatch, command, value, code
+):
+    """One component of three is enough to publish."""
+    monkeypatch.chdir(tmp_path)
+    done = run(command, str(file_of(tmp_path, value)), *COMMANDS[command])
+    assert done.exit_code == code
+    words = "omega_body at t = 1 s is 1.00e-01 from the value printed in a book"
+    assert (words in done.stderr) == bool(code)
+
+
+def test_a_component_that_is_none_is_complained_of_by_its_key(tmp_path):
+    path = file_of(tmp_path, 3.0)
+    path.write_text(path.read_text().replace("z = 3.0", "w = 3.0"), encoding="utf-8")
+    done = run("check", str(path))
+    assert done.exit_code == 2
+    assert "number 1 omega_body" in done.stderr
+
+
+def test_a_check_says_what_a_scene_cannot_tell(tmp_path):
+    words = "cannot tell whether there is gravity"
+    assert words in run("check", str(file_of(tmp_path, arm=0.0))).stdout
+    assert words in run("check", str(file_of(tmp_path, tilt=0))).stdout
+    assert words not in run("check", str(file_of(tmp_path))).stdout
