@@ -84,7 +84,7 @@ def _spell(keys: Keys) -> str:
     if len(keys) > 1 and isinstance(keys[1], int) and parents:
         head = f"[[{parents[0]}]] number {keys[1] + 1} "
         last = ".".join(tables[1:])
-        entries = tuple(key for key in keys[2:] if isinstance(key, int))
+        entries: Keys = tuple(key for key in keys[2:] if isinstance(key, int))
     else:
         head = f"[{'.'.join(parents)}] " if parents else ""
         entries = keys[len(tables) :]
