@@ -85,6 +85,14 @@ class Engine(ABC):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Compile the scene, with its effects and nothing else, and set its start."""
 
+    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
+        """Python that builds the scene with this engine's package and numpy alone; empty if none.
+
+        It may use `np`, `TIMESTEP`, and of quaternions, w x y z, `product`, `conjugate`, `turned`;
+        it defines `step(count)`, and `state()`: attitude, w x y z, and ω in body axes.
+        """
+        return ""
+
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
         """What `open` leaves out that costs time and changes no motion, by the engine's names."""
         return ()

@@ -13,3 +13,8 @@ def xml_text(root: ET.Element) -> str:
     """An indented document."""
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def python_lines(text: str) -> str:
+    """A text as lines of Python's string literals, whatever characters it holds."""
+    return "\n".join(f"    {line!r}" for line in text.splitlines(keepends=True))

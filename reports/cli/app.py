@@ -301,12 +301,17 @@ def list_engines(as_json: AsJson = False) -> None:
 def export(
     scenario: Scene,
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Made if it is not there.")],
+    truth: Annotated[
+        bool, typer.Option("--truth", help="The exact motion instead: truth.csv, .json, .h (C).")
+    ] = False,
 ) -> None:
-    """Write a scene as scene.xml (MJCF) and scene.urdf."""
+    """Write a scene as scene.xml (MJCF) and scene.urdf, or its exact motion."""
     from .scene import export_scene
+    from .truth_files import write_truth
 
+    write = write_truth if truth else export_scene
     try:
-        written = export_scene(_scenario(scenario), folder)
+        written = write(_scenario(scenario), folder)
     except OSError as error:
         raise _unwritable(folder, error) from None
     for path in written:

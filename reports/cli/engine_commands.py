@@ -1,12 +1,13 @@
-"""What whoever develops an engine asks: whether it keeps the protocol."""
+"""For whoever develops an engine: does it keep the protocol, and one run to paste into an issue."""
 
 from dataclasses import asdict
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from .options import AsJson
-from .terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say, to_json
+from .options import AsJson, Scene
+from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, to_json
 
 app = typer.Typer()
 
@@ -47,6 +48,35 @@ def conform(
     else:
         say(f"{problems} of {len(found)} checks fail." if problems else "It keeps the protocol.")
     raise typer.Exit(DISAGREES if problems else AGREES)
+
+
+@app.command()
+def reproduce(
+    scenario: Scene,
+    engine: Annotated[str, typer.Option(help="'mujoco' or 'pybullet'.")],
+    method: Annotated[str, typer.Option(help="One of the engine's.")],
+    timestep: Annotated[float, typer.Option(help="s.")],
+    out: Annotated[Path | None, typer.Option(help="The file to write.")] = None,
+) -> None:
+    """Write one run as a Python file that needs the engine and numpy alone.
+
+    It builds the model, steps it, and prints its error against exact values that stand in it.
+    """
+    from .named_scenes import one_scene
+    from .reproduce import reproduction
+    from .running import check_timesteps, choose
+
+    scene = one_scene(scenario)
+    choice = choose([engine], [method], [timestep])
+    check_timesteps([scene], choice)
+    ((chosen, by),) = choice.pairs()
+    text = reproduction(scene, chosen, by, timestep)
+    file = out or Path(f"{scene.name}-{chosen.name}-{by.name}.py")
+    try:
+        file.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise Complaint(f"{file}: cannot be written: {error.strerror}", BAD_INPUT) from None
+    print(file)
 
 
 def _scenes() -> list[Any]:

@@ -11,6 +11,7 @@ from ....scenarios import EFFECTS, Scenario
 from ...engine import Engine, Method
 from ...models.mjcf import mjcf, switched_off
 from .clock import CLOCK
+from .script import script
 from .session import MuJoCoSession, check_not_too_small, compiled, left_out
 
 ALL_EFFECTS = frozenset(EFFECTS)
@@ -63,6 +64,10 @@ class MuJoCo(Engine):
             left_in = switched_off(scenario)
             return _open(scenario, timestep, None, left_in, has_clock=True)
         return _open(scenario, timestep, method.name, (), has_clock=False)
+
+    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
+        """The MJCF, and the few calls that step it."""
+        return script(scenario, None if method.as_shipped else method.name, timestep)
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """The passes that are switched off, and the clock."""

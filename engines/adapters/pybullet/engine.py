@@ -17,6 +17,7 @@ from ...session import Session
 with native_output():
     # Bullet prints when it was built as soon as it is imported.
     from .load import DEFAULTS, INERTIA, JOINT_MOTOR, BodyRepresentation, left_out
+    from .script import script
     from .session import PyBulletSession
 
 ALL_EFFECTS = frozenset(EFFECTS)
@@ -95,6 +96,10 @@ class PyBullet(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Load the scene's URDF and set its start."""
         return PyBulletSession(scenario, REPRESENTATIONS[method.name], timestep)
+
+    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
+        """The URDF, and the calls that take away PyBullet's defaults and step it."""
+        return script(scenario, REPRESENTATIONS[method.name], timestep)
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """A shape to collide with, and on a joint a motor without force."""

@@ -89,7 +89,7 @@ def load(
         _check_not_lost(scenario, holding)
     radius = _gyration_radius(scenario) if SHAPE in left_in else 0.0
     text = urdf(
-        scenario if hung else _set_free(scenario),
+        scenario if hung else set_free(scenario),
         shape_radius=radius,
         has_box=holding.as_shipped,
     )
@@ -180,7 +180,7 @@ def _model_of_rigid_body(
     return Model(client, body, BASE, body_from_principal, com)
 
 
-def _set_free(scenario: Scenario) -> Scenario:
+def set_free(scenario: Scenario) -> Scenario:
     """The same body on its own: what holds it is not part of the URDF."""
     return replace(scenario, document=scenario.document.model_copy(update={"effects": Effects()}))
 

@@ -1,0 +1,144 @@
+"""A PyBullet world and its steps as Python that needs `pybullet` and numpy alone."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ....scenarios import FloatArray, Scenario
+from ...models.principal_frame import principal_frame
+from ...models.text import python_lines
+from ...models.urdf import urdf
+from .load import CLAMP, DAMPING, INERTIA, JOINT_MOTOR, BodyRepresentation, set_free
+
+_START = """\
+import os
+import tempfile
+
+import pybullet as p
+
+URDF = (
+{lines}
+)
+LINK = {link}  # -1 is the base; a body that hangs by a joint is link 0
+Q_BODY_PRINCIPAL = {principal}  # w x y z: PyBullet turns the principal axes of the body
+p.connect(p.DIRECT)
+p.setGravity({gravity})
+p.setTimeStep(TIMESTEP)
+with tempfile.TemporaryDirectory() as folder:
+    path = os.path.join(folder, "top.urdf")
+    with open(path, "w") as file:
+        file.write(URDF)
+    body = p.loadURDF(
+        path, {position}, {attitude}, useMaximalCoordinates={maximal}, flags={flags}
+    )
+"""
+_STEPS = """
+
+def motion():
+    \"\"\"Attitude of the principal axes, x y z w, and angular velocity, world axes.\"\"\"
+    if LINK == -1:
+        return p.getBasePositionAndOrientation(body)[1], p.getBaseVelocity(body)[1]
+    link = p.getLinkState(body, LINK, 1, 1)
+    return link[1], link[7]
+
+
+def step(count):
+    for _ in range(count):
+{pushes}        p.stepSimulation()
+
+
+def state():
+    \"\"\"Attitude, w x y z, body to world, and angular velocity in body axes.\"\"\"
+    (x, y, z, w), omega_world = motion()
+    q = product(np.array([w, x, y, z]), conjugate(np.array(Q_BODY_PRINCIPAL)))
+    return q, turned(conjugate(q), np.array(omega_world))
+"""
+
+
+def script(scenario: Scenario, holding: BodyRepresentation, timestep: float) -> str:  # noqa: ARG001
+    """The world of a method; its timestep is the script's `TIMESTEP`."""
+    hung = holding.hung and scenario.has_pivot
+    world_from_body = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
+    frame = principal_frame(scenario.body).q_body_axes_wxyz
+    position, attitude = np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0])
+    if not hung:
+        attitude = world_from_body.as_quat()
+        if not scenario.has_pivot:
+            arm_world = world_from_body.apply(np.array(scenario.body.com))
+            position = scenario.start.position_world - arm_world
+    text = urdf(scenario if hung else set_free(scenario), has_box=holding.as_shipped)
+    start = _START.format(
+        lines=python_lines(text),
+        link=0 if hung else -1,
+        principal=_row(frame),
+        gravity=", ".join(repr(float(g)) for g in scenario.gravity_world),
+        position=_row(position),
+        attitude=_row(attitude),
+        maximal=holding.maximal,
+        flags=0 if INERTIA in holding.defaults else "p.URDF_USE_INERTIA_FROM_FILE",
+    )
+    principal = Rotation.from_quat(frame, scalar_first=True)
+    settings = "".join(f"{line}\n" for line in _settings(scenario, holding, principal, hung))
+    pushes = "".join(f"        {line}\n" for line in _pushes(scenario, principal, hung))
+    return start + settings + _STEPS.format(pushes=pushes)
+
+
+def _settings(
+    scenario: Scenario, holding: BodyRepresentation, principal: Rotation, hung: bool
+) -> Iterator[str]:
+    """What is taken away, what holds the body, and its start."""
+    world_from_body = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
+    omega_body = np.array(scenario.start.omega_body)
+    if DAMPING not in holding.defaults:
+        yield "p.changeDynamics(body, -1, linearDamping=0, angularDamping=0)"
+    if CLAMP not in holding.defaults:
+        yield "p.changeDynamics(body, -1, maxJointVelocity=1e100)"
+    if hung:
+        if JOINT_MOTOR not in holding.defaults:
+            yield (
+                "p.setJointMotorControlMultiDof(body, 0, p.POSITION_CONTROL, "
+                "targetPosition=[0, 0, 0, 1], positionGain=0, velocityGain=0, force=[0, 0, 0])"
+            )
+        if scenario.drag:
+            yield f"p.changeDynamics(body, 0, jointDamping={scenario.drag!r})"
+        q_joint = (principal.inv() * world_from_body * principal).as_quat()
+        omega = _row(principal.inv().apply(omega_body))
+        yield f"p.resetJointStateMultiDof(body, 0, {_row(q_joint)}, {omega})"
+        return
+    velocity = scenario.start.velocity_world
+    if scenario.has_pivot:
+        yield "p.setPhysicsEngineParameter(constraintSolverType=p.CONSTRAINT_SOLVER_LCP_DANTZIG)"
+        anchor = "-1"
+        if holding.maximal:
+            yield "anchor = p.createMultiBody(baseMass=0, useMaximalCoordinates=True)"
+            anchor = "anchor"
+        pivot = _row(principal.inv().apply(-np.array(scenario.body.com)))
+        yield (
+            f"tie = p.createConstraint(body, -1, {anchor}, -1, p.JOINT_POINT2POINT, "
+            f"[0, 0, 0], {pivot}, [0, 0, 0])"
+        )
+        yield "p.changeConstraint(tie, maxForce=1e100)"
+        velocity = world_from_body.apply(np.cross(omega_body, scenario.body.com))
+    omega_world = world_from_body.apply(omega_body)
+    yield f"p.resetBaseVelocity(body, {_row(velocity)}, {_row(omega_world)})"
+
+
+def _pushes(scenario: Scenario, principal: Rotation, hung: bool) -> Iterator[str]:
+    """Torques, which PyBullet forgets after each step."""
+    if scenario.torque_world.any():
+        torque = _row(scenario.torque_world)
+        yield f"p.applyExternalTorque(body, LINK, {torque}, p.WORLD_FRAME)"
+    if scenario.torque_body.any():
+        torque = _row(principal.inv().apply(np.array(scenario.torque_body)))
+        if hung:
+            yield f"p.setJointMotorControlMultiDof(body, 0, p.TORQUE_CONTROL, force={torque})"
+        else:
+            yield f"p.applyExternalTorque(body, LINK, {torque}, p.LINK_FRAME)"
+    if scenario.drag and not hung:
+        drag = f"[-{scenario.drag!r} * w for w in motion()[1]]"
+        yield f"p.applyExternalTorque(body, LINK, {drag}, p.WORLD_FRAME)"
+
+
+def _row(values: FloatArray) -> str:
+    return repr([float(value) for value in values])

@@ -1,0 +1,106 @@
+"""Files for whoever has no spincheck: a run to paste into an issue, the exact motion."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from spincheck.engines import engines
+from spincheck.reference import solve
+from spincheck.reports.cli.app import app
+from spincheck.reports.cli.reproduce import reproduction
+from spincheck.reports.cli.terminal import Complaint
+from spincheck.reports.harness.ladder import single
+from spincheck.scenarios import errors_between, find, load
+from typer.testing import CliRunner
+
+TIMESTEP = 2e-3
+#: The file prints four digits.
+PRINTED = 1e-3
+
+# Together: a joint, a constraint, a free body, drag, torques in either axes, defaults.
+RUNS = [
+    ("fast-top", "mujoco", "Euler"),
+    ("fast-top", "mujoco", "default"),
+    ("fast-top", "pybullet", "default"),
+    ("tiring-top", "pybullet", "multibody-p2p"),
+    ("book-with-drag", "pybullet", "maximal"),
+    ("stuck-thruster", "pybullet", "multibody"),
+]
+
+
+@pytest.mark.parametrize(("scene", "engine", "method"), RUNS)
+def test_the_file_alone_finds_the_error_that_the_harness_finds(
+    scene: str, engine: str, method: str, tmp_path: Path
+) -> None:
+    scenario, chosen = load(find([scene])[0]), engines()[engine]
+    file = tmp_path / "run.py"
+    text = reproduction(scenario, chosen, chosen.method(method), TIMESTEP)
+    assert "spincheck." not in text.replace("by spincheck ", "")
+    file.write_text(text, encoding="utf-8")
+    # -I: nothing but what is installed; no spincheck is imported.
+    done = subprocess.run(
+        [sys.executable, "-I", str(file)], capture_output=True, text=True, check=True
+    )
+    # PyBullet prints things of its own before and after.
+    printed = re.findall(r"^ *([\d.e+-]+|largest) +([\d.e+-]+) +([\d.e+-]+)$", done.stdout, re.M)
+    *rows, (_, omega, attitude) = printed
+    steps = np.array([round(float(time) / TIMESTEP) for time, _, _ in rows])
+    run = chosen.run(scenario, chosen.method(method), TIMESTEP, steps)
+    assert run.trajectory is not None
+    every = solve(scenario, single(TIMESTEP, scenario.times).sample_steps * TIMESTEP).trajectory
+    errors = errors_between(scenario, run.trajectory, solve(scenario, run.trajectory.t).trajectory)
+    largest = np.linalg.norm(every.omega_body, axis=1).max()
+    seen = np.linalg.norm(solve(scenario, run.trajectory.t).trajectory.omega_body, axis=1).max()
+    assert float(omega) == pytest.approx(errors.omega * seen / largest, rel=PRINTED)
+    assert float(attitude) == pytest.approx(errors.attitude, rel=PRINTED)
+
+
+def test_an_engine_without_a_script_is_told() -> None:
+    scenario, engine = load(find(["fast-top"])[0]), engines()["mujoco-urdf"]
+    with pytest.raises(Complaint, match="mujoco-urdf has none"):
+        reproduction(scenario, engine, engine.methods[0], TIMESTEP)
+
+
+@pytest.fixture(scope="module")
+def truth(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("truth")
+    result = CliRunner().invoke(app, ["export", "hammer", str(folder), "--truth"])
+    assert result.exit_code == 0, result.output
+    return folder
+
+
+def test_the_exact_motion_as_csv_and_as_json_are_the_same_to_the_last_bit(truth: Path) -> None:
+    scenario = load(find(["hammer"])[0])
+    exact = solve(scenario, scenario.times).trajectory
+    columns = json.loads((truth / "truth.json").read_text(encoding="utf-8"))["columns"]
+    assert np.array_equal(columns["omega_body"], exact.omega_body)
+    # The first line that is no comment names the columns.
+    lines = (truth / "truth.csv").read_text(encoding="utf-8").splitlines()
+    heading, *rows = [line.split(",") for line in lines if not line.startswith("#")]
+    first = heading.index("omega_body_x")
+    numbers = np.array(rows, dtype=float)
+    assert np.array_equal(numbers[:, first : first + 3], exact.omega_body)
+    assert np.array_equal(numbers[:, 0], exact.t)
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
+def test_the_exact_motion_as_a_c_header_compiles_and_reads_the_same(
+    truth: Path, tmp_path: Path
+) -> None:
+    program = tmp_path / "program.c"
+    program.write_text(
+        '#include <stdio.h>\n#include "truth.h"\nint main(void) {\n'
+        '  printf("%.17g", spincheck_hammer_omega_body[spincheck_hammer_samples - 1][2]);\n'
+        "  return spincheck_hammer_omega_uncertainty < 0;\n}\n",
+        encoding="utf-8",
+    )
+    out = tmp_path / "program"
+    subprocess.run(["cc", f"-I{truth}", str(program), "-o", str(out)], check=True)
+    said = subprocess.run([str(out)], capture_output=True, text=True, check=True).stdout
+    columns = json.loads((truth / "truth.json").read_text(encoding="utf-8"))["columns"]
+    assert float(said) == columns["omega_body"][-1][2]
