@@ -70,7 +70,9 @@ def answer(gathered: ReportData) -> tuple[Sentence, ...]:
     steps = stock_timesteps(plain)
     tried = [_at_stock(plain, pair, steps[pair[0]]) for pair in plain.pairs if pair[0] in steps]
     there = {one.pair: one for one in tried if one.rows}
-    shipped = [there[pair] for pair in as_shipped(plain) if pair in there]
+    # Of an engine the first: what else is as shipped tells its defaults apart.
+    first = {pair[0]: there[pair] for pair in reversed(as_shipped(plain)) if pair in there}
+    shipped = [first[engine] for engine in sorted(first)]
     clean = [one for pair, one in there.items() if pair not in as_shipped(plain)]
     if not shipped:
         return ()

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..results.records import Row
+from ..results.records import Pair, Row
 from .analysis.report_data import MethodRuns, ReportData, SceneRuns
 from .analysis.timesteps import AT, as_shipped, best_choice, row_at, stock_timesteps
 from .analysis.wording import duration
@@ -36,6 +36,7 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
         {
             "engine": engine,
             "method": method,
+            "label": _label((engine, method), shipped),
             "shipped": (engine, method) in shipped,
             "stock": duration(steps[engine]) if engine in steps else "",
             "anchor": method_anchor(engine, method),
@@ -48,6 +49,15 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
         cells = [_cell(scene, tried.get(pair), steps.get(pair[0])) for pair in pairs]
         scenes.append(_scene(scene) | {"cells": cells, "best": _best(scene, steps)})
     return {"columns": columns, "scenes": scenes, "kinds": GROUPS, "signs": SIGNS}
+
+
+def _label(pair: Pair, shipped: list[Pair]) -> str:
+    """Below its group: a method by its name, an engine as shipped by the engine's."""
+    engine, method = pair
+    if pair not in shipped:
+        return method
+    own = [other for other in shipped if other[0] == engine]
+    return engine if own[0] == pair else f"{engine}, {method.removeprefix('default-')}"
 
 
 def _scene(scene: SceneRuns) -> dict[str, Any]:

@@ -265,7 +265,7 @@
     methods.append(heading("scene", "scene"));
     for (const { column, index } of columns) {
       const note = state.at === 1 ? column.stock : state.at === 2 ? "1 ms" : "";
-      methods.append(heading(column.shipped ? column.engine : column.method, index, note));
+      methods.append(heading(column.label, index, note));
     }
     methods.append(heading("cheapest run within 0.1°", "best", "timestep, CPU time of the default"));
     return [engines, methods];
