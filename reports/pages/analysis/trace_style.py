@@ -1,4 +1,7 @@
-"""How each method is drawn: the same colour, dash and marker on every page."""
+"""How each method is drawn: the same colour, dash and marker on every page.
+
+No two methods have both dash and marker in common: hue is never the only difference.
+"""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -17,12 +20,21 @@ COLOURS = (
     "#7d8794",
 )
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash")
-SYMBOLS = ("circle", "square", "diamond", "triangle-up", "cross")
+SYMBOLS = (
+    "circle",
+    "square",
+    "diamond",
+    "triangle-up",
+    "cross",
+    "star",
+    "pentagon",
+    "triangle-left",
+)
 
 
 @dataclass(frozen=True)
 class TraceStyle:
-    """Colour by method, dash and marker by engine; names as Plotly has them."""
+    """Colour by method; dash and marker by both; names as Plotly has them."""
 
     colour: str
     dash: str
@@ -30,15 +42,17 @@ class TraceStyle:
 
 
 def looks(pairs: Iterable[tuple[str, str]]) -> dict[tuple[str, str], TraceStyle]:
-    """A look for every (engine, method); one method's name has one colour in every engine."""
+    """A look for every (engine, method); one method's name has one colour in every engine.
+
+    Dash and marker together are of one pair alone, up to as many as there are of both.
+    """
     pairs = list(pairs)
-    engines = list(dict.fromkeys(engine for engine, _ in pairs))
     methods = list(dict.fromkeys(method for _, method in pairs))
     return {
-        (engine, method): TraceStyle(
-            COLOURS[methods.index(method) % len(COLOURS)],
-            DASHES[engines.index(engine) % len(DASHES)],
-            SYMBOLS[engines.index(engine) % len(SYMBOLS)],
+        pair: TraceStyle(
+            COLOURS[methods.index(pair[1]) % len(COLOURS)],
+            DASHES[(rank + rank // len(SYMBOLS)) % len(DASHES)],
+            SYMBOLS[rank % len(SYMBOLS)],
         )
-        for engine, method in pairs
+        for rank, pair in enumerate(pairs)
     }

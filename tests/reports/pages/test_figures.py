@@ -14,7 +14,7 @@ from made_up import METHODS, STOCK, TIMESTEPS, UNCERTAINTY, at_stock, results
 from plotted import coloured, values_of
 from spincheck.reference import facts, solve
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
-from spincheck.reports.pages.analysis.trace_style import COLOURS, looks
+from spincheck.reports.pages.analysis.trace_style import COLOURS, DASHES, SYMBOLS, looks
 from spincheck.reports.pages.analysis.work_precision import Signal
 from spincheck.reports.pages.figures import ladder_figures
 from spincheck.reports.pages.figures.dense_motion import MOST as MOST_DENSE
@@ -210,13 +210,15 @@ def test_the_polhode_starts_at_the_scenes_own_rates_and_stays_on_the_ellipsoid(
     np.testing.assert_allclose(tips[0], start / np.sqrt(start**2 @ moments), rtol=slack)
 
 
-def test_a_method_has_one_colour_in_all_engines_and_an_engine_one_dash() -> None:
+def test_a_method_has_one_colour_in_all_engines() -> None:
     drawn_as = looks([("a", "Euler"), ("a", "RK4"), ("b", "RK4")])
     assert drawn_as["a", "RK4"].colour == drawn_as["b", "RK4"].colour
     assert drawn_as["a", "Euler"].colour != drawn_as["a", "RK4"].colour
-    assert drawn_as["a", "Euler"].dash == drawn_as["a", "RK4"].dash
-    assert drawn_as["a", "RK4"].dash != drawn_as["b", "RK4"].dash
-    assert drawn_as["a", "RK4"].symbol != drawn_as["b", "RK4"].symbol
+
+
+def test_no_two_methods_differ_in_hue_alone() -> None:
+    pairs = [(f"engine {k // 9}", f"method {k % 9}") for k in range(len(DASHES) * len(SYMBOLS))]
+    assert len({(look.dash, look.symbol) for look in looks(pairs).values()}) == len(pairs)
 
 
 def test_colours_are_those_of_the_whole_study_on_every_page() -> None:
