@@ -5,6 +5,7 @@ import shutil
 from contextlib import contextmanager
 from pathlib import Path
 
+import command_line
 import pytest
 import small_result_file
 from spincheck.reports.results import result_file
@@ -52,6 +53,9 @@ def test_a_file_copied_without_its_log_is_read_and_known(path, tmp_path):
     assert not LATER.items() <= environment_of(alone).items()
     with open_store(alone) as store:
         assert store.log_missing
+    assert (
+        "its log 'alone.sqlite-wal' is not beside it" in command_line.run("rows", str(alone)).stderr
+    )
     with open_store(path) as store:
         assert not store.log_missing
 

@@ -1,0 +1,23 @@
+"""Every attack that SECURITY.md tells of has its tests."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+NAMED = sorted(set(re.findall(r"`(test_\w+)`", (ROOT / "SECURITY.md").read_text("utf-8"))))
+SOURCES = "\n".join(path.read_text("utf-8") for path in (ROOT / "tests").rglob("test_*.py"))
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_a_test_that_is_named_is_there(name: str) -> None:
+    assert f"def {name}(" in SOURCES
+
+
+def test_every_attack_names_a_test() -> None:
+    text = (ROOT / "SECURITY.md").read_text("utf-8")
+    table = text.partition("| attack or accident |")[2].partition("\n\n")[0]
+    rows = table.splitlines()[2:]
+    assert len(rows) > 15
+    assert [row for row in rows if "`test_" not in row] == []
