@@ -101,6 +101,9 @@ def run(
         bool, typer.Option("--strict", help="Exit with 1 for what is only unproven, too.")
     ] = False,
     again: Again = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", help="Print every verdict, with its reason.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Simulate scenes, compare with the truth, and store what was found.
@@ -110,6 +113,7 @@ def run(
     """
     from . import running
     from .executing import Where
+    from .short_summary import short_summary
     from .summary import print_results, results_as_json
 
     asked = (engine or [], method or [], timestep or [])
@@ -127,7 +131,10 @@ def run(
     if as_json:
         print(to_json(results_as_json(results)))
     else:
-        print_results(results)
+        if verbose:
+            print_results(results)
+        for line in short_summary(results, timestep or []):
+            print(line)
         say(f"Results are in {out}; 'spincheck report {out}' makes pages of them.")
         if unproven := running.unproven_in_words(results):
             say(unproven)
