@@ -11,7 +11,7 @@ from .agreement import (
 from .body import Body, FloatArray
 from .catalogue import LIBRARY, find, scenario_files
 from .document import Document, Effects, Expect, Known, Published, Window
-from .errors import Misfit, ScenarioError, printable
+from .errors import Misfit, ScenarioError, did_you_mean, printable
 from .load import is_scenario, is_scene_name, load, load_each, loads
 from .mechanics import angular_momentum_world, energy, energy_base, kinetic_energy, potential_energy
 from .scales import check_scales
@@ -39,6 +39,7 @@ __all__ = [
     "Window",
     "angular_momentum_world",
     "check_scales",
+    "did_you_mean",
     "energy",
     "energy_base",
     "error_series",

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from importlib.resources import files
 from pathlib import Path
 
-from .errors import ScenarioError, printable
+from .errors import ScenarioError, did_you_mean, printable
 from .load import is_scenario
 
 LIBRARY = Path(str(files(__package__))) / "library"
@@ -63,7 +63,7 @@ def _find_one(name: str) -> list[Path]:
     if not matches:
         raise ScenarioError(
             f"{printable(name)}: neither a file, a folder, nor a scene of the library; "
-            "'spincheck list' shows the library"
+            f"'spincheck list' shows the library{did_you_mean(name, (p.stem for p in _library()))}"
         )
     return matches
 

@@ -1,6 +1,8 @@
 """What is raised about a scenario file that cannot be used; how foreign text is quoted in it."""
 
 import unicodedata
+from collections.abc import Iterable
+from difflib import get_close_matches
 
 #: Of characters that make what follows them run the other way, though it is read as it stands.
 TURNING = ("LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI")
@@ -21,6 +23,12 @@ class Misfit(ValueError):
     def __init__(self, message: str, *keys: int | str) -> None:
         super().__init__(message)
         self.keys = keys
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """What to add to a complaint about a name: the nearest of those that are known, if one is."""
+    near = get_close_matches(name, list(known), n=1)
+    return f"; did you mean '{near[0]}'?" if near else ""
 
 
 def is_control(character: str) -> bool:

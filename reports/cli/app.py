@@ -2,6 +2,7 @@
 
 import json
 import sys
+from importlib.metadata import version
 from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated, Any
@@ -9,6 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from .engine_commands import app as engine_commands
+from .grouped import GroupedCommands
 from .model_commands import app as model_commands
 from .options import (
     CORES,
@@ -37,15 +39,33 @@ from .terminal import BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table, to_j
 app = typer.Typer(
     name="spincheck",
     help="Check physics engines against the exact motion of spinning tops.",
+    cls=GroupedCommands,
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
-    add_completion=False,
 )
 app.add_typer(result_commands)
 app.add_typer(sweep_commands)
 app.add_typer(engine_commands)
 app.add_typer(model_commands)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"spincheck {version('spincheck')}")
+        raise typer.Exit
+
+
+@app.callback()
+def spincheck(
+    _: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version and exit."
+        ),
+    ] = False,
+) -> None:
+    """Check physics engines against the exact motion of spinning tops."""
 
 
 def main() -> None:
@@ -81,7 +101,7 @@ def _run_and_flush() -> None:
         raise Complaint(f"the output cannot be written: {error.strerror}", NOT_RUN) from None
 
 
-@app.command()
+@app.command(epilog="Example: spincheck run fast-top --engine mujoco")
 def run(
     scenes: Scenes = None,
     engine: Engines = None,
@@ -142,7 +162,7 @@ def run(
     raise typer.Exit(running.exit_code(results, strict=strict))
 
 
-@app.command()
+@app.command(epilog="Example: spincheck report spincheck.sqlite --out pages")
 def report(
     results: Annotated[
         Path | None, typer.Argument(metavar="[RESULT FILE]", help="What 'spincheck run' wrote.")
@@ -167,7 +187,7 @@ def report(
     raise typer.Exit(running.exit_code(found))
 
 
-@app.command()
+@app.command(epilog="Example: spincheck compare before.sqlite after.sqlite")
 def compare(
     old: Annotated[Path, typer.Argument(metavar="OLD", help="A result file.")],
     new: Annotated[Path, typer.Argument(metavar="NEW", help="Another one, made later.")],
@@ -185,7 +205,7 @@ def compare(
     raise typer.Exit(exit_code(found))
 
 
-@app.command()
+@app.command(epilog="Example: spincheck reference fast-top --at 0.5 --at 1 --json")
 def reference(
     scenario: Scene,
     at: Annotated[list[float] | None, typer.Option("--at", help="A time, s.")] = None,
@@ -205,7 +225,7 @@ def reference(
         raise Complaint("\n".join(untrue), DISAGREES)
 
 
-@app.command()
+@app.command(epilog="Example: spincheck recommend fast-top --omega 1e-4")
 def recommend(
     scenario: Scene,
     omega: Bound = None,
@@ -238,7 +258,7 @@ def recommend(
     raise typer.Exit(exit_code(found))
 
 
-@app.command("list")
+@app.command("list", epilog="Example: spincheck list hard")
 def list_scenes(scenes: Scenes = None, as_json: AsJson = False) -> None:
     """List scenes with what they are about."""
     from .named_scenes import complain, listed
@@ -248,7 +268,16 @@ def list_scenes(scenes: Scenes = None, as_json: AsJson = False) -> None:
     complain(wrong)
 
 
-@app.command()
+@app.command(epilog="Example: spincheck new my-top")
+def new(name: Annotated[str, typer.Argument(metavar="NAME", help="Of the scene.")]) -> None:
+    """Write NAME.toml, a scene to edit, with every key explained."""
+    from .new_scene import new_scene
+
+    path = new_scene(name)
+    print(f"{path} is written. Edit it, then: spincheck run {path}")
+
+
+@app.command(epilog="Example: spincheck show fast-top")
 def show(scenario: Scene, as_json: AsJson = False) -> None:
     """Show a scene as it was understood."""
     from .scene import scene_as_json
@@ -262,7 +291,7 @@ def show(scenario: Scene, as_json: AsJson = False) -> None:
         table([{"": name, "value": _inline(value)} for name, value in described.items()])
 
 
-@app.command()
+@app.command(epilog="Example: spincheck check my-top.toml")
 def check(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Files or folders.")],
 ) -> None:
@@ -277,7 +306,7 @@ def check(
         raise Complaint("\n".join(found.untrue), DISAGREES)
 
 
-@app.command("engines")
+@app.command("engines", epilog="Example: spincheck engines --json")
 def list_engines(as_json: AsJson = False) -> None:
     """List engines, their methods, orders of accuracy and effects."""
     from ...engines import engines, missing
@@ -304,7 +333,7 @@ def list_engines(as_json: AsJson = False) -> None:
         print(f"{m.name} cannot be used: {m.reason}.")
 
 
-@app.command()
+@app.command(epilog="Example: spincheck export fast-top models")
 def export(
     scenario: Scene,
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Made if it is not there.")],

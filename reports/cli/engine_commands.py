@@ -15,7 +15,7 @@ app = typer.Typer()
 ANSWER_LIMIT = 10.0
 
 
-@app.command()
+@app.command(epilog="Example: spincheck conform -- node my-engine.mjs")
 def conform(
     command: Annotated[
         list[str], typer.Argument(metavar="-- COMMAND...", help="What starts the engine.")

@@ -17,7 +17,7 @@ Packages = Annotated[
 ]
 
 
-@app.command()
+@app.command(epilog="Example: spincheck inspect robot.urdf --json")
 def inspect(
     files: ModelFiles,
     engine: Engines = None,

@@ -10,7 +10,7 @@ from .terminal import BAD_INPUT, Complaint, table, to_json
 app = typer.Typer()
 
 
-@app.command()
+@app.command(epilog="Example: spincheck rows spincheck.sqlite --csv")
 def rows(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
     """Print every run of a result file."""
     from . import running
@@ -19,7 +19,7 @@ def rows(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson =
     _print_records([row_record(row) for row in running.read(results).rows], as_csv, as_json)
 
 
-@app.command()
+@app.command(epilog="Example: spincheck verdicts spincheck.sqlite --json")
 def verdicts(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
     """Print every verdict of a result file."""
     from . import running
@@ -28,7 +28,7 @@ def verdicts(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJs
     _print_records(verdict_records(running.read(results)), as_csv, as_json)
 
 
-@app.command()
+@app.command(epilog="Example: spincheck points spincheck.sqlite --csv")
 def points(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
     """Print every point of every map and ensemble of a result file."""
     from . import running

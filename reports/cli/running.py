@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ...engines import Engine, add, engines, missing
-from ...scenarios import Scenario
+from ...scenarios import Scenario, did_you_mean
 from ..harness.choice import QUICK_STEPS, Choice
 from ..harness.plan import plan
 from ..harness.reference_checks import published_that_do_not_hold
@@ -170,12 +170,15 @@ def choose(
     chosen = tuple(_engine(name) for name in dict.fromkeys(engine_names or engines()))
     if not chosen:
         raise Complaint("no engine is installed; 'pip install mujoco pybullet'", NOT_RUN)
-    known = {method.name for engine in chosen for method in engine.methods}
+    known = {method.name.lower(): method.name for engine in chosen for method in engine.methods}
     for name in methods:
-        if name not in known:
+        if name.lower() not in known:
             raise Complaint(
-                f"'--method' must be one of {', '.join(sorted(known))}, got '{name}'", BAD_INPUT
+                f"'--method' must be one of {', '.join(sorted(known.values()))}, got '{name}'"
+                f"{did_you_mean(name, known.values())}",
+                BAD_INPUT,
             )
+    methods = [known[name.lower()] for name in methods]
     for timestep in timesteps:
         if not 0 < timestep < float("inf"):
             raise Complaint(f"'--timestep' must be positive, got {timestep:g} s", BAD_INPUT)
@@ -209,7 +212,11 @@ def _engine(name: str) -> Engine:
                 f"engine '{name}' cannot be used: {absent.reason}",
                 NOT_RUN,
             )
-    raise Complaint(f"'--engine' must be one of {', '.join(engines())}, got '{name}'", BAD_INPUT)
+    raise Complaint(
+        f"'--engine' must be one of {', '.join(engines())}, got '{name}'"
+        f"{did_you_mean(name, engines())}",
+        BAD_INPUT,
+    )
 
 
 def _child(command: str) -> Engine:

@@ -49,7 +49,8 @@ def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
     scenes = len({verdict.key.scenario for verdict in verdicts})
     counted = ", ".join(f"{clean[word]} {word}" for word in _WORDS if clean[word])
     total = plural(sum(clean.values()), "verdict")
-    yield f"{plural(scenes, 'scene')}, {total}: {counted or 'none'}."
+    text = f"{plural(scenes, 'scene')}, {total}: {counted or 'none'}."
+    yield from textwrap.wrap(text, WIDTH)
     shipped = [verdict for verdict in verdicts if verdict.as_shipped]
     if shipped:
         good = sum(verdict.verdict == "converges" for verdict in shipped)

@@ -27,7 +27,10 @@ if TYPE_CHECKING:
 app = typer.Typer()
 
 
-@app.command("map")
+@app.command(
+    "map",
+    epilog="Example: spincheck map fast-top --vary body.mass=1:2 --vary timestep=1e-4:1e-1:log",
+)
 def map_scene(
     scenario: Scene,
     vary: Annotated[
@@ -65,7 +68,7 @@ def map_scene(
     raise typer.Exit(exit_code(found.points))
 
 
-@app.command("vary")
+@app.command("vary", epilog="Example: spincheck vary fast-top start.omega_body[2]=37.3")
 def print_varied(
     scenario: Scene,
     numbers: Annotated[list[str], typer.Argument(metavar="PATH=VALUE...")],
@@ -76,7 +79,7 @@ def print_varied(
     print(varied_text(scenario, numbers), end="")
 
 
-@app.command("member")
+@app.command("member", epilog="Example: spincheck member fast-top --seed 7 --member 3")
 def print_member(
     scenario: Scene,
     member: Annotated[int, typer.Option(min=0, help="Its number, from 0 on.")],

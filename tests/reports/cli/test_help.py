@@ -1,0 +1,69 @@
+"""What the command line says of itself, and of names that it does not know."""
+
+import pytest
+from spincheck.reports.cli.app import app
+from spincheck.reports.cli.grouped import GROUPS
+from spincheck.reports.cli.new_scene import new_scene
+from spincheck.reports.cli.running import choose
+from spincheck.reports.cli.terminal import Complaint
+from spincheck.scenarios import load
+from typer.main import get_group
+from typer.testing import CliRunner
+
+COMMANDS = get_group(app).list_commands(None)
+
+
+def printed(*arguments: str) -> str:
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == 0
+    return done.output
+
+
+def test_every_command_is_in_one_group():
+    grouped = [name for names in GROUPS.values() for name in names]
+    assert len(grouped) == len(set(grouped))
+    assert set(COMMANDS) <= set(grouped)
+    assert set(COMMANDS) <= set(printed("--help").split())
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_has_an_example_that_is_a_command(name):
+    words = printed(name, "--help").partition("Example: ")[2].split()
+    assert words[:2] == ["spincheck", name]
+
+
+def test_commands_are_known_in_any_case():
+    assert printed("LIST", "fast-top") == printed("list", "fast-top")
+
+
+def test_the_version_is_printed():
+    assert printed("--version").startswith("spincheck 0.")
+
+
+@pytest.mark.parametrize("name", ["rk4", "RK4", "Rk4"])
+def test_methods_are_known_in_any_case(name):
+    assert choose(["mujoco"], [name], []).methods == ("RK4",)
+
+
+@pytest.mark.parametrize(
+    ("engine", "method", "meant"), [("mujco", [], "mujoco"), ("mujoco", ["RK5"], "RK4")]
+)
+def test_the_nearest_name_is_offered(engine, method, meant):
+    with pytest.raises(Complaint, match=f"did you mean '{meant}'"):
+        choose([engine], method, [])
+
+
+def test_a_name_that_is_near_to_nothing_is_told_without_a_guess():
+    with pytest.raises(Complaint) as complaint:
+        choose(["zzzzzz"], [], [])
+    assert "did you mean" not in str(complaint.value)
+
+
+def test_a_new_scene_is_a_scene_and_is_never_written_over(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert load(new_scene("my-top")).called_for == {"gravity", "pivot"}
+    with pytest.raises(Complaint, match="is there already"):
+        new_scene("my-top.toml")
+    with pytest.raises(Complaint, match="'NAME' must be"):
+        new_scene("../top")
+    assert [path.name for path in tmp_path.iterdir()] == ["my-top.toml"]
