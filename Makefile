@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 CODE := scenarios reference engines reports
 
-.PHONY: report engines test bench kills lint types contract check schema clean
+.PHONY: report engines test bench kills lint types contract check schema format-page clean
 
 # Exit code 1 says that something disagrees: the report tells what.
 report: $(READY)
@@ -42,6 +42,9 @@ contract: $(READY)
 
 schema: $(READY)
 	$(BIN)/python -m spincheck.scenarios.schema
+
+format-page: $(READY)
+	$(BIN)/python -m spincheck.scenarios.format_page > docs/scene-format.md
 
 $(READY): pyproject.toml
 	$(PYTHON) -m venv $(VENV)

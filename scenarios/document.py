@@ -97,7 +97,9 @@ class StartTable(Table):
     rotation_vector_deg: Vector | None = Field(None, description="axis times angle, body to world")
     omega_body: Vector | None = Field(None, description="rad/s, body axes")
     omega_world: Vector | None = Field(None, description="rad/s, world axes")
-    euler_zyz_rates: Vector | None = Field(None, description="rad/s: α̇ β̇ γ̇")
+    euler_zyz_rates: Vector | None = Field(
+        None, description="rad/s: α̇ β̇ γ̇; takes the attitude as euler_zyz_deg"
+    )
     position: Vector | None = Field(None, description="m, of the com; free bodies only")
     velocity: Vector | None = Field(None, description="m/s, of the com; free bodies only")
 
@@ -150,10 +152,10 @@ class TorqueTable(Table):
 class Effects(Table):
     """What acts on the body: an effect is simulated if its table is here, and only then."""
 
-    gravity: GravityTable | None = None
-    pivot: PivotTable | None = None
-    drag: DragTable | None = None
-    torque: TorqueTable | None = None
+    gravity: GravityTable | None = Field(None, description="a uniform field")
+    pivot: PivotTable | None = Field(None, description="a ball joint at the body's origin")
+    drag: DragTable | None = Field(None, description="a torque against the angular velocity")
+    torque: TorqueTable | None = Field(None, description="a constant torque")
 
 
 class Window(Table):
@@ -200,7 +202,7 @@ class Published(Table):
     L_world: Components | None = Field(None, description="kg m²/s, about the pivot, else the com")
     energy: Number | None = Field(None, description="J")
     tolerance: Positive = Field(description="absolute, from the digits printed")
-    source: Text
+    source: Text = Field(description="who printed it, and where")
 
     @model_validator(mode="after")
     def _something(self) -> Self:
@@ -227,9 +229,9 @@ _BOUNDS = ("omega", "attitude", "angular_momentum", "energy")
 class Expect(Table):
     """What the scene promises of one engine, method and timestep."""
 
-    engine: Text
-    method: Text
-    timestep: Positive = Field(description="s")
+    engine: Text = Field(description="as `spincheck engines` names it")
+    method: Text = Field(description="likewise")
+    timestep: Positive = Field(description="s; the run is made besides the ladder")
     omega: Positive | None = Field(None, description="bound on omega_error")
     attitude: Positive | None = Field(None, description="bound on attitude_error, rad")
     angular_momentum: Positive | None = Field(None, description="bound on angular_momentum_error")
@@ -250,27 +252,29 @@ class Expect(Table):
 class Known(Table):
     """A fault that is known of an engine's method on this scene; its end is told too."""
 
-    engine: Text
-    method: Text
+    engine: Text = Field(description="as `spincheck engines` names it")
+    method: Text = Field(description="likewise")
     verdict: Literal["disagrees"] = Field(description="it settles on another motion")
-    reason: Text
+    reason: Text = Field(description="what is known of it, and where that is told")
 
 
 class Document(Table):
     """A spincheck scenario: a rigid body, how it starts, what acts on it, and for how long."""
 
     spincheck: Version = Field(description="format version; marks the file as a scenario")
-    title: Text
+    title: Text = Field(description="one line; what pages and lists call the scene")
     source: Text = Field(description="book, section or paper the scene comes from")
     description: Prose = Field("", description="Markdown")
-    tags: tuple[Text, ...] = ()
-    body: BodyTable
-    start: StartTable
-    effects: Effects = Effects()
-    window: Window
-    published: tuple[Published, ...] = ()
-    expect: tuple[Expect, ...] = ()
-    known: tuple[Known, ...] = ()
+    tags: tuple[Text, ...] = Field(
+        (), description="to filter by; `hard` keeps a scene out of quick runs"
+    )
+    body: BodyTable = Field(description="the rigid body")
+    start: StartTable = Field(description="the state at t = 0")
+    effects: Effects = Field(Effects(), description="what acts on the body")
+    window: Window = Field(description="the span that is simulated")
+    published: tuple[Published, ...] = Field((), description="values that others printed")
+    expect: tuple[Expect, ...] = Field((), description="what runs are held to")
+    known: tuple[Known, ...] = Field((), description="faults of engines that are known")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

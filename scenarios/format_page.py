@@ -1,0 +1,187 @@
+"""The page that specifies the scenario file, key by key, written from the format's own models."""
+
+import types
+import typing
+from collections.abc import Iterator
+from typing import Any
+
+from pydantic.fields import FieldInfo
+
+from .document import (
+    BodyTable,
+    Document,
+    DragTable,
+    Effects,
+    Expect,
+    GravityTable,
+    Known,
+    PivotTable,
+    Published,
+    StartTable,
+    Table,
+    TorqueTable,
+    Window,
+)
+
+#: Every table of the file in the order it is written, with an example; together they are a scene.
+EXAMPLES: dict[str, tuple[type[Table], str]] = {
+    "The top of the file": (
+        Document,
+        """spincheck = 1
+title = "A top that drags its heels"
+source = "Goldstein, Classical Mechanics, §5.7"
+description = "Leans by 30° and loses its spin."
+tags = ["heavy", "driven"]
+""",
+    ),
+    "[body]": (
+        BodyTable,
+        """[body]
+mass = 0.5                        # kg
+inertia = [8e-4, 8e-4, 4e-4]      # kg m²
+com = [0.0, 0.0, 0.05]            # m, from the pivot
+""",
+    ),
+    "[start]": (
+        StartTable,
+        """[start]
+euler_zyz_deg = [0.0, 30.0, 0.0]
+euler_zyz_rates = [2.0, 0.0, 80.0]  # rad/s: precession, nutation, spin
+""",
+    ),
+    "[effects]": (Effects, ""),
+    "[effects.gravity]": (
+        GravityTable,
+        """[effects.gravity]
+acceleration = [0.0, 0.0, -9.81]  # m/s²
+""",
+    ),
+    "[effects.pivot]": (
+        PivotTable,
+        """[effects.pivot]
+""",
+    ),
+    "[effects.drag]": (
+        DragTable,
+        """[effects.drag]
+rotational = 1e-4                 # N m s
+""",
+    ),
+    "[effects.torque]": (
+        TorqueTable,
+        """[effects.torque]
+body = [0.0, 0.0, 1e-3]           # N m
+""",
+    ),
+    "[window]": (
+        Window,
+        """[window]
+duration = 2.0                    # s
+samples = 201
+""",
+    ),
+    "[[published]]": (
+        Published,
+        """[[published]]
+t = 0.0
+energy = 1.5494                   # J
+tolerance = 1e-4
+source = "worked out by hand"
+""",
+    ),
+    "[[expect]]": (
+        Expect,
+        """[[expect]]
+engine = "mujoco"
+method = "RK4"
+timestep = 0.001                  # s
+omega = 1e-6
+attitude = 1e-5                   # rad
+""",
+    ),
+    "[[known]]": (
+        Known,
+        """[[known]]
+engine = "mujoco"
+method = "discrete"
+verdict = "disagrees"
+reason = "creeps on where drag has all but stopped a body"
+""",
+    ),
+}
+
+_HEAD = """<!-- `make format-page` writes this from scenarios/document.py; a test keeps it in step. -->
+# The scene file, key by key
+
+A scene is one TOML file in SI units. Its name is the file's name without `.toml`. Nothing physical
+has a hidden default: a key that is not needed and is left out means that there is no such thing.
+Unknown keys are errors; `spincheck check FILE` names file, line, key and rule of whatever is wrong.
+`scenarios/schema.json` gives completion in editors. [Your own top in five minutes](first-scene.md)
+shows one being written.
+
+Angles of ZYZ Euler angles are α, β, γ with R = Rz(α) Ry(β) Rz(γ), body to world components. L is
+about the pivot, or about the centre of mass where there is none; potential energy is −m g·r_com.
+"""
+
+
+def format_page() -> str:
+    """The page, as Markdown."""
+    return "\n".join([_HEAD, *(line for title in EXAMPLES for line in _section(title))])
+
+
+def example_scene() -> str:
+    """All examples in one: a scene that can be read."""
+    return "\n".join(text for _, text in EXAMPLES.values() if text)
+
+
+def _section(title: str) -> Iterator[str]:
+    model, example = EXAMPLES[title]
+    yield f"## {title}\n"
+    yield f"{model.__doc__}\n"
+    fields = model.model_fields
+    if fields:
+        yield "| key | value | needed | meaning |\n|---|---|---|---|"
+        for key, field in fields.items():
+            needed = "yes" if field.is_required() else ""
+            yield f"| `{key}` | {_kind(field)} | {needed} | {field.description} |"
+        yield ""
+    if example:
+        yield f"```toml\n{example}```\n"
+
+
+def _kind(field: FieldInfo) -> str:
+    """What a key takes, in words."""
+    constraints = [str(one) for one in field.metadata]
+    kind = _words(field.annotation)
+    return "number > 0" if kind == "number" and any("Gt" in one for one in constraints) else kind
+
+
+def _words(annotation: Any) -> str:
+    origin, arguments = typing.get_origin(annotation), typing.get_args(annotation)
+    if origin is typing.Annotated:
+        words = _words(arguments[0])
+        positive = any("gt=0" in repr(one) for one in arguments[1:])
+        return "number > 0" if words == "number" and positive else words
+    if origin in (typing.Union, types.UnionType):
+        offered = dict.fromkeys(_words(one) for one in arguments if one is not type(None))
+        return " or ".join(offered)
+    if origin is typing.Literal:
+        return " or ".join(f"`{value!r}`".replace("'", '"') for value in arguments)
+    if origin is tuple:
+        return _row(arguments)
+    if isinstance(annotation, type) and issubclass(annotation, Table):
+        return "table"
+    return {float: "number", int: "whole number", str: "text"}[annotation]
+
+
+def _row(arguments: tuple[Any, ...]) -> str:
+    words = [_words(one) for one in arguments if one is not Ellipsis]
+    if Ellipsis in arguments:
+        return "array of tables" if words == ["table"] else f"any number of: {words[0]}"
+    if len(set(words)) == 1:
+        return f"{len(words)} × {words[0]}"
+    return ", ".join(words)
+
+
+if __name__ == "__main__":
+    print(format_page(), end="")

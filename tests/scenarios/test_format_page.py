@@ -1,0 +1,53 @@
+"""The page that specifies the scene file is that of the format, whole, and its example is right."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+from spincheck.reports.harness.reference_checks import published_values
+from spincheck.scenarios import loads
+from spincheck.scenarios.document import Document
+from spincheck.scenarios.format_page import EXAMPLES, example_scene, format_page
+
+PAGE = Path(__file__).parents[2] / "docs" / "scene-format.md"
+FIRST = PAGE.with_name("first-scene.md")
+
+
+def _tables(annotation: Any) -> set[type[BaseModel]]:
+    """The models that a field's type is made of."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        inner = [_tables(field.annotation) for field in annotation.model_fields.values()]
+        return {annotation}.union(*inner)
+    return set().union(*(_tables(one) for one in getattr(annotation, "__args__", ())))
+
+
+def test_the_page_is_in_step_with_the_format() -> None:
+    """If this fails: make format-page."""
+    assert PAGE.read_text(encoding="utf-8") == format_page()
+
+
+def test_every_table_of_the_format_is_there() -> None:
+    assert {model for model, _ in EXAMPLES.values()} == _tables(Document)
+
+
+def test_every_key_says_what_it_means() -> None:
+    for model in _tables(Document):
+        for key, field in model.model_fields.items():
+            assert field.description, f"{model.__name__}.{key}"
+
+
+def test_its_examples_make_a_scene_whose_published_value_holds() -> None:
+    scenario = loads(example_scene(), "example")
+    assert scenario.called_for == {"gravity", "pivot", "drag", "torque_body"}
+    assert [value.holds for value in published_values(scenario)] == [True]
+
+
+def test_a_published_value_that_is_off_would_not_hold() -> None:
+    text = example_scene().replace("energy = 1.5494", "energy = 1.5594")
+    assert [value.holds for value in published_values(loads(text, "example"))] == [False]
+
+
+def test_the_first_scene_of_a_newcomer_is_right() -> None:
+    (block,) = re.findall(r"```toml\n(.*?)```", FIRST.read_text(encoding="utf-8"), re.DOTALL)
+    assert loads(block, "my-top").has_pivot
