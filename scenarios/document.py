@@ -152,10 +152,12 @@ class TorqueTable(Table):
 class Effects(Table):
     """What acts on the body: an effect is simulated if its table is here, and only then."""
 
-    gravity: GravityTable | None = Field(None, description="a uniform field")
-    pivot: PivotTable | None = Field(None, description="a ball joint at the body's origin")
-    drag: DragTable | None = Field(None, description="a torque against the angular velocity")
-    torque: TorqueTable | None = Field(None, description="a constant torque")
+    gravity: GravityTable | None = Field(default=None, description="a uniform field")
+    pivot: PivotTable | None = Field(default=None, description="a ball joint at the body's origin")
+    drag: DragTable | None = Field(
+        default=None, description="a torque against the angular velocity"
+    )
+    torque: TorqueTable | None = Field(default=None, description="a constant torque")
 
 
 class Window(Table):

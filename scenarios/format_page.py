@@ -110,7 +110,7 @@ reason = "creeps on where drag has all but stopped a body"
     ),
 }
 
-_HEAD = """<!-- `make format-page` writes this from scenarios/document.py; a test keeps it in step. -->
+_HEAD = """<!-- `make format-page` writes this from scenarios/document.py. -->
 # The scene file, key by key
 
 A scene is one TOML file in SI units. Its name is the file's name without `.toml`. Nothing physical

@@ -30,6 +30,7 @@ from .options import (
     TimeLimit,
     Timesteps,
 )
+from .picture_commands import app as picture_commands
 from .result_commands import app as result_commands
 from .stopping import STDOUT, Stopped, open_closed_streams, print_nowhere, raise_when_stopped
 from .sweep_commands import app as sweep_commands
@@ -48,6 +49,7 @@ app.add_typer(result_commands)
 app.add_typer(sweep_commands)
 app.add_typer(engine_commands)
 app.add_typer(model_commands)
+app.add_typer(picture_commands)
 
 
 def _print_version(wanted: bool) -> None:

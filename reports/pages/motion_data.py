@@ -22,6 +22,8 @@ from .figures.plot import claimed, peaks, thinned
 
 #: Of the exact motion on a page, and of a run; a page grows with every one.
 EXACT_SAMPLES, RUN_SAMPLES = 600, 200
+#: Of all runs of a page together.
+PAGE_SAMPLES = 4400
 #: Samples a turn of the fastest rate, through which the page's script draws smooth lines.
 EXACT_A_TURN, RUN_A_TURN = 10, 6
 #: A motion of a few turns is not drawn with fewer.
@@ -66,13 +68,13 @@ def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
 
 
 def _first(scene: SceneRuns) -> int:
-    """Which run is played first: that of an engine as shipped, where there is one."""
-    shipped = (
-        k
+    """Which run is played first: of those of engines as shipped the least wrong."""
+    shipped = [
+        (float(run.series.attitude.max()), k)
         for k, run in enumerate(scene.compared)
         if run.runs.declared and run.runs.declared.as_shipped
-    )
-    return next(shipped, 0)
+    ]
+    return min(shipped, default=(0.0, 0))[1]
 
 
 def noticeable_from(run: Compared) -> float | None:
@@ -117,7 +119,8 @@ def _body(found: SceneResult) -> dict[str, Any]:
 
 def _run(run: Compared, scene: SceneRuns, bases: _TimeBases) -> dict[str, Any]:
     assert scene.found is not None, "a run is compared with an exact motion"
-    kept = thinned(len(run.motion.t), _samples_for(scene, RUN_SAMPLES, RUN_A_TURN))
+    fair = PAGE_SAMPLES // len(scene.compared)
+    kept = thinned(len(run.motion.t), min(fair, _samples_for(scene, RUN_SAMPLES, RUN_A_TURN)))
     series, known = run.series, scene.found.solution.uncertainty
     look = run.runs.look
     data: dict[str, Any] = {

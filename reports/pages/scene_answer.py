@@ -13,7 +13,7 @@ from .analysis.timesteps import (
     BestChoice,
     best_choice,
 )
-from .analysis.wording import NOTHING, duration, limited, number
+from .analysis.wording import NOTHING, duration, limited, number, plural
 from .analysis.work_precision import cost
 from .motion_data import noticeable_from
 from .tables import Cell, Table, figure, table
@@ -25,10 +25,13 @@ HEADINGS = (
     "attitude off by, °",
     "more than 1° from",
     "ω error, relative",
-    "L error, relative",
     "energy error, relative",
     "CPU s a simulated s",
 )
+
+
+#: Defaults of so many engines are told in words, and drawn before others are asked for.
+SHOWN_DEFAULTS = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +68,7 @@ def scene_answer(scene: SceneRuns) -> Answer | None:
     if best is not None:
         rows.append(_line(scene, best.runs, best.row, seen, "recommended"))
     return Answer(
-        _sentence(scene, shipped, best),
+        _sentence(scene, best),
         best,
         f"{best.runs.label} at {duration(best.row.timestep)}" if best else "",
         tuple(_facts(scene, best)) if best else (),
@@ -76,10 +79,17 @@ def scene_answer(scene: SceneRuns) -> Answer | None:
 
 
 def shown_at_first(scene: SceneRuns) -> set[str]:
-    """Labels of the methods in the figures of motions: engines as shipped, and the best choice."""
+    """Labels of the methods in figures of motions: the closest defaults and the best choice."""
     best = best_choice(scene) if scene.found else None
-    shipped = {r.label for r in scene.methods if r.declared and r.declared.as_shipped}
-    return shipped | ({best.runs.label} if best else set())
+    closest = [runs.label for runs, _ in closest_defaults(scene)[:SHOWN_DEFAULTS]]
+    return {*closest, *([best.runs.label] if best else [])}
+
+
+def closest_defaults(scene: SceneRuns) -> list[tuple[MethodRuns, Row]]:
+    """Engines as shipped at their own stock timesteps, the least wrong first."""
+    shipped = [runs for runs in scene.methods if runs.declared and runs.declared.as_shipped]
+    tried = [(runs, row) for runs in shipped for row in runs.stock[:1]]
+    return sorted(tried, key=lambda one: one[1].errors.attitude if one[1].errors else math.inf)
 
 
 def attitude_in_degrees(scene: SceneRuns, row: Row) -> str:
@@ -90,16 +100,18 @@ def attitude_in_degrees(scene: SceneRuns, row: Row) -> str:
     return limited(math.degrees(row.errors.attitude), limit)
 
 
-def _sentence(scene: SceneRuns, shipped: Sequence[MethodRuns], best: BestChoice | None) -> str:
-    said = [_told(scene, runs.label, row) for runs in shipped for row in runs.stock[:1]]
+def _sentence(scene: SceneRuns, best: BestChoice | None) -> str:
+    defaults = closest_defaults(scene)
+    said = [_told(scene, runs.label, row) for runs, row in defaults[:SHOWN_DEFAULTS]]
+    if others := defaults[SHOWN_DEFAULTS:]:
+        said.append(f"{plural(len(others), 'other default')} are further off.")
     if best is None:
         return " ".join([*said, "No method converges on this scene: nothing is recommended."])
     angle = attitude_in_degrees(scene, best.row)
     label = f"{best.runs.label} at {duration(best.row.timestep)}"
     if best.within:
-        said.append(
-            f"{_capital(label)} is within {angle.removeprefix('≤ ')}°{_price(best, shipped)}."
-        )
+        within = angle.removeprefix("≤ ")
+        said.append(f"{_capital(label)} is within {within}°{_price(best, defaults)}.")
     else:
         bound = number(math.degrees(ATTITUDE_WITHIN), 1)
         said.append(
@@ -119,14 +131,14 @@ def _told(scene: SceneRuns, label: str, row: Row) -> str:
     return f"{run} {row.outcome}{when}."
 
 
-def _price(best: BestChoice, shipped: Sequence[MethodRuns]) -> str:
+def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
     """What the best choice costs beside the default of the same engine, in words."""
-    of_engine = [runs for runs in shipped if best.runs.engine.startswith(runs.engine)]
-    usual = [cost(row) for runs in of_engine for row in runs.stock[:1] if row.outcome == "ok"]
-    if not usual or usual[0] is None or best.cost is None:
-        return ""
-    ratio = number(best.cost / usual[0], 2)
-    return f", for {ratio} times the CPU time of {of_engine[0].label}"
+    for runs, row in defaults:
+        usual = cost(row)
+        if runs.engine == best.runs.engine and row.outcome == "ok" and usual and best.cost:
+            ratio = number(best.cost / usual, 2)
+            return f", for {ratio} times the CPU time of {runs.label}"
+    return ""
 
 
 def _facts(scene: SceneRuns, best: BestChoice) -> list[tuple[str, str]]:
@@ -167,11 +179,11 @@ def _errors(scene: SceneRuns, row: Row, noticed: float | None) -> list[Cell]:
         when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
         word = f"{row.outcome}{when}" if row.made else "not run"
         kind = row.outcome if row.made else "unsupported"
-        return [Cell(word, kind, note=row.reason), *[figure(NOTHING)] * 4]
+        return [Cell(word, kind, note=row.reason), *[figure(NOTHING)] * 3]
     limits = scene.uncertainty(row)
     of_signal = [
         figure(limited(getattr(row.errors, signal), getattr(limits, signal)))
-        for signal in ("omega", "angular_momentum", "energy")
+        for signal in ("omega", "energy")
     ]
     begins = f"{number(noticed)} s" if noticed is not None else "never"
     if row.errors.attitude > math.radians(1) and noticed is None:

@@ -1,0 +1,59 @@
+"""The commands that draw; heavy imports wait inside them, so that ``--help`` answers at once."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .options import CORES, RESULT_FILE, Engines, Jobs, Methods, Scene
+
+app = typer.Typer()
+
+#: Where `view` writes.
+VIEW_FOLDER = Path("spincheck-view")
+
+
+@app.command()
+def view(
+    scenario: Scene,
+    jobs: Jobs = CORES,
+    out: Annotated[Path, typer.Option(help="The folder to write.")] = VIEW_FOLDER,
+) -> None:
+    """Make a scene's page on the spot: short ladders and stock timesteps, untimed.
+
+    Example: spincheck view my-top.toml
+    """
+    from .pictures import view as make_page
+
+    print(make_page(scenario, jobs, out))
+
+
+@app.command()
+def plot(
+    scenario: Scene,
+    what: Annotated[
+        str,
+        typer.Option(
+            help="theta, omega, polhode, herpolhode, axis, potential, convergence, work-precision."
+        ),
+    ],
+    out: Annotated[
+        Path, typer.Option("--out", "-o", help="The file to write: .svg, .png or .pdf.")
+    ],
+    results: Annotated[
+        Path, typer.Option("--from", help="Runs are taken from this result file.")
+    ] = RESULT_FILE,
+    engine: Engines = None,
+    method: Methods = None,
+) -> None:
+    """Draw one figure of a scene as a file; takes matplotlib.
+
+    The exact motion, and beside it the engines and methods that are named, as far as the result
+    file has runs of them; convergence and work-precision of every method.
+
+    Example: spincheck plot fast-top --what theta --engine mujoco --method default -o theta.svg
+    """
+    from .pictures import plot as draw
+
+    draw(scenario, what, out, results, engine or [], method or [])
+    print(out)
