@@ -3,10 +3,11 @@
 from importlib.metadata import version
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...engines import Engine, Method
 from ...reference import IntegrationError, Solution, solve
-from ...scenarios import FloatArray, Scenario, printable
+from ...scenarios import Scenario, printable
 from ..harness.ladder import single
 from .terminal import BAD_INPUT, NOT_RUN, Complaint
 
@@ -96,7 +97,7 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
     return head + script + _tail(solution, steps)
 
 
-def _tail(solution: Solution, steps: FloatArray) -> str:
+def _tail(solution: Solution, steps: NDArray[np.int64]) -> str:
     motion = solution.trajectory
     kept = np.unique(np.linspace(0, len(motion.t) - 1, MOST_SAMPLES).round().astype(int))
     columns = (steps, motion.q_world_body_wxyz, motion.omega_body)
