@@ -3,6 +3,7 @@
 import json
 import math
 import sys
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -78,28 +79,40 @@ def cell(value: object) -> str:
 def progress(total: int, lines: int | None = None) -> Iterator[Callable[[str], None]]:
     """A bar on a terminal, plain lines elsewhere; each call counts as one of `total`.
 
+    Both tell how long the rest takes if it goes on as it went so far.
+
     Parameters
     ----------
     lines : of these at most so many are printed, evenly spaced; all of them if None
     """
     if not sys.stderr.isatty():
-        done = 0
+        done, begun = 0, time.monotonic()
 
         def line(text: str) -> None:
             nonlocal done
             done += 1
             if lines is None or done * lines // total > (done - 1) * lines // total:
-                say(f"[{done}/{total}] {text}")
+                left = (time.monotonic() - begun) / done * (total - done)
+                say(f"[{done}/{total}, {left / 60:.0f} min left] {text}")
 
         yield line
         return
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
 
     columns = (
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
         TextColumn("{task.description}"),
     )
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
