@@ -10,7 +10,7 @@ from .analysis.work_precision import SIGNALS as ERRORS
 from .analysis.work_precision import Signal, curves
 from .cost_tables import median_table, ratio_table, reach_table, reached_table
 from .figures.figures import Titled
-from .figures.profile_figure import profile_figure
+from .figures.profile_figure import profile_figures
 from .tables import Table
 
 #: The error by which methods are compared over all scenes; every scene's page has all four.
@@ -50,6 +50,7 @@ def cost_section(gathered: ReportData) -> CostSection:
     drawn = looks(gathered.pairs)
     timed = any(curve.seconds_per_step is not None for tried in scenes for curve in tried)
     profiles = [profile(scenes, COMPARED, level) for level in PROFILED]
+    first, *others = profile_figures(profiles, drawn)
     titled = Titled(
         "profiles",
         "Performance profiles",
@@ -57,7 +58,8 @@ def cost_section(gathered: ReportData) -> CostSection:
         "cost of the cheapest method there (Dolan & Moré 2002). Higher is better; the right end "
         "is the fraction within reach at all. Extrapolated costs count; at τ near 1, methods "
         "closer than the spread of the timings change places by chance.",
-        profile_figure(profiles, drawn),
+        first,
+        tuple(others),
     )
     return CostSection(
         len(scenes),

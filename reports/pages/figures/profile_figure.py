@@ -1,4 +1,4 @@
-"""Performance profiles as step curves, one panel an error."""
+"""Performance profiles as step curves, one figure an error."""
 
 from collections.abc import Mapping, Sequence
 
@@ -16,21 +16,24 @@ BESIDE = 1.5
 FRACTIONS: Range = (-0.03, 1.03)
 
 
-def profile_figure(profiles: Sequence[Profile], drawn: Mapping[Pair, TraceStyle]) -> Figure:
+def profile_figures(
+    profiles: Sequence[Profile], drawn: Mapping[Pair, TraceStyle]
+) -> tuple[Figure, ...]:
     """Fraction of scenes solved against the factor by which the cheapest method is exceeded."""
     largest = max((r[-1] for p in profiles for r in p.ratios.values() if r), default=1.0)
     x_range = (1.0, largest * BESIDE)
-    panels = []
-    traces: list[Trace] = []
-    for k, profile in enumerate(profiles, start=1):
-        heading = f"{SIGNALS[profile.signal]}: error up to {number(profile.level, 1)}"
-        x_title = "cost over the cheapest method's, τ"
-        panels.append(Panel(x_title, "fraction of scenes", heading, True, FRACTIONS, x_range))
-        traces += _steps(profile, drawn, x_range[1], k)
-    return {"data": traces, "layout": layout([panels], height=460)}
+    return tuple(_figure(profile, drawn, x_range) for profile in profiles)
 
 
-def _steps(profile: Profile, drawn: Mapping[Pair, TraceStyle], end: float, k: int) -> list[Trace]:
+def _figure(profile: Profile, drawn: Mapping[Pair, TraceStyle], x_range: Range) -> Figure:
+    heading = f"{SIGNALS[profile.signal]}: error up to {number(profile.level, 1)}"
+    x_title = "cost over the cheapest method's, τ"
+    panel = Panel(x_title, "fraction of scenes", heading, True, FRACTIONS, x_range)
+    traces = _steps(profile, drawn, x_range[1])
+    return {"data": traces, "layout": layout([[panel]], height=460)}
+
+
+def _steps(profile: Profile, drawn: Mapping[Pair, TraceStyle], end: float) -> list[Trace]:
     traces = []
     for pair, ratios in profile.ratios.items():
         factors = sorted({1.0, *ratios, end})
@@ -42,7 +45,7 @@ def _steps(profile: Profile, drawn: Mapping[Pair, TraceStyle], end: float, k: in
             line(
                 np.array(factors),
                 np.array([profile.fraction(pair, factor) for factor in factors]),
-                k,
+                1,
                 **style | {"hovertemplate": f"{said}<extra></extra>"},
             )
         )

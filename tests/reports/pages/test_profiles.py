@@ -18,7 +18,7 @@ from spincheck.reports.pages.cost_tables import (
     reach_table,
     reached_table,
 )
-from spincheck.reports.pages.figures.profile_figure import profile_figure
+from spincheck.reports.pages.figures.profile_figure import profile_figures
 
 
 @pytest.fixture(scope="module")
@@ -88,7 +88,7 @@ def test_ratios_of_orders_are_over_the_scenes_where_both_reach() -> None:
 
 def test_a_profile_s_curve_ends_at_the_scenes_reached() -> None:
     drawn = looks([("e", "a"), ("e", "b")])
-    figure = profile_figure([profile(three_scenes(), "omega", BELOW)], drawn)
+    (figure,) = profile_figures([profile(three_scenes(), "omega", BELOW)], drawn)
     ends = {trace["name"]: values_of(trace["y"])[-1] for trace in figure["data"]}
     assert ends == {"e a": np.float32(2 / 3), "e b": 1.0}
 
