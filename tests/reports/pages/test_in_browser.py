@@ -229,3 +229,27 @@ def test_colours_follow_the_dark_scheme(visit, folder):
     light = page.evaluate(colour)
     page.emulate_media(color_scheme="dark")
     page.wait_for_function(f"{colour} !== '{light}'")
+
+
+def test_play_moves_the_body_and_pause_holds_it(visit, folder):
+    page = open_page(visit, folder, "scenes/fast-top.html")
+    # The pixels of the exact motion's picture.
+    picture = "document.querySelector('.player canvas').toDataURL()"
+    page.locator("[data-clock]").filter(has_text="of").wait_for()
+    at_rest = page.evaluate(picture)
+    play = page.locator("[data-play]")
+    play.click()
+    page.wait_for_function("before => " + picture + " !== before", arg=at_rest)
+    play.click()
+    expect(play).to_have_attribute("aria-pressed", "false")
+    held = page.evaluate(picture)
+    page.wait_for_timeout(100)
+    assert page.evaluate(picture) == held
+
+
+def test_scrubbing_to_the_end_shows_its_time(visit, folder):
+    page = open_page(visit, folder, "scenes/fast-top.html")
+    clock = page.locator("[data-clock]")
+    clock.filter(has_text="of 5").wait_for()
+    page.locator("[data-time]").fill("1")
+    expect(clock).to_have_text("5 of 5 s")

@@ -1,0 +1,62 @@
+"""What a row may hold: a run that did not end ok has no errors, wherever it is shown."""
+
+import json
+from dataclasses import replace
+
+import pytest
+from made_up import TIMESTEPS, MadeUp, results
+from spincheck.reports.cli.csv_export import csv_text
+from spincheck.reports.cli.summary import row_record
+from spincheck.reports.cli.terminal import to_json
+from spincheck.reports.pages.analysis.cost_to_reach import reach
+from spincheck.reports.pages.analysis.report_data import report_data
+from spincheck.reports.pages.analysis.work_precision import curves, front
+from spincheck.reports.results.records import Row
+
+ERRORS = ("omega_error", "attitude_error", "angular_momentum_error", "energy_error")
+
+
+@pytest.fixture(scope="module")
+def row() -> Row:
+    return next(r for r in results().rows if r.outcome == "ok")
+
+
+@pytest.fixture(scope="module")
+def diverged(row: Row) -> Row:
+    return replace(row, outcome="diverged", errors=None, stopped_at=0.25)
+
+
+@pytest.mark.parametrize("outcome", ["diverged", "failed", "unsupported"])
+def test_a_run_that_did_not_end_ok_cannot_have_errors(row, outcome):
+    with pytest.raises(ValueError, match="a run that is not ok has no errors"):
+        replace(row, outcome=outcome)
+
+
+def test_in_json_its_errors_are_null_and_its_end_is_told(diverged):
+    record = json.loads(to_json([row_record(diverged)]))[0]
+    assert [record[name] for name in ERRORS] == [None] * len(ERRORS)
+    assert record["stopped_at"] == 0.25
+
+
+def test_in_csv_its_errors_are_empty(diverged):
+    names, values = (line.split(",") for line in csv_text([row_record(diverged)]).splitlines()[:2])
+    record = dict(zip(names, values, strict=False))
+    assert [record[name] for name in ERRORS] == [""] * len(ERRORS)
+
+
+def test_it_is_on_no_pareto_front_and_reaches_no_error():
+    # Cheaper than all others, and of the best order: it would be first everywhere.
+    tried = (MadeUp("mujoco", "Euler", 1), MadeUp("mujoco", "RK4", 4, "diverges", "blew up"))
+    found = results(methods=tried)
+    rows = [
+        replace(r, seconds_per_step=1e-9) if r.key.method == "RK4" and r.timestep else r
+        for r in found.rows
+    ]
+    scene = next(
+        s for s in report_data(replace(found, rows=rows)).scenes if s.name == "made-up-top"
+    )
+    drawn = curves(scene, "omega")
+    assert {curve.method for curve, _ in front(drawn)} == {"Euler"}
+    blown = next(curve for curve in drawn if curve.method == "RK4")
+    assert reach(blown, 1.0).cost is None
+    assert len(front(drawn)) == len(TIMESTEPS)
