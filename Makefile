@@ -6,7 +6,8 @@ READY := $(VENV)/.ready
 CODE := scenarios reference engines reports
 PLAIN := free heavy driven thrown
 
-.PHONY: report engines test bench kills lint types contract check schema format-page clean
+.PHONY: report engines test bench kills thresholds random
+.PHONY: lint types contract check schema format-page clean
 
 # The page is there to look at after the plain scenes, and once more when the hard ones are done.
 # Exit code 1 says that something disagrees: the report tells what.
@@ -31,6 +32,14 @@ bench: $(READY)
 # Runs killed with -9 at fifty random moments must go on to the same results.
 kills: $(READY)
 	$(BIN)/python tests/reports/cli/kills.py
+
+# The smallest lie that is told, by kind, method class and scene; written to docs/thresholds.md.
+thresholds: $(READY)
+	$(BIN)/python tests/reports/harness/measure_thresholds.py
+
+# Honest methods on a thousand random scenes: what is judged wrongly, counted.
+random: $(READY)
+	$(BIN)/python tests/reports/harness/measure_random.py
 
 check: lint types contract
 

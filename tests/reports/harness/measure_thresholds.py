@@ -1,0 +1,88 @@
+"""The smallest lie of each kind that a verdict tells, by class of method and scene, and its name.
+
+Written to docs/thresholds.md. Engines are MuJoCo with the lie in it (`lying_mujoco`); sizes are
+tried from the smallest upwards.
+"""
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).parents[3]
+sys.path.insert(0, str(ROOT / "tests" / "support"))
+
+from lying_mujoco import KINDS, Lie, LyingMuJoCo, applies  # noqa: E402
+from spincheck.reports.harness.executors import InProcess  # noqa: E402
+from spincheck.reports.harness.study import (  # noqa: E402
+    Prepared,
+    convergence_study_of,
+    prepare,
+    run_rungs,
+)
+from spincheck.scenarios import Scenario, find, load  # noqa: E402
+
+SCENES = ("nutation-loops", "hammer")
+METHODS = {"Euler": "first order", "RK4": "fourth order"}
+#: Sizes tried.
+SIZES = (1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
+MOST_STEPS = 1 << 13
+
+
+def told(scenario: Scenario, prepared: Prepared, method: str, lie: Lie) -> str:
+    """How a verdict names a lie; empty where it passes."""
+    engine = LyingMuJoCo(lie)
+    study = convergence_study_of(scenario, engine, engine.method(method), prepared)
+    for _ in run_rungs(study, InProcess()):
+        pass
+    verdict = study.verdict()
+    if verdict.agrees and verdict.verdict != "diverges":
+        return ""
+    _, is_named, words = verdict.reason.partition("as if ")
+    return words.split(";")[0] if is_named else verdict.signal
+
+
+def threshold(scenario: Scenario, prepared: Prepared, method: str, kind: str) -> tuple[str, str]:
+    """The smallest size told, and how it is named."""
+    # Rounding has one size.
+    for size in SIZES if kind != "float32" else (2.0**-24,):
+        if words := told(scenario, prepared, method, Lie(kind, size)):
+            return f"{size:.0e}", words
+    return "never", ""
+
+
+def rows(names: tuple[str, ...]) -> Iterator[str]:
+    """A line of the table for each scene, method and kind."""
+    for name in names:
+        (path,) = find([name])
+        scenario = load(path)
+        prepared = prepare(scenario, [], MOST_STEPS)
+        for method, order in METHODS.items():
+            for kind in KINDS:
+                if applies(Lie(kind, 1.0), scenario):
+                    smallest, words = threshold(scenario, prepared, method, kind)
+                    print(name, order, kind, smallest, words, flush=True)
+                    yield f"| {name} | {order} | {kind} | {smallest} | {words} |"
+
+
+HEAD = f"""# The smallest lie that is told
+
+Measured by `make thresholds`: MuJoCo with a lie in it, which reads back before the first step what
+the scene says, run down ladders of up to {MOST_STEPS} steps. Sizes are relative, of turns in rad,
+of a com and its drift relative to the radius of gyration. Given is the smallest that is told of
+{", ".join(f"{size:.0e}" for size in SIZES)}, named by the first steps where a change of the model
+explains them, else by the signal that decides.
+
+| scene | method | lie | smallest told | named |
+|---|---|---|---|---|
+"""
+
+
+def main() -> None:
+    """Measure the scenes named, or all of `SCENES`."""
+    names = tuple(sys.argv[1:]) or SCENES
+    text = HEAD + "\n".join(rows(names)) + "\n"
+    (ROOT / "docs" / "thresholds.md").write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,83 @@
+"""A lie in MuJoCo, of whatever size or signal, is told by the verdict, and by its numbers."""
+
+import pytest
+from lying_mujoco import Lie, LyingMuJoCo
+from spincheck.engines import Method
+from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.harness.study import convergence_study_of, prepare, run_rungs
+from spincheck.reports.results.records import Verdict
+from spincheck.scenarios import Scenario, find, load
+
+#: Of the longest run: short ladders are to tell as well.
+MOST_STEPS = 1 << 13
+
+
+def scene(name: str) -> Scenario:
+    (path,) = find([name])
+    return load(path)
+
+
+def verdict_of(name: str, method: str, lie: Lie | None, **declared: int) -> Verdict:
+    engine = LyingMuJoCo(lie)
+    prepared = prepare(scene(name), [], MOST_STEPS)
+    used: Method = engine.method(method)
+    for key, value in declared.items():
+        object.__setattr__(used := Method(**vars(used)), key, value)
+    study = convergence_study_of(scene(name), engine, used, prepared)
+    for _ in run_rungs(study, InProcess()):
+        pass
+    return study.verdict()
+
+
+@pytest.mark.parametrize("name", ["nutation-loops", "book-middle-axis"])
+def test_without_a_lie_every_signal_converges(name):
+    verdict = verdict_of(name, "RK4", None)
+    assert {signal.verdict for signal in verdict.signals} == {"converges"}
+
+
+@pytest.mark.parametrize("name", ["nutation-loops", "book-middle-axis"])
+def test_without_a_lie_a_short_ladder_of_first_order_disagrees_in_nothing(name):
+    verdict = verdict_of(name, "Euler", None)
+    assert "disagrees" not in {signal.verdict for signal in verdict.signals}
+
+
+#: A scene, a lie, and the signals that may tell of it.
+LIES = [
+    # A pivot that sags by half the arm.
+    ("nutation-loops", Lie("reading of the com", 0.05), {"com", "energy", "angular_momentum"}),
+    # A free body that drifts unasked.
+    ("book-middle-axis", Lie("drift", 1.0), {"com", "velocity", "energy"}),
+    ("nutation-loops", Lie("reading of the velocity", 0.5), {"velocity", "energy"}),
+    ("book-middle-axis", Lie("reading of ω", 1e-3), {"omega", "angular_momentum", "energy"}),
+    ("nutation-loops", Lie("gravity", 0.1), None),
+    ("lopsided-body", Lie("gravity", 0.1), None),
+    ("book-middle-axis", Lie("clock", 1e-3), None),
+]
+
+
+@pytest.mark.parametrize(("name", "lie", "signals"), LIES)
+def test_a_lie_disagrees_in_a_signal_that_it_is_about(name, lie, signals):
+    verdict = verdict_of(name, "Euler", lie)
+    assert not verdict.agrees
+    told = {signal.signal for signal in verdict.signals if signal.verdict == "disagrees"}
+    # What the first steps tell already has no ladder.
+    assert not verdict.signals or signals is None or told & signals
+
+
+def test_what_the_first_steps_show_is_evidence_however_coarse_the_ladder():
+    verdict = verdict_of("nutation-loops", "Euler", Lie("gravity", 1e-3))
+    assert verdict.verdict == "disagrees"
+    assert "as if gravity were 1.001 times as strong" in verdict.reason
+
+
+def test_a_first_order_method_declared_of_fourth_order_disagrees():
+    verdict = verdict_of("book-middle-axis", "Euler", None, order=4, attitude_order=4)
+    assert verdict.verdict == "disagrees"
+
+
+@pytest.mark.parametrize("name", ["nutation-loops", "book-middle-axis"])
+@pytest.mark.parametrize("kind", ["reading of ω", "reading of the velocity", "clock", "moment"])
+def test_fourth_order_tells_a_lie_of_a_hundred_millionth(name, kind):
+    if (name, kind) == ("book-middle-axis", "reading of the velocity"):
+        pytest.skip("a body that does not fly has no velocity to read")
+    assert not verdict_of(name, "RK4", Lie(kind, 1e-8)).agrees
