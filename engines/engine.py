@@ -53,6 +53,21 @@ class Method:
     as_shipped: bool = False
 
 
+@dataclass(frozen=True)
+class Release:
+    """One version of an engine.
+
+    Attributes
+    ----------
+    requirements : distributions, as pip takes them, with nothing that they depend on but what this
+        version needs otherwise than the newest does
+    methods : with their orders in that version
+    """
+
+    requirements: tuple[str, ...]
+    methods: tuple[Method, ...]
+
+
 class Engine(ABC):
     """A physics engine. Subclasses fill `open`; what a run is stands here, once.
 
@@ -80,6 +95,15 @@ class Engine(ABC):
     def sources(self) -> tuple[Path, ...]:
         """Files that its results rest on, besides its adapter."""
         return ()
+
+    @property
+    def site(self) -> str:
+        """A folder in which its worker finds modules first; empty if none."""
+        return ""
+
+    def at_version(self, version: str) -> Release | None:  # noqa: ARG002
+        """Another version of the engine; None where there is no way to have one."""
+        return None
 
     @abstractmethod
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:

@@ -36,6 +36,7 @@ from .stopping import STDOUT, Stopped, open_closed_streams, print_nowhere, raise
 from .sweep_commands import app as sweep_commands
 from .sweep_commands import run_members
 from .terminal import BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table, to_json
+from .version_commands import app as version_commands
 
 app = typer.Typer(
     name="spincheck",
@@ -50,6 +51,7 @@ app.add_typer(sweep_commands)
 app.add_typer(engine_commands)
 app.add_typer(model_commands)
 app.add_typer(picture_commands)
+app.add_typer(version_commands)
 
 
 def _print_version(wanted: bool) -> None:
@@ -308,11 +310,28 @@ def check(
         raise Complaint("\n".join(found.untrue), DISAGREES)
 
 
-@app.command("engines", epilog="Example: spincheck engines --json")
-def list_engines(as_json: AsJson = False) -> None:
-    """List engines, their methods, orders of accuracy and effects."""
+@app.command("engines", epilog="Example: spincheck engines --installed")
+def list_engines(
+    as_json: AsJson = False,
+    installed: Annotated[
+        bool, typer.Option("--installed", help="List versions that were installed.")
+    ] = False,
+    remove: Annotated[
+        list[str] | None,
+        typer.Option("--remove", metavar="ENGINE@VERSION", help="Remove this version."),
+    ] = None,
+) -> None:
+    """List engines, their methods, orders of accuracy and effects.
+
+    Versions come by 'spincheck run --engine mujoco@3.1.6', each into a folder of its own.
+    """
     from ...engines import engines, missing
 
+    if installed or remove:
+        from .version_commands import list_installed
+
+        list_installed(remove or [], as_json)
+        return
     rows = [
         {
             "engine": engine.name,

@@ -22,7 +22,10 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 AsCsv = Annotated[bool, typer.Option("--csv", help="Print CSV.")]
 Engines = Annotated[
     list[str] | None,
-    typer.Option("--engine", help="Only this engine; 'child:COMMAND' is one in another language."),
+    typer.Option(
+        "--engine",
+        help="Only this engine; 'mujoco@3.1.6' a version, 'child:COMMAND' one in another language.",
+    ),
 ]
 Methods = Annotated[list[str] | None, typer.Option("--method", help="Only this method.")]
 Timesteps = Annotated[

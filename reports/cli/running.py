@@ -206,6 +206,8 @@ def _engine(name: str) -> Engine:
         return _child(name.removeprefix(CHILD))
     if name in engines():
         return engines()[name]
+    if "@" in name:
+        return _at_version(name)
     for absent in missing():
         if absent.name == name:
             raise Complaint(
@@ -217,6 +219,18 @@ def _engine(name: str) -> Engine:
         f"{did_you_mean(name, engines())}",
         BAD_INPUT,
     )
+
+
+def _at_version(name: str) -> Engine:
+    """An engine@version, among the engines from now on."""
+    from ...engines.versions import VersionError, versioned
+
+    try:
+        engine = versioned(name)
+    except VersionError as error:
+        raise Complaint(f"'--engine' {error}", NOT_RUN) from None
+    add(engine)
+    return engine
 
 
 def _child(command: str) -> Engine:

@@ -46,7 +46,7 @@ class TimingSample:
 def measure(
     executor: Executor, scenario: Scenario, pairs: Sequence[EngineMethod]
 ) -> tuple[list[StepCost | None], list[str]]:
-    """Time every method on a scene.
+    """Time every method on a scene, those of one process together.
 
     A method that takes its process with it, or holds it up, costs its own figure: the others are
     then timed alone, no longer interleaved.
@@ -55,16 +55,21 @@ def measure(
     -------
     The costs, None where there is none, and complaints.
     """
-    together = executor.call(step_costs, scenario, pairs).value
-    if not isinstance(together, CallFailed):
-        return together, []
-    costs: list[StepCost | None] = []
+    costs: list[StepCost | None] = [None] * len(pairs)
     complaints = []
-    for engine, method in pairs:
-        alone = executor.call(step_costs, scenario, [(engine, method)]).value
-        costs += [None] if isinstance(alone, CallFailed) else alone
-        if isinstance(alone, CallFailed):
-            complaints.append(f"{engine.name} {method.name} could not be timed: {alone.reason}")
+    for site in dict.fromkeys(engine.site for engine, _ in pairs):
+        places = [k for k, (engine, _) in enumerate(pairs) if engine.site == site]
+        found = executor.call_at(site, step_costs, scenario, [pairs[k] for k in places]).value
+        for k in places:
+            if not isinstance(found, CallFailed):
+                costs[k] = found[places.index(k)]
+                continue
+            engine, method = pairs[k]
+            alone = executor.call_at(site, step_costs, scenario, [pairs[k]]).value
+            if isinstance(alone, CallFailed):
+                complaints.append(f"{engine.name} {method.name} could not be timed: {alone.reason}")
+            else:
+                (costs[k],) = alone
     return costs, complaints
 
 

@@ -100,7 +100,7 @@ def run_rungs(
     while (rung := study.next_rung()) is not None:
         row = (stored or {}).get(rung.timestep)
         if row is None or not study.can_take(row):
-            answer = executor.call(simulate, engine, scenario, method.name, rung)
+            answer = executor.call_at(engine.site, simulate, engine, scenario, method.name, rung)
             row = study.compare(answer)
             yield row
         study.take(row)

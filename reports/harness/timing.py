@@ -54,6 +54,6 @@ def _time_left_out(
     for engine, method in choice.pairs():
         methods.setdefault(engine.name, (engine, []))[1].append(method)
     for engine, chosen in methods.values():
-        found = executor.call(call, scenario, engine, chosen).value
+        found = executor.call_at(engine.site, call, scenario, engine, chosen).value
         for one in [] if isinstance(found, CallFailed) else found:
             store.put_left_out(one)

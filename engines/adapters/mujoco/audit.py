@@ -104,10 +104,18 @@ def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
         "applied forces": data.qfrc_applied.any() or data.xfrc_applied.any(),
     }
     found = {name for name, acts in named.items() if acts}
-    found |= {name for name, part in FOREIGN.items() if np.any(part(model))}
+    found |= {name for name, part in FOREIGN.items() if _has(model, part)}
     found |= {f"callback {n}" for n in CALLBACKS if getattr(mujoco, f"get_mjcb_{n}")() is not None}
     found |= set(_wrong_strengths(effects, drag, scenario))
     return frozenset(found) | effects.other | _idle_passes(model, effects)
+
+
+def _has(model: Any, part: Callable[[Any], Any]) -> bool:
+    """Whether a model has such a part; what a version of MuJoCo has no word for, it has not."""
+    try:
+        return bool(np.any(part(model)))
+    except AttributeError:
+        return False
 
 
 def _wrong_strengths(
@@ -187,21 +195,37 @@ def _idle_passes(model: Any, effects: EffectsReading) -> frozenset[str]:
     needed = {"gravity"} | CONTACT_CHOICES
     needed |= {"damper", "eulerdamp"} if has_damping else set()
     needed |= {"actuation"} if model.nu else set()
-    on = {name for name in _flags(mujoco.mjtDisableBit, "mjDSBL_") if _is_on(model, name)}
+    disabling = _disabling()
+    needed_bits = {disabling[name] for name in needed & disabling.keys()}
+    on = {name for name, bit in disabling.items() if _is_on(model, name) and bit not in needed_bits}
     bits = _flags(mujoco.mjtEnableBit, "mjENBL_")
     on |= {name for name, bit in bits.items() if model.opt.enableflags & bit}
     return frozenset(FLAG_WORDS.get(name, f"flag '{name}'") for name in on - needed)
 
 
 def disable(model: Any, passes: Iterable[str]) -> None:
-    """Switch passes off in a compiled model, by MuJoCo's names for its flags."""
-    bits = _flags(mujoco.mjtDisableBit, "mjDSBL_")
-    for name in passes:
-        model.opt.disableflags |= bits[name]
+    """Switch passes off in a compiled model, by MuJoCo's names for its flags.
+
+    A flag of several passes goes off if all of them do; one that this version lacks has no pass.
+    """
+    bits, passes = _disabling(), set(passes)
+    kept = {bit for name, bit in bits.items() if name not in passes}
+    for name in passes & bits.keys():
+        if bits[name] not in kept:
+            model.opt.disableflags |= bits[name]
 
 
 def _is_on(model: Any, name: str) -> bool:
-    return not model.opt.disableflags & _flags(mujoco.mjtDisableBit, "mjDSBL_")[name]
+    return not model.opt.disableflags & _disabling().get(name, 0)
+
+
+def _disabling() -> dict[str, int]:
+    """The bits that disable passes, by name."""
+    bits = _flags(mujoco.mjtDisableBit, "mjDSBL_")
+    # One flag of both up to 3.3.0.
+    if passive := bits.pop("passive", 0):
+        bits |= {"spring": passive, "damper": passive}
+    return bits
 
 
 def _flags(enum: Any, prefix: str) -> dict[str, int]:

@@ -1,20 +1,24 @@
 """MuJoCo, from the scene as MJCF: every integrator it has is a method."""
 
 from collections.abc import Collection
-from copy import copy
-from functools import lru_cache
-from typing import Any, final
+from dataclasses import replace
+from typing import final
 
 import mujoco
 
 from ....scenarios import EFFECTS, Scenario
-from ...engine import Engine, Method
+from ...engine import Engine, Method, Release
 from ...models.mjcf import mjcf, switched_off
+from ...read_back import UnsupportedError
+from ...release import numbers_of
+from .audit import disable
 from .clock import CLOCK
 from .script import script
 from .session import MuJoCoSession, check_not_too_small, compiled, left_out
 
 ALL_EFFECTS = frozenset(EFFECTS)
+#: The version in which an integrator came (changelog).
+SINCE = {"discrete": "3.13.0"}
 #: Compiled models that are kept: a ladder runs each at every timestep.
 KEPT = 16
 #: s, of a model before it is given the run's.
@@ -61,9 +65,8 @@ class MuJoCo(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
         """Compile the scene's MJCF and set its keyframe."""
         if method.as_shipped:
-            left_in = switched_off(scenario)
-            return _open(scenario, timestep, None, left_in, has_clock=True)
-        return _open(scenario, timestep, method.name, (), has_clock=False)
+            return _open(scenario, timestep, None, left_out(scenario))
+        return _open(scenario, timestep, method.name, ())
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """The MJCF, and the few calls that step it."""
@@ -83,26 +86,44 @@ class MuJoCo(Engine):
         """The same with passes left on, to time what they cost."""
         if not (names := self.left_out(scenario, method)):
             return None
-        kept = names if left_in is None else left_in
-        return _open(scenario, timestep, method.name, tuple(kept), CLOCK in kept)
+        return _open(scenario, timestep, method.name, names if left_in is None else left_in)
+
+    def at_version(self, version: str) -> Release:
+        """As its changelog has it: RK4 averaged the stages' rotations until 4.0.0."""
+        number = numbers_of(version)
+        methods: tuple[Method, ...] = self.methods
+        if number < (4,):
+            methods = tuple(
+                replace(method, order=2, attitude_order=2) if method.name == "RK4" else method
+                for method in methods
+            )
+        parts = ("mujoco", "mujoco-core", "mujoco-studio") if number >= (4,) else ("mujoco",)
+        return Release(tuple(f"{part}=={version}" for part in parts), methods)
 
 
 def _open(
-    scenario: Scenario,
-    timestep: float,
-    integrator: str | None,
-    left_in: tuple[str, ...],
-    has_clock: bool,
+    scenario: Scenario, timestep: float, integrator: str | None, left_in: Collection[str]
 ) -> MuJoCoSession:
+    """Flags are set on the compiled model: older versions lack some, and refuse them in MJCF."""
     check_not_too_small(scenario)
-    model = copy(_model(scenario, integrator, left_in))
-    model.opt.timestep = timestep
+    if integrator is not None:
+        _check_has(integrator)
+    switched = switched_off(scenario)
+    text = mjcf(scenario, timestep, integrator, left_in=switched)
+    if not hasattr(getattr(mujoco, "MjsJoint", None), "align"):
+        # What the attribute asks for is what versions without it do.
+        text = text.replace(' align="false"', "")
+    model = compiled(lambda: mujoco.MjModel.from_xml_string(text))
+    disable(model, (name for name in switched if name not in left_in))
     start = model.key(0)
-    return MuJoCoSession(scenario, model, start.qpos, start.qvel, has_clock)
+    return MuJoCoSession(scenario, model, start.qpos, start.qvel, CLOCK in left_in)
 
 
-@lru_cache(maxsize=KEPT)
-def _model(scenario: Scenario, integrator: str | None, left_in: tuple[str, ...]) -> Any:
-    """The compiled scene; of all that is in it, only one number depends on the timestep."""
-    text = mjcf(scenario, ANY_TIMESTEP, integrator, left_in)
-    return compiled(lambda: mujoco.MjModel.from_xml_string(text))
+def _check_has(integrator: str) -> None:
+    """Raise where this version of MuJoCo has no such integrator."""
+    if f"mjINT_{integrator.upper()}" not in mujoco.mjtIntegrator.__members__:
+        since = SINCE.get(integrator)
+        newer = f"; {since} has" if since else ""
+        raise UnsupportedError(
+            f"MuJoCo {mujoco.mj_versionString()} has no integrator '{integrator}'{newer}", "effects"
+        )

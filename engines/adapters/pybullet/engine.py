@@ -10,8 +10,9 @@ from importlib.metadata import version
 from math import pi
 
 from ....scenarios import EFFECTS, Scenario
-from ...engine import Engine, Method
+from ...engine import Engine, Method, Release
 from ...native_output import native_output
+from ...release import numbers_of
 from ...session import Session
 
 with native_output():
@@ -117,6 +118,11 @@ class PyBullet(Engine):
             return None
         kept = names if left_in is None else left_in
         return PyBulletSession(scenario, REPRESENTATIONS[method.name], timestep, kept)
+
+    def at_version(self, version: str) -> Release:
+        """3.2.6 and older are built for numpy 1."""
+        older = ("numpy==1.26.4",) if numbers_of(version) <= (3, 2, 6) else ()
+        return Release((f"pybullet=={version}", *older), self.methods)
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """Of a method as shipped; without a joint there is no motor."""

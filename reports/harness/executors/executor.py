@@ -71,6 +71,19 @@ class Executor(ABC):
             If the executor was stopped.
         """
 
+    def call_at(
+        self, site: str, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
+    ) -> Answer[T]:
+        """As `call`, where modules are found in the folder `site` first, if it is not empty.
+
+        That is for an engine at another version; most executors have no place for it.
+        """
+        if site:
+            return Answer(
+                CallFailed("a version of an engine runs in local workers only", "refused")
+            )
+        return self.call(function, *args, **kwargs)
+
     @abstractmethod
     def stop(self) -> None:
         """End what is under way at once. From any thread."""

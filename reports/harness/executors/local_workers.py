@@ -33,15 +33,22 @@ class LocalWorkers(Executor):
 
     def call(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Answer[T]:
         """Call a function in this thread's worker; what it takes and returns is pickled."""
-        return self._slot().call(partial(function, *args, **kwargs))
+        return self._slot("").call(partial(function, *args, **kwargs))
+
+    def call_at(
+        self, site: str, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
+    ) -> Answer[T]:
+        """In a worker of this thread's that finds modules in that folder first."""
+        return self._slot(site).call(partial(function, *args, **kwargs))
 
     def alone(self) -> Executor:
         """The first of its workers; the others are idle meanwhile."""
         alone = LocalWorkers(1, self._time_limit)
         with self._changing:
-            slot = self._slots[0] if self._slots else WorkerSlot(self._time_limit)
-            self._slots = self._slots or [slot]
-        alone._of_thread.slot = slot
+            idle = [slot for slot in self._slots if not slot.site]
+            slot = idle[0] if idle else WorkerSlot(self._time_limit)
+            self._slots += [] if idle else [slot]
+        alone._of_thread.slots = {"": slot}
         alone._slots.append(slot)
         return alone
 
@@ -59,12 +66,12 @@ class LocalWorkers(Executor):
         for slot in self._slots:
             slot.end()
 
-    def _slot(self) -> WorkerSlot:
-        slot: WorkerSlot | None = getattr(self._of_thread, "slot", None)
-        if slot is None:
+    def _slot(self, site: str) -> WorkerSlot:
+        slots: dict[str, WorkerSlot] = self._of_thread.__dict__.setdefault("slots", {})
+        if site not in slots:
             with self._changing:
                 if self._stopped:
                     raise ExecutorStopped
-                slot = self._of_thread.slot = WorkerSlot(self._time_limit)
-                self._slots.append(slot)
-        return slot
+                slots[site] = WorkerSlot(self._time_limit, site)
+                self._slots.append(slots[site])
+        return slots[site]

@@ -43,7 +43,7 @@ class WorkerProcess:
         If no process can be started.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, site: str = "") -> None:
         self._mark = secrets.token_bytes(16)
         # -P: no module of the current folder is taken for one of Python's own. A process group of
         # its own: Ctrl-C is for the program that the user sees, which ends its workers.
@@ -51,7 +51,7 @@ class WorkerProcess:
         started: dict[str, Any] = {"process_group": 0, "env": os.environ | ONE_THREAD}
         if sys.platform == "win32":
             program, started = _on_windows()
-        arguments = (self._mark.hex(), os.getpid(), json.dumps(sys.path))
+        arguments = (self._mark.hex(), os.getpid(), json.dumps([site] * bool(site) + sys.path))
         self._process = subprocess.Popen(
             [program, "-P", worker_main.__file__, *map(str, arguments)],
             stdin=subprocess.PIPE,

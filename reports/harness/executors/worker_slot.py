@@ -45,9 +45,11 @@ class WorkerSlot:
     Parameters
     ----------
     time_limit : CPU seconds that a call may take
+    site : a folder in which its process finds modules first; none if empty
     """
 
-    def __init__(self, time_limit: float) -> None:
+    def __init__(self, time_limit: float, site: str = "") -> None:
+        self.site = site
         self._time_limit = time_limit
         self._worker: WorkerProcess | None = None
         self._stopped = False
@@ -115,7 +117,7 @@ class WorkerSlot:
                 self._worker.end()
                 self._worker = None
             if self._worker is None:
-                self._worker = WorkerProcess()
+                self._worker = WorkerProcess(self.site)
             return self._worker
 
     def _wait(self, worker: WorkerProcess) -> str:

@@ -1,0 +1,14 @@
+"""Other versions of the engines, each in a folder of its own."""
+
+from .engine import VersionedEngine, versioned
+from .folders import Installed, VersionError, install, installed, remove
+
+__all__ = [
+    "Installed",
+    "VersionError",
+    "VersionedEngine",
+    "install",
+    "installed",
+    "remove",
+    "versioned",
+]

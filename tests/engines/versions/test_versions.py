@@ -1,0 +1,159 @@
+"""Versions of engines: installed once, found first by their workers, and told apart."""
+
+import pkgutil
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scenes import SCENES
+from spincheck.engines import Engine, Method, Session, engines
+from spincheck.engines.adapters.mujoco.engine import MuJoCo
+from spincheck.engines.models.mjcf import mjcf
+from spincheck.engines.versions import VersionedEngine, VersionError, folders, versioned
+from spincheck.reports.harness.executors import InProcess, LocalWorkers
+from spincheck.reports.harness.executors.executor import CallFailed
+from spincheck.reports.harness.version_changes import VersionChange, version_changes
+from spincheck.scenarios import Scenario
+
+TIMESTEP = 1e-3
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(folders, "user_cache", lambda: tmp_path)
+    return tmp_path
+
+
+def pretend(name: str) -> Path:
+    """A version that is there, with nothing in it but a module that says where it is."""
+    folder = folders.folder_of(name)
+    folder.mkdir(parents=True)
+    (folder / "where_am_i.py").write_text("PLACE = 'in the folder'\n", encoding="utf-8")
+    return folder
+
+
+# Folders
+
+
+def test_what_is_there_is_not_downloaded(monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = pretend("mujoco@3.1.6")
+    monkeypatch.setattr(subprocess, "run", lambda *_, **__: pytest.fail("pip was started"))
+    assert versioned("mujoco@3.1.6").site == str(folder)
+
+
+def test_without_a_network_one_message_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
+    monkeypatch.setenv("PIP_CONFIG_FILE", "/dev/null")
+    with pytest.raises(VersionError, match=r"mujoco@3\.1\.6 is not installed, and pip cannot"):
+        versioned("mujoco@3.1.6")
+    assert folders.installed() == []
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("mujoco@../../etc", "a version must be like 3.1.6"),
+        ("mujoco@", "a version must be like 3.1.6"),
+        ("nonesuch@1.0", "'nonesuch' must be one of"),
+        ("mujoco-urdf@3.1.6", "cannot be had in other versions"),
+    ],
+)
+def test_what_is_no_version_is_told(name: str, words: str) -> None:
+    with pytest.raises(VersionError, match=words):
+        versioned(name)
+
+
+def test_versions_are_listed_and_removed_by_name() -> None:
+    folder = pretend("mujoco@3.1.6")
+    assert [one.name for one in folders.installed()] == ["mujoco@3.1.6"]
+    assert folders.remove("mujoco@3.1.6") == folder
+    assert folders.installed() == []
+    with pytest.raises(VersionError, match=r"not installed; there: none"):
+        folders.remove("mujoco@3.1.6")
+
+
+# What an engine is in another version
+
+
+def test_orders_that_differ_are_data() -> None:
+    def order(version: str) -> int:
+        release = MuJoCo().at_version(version)
+        return next(m.attitude_order for m in release.methods if m.name == "RK4")
+
+    assert [order(version) for version in ("2.3.7", "3.17.0", "4.0.0")] == [2, 2, 4]
+
+
+def test_a_version_needs_what_it_was_built_with() -> None:
+    pybullet = engines()["pybullet"]
+    requirements = [pybullet.at_version(v).requirements for v in ("3.2.6", "3.2.7")]  # type: ignore[union-attr]
+    assert requirements == [("pybullet==3.2.6", "numpy==1.26.4"), ("pybullet==3.2.7",)]
+
+
+def test_in_a_process_that_has_another_version_it_is_not_run() -> None:
+    engine = VersionedEngine("mujoco", "3.1.6", MuJoCo.methods, Path("nowhere"))
+    run = engine.run(SCENES["free"], engine.method("RK4"), TIMESTEP, np.array([0, 1]))
+    assert run.outcome == "failed"
+    assert "runs in a process of its own" in run.reason
+
+
+def test_its_worker_finds_its_folder_first() -> None:
+    folder = pretend("mujoco@3.1.6")
+    with LocalWorkers(1) as workers:
+        inside = workers.call_at(str(folder), pkgutil.resolve_name, "where_am_i:PLACE").value
+        outside = workers.call(pkgutil.resolve_name, "where_am_i:PLACE").value
+    assert inside == "in the folder"
+    assert isinstance(outside, CallFailed)
+
+
+def test_an_executor_that_has_no_place_for_it_says_so() -> None:
+    answer = InProcess().call_at("a folder", len, ()).value
+    assert isinstance(answer, CallFailed)
+    assert "in local workers only" in answer.reason
+
+
+# What changed
+
+
+class Newer(MuJoCo):
+    """The same engine, with a method of another name in place of its own."""
+
+    version = "4.0.1"
+    steps_like = "RK4"
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        return super().open(scenario, replace(method, name=self.steps_like), timestep)
+
+
+class NewerAndWorse(Newer):
+    steps_like = "Euler"
+
+
+def rk4_alone(engine: Engine) -> Engine:
+    engine.methods = tuple(m for m in MuJoCo.methods if m.name == "RK4")
+    return engine
+
+
+def change(older: Engine, newer: Engine) -> VersionChange:
+    pair = [rk4_alone(older), rk4_alone(newer)]
+    (found,) = version_changes(pair, [SCENES["free"]], TIMESTEP, InProcess())
+    return found
+
+
+def test_one_engine_twice_is_alike_to_the_last_bit() -> None:
+    assert change(MuJoCo(), Newer()).equal == "to the last bit"
+
+
+def test_a_newer_one_that_errs_more_is_worse_and_the_other_way_round_is_not() -> None:
+    worse = change(Newer(), NewerAndWorse())
+    assert worse.is_worse
+    assert worse.errors["omega"][1] > 100 * worse.errors["omega"][0]
+    assert "omega error" in worse.words
+    better = change(NewerAndWorse(), Newer())
+    assert better.errors["omega"] == worse.errors["omega"][::-1]
+
+
+def test_mjcf_for_the_newest_is_as_complete_as_before() -> None:
+    """Flags are set on the compiled model for the sake of older versions; the file has them."""
+    assert "<flag" in mjcf(SCENES["free"], TIMESTEP, "RK4")
