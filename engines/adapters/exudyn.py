@@ -24,6 +24,8 @@ IMPLICIT = frozenset({AS_SHIPPED, "TrapezoidalIndex2"})
 #: Coordinates of a node that are its place, and entries of a tensor in its order.
 PLACE = range(3)
 ENTRIES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+#: Relative, and in units of the residual: its own are 1e-8 and 1e-10.
+NEWTON_TOLERANCE = 1e-13
 #: By which a step may differ, relative, that ends at a time which is a sum of steps.
 CLOCK_SLACK = 1e-6
 
@@ -186,6 +188,10 @@ def _settings(exudyn: Any, solver: str, timestep: float) -> Any:
         # As its own SolveDynamic sets them for this name.
         integration.generalizedAlpha.useIndex2Constraints = True
         integration.generalizedAlpha.useNewmark = True
+        # To round-off, and no Jacobian of an earlier step: a step depends on the state alone.
+        integration.newton.relativeTolerance = NEWTON_TOLERANCE
+        integration.newton.absoluteTolerance = NEWTON_TOLERANCE
+        integration.newton.useModifiedNewton = False
     integration.adaptiveStep = solver == AS_SHIPPED
     return settings
 

@@ -11,6 +11,7 @@ from spincheck.engines import Engine, engines, missing
 from spincheck.engines import adapters as adapters_package
 from spincheck.engines.adapters.node import discovered
 from spincheck.engines.child.process import end_idle
+from spincheck.engines.contract.checks import CHECKS, Check
 from spincheck.engines.contract.scenes import SCENES
 
 TIMESTEP = 2.0**-10
@@ -75,6 +76,16 @@ def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
         assert said.endswith("as if there were no gyroscopic torque")
     else:
         assert said == ""
+
+
+@pytest.mark.parametrize("method", ["RK44", "TrapezoidalIndex2"])
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
+def test_exudyn_keeps_the_contract(check: Check, method: str) -> None:
+    """Of its methods one that is explicit and one that solves for its step."""
+    if reason := why_missing("exudyn"):
+        pytest.skip(reason)
+    exudyn = engines()["exudyn"]
+    check(exudyn, exudyn.method(method))
 
 
 def test_nothing_optional_is_imported_before_a_scene_is_opened() -> None:
