@@ -116,7 +116,7 @@ def read(path: Path) -> Results:
             if store.log_missing:
                 say(
                     f"{path}: it was being written when it was copied, and its log "
-                    f"'{path.name}-wal' is not beside it: the last runs are missing"
+                    f"'{path.name}-wal' is not beside it: the last runs may be missing"
                 )
     except ResultFileError as error:
         raise Complaint(str(error), BAD_INPUT) from None

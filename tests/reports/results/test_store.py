@@ -178,7 +178,7 @@ def test_a_row_is_on_disk_as_soon_as_it_is_put(path, row):
 
 
 def pages_of(store, pragma: str) -> int:
-    (row,) = store._database.query(f"PRAGMA {pragma}")
+    row = store._database._connection.execute(f"PRAGMA {pragma}").fetchone()
     return row[0]
 
 
@@ -213,7 +213,8 @@ def test_a_second_writer_is_refused(path):
 def fill_the_disk(path, row) -> None:
     with open_store(path, create=True) as store:
         # As many pages as there are: what SQLite says of a page too many is what a full disk says.
-        store._database.query(f"PRAGMA max_page_count = {pages_of(store, 'page_count')}")
+        pages = pages_of(store, "page_count")
+        store._database._connection.execute(f"PRAGMA max_page_count = {pages}")
         for step in range(1, 100):
             store.put_row(replace(row, timestep=step))
 
