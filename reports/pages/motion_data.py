@@ -68,11 +68,11 @@ def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
 
 
 def _first(scene: SceneRuns) -> int:
-    """Which run is played first: of those of engines as shipped the least wrong."""
+    """Which run is played first: of engines as shipped at their own timesteps the least wrong."""
     shipped = [
         (float(run.series.attitude.max()), k)
         for k, run in enumerate(scene.compared)
-        if run.runs.declared and run.runs.declared.as_shipped
+        if run.runs.declared and run.runs.declared.as_shipped and run.row is run.runs.drawn[0]
     ]
     return min(shipped, default=(0.0, 0))[1]
 

@@ -104,7 +104,8 @@ def _sentence(scene: SceneRuns, best: BestChoice | None) -> str:
     defaults = closest_defaults(scene)
     said = [_told(scene, runs.label, row) for runs, row in defaults[:SHOWN_DEFAULTS]]
     if others := defaults[SHOWN_DEFAULTS:]:
-        said.append(f"{plural(len(others), 'other default')} are further off.")
+        are = "is" if len(others) == 1 else "are"
+        said.append(f"{plural(len(others), 'other default')} {are} no closer.")
     if best is None:
         return " ".join([*said, "No method converges on this scene: nothing is recommended."])
     angle = attitude_in_degrees(scene, best.row)

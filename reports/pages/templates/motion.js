@@ -118,7 +118,8 @@ const spincheck = (() => {
     }
 
     omegaWorld() {
-      return { t: this.t, points: this.q.map((q, k) => times(matrixOf(q), this.omega[k])) };
+      const { t, points } = this.rates();
+      return { t, points: points.map((omega, k) => times(matrixOf(this.at(t[k]).q), omega)) };
     }
 
     #joined(points, speeds) {

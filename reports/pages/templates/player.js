@@ -157,7 +157,7 @@ spincheck.packed.then((packed) => {
     if (facing) stroke(seen, [plus(com, axis, 0), end], colour("--ink"), 2);
     if (body.pivot) stroke(seen, [[0, 0, 0], plus([0, 0, 0], body.up, -0.06 * reach)], colour("--ink"), 5);
     // L is drawn shorter, so that both are seen where they are parallel.
-    const of = (vector, most) => vector.map((x) => (0.95 * reach * x) / most);
+    const of = (vector, most) => vector.map((x) => (0.85 * reach * x) / most);
     const origin = body.pivot ? [0, 0, 0] : com;
     arrow(seen, origin, of(times(R, omega), largest.omega), colour("--vector-omega"), "ω");
     arrow(seen, origin, of(times(R, times(body.inertia, omega)), 1.4 * largest.L || 1), colour("--vector-L"), "L", -18);

@@ -253,3 +253,28 @@ def test_scrubbing_to_the_end_shows_its_time(visit, folder):
     clock.filter(has_text="of 5").wait_for()
     page.locator("[data-time]").fill("1")
     expect(clock).to_have_text("5 of 5 s")
+
+
+def test_another_run_is_drawn_beside_the_same_exact_motion(visit, folder):
+    page = open_page(visit, folder, "scenes/fast-top.html")
+    expect(page.locator("[data-run] option").first).to_be_attached()
+    page.locator("[data-time]").fill("0.5")
+    before = pictures(page)
+    chosen = page.locator("[data-run] option:not(:checked)").last
+    page.locator("[data-run]").select_option(chosen.get_attribute("value"))
+    after = pictures(page)
+    assert (before[0] == after[0], before[1] == after[1]) == (True, False)
+
+
+def test_a_folded_table_is_there_when_it_is_asked_for(visit, folder):
+    page = open_page(visit, folder, "scenes/fast-top.html")
+    runs = page.locator("#runs details.method").first
+    expect(runs.locator("td")).to_have_count(0)
+    expect(page.locator(".plot .main-svg").first).to_be_attached()
+    runs.locator("summary").first.click()
+    expect(runs.locator("td").first).to_be_visible()
+
+
+def pictures(page: Page) -> list[str]:
+    """What the player's two canvases show."""
+    return page.eval_on_selector_all(".player canvas", "all => all.map((one) => one.toDataURL())")
