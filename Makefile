@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 CODE := scenarios reference engines reports
 PLAIN := free heavy driven thrown
 
-.PHONY: report engines test bench kills thresholds random
+.PHONY: report engines test quick pythons bench kills thresholds random
 .PHONY: lint types contract check schema format-page clean
 
 # The page is there to look at after the plain scenes, and once more when the hard ones are done.
@@ -24,6 +24,14 @@ engines: $(READY)
 
 test: $(READY)
 	$(BIN)/pytest -n auto --dist loadfile tests scenarios/library
+
+# Nothing that starts a process, and none of the library's runs: to be called after every change.
+quick: $(READY)
+	$(BIN)/pytest -n auto --dist loadfile -m 'not processes and not slow' tests
+
+# The quick tests on every Python there is of 3.11 to 3.13.
+pythons: $(READY)
+	$(BIN)/nox
 
 # Speed, with nothing else running; tables on the terminal, the same as JSON in build/bench.
 bench: $(READY)

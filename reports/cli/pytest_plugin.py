@@ -20,6 +20,21 @@ if TYPE_CHECKING:
 
 #: A scenario's first key stands this near the file's beginning, after comments at most.
 _HEAD = 1 << 14
+#: The settings of which engines are tested, and of how many steps a run of a ladder may take.
+_ENGINES, _MAX_STEPS = "spincheck_engines", "spincheck_max_steps"
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the settings of what is tested of a scene."""
+    parser.addini(
+        _ENGINES, "engines that spincheck's scenes are run on; all there are if left out", "args"
+    )
+    parser.addini(
+        _MAX_STEPS,
+        "ladders of spincheck's scenes end before a run would take more steps; "
+        "as long as those of 'spincheck run' if left out",
+        default="",
+    )
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
@@ -58,6 +73,8 @@ class ScenarioFile(pytest.File):
         yield ReferenceItem.from_parent(self, name="reference")
         promised = {(promise.engine, promise.method) for promise in self.scenario.expect}
         for engine in engines().values():
+            if not _is_asked_for(self.config, engine.name):
+                continue
             for method in engine.methods:
                 if method.as_shipped and (engine.name, method.name) not in promised:
                     continue
@@ -79,17 +96,16 @@ class ScenarioFile(pytest.File):
         needed = [line for line in requires("spincheck") or [] if "extra ==" not in line]
         for absent in missing():
             required = any(line.lower().startswith(absent.name.lower()) for line in needed)
-            if required or absent.name in promised:
+            if (required or absent.name in promised) and _is_asked_for(self.config, absent.name):
                 yield MissingEngineItem.from_parent(self, name=absent.name, reason=absent.reason)
 
     @cached_property
     def prepared(self) -> "Prepared":
         """The scene's truth, solved once for all items."""
-        from ..harness.ladder import MAX_STEPS
         from ..harness.study import prepare
 
         timesteps = sorted({promise.timestep for promise in self.scenario.expect})
-        found = prepare(self.scenario, timesteps, MAX_STEPS)
+        found = prepare(self.scenario, timesteps, _max_steps(self.config))
         # How long a step may be is no test.
         return replace(found, ladder=replace(found.ladder, above=()))
 
@@ -171,6 +187,24 @@ class MissingEngineItem(SceneItem):
     def runtest(self) -> None:
         """Skip."""
         pytest.skip(f"not tested: {self.reason}")
+
+
+def _max_steps(config: pytest.Config) -> int:
+    """Steps that a run of a ladder may take."""
+    from ..harness.ladder import MAX_STEPS
+
+    asked = config.getini(_MAX_STEPS)
+    if not asked:
+        return MAX_STEPS
+    if not (asked.isdecimal() and int(asked)):
+        raise pytest.UsageError(f"'{_MAX_STEPS}' must be a whole number from 1 on, got '{asked}'")
+    return min(int(asked), MAX_STEPS)
+
+
+def _is_asked_for(config: pytest.Config, engine: str) -> bool:
+    """Whether items are made for an engine."""
+    asked = config.getini(_ENGINES)
+    return not asked or engine in asked
 
 
 _WORKER: "pytest.StashKey[LocalWorkers]" = pytest.StashKey()

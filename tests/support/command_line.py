@@ -1,34 +1,31 @@
-"""The command line in this process: what it prints, and its exit code."""
+"""The command line in this process, its runs too."""
 
 import sys
-from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import dataclass
+from contextlib import chdir, redirect_stderr, redirect_stdout
 from io import StringIO
+from pathlib import Path
+from subprocess import CompletedProcess
 from unittest.mock import patch
 
-from spincheck.reports.cli import app
+from spincheck.reports.cli import app, executing, recommend
+from spincheck.reports.harness.executors import InProcess
 
 
-@dataclass(frozen=True)
-class Done:
-    exit_code: int
-    stdout: str
-    stderr: str
-
-
-def run(*arguments: str) -> Done:
-    """Run a command; anything but an exit is a traceback, and is raised."""
+def spincheck(*arguments: object, cwd: Path = Path()) -> CompletedProcess[str]:
+    """What `main` prints and exits with; it hears no signals, and starts no process."""
+    words = [str(argument) for argument in arguments]
     out, err = StringIO(), StringIO()
     with (
-        patch.object(sys, "argv", ["spincheck", *arguments]),
-        # The signals are pytest's.
+        patch.object(executing, "LocalWorkers", lambda *_: InProcess()),
+        patch.object(recommend, "LocalWorkers", lambda *_: InProcess()),
         patch.object(app, "raise_when_stopped"),
+        patch.object(sys, "argv", ["spincheck", *words]),
+        chdir(cwd),
         redirect_stdout(out),
         redirect_stderr(err),
     ):
         try:
             app.main()
-            code = 0
-        except SystemExit as ended:
-            code = int(ended.code or 0)
-    return Done(code, out.getvalue(), err.getvalue())
+        except SystemExit as end:
+            code = int(end.code or 0)
+    return CompletedProcess(words, code, out.getvalue(), err.getvalue())

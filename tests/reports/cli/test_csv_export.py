@@ -4,19 +4,16 @@ import csv
 import io
 import json
 import math
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import made_up
 import pytest
+from command_line import spincheck
 from spincheck.reports.cli.csv_export import csv_text
 from spincheck.reports.cli.summary import results_as_json, row_record, verdict_record
 from spincheck.reports.results.cost_records import StepCost
 from spincheck.reports.results.store import open_store
 
-COMMAND = Path(sys.executable).with_name("spincheck")
 RESULTS = made_up.results(samples=11)
 
 
@@ -51,7 +48,7 @@ def path(tmp_path_factory):
 
 
 def printed(*arguments: object) -> str:
-    done = subprocess.run([COMMAND, *map(str, arguments)], capture_output=True, text=True)
+    done = spincheck(*arguments)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -119,7 +116,5 @@ def test_a_command_prints_a_table_of_all_records(path, command):
 
 
 def test_two_formats_at_once_are_one_message_and_exit_code_2(path):
-    done = subprocess.run(
-        [COMMAND, "rows", path, "--csv", "--json"], capture_output=True, text=True
-    )
+    done = spincheck("rows", path, "--csv", "--json")
     assert (done.returncode, done.stderr) == (2, "spincheck: takes '--csv' or '--json', not both\n")

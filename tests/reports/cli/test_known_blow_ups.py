@@ -1,10 +1,7 @@
 """A run that a scene says blows up has to, on the real engines and as they are shipped too."""
 
-import subprocess
-import sys
-from pathlib import Path
-
 import pytest
+from command_line import spincheck
 from spincheck.engines import engines
 from spincheck.reports.harness.study import convergence_study_of, prepare
 from spincheck.reports.results.records import Verdict
@@ -12,7 +9,6 @@ from spincheck.scenarios import Expect, Scenario, find, load, loads
 from studies import verdict_of
 
 pytest_plugins = ["pytester"]
-COMMAND = Path(sys.executable).with_name("spincheck")
 DISAGREES = 1
 #: Steps of a ladder, which is not run here.
 BUDGET = 1 << 11
@@ -105,9 +101,7 @@ def test_the_command_line_says_so_with_exit_code_1(tmp_path):
     engine, method, timestep, _ = case = NO_BLOW_UPS[0]
     tmp_path.joinpath("top.toml").write_text(top(*case))
     asked = ["--engine", engine, "--method", method, "--timestep", str(timestep), "--jobs", "1"]
-    done = subprocess.run(
-        [COMMAND, "run", "top.toml", *asked], cwd=tmp_path, capture_output=True, text=True
-    )
+    done = spincheck("run", "top.toml", *asked, cwd=tmp_path)
     assert done.returncode == DISAGREES
     assert "was expected to diverge: ok" in done.stdout
 
@@ -117,10 +111,10 @@ def test_the_command_line_says_so_with_exit_code_1(tmp_path):
     [(BLOW_UPS[2], "passed"), (NO_BLOW_UPS[2], "failed")],
     ids=["blows up", "does not"],
 )
-def test_a_scene_under_pytest_says_so_too(pytester, case, outcome):
+def test_a_scene_under_pytest_says_so_too(pytester, engines_in_process, case, outcome):
     engine, method, *_ = case
     pytester.makefile(".toml", top=top(*case))
-    result = pytester.runpytest_subprocess("-p", "no:cacheprovider", "-k", f"{engine}-{method}")
+    result = pytester.runpytest_inprocess("-p", "no:cacheprovider", "-k", f"{engine}-{method}")
     assert {outcome: 1}.items() <= result.parseoutcomes().items()
     if outcome == "failed":
         result.stdout.fnmatch_lines([f"*{engine} {method} at * s was expected to diverge: ok*"])

@@ -35,13 +35,13 @@ energy = 1e-300
 
 
 @pytest.fixture
-def run(pytester):
-    """Run pytest on files given by name and text, in a process of its own."""
+def run(pytester, engines_in_process):
+    """Run pytest on files given by name and text, in this process."""
 
     def run_on(*arguments: str, **files: str):
         for name, text in files.items():
             pytester.makefile(".toml", **{name: text})
-        return pytester.runpytest_subprocess("-p", "no:cacheprovider", "-rs", *arguments)
+        return pytester.runpytest_inprocess("-p", "no:cacheprovider", "-rs", *arguments)
 
     return run_on
 

@@ -2,13 +2,12 @@
 
 import json
 import math
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import command_line
 import pytest
 from box import BOX
 from clockwork import METHOD, Works
@@ -139,12 +138,9 @@ def spincheck(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., tuple[i
     """Run the command beside a scene of its own; returns exit code, stdout and stderr."""
     folder = tmp_path_factory.mktemp("recommend")
     (folder / "box.toml").write_text(BOX)
-    command = Path(sys.executable).with_name("spincheck")
 
     def run(*arguments: object) -> tuple[int, str, str]:
-        done = subprocess.run(
-            [command, *map(str, arguments)], cwd=folder, capture_output=True, text=True
-        )
+        done = command_line.spincheck(*arguments, cwd=folder)
         return done.returncode, done.stdout, done.stderr
 
     return run

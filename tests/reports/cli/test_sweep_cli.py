@@ -5,14 +5,17 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
+from command_line import spincheck
+from spincheck.reports.cli import executing
 from spincheck.reports.cli.app import app
-from spincheck.reports.cli.sweep_running import Where, exit_code, run_ensemble, run_map
+from spincheck.reports.cli.executing import Where
 from spincheck.reports.cli.sweep_running import choose_for_sweep as choose
+from spincheck.reports.cli.sweep_running import exit_code, run_ensemble, run_map
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint
+from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.sweep_records import Ensemble
 from spincheck.scenarios import load, loads
@@ -23,13 +26,12 @@ SCENE = "fast-top"
 ONE_METHOD = ("--engine", "mujoco", "--method", "RK4")
 SPIN = "start.omega_body[2]=10:40:2:log"
 STEPS = "timestep=1e-3:1e-2:2:log"
-#: s; what a stop may take, on a machine that is busy with other tests.
-PATIENCE = 30.0
 
 
-def spincheck(*arguments: object) -> subprocess.CompletedProcess[str]:
-    command = [COMMAND, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+@pytest.fixture
+def in_process(monkeypatch):
+    """What is run is run here."""
+    monkeypatch.setattr(executing, "LocalWorkers", lambda *_: InProcess())
 
 
 @pytest.fixture(scope="module")
@@ -135,7 +137,6 @@ def run(*arguments: object) -> tuple[int, str]:
             ["run", SCENE, "--ensemble", "3", "--timestep", "0.1", "--timestep", "0.2"],
             "'--timestep' may be given once here, got 2",
         ),
-        (["run", SCENE, "--dask", "localhost:1"], "'--dask' is for sweeps"),
         (["run", SCENE, "--ensemble", "0"], "'--ensemble'"),
         (["run", SCENE, "--ensemble", "3", "--time-limit", "0"], "'--time-limit' must be positive"),
         (["member", SCENE, "--member", "-1"], "'--member'"),
@@ -163,6 +164,7 @@ def test_a_scheduler_that_is_not_there_is_told_with_exit_code_3(tmp_path):
     assert done.stderr == "spincheck: '--dask': no scheduler answers at 127.0.0.1:9\n"
 
 
+@pytest.mark.processes
 def test_ctrl_c_ends_it_with_130_and_the_same_command_goes_on(tmp_path):
     path = tmp_path / "results.sqlite"
     arguments = ["run", SCENE, "--ensemble", "8", *ONE_METHOD, "--jobs", "1", "--out", str(path)]
@@ -178,9 +180,7 @@ def test_ctrl_c_ends_it_with_130_and_the_same_command_goes_on(tmp_path):
     first = process.stderr.readline()
     assert first.startswith("[1/8, ")
     os.killpg(process.pid, signal.SIGINT)
-    began = time.monotonic()
     out, err = process.communicate()
-    assert time.monotonic() - began < PATIENCE
     assert (process.returncode, out) == (130, "")
     assert "the same command goes on from there" in err.splitlines()[-1]
     assert "of 8 points are there already" in spincheck(*arguments).stderr
@@ -203,16 +203,18 @@ def test_a_sweep_fails_only_by_runs_that_failed(outcomes, code):
     assert exit_code(Ended(outcome) for outcome in outcomes) == code
 
 
+@pytest.mark.usefixtures("in_process")
 def test_of_several_engines_in_a_file_those_asked_for_are_told(mapped):
     choice = choose(["mujoco"], ["Euler"], [])
-    found = run_map(SCENE, [SPIN, STEPS], choice, Where(1, None, mapped[0]))
+    found = run_map(SCENE, [SPIN, STEPS], choice, Where(1), mapped[0])
     assert {point.key.method for point in found.points} == {"Euler"}
 
 
+@pytest.mark.usefixtures("in_process")
 def test_a_member_runs_as_in_its_ensemble(tmp_path):
     """What the command prints is the very scene whose point is in the file."""
     choice = choose(["mujoco"], ["RK4"], [])
-    ensemble = run_ensemble(SCENE, 2, 7, choice, Where(1, None, tmp_path / "results.sqlite"))
+    ensemble = run_ensemble(SCENE, 2, 7, choice, Where(1), tmp_path / "results.sqlite")
     text = spincheck("member", SCENE, "--seed", 7, "--member", 1).stdout
     alone = loads(text, "alone")
     point = ensemble.points[1]

@@ -2,13 +2,12 @@
 
 import errno
 import os
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from box import BOX
+from command_line import spincheck
 from failing_calls import FailingCalls, of_function
 from planted import HeunSession, RaisingSession, planted
 from same_results import differences
@@ -37,7 +36,6 @@ ENGINES = (planted(HeunSession), planted(RaisingSession))
 LADDER = Choice(ENGINES, max_steps=BUDGET, timed=False)
 TIMED = replace(LADDER, timed=True)
 ALONE = Choice(ENGINES[:1], timesteps=(0.02,), timed=False)
-COMMAND = Path(sys.executable).with_name("spincheck")
 
 
 @pytest.fixture
@@ -309,8 +307,7 @@ def test_what_was_stopped_is_run_again_by_whoever_gives_it_longer(
 
 @pytest.mark.parametrize("seconds", ["0", "-1", "nan", "inf"])
 def test_a_time_limit_that_is_none_is_one_message(path, seconds):
-    command = [COMMAND, "run", "fast-top", "--time-limit", seconds, "--out", path]
-    done = subprocess.run(command, capture_output=True, text=True)
+    done = spincheck("run", "fast-top", "--time-limit", seconds, "--out", path)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("spincheck: '--time-limit' must be positive")
     assert not path.exists()
