@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 CODE := scenarios reference engines reports
 PLAIN := free heavy driven thrown
 
-.PHONY: report engines test quick pythons bench kills thresholds random
+.PHONY: report engines test quick pythons bench kills survey thresholds random
 .PHONY: lint types contract check schema format-page clean
 
 # The page is there to look at after the plain scenes, and once more when the hard ones are done.
@@ -48,6 +48,11 @@ thresholds: $(READY)
 # Honest methods on a thousand random scenes: what is judged wrongly, counted.
 random: $(READY)
 	$(BIN)/python tests/reports/harness/measure_random.py
+
+# What engines hold of the robots of public packages (200 MB of them): docs/models.md.
+survey: $(READY)
+	$(BIN)/pip install --quiet --editable '.[models]'
+	$(BIN)/python tests/reports/harness/inspection/survey.py
 
 check: lint types contract
 

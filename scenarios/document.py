@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_val
 from .body import Body, body_about_com, body_about_origin, body_of_particles
 from .errors import Misfit
 from .values import (
+    Digest,
     Inertia,
     Matrix,
     Number,
@@ -48,6 +49,21 @@ class BodyTable(Table):
         description="point masses [kg, m, m, m], body axes: instead of mass, com and inertia",
         min_length=3,
     )
+
+    model: Text | None = Field(
+        None, description="the URDF or MJCF file the numbers are from, relative to this one"
+    )
+    link: Text | None = Field(None, description="its link, or body")
+    sha256: Digest | None = Field(None, description="of that file, hexadecimal")
+
+    @model_validator(mode="after")
+    def _whole_origin(self) -> Self:
+        origin = ("model", "link", "sha256")
+        given = [key for key in origin if getattr(self, key) is not None]
+        if given and len(given) < len(origin):
+            missing = [key for key in origin if key not in given]
+            raise ValueError(f"{_names(given)} needs {_names(missing)} besides")
+        return self
 
     @model_validator(mode="after")
     def _whole(self) -> Self:

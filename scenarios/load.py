@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from .complaints import MAX_SHOWN, at, misfit, told
 from .document import Document
 from .errors import Misfit, ScenarioError, printable
+from .origin import check_origin
 from .read_text import first_key, is_nested_too_deeply, read_text
 from .scales import check_scales
 from .scenario import Scenario, build
@@ -102,6 +103,7 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
 def _scenario(tables: dict[str, Any], name: str, text: str, path: Path | None) -> Scenario:
     scenario = build(Document.model_validate(tables), name=name, text=text, path=path)
     check_scales(scenario)
+    check_origin(scenario)
     return scenario
 
 

@@ -50,6 +50,7 @@ Inertia = Annotated[
 ]
 #: What a terminal shows as it stands: no escape sequences, no second line.
 Text = Annotated[str, Field(strict=True, min_length=1), AfterValidator(_line)]
+Digest = Annotated[str, Field(strict=True, pattern="^[0-9a-f]{64}$")]
 #: Of any number of lines.
 Prose = Annotated[str, Field(strict=True), AfterValidator(_prose)]
 

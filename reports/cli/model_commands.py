@@ -40,6 +40,19 @@ def inspect(
     raise typer.Exit(AGREES if all(one.is_well for one in found) else DISAGREES)
 
 
+@app.command("import")
+def import_links(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="URDF or MJCF.")],
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Made if it is not there.")],
+    link: Annotated[list[str] | None, typer.Option("--link", help="Only this link.")] = None,
+) -> None:
+    """Make a scene of every link of a model: it tumbles, with the inertia that the file states."""
+    from .import_links import import_scenes
+
+    for line in import_scenes(file, out, link or []):
+        print(line)
+
+
 def _packages(given: list[str]) -> tuple[tuple[str, Path], ...]:
     found = []
     for one in given:

@@ -107,7 +107,7 @@ def read_xml(path: Path) -> XMLFile:
         If it cannot be read, is too large or too deep, has a DTD, or is not XML.
     """
     where = printable(str(path))
-    data = _bytes(path, where)
+    data = read_bytes(path)
     notes: list[str] = []
     try:
         root = _Builder(where).parse(data)
@@ -126,7 +126,15 @@ def read_xml(path: Path) -> XMLFile:
     return XMLFile(data, root, tuple(notes))
 
 
-def _bytes(path: Path, where: str) -> bytes:
+def read_bytes(path: Path) -> bytes:
+    """The bytes of a model file.
+
+    Raises
+    ------
+    ModelFileError
+        If it cannot be read, is no regular file, or is too large.
+    """
+    where = printable(str(path))
     try:
         # To open a pipe is to wait for a writer that may never come.
         if not stat.S_ISREG(path.stat().st_mode):

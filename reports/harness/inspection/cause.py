@@ -55,10 +55,10 @@ def _of_tensor(
     if not held.any():
         why = next((f": {_reason(problem)}" for problem in problems if problem.impossible), "")
         return f"tensor set to zero{why}"
-    if made_up:
-        return f"{made_up}: {_size(stated.inertia, held, found)}"
     if not stated.inertia.any():
         return f"{_moments(held)} kg m²: the file states a tensor of zero"
+    if made_up:
+        return f"{made_up}: {_size(stated.inertia, held, found)}"
     if moments_alike(stated.inertia, held):
         lost = _close(held, stated.unturned)
         why = ": the rotation of its inertial frame is lost" if lost else ""

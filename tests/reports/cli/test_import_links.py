@@ -1,0 +1,101 @@
+"""The command 'import': scenes of links, what was left out, and the file they are from."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from spincheck.reports.cli.import_links import import_scenes
+from spincheck.reports.cli.terminal import Complaint
+from spincheck.scenarios import ScenarioError, load
+from spincheck.scenarios.model_files import read_model
+from users_models import arm, diagonal, inertial, joint, link, robot, written
+
+BAD = inertial("1", diagonal(0.3, 0.1, 0.9))
+ODD = robot(
+    link("base"),
+    link("fore arm", inertial()),
+    link("fore/arm", inertial()),
+    link("bad", BAD),
+    *(joint("base", name) for name in ("fore arm", "fore/arm", "bad")),
+)
+
+
+def imported(tmp_path, text=ODD, links=()):
+    path = written(tmp_path, text, "robots/robot.urdf")
+    return path, import_scenes(path, tmp_path / "scenes", links)
+
+
+def test_a_link_becomes_a_scene_with_the_files_numbers(tmp_path):
+    path, (left, line) = imported(tmp_path, arm())
+    scene = load(line)
+    stated = read_model(path).link("arm").stated
+    assert (scene.body.mass, scene.body.com.tolist()) == (stated.mass, stated.com.tolist())
+    assert (scene.body.inertia_com == stated.inertia).all()
+    assert scene.title == "arm of robot.urdf: tumbles"
+    assert scene.document.body.model == "../robots/robot.urdf"
+    assert left == "left out: base: the file states no inertia of it"
+
+
+def test_it_turns_about_its_middle_axis(tmp_path):
+    _, (_, line) = imported(tmp_path, arm())
+    scene = load(line)
+    spin = scene.start.omega_body / np.linalg.norm(scene.start.omega_body)
+    moment = spin @ scene.body.inertia_com @ spin
+    assert moment == pytest.approx(scene.body.principal_moments[1], rel=0.01)
+
+
+def test_names_are_made_such_as_files_may_have_and_differ(tmp_path):
+    _, lines = imported(tmp_path)
+    names = [line.rpartition("/")[2] for line in lines if line.endswith(".toml")]
+    assert names == ["fore-arm.toml", "fore-arm-2.toml"]
+
+
+def test_what_no_body_has_is_left_out_with_the_reason(tmp_path):
+    assert "left out: bad: 0.1 + 0.3 < 0.9: no body has it" in imported(tmp_path)[1]
+
+
+def test_one_link_can_be_asked_for(tmp_path):
+    assert [line[-13:] for line in imported(tmp_path, links=("fore arm",))[1]] == ["fore-arm.toml"]
+
+
+@pytest.mark.parametrize(
+    ("links", "told"),
+    [
+        (("none",), "there is no link 'none'"),
+        (("bad",), "no link makes a scene; 'bad' is left out"),
+    ],
+)
+def test_a_link_without_a_scene_is_a_complaint(tmp_path, links, told):
+    with pytest.raises(Complaint, match=told):
+        imported(tmp_path, links=links)
+
+
+def test_a_scene_that_is_there_is_not_written_over(tmp_path):
+    imported(tmp_path, arm())
+    with pytest.raises(Complaint, match=r"arm\.toml: cannot be written: File exists"):
+        imported(tmp_path, arm())
+
+
+def test_a_model_that_changed_is_an_error_that_says_so(tmp_path):
+    path, (_, line) = imported(tmp_path, arm())
+    path.write_text(arm(mass="3"), encoding="utf-8")
+    with pytest.raises(
+        ScenarioError, match=r"arm\.toml:\d+: \[body\] sha256: .* has changed since"
+    ):
+        load(line)
+
+
+def test_a_model_that_is_gone_is_an_error_that_says_so(tmp_path):
+    path, (_, line) = imported(tmp_path, arm())
+    path.unlink()
+    with pytest.raises(ScenarioError, match=r"\[body\] model: .*robot\.urdf: cannot be read"):
+        load(line)
+
+
+def test_an_origin_is_given_whole(tmp_path):
+    _, (_, line) = imported(tmp_path, arm())
+    kept = Path(line).read_text(encoding="utf-8").splitlines()
+    text = "\n".join(li for li in kept if not li.startswith("sha256"))
+    scene = written(tmp_path, text, "scenes/half.toml")
+    with pytest.raises(ScenarioError, match=r"\[body\]: 'link', 'model' needs 'sha256' besides"):
+        load(scene)

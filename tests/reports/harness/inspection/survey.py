@@ -1,0 +1,278 @@
+"""Inspects the models of public packages and writes the tables of docs/models.md.
+
+Run by ``make survey``, which installs the packages; PyBullet comes with its own.
+"""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from functools import partial
+from importlib.metadata import distribution
+from pathlib import Path
+
+import psutil
+from spincheck.reports.harness.executors import LocalWorkers
+from spincheck.reports.harness.inspection import Held, Inspection, inspect_model
+from spincheck.reports.harness.inspection.inspect import READ_LIMIT
+from spincheck.reports.harness.inspection.records import AGREES
+from spincheck.scenarios.model_files import ModelFileError
+
+#: Distributions, and which of their files are models.
+PACKAGES = {
+    "pybullet": re.compile(r"pybullet_data/(?!random_urdfs/).*\.(urdf|xml)$"),
+    "example-robot-data": re.compile(r".*\.urdf$"),
+    "icub-models": re.compile(r".*\.urdf$"),
+    "dm_control": re.compile(r"dm_control/(suite|locomotion|entities|third_party)/.*\.xml$"),
+}
+#: Files that are parts of others, or no models at all.
+PARTS = ("has no <body>", "has no <link>", "is neither URDF")
+DOCUMENT = Path("docs/models.md")
+BEGIN, END = "<!-- make survey writes from here -->", "<!-- to here -->"
+#: How far off a tensor is, relative to the file's.
+LIMITS = (1e-12, AGREES, 1e-2)
+TEN_TIMES = 10.0
+#: Causes by what tells them in a held link's words, the first that fits.
+CAUSES = {
+    "made up from collision shapes": "made up from",
+    "set to zero": "tensor set to zero",
+    "body where the file states none": "the file states nothing",
+    "axes turned, moments kept": "axes turned",
+    "another mass": " kg, not ",
+    "com moved": "mm off",
+    "another tensor": "tensor",
+}
+#: MuJoCo's, from before two faults of its URDF reader were mended.
+OLDER = ("3.3.7", "3.13.0")
+JOBS = 2
+
+
+def models(package: str) -> Iterator[tuple[Path, tuple[tuple[str, Path], ...]]]:
+    """Files of a package, and the folder that its meshes are inside of."""
+    wanted = PACKAGES[package]
+    for file in sorted(distribution(package).files or [], key=str):
+        if wanted.match(str(file)):
+            path = Path(str(file.locate())).resolve()
+            top = [folder for folder in path.parents if folder.name == "pybullet_data"]
+            yield path, (("pybullet_data", top[0]),) if top else ()
+
+
+def inspected(executor, engines, path, packages):
+    """An inspection, or why the file cannot be read."""
+    try:
+        return inspect_model(path, executor, engines, packages)
+    except ModelFileError as error:
+        return f"{path.name}{str(error).removeprefix(str(path))}"
+
+
+def survey(
+    engines: tuple[str, ...] = (),
+) -> tuple[dict[str, list[Inspection]], dict[str, list[str]]]:
+    """Every package's inspections, and its files that are refused."""
+    found: dict[str, list[Inspection]] = {}
+    refused: dict[str, list[str]] = {}
+    with LocalWorkers(JOBS, READ_LIMIT) as executor:
+        for package in PACKAGES:
+            tasks = [partial(inspected, executor, engines, *model) for model in models(package)]
+            results = list(executor.each(tasks))
+            found[package] = [one for one in results if isinstance(one, Inspection)]
+            words = [one for one in results if isinstance(one, str)]
+            refused[package] = sorted(w for w in words if not any(part in w for part in PARTS))
+            print(f"{package}: {len(found[package])} models", file=sys.stderr)
+    return found, refused
+
+
+def table(heads: list[str], rows: list[list[object]]) -> str:
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
+
+
+def stated_table(found: dict[str, list[Inspection]], refused: dict[str, list[str]]) -> str:
+    rows = []
+    for package, inspections in found.items():
+        links = [link for one in inspections for link in one.links]
+        kinds = Counter(p.kind for link in links for p in link.problems)
+        bad = [i for i in inspections if any(p.impossible for li in i.links for p in li.problems)]
+        rows.append(
+            [
+                f"`{package}` {distribution(package).version}",
+                len(inspections),
+                len(refused[package]),
+                len(links),
+                sum(
+                    link.link.stated is not None and link.link.stated.is_physical for link in links
+                ),
+                len(bad),
+                kinds["not positive definite"] + kinds["triangle inequality"],
+                kinds["zero tensor"] + kinds["zero mass"],
+                kinds["placeholder"],
+                kinds["radius of gyration"],
+            ]
+        )
+    totals = [sum(row[column] for row in rows) for column in range(1, len(rows[0]))]
+    heads = [
+        "package",
+        "models",
+        "refused",
+        "links",
+        "with an inertia",
+        "models with an impossible one",
+        "tensors that no body has",
+        "zero mass or tensor",
+        "placeholders",
+        "spread beyond the shapes",
+    ]
+    return table(heads, [*rows, ["all", *totals]])
+
+
+HELD_HEADS = [
+    "engine",
+    "models refused",
+    "links compared",
+    "of them fused",
+    *(f"off by more than {limit:g}" for limit in LIMITS),
+    f"{TEN_TIMES:g} times too large or too small",
+    "axes turned, moments kept",
+    "fused and off",
+]
+
+
+def held_rows(found: dict[str, list[Inspection]], form: str) -> list[list[object]]:
+    """One row a configuration."""
+    by_column: dict[tuple[str, str, str], list[Held]] = {}
+    refusals: Counter[tuple[str, str, str]] = Counter()
+    for one in (i for inspections in found.values() for i in inspections):
+        if one.model.format != form:
+            continue
+        for link in one.links:
+            for held in link.held:
+                column = (held.engine, held.engine_version, held.configuration)
+                by_column.setdefault(column, []).append(held)
+        for held in one.links[0].held:
+            column = (held.engine, held.engine_version, held.configuration)
+            refusals[column] += column[::2] in one.refusals
+    return [
+        [" ".join(column), refusals[column], *_counted(held)] for column, held in by_column.items()
+    ]
+
+
+def older_rows() -> list[list[object]]:
+    """The same of URDF files by older versions of MuJoCo, each in a process of its own."""
+    rows = []
+    for version in OLDER:
+        folder = Path("build", f"mujoco-{version}").absolute()
+        if not folder.exists():
+            pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target"]
+            subprocess.run([*pip, str(folder), f"mujoco=={version}"], check=True)
+        answer = subprocess.run(
+            [sys.executable, __file__, "mujoco"],
+            env=os.environ | {"PYTHONPATH": str(folder)},
+            stdout=subprocess.PIPE,
+            check=True,
+        )
+        rows += json.loads(answer.stdout)
+    return rows
+
+
+def _counted(held: list[Held]) -> list[int]:
+    compared = [h for h in held if h.difference is not None and h.expected.is_physical]
+    off = [sum(h.difference.worst > limit for h in compared) for limit in LIMITS]
+    return [
+        len(compared),
+        sum(bool(h.fused) for h in compared),
+        *off,
+        sum(_is_far(h) for h in compared),
+        sum("axes turned" in h.cause and "moments kept" in h.cause for h in compared),
+        sum(bool(h.fused) and h.agrees is False for h in compared),
+    ]
+
+
+def _is_far(held: Held) -> bool:
+    stated, got = held.expected.inertia.trace(), held.body.inertia_com.trace()
+    return bool(got * TEN_TIMES <= stated or got >= TEN_TIMES * stated)
+
+
+def cause_table(found: dict[str, list[Inspection]]) -> str:
+    counts: dict[str, Counter[str]] = {}
+    for one in (i for inspections in found.values() for i in inspections):
+        for link in one.links:
+            for held in link.held:
+                column = f"{held.engine} {held.configuration}"
+                if held.agrees is False:
+                    kind = next(kind for kind, words in CAUSES.items() if words in held.cause)
+                    counts.setdefault(kind, Counter())[column] += 1
+    columns = sorted({column for counter in counts.values() for column in counter})
+    rows = [
+        [kind, *(counts[kind][column] for column in columns)] for kind in CAUSES if kind in counts
+    ]
+    return table(["links held otherwise", *columns], rows)
+
+
+def heavy_table(found: dict[str, list[Inspection]]) -> str:
+    """What the links of a robot weigh together, where engines add most."""
+    rows = []
+    for one in (i for inspections in found.values() for i in inspections):
+        stated = sum(li.link.stated.mass for li in one.links if li.link.stated is not None)
+        by_engine: Counter[str] = Counter()
+        for link in one.links:
+            for held in link.held:
+                if held.body is not None and held.engine == "pybullet":
+                    by_engine[held.configuration] += held.body.mass
+        gained = by_engine["default"] - stated
+        rows.append((gained, one.model.path, stated, by_engine["default"]))
+    rows.sort(key=lambda row: row[0], reverse=True)
+    return table(
+        ["model", "kg in the file", "kg in PyBullet"],
+        [["/".join(path.parts[-2:]), f"{kg:.4g}", f"{got:.4g}"] for _, path, kg, got in rows[:5]],
+    )
+
+
+def written(
+    found: dict[str, list[Inspection]],
+    refused: dict[str, list[str]],
+    older: list[list[object]],
+    seconds: float,
+) -> str:
+    files = "\n".join(f"- `{line}`" for lines in refused.values() for line in lines)
+    return "\n\n".join(
+        [
+            BEGIN,
+            stated_table(found, refused),
+            "What engines hold of the URDF files' links that have an inertia:",
+            table(HELD_HEADS, held_rows(found, "urdf") + older),
+            "Of the MJCF files':",
+            table(HELD_HEADS, held_rows(found, "mjcf")),
+            "By cause, all links:",
+            cause_table(found),
+            "The robots that gain most by links that state nothing:",
+            heavy_table(found),
+            "Refused, because engines or parsers do not read them alike:",
+            files,
+            f"Made in {seconds:.0f} s of CPU time.",
+            END,
+        ]
+    )
+
+
+def main() -> None:
+    """Write the tables; given an engine, print its rows of the URDF files alone, as JSON."""
+    if engines := tuple(sys.argv[1:]):
+        print(json.dumps(held_rows(survey(engines)[0], "urdf")))
+        return
+    found, refused = survey()
+    older = older_rows()
+    used = psutil.Process().cpu_times()
+    seconds = used.user + used.system + used.children_user + used.children_system
+    text = DOCUMENT.read_text(encoding="utf-8")
+    before, _, rest = text.partition(BEGIN)
+    _, _, after = rest.partition(END)
+    tables = written(found, refused, older, seconds)
+    DOCUMENT.write_text(before + tables + after, encoding="utf-8")
+    print(f"{DOCUMENT} has the tables", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()
