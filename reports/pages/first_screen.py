@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from statistics import median, median_high
 
@@ -64,8 +64,13 @@ class _AtStock:
         return text + (f", and {plural(lost, 'run')} blew up" if lost else "")
 
 
-def answer(gathered: ReportData) -> tuple[Sentence, ...]:
-    """The sentences, from the plain scenes alone; none where nothing was run at stock timesteps."""
+def answer(gathered: ReportData, harmless: Collection[str] = frozenset()) -> tuple[Sentence, ...]:
+    """The sentences, from the plain scenes alone; none where nothing was run at stock timesteps.
+
+    Parameters
+    ----------
+    harmless : what changes no motion, measured: no reason for a wrong one
+    """
     plain = gathered.plain
     steps = stock_timesteps(plain)
     tried = [_at_stock(plain, pair, steps[pair[0]]) for pair in plain.pairs if pair[0] in steps]
@@ -82,7 +87,7 @@ def answer(gathered: ReportData) -> tuple[Sentence, ...]:
     found = [
         Sentence(f"What defaults get wrong (median of {plural(most, 'scene')})", _sentences(wrong)),
         Sentence("What to use instead", _sentences(instead)),
-        Sentence("Why", _sentences([_why(one, plain.scenes) for one in shipped])),
+        Sentence("Why", _sentences([_why(one, plain.scenes, harmless) for one in shipped])),
     ]
     return tuple(sentence for sentence in found if sentence.text)
 
@@ -117,7 +122,7 @@ def _instead(shipped: _AtStock, clean: Sequence[_AtStock]) -> str:
     return text + (f", for {readable(median(prices))} times the CPU time" if prices else "")
 
 
-def _why(shipped: _AtStock, scenes: Sequence[SceneRuns]) -> str:
+def _why(shipped: _AtStock, scenes: Sequence[SceneRuns], harmless: Collection[str]) -> str:
     """Whether it is the timestep, or what the engine does besides."""
     verdicts = {
         scene.name: runs.verdict.verdict
@@ -140,7 +145,7 @@ def _why(shipped: _AtStock, scenes: Sequence[SceneRuns]) -> str:
     causes = [
         f"{cause} ({amount})"
         for cause, amount in counted.most_common()
-        if amount > COMMON * len(rows)
+        if amount > COMMON * len(rows) and cause.removeprefix("a ") not in harmless
     ]
     text = f"{name} does not, at any timestep, on {len(wrong)} of {plural(len(verdicts), 'scene')}"
     return text + (f": {', '.join(causes)}" if causes else "")

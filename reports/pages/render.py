@@ -68,7 +68,7 @@ def render(results: Results, folder: Path) -> Path:
         passes_tables(results.passes),
         harm_in_words(results.effects),
     )
-    shared = {**_overview(gathered), "gathered": gathered, "left_out": left_out}
+    shared = {**_overview(gathered, results), "gathered": gathered, "left_out": left_out}
     shared["protocol"] = protocol
     shared["sweeps"] = sweeps = sweep_section(results)
     write_sweeps(environment, folder, sweeps, results.scenes)
@@ -126,11 +126,11 @@ def _environment() -> Environment:
     return environment
 
 
-def _overview(gathered: ReportData) -> dict[str, Any]:
+def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
     plain = gathered.plain
     limits = [overview.complaints(plain, words) for words in LIMITS]
     return {
-        "answer": answer(gathered),
+        "answer": answer(gathered, {name for cost in results.effects for name in cost.left_out}),
         "heat": heat_map(gathered),
         "stock": stock_table(plain),
         "headline": overview.headline(gathered),

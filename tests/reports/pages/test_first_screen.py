@@ -105,6 +105,10 @@ def test_why_a_default_is_wrong_is_told_by_name_and_count(gathered):
     assert "a force of" not in why
 
 
+def test_what_changes_no_motion_is_no_reason(gathered):
+    assert "joint motor" not in answer(gathered, harmless={"joint motor"})[2].text
+
+
 def test_without_engines_as_shipped_there_is_nothing_to_answer():
     assert answer(report_data(results())) == ()
 
