@@ -26,6 +26,7 @@ def spincheck(*arguments: object, cwd: Path = Path()) -> CompletedProcess[str]:
     ):
         try:
             app.main()
+            code = 0
         except SystemExit as end:
             code = int(end.code or 0)
     return CompletedProcess(words, code, out.getvalue(), err.getvalue())

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from command_line import run
+from command_line import spincheck
 
 SCENE = """
 spincheck = 1
@@ -52,8 +52,8 @@ def test_a_published_value_that_does_not_hold_is_told_alike(
 ):
     """One component of three is enough to publish."""
     monkeypatch.chdir(tmp_path)
-    done = run(command, str(file_of(tmp_path, value)), *COMMANDS[command])
-    assert done.exit_code == code
+    done = spincheck(command, str(file_of(tmp_path, value)), *COMMANDS[command])
+    assert done.returncode == code
     words = "omega_body at t = 1 s is 1.00e-01 from the value printed in a book"
     assert (words in done.stderr) == bool(code)
 
@@ -61,13 +61,13 @@ def test_a_published_value_that_does_not_hold_is_told_alike(
 def test_a_component_that_is_none_is_complained_of_by_its_key(tmp_path):
     path = file_of(tmp_path, 3.0)
     path.write_text(path.read_text().replace("z = 3.0", "w = 3.0"), encoding="utf-8")
-    done = run("check", str(path))
-    assert done.exit_code == 2
+    done = spincheck("check", str(path))
+    assert done.returncode == 2
     assert "number 1 omega_body" in done.stderr
 
 
 def test_a_check_says_what_a_scene_cannot_tell(tmp_path):
     words = "cannot tell whether there is gravity"
-    assert words in run("check", str(file_of(tmp_path, arm=0.0))).stdout
-    assert words in run("check", str(file_of(tmp_path, tilt=0))).stdout
-    assert words not in run("check", str(file_of(tmp_path))).stdout
+    assert words in spincheck("check", str(file_of(tmp_path, arm=0.0))).stdout
+    assert words in spincheck("check", str(file_of(tmp_path, tilt=0))).stdout
+    assert words not in spincheck("check", str(file_of(tmp_path))).stdout
