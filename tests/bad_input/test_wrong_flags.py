@@ -135,6 +135,8 @@ def test_an_argument_that_is_missing_is_told(command):
 def test_an_argument_that_names_nothing_is_told(command, value):
     if command == "check" and not value:
         pytest.skip("an empty path is the folder one is in")
+    if command == "new" and value == "nowhere.toml":
+        pytest.skip("it is the file that is to be made")
     code, message = said([command, *[value] * max(len(needed(command)), 1)])
     assert code == BAD_INPUT, message
     assert "\x1b" not in message
