@@ -7,6 +7,7 @@ from spincheck.engines.model_reader import model_readers
 from spincheck.scenarios.model_files import read_model
 from users_models import arm, body, diagonal, inertial, joint, link, robot, written
 
+pytest.importorskip("pybullet")
 EPS = float(np.finfo(float).eps)
 #: PyBullet's of a link that the file gives nothing: the flag takes it at its word.
 BY_DEFAULT = 1.0

@@ -6,12 +6,13 @@ import pytest
 from spincheck.reports.cli import inspect as command
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.terminal import Complaint
-from spincheck.reports.harness.executors import CallFailed, InProcess
+from spincheck.reports.harness.executors import CallFailed, InProcess, LocalWorkers
 from spincheck.reports.harness.executors.executor import Answer
 from spincheck.reports.harness.inspection import inspect as harness
 from typer.testing import CliRunner
 from users_models import arm, body, diagonal, inertial, joint, link, robot, written
 
+pytest.importorskip("pybullet")
 ROUND = diagonal(0.002, 0.002, 0.003)
 KEYS = {
     "engine",
@@ -161,6 +162,14 @@ def test_an_engine_that_crashes_costs_its_configuration_alone(tmp_path, monkeypa
     assert found["summary"]["refused"] == {
         "pybullet default": "the worker process was killed by SIGSEGV"
     }
+
+
+@pytest.mark.processes
+def test_engines_read_in_a_process_of_their_own(tmp_path, monkeypatch):
+    monkeypatch.setattr(command, "LocalWorkers", LocalWorkers)
+    found = records(written(tmp_path, arm()))
+    assert held_of(found, "arm", "inertia-from-file")["agrees"] is True
+    assert found["summary"]["refused"] == {}
 
 
 def test_a_file_that_nobody_can_read_ends_with_exit_code_2(tmp_path):

@@ -3,11 +3,11 @@
 from pathlib import Path
 
 import numpy as np
-import pybullet_data
 import pytest
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.inspection import inspect_model
 
+pybullet_data = pytest.importorskip("pybullet_data")
 ROBOTS = Path(pybullet_data.getDataPath())
 #: Of numbers printed with three digits.
 PRINTED = 5e-3
