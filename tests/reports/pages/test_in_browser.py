@@ -7,8 +7,6 @@ from pathlib import Path
 
 import made_up_sweeps
 import pytest
-from browser import chromium, launched
-from playwright.sync_api import Browser, Page, expect
 from spincheck.engines import engines
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
@@ -17,6 +15,10 @@ from spincheck.reports.harness.study import run_study
 from spincheck.reports.pages.render import render
 from spincheck.reports.results.store import open_store
 from spincheck.scenarios import find, load
+
+pytest.importorskip("playwright", reason="playwright is not installed")
+from browser import chromium, launched  # noqa: E402
+from playwright.sync_api import Browser, Page, expect  # noqa: E402
 
 CHROMIUM = chromium()
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
