@@ -17,8 +17,8 @@ from spincheck.reports.results.store import open_store
 from spincheck.scenarios import find, load
 
 pytest.importorskip("playwright", reason="playwright is not installed")
-from browser import chromium, launched  # noqa: E402
-from playwright.sync_api import Browser, Page, expect  # noqa: E402
+from browser import chromium, launched
+from playwright.sync_api import Browser, Page, expect
 
 CHROMIUM = chromium()
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
