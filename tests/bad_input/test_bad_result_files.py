@@ -157,8 +157,8 @@ def test_what_is_no_result_file_is_told_and_left_as_it_is(elsewhere, make):
 @pytest.mark.parametrize("name", ["nowhere/x.sqlite", "x" * 300, "a\nb\x1b[31m/x.sqlite"])
 def test_a_place_that_cannot_be_is_one_line_without_escapes(elsewhere, name):
     (elsewhere / "made.toml").write_text(written(LEAST))
-    done = command_line.run("run", "made.toml", "--quick", "--out", name)
-    assert done.exit_code == BAD_INPUT
+    done = command_line.spincheck("run", "made.toml", "--quick", "--out", name)
+    assert done.returncode == BAD_INPUT
     assert len(done.stderr.splitlines()) == 1
     assert "\x1b" not in done.stderr
 
@@ -192,16 +192,16 @@ def test_a_full_disk_costs_a_message_and_the_run_resumes(elsewhere, monkeypatch)
     (elsewhere / "made.toml").write_text(written(LEAST))
     command = ("run", "made.toml", "--engine", "mujoco", "--method", "RK4", "--quick")
     with full_disk(FULL):
-        done = command_line.run(*command, "--out", "full.sqlite")
-    assert done.exit_code == BAD_INPUT
+        done = command_line.spincheck(*command, "--out", "full.sqlite")
+    assert done.returncode == BAD_INPUT
     assert done.stderr.endswith("the disk fails or is full\n")
-    assert command_line.run(*command, "--out", "full.sqlite").exit_code == AGREES
+    assert command_line.spincheck(*command, "--out", "full.sqlite").returncode == AGREES
 
 
 def test_a_report_that_does_not_fit_is_told(good, elsewhere):
     with full_disk(FULL):
-        done = command_line.run("report", str(good), "--out", "pages")
-    assert done.exit_code == BAD_INPUT
+        done = command_line.spincheck("report", str(good), "--out", "pages")
+    assert done.returncode == BAD_INPUT
     assert done.stderr == "spincheck: pages: cannot be written: File too large\n"
 
 

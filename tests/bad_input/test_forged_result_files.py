@@ -118,7 +118,7 @@ def test_a_scene_in_what_a_sweep_asks_for_names_no_page(path, name):
             changed = json.dumps(json.loads(asked) | {"scenario": name})
             connection.execute("UPDATE sweeps SET asked = ? WHERE rowid = ?", (changed, row))
     seal(path)
-    assert command_line.run("report", str(path), "--out", "pages").exit_code != BAD_INPUT
+    assert command_line.spincheck("report", str(path), "--out", "pages").returncode != BAD_INPUT
     assert {entry.name for entry in path.parent.iterdir()} == {path.name, "pages"}
     assert (path.parent / "pages" / "maps" / f"{SWEPT}-1.html").is_file()
 
@@ -235,8 +235,8 @@ ASKED = {
 def test_a_sweep_that_nobody_can_ask_for_is_one_message(path, kind, changed):
     with_asked(path, kind, **changed)
     for command in ("rows", "points", "report"):
-        done = command_line.run(command, str(path))
-        assert (done.exit_code, done.stdout) == (BAD_INPUT, "")
+        done = command_line.spincheck(command, str(path))
+        assert (done.returncode, done.stdout) == (BAD_INPUT, "")
         assert len(done.stderr.splitlines()) == 1
         assert "a record cannot be read" in done.stderr
 
@@ -274,7 +274,7 @@ def test_nothing_in_a_file_commands_a_terminal_or_a_page(path):
     forge(path, [("rows", "printed"), ("verdicts", "reason"), ("environment", "value")], HOSTILE)
     forge(path, [("rows", "reason"), ("points", "reason"), ("rows", "engine_version")], HOSTILE)
     forge(path, [("verdicts", "unmet")], json.dumps([HOSTILE]))
-    shown = "".join(command_line.run(*arguments, str(path)).stdout for arguments in OUTPUTS)
+    shown = "".join(command_line.spincheck(*arguments, str(path)).stdout for arguments in OUTPUTS)
     pages = [page for page in path.parent.rglob("*") if page.suffix in (".html", ".md")]
     shown += "".join(page.read_text(encoding="utf-8") for page in pages)
     assert shown.count("evil\\x1b[2J\\x9b31m") > len(kept)

@@ -95,8 +95,8 @@ def test_two_scenes_of_one_name_are_told(tmp_path):
     for folder in ("a", "b"):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "made.toml").write_text(written(LEAST))
-    done = command_line.run("check", str(tmp_path))
-    assert (done.exit_code, done.stdout) == (BAD_INPUT, "")
+    done = command_line.spincheck("check", str(tmp_path))
+    assert (done.returncode, done.stdout) == (BAD_INPUT, "")
     assert "another scene has the same name" in done.stderr
 
 
@@ -109,6 +109,6 @@ def test_no_temporary_folder_is_told_before_anything_is_run(tmp_path, monkeypatc
     for module in (tempfile, executing):
         monkeypatch.setattr(module, "gettempdir", none)
     options = ["--omega", "1e-3"] if command == "recommend" else ["--quick"]
-    done = command_line.run(command, "gazebo-box-tumbling", "--engine", "mujoco", *options)
-    assert (done.exit_code, done.stdout) == (NOT_RUN, "")
+    done = command_line.spincheck(command, "gazebo-box-tumbling", "--engine", "mujoco", *options)
+    assert (done.returncode, done.stdout) == (NOT_RUN, "")
     assert done.stderr.endswith("'TMPDIR' names another\n")
