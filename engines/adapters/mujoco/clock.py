@@ -22,6 +22,8 @@ def _pointer() -> ctypes.c_void_p:
     return ctypes.c_void_p.in_dll(ctypes.CDLL(str(file)), "mjcb_time")
 
 
+# Older versions hang it in with the first of these only.
+mujoco.MjData(mujoco.MjModel.from_xml_string("<mujoco/>"))
 _hung = _pointer()
 #: The package's clock, as it was when this module was imported; None before 3.3.1.
 SHIPPED = _hung.value
