@@ -14,6 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from spincheck.engines import BodyReading, Engine, EngineError, Method, Session, State
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
+from spincheck.engines.first_steps import starting_with
 from spincheck.scenarios import EFFECTS, Scenario, loads
 
 METHOD = Method("Heun", 2, 2, "Heun's method on rotation vectors", frozenset(EFFECTS) - {"pivot"})
@@ -195,4 +196,5 @@ class UpsideDown(MuJoCo):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         flipped = scenario.text.replace("-9.81]", "9.81]")
         assert flipped != scenario.text
-        return super().open(loads(flipped, scenario.name), method, timestep)
+        other = starting_with(loads(flipped, scenario.name), scenario.start.omega_body)
+        return super().open(other, method, timestep)
