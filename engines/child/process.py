@@ -98,6 +98,11 @@ class ChildProcess:
         self._streams.register(self._output.fileno(), selectors.EVENT_READ)
 
     @property
+    def pid(self) -> int:
+        """Of the process."""
+        return self._process.pid
+
+    @property
     def usable(self) -> bool:
         """Whether it may be asked again."""
         return self._broken is None

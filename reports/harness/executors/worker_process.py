@@ -11,9 +11,11 @@ import json
 import os
 import pickle
 import secrets
+import signal
 import subprocess
 import sys
 import threading
+from contextlib import suppress
 from queue import Empty, SimpleQueue
 from typing import IO, Any
 
@@ -131,11 +133,11 @@ class WorkerProcess:
 
     def kill(self) -> None:
         """Kill it, from whichever thread; `end` is still to be called."""
-        self._process.kill()
+        self._kill_group()
 
     def end(self) -> int:
         """Kill it and free its pipes; returns the exit code, its own if it had died before."""
-        self._process.kill()
+        self._kill_group()
         code = self._process.wait()
         for listener in getattr(self, "_listeners", []):
             if listener.ident is not None:
@@ -143,6 +145,13 @@ class WorkerProcess:
         for stream in (self._process.stdin, self._process.stdout, self._process.stderr):
             _raw(stream).close()
         return code
+
+    def _kill_group(self) -> None:
+        """With what it has started: an engine that is a child, and hangs."""
+        self._process.kill()
+        if sys.platform != "win32":
+            with suppress(ProcessLookupError, PermissionError):
+                os.killpg(self._process.pid, signal.SIGKILL)
 
     def _take_answers(self) -> None:
         """A thread: take answers until the process is gone, which is told as None."""

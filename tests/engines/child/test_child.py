@@ -5,11 +5,14 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 from spincheck.engines import EngineError, Run
 from spincheck.engines.child import ChildEngine, ProtocolError, child_engine
-from spincheck.engines.child.process import end_idle
+from spincheck.engines.child.messages import Stepped
+from spincheck.engines.child.process import ChildProcess, end_idle
 from spincheck.engines.contract.scenes import scene
+from spincheck.reports.harness.executors import CallFailed, LocalWorkers
 
 PLANTED = Path(__file__).with_name("planted_child.py")
 SPHERE = scene("sphere", body="\nmass = 2.0\ninertia = [0.3, 0.3, 0.3]\n")
@@ -17,6 +20,8 @@ STEPS = np.arange(0, 65, 8)
 TIMESTEP = 2.0**-6
 #: s; more than a child takes to answer on a busy machine, less than a test may take.
 LIMIT = 2.0
+#: s, that its worker gives the engine.
+LIMIT_OF_WORKER = 2.0
 
 
 @pytest.fixture(autouse=True)
@@ -119,6 +124,27 @@ def test_two_scenes_at_once_are_in_two_children() -> None:
             second.advance(8)
             moved = second.read_state().q_world_body_wxyz
         assert np.abs(first.read_state().q_world_body_wxyz - moved).max() > TIMESTEP
+
+
+def hang_in_a_child(file: Path) -> None:
+    """In a worker: leave the child's process id, and wait for it longer than the worker may."""
+    child = ChildProcess([sys.executable, "-S", str(PLANTED), "hangs"], LIMIT_OF_WORKER * 100)
+    file.write_text(str(child.pid), encoding="utf-8")
+    child.ask(Stepped, "run", steps=1)
+
+
+def test_a_child_that_hangs_goes_with_the_worker_that_waits_for_it(tmp_path: Path) -> None:
+    file = tmp_path / "pid"
+    with LocalWorkers(1, LIMIT_OF_WORKER) as workers:
+        lost = workers.call(hang_in_a_child, file).value
+    assert isinstance(lost, CallFailed)
+    assert lost.cause == "time-out"
+    try:
+        left = psutil.Process(int(file.read_text(encoding="utf-8"))).status()
+    except psutil.NoSuchProcess:
+        return
+    # Dead, and nobody here is its parent.
+    assert left == psutil.STATUS_ZOMBIE
 
 
 def test_a_child_engine_goes_to_a_worker_by_pickle() -> None:
