@@ -1,6 +1,7 @@
 """What an MJCF file states: `body/inertial`, after includes, frames and replicates."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -16,6 +17,8 @@ MAX_BODIES = 10_000
 MAX_INCLUDES = 256
 #: What makes bodies that the file does not write out.
 MAKERS = ("attach", "composite", "flexcomp", "flex")
+#: Whose files MuJoCo reads whatever is stripped.
+READ = ("model", "hfield", "flexcomp")
 ZEROS = (0.0, 0.0, 0.0)
 
 
@@ -37,6 +40,7 @@ def read_mjcf(root: Element, folders: Folders) -> tuple[tuple[Link, ...], tuple[
         If a number is not one, an include lies outside the folders, or there are too many bodies.
     """
     _include(root, folders)
+    _check_read(root, folders)
     reader = _Reader(_compiler(root))
     for world in root.all("worldbody"):
         reader.read(world, "", IDENTITY)
@@ -72,6 +76,25 @@ def _included(include: Element, folders: Folders, seen: set[object]) -> list[Ele
         include.refuse(f"<include> of {shown(name)}: a file can be included once")
     seen.add(path)
     return read_xml(path).root.children
+
+
+def _check_read(root: Element, folders: Folders) -> None:
+    """See that what MuJoCo reads besides meshes lies inside the model's folders."""
+    places = [""]
+    for compiler in root.all("compiler"):
+        places += [compiler.attributes.get(key, "") for key in ("meshdir", "assetdir")]
+    left = [root]
+    while left:
+        element = left.pop()
+        left += element.children
+        name = element.attributes.get("file", "")
+        if not name or element.tag not in READ:
+            continue
+        if not any(folders.find(str(Path(place, name))) for place in places):
+            element.refuse(
+                f"<{element.tag}> of {shown(name)}: there is no such file inside the model's "
+                "folder or one given by '--package-path'"
+            )
 
 
 def _compiler(root: Element) -> Compiler:

@@ -193,6 +193,16 @@ def test_an_include_stays_inside_the_models_folder(tmp_path, target):
     assert refusal(written(tmp_path, text, "inner/robot.xml")) == told
 
 
+@pytest.mark.parametrize("tag", ["model", "hfield"])
+def test_other_files_that_mujoco_reads_are_inside_it_too(tmp_path, tag):
+    text = body("", f'<asset><{tag} name="m" file="/etc/passwd"/></asset>')
+    told = (
+        f"FILE:1: <{tag}> of '/etc/passwd': there is no such file inside the model's folder or one "
+        "given by '--package-path'"
+    )
+    assert refusal(written(tmp_path, text, "robot.xml")) == told
+
+
 def test_a_link_of_the_file_system_leads_no_further(tmp_path):
     outside = written(tmp_path, "<mujoco/>", "outside.xml")
     (tmp_path / "inner").mkdir()
