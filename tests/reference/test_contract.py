@@ -26,12 +26,13 @@ from spincheck.reference.motion import motion
 from spincheck.reference.problem import Problem
 from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.reference.solution import MAX_UNCERTAINTY
-from spincheck.reference.solve import CHECKED_TURN, _rate
+from spincheck.reference.solve import CHECKED_TURN
 from spincheck.reference.symmetry import norm
 from spincheck.reference.taylor import CHECK_ORDERS, integrate
 from spincheck.reports.harness.reference_checks import drifting
 from spincheck.scenarios import Errors, Trajectory, errors_between
 from spincheck.scenarios.exact import DIGITS, normalised, product
+from spincheck.scenarios.fastest_rate import fastest_rate
 
 EPS = float(np.finfo(float).eps)
 #: Relative, and in rad: a fault that nobody would see and every check must.
@@ -59,7 +60,7 @@ def within_reach(name: str) -> Trajectory:
     """A motion as far as the ODE follows it in good time."""
     scenario, solution = solved(name)
     truth = solution.trajectory
-    rate = _rate(rotational_problem(scenario), truth)
+    rate = fastest_rate(scenario, truth.omega_body)
     return truth.until(int(np.count_nonzero(truth.t * rate <= CHECKED_TURN)))
 
 

@@ -12,8 +12,8 @@ from contract_scenes import every_scene, solved, states
 from contract_truths import few
 from spincheck.reference.motion import motion
 from spincheck.reference.rotational_problem import rotational_problem
-from spincheck.reference.solve import _rate
 from spincheck.scenarios import Scenario, Trajectory
+from spincheck.scenarios.fastest_rate import fastest_rate
 
 EPS = float(np.finfo(float).eps)
 #: Ulp: of four squares, and of a product of two quaternions.
@@ -49,7 +49,7 @@ def fastest(scenario: Scenario, truth: Trajectory) -> float:
     torque = np.linalg.norm(scenario.torque_body) + np.linalg.norm(scenario.torque_world)
     driven = float(np.sqrt(torque / least))
     once = 1 / scenario.window.duration
-    return max(_rate(rotational_problem(scenario), truth), driven, scenario.drag / least, once)
+    return max(fastest_rate(scenario, truth.omega_body), driven, scenario.drag / least, once)
 
 
 def slope(samples: np.ndarray, h: float) -> np.ndarray:
