@@ -54,7 +54,8 @@ def test_a_file_copied_without_its_log_is_read_and_known(path, tmp_path):
     with open_store(alone) as store:
         assert store.log_missing
     assert (
-        "its log 'alone.sqlite-wal' is not beside it" in command_line.run("rows", str(alone)).stderr
+        "its log 'alone.sqlite-wal' is not beside it"
+        in command_line.spincheck("rows", str(alone)).stderr
     )
     with open_store(path) as store:
         assert not store.log_missing
