@@ -140,6 +140,10 @@ def _examples(schema: dict[str, Any], row: int = 0) -> Iterator[Any]:
             yield "x"
 
 
+#: Of `[body]`: the file that its numbers are from.
+ORIGIN = {"model": "robot.urdf", "link": "top", "sha256": "0" * 64}
+
+
 @cache
 def _file_with(keys: Keys) -> Tables:
     """A valid file in which a key or a table stands, found by trying what stands beside it."""
@@ -183,7 +187,10 @@ def _with_less(file: Tables, keys: Keys) -> Iterator[Tables]:
 
 
 def _with_more(file: Tables, keys: Keys) -> Iterator[Tables]:
-    """The file with another key in the same table, or the next one."""
+    """The file with another key in the same table, or the next one; or with several that go along.
+
+    No schema tells that a key needs others: what a body's numbers are from is told whole.
+    """
     inside = "properties" in _arms(_schema_at(keys))[0]
     table = keys if inside else keys[:-1]
     properties = next(arm for arm in _arms(_schema_at(table)) if "properties" in arm)["properties"]
@@ -191,6 +198,11 @@ def _with_more(file: Tables, keys: Keys) -> Iterator[Tables]:
         if not holds(file, (*table, key)):
             for example in _examples(schema):
                 yield changed(file, (*table, key), example)
+    if keys[-1] in ORIGIN:
+        whole = file
+        for key, value in ORIGIN.items():
+            whole = changed(whole, (*table, key), value)
+        yield whole
 
 
 def is_scene(file: Tables) -> bool:
