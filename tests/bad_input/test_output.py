@@ -15,6 +15,8 @@ from spincheck.reports.cli import executing
 from spincheck.reports.cli.stopping import HEARING
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, NOT_RUN
 
+pytestmark = pytest.mark.processes
+
 #: The command line as its script has it.
 SPINCHECK = (
     "import sys; from spincheck.reports.cli.app import main; sys.argv[0] = 'spincheck'; main()"

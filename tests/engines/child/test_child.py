@@ -14,6 +14,8 @@ from spincheck.engines.child.process import ChildProcess, end_idle
 from spincheck.engines.contract.scenes import scene
 from spincheck.reports.harness.executors import CallFailed, LocalWorkers
 
+pytestmark = pytest.mark.processes
+
 PLANTED = Path(__file__).with_name("planted_child.py")
 SPHERE = scene("sphere", body="\nmass = 2.0\ninertia = [0.3, 0.3, 0.3]\n")
 STEPS = np.arange(0, 65, 8)

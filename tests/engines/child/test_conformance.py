@@ -8,6 +8,8 @@ import pytest
 from spincheck.reports.cli.app import app
 from typer.testing import CliRunner, Result
 
+pytestmark = pytest.mark.processes
+
 HERE = Path(__file__).parent
 TOY = HERE / "toy.mjs"
 

@@ -9,6 +9,8 @@ from result_files import rows_in, wait_for_rows
 from same_results import differences
 from spincheck.reports.results.store import Results
 
+pytestmark = pytest.mark.processes
+
 #: Kills of every kind; `kills.py` makes more of them.
 KILLS = len(TARGETS)
 

@@ -17,6 +17,8 @@ from kills import COMMAND, PATIENCE, STUDY, finish, gone, hear_signals, read, st
 from result_files import rows_in, wait_for_rows
 from same_results import differences
 
+pytestmark = pytest.mark.processes
+
 #: One call of the engine that takes minutes: s, and so many steps from sample to sample.
 TINY = "1e-10"
 #: A report that never ends, and says when it has begun.
