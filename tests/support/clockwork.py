@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from spincheck.engines import BodyReading, Engine, EngineError, Method, Session, State
+from spincheck.engines import BodyReading, Engine, EngineError, Method, Session, State, session
 from spincheck.reports.harness import step_cost as cost
 from spincheck.scenarios import Scenario, loads
 
@@ -53,6 +53,8 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     """Put in place of the system's clocks."""
     made_up = Clock()
     monkeypatch.setattr(cost, "time", made_up)
+    # Where a session times its own steps.
+    monkeypatch.setattr(session, "time", made_up)
     cost.resolution.cache_clear()
     yield made_up
     cost.resolution.cache_clear()
