@@ -27,7 +27,7 @@ def csv_text(records: Sequence[Mapping[str, object]]) -> str:
 def _flattened(record: Mapping[str, object]) -> Iterator[tuple[str, object]]:
     for name, value in record.items():
         if isinstance(value, Mapping):
-            yield from ((f"{name}.{entry}", _no_formula(inner)) for entry, inner in value.items())
+            yield from ((f"{name}.{entry}", inner) for entry, inner in _flattened(value))
         elif isinstance(value, list):
             yield name, _no_formula("; ".join(map(str, value)))
         else:

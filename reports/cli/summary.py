@@ -5,7 +5,7 @@ from typing import Any
 
 from ...scenarios.fastest_rate import fastest_rate
 from ..pages.analysis.survival import Survival, survival
-from ..results.records import Key, Row, Verdict
+from ..results.records import Key, Row, SignalVerdict, Verdict
 from ..results.store import Results
 from .terminal import table
 
@@ -108,11 +108,15 @@ def verdict_record(verdict: Verdict) -> dict[str, Any]:
         "order": verdict.order,
         "limit_error": verdict.limit_error,
         "tolerance": verdict.tolerance,
-        "signals": [asdict(one) for one in verdict.signals],
+        "signals": {one.signal: _signal_record(one) for one in verdict.signals},
         "unmet": list(verdict.unmet),
         "as_shipped": verdict.as_shipped,
         "known": verdict.known,
     }
+
+
+def _signal_record(found: SignalVerdict) -> dict[str, Any]:
+    return {name: value for name, value in asdict(found).items() if name != "signal"}
 
 
 def _sentence(verdict: Verdict) -> str:
