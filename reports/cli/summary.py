@@ -108,7 +108,7 @@ def verdict_record(verdict: Verdict) -> dict[str, Any]:
         "order": verdict.order,
         "limit_error": verdict.limit_error,
         "tolerance": verdict.tolerance,
-        "signals": {one.signal: _signal_record(one) for one in verdict.signals},
+        "signals": {one.signal: _signal_record(one) for one in verdict.signals} or None,
         "unmet": list(verdict.unmet),
         "as_shipped": verdict.as_shipped,
         "known": verdict.known,
