@@ -51,9 +51,12 @@ def test_a_scene_gives_an_item_for_its_reference_and_one_a_method(run):
     result.stdout.fnmatch_lines(["*sphere.toml::reference", "*sphere.toml::mujoco-RK4"])
 
 
-def test_an_engine_that_is_not_installed_is_a_skip_with_its_reason(run, pytester):
+@pytest.mark.processes
+def test_an_engine_that_is_not_installed_is_a_skip_with_its_reason(pytester):
     pytester.makeconftest("import sys; sys.modules.update(mujoco=None, pybullet=None)")
-    result = run("-k", "reference or mujoco or pybullet", sphere=SPHERE)
+    pytester.makefile(".toml", sphere=SPHERE)
+    wanted = "reference or mujoco or pybullet"
+    result = pytester.runpytest_subprocess("-p", "no:cacheprovider", "-rs", "-k", wanted)
     result.assert_outcomes(passed=1, skipped=2)
     for engine in ("mujoco", "pybullet"):
         reason = f"not tested: the package '{engine}' is not installed"
