@@ -130,7 +130,7 @@ def run(
     ] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Simulate scenes, compare with the truth, and store what was found.
+    """Simulate scenes, compare with the exact motion, and store the results.
 
     What the file holds already is not run again, unless its scene, engine or spincheck changed,
     the machine was to blame that it failed, or by '--again'.

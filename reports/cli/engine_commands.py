@@ -1,4 +1,4 @@
-"""For whoever develops an engine: does it keep the protocol, and one run to paste into an issue."""
+"""Commands for engine developers: a protocol check, and one run to paste into an issue."""
 
 from dataclasses import asdict
 from pathlib import Path

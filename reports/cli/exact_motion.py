@@ -1,4 +1,4 @@
-"""What the command `reference` does: the exact motion, and all that is known of it."""
+"""What the command `reference` does: the exact motion, its uncertainty, invariants and facts."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -68,7 +68,9 @@ def print_truth(truth: dict[str, Any]) -> None:
     print(f"{truth['scenario']}: {truth['method']}")
     table([{name: _shown(value) for name, value in state.items()} for state in truth["states"]])
     if truth["horizon"] is not None:
-        print(f"Chaotic: beyond t = {truth['horizon']:.6g} s the truth is not known to 1e-9.\n")
+        print(
+            f"Chaotic: beyond t = {truth['horizon']:.6g} s the exact motion is not known to 1e-9.\n"
+        )
     errors = ("omega", "attitude", "angular_momentum", "energy")
     table([{"": what} | {e: truth[what][e] for e in errors} for what in _ERRORS])
     table([{"conserved": name, "drift": drift} for name, drift in truth["drifts"].items()])

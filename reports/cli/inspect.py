@@ -129,7 +129,7 @@ def _is_stated(link: InspectedLink) -> bool:
 
 
 def _has_something(link: InspectedLink) -> bool:
-    """Whether the file says anything of a link, or an engine has it from its shapes."""
+    """Whether the file states an inertial of a link, or an engine derives it from its shapes."""
     return link.link.stated is not None or any(
         held.agrees is None and held.body is not None for held in link.held
     )

@@ -26,18 +26,18 @@ def one_scene(name: str) -> Scenario:
     Complaint
         If there is none or several, or its file is wrong.
     """
-    found = scenes_to_run([name], promises=False)
+    found = scenes_to_run([name], expectations=False)
     if len(found) != 1:
         raise Complaint(f"{printable(name)}: takes one scene, this is {len(found)}", BAD_INPUT)
     return found[0]
 
 
-def scenes_to_run(names: Sequence[str], *, promises: bool = True) -> list[Scenario]:
-    """All the scenes named (nothing named: the library), or none: a study is not begun in part.
+def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Scenario]:
+    """All the scenes named (nothing named: the library); raises if any of them is wrong.
 
     Parameters
     ----------
-    promises : whether those about an engine or method that there is not are complained of
+    expectations : whether to complain of those of an engine or method that does not exist
 
     Raises
     ------
@@ -46,7 +46,7 @@ def scenes_to_run(names: Sequence[str], *, promises: bool = True) -> list[Scenar
     """
     scenarios, wrong = load_each(_files(names))
     complain(wrong)
-    if promises:
+    if expectations:
         complain(unknown_expectations(scenarios))
     return scenarios
 
@@ -79,7 +79,7 @@ class Checked:
     lines : one for each file that is right
     wrong : what is wrong with others
     untrue : published values that the exact motion does not have
-    powerless : effects that a scene cannot tell from none
+    powerless : effects whose absence a scene cannot detect
     """
 
     lines: list[str] = field(default_factory=list)
@@ -102,8 +102,8 @@ def checked(files: Iterable[Path]) -> Checked:
             scenarios, complaints = [], [str(error)]
         found.wrong.extend(complaints)
         for scenario in scenarios:
-            if promised := unknown_expectations([scenario]):
-                found.wrong.extend(promised)
+            if unknown := unknown_expectations([scenario]):
+                found.wrong.extend(unknown)
                 continue
             found.lines.append(f"{printable(str(scenario.path))}: {scenario.title}")
             try:

@@ -59,7 +59,7 @@ class ScenarioFile(pytest.File):
     """One scene: an item for its reference, one for each engine and method."""
 
     def collect(self) -> Iterator[pytest.Item]:
-        """Yield the items; an engine as shipped is one only where the scene promises about it."""
+        """Yield the items; an engine as shipped has one only where `[[expect]]` names it."""
         from ...engines import engines
         from ...scenarios import ScenarioError, load
         from ..harness.expectations import unknown_expectations
@@ -71,23 +71,23 @@ class ScenarioFile(pytest.File):
         if wrong := unknown_expectations([self.scenario]):
             raise self.CollectError("\n".join(wrong))
         yield ReferenceItem.from_parent(self, name="reference")
-        promised = {(promise.engine, promise.method) for promise in self.scenario.expect}
+        expected = {(expect.engine, expect.method) for expect in self.scenario.expect}
         for engine in engines().values():
             if not _is_asked_for(self.config, engine.name):
                 continue
             for method in engine.methods:
-                if method.as_shipped and (engine.name, method.name) not in promised:
+                if method.as_shipped and (engine.name, method.name) not in expected:
                     continue
                 name = f"{engine.name}-{method.name}"
                 yield EngineItem.from_parent(self, name=name, engine=engine, method=method)
-        yield from self._not_tested({name for name, _ in promised})
+        yield from self._not_tested({name for name, _ in expected})
 
-    def _not_tested(self, promised: set[str]) -> Iterator[pytest.Item]:
+    def _not_tested(self, expected: set[str]) -> Iterator[pytest.Item]:
         """Yield an item for each engine that should be here and is not: it is skipped, not passed.
 
         Parameters
         ----------
-        promised : engines that the scene promises about, which are asked for though optional
+        expected : engines that the scene has expectations of, which are asked for though optional
         """
         from importlib.metadata import requires
 
@@ -96,22 +96,22 @@ class ScenarioFile(pytest.File):
         needed = [line for line in requires("spincheck") or [] if "extra ==" not in line]
         for absent in missing():
             required = any(line.lower().startswith(absent.name.lower()) for line in needed)
-            if (required or absent.name in promised) and _is_asked_for(self.config, absent.name):
+            if (required or absent.name in expected) and _is_asked_for(self.config, absent.name):
                 yield MissingEngineItem.from_parent(self, name=absent.name, reason=absent.reason)
 
     @cached_property
     def prepared(self) -> "Prepared":
-        """The scene's truth, solved once for all items."""
+        """The scene's exact motion, solved once for all items."""
         from ..harness.study import prepare
 
-        timesteps = sorted({promise.timestep for promise in self.scenario.expect})
+        timesteps = sorted({expect.timestep for expect in self.scenario.expect})
         found = prepare(self.scenario, timesteps, _max_steps(self.config))
         # How long a step may be is no test.
         return replace(found, ladder=replace(found.ladder, above=()))
 
 
 class SceneItem(pytest.Item):
-    """An item whose failure is told in words, never as a stack trace."""
+    """An item whose failure is one message, not a stack trace."""
 
     parent: ScenarioFile
 
@@ -131,7 +131,7 @@ class Disagreement(Exception):
 
 
 class ReferenceItem(SceneItem):
-    """Checks the truth: invariants, a second method, published values."""
+    """Checks the reference: invariants, a cross-check, published values."""
 
     def runtest(self) -> None:
         """Raise `Disagreement` with all complaints."""
@@ -152,7 +152,7 @@ class EngineItem(SceneItem):
         self.method = method
 
     def runtest(self) -> None:
-        """Raise `Disagreement` if the method disagrees; skip, and say why, if nothing is told."""
+        """Raise `Disagreement` if the method disagrees; skip, with the reason, if unresolved."""
         from ..harness.study import convergence_study_of, run_rungs
 
         scenario = self.parent.scenario

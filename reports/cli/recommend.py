@@ -155,7 +155,7 @@ def _check_bounds(bounds: Bounds) -> None:
 def _methods(engine_names: Sequence[str]) -> list[str]:
     """Names of the methods of the engines named (none named: all), but those as shipped.
 
-    Engines that are not there are for the run to complain of.
+    For engines that are not installed the run raises.
     """
     chosen = [e for name, e in engines().items() if name in engine_names or not engine_names]
     offered = [method.name for e in chosen for method in e.methods if not method.as_shipped]

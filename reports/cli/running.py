@@ -91,8 +91,8 @@ def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) 
         return key.scenario in scenes and (key.engine, key.method) in pairs
 
     def at_asked_timestep(row: Row) -> bool:
-        promised = {expected.timestep for expected in scenes[row.key.scenario].expect}
-        return not choice.timesteps or row.timestep in {UNSOLVED, *choice.timesteps, *promised}
+        expected = {expect.timestep for expect in scenes[row.key.scenario].expect}
+        return not choice.timesteps or row.timestep in {UNSOLVED, *choice.timesteps, *expected}
 
     return replace(
         results,
@@ -191,7 +191,7 @@ def limited(choice: Choice, time_limit: float | None) -> Choice:
     Raises
     ------
     Complaint
-        If nobody can wait so long, or so short.
+        If it is not positive, or longer than the system's clocks can wait.
     """
     if time_limit is not None and not 0 < time_limit <= MOST_TIME:
         raise Complaint(
@@ -234,7 +234,7 @@ def _at_version(name: str) -> Engine:
 
 
 def _child(command: str) -> Engine:
-    """The engine that a command is, under its own name from now on."""
+    """The engine that a command starts, under its own name from now on."""
     from ...engines.child import ProtocolError, child_engine
 
     try:

@@ -7,8 +7,8 @@ from ...engines.models.mjcf import mjcf
 from ...engines.models.urdf import urdf
 from ...scenarios import Scenario
 
-#: What an exported MJCF steps with until its user says otherwise: MuJoCo's most accurate
-#: integrator, and a turn a step that it resolves to a few digits.
+#: Default integrator of an exported MJCF, MuJoCo's most accurate, and the turn a step, rad, that it
+#: resolves to a few digits.
 EXPORTED_INTEGRATOR = "RK4"
 EXPORTED_TURN = 0.05
 #: s; MuJoCo's own default, for a scene that starts at rest.

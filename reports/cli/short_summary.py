@@ -13,11 +13,11 @@ from ..results.records import Pair, Row, Verdict, VerdictWord
 from ..results.store import Results
 
 WIDTH = 80
-#: Lines that one reason may take, and scenes whose best choice is told one by one.
+#: Lines that one reason may take, and scenes whose best choice is printed one by one.
 REASON_LINES, SCENES_TOLD = 3, 3
-#: Methods whose errors are told: engines as shipped, and the most accurate method of each engine.
+#: Methods whose errors are printed: engines as shipped, and each engine's most accurate method.
 METHODS_TOLD = 8
-#: degrees; above it they are told as whole numbers.
+#: degrees; above it they are printed as whole numbers.
 LEAST_WHOLE = 9.5
 #: Order in which verdicts are counted: what fails a run first.
 _WORDS: tuple[VerdictWord, ...] = (
@@ -35,7 +35,7 @@ def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str
 
     Parameters
     ----------
-    timesteps : s, those that were asked for: their errors are told instead of the stock ones'
+    timesteps : s, those that were asked for: their errors are printed instead of the stock ones'
     """
     report = report_data(results)
     lines = [*_counts(results.verdicts), *_first_failure(results.verdicts)]

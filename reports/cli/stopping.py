@@ -1,4 +1,4 @@
-"""What stops the program from outside: Ctrl-C, being told to end, a terminal that closes.
+"""What stops the program from outside: Ctrl-C, SIGTERM, a terminal that closes.
 
 The first such signal is an exception, wherever the program is; a second one ends it at once, since
 whatever it is doing then takes too long. So does the first one where Python does not hear of it,
@@ -33,7 +33,7 @@ class Stopped(BaseException):
 
 def raise_when_stopped() -> None:
     """From now on the signals raise `Stopped`, but those that were to be ignored, as by nohup."""
-    # Once it has closed, a terminal is none.
+    # Asked now: `isatty` is false of a terminal that has closed.
     terminals = [descriptor for descriptor in (STDOUT, STDERR) if os.isatty(descriptor)]
 
     heard = threading.Event()
@@ -82,7 +82,7 @@ def _leave(number: int, _: FrameType | None) -> None:
 
 
 def print_nowhere(*descriptors: int) -> None:
-    """Nobody reads these any more, and writing to them is an error."""
+    """Point streams at the null device: nobody reads them, and writing would raise."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for descriptor in descriptors:
         os.dup2(nowhere, descriptor)

@@ -121,7 +121,7 @@ def _signal_record(found: SignalVerdict) -> dict[str, Any]:
 
 def _sentence(verdict: Verdict) -> str:
     key = verdict.key
-    broken = "".join(f"\n  broken promise: {line}" for line in verdict.unmet)
+    unmet = "".join(f"\n  unmet expectation: {line}" for line in verdict.unmet)
     how = " (as shipped)" if verdict.as_shipped else ""
     where = f"{key.scenario}, {key.engine} {key.method}{how}"
-    return f"{where}: {verdict.verdict}: {verdict.reason}{broken}"
+    return f"{where}: {verdict.verdict}: {verdict.reason}{unmet}"

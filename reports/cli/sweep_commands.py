@@ -50,7 +50,7 @@ def map_scene(
     again: Again = False,
     as_json: AsJson = False,
 ) -> None:
-    """Vary two numbers of a scene, and compare every method with the truth at every point.
+    """Vary two numbers of a scene, and compare every method with the exact motion at every point.
 
     What the file holds already is not run again, unless by '--again'.
     """

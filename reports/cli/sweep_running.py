@@ -135,7 +135,7 @@ def choose_for_sweep(
     Raises
     ------
     Complaint
-        If there is no such engine or method, there are more timesteps, or nobody waits so long.
+        If there is no such engine or method, there are more timesteps, or the limit is too long.
     """
     if len(timesteps) > 1:
         raise Complaint(

@@ -15,7 +15,7 @@ AGREES, DISAGREES, BAD_INPUT, NOT_RUN = 0, 1, 2, 3
 
 
 class Complaint(Exception):
-    """Something the user must hear: one message, and the exit code that goes with it."""
+    """An error for the user: one message, and the exit code that goes with it."""
 
     def __init__(self, message: str, exit_code: int) -> None:
         super().__init__(message)
@@ -29,7 +29,7 @@ def say(text: str) -> None:
     try:
         print("\n".join(printable(line) for line in text.split("\n")), file=sys.stderr, flush=True)
     except OSError:
-        # A full disk or a closed pipe: nobody reads it, which is no reason to stop.
+        # A full disk or a closed pipe: a lost message is no reason to stop.
         print_nowhere(STDERR)
 
 

@@ -1,1 +1,1 @@
-"""A run, its comparison with the truth, and the verdict on a ladder of runs."""
+"""Runs, their comparison with the exact motion, and the verdict on a ladder of runs."""

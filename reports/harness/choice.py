@@ -56,7 +56,7 @@ class Choice:
         ]
 
     def methods_on(self, scenario: Scenario) -> dict[Key, EngineMethod]:
-        """The same, by what results on a scene are known by."""
+        """The keys of the results of every engine and method chosen, on one scene."""
         return {
             Key(scenario.name, engine.name, method.name): (engine, method)
             for engine, method in self.pairs()

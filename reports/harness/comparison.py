@@ -1,4 +1,4 @@
-"""One run beside the truth: the row it makes, and the scene's promises about it."""
+"""Compares one run with the exact motion and with the scene's expectations of it."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from ...scenarios import Expect, Scenario, Trajectory, energy, energy_base, erro
 from ..results.records import Key, Row
 from .executors import CallFailed
 from .ladder import Rung
-from .without_skill import lost
+from .without_skill import no_better_than_rest
 
 #: Energy beyond this many times its base is a blow-up, however finite.
 ABSURD_ENERGY = 10.0
@@ -24,7 +24,7 @@ def row_of(
     result: Run | CallFailed,
     solution: Solution,
 ) -> Row:
-    """Compare a run with the truth at its own sample times."""
+    """Compare a run with the exact motion at its own sample times."""
     if isinstance(result, CallFailed):
         return Row(key, version, rung.timestep, "failed", result.reason, result.cause)
     row = Row(
@@ -44,21 +44,21 @@ def row_of(
     truth = solution.trajectory.until(len(motion.t))
     absurd = _first_absurd(scenario, motion, truth)
     if absurd is not None:
-        # What the run itself has to say is said too: it may be why.
-        words = (f"the energy exceeds {ABSURD_ENERGY:g} times its base", row.reason)
-        reason = "; ".join(filter(None, words))
+        # The run's own reason is kept as well: it may be the cause.
+        reasons = (f"the energy exceeds {ABSURD_ENERGY:g} times its base", row.reason)
+        reason = "; ".join(filter(None, reasons))
         stopped_at = float(motion.t[absurd])
         row = replace(row, outcome="diverged", reason=reason, cause="energy", stopped_at=stopped_at)
-    elif row.outcome == "ok" and (said := lost(scenario, motion, truth)):
-        reason = "; ".join(filter(None, (row.reason, said)))
+    elif row.outcome == "ok" and (no_skill := no_better_than_rest(scenario, motion, truth)):
+        reason = "; ".join(filter(None, (row.reason, no_skill)))
         row = replace(row, cause=row.cause or "lost", reason=reason, lost=True)
-    # What did not come to its end has no errors: those up to there may be as small as you like.
+    # A run that stopped early has no errors: those up to there may be arbitrarily small.
     errors = errors_between(scenario, motion, truth) if row.outcome == "ok" else None
     return replace(row, errors=errors, drifts=drifts(scenario, motion), motion=motion)
 
 
 def unmet_expectations(expected: Expect, row: Row) -> list[str]:
-    """Which of a scene's promises about one run it did not keep, in words."""
+    """Which of a scene's expectations of one run are unmet, in words."""
     where = f"{row.key.engine} {row.key.method} at {row.timestep:g} s"
     if expected.outcome == "diverges":
         if row.outcome == "diverged":
@@ -75,7 +75,7 @@ def unmet_expectations(expected: Expect, row: Row) -> list[str]:
 
 
 def _first_absurd(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> int | None:
-    """Index of the first sample whose energy differs from the truth's by an absurd amount."""
+    """Index of the first sample whose energy is off by more than `ABSURD_ENERGY` times its base."""
     excess = np.abs(energy(scenario, motion) - energy(scenario, truth))
     beyond = np.flatnonzero(excess > ABSURD_ENERGY * energy_base(scenario, truth))
     return int(beyond[0]) if len(beyond) else None

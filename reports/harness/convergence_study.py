@@ -11,7 +11,7 @@ from ...scenarios import Expect, Scenario
 from ..results.records import SIGNAL_NAMES, Key, Row, Verdict
 from .comparison import row_of, unmet_expectations
 from .executors import Answer
-from .expected_failures import held_to_known
+from .expected_failures import compared_with_expected_failures
 from .ladder import COARSEST_TURN, MIN_RUNGS, Ladder, Rung
 from .ladder_judge import RUNGS_OF_A_LIMIT, LadderJudge
 from .stock import StockRun, stock_timesteps
@@ -28,7 +28,7 @@ class SingleRun:
 
 @dataclass(frozen=True, eq=False)
 class _Coming:
-    """The run to make now, the truth at its samples, and the rows that it joins."""
+    """The run to make now, the exact motion at its samples, and the rows that it joins."""
 
     rung: Rung
     solution: Solution
@@ -43,7 +43,7 @@ class ConvergenceStudy:
 
     Attributes
     ----------
-    solution : the truth at the ladder's sample times
+    solution : the exact motion at the ladder's sample times
     ladder : None where only single timesteps are asked for
     stock : timesteps that the engine is run at whatever the scene
     rows, single_rows, above_rows, stock_rows : the runs so far
@@ -155,46 +155,46 @@ class ConvergenceStudy:
         return [row.timestep for row in rows if row.timestep != shown and not row.stock]
 
     def verdict(self) -> Verdict:
-        """Judge the ladder, and hold the scene's file to what it says is known."""
-        return held_to_known(self.scenario.known, self._verdict())
+        """Judge the ladder, and compare with the expected failures of the scene's file."""
+        return compared_with_expected_failures(self.scenario.known, self._verdict())
 
     def _verdict(self) -> Verdict:
         last = self._last
-        known: dict[str, Any] = {
+        attributes: dict[str, Any] = {
             "unmet": tuple(self.unmet),
             "as_shipped": self.method.as_shipped,
         }
         if last is None and (lacking := self.engine.unsupported(self.scenario, self.method)):
-            return Verdict(self.key, "unsupported", lacking, **known)
+            return Verdict(self.key, "unsupported", lacking, **attributes)
         if last and last.outcome in ("failed", "diverged", "unsupported"):
             if last.outcome == "diverged" and (sound := self.judge.blown_up_below):
-                return Verdict(self.key, "disagrees", _grown_into(sound[-1], last), **known)
+                return Verdict(self.key, "disagrees", _grown_into(sound[-1], last), **attributes)
             word = "diverges" if last.outcome == "diverged" else last.outcome
-            return Verdict(self.key, word, _with_time(last), **known)
+            return Verdict(self.key, word, _with_time(last), **attributes)
         # Of an engine as shipped, what differs from the scene.
-        said = last.reason if last else ""
+        remark = last.reason if last else ""
         breaks_law = last is not None and last.cause == "law"
         if self.judge.signals:
-            return self._of_signals(said, breaks_law=breaks_law, **known)
-        reason = "; ".join(part for part in (self._no_verdict(), said) if part)
-        return Verdict(self.key, "disagrees" if breaks_law else "unresolved", reason, **known)
+            return self._of_signals(remark, breaks_law=breaks_law, **attributes)
+        reason = "; ".join(part for part in (self._no_verdict(), remark) if part)
+        return Verdict(self.key, "disagrees" if breaks_law else "unresolved", reason, **attributes)
 
-    def _of_signals(self, said: str, *, breaks_law: bool, **known: Any) -> Verdict:
-        """The worst of the judgements on each signal, unless the first steps tell already."""
+    def _of_signals(self, remark: str, *, breaks_law: bool, **attributes: Any) -> Verdict:
+        """The worst of the signals' judgements; `disagrees` if the equation residuals say so."""
         worst = self.judge.worst
-        found = worst.judgement
-        word, reason = found.word, f"{SIGNAL_NAMES[worst.sequence.signal]}: {found.reason}"
-        parts = [said, reason] if breaks_law and word != "disagrees" else [reason, said]
+        judgement = worst.judgement
+        word, reason = judgement.word, f"{SIGNAL_NAMES[worst.sequence.signal]}: {judgement.reason}"
+        parts = [remark, reason] if breaks_law and word != "disagrees" else [reason, remark]
         return Verdict(
             self.key,
             "disagrees" if breaks_law else word,
             "; ".join(part for part in parts if part),
             worst.sequence.signal,
-            found.order,
-            found.limit_error,
-            found.tolerance,
+            judgement.order,
+            judgement.limit_error,
+            judgement.tolerance,
             self.judge.records(),
-            **known,
+            **attributes,
         )
 
     def _coming(self) -> _Coming | None:
@@ -253,7 +253,7 @@ class ConvergenceStudy:
 
     @property
     def _last(self) -> Row | None:
-        """The run that tells of trouble, where there is any."""
+        """The run that the reason of a missing verdict is taken from, where there is any."""
         if self.rows or self.ladder is None:
             return (self.rows or self.single_rows)[-1]
         # Those above a ladder that does not fit are too coarse to say more than this.
@@ -261,7 +261,7 @@ class ConvergenceStudy:
 
     @property
     def _diverges_at_any_timestep(self) -> bool:
-        """Whether a halved timestep has put off the blow-up by nothing.
+        """Whether the blow-up comes at the same time after the timestep was halved.
 
         An unstable integrator grows by a factor a step that tends to 1 faster than the steps
         increase, so that halving puts its blow-up off; a clamp is reached at the same time.
@@ -289,10 +289,12 @@ class ConvergenceStudy:
         return f"only {finished} timesteps ran to the end; {RUNGS_OF_A_LIMIT} make a verdict"
 
     def _no_ladder(self, ladder: Ladder) -> str:
-        """Why there is none, and what one would take."""
+        """Why the scene has no ladder, and what one would take."""
         if not ladder.least_steps:
-            known = f"the motion is known to {MAX_UNCERTAINTY:g} up to {self.solution.horizon:g} s"
-            return f"{known} only, before the first sample"
+            return (
+                f"the motion is known to {MAX_UNCERTAINTY:g} up to {self.solution.horizon:g} s "
+                "only, before the first sample"
+            )
         return (
             f"at {COARSEST_TURN:g} rad a step a run takes {ladder.least_steps:.1e} steps, which is "
             f"above the limit; {RUNGS_OF_A_LIMIT} timesteps, which make a verdict, would take "
@@ -301,7 +303,7 @@ class ConvergenceStudy:
 
 
 def thinned(solution: Solution, every: int) -> Solution:
-    """The truth at every so many-th of its sample times."""
+    """The exact motion at every n-th of its sample times."""
     if every == 1:
         return solution
     return replace(solution, trajectory=solution.trajectory.every(every))

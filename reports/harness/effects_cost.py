@@ -30,16 +30,16 @@ def effects_costs(
     first: dict[tuple[str, ...], Method] = {}
     for method in _able(scenario, engine, methods):
         first.setdefault(engine.left_out(scenario, method), method)
-    found = (effects_cost(scenario, engine, method) for method in first.values())
-    return [one for one in found if one is not None]
+    costs = (effects_cost(scenario, engine, method) for method in first.values())
+    return [one for one in costs if one is not None]
 
 
 def first_pass_costs(
     scenario: Scenario, engine: Engine, methods: Sequence[Method]
 ) -> list[PassCosts]:
     """Time pass by pass what the first method leaves out that can simulate the scene."""
-    found = (pass_costs(scenario, engine, m) for m in _able(scenario, engine, methods)[:1])
-    return [one for one in found if one is not None]
+    costs = (pass_costs(scenario, engine, m) for m in _able(scenario, engine, methods)[:1])
+    return [one for one in costs if one is not None]
 
 
 def _able(scenario: Scenario, engine: Engine, methods: Sequence[Method]) -> list[Method]:

@@ -1,4 +1,4 @@
-"""Whether what scenes promise is about engines and methods that there are."""
+"""Checks that scenes' expectations name engines and methods that exist."""
 
 from collections.abc import Iterable, Iterator
 
@@ -8,7 +8,7 @@ from ...scenarios.locate import line_of
 
 
 def unknown_expectations(scenarios: Iterable[Scenario]) -> list[str]:
-    """Complaints about promises that nothing would ever be held to; none if all is well."""
+    """One complaint for each expectation of an engine or method that does not exist."""
     return [complaint for scenario in scenarios for complaint in _unknown(scenario)]
 
 
@@ -16,18 +16,18 @@ def _unknown(scenario: Scenario) -> Iterator[str]:
     methods = {name: [m.name for m in engine.methods] for name, engine in engines().items()}
     absent = [engine.name for engine in missing()]
     for table in ("expect", "known"):
-        for index, promise in enumerate(getattr(scenario, table)):
-            if promise.engine in methods and promise.method not in methods[promise.engine]:
-                yield _told(scenario, table, index, "method", methods[promise.engine])
-            elif promise.engine not in methods and promise.engine not in absent:
-                yield _told(scenario, table, index, "engine", [*methods, *absent])
+        for index, expected in enumerate(getattr(scenario, table)):
+            if expected.engine in methods and expected.method not in methods[expected.engine]:
+                yield _complaint(scenario, table, index, "method", methods[expected.engine])
+            elif expected.engine not in methods and expected.engine not in absent:
+                yield _complaint(scenario, table, index, "engine", [*methods, *absent])
 
 
-def _told(scenario: Scenario, table: str, index: int, key: str, there: Iterable[str]) -> str:
+def _complaint(scenario: Scenario, table: str, index: int, key: str, names: Iterable[str]) -> str:
     line = line_of(scenario.text, (table, index, key))
     where = printable(str(scenario.path or scenario.name))
     got = getattr(getattr(scenario, table)[index], key)
     return (
         f"{where}:{line}: [[{table}]] number {index + 1} {key}: "
-        f"must be one of {', '.join(there)}, got '{got}'"
+        f"must be one of {', '.join(names)}, got '{got}'"
     )

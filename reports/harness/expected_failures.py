@@ -1,4 +1,4 @@
-"""Faults of engines that a scene's file knows of: they are no surprise, and their end is told."""
+"""Expected failures (`[[known]]` of a scene's file): excused where they occur, unmet where not."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -7,18 +7,18 @@ from ...scenarios import Known
 from ..results.records import Verdict
 
 
-def held_to_known(known: Iterable[Known], verdict: Verdict) -> Verdict:
-    """The verdict with what is known of it; a promise broken where the method converges now.
+def compared_with_expected_failures(expected: Iterable[Known], verdict: Verdict) -> Verdict:
+    """Mark a verdict that is an expected failure; add an unmet expectation if it converges.
 
-    A ladder too short to tell says nothing about what is known.
+    An unresolved ladder neither confirms nor refutes an expected failure.
     """
     key = verdict.key
-    for fault in known:
+    for fault in expected:
         if (fault.engine, fault.method) != (key.engine, key.method):
             continue
         if verdict.verdict == fault.verdict:
             return replace(verdict, reason=f"{verdict.reason}; known: {fault.reason}", known=True)
         if verdict.verdict == "converges":
-            broken = f"{key.engine} {key.method} converges, known to disagree: {fault.reason}"
-            return replace(verdict, unmet=(*verdict.unmet, broken))
+            unmet = f"{key.engine} {key.method} converges, known to disagree: {fault.reason}"
+            return replace(verdict, unmet=(*verdict.unmet, unmet))
     return verdict

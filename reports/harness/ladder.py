@@ -74,7 +74,7 @@ class Ladder:
     least_steps: float
 
     def until(self, samples: int) -> "Ladder":
-        """The same with the first samples only, as far as the truth is known."""
+        """The same with the first samples only, as far as the exact motion is known."""
         if samples < 2:
             return Ladder((), (), self.times[:samples], least_steps=0.0)
         parts = (self.rungs, self.above)
@@ -94,7 +94,7 @@ def ladder(window: Window, fastest_rate: float, samples: int, max_steps: int = M
     Parameters
     ----------
     fastest_rate : the fastest rate, rad/s
-    samples : of the window, those whose truth is known
+    samples : of the window, those at which the exact motion is known
     max_steps : a ladder of `LEAST_RUNGS` or more ends before a run would take more, a shorter one
         before it would take `EXCESS` times as many
     """

@@ -25,7 +25,7 @@ RUNGS_OF_A_LIMIT = 3
 
 @dataclass(frozen=True, eq=False)
 class SignalJudgement:
-    """A ladder in one signal, and what is found of it."""
+    """A ladder in one signal, and its judgement."""
 
     sequence: SignalSequence
     judgement: Judgement
@@ -33,10 +33,10 @@ class SignalJudgement:
     @property
     def severity(self) -> tuple[int, float, float]:
         """What is worse; of two that are unresolved, what takes the smaller timestep to tell."""
-        found = self.judgement
-        rank = ("converges", "unresolved", "disagrees").index(found.word)
-        off = (found.limit_error or 0.0) / (found.tolerance or math.inf)
-        return rank, -(found.needed_timestep or math.inf) if rank == 1 else 0.0, off
+        judgement = self.judgement
+        rank = ("converges", "unresolved", "disagrees").index(judgement.word)
+        off = (judgement.limit_error or 0.0) / (judgement.tolerance or math.inf)
+        return rank, -(judgement.needed_timestep or math.inf) if rank == 1 else 0.0, off
 
 
 @dataclass(eq=False)
@@ -115,7 +115,7 @@ class LadderJudge:
     def is_out_of_reach(self, finest: float) -> bool:
         """Whether an error would be too large even at the finest timestep, s, by declared orders.
 
-        Of what is known of the ladder the error alone is asked: the limit's settles last.
+        Only the error of the runs is used: the extrapolated limit becomes reliable later than that.
         """
         return any(
             one.judgement.word == "unresolved"

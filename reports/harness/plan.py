@@ -50,12 +50,12 @@ class Plan:
         return sum(len(scene.to_run) + scene.to_time for scene in self.scenes)
 
     def __str__(self) -> str:
-        """What is used again, in words; empty where the file knew nothing of it."""
+        """How many stored results are used again, in words; empty where there are none."""
         verdicts = self.there + sum(len(scene.to_run) for scene in self.scenes)
-        said = [f"{self.there} of {verdicts} results are there already"] if self.there else []
+        counts = [f"{self.there} of {verdicts} results are there already"] if self.there else []
         if self.dropped:
-            said.append(f"{self.dropped} of another scene, engine or spincheck were dropped")
-        return "; ".join(said)
+            counts.append(f"{self.dropped} of another scene, engine or spincheck were dropped")
+        return "; ".join(counts)
 
 
 def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:

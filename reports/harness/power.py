@@ -1,4 +1,4 @@
-"""What a scene cannot tell: effects without which no signal would be another."""
+"""Finds effects that a scene cannot test: without them no signal would change."""
 
 from collections.abc import Iterator
 
@@ -44,5 +44,5 @@ def _without(scenario: Scenario, name: str) -> Scenario:
 
 
 def _is_nothing(moved: Errors, uncertainty: Errors) -> bool:
-    known = dict(uncertainty)
-    return all(change <= 2 * known[signal] for signal, change in moved)
+    bounds = dict(uncertainty)
+    return all(change <= 2 * bounds[signal] for signal, change in moved)

@@ -1,4 +1,4 @@
-"""Checks of the truth itself, scene by scene: a truth is not believed either."""
+"""Checks of the reference, scene by scene: invariants, a cross-check, published values."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,13 +19,13 @@ from ...scenarios import (
 )
 
 EPS = float(np.finfo(float).eps)
-#: A second method that may be this far off, relative or in rad, tells nothing, and errors of that
-#: size no longer grow in proportion, as conditioning assumes.
+#: A cross-check whose own error may be this large, relative or in rad, is inconclusive; errors of
+#: that size no longer grow in proportion, as conditioning assumes.
 TELLING = 1e-2
 
 
 def complaints(scenario: Scenario) -> Iterator[str]:
-    """What is wrong with a scene's reference, in words; nothing if it stands."""
+    """What is wrong with a scene's reference, one sentence each; none if it passes."""
     solution = solve(scenario, scenario.times)
     yield from drifting(scenario, solution)
     yield from _cross_check(scenario, solution)
@@ -41,7 +41,7 @@ def drifting(scenario: Scenario, solution: Solution) -> Iterator[str]:
 
 
 def _cross_check(scenario: Scenario, solution: Solution) -> Iterator[str]:
-    """Compare with DOP853, as far as it tells something: half of the span, while it does not."""
+    """Compare with DOP853; the span is halved as long as DOP853's own error is too large."""
     times = times_within_reach(scenario, solution.trajectory)
     while True:
         if len(times) < len(solution.trajectory.t) or times[-1] < solution.trajectory.t[-1]:
@@ -57,10 +57,10 @@ def _cross_check(scenario: Scenario, solution: Solution) -> Iterator[str]:
 
 
 def _bounds(solution: Solution, other: CrossCheck) -> dict[str, float]:
-    """How far the second method may be off: each step errs, and the motion grows that."""
+    """Bound on the cross-check's error: local errors of all steps, grown by the conditioning."""
     committed = other.steps * other.tolerance
-    known = dict(solution.uncertainty)
-    return {name: committed * ulp / EPS + known[name] for name, ulp in solution.conditioning}
+    uncertainty = dict(solution.uncertainty)
+    return {name: committed * ulp / EPS + uncertainty[name] for name, ulp in solution.conditioning}
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
 """How a ladder of halved timesteps approaches the exact motion, in every signal.
 
-Whatever takes the length of a motion is worked out once, when its rung comes; a judgement then
-costs a few numbers a rung.
+Whatever takes time in proportion to a motion's length is computed once, when its rung is added; a
+judgement then reads a few numbers a rung.
 """
 
 from dataclasses import dataclass
@@ -112,8 +112,8 @@ class RichardsonLadder:
         self.declared = np.array([orders.get(signal, lesser) for signal in SIGNALS], dtype=float)
         growth = np.array([value for _, value in ulp_growth(scenario, solution)]) / EPS
         self._roundoff_a_step = growth * ulp
-        known = np.array([value for _, value in solution.uncertainty])
-        self._uncertainty = known + growth * precision
+        uncertainty = np.array([value for _, value in solution.uncertainty])
+        self._uncertainty = uncertainty + growth * precision
         self._norm = ErrorNorm(scenario, truth)
         self._truth = truth
         self._rate = fastest_rate(scenario, truth.omega_body)
@@ -151,18 +151,18 @@ class RichardsonLadder:
         def column(rows: list[FloatArray]) -> FloatArray:
             return np.array([row[k] for row in rows])
 
-        found = self._refinements
+        refinements = self._refinements
         return SignalSequence(
             signal,
             np.array(self.timesteps),
             column(self._errors),
             column(self._roundoff_bounds),
             column(self._differences),
-            column([one.orders for one in found]),
-            column([one.limit_error for one in found]),
-            column([one.limit_change for one in found]),
-            column([one.excess for one in found]),
-            column([one.since for one in found]),
+            column([one.orders for one in refinements]),
+            column([one.limit_error for one in refinements]),
+            column([one.limit_change for one in refinements]),
+            column([one.excess for one in refinements]),
+            column([one.since for one in refinements]),
             int(self.declared[k]),
             float(self._uncertainty[k]),
             float(self._truth.t[-1]),
@@ -176,8 +176,8 @@ class RichardsonLadder:
         limit = norm.extrapolated(coarse, fine, orders)
         off = norm.distances(limit, norm.true_table)
         changes = norm.distances(limit, norm.extrapolated(coarsest, coarse, orders))
-        known = self._roundoff_bounds[-1] + self._uncertainty
-        allowed = CAUTIOUS * np.maximum.accumulate(changes) + known
+        noise_floor = self._roundoff_bounds[-1] + self._uncertainty
+        allowed = CAUTIOUS * np.maximum.accumulate(changes) + noise_floor
         ratios = np.maximum.accumulate(off) / allowed
         ratios = np.where(allowed <= ASYMPTOTIC, ratios, 0.0)[: self._samples_in_range()]
         worst = ratios.argmax(axis=0)

@@ -20,7 +20,7 @@ from .executors import CallFailed, Executor
 STRETCH = 0.002
 #: And as many times the clock's resolution, as that is measured.
 RESOLUTIONS = 100
-#: Timed stretches a method; the least is quoted, the rest tell the noise.
+#: Timed samples a method; the least is quoted, their spread is the noise.
 REPEATS = 9
 #: A stretch is aimed this much longer than it must be, so as not to fall just short of it.
 AIMED_BEYOND = 1.1
@@ -59,10 +59,10 @@ def measure(
     complaints = []
     for site in dict.fromkeys(engine.site for engine, _ in pairs):
         places = [k for k, (engine, _) in enumerate(pairs) if engine.site == site]
-        found = executor.call_at(site, step_costs, scenario, [pairs[k] for k in places]).value
+        measured = executor.call_at(site, step_costs, scenario, [pairs[k] for k in places]).value
         for k in places:
-            if not isinstance(found, CallFailed):
-                costs[k] = found[places.index(k)]
+            if not isinstance(measured, CallFailed):
+                costs[k] = measured[places.index(k)]
                 continue
             engine, method = pairs[k]
             alone = executor.call_at(site, step_costs, scenario, [pairs[k]]).value
@@ -119,7 +119,7 @@ class _Timed:
         self.attempt(self.open)
 
     def attempt(self, action: Callable[[], None]) -> None:
-        """Do something that the engine may refuse; what was timed then counts for nothing."""
+        """Call something that the engine may refuse; if it does, its times are discarded."""
         if self.gave_up:
             return
         try:
@@ -163,7 +163,7 @@ def _in_few_calls(steps: int) -> int:
 
 @cache
 def resolution() -> float:
-    """The least change of the CPU clock, s, as measured: systems do not all tell the truth."""
+    """The least change of the CPU clock, s, as measured: some systems report a wrong one."""
     changes: list[float] = []
     before = time.process_time()
     while len(changes) < CLOCK_TICKS:

@@ -1,4 +1,4 @@
-"""Runs at the timesteps people use: the one an engine's users get unasked, and one for all engines.
+"""Runs at stock timesteps: the engine's default, and one that is the same for all engines.
 
 They are made and stored besides a method's ladder, and take no part in its verdict.
 """

@@ -205,7 +205,7 @@ def convergence_study_of(
 
 
 def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
-    """One run, in a worker; if it is ok or lags, what is odd about its first steps besides."""
+    """One run, in a worker; if it is ok or lags, with the equation residuals of its first steps."""
     run = engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
     if not (run.outcome == "ok" or run.cause == "lag"):
         return run
@@ -233,7 +233,7 @@ class _Model:
 
 @lru_cache(maxsize=MODELS)
 def _equation_residuals(model: _Model) -> str:
-    """What is odd about its first steps, whatever the timestep: measured once a process."""
+    """The residuals of its first steps, independent of the timestep: measured once a process."""
     return model.engine.equation_residuals(model.scenario, model.engine.method(model.method))
 
 

@@ -23,8 +23,8 @@ def time_scene(
 ) -> None:
     """Time what a scene leaves out, then every method that can simulate it, in one call.
 
-    Methods are interleaved, and all timed even where one alone is missing: times taken apart are
-    not to be compared. They come last: a scene whose steps were timed is complete.
+    Methods are interleaved, and all timed even where one alone is missing: times taken apart cannot
+    be compared. Times are stored last: a scene whose steps were timed is complete.
     """
     scenario = scene.scenario
     _time_left_out(effects_costs, scenario, choice, store, executor)
@@ -54,6 +54,6 @@ def _time_left_out(
     for engine, method in choice.pairs():
         methods.setdefault(engine.name, (engine, []))[1].append(method)
     for engine, chosen in methods.values():
-        found = executor.call_at(engine.site, call, scenario, engine, chosen).value
-        for one in [] if isinstance(found, CallFailed) else found:
+        costs = executor.call_at(engine.site, call, scenario, engine, chosen).value
+        for one in [] if isinstance(costs, CallFailed) else costs:
             store.put_left_out(one)

@@ -1,4 +1,4 @@
-"""Judges a method on its ladder, signal by signal: whether it goes to the exact motion as dt → 0.
+"""Judges a method on its ladder, signal by signal: whether it converges to the exact motion.
 
 Verification as numerical analysts do it: the motion is extrapolated to dt → 0 with the order of
 accuracy (L. F. Richardson, Phil. Trans. R. Soc. A 210 (1911) 307), what the limit is known to is
@@ -26,10 +26,10 @@ from .observed_order import (
 )
 from .richardson import CAUTIOUS, SAFE, SignalSequence
 
-#: A limit known no better than this says nothing, relative or in rad.
+#: A limit whose tolerance is larger than this, relative or in rad, is inconclusive.
 SHARP = 1e-2
-#: A limit is another one if it is this many times further from the truth than its tolerance; up to
-#: there a finer rung has to tell.
+#: A limit is wrong if its distance from the exact motion is this many times its tolerance; between
+#: one and this many times a finer rung has to decide.
 DISTINCT = 4.0
 #: An order this far below the declared one, seen over clean rungs, is another order.
 SHORTFALL = 0.5
@@ -76,7 +76,7 @@ class Judgement:
 
 
 @dataclass(frozen=True, eq=False)
-class _Found:
+class _BestWindow:
     """The window of a sequence whose limit is known best.
 
     Attributes
@@ -84,18 +84,18 @@ class _Found:
     order : observed
     limit_error : of its Richardson limit
     extrapolation : grid convergence index of that limit
-    given : what rounding, reference and input may do besides
+    noise_floor : what rounding, reference and input may add to the error
     """
 
     sequence: SignalSequence
     order: float | None
     limit_error: float
     extrapolation: float
-    given: float
+    noise_floor: float
 
     @property
     def tolerance(self) -> float:
-        return self.extrapolation + self.given
+        return self.extrapolation + self.noise_floor
 
 
 def judge(sequence: SignalSequence) -> Judgement:
@@ -105,36 +105,36 @@ def judge(sequence: SignalSequence) -> Judgement:
         tolerance = float(rounding[-1] + sequence.uncertainty)
         reason = f"errors are at round-off throughout: {errors.max():.1e}, bound {tolerance:.1e}"
         return Judgement("converges", reason, None, float(errors[-1]), tolerance)
-    found = _best_window(sequence)
-    word, reason, needed = _weigh(found)
+    window = _best_window(sequence)
+    word, reason, needed = _weigh(window)
     return Judgement(
         word,
         reason,
-        found.order,
-        found.limit_error,
-        found.tolerance,
-        found.extrapolation,
+        window.order,
+        window.limit_error,
+        window.tolerance,
+        window.extrapolation,
         needed,
     )
 
 
-def _best_window(sequence: SignalSequence) -> _Found:
+def _best_window(sequence: SignalSequence) -> _BestWindow:
     """Where the tolerance is least."""
     extrapolation, is_clean = _convergence_indices(sequence)
     changes, rounding = sequence.limit_changes, sequence.roundoff_bounds[2:]
     # Rounding shows in the limit's change; where the rungs are clean it cannot be much more.
     rounding = np.where(is_clean, np.minimum(rounding, CAUTIOUS * changes), rounding)
-    given = rounding + sequence.uncertainty
-    best = int(np.argmin(extrapolation + given))
+    noise_floor = rounding + sequence.uncertainty
+    best = int(np.argmin(extrapolation + noise_floor))
     order = observed_order(
         sequence.timesteps, sequence.errors, sequence.roundoff_bounds, sequence.uncertainty
     )
-    return _Found(
+    return _BestWindow(
         sequence,
         order,
         float(sequence.limit_errors[best]),
         float(extrapolation[best]),
-        float(given[best]),
+        float(noise_floor[best]),
     )
 
 
@@ -154,7 +154,7 @@ def _convergence_indices(sequence: SignalSequence) -> tuple[FloatArray, NDArray[
     # The next term is of order p + 1, or of p + 2 where the method is symmetric.
     is_clean = (shrinking >= p + 1 - 2 * ORDER_SLACK) & (shrinking <= p + 2 + 2 * ORDER_SLACK)
     is_clean &= np.abs(seen - p) <= ORDER_SLACK
-    # A change that is small by accident is not believed.
+    # A change may be small by accident.
     held = np.maximum(changes, before / 2 ** (p + 1))
     clean_index = SAFE / (2 ** (p + 1 - 2 * ORDER_SLACK) - 1) * held
     stalls = np.maximum(after, np.where(changes > before / 2, before, 0.0)) > changes / 2
@@ -163,12 +163,12 @@ def _convergence_indices(sequence: SignalSequence) -> tuple[FloatArray, NDArray[
     return index, is_clean
 
 
-def _weigh(found: _Found) -> tuple[VerdictWord, str, float | None]:
-    """Verdict, reason and the timestep that would tell."""
-    sequence = found.sequence
+def _weigh(window: _BestWindow) -> tuple[VerdictWord, str, float | None]:
+    """Verdict, reason and the timestep that would resolve it, s."""
+    sequence = window.sequence
     limit = (
-        f"Richardson-extrapolated error {max(found.limit_error, sequence.uncertainty):.1e}, "
-        f"tolerance {found.tolerance:.1e}"
+        f"Richardson-extrapolated error {max(window.limit_error, sequence.uncertainty):.1e}, "
+        f"tolerance {window.tolerance:.1e}"
     )
     if elsewhere := _elsewhere(sequence):
         return "disagrees", f"settles on another motion, {elsewhere}: {limit}", None
@@ -176,13 +176,13 @@ def _weigh(found: _Found) -> tuple[VerdictWord, str, float | None]:
         return "disagrees", growing, None
     if short := _shortfall(sequence):
         return "disagrees", f"{short}; {limit}", None
-    if found.tolerance <= SHARP and found.limit_error <= found.tolerance:
-        return "converges", f"{_order_words(found)}; {limit}", None
-    return "unresolved", *_unresolved(found, limit)
+    if window.tolerance <= SHARP and window.limit_error <= window.tolerance:
+        return "converges", f"{_order_words(window)}; {limit}", None
+    return "unresolved", *_unresolved(window, limit)
 
 
 def _elsewhere(sequence: SignalSequence) -> str:
-    """Since when the limit is another one; empty unless the last two limits both are."""
+    """Since when the limit is wrong, in words; empty unless the last two limits both are."""
     if len(sequence.excess) < 2 or not (sequence.excess[-2:] > DISTINCT).all():
         return ""
     return f"from t = {sequence.since[-1]:.3g} s on"
@@ -191,9 +191,9 @@ def _elsewhere(sequence: SignalSequence) -> str:
 def _growing(sequence: SignalSequence) -> str:
     """Say so if errors grow towards the finest rungs, far above round-off."""
     errors = sequence.errors[-SHOWN_OVER:]
-    known = sequence.roundoff_bounds[-1] + sequence.uncertainty
+    noise_floor = sequence.roundoff_bounds[-1] + sequence.uncertainty
     grows = len(errors) == SHOWN_OVER and bool((errors[1:] >= GROWTH * errors[:-1]).all())
-    if not grows or errors[0] > ASYMPTOTIC or errors[0] <= DISTINCT * known:
+    if not grows or errors[0] > ASYMPTOTIC or errors[0] <= DISTINCT * noise_floor:
         return ""
     first, last = sequence.timesteps[-SHOWN_OVER], sequence.timesteps[-1]
     return (
@@ -205,8 +205,8 @@ def _growing(sequence: SignalSequence) -> str:
 def _shortfall(sequence: SignalSequence) -> str:
     """Say so if clean rungs show an order that is not the declared one but less."""
     errors = sequence.errors
-    known = sequence.roundoff_bounds + sequence.uncertainty
-    usable = (errors < ASYMPTOTIC) & (errors > ABOVE_UNCERTAINTY * known)
+    noise_floor = sequence.roundoff_bounds + sequence.uncertainty
+    usable = (errors < ASYMPTOTIC) & (errors > ABOVE_UNCERTAINTY * noise_floor)
     rungs = np.flatnonzero(usable)[-SHOWN_OVER:]
     if len(rungs) < SHOWN_OVER or rungs[-1] != len(errors) - 1:
         return ""
@@ -220,30 +220,30 @@ def _shortfall(sequence: SignalSequence) -> str:
     )
 
 
-def _order_words(found: _Found) -> str:
-    declared = found.sequence.declared_order
-    if found.order is not None:
-        above = " or better" if found.order > declared + ORDER_SLACK else ""
-        return f"order {found.order:.2f}, declared {declared}{above}"
-    if (found.sequence.errors >= ASYMPTOTIC).sum() > len(found.sequence) / 2:
+def _order_words(window: _BestWindow) -> str:
+    declared = window.sequence.declared_order
+    if window.order is not None:
+        above = " or better" if window.order > declared + ORDER_SLACK else ""
+        return f"order {window.order:.2f}, declared {declared}{above}"
+    if (window.sequence.errors >= ASYMPTOTIC).sum() > len(window.sequence) / 2:
         return (
-            f"errors of {found.sequence.errors.min():.1e} and more are too large to show an order"
+            f"errors of {window.sequence.errors.min():.1e} and more are too large to show an order"
         )
     return "too few errors above round-off to show an order"
 
 
-def _unresolved(found: _Found, limit: str) -> tuple[str, float | None]:
-    """Why, and the timestep that would tell, s, if there is one."""
-    sequence = found.sequence
+def _unresolved(window: _BestWindow, limit: str) -> tuple[str, float | None]:
+    """Why it is unresolved, and the timestep that would resolve it, s, if there is one."""
+    sequence = window.sequence
     bounds = sequence.roundoff_bounds
     finest, errors = float(sequence.timesteps[-1]), sequence.errors
     least = int(np.argmin(errors))
-    needed = _needed_timestep(found)
+    needed = _needed_timestep(window)
     rounding = float(bounds[-1]) * finest / needed
-    if rounding + sequence.uncertainty <= SHARP and found.extrapolation > found.given:
+    if rounding + sequence.uncertainty <= SHARP and window.extrapolation > window.noise_floor:
         steps = sequence.duration / needed
         return (
-            f"not in the asymptotic range: {_order_words(found)}; {limit}; "
+            f"not in the asymptotic range: {_order_words(window)}; {limit}; "
             f"a timestep of {needed:.1e} s would tell, {steps:.1e} steps",
             needed,
         )
@@ -258,11 +258,11 @@ def _unresolved(found: _Found, limit: str) -> tuple[str, float | None]:
     )
 
 
-def _needed_timestep(found: _Found) -> float:
+def _needed_timestep(window: _BestWindow) -> float:
     """The timestep at which errors are asymptotic and the limit is sharp, by the declared order."""
-    sequence, order = found.sequence, float(found.sequence.declared_order)
+    sequence, order = window.sequence, float(window.sequence.declared_order)
     by_error = (ASYMPTOTIC / max(float(sequence.errors[-1]), ASYMPTOTIC)) ** (1 / order)
-    by_limit = (SHARP / max(found.extrapolation, SHARP)) ** (1 / (order + 1))
+    by_limit = (SHARP / max(window.extrapolation, SHARP)) ** (1 / (order + 1))
     # Three rungs are read, so the finest must lie below the point where the range begins.
     finest = float(sequence.timesteps[-1])
     by_ladder = finest * min(by_error, by_limit) / 2 ** (FITTED_RUNGS - 1)

@@ -19,7 +19,7 @@ SCENES = ("tennis-racket", "fast-top", "book-with-drag")
 EPS = float(np.finfo(float).eps)
 #: Roundings a step that two compilations of the same formulas may differ by.
 ROUNDINGS = 16
-#: An error or a time is another where it changed by this factor: the noise of times is less.
+#: An error or a time has changed if it did by this factor: the noise of times is less.
 NOTABLE = 1.2
 #: Rounds in which versions are timed in turn.
 ROUNDS = 5
@@ -97,9 +97,9 @@ def _times(
     for _ in range(ROUNDS):
         for engine, seconds in zip(engines, times, strict=True):
             pairs = [(engine, method)]
-            found = executor.call_at(engine.site, step_costs, scenario, pairs).value
-            if not isinstance(found, CallFailed) and found[0] is not None:
-                seconds.append(found[0].seconds_per_step)
+            costs = executor.call_at(engine.site, step_costs, scenario, pairs).value
+            if not isinstance(costs, CallFailed) and costs[0] is not None:
+                seconds.append(costs[0].seconds_per_step)
     return times
 
 
@@ -121,10 +121,10 @@ def _change(
     outcomes = tuple("failed" if isinstance(run, CallFailed) else run.outcome for run in runs)
     equal, errors = _motions(exact, runs)
     is_less = {name: pair for name, pair in errors.items() if pair[1] > pair[0]}
-    # What the older could not do either is nothing to be worse at.
+    # What the older version could not do either is no regression.
     got_worse = outcomes[0] == "ok" != outcomes[1]
     ratio = float(np.median(ratios)) if ratios else None
-    # In every round: one alone may be the machine's.
+    # In every round: a single slow one may be the machine's.
     is_slower = bool(ratios) and min(ratios) > NOTABLE
     is_faster = bool(ratios) and max(ratios) < 1 / NOTABLE
     parts = []
@@ -182,12 +182,12 @@ def _motions(
 def _notable(
     older: Errors, newer: Errors, uncertainty: dict[str, float], round_off: float
 ) -> dict[str, tuple[float, float]]:
-    """The errors that changed by more than `NOTABLE` and rise above what can be told."""
-    found = {}
+    """The errors that changed by more than `NOTABLE` and exceed what the reference can resolve."""
+    notable = {}
     for name, old in vars(older).items():
         new = vars(newer)[name]
         floor = max(uncertainty.get(name, 0.0), round_off)
         high, low = max(old, new), max(min(old, new), floor)
         if high > NOTABLE * low:
-            found[name] = (old, new)
-    return found
+            notable[name] = (old, new)
+    return notable

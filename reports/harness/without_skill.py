@@ -1,21 +1,18 @@
-"""Runs that come to their end, finite and calm, and have nothing to do with the scene's motion.
+"""Finds runs that end finite and calm, but are no better than no motion (cause `lost`).
 
-Energy and norms tell nothing of them: an implicit rule at too large a step, a clamp, a joint motor,
-a model with another body in it go on for ever. The truth tells. How far off is too far is no matter
-of taste if a third motion is put beside run and truth, the one that never begins: a body that does
-not turn, or stays where it was. A run is lost where it is no nearer to the truth than one of the
-two is to rest: where rest would have been the better guess (a forecast is called without skill by
-the same comparison: A. H. Murphy, Mon. Wea. Rev. 116 (1988) 2417), or the run is more like rest
-than like the truth.
+Bounds on energy and norms do not find them: with an implicit rule at too large a step, a clamp, a
+joint motor or another body in the model, a run stays bounded. They are found by comparison with
+rest, a body that does not turn or stays where it was, as a forecast without skill is by comparison
+with a trivial one (A. H. Murphy, Mon. Wea. Rev. 116 (1988) 2417). A run is `lost` where its
+distance from the exact motion is at least the distance of either of the two from rest.
 
-Distances are root mean squares over the second half of the window, sizes over all of it: errors
-grow, so what is lost is lost in the end, while a single sample of a motion that flips a little
-early is off by twice its size. L, which only a torque can change, does not flip: it is lost where
-it is off by more than its size once, as the table of errors has it.
+Distances are root mean squares over the second half of the window, since errors grow and a single
+sample of a motion that flips a little early is off by twice its size; sizes are root mean squares
+over all of the window. L, which only a torque can change, does not flip: there the largest error
+of any sample counts, against the largest |L|.
 
-Such a run is *ok*, and lost: no step blew up, and there is no time at which it stopped. A ladder
-takes it for what it is, an error that is not small yet; who asks whether it survived is told no
-(`Row.survived`).
+The outcome of such a run is `ok`, with no time at which it stopped, and on a ladder its error
+counts like any other. `Row.survived` is false.
 """
 
 from collections.abc import Iterator
@@ -25,18 +22,18 @@ import numpy as np
 from ...scenarios import FloatArray, Scenario, Trajectory, angular_momentum_world
 
 
-def lost(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> str:
-    """Say in what a run is lost, by how much and since when; empty if it is not.
+def no_better_than_rest(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> str:
+    """In which signals a run is no better than no motion, by how much, since when; else empty.
 
     Parameters
     ----------
-    truth : at the run's own sample times
+    truth : the exact motion at the run's own sample times
     """
-    said = list(_said(scenario, motion, truth))
-    return f"lost: {'; '.join(said)}" if said else ""
+    signals = list(_signals(scenario, motion, truth))
+    return f"lost: {'; '.join(signals)}" if signals else ""
 
 
-def _said(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> Iterator[str]:
+def _signals(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> Iterator[str]:
     yield from _of_path("ω", motion.omega_body, truth.omega_body, truth.t)
     L_true = _norms(angular_momentum_world(scenario, truth))
     off = _norms(angular_momentum_world(scenario, motion) - angular_momentum_world(scenario, truth))
@@ -49,9 +46,9 @@ def _said(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> Iterator
 
 
 def _of_path(name: str, run: FloatArray, truth: FloatArray, times: FloatArray) -> Iterator[str]:
-    """What there is to say of vectors that are zero at rest, (n, 3) each."""
+    """Whether a signal that is zero at rest is no better than rest; vectors are (n, 3)."""
     if not truth.any():
-        # Anything is off by more than the size of nothing, round-off too.
+        # Relative to an exact zero, round-off alone would be infinite.
         return
     size = min(_rms(run), _rms(truth))
     error = run - truth

@@ -1,4 +1,4 @@
-"""A checksum for each record of a result file: a number that was changed by accident is told.
+"""A checksum for each record of a result file, which detects accidental changes.
 
 It is no signature: whoever means to forge a record computes its checksum anew.
 """

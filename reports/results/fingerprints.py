@@ -1,4 +1,4 @@
-"""What results rest on, as digests: results are made anew when it has changed, and only then."""
+"""Digests of what results depend on: results are made anew when one of them has changed."""
 
 import inspect
 from collections.abc import Sequence

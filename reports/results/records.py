@@ -7,7 +7,7 @@ from ...engines import Cause, Outcome
 from ...scenarios import Errors, Trajectory
 
 Signal = Literal["omega", "attitude", "angular_momentum", "energy", "com", "velocity"]
-#: As readers know them.
+#: The signals' names in reports and messages.
 SIGNAL_NAMES: dict[Signal, str] = {
     "omega": "ω",
     "attitude": "attitude",
@@ -41,7 +41,7 @@ class Row:
     ----------
     reason : why, where the outcome is not ok; of an engine as shipped, what differs from the scene
     cause : the same in a word
-    lost : whether a run that is ok is no nearer to the truth than no motion would be (`lost.lost`)
+    lost : whether a run that is ok is no better than no motion (`harness/without_skill.py`)
     stopped_at : s, when it diverged or failed
     errors : at the run's sample times; None unless it is ok
     drifts : largest change of each conserved quantity, relative, by name
@@ -85,7 +85,7 @@ class Row:
 
     @property
     def survived(self) -> bool:
-        """Whether the run came to its end with something of the truth left in it."""
+        """Whether the run came to its end and is better than no motion."""
         return self.outcome == "ok" and not self.lost
 
 
@@ -119,8 +119,8 @@ class Verdict:
     order, limit_error, tolerance : of that signal, as `SignalVerdict` has them
     signals : all of them; none where no ladder was judged
     unmet : expectations in the scene's file that this method did not meet, in words
-    as_shipped : of the engine with all its defaults: nobody promised that it simulates the scene
-    known : it is what the scene's file says is known of this method
+    as_shipped : of the engine with all its defaults, which need not simulate the scene
+    known : whether it is an expected failure of the scene's file
     """
 
     key: Key

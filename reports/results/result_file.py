@@ -1,4 +1,4 @@
-"""A result file as a file: begun, opened, refused, locked against a second writer.
+"""Creates, opens, checks and locks a result file.
 
 Written ahead (WAL), so that a report can be made while a study runs and a process killed at any
 instruction leaves a whole file. `synchronous` is NORMAL: no commit waits for the disk, which a
@@ -137,7 +137,7 @@ def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
             yield OpenFile(connection, check, log_missing=False)
             check()
         except sqlite3.DatabaseError:
-            # SQLite has words of its own for a file that is gone.
+            # SQLite's own message does not say that the file is gone.
             check()
             raise
         finally:

@@ -70,7 +70,7 @@ _ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
 
 @dataclass(frozen=True, eq=False)
 class SceneResult:
-    """A scene as it was simulated, and its truth at the sample times."""
+    """A scene as it was simulated, and its exact motion at the sample times."""
 
     scenario: Scenario
     solution: Solution
@@ -160,7 +160,7 @@ class Store:
                     connection.execute(f"DELETE FROM {table} WHERE {_ONE_METHOD}", _names(key))
 
     def put_scene(self, scenario: Scenario, solution: Solution) -> None:
-        """Record a scene and its truth."""
+        """Record a scene and its exact motion."""
         with self._database.transaction() as connection:
             put(connection, "scenes", table_records.of_scene(scenario, solution))
             # Such a row says that the scene could not be solved, which was an accident then.

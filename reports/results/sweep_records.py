@@ -13,7 +13,7 @@ from ...scenarios.vary import TIMESTEP as TIMESTEP
 from ...scenarios.vary import Axis as Axis
 from .records import Key
 
-#: A month on one core; a larger ensemble tells no more.
+#: A month on one core.
 MAX_MEMBERS = 1_000_000
 #: As many bits as numpy asks of a seed (`numpy.random.SeedSequence`).
 MAX_SEED = (1 << 128) - 1

@@ -39,7 +39,7 @@ CREATE TABLE points (
     errors TEXT, uncertainty REAL NOT NULL, steps INTEGER NOT NULL, checksum TEXT NOT NULL,
     PRIMARY KEY (scenario, place, engine, method));
 """
-#: Engine and method of the point of a place that has no scene.
+#: Engine and method of the result at a point whose numbers make no scene.
 NO_SCENE = ("", "")
 _PLAIN = (
     "timestep",
@@ -83,7 +83,7 @@ class SweepTables:
             put(connection, "sweeps", record)
 
     def put_points(self, place: SweepPoint, points: Iterable[PointResult]) -> None:
-        """Record points of one place."""
+        """Record the results at one point."""
         with self._database.transaction() as connection:
             for point in points:
                 put(connection, "points", _record(place, point))
@@ -94,7 +94,7 @@ class SweepTables:
             yield StoredPoint(*(record[name] for name in _STORED))
 
     def points(self, asked: Map | Ensemble) -> tuple[PointResult, ...]:
-        """The points there are, in the order of the places."""
+        """The results there are, in the order of the sweep's points."""
         return _placed(asked, self._database.select("points", "scenario = ?", (asked.scenario,)))
 
     def read(self) -> tuple[list[MapResult], list[EnsembleResult]]:
@@ -114,7 +114,7 @@ class SweepTables:
 
 
 def _placed(asked: Map | Ensemble, records: Iterable[sqlite3.Row]) -> tuple[PointResult, ...]:
-    """The points of a sweep among those of its scene, in the order of its places.
+    """The results of a sweep among those of its scene, in the order of its points.
 
     It goes through what is there, not through all that was asked for: little may have been run.
     """
@@ -140,7 +140,7 @@ def _record(place: SweepPoint, point: PointResult) -> dict[str, Any]:
 
 @told
 def _place(asked: Map | Ensemble, record: sqlite3.Row) -> SweepPoint | None:
-    """Where in a sweep a point lies; None if it is another sweep's."""
+    """The index of a point in a sweep; None if it is another sweep's."""
     return place_in(asked, from_json(record["place"], dict))
 
 
@@ -162,7 +162,7 @@ def _scene(record: sqlite3.Row) -> Scenario:
 
 @told
 def _asked(record: sqlite3.Row) -> Map | Ensemble:
-    """What a sweep asks for; only what a user can ask for."""
+    """The stored definition of a sweep, checked to be one that a user can ask for."""
     asked = from_json(record["asked"], dict)
     if record["kind"] == Ensemble.__name__:
         return _ensemble(asked, scene_name(record))

@@ -45,7 +45,7 @@ _PLAIN_VERDICT = ("verdict", "reason", "signal", "order", "limit_error", "tolera
 
 
 def of_scene(scenario: Scenario, solution: Solution) -> dict[str, Any]:
-    """A scene and its truth, for the table `scenes`."""
+    """A scene and its exact motion, for the table `scenes`."""
     return {
         "scenario": scenario.name,
         "digest": scenario.digest,
@@ -118,7 +118,7 @@ def told(read: Callable[..., T]) -> Callable[..., T]:
     def reading(*arguments: Any) -> T:
         try:
             return read(*arguments)
-        # Damaged JSON, archives, arrays and scenes raise what their parsers please.
+        # Damaged JSON, archives, arrays and scenes raise whatever their parsers do.
         except Exception as error:
             words = printable(str(error), SHOWN)
             raise ResultFileError(f"a record cannot be read: {words}") from error

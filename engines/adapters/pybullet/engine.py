@@ -135,8 +135,8 @@ class PyBullet(Engine):
         self, scenario: Scenario, method: Method, timestep: float, defaults: Collection[str]
     ) -> Session:
         """Loaded like the method, with some of its defaults."""
-        holding = replace(REPRESENTATIONS[method.name], defaults=frozenset(defaults))
-        return PyBulletSession(scenario, holding, timestep)
+        representation = replace(REPRESENTATIONS[method.name], defaults=frozenset(defaults))
+        return PyBulletSession(scenario, representation, timestep)
 
 
 @cache

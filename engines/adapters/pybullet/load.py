@@ -59,15 +59,15 @@ class BodyRepresentation:
         return bool(self.defaults)
 
 
-def left_out(scenario: Scenario, holding: BodyRepresentation) -> tuple[str, ...]:
+def left_out(scenario: Scenario, representation: BodyRepresentation) -> tuple[str, ...]:
     """What a body could have besides and move alike."""
-    if holding.as_shipped:
+    if representation.as_shipped:
         return ()
-    return (SHAPE, MOTOR) if holding.hung and scenario.has_pivot else (SHAPE,)
+    return (SHAPE, MOTOR) if representation.hung and scenario.has_pivot else (SHAPE,)
 
 
 def load(
-    client: int, scenario: Scenario, holding: BodyRepresentation, left_in: Collection[str]
+    client: int, scenario: Scenario, representation: BodyRepresentation, left_in: Collection[str]
 ) -> Model:
     """Put the scene's body into an empty world, at its start, held as the scene says.
 
@@ -82,38 +82,38 @@ def load(
     EngineError
         If PyBullet cannot load the body.
     """
-    hung = holding.hung and scenario.has_pivot
+    hung = representation.hung and scenario.has_pivot
     world_from_body = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
     arm_world = world_from_body.apply(np.array(scenario.body.com))
-    if not holding.as_shipped:
-        _check_not_lost(scenario, holding)
+    if not representation.as_shipped:
+        _check_not_lost(scenario, representation)
     radius = _gyration_radius(scenario) if SHAPE in left_in else 0.0
     text = urdf(
         scenario if hung else set_free(scenario),
         shape_radius=radius,
-        has_box=holding.as_shipped,
+        has_box=representation.as_shipped,
     )
     if hung:
-        body = _load_urdf(client, text, holding, np.zeros(3), Rotation.identity())
+        body = _load_urdf(client, text, representation, np.zeros(3), Rotation.identity())
         model = _model_of_link(client, body, HUNG)
     else:
         position = np.zeros(3) if scenario.has_pivot else scenario.start.position_world - arm_world
-        body = _load_urdf(client, text, holding, position, world_from_body)
-        if holding.maximal:
+        body = _load_urdf(client, text, representation, position, world_from_body)
+        if representation.maximal:
             model = _model_of_rigid_body(client, body, position, world_from_body)
         else:
             model = _model_of_link(client, body, BASE)
-    if DAMPING not in holding.defaults:
+    if DAMPING not in representation.defaults:
         take_away_damping(model)
-    if CLAMP not in holding.defaults:
+    if CLAMP not in representation.defaults:
         take_away_clamp(model)
-    if hung and JOINT_MOTOR not in holding.defaults:
+    if hung and JOINT_MOTOR not in representation.defaults:
         # Taken away first, it would not come back.
         idle_motor(model) if MOTOR in left_in else take_away_motor(model)
     if hung:
         model.set_joint_attitude(world_from_body)
     elif scenario.has_pivot:
-        _tie_to_world(model, holding)
+        _tie_to_world(model, representation)
     omega_world = world_from_body.apply(np.array(scenario.start.omega_body))
     at_pivot = np.cross(omega_world, arm_world)
     model.set_velocity(
@@ -123,7 +123,11 @@ def load(
 
 
 def _load_urdf(
-    client: int, text: str, holding: BodyRepresentation, position: FloatArray, attitude: Rotation
+    client: int,
+    text: str,
+    representation: BodyRepresentation,
+    position: FloatArray,
+    attitude: Rotation,
 ) -> int:
     """Load a model with its frame's origin at `position` (3,) m; PyBullet's number for it.
 
@@ -140,8 +144,8 @@ def _load_urdf(
                     str(file),
                     position,
                     attitude.as_quat(),
-                    useMaximalCoordinates=holding.maximal,
-                    flags=0 if INERTIA in holding.defaults else p.URDF_USE_INERTIA_FROM_FILE,
+                    useMaximalCoordinates=representation.maximal,
+                    flags=0 if INERTIA in representation.defaults else p.URDF_USE_INERTIA_FROM_FILE,
                     physicsClientId=client,
                 )
             )
@@ -190,16 +194,16 @@ def _gyration_radius(scenario: Scenario) -> float:
     return float(np.sqrt(scenario.body.principal_moments[-1] / scenario.body.mass))
 
 
-def _check_not_lost(scenario: Scenario, holding: BodyRepresentation) -> None:
+def _check_not_lost(scenario: Scenario, representation: BodyRepresentation) -> None:
     """Raise where Bullet would leave terms out: it compares with a constant, whatever the unit."""
     mass, moments = scenario.body.mass, scenario.body.principal_moments
-    if holding.maximal and np.prod(moments) <= TAKEN_FOR_ZERO:
+    if representation.maximal and np.prod(moments) <= TAKEN_FOR_ZERO:
         raise UnsupportedError(
             "in maximal coordinates PyBullet drops the gyroscopic term unless the product of the "
             f"principal moments exceeds {TAKEN_FOR_ZERO:.2g} (kg m²)³, got {np.prod(moments):.2g}; "
             "scale the scene up, or use another method"
         )
-    on_a_joint = holding.hung and scenario.has_pivot
+    on_a_joint = representation.hung and scenario.has_pivot
     if not on_a_joint and min(mass, *moments) <= TAKEN_FOR_ZERO:
         raise UnsupportedError(
             f"PyBullet takes a mass or moment for zero unless it exceeds {TAKEN_FOR_ZERO:.2g} "
@@ -207,7 +211,7 @@ def _check_not_lost(scenario: Scenario, holding: BodyRepresentation) -> None:
         )
 
 
-def _tie_to_world(model: Model, holding: BodyRepresentation) -> None:
+def _tie_to_world(model: Model, representation: BodyRepresentation) -> None:
     """A point-to-point constraint from the body's origin to the world's, solved directly.
 
     The default solver's 50 iterations leave so much of a slender body's constraint unsolved that
@@ -217,7 +221,7 @@ def _tie_to_world(model: Model, holding: BodyRepresentation) -> None:
         constraintSolverType=p.CONSTRAINT_SOLVER_LCP_DANTZIG, physicsClientId=model.client
     )
     anchor = BASE
-    if holding.maximal:
+    if representation.maximal:
         # Of two rigid bodies only: a massless, shapeless one stands for the world.
         anchor = p.createMultiBody(
             baseMass=0, useMaximalCoordinates=True, physicsClientId=model.client

@@ -56,9 +56,9 @@ def state():
 """
 
 
-def script(scenario: Scenario, holding: BodyRepresentation, timestep: float) -> str:  # noqa: ARG001
+def script(scenario: Scenario, representation: BodyRepresentation, timestep: float) -> str:  # noqa: ARG001
     """The world of a method; its timestep is the script's `TIMESTEP`."""
-    hung = holding.hung and scenario.has_pivot
+    hung = representation.hung and scenario.has_pivot
     world_from_body = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
     frame = principal_frame(scenario.body).q_body_axes_wxyz
     position, attitude = np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0])
@@ -67,7 +67,7 @@ def script(scenario: Scenario, holding: BodyRepresentation, timestep: float) -> 
         if not scenario.has_pivot:
             arm_world = world_from_body.apply(np.array(scenario.body.com))
             position = scenario.start.position_world - arm_world
-    text = urdf(scenario if hung else set_free(scenario), has_box=holding.as_shipped)
+    text = urdf(scenario if hung else set_free(scenario), has_box=representation.as_shipped)
     start = _START.format(
         lines=python_lines(text),
         link=0 if hung else -1,
@@ -75,27 +75,27 @@ def script(scenario: Scenario, holding: BodyRepresentation, timestep: float) -> 
         gravity=", ".join(repr(float(g)) for g in scenario.gravity_world),
         position=_row(position),
         attitude=_row(attitude),
-        maximal=holding.maximal,
-        flags=0 if INERTIA in holding.defaults else "p.URDF_USE_INERTIA_FROM_FILE",
+        maximal=representation.maximal,
+        flags=0 if INERTIA in representation.defaults else "p.URDF_USE_INERTIA_FROM_FILE",
     )
     principal = Rotation.from_quat(frame, scalar_first=True)
-    settings = "".join(f"{line}\n" for line in _settings(scenario, holding, principal, hung))
+    settings = "".join(f"{line}\n" for line in _settings(scenario, representation, principal, hung))
     pushes = "".join(f"        {line}\n" for line in _pushes(scenario, principal, hung))
     return start + settings + _STEPS.format(pushes=pushes)
 
 
 def _settings(
-    scenario: Scenario, holding: BodyRepresentation, principal: Rotation, hung: bool
+    scenario: Scenario, representation: BodyRepresentation, principal: Rotation, hung: bool
 ) -> Iterator[str]:
     """What is taken away, what holds the body, and its start."""
     world_from_body = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
     omega_body = np.array(scenario.start.omega_body)
-    if DAMPING not in holding.defaults:
+    if DAMPING not in representation.defaults:
         yield "p.changeDynamics(body, -1, linearDamping=0, angularDamping=0)"
-    if CLAMP not in holding.defaults:
+    if CLAMP not in representation.defaults:
         yield "p.changeDynamics(body, -1, maxJointVelocity=1e100)"
     if hung:
-        if JOINT_MOTOR not in holding.defaults:
+        if JOINT_MOTOR not in representation.defaults:
             yield (
                 "p.setJointMotorControlMultiDof(body, 0, p.POSITION_CONTROL, "
                 "targetPosition=[0, 0, 0, 1], positionGain=0, velocityGain=0, force=[0, 0, 0])"
@@ -110,7 +110,7 @@ def _settings(
     if scenario.has_pivot:
         yield "p.setPhysicsEngineParameter(constraintSolverType=p.CONSTRAINT_SOLVER_LCP_DANTZIG)"
         anchor = "-1"
-        if holding.maximal:
+        if representation.maximal:
             yield "anchor = p.createMultiBody(baseMass=0, useMaximalCoordinates=True)"
             anchor = "anchor"
         pivot = _row(principal.inv().apply(-np.array(scenario.body.com)))

@@ -44,13 +44,13 @@ class PyBulletSession(Session):
     def __init__(
         self,
         scenario: Scenario,
-        holding: BodyRepresentation,
+        representation: BodyRepresentation,
         timestep: float,
         left_in: Collection[str] = (),
     ) -> None:
         self._scenario = scenario
-        self.client, self.model = _open(scenario, holding, left_in)
-        self._clamp = DEFAULT_CLAMP if CLAMP in holding.defaults else UNREACHED_VELOCITY
+        self.client, self.model = _open(scenario, representation, left_in)
+        self._clamp = DEFAULT_CLAMP if CLAMP in representation.defaults else UNREACHED_VELOCITY
         self._torques, self.at_once = _torques(self.model, scenario)
         self.set_timestep(timestep)
 
@@ -180,14 +180,14 @@ class PyBulletSession(Session):
 
 
 def _open(
-    scenario: Scenario, holding: BodyRepresentation, left_in: Collection[str]
+    scenario: Scenario, representation: BodyRepresentation, left_in: Collection[str]
 ) -> tuple[int, Model]:
     """A world with the scene's body and gravity in it."""
     client = -1
     try:
         with native_output() as printed:
             client = take_world()
-            model = load(client, scenario, holding, left_in)
+            model = load(client, scenario, representation, left_in)
             p.setGravity(*scenario.gravity_world, physicsClientId=client)
         if WARNING in printed.text:
             raise EngineError("PyBullet warns")

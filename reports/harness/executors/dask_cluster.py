@@ -113,15 +113,15 @@ class DaskCluster(Executor):
         self._here.close()
 
     def _check_alike(self) -> None:
-        """See that the workers that are there run this very program."""
+        """Check that the cluster's workers run this very program."""
         try:
-            found = self._client.run(program_and_numpy)
+            versions = self._client.run(program_and_numpy)
         except Exception as error:
             self._client.close()
             raise ClusterError(
                 f"a worker of {self._address} cannot run spincheck: {error}"
             ) from None
-        for worker, theirs in found.items():
+        for worker, theirs in versions.items():
             if theirs != program_and_numpy():
                 self._client.close()
                 raise ClusterError(
@@ -178,7 +178,7 @@ async def _greet(address: str) -> None:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """What goes wrong is told as an error, not logged besides."""
+    """Silence Dask's log: what goes wrong is raised as an error."""
     logger = logging.getLogger("distributed")
     before = logger.level
     logger.setLevel(logging.CRITICAL + 1)

@@ -74,9 +74,9 @@ class Executor(ABC):
     def call_at(
         self, site: str, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
     ) -> Answer[T]:
-        """As `call`, where modules are found in the folder `site` first, if it is not empty.
+        """As `call`, in a process that imports modules from the folder `site` first, if not empty.
 
-        That is for an engine at another version; most executors have no place for it.
+        Used for an engine at another version; most executors support no `site`.
         """
         if site:
             return Answer(

@@ -1,4 +1,4 @@
-"""What a worker process runs: calls come in, answers go out, until nobody is there to ask.
+"""What a worker process runs: it takes calls and sends answers until its parent is gone.
 
 Started by `worker_process` as a program by itself. It imports nothing but the standard library, so
 that it is there at once; what a call needs is imported with the call.
@@ -101,7 +101,7 @@ def _answer(request: bytes) -> bytes:
 
 
 def cause_of(error: BaseException) -> "Cause":
-    """Why a call failed that raised."""
+    """The cause, one word, of a call that raised."""
     passing = isinstance(error, OSError) and error.errno in PASSING
     return "environment" if passing else "bug"
 

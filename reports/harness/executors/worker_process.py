@@ -147,14 +147,14 @@ class WorkerProcess:
         return code
 
     def _kill_group(self) -> None:
-        """With what it has started: an engine that is a child, and hangs."""
+        """Kill the whole process group: the worker may have started an engine as a child."""
         self._process.kill()
         if sys.platform != "win32":
             with suppress(ProcessLookupError, PermissionError):
                 os.killpg(self._process.pid, signal.SIGKILL)
 
     def _take_answers(self) -> None:
-        """A thread: take answers until the process is gone, which is told as None."""
+        """A thread: put answers into the queue until the process is gone, then None."""
         stream = _raw(self._process.stdout)
         try:
             while True:

@@ -1,4 +1,4 @@
-"""One worker process at a time, replaced whenever it dies; what its death tells of the call."""
+"""One worker process at a time, replaced whenever it dies; its death becomes the call's failure."""
 
 import pickle
 import re
@@ -19,7 +19,7 @@ TIME_LIMIT = 120.0
 ATTEMPTS = 2
 #: Characters of a worker's last line that go into the reason of its death.
 LAST_LINE = 200
-#: s between two looks at the CPU time of a call.
+#: s between two readings of the CPU time of a call.
 POLL = 0.5
 #: A call that has used less than this share of the wall time, once that exceeds the limit, hangs.
 IDLE = 0.01

@@ -1,4 +1,4 @@
-"""What differs, in words: by its size and its cause."""
+"""How an engine's body differs from the file's, in words: size and cause."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from ....scenarios.model_files.problems import principal_moments
 from .difference import moments_alike
 from .records import AGREES, Difference
 
-#: Ratios this close to 1 are told as a share.
+#: Ratios this close to 1 are printed as a percentage.
 NEAR_ONE = 0.1
 
 
@@ -23,7 +23,7 @@ def held_of_nothing(body: BodyReading) -> str:
 def cause(
     stated: Stated,
     body: BodyReading,
-    found: Difference,
+    apart: Difference,
     problems: tuple[Problem, ...],
     made_up: str,
 ) -> str:
@@ -34,21 +34,21 @@ def cause(
     problems : what the file has wrong of the link
     made_up : where the engine takes tensors from instead of the file; empty if it does not
     """
-    said = []
-    if found.mass > AGREES:
-        said.append(f"{body.mass:.6g} kg, not {stated.mass:.6g} kg")
-    if found.com > AGREES:
+    causes = []
+    if apart.mass > AGREES:
+        causes.append(f"{body.mass:.6g} kg, not {stated.mass:.6g} kg")
+    if apart.com > AGREES:
         distance = float(np.linalg.norm(body.com - stated.com))
-        said.append(f"com {1000 * distance:.3g} mm off")
-    if found.inertia > AGREES:
-        said.append(_of_tensor(stated, body.inertia_com, found, problems, made_up))
-    return "; ".join(said)
+        causes.append(f"com {1000 * distance:.3g} mm off")
+    if apart.inertia > AGREES:
+        causes.append(_of_tensor(stated, body.inertia_com, apart, problems, made_up))
+    return "; ".join(causes)
 
 
 def _of_tensor(
     stated: Stated,
     held: FloatArray,
-    found: Difference,
+    apart: Difference,
     problems: tuple[Problem, ...],
     made_up: str,
 ) -> str:
@@ -58,14 +58,14 @@ def _of_tensor(
     if not stated.inertia.any():
         return f"{_moments(held)} kg m²: the file states a tensor of zero"
     if made_up:
-        return f"{made_up}: {_size(stated.inertia, held, found)}"
+        return f"{made_up}: {_size(stated.inertia, held, apart)}"
     if moments_alike(stated.inertia, held):
         lost = _close(held, stated.unturned)
         why = ": the rotation of its inertial frame is lost" if lost else ""
-        return f"moments kept, axes turned by {found.axes_deg:.3g}°{why}"
+        return f"moments kept, axes turned by {apart.axes_deg:.3g}°{why}"
     if _close(held, np.diag(np.diag(stated.inertia))):
-        return f"products of inertia dropped: {_size(stated.inertia, held, found)}"
-    return _size(stated.inertia, held, found)
+        return f"products of inertia dropped: {_size(stated.inertia, held, apart)}"
+    return _size(stated.inertia, held, apart)
 
 
 def _reason(problem: Problem) -> str:
@@ -74,12 +74,12 @@ def _reason(problem: Problem) -> str:
     return f"{rule}, {text}" if colon else text
 
 
-def _size(stated: FloatArray, held: FloatArray, found: Difference) -> str:
+def _size(stated: FloatArray, held: FloatArray, apart: Difference) -> str:
     total = float(np.trace(stated))
     ratio = float(np.trace(held)) / total if total > 0 else 0.0
     if ratio <= 0 or abs(ratio - 1) < NEAR_ONE:
-        turned = f", axes turned by {found.axes_deg:.3g}°" if found.axes_deg > 1 else ""
-        return f"tensor off by {found.inertia:.3g} of the file's{turned}"
+        turned = f", axes turned by {apart.axes_deg:.3g}°" if apart.axes_deg > 1 else ""
+        return f"tensor off by {apart.inertia:.3g} of the file's{turned}"
     if ratio > 1:
         return f"tensor {ratio:.3g} times the file's"
     return f"tensor 1/{1 / ratio:.3g} of the file's"

@@ -42,7 +42,7 @@ def angle_between_axes(one: FloatArray, other: FloatArray) -> float:
     if free == {0, 1}:
         return 0.0
     if free:
-        # One axis is told from the other two.
+        # Only one axis is determined; the other two may turn about it.
         lone = 2 if free == {0} else 0
         cosine = abs(axes[:, lone] @ other_axes[:, lone])
         sine = np.linalg.norm(np.cross(axes[:, lone], other_axes[:, lone]))

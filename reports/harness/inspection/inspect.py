@@ -68,15 +68,15 @@ def inspect_model(
 
 
 def _readers(model: ModelFile, engines: Sequence[str]) -> list[tuple[ModelReader, Configuration]]:
-    known = model_readers()
-    if unknown := sorted(set(engines) - set(known)):
+    readers = model_readers()
+    if unknown := sorted(set(engines) - set(readers)):
         raise CannotInspectError(
-            f"no engine '{unknown[0]}' reads model files; there are {', '.join(known) or 'none'}"
+            f"no engine '{unknown[0]}' reads model files; there are {', '.join(readers) or 'none'}"
         )
     able = [
         reader
-        for name, reader in known.items()
-        if name in (engines or known) and model.format in reader.formats
+        for name, reader in readers.items()
+        if name in (engines or readers) and model.format in reader.formats
     ]
     if not able:
         raise CannotInspectError(
@@ -108,8 +108,8 @@ def _compared(
         if body is None:
             host = hosts[link.name]
             where = f"'{host}'" if host else "the world: it cannot move"
-            said = "" if link.name == WORLD else f"fused with {where}"
-            yield link, Held(*who, None, None, said)
+            reason = "" if link.name == WORLD else f"fused with {where}"
+            yield link, Held(*who, None, None, reason)
             continue
         parts = welded(model.links, link.name, gone)
         yield link, _held(model, parts, body, who, configuration, faults)
@@ -131,17 +131,17 @@ def _held(
             return Held(*who, body, None, "" if empty else "taken from its shapes, as MJCF has it")
         return Held(*who, body, empty, "" if empty else held_of_nothing(body), others)
     whole = fused(stated) if others else stated[0][0]
-    found = difference(whole, body)
-    agrees = found.worst <= AGREES
+    apart = difference(whole, body)
+    agrees = apart.worst <= AGREES
     wrong = tuple(problem for link, _ in parts for problem in faults[link.name])
     return Held(
         *who,
         body,
         agrees,
-        "" if agrees else cause(whole, body, found, wrong, configuration.made_up),
+        "" if agrees else cause(whole, body, apart, wrong, configuration.made_up),
         others,
         whole,
-        found,
+        apart,
         attitude_apart_deg(whole.inertia, body.inertia_com),
     )
 
@@ -149,10 +149,10 @@ def _held(
 def _hosts(model: ModelFile, gone: frozenset[str]) -> dict[str, str]:
     """The link that each link that is gone is fused with; empty for the world."""
     parents = {link.name: link.parent for link in model.links}
-    found = {}
+    hosts = {}
     for name in gone:
         host = parents[name]
         while host in gone:
             host = parents[host]
-        found[name] = host
-    return found
+        hosts[name] = host
+    return hosts

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from spincheck.engines import engines
-from spincheck.reports.harness.expected_failures import held_to_known
+from spincheck.reports.harness.expected_failures import compared_with_expected_failures
 from spincheck.reports.harness.ladder import MAX_STEPS
 from spincheck.reports.harness.study import convergence_study_of, prepare
 from spincheck.reports.results.records import Key, Verdict
@@ -16,7 +16,7 @@ FAULT = Known(engine="engine", method="method", verdict="disagrees", reason="it 
 
 
 def held(word: str, key: Key = KEY) -> Verdict:
-    return held_to_known([FAULT], Verdict(key, word, "as found"))
+    return compared_with_expected_failures([FAULT], Verdict(key, word, "as found"))
 
 
 def test_a_known_disagreement_passes_and_says_why():

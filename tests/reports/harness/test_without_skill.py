@@ -9,7 +9,7 @@ from spincheck.engines import engines
 from spincheck.reference import solve
 from spincheck.reports.harness.comparison import row_of
 from spincheck.reports.harness.ladder import single
-from spincheck.reports.harness.without_skill import lost
+from spincheck.reports.harness.without_skill import no_better_than_rest
 from spincheck.reports.results.records import Key
 from spincheck.scenarios import Trajectory, find, load, loads
 
@@ -69,20 +69,24 @@ def earlier(truth: Trajectory, samples: int) -> Trajectory:
 
 @pytest.mark.parametrize("scenario", [HEAVY, FREE, THROWN], ids=lambda scenario: scenario.name)
 def test_the_truth_is_not_lost(scenario):
-    assert lost(scenario, truth_of(scenario), truth_of(scenario)) == ""
+    assert no_better_than_rest(scenario, truth_of(scenario), truth_of(scenario)) == ""
 
 
 @pytest.mark.parametrize("scenario", [HEAVY, FREE, THROWN], ids=lambda scenario: scenario.name)
 def test_a_body_that_never_moves_is_lost(scenario):
     truth = truth_of(scenario)
-    assert lost(scenario, still(truth), truth).startswith("lost: ω is off by 1 times its size")
+    assert no_better_than_rest(scenario, still(truth), truth).startswith(
+        "lost: ω is off by 1 times its size"
+    )
 
 
 #: rad; L turned by more than 60° is further off than its size.
 @pytest.mark.parametrize(("angle", "is_lost"), [(0.9 * np.pi / 3, False), (1.1 * np.pi / 3, True)])
 def test_a_motion_whose_L_points_elsewhere_is_lost(angle, is_lost):
     truth = truth_of(FREE)
-    assert ("L is off by" in lost(FREE, turned_aside(truth, angle), truth)) == is_lost
+    assert (
+        "L is off by" in no_better_than_rest(FREE, turned_aside(truth, angle), truth)
+    ) == is_lost
 
 
 def test_a_single_flip_out_of_time_is_not_lost():
@@ -90,21 +94,21 @@ def test_a_single_flip_out_of_time_is_not_lost():
     late = earlier(truth, 20)
     apart = np.linalg.norm(late.omega_body - truth.omega_body, axis=1)
     assert apart[len(apart) // 2 :].max() > np.linalg.norm(truth.omega_body, axis=1).max()
-    assert "ω" not in lost(FREE, late, truth)
+    assert "ω" not in no_better_than_rest(FREE, late, truth)
 
 
 def test_a_body_thrown_another_way_is_lost():
     truth = truth_of(THROWN)
     start = truth.com_world[0]
     elsewhere = replace(truth, com_world=start - (truth.com_world - start))
-    assert "com is off by" in lost(THROWN, elsewhere, truth)
+    assert "com is off by" in no_better_than_rest(THROWN, elsewhere, truth)
 
 
 def test_what_does_not_turn_in_truth_is_not_lost_by_rounding():
     still_scene = loads(TOP.replace("40.0]", "0.0]").replace("30.0", "0.0"), "upright")
     truth = truth_of(still_scene)
     rounded = replace(truth, omega_body=truth.omega_body + np.finfo(float).eps)
-    assert lost(still_scene, rounded, truth) == ""
+    assert no_better_than_rest(still_scene, rounded, truth) == ""
 
 
 def row(method: str, timestep: float):
