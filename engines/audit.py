@@ -1,4 +1,4 @@
-"""What acted on the body in a run, compared with what the scene calls for, after the last step."""
+"""Compares what acted on the body in a run with what the scene calls for, after the last step."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from .session import Session
 
 @dataclass(frozen=True)
 class Audit:
-    """What acted, and what there is to say about it.
+    """What acted, and how that differs from the scene.
 
     Attributes
     ----------

@@ -39,8 +39,8 @@ class Method:
     effects : names out of `scenarios.EFFECTS` that it can simulate
     requires : effects without which it makes no sense, such as a pivot for a pivot constraint
     max_rotation_per_step : rad; beyond it the engine silently clamps, so it is not run
-    as_shipped : the engine's defaults, whatever they do to the scene: what differs is told, and
-        is no reason to fail
+    as_shipped : the engine with all its defaults: how it differs from the scene is reported as a
+        remark, and does not fail a run
     """
 
     name: str
@@ -69,14 +69,14 @@ class Release:
 
 
 class Engine(ABC):
-    """A physics engine. Subclasses fill `open`; what a run is stands here, once.
+    """A physics engine. Subclasses implement `open`; the run is implemented here, once.
 
     Attributes
     ----------
     name : as users type it
     methods : what it can simulate with
     single_precision : whether it holds its state in 24 bits
-    stock_timestep : s, what its users get who say nothing; None where they have to say
+    stock_timestep : s, the default timestep; None where users have to set one
     package : of an optional engine, the package that it needs, imported when a scene is opened
     """
 
@@ -175,7 +175,8 @@ class Engine(ABC):
     def equation_residuals(self, scenario: Scenario, method: Method) -> str:
         """What the engine's first steps do otherwise than the scene's equations; empty if nothing.
 
-        Of an engine as shipped nothing is asked, and one that cannot even begin is none.
+        Empty also for an engine as shipped, which need not obey them, and where the engine raises
+        an `EngineError` before these steps are done.
         """
         if method.as_shipped or self.unsupported(scenario, method):
             return ""

@@ -1,4 +1,4 @@
-"""Which one change of a scene would explain what an engine's first steps gain beyond it.
+"""Finds the one change of a scene that explains the equation residuals of an engine's first steps.
 
 To first order a change of the model by θ adds B θ to what the states gain, B known from the scene.
 θ is fitted to the gains from several starts at once, by least squares; a change explains them if
@@ -22,7 +22,7 @@ LINEAR, LINEAR_AT_MOST = 1e-2, 0.2
 WHOLE = 1e-2
 #: A number that makes less difference than this, relative to the others, makes none.
 RANK = 1e-6
-#: Two changes that leave so much less or more unexplained are told apart.
+#: Two changes are distinguished if what they leave unexplained differs by this factor.
 ALIKE = 4.0
 
 

@@ -1,4 +1,4 @@
-"""What can go wrong with a run, one word each, and where in a run it did."""
+"""The causes of what can go wrong with a run, one word each, and where in a run it did."""
 
 from dataclasses import dataclass
 from typing import Literal

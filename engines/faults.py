@@ -1,4 +1,4 @@
-"""What can be seen to be bad in the states of a run, whatever the engine and the scene."""
+"""Checks on the states of a run that hold for any engine and scene."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields

@@ -1,4 +1,4 @@
-"""Whether an engine's first steps obey the scene's equations of motion: its model, felt.
+"""Checks that an engine's first steps obey the scene's equations of motion.
 
 A model can read back right and move like another: moments used in another order, gravity with its
 sign turned, a damping nobody asked for, no gyroscopic torque, a clock that runs at another rate. At
@@ -61,7 +61,7 @@ class _Felt:
 
 
 def equation_residuals(open_at: Open, scenario: Scenario, epsilon: float) -> list[str]:
-    """In words, what an engine's first steps gain that the scene does not give.
+    """In words, what an engine's first steps gain beyond the scene's equations of motion.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What native code prints, caught at the file descriptors: `sys.stdout` never sees it."""
+"""Captures what native code prints, at the file descriptors: it bypasses `sys.stdout`."""
 
 import ctypes
 import os

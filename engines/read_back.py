@@ -1,4 +1,4 @@
-"""What an engine says it holds, compared with what the scene says, before the first step."""
+"""Compares body and start as read back from an engine with the scene's, before the first step."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Rotations of many vectors at once, by quaternions that may be NaN: scipy's refuse those."""
+"""Rotations of many vectors at once, by quaternions that may be NaN, which scipy refuses."""
 
 import numpy as np
 

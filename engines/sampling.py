@@ -1,4 +1,4 @@
-"""The loop that every run goes through: step, read, and look at what was read."""
+"""The loop of every run: step, read, and check the states that were read."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

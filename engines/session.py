@@ -90,7 +90,7 @@ class Session(ABC):
     def first_fault(self, snapshots: Sequence[Any], states: State) -> Fault | None:  # noqa: ARG002
         """The first snapshot that is not a step's outcome; None if all are.
 
-        For what `check` would have said there, as far as `snapshot` has left it to be told later.
+        Reports what `check` would have raised there, for the part that `snapshot` does not check.
         """
         return None
 

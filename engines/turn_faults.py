@@ -1,4 +1,4 @@
-"""Whether the attitude turns as the ω that is read beside it says, one step at a time.
+"""Checks that the attitude turns at the rate of the ω that is read with it, one step at a time.
 
 Both are read before and after single steps. However coarse a step is, an honest one turns the body
 at a rate between the ω before and the ω after it, give or take as much again: explicit and implicit
@@ -20,7 +20,7 @@ from .fault import Cause, Fault
 from .read_back import State
 from .rotation import norms, rotation_vectors
 
-#: rad. A turn is told from one the other way round up to π, and this far off it to be sure.
+#: rad. The direction of a turn is known below π; this margin keeps clear of it.
 FURTHEST = 3.0
 #: Of the x³ by which the coarsest rule for a turn by x about a fixed axis falls short.
 ATAN = 1 / 12

@@ -1,4 +1,4 @@
-"""The truth: exact solutions and high-precision integration of a top's motion."""
+"""The reference: exact solutions and high-precision integration of a top's motion."""
 
 from .facts import facts
 from .invariants import drifts, invariants

@@ -2,7 +2,7 @@
 
 Euler's equations with the full tensor in body axes, in double precision, by DOP853 (Hairer,
 Nørsett & Wanner, Solving Ordinary Differential Equations I, §II.10): no principal axes, no
-extended precision, no series. It is far less accurate than the truth and says how far it is off.
+extended precision, no series. It is far less accurate than the reference, and bounds its own error.
 """
 
 from collections.abc import Callable

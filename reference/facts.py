@@ -1,4 +1,4 @@
-"""What a physicist asks of a scene besides its trajectory: the numbers that tell its kind.
+"""Derived numbers of a scene that classify its motion.
 
 All are of the exact motion; those that a drag or a torque changes are of t = 0 and say so.
 """

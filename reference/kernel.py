@@ -1,7 +1,7 @@
 """Compile a function with numba and keep its machine code on disk.
 
 Numba sees that a cached function is stale by its own file only, not by the files of the functions
-that it calls. A truth must not come from last week's arithmetic, so the cache here lies in a
+that it calls. A reference must not be computed by outdated machine code, so the cache here is in a
 folder named after all sources of kernels: change one of them and all are compiled again.
 """
 

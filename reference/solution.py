@@ -7,7 +7,7 @@ from ..scenarios import Errors, Trajectory
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """The truth about a scene at given times.
+    """The exact motion of a scene at given times, with its uncertainty.
 
     Attributes
     ----------
@@ -28,5 +28,5 @@ class Solution:
     horizon: float | None = None
 
 
-#: A truth less certain than this, relative or in rad, is no longer one.
+#: A motion whose uncertainty is larger than this, relative or in rad, is not used as a reference.
 MAX_UNCERTAINTY = 1e-9

@@ -38,7 +38,7 @@ class Orders(NamedTuple):
     double_double: int
 
 
-#: The truth, and what it is compared with: the cheaper series bounds its error from above,
+#: The solution, and what it is compared with: the cheaper series bounds its error from above,
 #: the dearer one measures it.
 TRUTH_ORDERS = Orders(28, 10)
 CHECK_ORDERS = Orders(22, 6)

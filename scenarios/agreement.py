@@ -1,4 +1,4 @@
-"""How far one motion is from another in each signal, relative to a base of the truth."""
+"""Distances between two motions in each signal, relative to a base of the exact one."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
@@ -66,18 +66,18 @@ _QUATERNION = slice(_FIRST_COLUMNS[_ATTITUDE], _FIRST_COLUMNS[_ATTITUDE] + 4)
 
 @dataclass(frozen=True, eq=False)
 class ErrorNorm:
-    """The norm of errors against one truth: motions as tables of signals, and their distances."""
+    """The norm of errors against an exact motion: motions as tables of signals, their distances."""
 
     scenario: Scenario
     truth: Trajectory
 
     def table(self, motion: Trajectory) -> FloatArray:
-        """All signals of a motion side by side, SI, (n, 17); quaternions of the truth's sign."""
+        """All signals of a motion, SI, (n, 17); quaternions with the sign of the exact ones."""
         return _table(self.scenario, motion, self.truth)
 
     @cached_property
     def true_table(self) -> FloatArray:
-        """The truth's own."""
+        """The table of the exact motion, SI, (n, 17)."""
         return self.table(self.truth)
 
     def distances(self, table: FloatArray, other: FloatArray) -> FloatArray:

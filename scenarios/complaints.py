@@ -11,7 +11,7 @@ from .document import Document
 from .errors import Misfit, printable
 from .locate import Keys, line_of
 
-#: Of a file with more wrong than this no more is told.
+#: Complaints that are reported of one file, at most.
 MAX_COMPLAINTS = 20
 #: Characters of a key, a value or a parser's message that are shown.
 MAX_SHOWN = 100

@@ -177,7 +177,7 @@ class Effects(Table):
 
 
 class Window(Table):
-    """The span that is simulated, and how often it is looked at."""
+    """The span that is simulated, and how often it is sampled."""
 
     duration: Positive = Field(description="s")
     samples: Annotated[int, Field(strict=True, ge=2, le=MAX_SAMPLES)] = Field(
@@ -245,7 +245,7 @@ _BOUNDS = ("omega", "attitude", "angular_momentum", "energy")
 
 
 class Expect(Table):
-    """What the scene promises of one engine, method and timestep."""
+    """What the scene expects of one engine, method and timestep."""
 
     engine: Text = Field(description="as `spincheck engines` names it")
     method: Text = Field(description="likewise")
@@ -268,12 +268,12 @@ class Expect(Table):
 
 
 class Known(Table):
-    """A fault that is known of an engine's method on this scene; its end is told too."""
+    """An expected failure of an engine's method on this scene; reported if it is gone."""
 
     engine: Text = Field(description="as `spincheck engines` names it")
     method: Text = Field(description="likewise")
     verdict: Literal["disagrees"] = Field(description="it settles on another motion")
-    reason: Text = Field(description="what is known of it, and where that is told")
+    reason: Text = Field(description="the cause, and where it is documented")
 
 
 class Document(Table):
@@ -309,10 +309,10 @@ class Document(Table):
                     f"must lie in the window, got {value.t:g} s of {duration:g} s",
                     *("published", index, "t"),
                 )
-        for index, promise in enumerate(self.expect):
-            if promise.timestep > duration:
+        for index, expected in enumerate(self.expect):
+            if expected.timestep > duration:
                 raise Misfit(
-                    f"must not exceed the window, got {promise.timestep:g} s of {duration:g} s",
+                    f"must not exceed the window, got {expected.timestep:g} s of {duration:g} s",
                     *("expect", index, "timestep"),
                 )
         return self

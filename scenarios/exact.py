@@ -1,7 +1,7 @@
 """A scene's numbers in extended precision: each decimal's double is read exactly, then converted.
 
 The reference solves these values; engines are given their rounding to double. Nothing is
-rounded twice, so what separates a run from the truth is the engine.
+rounded twice, so what separates a run from the exact motion is the engine.
 """
 
 from collections.abc import Sequence

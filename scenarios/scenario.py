@@ -94,7 +94,7 @@ class Scenario:
 
     @property
     def expect(self) -> tuple[Expect, ...]:
-        """Bounds promised of engines."""
+        """Bounds on errors, or outcomes, expected of engines."""
         return self.document.expect
 
     @property

@@ -27,7 +27,7 @@ DEFAULT_COUNT = 20
 MAX_COUNT = 1000
 FORM = "PATH=LO:HI[:COUNT][:log]"
 
-#: What others printed or promised of the scene does not hold of another one.
+#: Published values and expectations of the scene do not hold for a varied one.
 _OF_THE_SCENE_ALONE = ("published", "expect", "known")
 #: No number to vary: it marks the file.
 _MARKER = "spincheck"

@@ -1,6 +1,6 @@
 """Exudyn, flexible multibody dynamics with explicit and implicit integrators, in double precision.
 
-What it does to a top when nobody asks, and how each was measured: docs/engines-more.md.
+What it does to a top by default, and how each effect was measured: docs/engines-more.md.
 """
 
 import warnings

@@ -1,4 +1,4 @@
-"""Whether a command keeps the protocol: every call, on scenes of every set of effects."""
+"""Checks that a command keeps the protocol: every call, on scenes of every set of effects."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ BROKEN: frozenset[Cause] = frozenset(
 
 @dataclass(frozen=True)
 class Check:
-    """One thing that was looked at.
+    """One thing that was checked.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Check:
 def conformance(
     command: Sequence[str], scenes: Sequence[Scenario], limit: float
 ) -> Iterator[Check]:
-    """Ask everything; ends after the first problem that leaves nobody to ask.
+    """Make every check; ends early if the child can no longer be asked.
 
     Parameters
     ----------

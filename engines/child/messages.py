@@ -175,7 +175,7 @@ A = TypeVar("A", bound=Answer)
 
 
 class Misanswer(ValueError):
-    """An answer that is none, in words that go on from "its answer"."""
+    """An answer breaks the protocol; the message goes on from "its answer"."""
 
 
 def parse(line: bytes, number: int, expected: type[A]) -> A | Refusal:

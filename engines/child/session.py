@@ -91,7 +91,7 @@ class ChildSession(Session):
         return State(q_world_body, omega_body, com_world, velocity_world)
 
     def check(self) -> None:
-        """A child tells of trouble in its answers."""
+        """Nothing to check: a child reports trouble in its answers."""
 
     def active(self) -> frozenset[str]:
         """In the child's words."""

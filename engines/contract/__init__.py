@@ -1,4 +1,4 @@
-"""What every engine promises, as tests: ours pass them, and a stranger's shows that it does.
+"""The requirements on every engine, as tests to run on this package's engines and on others.
 
 How to use them on an engine of one's own: docs/add-an-engine.md.
 """

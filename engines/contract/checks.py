@@ -1,7 +1,7 @@
-"""The promises: each is a function of an engine and a method that raises where one is broken.
+"""The requirements: each is a function of an engine and a method that raises if it is not met.
 
-Of a method as shipped less is asked: it may hold and do something else than the scene has, if it
-does so every time.
+Fewer are checked of a method as shipped: it may hold another body and apply other effects than the
+scene has, if it does so every time.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -27,14 +27,14 @@ COARSEST = {1: 1024, 2: 128, 3: 32, 4: 16}
 ORDER_SLACK = 0.25
 #: Differences that an order is read off are this many roundings, at the least.
 ABOVE_ROUND_OFF = 1000
-#: Where every scene would tell the same: free and on a pivot, with torques that are renewed.
+#: Used where all scenes would show the same: free and on a pivot, with torques that are renewed.
 FEW = ("free", "free-torque-body", "heavy-tilted", "everything")
 #: Samples of a run.
 SAMPLES = 8
 
 
 class ContractBroken(AssertionError):
-    """An engine does not do what every engine promises."""
+    """An engine does not meet a requirement on every engine."""
 
 
 def holds_the_scene_and_only_its_effects_act(engine: Engine, method: Method) -> None:

@@ -1,4 +1,4 @@
-"""The contract as tests of pytest: one an engine, method and promise."""
+"""The contract as tests of pytest: one an engine, method and requirement."""
 
 from collections.abc import Callable
 

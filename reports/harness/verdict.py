@@ -244,7 +244,7 @@ def _unresolved(window: _BestWindow, limit: str) -> tuple[str, float | None]:
         steps = sequence.duration / needed
         return (
             f"not in the asymptotic range: {_order_words(window)}; {limit}; "
-            f"a timestep of {needed:.1e} s would tell, {steps:.1e} steps",
+            f"a timestep of {needed:.1e} s would resolve it, {steps:.1e} steps",
             needed,
         )
     a_step = float(bounds[-1]) * finest / sequence.duration
@@ -253,7 +253,7 @@ def _unresolved(window: _BestWindow, limit: str) -> tuple[str, float | None]:
         f"round-off × conditioning bounds the error from below: a step's rounding moves the "
         f"motion by {a_step:.1e}, all of them by {floor:.1e}; the least error is "
         f"{errors[least]:.1e}, at a timestep of {sequence.timesteps[least]:.1e} s, and no finer "
-        f"one would tell; {limit}",
+        f"one would resolve it; {limit}",
         None,
     )
 

@@ -49,14 +49,16 @@ def headline(gathered: ReportData) -> str:
     shipped = [verdict for verdict in plain.verdicts if verdict.as_shipped]
     counts = Counter(verdict.verdict for verdict in verdicts)
     said = [f"{counts[word]} {_SAID[word][counts[word] > 1]}" for word in VERDICTS if counts[word]]
-    broken = sum(bool(verdict.unmet) for verdict in verdicts)
-    promises = f" {plural(broken, 'method')} broke a promise of the scene's file." if broken else ""
+    unmet = sum(bool(verdict.unmet) for verdict in verdicts)
+    missed = (
+        f" {plural(unmet, 'method')} missed an expectation of the scene's file." if unmet else ""
+    )
     scenes = plural(len(plain.scenes), "scene")
     methods = plural(len({(v.key.engine, v.key.method) for v in verdicts}), "method")
     pairs = plural(len(verdicts), "pair")
     text = f"{scenes} × {methods}."
     if verdicts:
-        text += f" Of {pairs} of a scene and a method, {_listed(said)}.{promises}"
+        text += f" Of {pairs} of a scene and a method, {_listed(said)}.{missed}"
     if shipped:
         good = sum(verdict.verdict == "converges" for verdict in shipped)
         text += f" Left as shipped, with all their defaults, engines converge {good} times of "
@@ -125,7 +127,7 @@ def methods_table(gathered: ReportData) -> Table:
 def complaints(
     gathered: ReportData, words: Iterable[VerdictWord], *, as_shipped: bool = False
 ) -> Table:
-    """Every verdict out of `words`, and every broken promise, with its reason.
+    """Every verdict out of `words`, and every unmet expectation, with its reason.
 
     Either of engines as shipped or of the others.
     """
@@ -176,7 +178,7 @@ def _order_detail(scene: SceneRuns, runs: MethodRuns) -> str:  # noqa: ARG001
     if verdict is None:
         return ""
     if verdict.unmet:
-        return "promise broken"
+        return "expectation unmet"
     if verdict.order is not None:
         return f"order {order(verdict.order)}"
     return "to round-off" if verdict.verdict == "converges" else ""
@@ -227,14 +229,14 @@ def _complaint(scene: SceneRuns, runs: MethodRuns, verdict: Verdict) -> list[Cel
         Cell(scene.name, "scene", "", page),
         Cell(runs.engine, "name"),
         Cell(runs.method, "name"),
-        verdict_cell(verdict.verdict, "promise broken" if verdict.unmet else "", link),
+        verdict_cell(verdict.verdict, "expectation unmet" if verdict.unmet else "", link),
         reason_of(verdict),
     ]
 
 
 def reason_of(verdict: Verdict) -> str:
-    """Why, and which promises were broken."""
-    return "; ".join([verdict.reason, *(f"promise broken: {line}" for line in verdict.unmet)])
+    """Why, and which expectations are unmet."""
+    return "; ".join([verdict.reason, *(f"expectation unmet: {line}" for line in verdict.unmet)])
 
 
 def _listed(parts: list[str]) -> str:

@@ -1,4 +1,4 @@
-"""A scene's tables: its truth, verdicts, conserved quantities, every run."""
+"""A scene's tables: its reference, verdicts, conserved quantities, every run."""
 
 from collections import Counter
 from dataclasses import dataclass

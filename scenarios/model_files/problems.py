@@ -1,4 +1,4 @@
-"""What a file itself has wrong: tensors that no body has, and ones that nobody has measured."""
+"""Faults of a model file itself: tensors that no body can have, and placeholders."""
 
 from dataclasses import dataclass
 from typing import Literal

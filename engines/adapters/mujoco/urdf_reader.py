@@ -1,4 +1,4 @@
-"""MuJoCo once more, from the scene's URDF: the same body by another road.
+"""MuJoCo from the scene's URDF instead of MJCF: the same body, read by MuJoCo's URDF reader.
 
 What differs from the MJCF adapter is MuJoCo's URDF reader alone, so a difference between the two
 is the reader's.

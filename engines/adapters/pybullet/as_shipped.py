@@ -1,4 +1,4 @@
-"""What PyBullet does to a body when nobody asks, and how each of it is taken away."""
+"""What PyBullet does to a body by default, and how to take each effect away."""
 
 import pybullet as p
 

@@ -1,8 +1,8 @@
-"""What acts on a body in PyBullet: read back where PyBullet tells, felt where it does not.
+"""What acts on a body in PyBullet: read back where its API reports it, measured where it does not.
 
 PyBullet reports neither damping nor applied torques. So after a run the body is set spinning, and
-set at rest, for one tiny step each without gravity: what its angular momentum then gains is what
-acts.
+set at rest, for one tiny step each without gravity: the gain of its angular momentum in that step
+is the torque that acts.
 """
 
 from dataclasses import dataclass

@@ -1,6 +1,6 @@
 """PyBullet, Bullet 3 in double precision: loads the scene's URDF.
 
-What it does to a top when nobody asks, and how each was measured: docs/engines-pybullet.md.
+What it does to a top by default, and how each effect was measured: docs/engines-pybullet.md.
 """
 
 from collections.abc import Collection

@@ -43,7 +43,7 @@ class Change:
 
     Attributes
     ----------
-    name : which of its kind: the entry of the environment, the signal of an error, the promise
+    name : which of its kind: the entry of the environment, the signal of an error, the expectation
     old, new : what it was and is; None where it is not there
     direction : for the worse or for the better, or neither
     regression : whether it is for the worse and to be blamed on what was tested
@@ -71,7 +71,7 @@ def changes(old: Results, new: Results) -> list[Change]:
     same_machine = old.environment.get("processor") == new.environment.get("processor")
     for key in sorted(before.keys() & after.keys(), key=str):
         found += _verdict(key, before[key].verdict, after[key].verdict)
-        found += _promises(key, before[key].verdict, after[key].verdict)
+        found += _expectations(key, before[key].verdict, after[key].verdict)
         if key.scenario not in edited:
             found += _runs(key, before[key], after[key])
             found += _cost(key, before[key], after[key], same_machine)
@@ -141,18 +141,18 @@ def _verdict(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Cha
         yield _in_words(key, "verdict", before, after, VERDICTS)
 
 
-def _promises(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
-    """Promises by what was promised, whatever the error found."""
+def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
+    """Expectations that became unmet or met, identified by what was expected, not by the error."""
     if old is None or new is None:
         return
-    broken = [
+    unmet = [
         {line.partition(" error ")[0]: line for line in verdict.unmet} for verdict in (old, new)
     ]
-    for promise in sorted(broken[0].keys() ^ broken[1].keys()):
-        worse = promise in broken[1]
-        words = ("kept", broken[1][promise]) if worse else (broken[0][promise], "kept")
+    for expected in sorted(unmet[0].keys() ^ unmet[1].keys()):
+        worse = expected in unmet[1]
+        words = ("kept", unmet[1][expected]) if worse else (unmet[0][expected], "kept")
         direction: Direction = "worse" if worse else "better"
-        yield Change("promise", promise, *words, direction, worse, **_where(key))
+        yield Change("promise", expected, *words, direction, worse, **_where(key))
 
 
 def _runs(key: Key, old: _OfKey, new: _OfKey) -> Iterator[Change]:

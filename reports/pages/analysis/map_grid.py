@@ -117,7 +117,7 @@ class Grid:
         return chosen
 
     def is_cut(self, point: PointResult) -> bool:
-        """Whether a run finished that is shorter than the window: the truth is known no further."""
+        """Whether a run ended before the window, where the exact motion is no longer known."""
         across, up = self.axes
         node = up.values.index(point.at[1]), across.values.index(point.at[0])
         if point.outcome != "ok" or point.errors is None or node not in self.numbers:

@@ -1,4 +1,4 @@
-"""What is said of a map's point that has no error to colour it by, and the sign that stands for it.
+"""Marks of the points of a map that have no error to colour them by.
 
 Colour is for the error of runs that finished; everything else is a sign on the bare page, so that
 neither a colour-blind reader nor a printer takes one for the other.
@@ -46,7 +46,7 @@ class Mark:
         return f"{self.outcome}: {self.cause}" if self.cause else self.outcome
 
 
-#: On a coloured cell: the error is that of the part of the window in which the truth is known.
+#: On a coloured cell: the error of the part of the window in which the exact motion is known.
 HORIZON = Mark("ok", "compared up to the reference's horizon", "diamond-tall", "#9a6b3f")
 
 

@@ -62,11 +62,11 @@ class MethodRuns:
 
 @dataclass(frozen=True, eq=False)
 class SceneRuns:
-    """One scene, its truth, and every method that was tried on it.
+    """One scene, its exact motion, and every method that was tried on it.
 
     Attributes
     ----------
-    found : the scene and its truth; None where it could not be solved
+    found : the scene and its exact motion; None where it could not be solved
     """
 
     name: str
@@ -81,12 +81,12 @@ class SceneRuns:
     @cached_property
     def fastest_rate(self) -> float:
         """The scene's fastest rate, rad/s."""
-        assert self.found is not None, "how fast a motion is, its truth says"
+        assert self.found is not None, "the fastest rate is that of the exact motion"
         return fastest_rate(self.found.scenario, self.found.solution.trajectory.omega_body)
 
     @cached_property
     def compared(self) -> tuple["Compared", ...]:
-        """The runs to draw, each beside the truth at its own sample times."""
+        """The runs to draw, each with the exact motion at its own sample times."""
         if self.found is None:
             return ()
         truths = _Truths(self.found)
@@ -106,7 +106,7 @@ class SceneRuns:
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """A run, the truth, and the four errors, sample by sample."""
+    """A run, the exact motion, and the four errors, sample by sample."""
 
     runs: MethodRuns
     row: Row
@@ -180,7 +180,7 @@ def _compared(
 
 
 class _Truths:
-    """The truth at the samples of runs: as stored if they are the ladder's, else solved again."""
+    """The exact motion at runs' samples: as stored if they are the ladder's, else solved again."""
 
     def __init__(self, scene: SceneResult) -> None:
         self._scene = scene

@@ -1,6 +1,6 @@
 """How large a timestep a method survives on a scene, from all of its runs there.
 
-A run survives if it comes to its end nearer to the truth than no motion would be (`Row.survived`).
+A run survives if it comes to its end and is better than no motion (`Row.survived`).
 """
 
 from collections.abc import Iterable

@@ -64,15 +64,15 @@ def rows(names: tuple[str, ...]) -> Iterator[str]:
                     yield f"| {name} | {order} | {kind} | {smallest} | {words} |"
 
 
-HEAD = f"""# The smallest lie that is told
+HEAD = f"""# The smallest faults that are detected
 
-Measured by `make thresholds`: MuJoCo with a lie in it, which reads back before the first step what
-the scene says, run down ladders of up to {MOST_STEPS} steps. Sizes are relative, of turns in rad,
-of a com and its drift relative to the radius of gyration. Given is the smallest that is told of
+Measured by `make thresholds`: MuJoCo with a planted fault, which does not show in the read-back
+before the first step, run down ladders of up to {MOST_STEPS} steps. Sizes are relative, of turns
+in rad, of a com and its drift relative to the radius of gyration. Given is the smallest detected of
 {", ".join(f"{size:.0e}" for size in SIZES)}, named by the first steps where a change of the model
 explains them, else by the signal that decides.
 
-| scene | method | lie | smallest told | named |
+| scene | method | fault | smallest detected | named |
 |---|---|---|---|---|
 """
 

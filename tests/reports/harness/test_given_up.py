@@ -19,6 +19,6 @@ def test_what_would_tell_is_finer_than_the_ladder_where_one_signal_alone_is_out_
     assert (verdict.verdict, verdict.signal) == ("unresolved", "attitude")
     finest = study.ladder.rungs[-1].timestep
     assert len(study.rows) < len(study.ladder.rungs)
-    needed = re.search(r"a timestep of (\S+) s would tell", verdict.reason)
+    needed = re.search(r"a timestep of (\S+) s would resolve it", verdict.reason)
     assert needed is not None
     assert float(needed[1]) < finest
