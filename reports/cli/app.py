@@ -180,15 +180,15 @@ def report(
     from .executing import Where
 
     if results is None and not RESULT_FILE.exists():
-        found = running.run([], [], [], [], Where(jobs), RESULT_FILE)
+        stored = running.run([], [], [], [], Where(jobs), RESULT_FILE)
     else:
-        found = running.read(results or RESULT_FILE)
+        stored = running.read(results or RESULT_FILE)
     try:
-        print(f"The report is {render(found, out)}")
+        print(f"The report is {render(stored, out)}")
     except OSError as error:
         raise _unwritable(out, error) from None
-    running.tell_untrue(found)
-    raise typer.Exit(running.exit_code(found))
+    running.tell_untrue(stored)
+    raise typer.Exit(running.exit_code(stored))
 
 
 @app.command(epilog="Example: spincheck compare before.sqlite after.sqlite")
@@ -201,12 +201,12 @@ def compare(
     from .compare import changes_as_json, exit_code, print_changes
     from .compare import compare as find_changes
 
-    found = find_changes(old, new)
+    changed = find_changes(old, new)
     if as_json:
-        print(to_json(changes_as_json(found)))
+        print(to_json(changes_as_json(changed)))
     else:
-        print_changes(found)
-    raise typer.Exit(exit_code(found))
+        print_changes(changed)
+    raise typer.Exit(exit_code(changed))
 
 
 @app.command(epilog="Example: spincheck reference fast-top --at 0.5 --at 1 --json")
@@ -254,12 +254,12 @@ def recommend(
         "energy": energy,
     }
     bounds: Any = {signal: bound for signal, bound in wanted.items() if bound is not None}
-    found = find_cheapest(scenario, bounds, engine or [], CORES)
+    recommendation = find_cheapest(scenario, bounds, engine or [], CORES)
     if as_json:
-        print(to_json(recommendation_as_json(found)))
+        print(to_json(recommendation_as_json(recommendation)))
     else:
-        print_recommendation(found)
-    raise typer.Exit(exit_code(found))
+        print_recommendation(recommendation)
+    raise typer.Exit(exit_code(recommendation))
 
 
 @app.command("list", epilog="Example: spincheck list hard")
@@ -302,12 +302,12 @@ def check(
     """Check scenario files: the format, published values, and what a scene cannot tell."""
     from .named_scenes import checked, complain
 
-    found = checked(files)
-    for line in [*found.lines, *found.powerless]:
+    result = checked(files)
+    for line in [*result.lines, *result.powerless]:
         print(line)
-    complain(found.wrong)
-    if found.untrue:
-        raise Complaint("\n".join(found.untrue), DISAGREES)
+    complain(result.wrong)
+    if result.untrue:
+        raise Complaint("\n".join(result.untrue), DISAGREES)
 
 
 @app.command("engines", epilog="Example: spincheck engines --installed")

@@ -21,35 +21,35 @@ def compare(old: Path, new: Path) -> list[Change]:
     return changes(running.read(old), running.read(new))
 
 
-def exit_code(found: Sequence[Change]) -> int:
+def exit_code(changes: Sequence[Change]) -> int:
     """1 if something changed for the worse, 0 if not."""
-    return DISAGREES if any(change.regression for change in found) else AGREES
+    return DISAGREES if any(change.regression for change in changes) else AGREES
 
 
-def changes_as_json(found: Sequence[Change]) -> dict[str, Any]:
+def changes_as_json(changes: Sequence[Change]) -> dict[str, Any]:
     """Every single change, and by which rule a number has changed."""
     return {
-        "regressions": sum(change.regression for change in found),
+        "regressions": sum(change.regression for change in changes),
         "error_factor": ERROR_FACTOR,
         "cost_factor": COST_FACTOR,
-        "changes": [asdict(change) for change in found],
+        "changes": [asdict(change) for change in changes],
     }
 
 
-def print_changes(found: Sequence[Change]) -> None:
+def print_changes(changes: Sequence[Change]) -> None:
     """Print what changed, of a method's errors on a scene the one that changed most."""
-    if not found:
+    if not changes:
         print("nothing changed")
         return
-    table([_line(group) for group in _grouped(found)])
-    regressions = sum(change.regression for change in found)
-    print(f"{len(found)} changes, {regressions} of them regressions")
+    table([_line(group) for group in _grouped(changes)])
+    regressions = sum(change.regression for change in changes)
+    print(f"{len(changes)} changes, {regressions} of them regressions")
 
 
-def _grouped(found: Sequence[Change]) -> list[list[Change]]:
+def _grouped(changes: Sequence[Change]) -> list[list[Change]]:
     """Errors of a method on a scene that went the same way together, all else by itself."""
     groups: dict[object, list[Change]] = {}
-    for number, change in enumerate(found):
+    for number, change in enumerate(changes):
         errors = (change.direction, change.scenario, change.engine, change.method)
         groups.setdefault(errors if change.kind == "error" else number, []).append(change)
     return list(groups.values())

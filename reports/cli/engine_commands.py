@@ -32,21 +32,21 @@ def conform(
     from ...engines.child import ProtocolError
     from ...engines.child.conformance import conformance
 
-    found = []
+    checks = []
     try:
         for check in conformance(command, _scenes(), limit):
-            found.append(check)
+            checks.append(check)
             if not as_json:
                 verdict = "FAILS" if check.problem else "ok"
                 words = check.problem or check.remark
                 print(f"{verdict:5}  {check.what}{f': {words}' if words else ''}", flush=True)
     except ProtocolError as error:
         raise Complaint(str(error), NOT_RUN) from None
-    problems = sum(bool(check.problem) for check in found)
+    problems = sum(bool(check.problem) for check in checks)
     if as_json:
-        print(to_json({"conforms": not problems, "checks": [asdict(check) for check in found]}))
+        print(to_json({"conforms": not problems, "checks": [asdict(check) for check in checks]}))
     else:
-        say(f"{problems} of {len(found)} checks fail." if problems else "It keeps the protocol.")
+        say(f"{problems} of {len(checks)} checks fail." if problems else "It keeps the protocol.")
     raise typer.Exit(DISAGREES if problems else AGREES)
 
 

@@ -20,10 +20,10 @@ class GroupedCommands(TyperGroup):
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write a section a group."""
-        known = set(self.list_commands(ctx))
+        commands = set(self.list_commands(ctx))
         grouped = {name for names in GROUPS.values() for name in names}
-        for heading, names in (GROUPS | {_OTHERS: sorted(known - grouped)}).items():
-            rows = [(name, self._summary(ctx, name)) for name in names if name in known]
+        for heading, names in (GROUPS | {_OTHERS: sorted(commands - grouped)}).items():
+            rows = [(name, self._summary(ctx, name)) for name in names if name in commands]
             if rows:
                 with formatter.section(heading):
                     formatter.write_dl(rows)

@@ -26,8 +26,8 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
         scenes = list(link_scenes(read_model(file), out.absolute()))
     except ModelFileError as error:
         raise Complaint(str(error), BAD_INPUT) from None
-    known = {scene.link for scene in scenes}
-    if unknown := [link for link in links if link not in known]:
+    there = {scene.link for scene in scenes}
+    if unknown := [link for link in links if link not in there]:
         raise Complaint(f"{file}: there is no link '{unknown[0]}'", BAD_INPUT)
     wanted = [scene for scene in scenes if not links or scene.link in links]
     if not any(scene.text for scene in wanted):

@@ -78,7 +78,7 @@ def _link_record(link: InspectedLink) -> dict[str, Any]:
 
 
 def _held_record(held: Held) -> dict[str, Any]:
-    found = held.difference
+    difference = held.difference
     apart = held.attitude_apart_deg
     return {
         "engine": held.engine,
@@ -88,7 +88,7 @@ def _held_record(held: Held) -> dict[str, Any]:
         "agrees": held.agrees,
         "cause": held.cause,
         "fused": list(held.fused),
-        "difference": None if found is None else vars(found),
+        "difference": None if difference is None else vars(difference),
         "attitude_apart_deg": apart and {f"{time:g}": angle for time, angle in apart.items()},
     }
 
@@ -185,9 +185,9 @@ def _differences(inspection: Inspection) -> list[str]:
     wrong.sort(key=lambda one: _badness(one[1]), reverse=True)
     alike: dict[str, list[str]] = {}
     for name, held in wrong:
-        said = f"{held.engine} {held.configuration}: {held.cause}{_apart(held)}"
-        alike.setdefault(said, []).append(name)
-    return refused + [f"{_names(names)}, {said}" for said, names in alike.items()]
+        description = f"{held.engine} {held.configuration}: {held.cause}{_apart(held)}"
+        alike.setdefault(description, []).append(name)
+    return refused + [f"{_names(names)}, {description}" for description, names in alike.items()]
 
 
 def _names(names: Sequence[str]) -> str:
@@ -205,17 +205,17 @@ def _badness(held: Held) -> tuple[float, float]:
 def _apart(held: Held) -> str:
     if held.attitude_apart_deg is None:
         return ""
-    told = (f"{angle:.3g}° after {time:g} s" for time, angle in held.attitude_apart_deg.items())
-    return f"; tumbling, it is {' and '.join(told)} from where it should be"
+    angles = (f"{angle:.3g}° after {time:g} s" for time, angle in held.attitude_apart_deg.items())
+    return f"; tumbling, it is {' and '.join(angles)} from where it should be"
 
 
 def _problems(inspection: Inspection) -> list[str]:
-    found = [
+    problems = [
         (not problem.impossible, f"{link.link.where}: link '{link.link.name}': {problem.text}")
         for link in inspection.links
         for problem in link.problems
     ]
-    return [text for _, text in sorted(found, key=lambda one: one[0])]
+    return [text for _, text in sorted(problems, key=lambda one: one[0])]
 
 
 def _remedies(inspection: Inspection) -> Iterator[str]:

@@ -30,14 +30,14 @@ def inspect(
     """
     from .inspect import inspected, print_inspection, record
 
-    found = inspected(files, engine or [], _packages(package_path or []))
+    inspections = inspected(files, engine or [], _packages(package_path or []))
     if as_json:
-        records = [record(one) for one in found]
+        records = [record(one) for one in inspections]
         print(to_json(records[0] if len(records) == 1 else records))
     else:
-        for one in found:
+        for one in inspections:
             print_inspection(one)
-    raise typer.Exit(AGREES if all(one.is_well for one in found) else DISAGREES)
+    raise typer.Exit(AGREES if all(one.is_well for one in inspections) else DISAGREES)
 
 
 @app.command("import")
@@ -53,14 +53,14 @@ def import_links(
         print(line)
 
 
-def _packages(given: list[str]) -> tuple[tuple[str, Path], ...]:
-    found = []
-    for one in given:
+def _packages(options: list[str]) -> tuple[tuple[str, Path], ...]:
+    folders = []
+    for one in options:
         name, equals, folder = one.partition("=")
         if not (name and equals and Path(folder).is_dir()):
             raise Complaint(
                 f"'--package-path' takes NAME=DIR with a folder that is there, got '{one}'",
                 BAD_INPUT,
             )
-        found.append((name, Path(folder)))
-    return tuple(found)
+        folders.append((name, Path(folder)))
+    return tuple(folders)

@@ -26,10 +26,10 @@ def one_scene(name: str) -> Scenario:
     Complaint
         If there is none or several, or its file is wrong.
     """
-    found = scenes_to_run([name], expectations=False)
-    if len(found) != 1:
-        raise Complaint(f"{printable(name)}: takes one scene, this is {len(found)}", BAD_INPUT)
-    return found[0]
+    scenes = scenes_to_run([name], expectations=False)
+    if len(scenes) != 1:
+        raise Complaint(f"{printable(name)}: takes one scene, this is {len(scenes)}", BAD_INPUT)
+    return scenes[0]
 
 
 def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Scenario]:
@@ -93,25 +93,25 @@ def checked(files: Iterable[Path]) -> Checked:
     from ..harness.power import powerless
     from ..harness.reference_checks import published_that_do_not_hold
 
-    found = Checked()
+    result = Checked()
     for file in files:
         try:
             scenarios, complaints = load_each(_in_it(file))
         except ScenarioError as error:
             # Two of one name.
             scenarios, complaints = [], [str(error)]
-        found.wrong.extend(complaints)
+        result.wrong.extend(complaints)
         for scenario in scenarios:
             if unknown := unknown_expectations([scenario]):
-                found.wrong.extend(unknown)
+                result.wrong.extend(unknown)
                 continue
-            found.lines.append(f"{printable(str(scenario.path))}: {scenario.title}")
+            result.lines.append(f"{printable(str(scenario.path))}: {scenario.title}")
             try:
-                found.untrue.extend(published_that_do_not_hold(scenario))
-                found.powerless.extend(powerless(scenario))
+                result.untrue.extend(published_that_do_not_hold(scenario))
+                result.powerless.extend(powerless(scenario))
             except IntegrationError as error:
-                found.lines.append(f"{scenario.name}: no exact motion: {error}")
-    return found
+                result.lines.append(f"{scenario.name}: no exact motion: {error}")
+    return result
 
 
 def _in_it(file: Path) -> list[Path]:

@@ -67,13 +67,13 @@ def plot(
     if what not in WHAT:
         raise Complaint(f"'--what' must be one of {', '.join(WHAT)}, got '{what}'", BAD_INPUT)
     scenario = one_scene(scene)
-    found = _scene_runs(scenario, results)
-    if what in OF_RUNS and not any(runs.rows for runs in found.methods):
+    scene_runs = _scene_runs(scenario, results)
+    if what in OF_RUNS and not any(runs.rows for runs in scene_runs.methods):
         raise Complaint(
             f"{results}: has no runs of {scenario.name}; 'spincheck run {scene}' makes them",
             BAD_INPUT,
         )
-    parts = _parts(found, what, _chosen(found, engine_names, methods))
+    parts = _parts(scene_runs, what, _chosen(scene_runs, engine_names, methods))
     try:
         from ..pages.figures.picture import write_picture
     except ImportError:
@@ -88,10 +88,10 @@ def _scene_runs(scenario: Scenario, results: Path) -> SceneRuns:
     """The scene with the runs that a result file has of it, or with none."""
     stored = running.read(results) if results.exists() else None
     if stored is not None and scenario.name in stored.scenes:
-        known = stored.scenes[scenario.name]
-        if known.scenario.digest == scenario.digest:
+        scene = stored.scenes[scenario.name]
+        if scene.scenario.digest == scenario.digest:
             gathered = report_data(stored).scenes
-            return next(found for found in gathered if found.name == scenario.name)
+            return next(one for one in gathered if one.name == scenario.name)
     exact = SceneResult(scenario, solve(scenario, scenario.times))
     (alone,) = report_data(Results({}, {scenario.name: exact}, [], [])).scenes
     return alone

@@ -105,9 +105,9 @@ class ScenarioFile(pytest.File):
         from ..harness.study import prepare
 
         timesteps = sorted({expect.timestep for expect in self.scenario.expect})
-        found = prepare(self.scenario, timesteps, _max_steps(self.config))
+        prepared = prepare(self.scenario, timesteps, _max_steps(self.config))
         # How long a step may be is no test.
-        return replace(found, ladder=replace(found.ladder, above=()))
+        return replace(prepared, ladder=replace(prepared.ladder, above=()))
 
 
 class SceneItem(pytest.Item):
@@ -137,17 +137,17 @@ class ReferenceItem(SceneItem):
         """Raise `Disagreement` with all complaints."""
         from ..harness.reference_checks import complaints
 
-        found = list(complaints(self.parent.scenario))
-        if found:
+        wrong = list(complaints(self.parent.scenario))
+        if wrong:
             command = f"reproduce with: spincheck reference {self.path}"
-            raise Disagreement("\n".join([*found, command]))
+            raise Disagreement("\n".join([*wrong, command]))
 
 
 class EngineItem(SceneItem):
     """Runs one method of one engine down its ladder and judges it."""
 
-    def __init__(self, *, engine: "Engine", method: "Method", **known: Any) -> None:
-        super().__init__(**known)
+    def __init__(self, *, engine: "Engine", method: "Method", **parent_and_name: Any) -> None:
+        super().__init__(**parent_and_name)
         self.engine = engine
         self.method = method
 
@@ -180,8 +180,8 @@ class EngineItem(SceneItem):
 class MissingEngineItem(SceneItem):
     """Says that an engine was not tested, and why."""
 
-    def __init__(self, *, reason: str, **known: Any) -> None:
-        super().__init__(**known)
+    def __init__(self, *, reason: str, **parent_and_name: Any) -> None:
+        super().__init__(**parent_and_name)
         self.reason = reason
 
     def runtest(self) -> None:

@@ -90,40 +90,42 @@ def within(row: Row, bounds: Bounds) -> bool:
     return all(errors[signal] <= bound for signal, bound in bounds.items())
 
 
-def exit_code(found: Recommendation) -> int:
+def exit_code(recommendation: Recommendation) -> int:
     """0 if the recommended run was checked and keeps every bound, 1 if not."""
-    return AGREES if found.verified else DISAGREES
+    return AGREES if recommendation.verified else DISAGREES
 
 
-def recommendation_as_json(found: Recommendation) -> dict[str, Any]:
+def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
     """The same with the names that scripts rely on."""
-    methods = [_method(candidate) for candidate in found.candidates]
+    methods = [_method(candidate) for candidate in recommendation.candidates]
     return {
-        "scenario": found.scenario,
-        "bounds": dict(found.bounds),
-        "recommended": methods[0] if found.best else None,
-        "verified": found.verified,
-        "unchecked": found.unchecked,
+        "scenario": recommendation.scenario,
+        "bounds": dict(recommendation.bounds),
+        "recommended": methods[0] if recommendation.best else None,
+        "verified": recommendation.verified,
+        "unchecked": recommendation.unchecked,
         "checks": [
             asdict(row.key)
             | {"timestep": row.timestep, "outcome": row.outcome, "reason": row.reason}
             | (asdict(row.errors) if row.errors else {})
-            for row in found.checks
+            for row in recommendation.checks
         ],
-        "command": found.command,
+        "command": recommendation.command,
         "methods": methods,
     }
 
 
-def print_recommendation(found: Recommendation) -> None:
+def print_recommendation(recommendation: Recommendation) -> None:
     """Print every method with its cost, the choice, its checks, and how to run it again."""
-    bounds = ", ".join(f"{_named(signal)} to {bound:g}" for signal, bound in found.bounds.items())
-    print(f"{found.scenario}: {bounds}")
-    table([_line(candidate) for candidate in found.candidates])
-    for candidate in found.candidates:
+    bounds = ", ".join(
+        f"{_named(signal)} to {bound:g}" for signal, bound in recommendation.bounds.items()
+    )
+    print(f"{recommendation.scenario}: {bounds}")
+    table([_line(candidate) for candidate in recommendation.candidates])
+    for candidate in recommendation.candidates:
         if candidate.timestep is None:
             print(f"{candidate.label}: {candidate.word}: {candidate.reason}")
-    best = found.best
+    best = recommendation.best
     if best is None:
         print("No method reaches it.")
         return
@@ -131,14 +133,14 @@ def print_recommendation(found: Recommendation) -> None:
         f"Cheapest: {best.label} with a timestep of {best.timestep!r} s, "
         f"{best.cost:.3g} CPU seconds a simulated second."
     )
-    if alike := as_cheap(found.candidates):
+    if alike := as_cheap(recommendation.candidates):
         labels = ", ".join(candidate.label for candidate in alike)
         print(f"As cheap, within the spread of the timings: {labels}.")
-    for row in found.checks:
-        print(_check_line(row, found.bounds))
-    if found.unchecked:
-        print(f"Not checked: {found.unchecked}.")
-    print(f"To check it again:\n  {found.command}")
+    for row in recommendation.checks:
+        print(_check_line(row, recommendation.bounds))
+    if recommendation.unchecked:
+        print(f"Not checked: {recommendation.unchecked}.")
+    print(f"To check it again:\n  {recommendation.command}")
 
 
 def _check_bounds(bounds: Bounds) -> None:
@@ -170,17 +172,17 @@ def _checked(scene: str, bounds: Bounds, results: Results, folder: Path) -> Reco
     checks: list[Row] = []
     while True:
         (tried,) = report_data(results).scenes
-        found = tuple(candidates(tried, bounds))
-        best = found[0]
+        ranked = tuple(candidates(tried, bounds))
+        best = ranked[0]
         if best.timestep is None or tried.found is None:
-            return Recommendation(tried.name, bounds, found, tuple(checks))
+            return Recommendation(tried.name, bounds, ranked, tuple(checks))
         unchecked = _too_long(best, float(tried.found.solution.trajectory.t[-1]))
         if not unchecked:
             out = folder / f"check-{len(checks)}.sqlite"
             checks.append(_run_again(tried.found.scenario, best.key, best.timestep, out))
         if unchecked or within(checks[-1], bounds) or len(checks) == CHECKS:
             command = _command(scene, best)
-            return Recommendation(tried.name, bounds, found, tuple(checks), unchecked, command)
+            return Recommendation(tried.name, bounds, ranked, tuple(checks), unchecked, command)
         results = _with_runs(results, checks[-1:])
 
 
@@ -211,16 +213,16 @@ def _rows_at(scenario: Scenario, choice: Choice, jobs: int, out: Path) -> list[R
 def _with_runs(results: Results, rows: Iterable[Row]) -> Results:
     """The results with more runs, at the price of their methods' other runs."""
     priced = {row.key: row for row in results.rows}
-    known = {(row.key, row.timestep): row for row in results.rows}
+    by_timestep = {(row.key, row.timestep): row for row in results.rows}
     for row in rows:
         alike = priced[row.key]
-        known[row.key, row.timestep] = replace(
+        by_timestep[row.key, row.timestep] = replace(
             row,
             seconds_per_step=alike.seconds_per_step,
             seconds_spread=alike.seconds_spread,
             wall_seconds_per_step=alike.wall_seconds_per_step,
         )
-    return replace(results, rows=list(known.values()))
+    return replace(results, rows=list(by_timestep.values()))
 
 
 def _command(scene: str, best: Candidate) -> str:
@@ -259,10 +261,10 @@ def _check_line(row: Row, bounds: Bounds) -> str:
     if row.outcome != "ok" or row.errors is None:
         return f"Check of {run}: {row.outcome}: {row.reason}"
     errors = dict(row.errors)
-    said = ", ".join(f"{_named(name)} {errors[name]:.3g}" for name in errors)
+    errors_in_words = ", ".join(f"{_named(name)} {errors[name]:.3g}" for name in errors)
     missed = [_named(name) for name, bound in bounds.items() if not errors[name] <= bound]
     outcome = f"misses the bound on {' and '.join(missed)}" if missed else "within every bound"
-    return f"Check of {run}: {outcome}: {said}"
+    return f"Check of {run}: {outcome}: {errors_in_words}"
 
 
 def _named(signal: str) -> str:

@@ -34,8 +34,8 @@ def points(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson
     from . import running
     from .sweep_summary import flat_records
 
-    found = running.read(results)
-    sweeps: list[Any] = [*found.maps, *found.ensembles]
+    stored = running.read(results)
+    sweeps: list[Any] = [*stored.maps, *stored.ensembles]
     records = [record for sweep in sweeps for record in flat_records(sweep)]
     _print_records(records, as_csv, as_json)
 

@@ -96,7 +96,7 @@ def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) 
 
     return replace(
         results,
-        scenes={name: found for name, found in results.scenes.items() if name in scenes},
+        scenes={name: scene for name, scene in results.scenes.items() if name in scenes},
         rows=[row for row in results.rows if named(row.key) and at_asked_timestep(row)],
         verdicts=[verdict for verdict in results.verdicts if named(verdict.key)],
     )
@@ -127,7 +127,7 @@ def read(path: Path) -> Results:
 
 def tell_untrue(results: Results) -> None:
     """Raise a `Complaint` if a scene's published values are not those of its exact motion."""
-    scenarios = [found.scenario for found in results.scenes.values()]
+    scenarios = [scene.scenario for scene in results.scenes.values()]
     untrue = [line for scenario in scenarios for line in published_that_do_not_hold(scenario)]
     if untrue:
         raise Complaint("\n".join(untrue), DISAGREES)
@@ -170,15 +170,15 @@ def choose(
     chosen = tuple(_engine(name) for name in dict.fromkeys(engine_names or engines()))
     if not chosen:
         raise Complaint("no engine is installed; 'pip install mujoco pybullet'", NOT_RUN)
-    known = {method.name.lower(): method.name for engine in chosen for method in engine.methods}
+    by_lower = {method.name.lower(): method.name for engine in chosen for method in engine.methods}
     for name in methods:
-        if name.lower() not in known:
+        if name.lower() not in by_lower:
             raise Complaint(
-                f"'--method' must be one of {', '.join(sorted(known.values()))}, got '{name}'"
-                f"{did_you_mean(name, known.values())}",
+                f"'--method' must be one of {', '.join(sorted(by_lower.values()))}, got '{name}'"
+                f"{did_you_mean(name, by_lower.values())}",
                 BAD_INPUT,
             )
-    methods = [known[name.lower()] for name in methods]
+    methods = [by_lower[name.lower()] for name in methods]
     for timestep in timesteps:
         if not 0 < timestep < float("inf"):
             raise Complaint(f"'--timestep' must be positive, got {timestep:g} s", BAD_INPUT)

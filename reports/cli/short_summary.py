@@ -16,7 +16,7 @@ WIDTH = 80
 #: Lines that one reason may take, and scenes whose best choice is printed one by one.
 REASON_LINES, SCENES_TOLD = 3, 3
 #: Methods whose errors are printed: engines as shipped, and each engine's most accurate method.
-METHODS_TOLD = 8
+METHODS_SHOWN = 8
 #: degrees; above it they are printed as whole numbers.
 LEAST_WHOLE = 9.5
 #: Order in which verdicts are counted: what fails a run first.
@@ -77,20 +77,20 @@ def _at_stock(report: ReportData) -> Iterator[str]:
     """How far off engines are in attitude at their stock timesteps, in median and at worst."""
     steps = stock_timesteps(report)
     shipped = as_shipped(report)
-    found = {
+    errors_of = {
         pair: errors
         for pair in report.pairs
         if pair[0] in steps and (errors := _attitudes(report, pair, steps[pair[0]]))
     }
-    told = [pair for pair in shipped if pair in found]
-    for engine in dict.fromkeys(pair[0] for pair in found):
-        own = [pair for pair in found if pair[0] == engine and pair not in shipped]
-        told += sorted(own, key=lambda pair: median_high(found[pair].values()))[:1]
-    if not told:
+    shown = [pair for pair in shipped if pair in errors_of]
+    for engine in dict.fromkeys(pair[0] for pair in errors_of):
+        own = [pair for pair in errors_of if pair[0] == engine and pair not in shipped]
+        shown += sorted(own, key=lambda pair: median_high(errors_of[pair].values()))[:1]
+    if not shown:
         return
     yield f"{'Attitude off at stock timesteps (*as shipped)':45}{'median':>8}  worst"
-    for engine, method in told[:METHODS_TOLD]:
-        errors = found[engine, method]
+    for engine, method in shown[:METHODS_SHOWN]:
+        errors = errors_of[engine, method]
         worst = max(errors, key=lambda name: errors[name])
         mark = "*" if (engine, method) in shipped else " "
         name = f"{mark} {engine} {method}, {duration(steps[engine])}"
@@ -111,8 +111,8 @@ def _attitudes(report: ReportData, pair: Pair, timestep: float) -> dict[str, flo
 
 def _best(report: ReportData) -> Iterator[str]:
     """The cheapest accurate run of few scenes; of many, which method it most often is."""
-    found = {scene.name: best_choice(scene) for scene in report.scenes if scene.found}
-    best = {name: choice for name, choice in found.items() if choice is not None}
+    choices = {scene.name: best_choice(scene) for scene in report.scenes if scene.found}
+    best = {name: choice for name, choice in choices.items() if choice is not None}
     if not best:
         return
     if len(best) > SCENES_TOLD:

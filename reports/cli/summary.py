@@ -49,8 +49,8 @@ def results_as_json(results: Results) -> dict[str, Any]:
 def verdict_records(results: Results) -> list[dict[str, Any]]:
     """Verdicts, each with the largest timestep that its method survives."""
     fastest_rates = {
-        name: fastest_rate(found.scenario, found.solution.trajectory.omega_body)
-        for name, found in results.scenes.items()
+        name: fastest_rate(scene.scenario, scene.solution.trajectory.omega_body)
+        for name, scene in results.scenes.items()
     }
     rows: dict[Key, list[Row]] = {}
     for row in results.rows:
@@ -64,11 +64,11 @@ def verdict_records(results: Results) -> list[dict[str, Any]]:
     ]
 
 
-def _survival_record(found: Survival | None) -> dict[str, Any]:
+def _survival_record(survival: Survival | None) -> dict[str, Any]:
     return {
-        "largest_surviving_timestep": found.timestep if found else None,
-        "largest_surviving_turn": found.turn if found else None,
-        "all_tried_survived": found.at_least if found else None,
+        "largest_surviving_timestep": survival.timestep if survival else None,
+        "largest_surviving_turn": survival.turn if survival else None,
+        "all_tried_survived": survival.at_least if survival else None,
     }
 
 
@@ -115,8 +115,8 @@ def verdict_record(verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def _signal_record(found: SignalVerdict) -> dict[str, Any]:
-    return {name: value for name, value in asdict(found).items() if name != "signal"}
+def _signal_record(signal: SignalVerdict) -> dict[str, Any]:
+    return {name: value for name, value in asdict(signal).items() if name != "signal"}
 
 
 def _sentence(verdict: Verdict) -> str:

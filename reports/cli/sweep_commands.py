@@ -59,13 +59,13 @@ def map_scene(
     from .sweep_summary import print_sweep, sweep_as_json
 
     choice = choose_for_sweep(engine or [], method or [], timestep or [], time_limit, again=again)
-    found = run_map(scenario, vary or [], choice, Where(jobs, dask), out)
+    sweep = run_map(scenario, vary or [], choice, Where(jobs, dask), out)
     if as_json:
-        print(to_json(sweep_as_json(found)))
+        print(to_json(sweep_as_json(sweep)))
     else:
-        print_sweep(found)
+        print_sweep(sweep)
         say(f"Points are in {out}; 'spincheck report {out}' draws them.")
-    raise typer.Exit(exit_code(found.points))
+    raise typer.Exit(exit_code(sweep.points))
 
 
 @app.command("vary", epilog="Example: spincheck vary fast-top start.omega_body[2]=37.3")
@@ -118,11 +118,11 @@ def run_members(
     if len(scenes) != 1:
         raise Complaint(f"'--ensemble' takes one scene, got {len(scenes)}", BAD_INPUT)
     choice = choose_for_sweep(*asked, time_limit, again=again)
-    found = run_ensemble(scenes[0], members, seed, choice, where, out)
+    sweep = run_ensemble(scenes[0], members, seed, choice, where, out)
     if as_json:
-        print(to_json(sweep_as_json(found)))
+        print(to_json(sweep_as_json(sweep)))
     else:
-        print_sweep(found)
+        print_sweep(sweep)
         one = f"spincheck member {scenes[0]} --seed {seed} --member N"
         say(f"Members are in {out}; '{one}' prints one.")
-    return exit_code(found.points)
+    return exit_code(sweep.points)

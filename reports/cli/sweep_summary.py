@@ -15,21 +15,21 @@ from .terminal import table
 QUANTILES = {"median": 0.5, "90 %": 0.9, "99 %": 0.99}
 
 
-def print_sweep(found: MapResult | EnsembleResult) -> None:
+def print_sweep(sweep: MapResult | EnsembleResult) -> None:
     """Print how each method fared, and where it was worst."""
-    names = _names(found)
-    print(f"{found.scenario.name}: {_asked(found)}")
-    table([_line(method, points, names) for method, points in _by_method(found.points).items()])
-    invalid = [point for point in found.points if point.outcome == "invalid"]
+    names = _names(sweep)
+    print(f"{sweep.scenario.name}: {_sweep_in_words(sweep)}")
+    table([_line(method, points, names) for method, points in _by_method(sweep.points).items()])
+    invalid = [point for point in sweep.points if point.outcome == "invalid"]
     if invalid:
         print(f"{len(invalid)} points are no scene; the first of them: {invalid[0].reason}")
 
 
-def sweep_as_json(found: MapResult | EnsembleResult) -> dict[str, Any]:
+def sweep_as_json(sweep: MapResult | EnsembleResult) -> dict[str, Any]:
     """What was asked for, and its points, with the names that scripts rely on."""
-    asked = found.map if isinstance(found, MapResult) else found.ensemble
-    names = _names(found)
-    return asdict(asked) | {"points": [point_record(point, names) for point in found.points]}
+    asked = sweep.map if isinstance(sweep, MapResult) else sweep.ensemble
+    names = _names(sweep)
+    return asdict(asked) | {"points": [point_record(point, names) for point in sweep.points]}
 
 
 def point_record(point: PointResult, names: Sequence[str]) -> dict[str, Any]:
@@ -57,24 +57,24 @@ def point_record(point: PointResult, names: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def _names(found: MapResult | EnsembleResult) -> list[str]:
-    return [axis.path for axis in found.map.axes] if isinstance(found, MapResult) else ["member"]
+def _names(sweep: MapResult | EnsembleResult) -> list[str]:
+    return [axis.path for axis in sweep.map.axes] if isinstance(sweep, MapResult) else ["member"]
 
 
-def _asked(found: MapResult | EnsembleResult) -> str:
-    if isinstance(found, EnsembleResult):
-        return f"{found.ensemble.members} members of seed {found.ensemble.seed}"
-    total = sum(1 for _ in sweep_points(found.map))
-    axes = ", ".join(f"{a.path} {a.values[0]:g} to {a.values[-1]:g}" for a in found.map.axes)
+def _sweep_in_words(sweep: MapResult | EnsembleResult) -> str:
+    if isinstance(sweep, EnsembleResult):
+        return f"{sweep.ensemble.members} members of seed {sweep.ensemble.seed}"
+    total = sum(1 for _ in sweep_points(sweep.map))
+    axes = ", ".join(f"{a.path} {a.values[0]:g} to {a.values[-1]:g}" for a in sweep.map.axes)
     return f"{total} points, {axes}"
 
 
 def _by_method(points: Iterable[PointResult]) -> dict[str, list[PointResult]]:
-    found: dict[str, list[PointResult]] = {}
+    by_method: dict[str, list[PointResult]] = {}
     for point in points:
         if point.outcome != "invalid":
-            found.setdefault(f"{point.key.engine} {point.key.method}", []).append(point)
-    return dict(sorted(found.items()))
+            by_method.setdefault(f"{point.key.engine} {point.key.method}", []).append(point)
+    return dict(sorted(by_method.items()))
 
 
 def _line(method: str, points: Sequence[PointResult], names: Sequence[str]) -> dict[str, object]:
@@ -105,9 +105,9 @@ def _place(point: PointResult, names: Sequence[str]) -> str:
     return ", ".join(f"{name} {value:.6g}" for name, value in zip(names, point.at, strict=True))
 
 
-def flat_records(found: MapResult | EnsembleResult) -> list[dict[str, Any]]:
+def flat_records(sweep: MapResult | EnsembleResult) -> list[dict[str, Any]]:
     """Points for a table: one column for what they are at, as JSON, for sweeps have it differ."""
-    asked = f"seed {found.ensemble.seed}" if isinstance(found, EnsembleResult) else "map"
-    names = _names(found)
-    records = [point_record(point, names) for point in found.points]
+    asked = f"seed {sweep.ensemble.seed}" if isinstance(sweep, EnsembleResult) else "map"
+    names = _names(sweep)
+    records = [point_record(point, names) for point in sweep.points]
     return [{"sweep": asked, **record, "at": json.dumps(record["at"])} for record in records]

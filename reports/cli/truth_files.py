@@ -62,7 +62,7 @@ def write_truth(scenario: Scenario, folder: Path) -> list[Path]:
     return [folder / name for name in texts]
 
 
-def _said(scenario: Scenario, solution: Solution) -> Iterator[str]:
+def _header_lines(scenario: Scenario, solution: Solution) -> Iterator[str]:
     yield f"{printable(scenario.name)}: {printable(scenario.title)}"
     yield f"Exact motion by spincheck: {solution.method}."
     uncertainty = ", ".join(
@@ -74,7 +74,7 @@ def _said(scenario: Scenario, solution: Solution) -> Iterator[str]:
 
 
 def _csv(scenario: Scenario, solution: Solution, columns: dict[str, FloatArray]) -> str:
-    lines = [f"# {line}" for line in _said(scenario, solution)]
+    lines = [f"# {line}" for line in _header_lines(scenario, solution)]
     table = {name: values.reshape(len(values), -1) for name, values in columns.items()}
     heads = [f"{name}{end}" for name, v in table.items() for end in LETTERS[v.shape[1]]]
     lines.append(",".join(heads))
@@ -84,7 +84,7 @@ def _csv(scenario: Scenario, solution: Solution, columns: dict[str, FloatArray])
 
 
 def _json(scenario: Scenario, solution: Solution, columns: dict[str, FloatArray]) -> str:
-    told = {
+    content = {
         "scenario": scenario.name,
         "title": scenario.title,
         "method": solution.method,
@@ -92,14 +92,16 @@ def _json(scenario: Scenario, solution: Solution, columns: dict[str, FloatArray]
         "units_and_frames": COLUMNS,
         "columns": {name: values.tolist() for name, values in columns.items()},
     }
-    return json.dumps(told, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _c_header(scenario: Scenario, solution: Solution, columns: dict[str, FloatArray]) -> str:
     name = re.sub(r"[^A-Za-z0-9]", "_", f"spincheck_{scenario.name}")
-    said = "\n".join(f" * {line.replace('*/', '* /')}" for line in _said(scenario, solution))
+    comment = "\n".join(
+        f" * {line.replace('*/', '* /')}" for line in _header_lines(scenario, solution)
+    )
     parts = [
-        f"/*\n{said}\n */",
+        f"/*\n{comment}\n */",
         f"#ifndef {name.upper()}_H\n#define {name.upper()}_H",
         f"enum {{ {name}_samples = {len(columns['t'])} }};",
         *(

@@ -68,16 +68,16 @@ def versions(
         chosen = [versioned(f"{engine}@{number}") for number in numbers]
     except VersionError as error:
         raise Complaint(str(error), NOT_RUN) from None
-    found = []
+    changes = []
     with LocalWorkers(1) as executor:
         for change in version_changes(chosen, scenes, timestep, executor):
-            found.append(change)
+            changes.append(change)
             if not as_json and change.words:
                 print(change.words, flush=True)
-    worse = sum(change.is_worse for change in found)
+    worse = sum(change.is_worse for change in changes)
     if as_json:
-        print(to_json({"changes": [asdict(change) for change in found], "worse": worse}))
+        print(to_json({"changes": [asdict(change) for change in changes], "worse": worse}))
     else:
-        same = sum(not change.words for change in found)
-        say(f"{same} of {len(found)} comparisons are alike; in {worse} the newer one is worse.")
+        same = sum(not change.words for change in changes)
+        say(f"{same} of {len(changes)} comparisons are alike; in {worse} the newer one is worse.")
     raise typer.Exit(DISAGREES if worse else AGREES)

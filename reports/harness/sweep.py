@@ -21,7 +21,7 @@ from ..results.sweep_records import (
     PointResult,
     SweepPoint,
     count_points,
-    place_in,
+    sweep_point,
     sweep_points,
 )
 from ..results.sweep_tables import NO_SCENE
@@ -87,7 +87,7 @@ def plan_sweep(sweep: Map | Ensemble, base: Scenario, choice: Choice, store: Sto
         if not may_succeed_if_repeated(result.cause, result.reason, choice.time_limit):
             stored.setdefault(result.identity, set()).add((result.engine, result.method))
     complete = sum(
-        not _to_run(pairs, there) and place_in(sweep, json.loads(identity)) is not None
+        not _to_run(pairs, there) and sweep_point(sweep, json.loads(identity)) is not None
         for identity, there in stored.items()
     )
     return SweepPlan(sweep, pairs, stored, count_points(sweep), complete)

@@ -155,7 +155,7 @@ def count_points(sweep: Map | Ensemble) -> int:
     return len(sweep.axes[0].values) * len(sweep.axes[1].values)
 
 
-def place_in(sweep: Map | Ensemble, parts: Mapping[str, Any]) -> SweepPoint | None:
+def sweep_point(sweep: Map | Ensemble, parts: Mapping[str, Any]) -> SweepPoint | None:
     """The point of a sweep with an identity, or None if the sweep has none such.
 
     Parameters

@@ -22,9 +22,9 @@ from .sweep_records import (
     MapResult,
     PointResult,
     SweepPoint,
-    place_in,
+    sweep_point,
 )
-from .table_records import from_json, point_key, scene_name, told, typed
+from .table_records import as_result_file_error, from_json, point_key, scene_name, typed
 
 SCHEMA = """
 -- A Map or an Ensemble, as JSON, and the scene that is varied.
@@ -82,11 +82,11 @@ class SweepTables:
         with self._database.transaction() as connection:
             put(connection, "sweeps", record)
 
-    def put_points(self, place: SweepPoint, points: Iterable[PointResult]) -> None:
+    def put_points(self, point: SweepPoint, results: Iterable[PointResult]) -> None:
         """Record the results at one point."""
         with self._database.transaction() as connection:
-            for point in points:
-                put(connection, "points", _record(place, point))
+            for result in results:
+                put(connection, "points", _record(point, result))
 
     def stored(self, scenario: str) -> Iterator[StoredPoint]:
         """What there is of a scene's points, whichever sweep asked for it."""
@@ -95,7 +95,7 @@ class SweepTables:
 
     def points(self, asked: Map | Ensemble) -> tuple[PointResult, ...]:
         """The results there are, in the order of the sweep's points."""
-        return _placed(asked, self._database.select("points", "scenario = ?", (asked.scenario,)))
+        return _results(asked, self._database.select("points", "scenario = ?", (asked.scenario,)))
 
     def read(self) -> tuple[list[MapResult], list[EnsembleResult]]:
         """Every map and every ensemble, with their points."""
@@ -105,62 +105,62 @@ class SweepTables:
         maps, ensembles = [], []
         for record in self._database.select("sweeps", order="scenario, asked"):
             asked, scenario = _asked(record), _scene(record)
-            placed = _placed(asked, points[scenario.name])
+            results = _results(asked, points[scenario.name])
             if isinstance(asked, Map):
-                maps.append(MapResult(asked, scenario, placed))
+                maps.append(MapResult(asked, scenario, results))
             else:
-                ensembles.append(EnsembleResult(asked, scenario, placed))
+                ensembles.append(EnsembleResult(asked, scenario, results))
         return maps, ensembles
 
 
-def _placed(asked: Map | Ensemble, records: Iterable[sqlite3.Row]) -> tuple[PointResult, ...]:
+def _results(asked: Map | Ensemble, records: Iterable[sqlite3.Row]) -> tuple[PointResult, ...]:
     """The results of a sweep among those of its scene, in the order of its points.
 
     It goes through what is there, not through all that was asked for: little may have been run.
     """
-    found: dict[SweepPoint, list[PointResult]] = defaultdict(list)
+    results: dict[SweepPoint, list[PointResult]] = defaultdict(list)
     for record in records:
-        if (place := _place(asked, record)) is not None:
-            found[place].append(_point(place, record))
+        if (point := _point(asked, record)) is not None:
+            results[point].append(_result(point, record))
     return tuple(
-        point
-        for place in sorted(found, key=lambda place: place.at)
-        for point in sorted(found[place], key=lambda point: (point.key.engine, point.key.method))
+        result
+        for point in sorted(results, key=lambda point: point.at)
+        for result in sorted(results[point], key=lambda one: (one.key.engine, one.key.method))
     )
 
 
-def _record(place: SweepPoint, point: PointResult) -> dict[str, Any]:
+def _record(point: SweepPoint, result: PointResult) -> dict[str, Any]:
     return {
-        **asdict(point.key),
-        "place": place.identity,
-        **{name: getattr(point, name) for name in _PLAIN},
-        "errors": json.dumps(asdict(point.errors)) if point.errors else None,
+        **asdict(result.key),
+        "place": point.identity,
+        **{name: getattr(result, name) for name in _PLAIN},
+        "errors": json.dumps(asdict(result.errors)) if result.errors else None,
     }
 
 
-@told
-def _place(asked: Map | Ensemble, record: sqlite3.Row) -> SweepPoint | None:
-    """The index of a point in a sweep; None if it is another sweep's."""
-    return place_in(asked, from_json(record["place"], dict))
+@as_result_file_error
+def _point(asked: Map | Ensemble, record: sqlite3.Row) -> SweepPoint | None:
+    """The point of a sweep that a record is about; None if it is another sweep's."""
+    return sweep_point(asked, from_json(record["place"], dict))
 
 
-@told
-def _point(place: SweepPoint, record: sqlite3.Row) -> PointResult:
-    found = PointResult(
-        at=place.at,
+@as_result_file_error
+def _result(point: SweepPoint, record: sqlite3.Row) -> PointResult:
+    result = PointResult(
+        at=point.at,
         key=point_key(record),
         errors=typed(Errors(**from_json(record["errors"], dict))) if record["errors"] else None,
         **{name: record[name] for name in _PLAIN},
     )
-    return typed(found)
+    return typed(result)
 
 
-@told
+@as_result_file_error
 def _scene(record: sqlite3.Row) -> Scenario:
     return loads(record["toml"], scene_name(record))
 
 
-@told
+@as_result_file_error
 def _asked(record: sqlite3.Row) -> Map | Ensemble:
     """The stored definition of a sweep, checked to be one that a user can ask for."""
     asked = from_json(record["asked"], dict)

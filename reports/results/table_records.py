@@ -111,7 +111,7 @@ def of_left_out(found: EffectsCost | PassCosts) -> dict[str, Any]:
     return {**record.pop("key"), "kind": type(found).__name__, "record": json.dumps(record)}
 
 
-def told(read: Callable[..., T]) -> Callable[..., T]:
+def as_result_file_error(read: Callable[..., T]) -> Callable[..., T]:
     """Turn what a damaged record raises into one kind of error."""
 
     @wraps(read)
@@ -126,7 +126,7 @@ def told(read: Callable[..., T]) -> Callable[..., T]:
     return reading
 
 
-@told
+@as_result_file_error
 def scene(record: sqlite3.Row) -> tuple[Scenario, Solution]:
     """A record of the table `scenes`."""
     solution = Solution(
@@ -139,7 +139,7 @@ def scene(record: sqlite3.Row) -> tuple[Scenario, Solution]:
     return loads(record["toml"], scene_name(record)), typed(solution)
 
 
-@told
+@as_result_file_error
 def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
     """A record of the table `rows`, with that of its method in `costs`."""
     found = Row(
@@ -157,7 +157,7 @@ def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
     return typed(found)
 
 
-@told
+@as_result_file_error
 def verdict(record: sqlite3.Row) -> Verdict:
     """A record of the table `verdicts`."""
     found = Verdict(
@@ -171,7 +171,7 @@ def verdict(record: sqlite3.Row) -> Verdict:
     return typed(found)
 
 
-@told
+@as_result_file_error
 def method(record: sqlite3.Row) -> tuple[Pair, Method]:
     """A record of the table `methods`, and whose it is."""
     declared = {name: record[name] for name in _PLAIN_METHOD}
@@ -184,7 +184,7 @@ def method(record: sqlite3.Row) -> tuple[Pair, Method]:
     return (_text(record["engine"]), found.name), typed(found)
 
 
-@told
+@as_result_file_error
 def key(record: sqlite3.Row) -> Key:
     """What a record of `rows`, `costs` or `verdicts` is about."""
     found = point_key(record)
@@ -237,13 +237,13 @@ def _shown(value: Any) -> Any:
     return [_shown(entry) for entry in value] if isinstance(value, list) else value
 
 
-@told
+@as_result_file_error
 def environment(record: sqlite3.Row) -> tuple[str, str]:
     """A record of the table `environment`."""
     return _text(record["name"]), _text(record["value"])
 
 
-@told
+@as_result_file_error
 def left_out(record: sqlite3.Row) -> EffectsCost | PassCosts:
     """What pruning saves, of the table `left_out`."""
     found = from_json(record["record"], dict)

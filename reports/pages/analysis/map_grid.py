@@ -36,7 +36,7 @@ UNITS = {
     TIMESTEP: "s",
 }
 
-#: A point's place in the grid: row, that of the second axis, and column.
+#: A point's indices in the grid: row, that of the second axis, and column.
 Node = tuple[int, int]
 
 
@@ -66,7 +66,7 @@ class Grid:
 
     @cached_property
     def points(self) -> dict[Pair, dict[Node, PointResult]]:
-        """By method and place; what is invalid for all methods is there for each."""
+        """By method and grid point; what is invalid for all methods is there for each."""
         across, up = ({value: k for k, value in enumerate(axis.values)} for axis in self.axes)
         sorted_points: dict[Pair, dict[Node, PointResult]] = {pair: {} for pair in self.methods}
         for point in self.found.points:
@@ -78,7 +78,7 @@ class Grid:
 
     @cached_property
     def numbers(self) -> dict[Node, StabilityNumbers]:
-        """What theory says of the scene at each place where there is one."""
+        """Rates and limits that theory gives for the scene, at each grid point that has one."""
         across, up = self.axes
         known: dict[tuple[float | None, float | None], StabilityNumbers | None] = {}
         found = {}
@@ -101,7 +101,7 @@ class Grid:
 
     @cached_property
     def timesteps(self) -> FloatArray:
-        """s, at each place; NaN where no method was run."""
+        """s, at each grid point; NaN where no method was run."""
         across, up = self.axes
         rows, columns = self.shape
         for values, axis in ((np.array(up.values)[:, None], up), (np.array(across.values), across)):
@@ -126,7 +126,7 @@ class Grid:
         return self.numbers[node].duration - point.steps * point.timestep > point.timestep
 
     def evaluated(self, value: Callable[[StabilityNumbers, float], float]) -> FloatArray:
-        """A function of the scene's numbers and the timestep at each place, (rows, columns)."""
+        """A function of the numbers and the timestep at each grid point, (rows, columns)."""
         values = np.full(self.shape, math.nan)
         for node, numbers in self.numbers.items():
             timestep = float(self.timesteps[node])
