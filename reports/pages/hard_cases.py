@@ -14,7 +14,7 @@ TURNS = (0.01, 0.1, 1.0)
 
 
 def hard_scenes(gathered: ReportData) -> tuple[SceneRuns, ...]:
-    """The scenes of the tag."""
+    """The scenes that are tagged as hard."""
     return tuple(scene for scene in gathered.scenes if scene.found and scene.found.scenario.hard)
 
 
