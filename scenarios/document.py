@@ -188,9 +188,9 @@ class Window(Table):
 class SomeComponents(Table):
     """Those components of a vector that are known, such as `{ z = 0.3 }`."""
 
-    x: Number | None = None
-    y: Number | None = None
-    z: Number | None = None
+    x: Number | None = Field(None, description="the first component, in the vector's unit")
+    y: Number | None = Field(None, description="the second component")
+    z: Number | None = Field(None, description="the third component")
 
     @model_validator(mode="after")
     def _something(self) -> Self:

@@ -50,7 +50,9 @@ def conform(
     raise typer.Exit(DISAGREES if problems else AGREES)
 
 
-@app.command()
+@app.command(
+    epilog="Example: spincheck reproduce fast-top --engine mujoco --method Euler --timestep 2e-3"
+)
 def reproduce(
     scenario: Scene,
     engine: Annotated[str, typer.Option(help="'mujoco' or 'pybullet'.")],

@@ -40,7 +40,7 @@ def inspect(
     raise typer.Exit(AGREES if all(one.is_well for one in inspections) else DISAGREES)
 
 
-@app.command("import")
+@app.command("import", epilog="Example: spincheck import robot.urdf --out scenes")
 def import_links(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="URDF or MJCF.")],
     out: Annotated[Path, typer.Option(metavar="DIR", help="Made if it is not there.")],

@@ -13,7 +13,7 @@ app = typer.Typer()
 VIEW_FOLDER = Path("spincheck-view")
 
 
-@app.command()
+@app.command(epilog="Example: spincheck view fast-top")
 def view(
     scenario: Scene,
     jobs: Jobs = CORES,
@@ -28,7 +28,7 @@ def view(
     print(make_page(scenario, jobs, out))
 
 
-@app.command()
+@app.command(epilog="Example: spincheck plot fast-top --what polhode -o polhode.svg")
 def plot(
     scenario: Scene,
     what: Annotated[

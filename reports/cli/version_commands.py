@@ -39,7 +39,7 @@ def list_installed(remove: list[str], as_json: bool) -> None:
         say("No version is installed; 'spincheck run --engine mujoco@3.1.6' installs one.")
 
 
-@app.command()
+@app.command(epilog="Example: spincheck versions mujoco 3.3.0 4.0.0 fast-top")
 def versions(
     engine: Annotated[str, typer.Argument(metavar="ENGINE", help="Such as mujoco.")],
     arguments: Annotated[

@@ -156,7 +156,9 @@ class ConvergenceStudy:
 
     def verdict(self) -> Verdict:
         """Judge the ladder, and compare with the expected failures of the scene's file."""
-        return compared_with_expected_failures(self.scenario.known, self._verdict())
+        return compared_with_expected_failures(
+            self.scenario.known, self._verdict(), cut_short=self.cut_short
+        )
 
     def _verdict(self) -> Verdict:
         last = self._last

@@ -7,10 +7,13 @@ from ...scenarios import Known
 from ..results.records import Verdict
 
 
-def compared_with_expected_failures(expected: Iterable[Known], verdict: Verdict) -> Verdict:
+def compared_with_expected_failures(
+    expected: Iterable[Known], verdict: Verdict, *, cut_short: bool = False
+) -> Verdict:
     """Mark a verdict that is an expected failure; add an unmet expectation if it converges.
 
-    An unresolved ladder neither confirms nor refutes an expected failure.
+    An unresolved ladder neither confirms nor refutes an expected failure, nor does one that
+    converges to a coarse tolerance because it was cut short.
     """
     key = verdict.key
     for fault in expected:
@@ -18,7 +21,7 @@ def compared_with_expected_failures(expected: Iterable[Known], verdict: Verdict)
             continue
         if verdict.verdict == fault.verdict:
             return replace(verdict, reason=f"{verdict.reason}; known: {fault.reason}", known=True)
-        if verdict.verdict == "converges":
+        if verdict.verdict == "converges" and not cut_short:
             unmet = f"{key.engine} {key.method} converges, known to disagree: {fault.reason}"
             return replace(verdict, unmet=(*verdict.unmet, unmet))
     return verdict

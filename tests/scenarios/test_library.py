@@ -141,7 +141,11 @@ def test_every_way_to_start_is_used(key: str) -> None:
     assert any(key in scenario.document.start.model_fields_set for scenario in SCENES)
 
 
-@pytest.mark.parametrize("key", BodyTable.model_fields)
+#: Of a body that was taken from somebody's model file, which the library has none of.
+OF_A_MODEL = {"model", "link", "sha256"}
+
+
+@pytest.mark.parametrize("key", sorted(set(BodyTable.model_fields) - OF_A_MODEL))
 def test_every_way_to_describe_a_body_is_used(key: str) -> None:
     assert any(key in scenario.document.body.model_fields_set for scenario in SCENES)
 

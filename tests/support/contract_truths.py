@@ -17,6 +17,7 @@ from spincheck.reference.steady_motions import turns_rigidly
 from spincheck.reference.symmetry import is_free
 from spincheck.reference.taylor import FINE_ORDERS, Orders, integrate
 from spincheck.scenarios import FloatArray, Scenario, Trajectory
+from spincheck.scenarios.fastest_rate import fastest_rate
 
 solving = importlib.import_module("spincheck.reference.solve")
 
@@ -42,7 +43,7 @@ FEW = 3
 def by_series(scenario: Scenario, solution: Solution) -> Trajectory:
     """By the ODE, as far as it reaches: of closed forms the fine one, of itself the dearest."""
     problem, truth = rotational_problem(scenario), solution.trajectory
-    rate = solving._rate(problem, truth)
+    rate = fastest_rate(scenario, truth.omega_body)
     closed = closed_form(problem) is not None
     reach = solving.CHECKED_TURN if closed else DEAREST_TURN
     times = truth.t[truth.t * rate <= reach]
@@ -76,7 +77,7 @@ def legendre_motion(problem: Problem) -> LegendreMotion | None:
 def in_sixty_digits(scenario: Scenario, solution: Solution) -> Trajectory:
     """By Taylor series of order 100 in integers of 260 bits, for so many turns."""
     problem, times = rotational_problem(scenario), solution.trajectory.t
-    rate = mpf(solving._rate(problem, solution.trajectory))
+    rate = mpf(fastest_rate(scenario, solution.trajectory.omega_body))
     times = few(times[times * float(rate) <= SIXTY_DIGITS_TURN])
     # A motion's poles in complex time are about a turn's time away.
     solved = ExtendedMotion(problem, 1 / rate, rate, mpf(float(times[-1])) + 1 / rate)

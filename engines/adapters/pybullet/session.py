@@ -173,9 +173,13 @@ class PyBulletSession(Session):
 
     def close(self) -> None:
         """Give the world back, or where something went wrong in it, drop it."""
-        if np.isfinite(self.read_state().omega_body).all():
+        try:
+            is_sound = bool(np.isfinite(self.read_state().omega_body).all())
+        except p.error:
+            is_sound = False
+        if is_sound:
             give_back(self.client)
-        else:
+        elif p.isConnected(self.client):
             p.disconnect(self.client)
 
 

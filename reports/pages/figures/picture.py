@@ -40,6 +40,9 @@ MARKERS = {
     "triangle-down": "v",
     "cross": "P",
     "x-thin": "x",
+    "star": "*",
+    "pentagon": "p",
+    "triangle-left": "<",
 }
 #: Points of matplotlib in a pixel of Plotly.
 POINTS = 0.72

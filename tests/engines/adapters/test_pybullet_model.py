@@ -1,8 +1,9 @@
 """PyBullet's own model of a body: what it reads, in which frames, what it leaves out."""
 
+import itertools
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 import pybullet as p
@@ -23,6 +24,7 @@ from scenes import SCENES
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError, Method
 from spincheck.engines.adapters.pybullet import load as pybullet_load
+from spincheck.engines.adapters.pybullet import session
 from spincheck.engines.read_back import READ_BACK_SLACK
 
 EPS = np.finfo(float).eps
@@ -44,24 +46,19 @@ def test_without_its_flag_the_inertia_is_not_that_of_the_file(
 
 
 class OnePlace:
-    """A folder that every model is written to under the same name."""
+    """A folder for files that are all of one name."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
-    def __call__(self) -> Self:
-        return self
-
-    def __enter__(self) -> str:
+    def __call__(self) -> str:
         return str(self.folder)
-
-    def __exit__(self, *_: object) -> None:
-        """Keep it."""
 
 
 @pytest.fixture
 def one_place(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(pybullet_load.tempfile, "TemporaryDirectory", OnePlace(tmp_path))
+    monkeypatch.setattr(pybullet_load, "_folder", OnePlace(tmp_path))
+    monkeypatch.setattr(pybullet_load, "_numbers", itertools.repeat(0))
 
 
 @pytest.mark.usefixtures("one_place")
@@ -75,8 +72,8 @@ def test_a_world_that_has_read_another_of_its_name_does_not_read_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     shared = p.connect(p.DIRECT)
-    monkeypatch.setattr(p, "connect", lambda _: shared)
-    monkeypatch.setattr(p, "disconnect", lambda _: None)
+    monkeypatch.setattr(session, "take_world", lambda: shared)
+    monkeypatch.setattr(session, "give_back", lambda _: None)
     run(SCENES["free-tilted"], MULTIBODY)
     result = run(SCENES["free"], MULTIBODY)
     monkeypatch.undo()

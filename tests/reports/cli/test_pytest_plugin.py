@@ -87,7 +87,8 @@ def test_of_an_engine_as_shipped_the_promise_is_judged_and_not_the_motion(run, b
 
 
 def test_a_good_scene_passes_on_both_engines_and_skips_with_the_reason(run):
-    result = run(sphere=SPHERE)
+    wanted = "reference or mujoco or pybullet"  # whatever else is installed
+    result = run("-k", wanted, sphere=SPHERE)
     result.assert_outcomes(passed=9, skipped=1)
     result.stdout.fnmatch_lines(["*multibody-p2p is for scenes with pivot*"])
 

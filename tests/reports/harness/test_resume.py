@@ -11,7 +11,7 @@ from command_line import spincheck
 from failing_calls import FailingCalls, of_function
 from planted import HeunSession, RaisingSession, planted
 from same_results import differences
-from spincheck.reports.harness import convergence_study
+from spincheck.reports.harness import ladder_judge
 from spincheck.reports.harness import study as study_module
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import CallFailed, Executor
@@ -214,9 +214,9 @@ def test_the_verdict_on_a_timestep_is_its_own(path):
 
 
 def test_a_ladder_cut_short_by_a_lesser_limit_is_gone_on_with(path, tmp_path, monkeypatch):
-    monkeypatch.setattr(
-        convergence_study, "GOAL", 0.0
-    )  # no limit is known so well: all rungs are run
+    # No limit is known so well: all rungs are run.
+    for goal in ("GOAL", "FINE_GOAL"):
+        monkeypatch.setattr(ladder_judge, goal, 0.0)
     longer, other = replace(LADDER, max_steps=1 << 11), tmp_path / "longer.sqlite"
     run(path)
     run(other, longer)
