@@ -24,7 +24,7 @@ from scenes import SCENES
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError, Method
 from spincheck.engines.adapters.pybullet import load as pybullet_load
-from spincheck.engines.adapters.pybullet import session
+from spincheck.engines.adapters.pybullet import session, worlds
 from spincheck.engines.read_back import READ_BACK_SLACK
 
 EPS = np.finfo(float).eps
@@ -62,8 +62,10 @@ def one_place(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("one_place")
-def test_a_file_is_read_though_another_had_its_name() -> None:
+def test_a_file_is_read_though_another_world_has_read_one_of_its_name(monkeypatch) -> None:
+    monkeypatch.setattr(worlds, "_empty", [])
     assert run(SCENES["free-tilted"], MULTIBODY).outcome == "ok"
+    worlds._empty.clear()
     assert run(SCENES["free"], MULTIBODY).outcome == "ok"
 
 
