@@ -26,18 +26,24 @@ def inspect(
 ) -> None:
     """Compare what engines hold of a model's links with what its file states.
 
-    Exits with 1 if an engine holds something else, or the file states what no body can have.
+    Exits with 1 if an engine holds something else or the file states what no body can have, with 2
+    if a file cannot be read; the others are inspected all the same.
     """
-    from .inspect import inspected, print_inspection, record
+    from .inspect import inspections, models, print_inspection
+    from .inspection_record import record
 
-    inspections = inspected(files, engine or [], _packages(package_path or []))
-    if as_json:
-        records = [record(one) for one in inspections]
-        print(to_json(records[0] if len(records) == 1 else records))
-    else:
-        for one in inspections:
+    found, unreadable = models(files, _packages(package_path or []))
+    inspected = []
+    for one in inspections(found, engine or []) if found else ():
+        inspected.append(one)
+        if not as_json:
             print_inspection(one)
-    raise typer.Exit(AGREES if all(one.is_well for one in inspections) else DISAGREES)
+    if as_json and inspected:
+        records = [record(one) for one in inspected]
+        print(to_json(records[0] if len(files) == 1 else records))
+    if unreadable:
+        raise Complaint("\n".join(unreadable), BAD_INPUT)
+    raise typer.Exit(AGREES if all(one.is_well for one in inspected) else DISAGREES)
 
 
 @app.command("import", epilog="Example: spincheck import robot.urdf --out scenes")

@@ -52,11 +52,12 @@ def table(rows: Sequence[Mapping[str, object]]) -> None:
     """Print records as a table with their keys as headings."""
     from rich import box
     from rich.console import Console
-    from rich.table import Table
+    from rich.table import Column, Table
 
     if not rows:
         return
-    grid = Table(*rows[0], box=box.SIMPLE)
+    # Where it is too wide for the terminal, cells are broken: an ellipsis would hide what differs.
+    grid = Table(*(Column(heading, overflow="fold") for heading in rows[0]), box=box.SIMPLE)
     for row in rows:
         grid.add_row(*(cell(value) for value in row.values()))
     console = Console(highlight=False, markup=False)
@@ -64,6 +65,14 @@ def table(rows: Sequence[Mapping[str, object]]) -> None:
         # In a file or a pipe nothing is wrapped: one record a line.
         console.width = max(console.measure(grid, options=_unbounded(console)).maximum, 1)
     console.print(grid)
+
+
+def terminal_width() -> int | None:
+    """Columns of the terminal that is printed on; None in a file or a pipe."""
+    from rich.console import Console
+
+    console = Console()
+    return console.width if console.is_terminal else None
 
 
 def cell(value: object) -> str:

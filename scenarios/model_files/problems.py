@@ -98,11 +98,11 @@ def _digits(small: float, middle: float, large: float) -> str:
 
 
 def _placeholder(stated: Stated) -> list[Problem]:
-    """A power of ten times the identity: nobody has measured that."""
+    """A power of ten times the identity: a number that was put in to have one."""
     moment = float(stated.unturned[0, 0])
     exponent = round(np.log10(moment)) if moment > 0 else 0
     if moment == float(f"1e{exponent}") and (stated.unturned == moment * np.eye(3)).all():
-        return [Problem("placeholder", f"{moment:g} × identity: nobody has measured that")]
+        return [Problem("placeholder", f"{moment:g} × identity: a placeholder")]
     return []
 
 
@@ -125,7 +125,8 @@ def _outside_its_shapes(link: Link, stated: Stated) -> list[Problem]:
     return [
         Problem(
             "radius of gyration",
-            f"its mass spreads {spread[axis]:.3g} m along {'xyz'[axis]}; within the link's shapes, "
-            f"{high[axis] - low[axis]:.3g} m wide, it can spread {(high - low)[axis] / 2:.3g} m",
+            f"its radius of gyration along {'xyz'[axis]} is {spread[axis]:.3g} m; within its "
+            f"shapes, {high[axis] - low[axis]:.3g} m wide, at most "
+            f"{(high - low)[axis] / 2:.3g} m are possible",
         )
     ]

@@ -47,7 +47,7 @@ class MuJoCoModelReader(ModelReader):
             with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
                 compiled = _compiled(model, unfused=configuration == "unfused")
         except (ValueError, mujoco.FatalError) as error:
-            words = " ".join(str(error).removeprefix("Error: ").split())
+            words = "; ".join(str(error).removeprefix("Error: ").split("\n"))
             raise EngineError(f"MuJoCo refuses the file: {words}") from None
         return {
             compiled.body(body).name: _body(compiled, body)

@@ -1,13 +1,15 @@
 """Users' own models: what each engine holds of them, against what their file states."""
 
-from .inspect import CannotInspectError, inspect_model
+from .inspect import Asked, CannotInspectError, asked_engines, inspect_model
 from .records import Difference, Held, InspectedLink, Inspection
 
 __all__ = [
+    "Asked",
     "CannotInspectError",
     "Difference",
     "Held",
     "InspectedLink",
     "Inspection",
+    "asked_engines",
     "inspect_model",
 ]

@@ -7,7 +7,7 @@ from ....scenarios import FloatArray
 from ....scenarios.model_files import Problem, Stated
 from ....scenarios.model_files.problems import principal_moments
 from .difference import moments_alike
-from .records import AGREES, Difference
+from .records import AGREES, Difference, Kind
 
 #: Ratios this close to 1 are printed as a percentage.
 NEAR_ONE = 0.1
@@ -26,14 +26,15 @@ def cause(
     apart: Difference,
     problems: tuple[Problem, ...],
     made_up: str,
-) -> str:
-    """Why an engine's body is not the file's.
+) -> tuple[Kind, str]:
+    """Why an engine's body is not the file's, in a word and in a sentence.
 
     Parameters
     ----------
     problems : what the file has wrong of the link
     made_up : where the engine takes tensors from instead of the file; empty if it does not
     """
+    kind: Kind = "other"
     causes = []
     if apart.mass > AGREES:
         causes.append(f"{body.mass:.6g} kg, not {stated.mass:.6g} kg")
@@ -41,8 +42,9 @@ def cause(
         distance = float(np.linalg.norm(body.com - stated.com))
         causes.append(f"com {1000 * distance:.3g} mm off")
     if apart.inertia > AGREES:
-        causes.append(_of_tensor(stated, body.inertia_com, apart, problems, made_up))
-    return "; ".join(causes)
+        kind, told = _of_tensor(stated, body.inertia_com, apart, problems, made_up)
+        causes.append(told)
+    return kind, "; ".join(causes)
 
 
 def _of_tensor(
@@ -51,21 +53,24 @@ def _of_tensor(
     apart: Difference,
     problems: tuple[Problem, ...],
     made_up: str,
-) -> str:
+) -> tuple[Kind, str]:
+    size = _size(stated.inertia, held, apart)
     if not held.any():
         why = next((f": {_reason(problem)}" for problem in problems if problem.impossible), "")
-        return f"tensor set to zero{why}"
+        return "zero", f"tensor set to zero{why}"
     if not stated.inertia.any():
-        return f"{_moments(held)} kg m²: the file states a tensor of zero"
+        made = f"{made_up}: " if made_up else ""
+        return "no tensor", f"{made}{_moments(held)} kg m², the file states a tensor of zero"
     if made_up:
-        return f"{made_up}: {_size(stated.inertia, held, apart)}"
+        return "made up", f"{made_up}: {size}"
     if moments_alike(stated.inertia, held):
         lost = _close(held, stated.unturned)
         why = ": the rotation of its inertial frame is lost" if lost else ""
-        return f"moments kept, axes turned by {apart.axes_deg:.3g}°{why}"
+        told = f"moments kept, axes turned by {apart.axes_deg:.3g}°{why}"
+        return ("rotation lost" if lost else "turned"), told
     if _close(held, np.diag(np.diag(stated.inertia))):
-        return f"products of inertia dropped: {_size(stated.inertia, held, apart)}"
-    return _size(stated.inertia, held, apart)
+        return "products dropped", f"products of inertia dropped: {size}"
+    return "other", size
 
 
 def _reason(problem: Problem) -> str:
@@ -79,7 +84,7 @@ def _size(stated: FloatArray, held: FloatArray, apart: Difference) -> str:
     ratio = float(np.trace(held)) / total if total > 0 else 0.0
     if ratio <= 0 or abs(ratio - 1) < NEAR_ONE:
         turned = f", axes turned by {apart.axes_deg:.3g}°" if apart.axes_deg > 1 else ""
-        return f"tensor off by {apart.inertia:.3g} of the file's{turned}"
+        return f"tensor off by {apart.inertia:.2%}{turned}"
     if ratio > 1:
         return f"tensor {ratio:.3g} times the file's"
     return f"tensor 1/{1 / ratio:.3g} of the file's"

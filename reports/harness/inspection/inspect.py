@@ -1,12 +1,14 @@
-"""Inspects a model file: parse it here, read it with each engine in a child, compare."""
+"""Inspects a model: each engine reads its file in a child; what it holds is compared with it."""
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
+from dataclasses import dataclass
 
 from ....engines import EngineError
 from ....engines.model_reader import Configuration, ModelReader, model_readers
 from ....engines.read_back import BodyReading
-from ....scenarios.model_files import Link, ModelFile, Problem, fused, problems, read_model
+from ....engines.versions import VersionError, versioned
+from ....scenarios import did_you_mean
+from ....scenarios.model_files import Link, ModelFile, Problem, fused, problems
 from ....scenarios.model_files.model_file import Pose, welded
 from ..executors import CallFailed, Executor
 from .cause import cause, held_of_nothing
@@ -26,69 +28,94 @@ class CannotInspectError(Exception):
     """There is no such engine, or none that reads this kind of file."""
 
 
-def inspect_model(
-    path: Path,
-    executor: Executor,
-    engines: Sequence[str] = (),
-    packages: tuple[tuple[str, Path], ...] = (),
-) -> Inspection:
-    """What every configuration of every engine holds of a file.
+@dataclass(frozen=True)
+class Asked:
+    """An engine that reads model files, at some version.
+
+    Attributes
+    ----------
+    name : as users type it, "mujoco" or "mujoco@3.3.7"
+    site : the folder it is installed in; empty for the one that is installed here
+    """
+
+    name: str
+    version: str
+    site: str
+    reader: ModelReader
+
+
+def asked_engines(names: Sequence[str] = ()) -> list[Asked]:
+    """The engines of those names; all that are installed if there are none.
+
+    An engine@version is installed unless it is there.
+
+    Raises
+    ------
+    CannotInspectError
+        If there is no such engine, or version of it.
+    """
+    readers = model_readers()
+    found = []
+    for name in dict.fromkeys(names or readers):
+        base, at, _ = name.partition("@")
+        if base not in readers:
+            raise CannotInspectError(
+                f"'--engine' must be one of {', '.join(readers) or 'none'}, which read model "
+                f"files, or a version of one, got '{name}'{did_you_mean(base, readers)}"
+            )
+        reader = readers[base]
+        try:
+            engine = versioned(name) if at else None
+        except VersionError as error:
+            raise CannotInspectError(f"'--engine' {error}") from None
+        version, site = (engine.version, engine.site) if engine else (reader.version, "")
+        found.append(Asked(name, version, site, reader))
+    return found
+
+
+def inspect_model(model: ModelFile, executor: Executor, engines: Sequence[Asked]) -> Inspection:
+    """What every configuration of some engines holds of a model.
 
     Parameters
     ----------
     executor : makes the engines' readings, each in a child that may crash or hang
-    engines : by name; all that are installed if empty
-    packages : folders by the name that `package://` gives them
 
     Raises
     ------
-    ModelFileError
-        If the file cannot be read.
     CannotInspectError
-        If no engine can be asked.
+        If none of the engines reads this kind of file.
     """
-    model = read_model(path, packages)
-    readers = _readers(model, engines)
+    able = [engine for engine in engines if model.format in engine.reader.formats]
+    if not able:
+        names = ", ".join(engine.name for engine in engines) or "no installed engine"
+        raise CannotInspectError(f"{names} cannot read {model.format.upper()}")
     faults = {link.name: problems(link) for link in model.links}
     held: dict[str, list[Held]] = {link.name: [] for link in model.links}
     refusals: dict[tuple[str, str], str] = {}
-    for reader, configuration in readers:
-        answer = executor.call(read_held, reader.name, model, configuration.name).value
-        who = (reader.name, reader.version, configuration.name)
-        if isinstance(answer, CallFailed | str):
-            reason = answer if isinstance(answer, str) else answer.reason
-            refusals[reader.name, configuration.name] = reason
+    for engine, setting in [
+        (one, setting) for one in able for setting in one.reader.configurations
+    ]:
+        answer = executor.call_at(engine.site, read_held, engine.reader.name, model, setting.name)
+        who = (engine.name, engine.version, setting.name)
+        if isinstance(answer.value, CallFailed | str):
+            reason = answer.value if isinstance(answer.value, str) else answer.value.reason
+            refusals[engine.name, setting.name] = reason
             for name in held:
-                held[name].append(Held(*who, None, None, reason))
+                held[name].append(Held(*who, None, None, reason, "refused"))
             continue
-        for link, one in _compared(model, answer, who, configuration, faults):
+        for link, one in _compared(model, answer.value, who, setting, faults):
             held[link.name].append(one)
     links = [InspectedLink(li, faults[li.name], tuple(held[li.name])) for li in model.links]
     return Inspection(model, tuple(links), refusals)
 
 
-def _readers(model: ModelFile, engines: Sequence[str]) -> list[tuple[ModelReader, Configuration]]:
-    readers = model_readers()
-    if unknown := sorted(set(engines) - set(readers)):
-        raise CannotInspectError(
-            f"no engine '{unknown[0]}' reads model files; there are {', '.join(readers) or 'none'}"
-        )
-    able = [
-        reader
-        for name, reader in readers.items()
-        if name in (engines or readers) and model.format in reader.formats
-    ]
-    if not able:
-        raise CannotInspectError(
-            f"{', '.join(engines) or 'no installed engine'} cannot read {model.format.upper()}"
-        )
-    return [(reader, one) for reader in able for one in reader.configurations]
-
-
 def read_held(engine: str, model: ModelFile, configuration: str) -> Bodies | str:
     """In a child: what an engine holds, or why it refuses the file."""
+    reader = model_readers().get(engine)
+    if reader is None:
+        return f"{engine} cannot be imported"
     try:
-        return model_readers()[engine].read(model, configuration)
+        return reader.read(model, configuration)
     except EngineError as error:
         return str(error)
 
@@ -129,16 +156,22 @@ def _held(
         empty = body.mass == 0 and not body.inertia_com.any()
         if model.format == "mjcf":
             return Held(*who, body, None, "" if empty else "taken from its shapes, as MJCF has it")
-        return Held(*who, body, empty, "" if empty else held_of_nothing(body), others)
+        if empty:
+            return Held(*who, body, True, fused=others)
+        return Held(*who, body, False, held_of_nothing(body), "nothing stated", others)
     whole = fused(stated) if others else stated[0][0]
     apart = difference(whole, body)
     agrees = apart.worst <= AGREES
     wrong = tuple(problem for link, _ in parts for problem in faults[link.name])
+    kind, told = cause(whole, body, apart, wrong, configuration.made_up)
+    if others and kind in ("other", "turned", "rotation lost"):
+        kind, told = "sum", f"the sum of its fused parts is wrong: {told}"
     return Held(
         *who,
         body,
         agrees,
-        "" if agrees else cause(whole, body, apart, wrong, configuration.made_up),
+        "" if agrees else told,
+        "" if agrees else kind,
         others,
         whole,
         apart,

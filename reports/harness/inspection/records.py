@@ -1,6 +1,7 @@
 """What an inspection finds: a link of a file × a configuration of an engine."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 from ....engines.read_back import BodyReading
 from ....scenarios.model_files import Link, ModelFile, Problem, Stated
@@ -10,6 +11,25 @@ from ....scenarios.model_files import Link, ModelFile, Problem, Stated
 AGREES = 1e-5
 #: s after which two motions are compared.
 TIMES = (1.0, 3.0)
+
+
+#: What an engine has done to a link: refused its file; put a body where the file states none, or a
+#: tensor where it states a mass alone; made a tensor up or set it to zero; lost the rotation of its
+#: inertial frame, or the products of inertia; turned the axes; summed fused links wrongly; or any
+#: other difference.
+Kind = Literal[
+    "",
+    "refused",
+    "nothing stated",
+    "no tensor",
+    "made up",
+    "zero",
+    "rotation lost",
+    "products dropped",
+    "turned",
+    "sum",
+    "other",
+]
 
 
 @dataclass(frozen=True)
@@ -44,6 +64,7 @@ class Held:
     body : None if it holds nothing: it refused the file, or fused the link with another
     agrees : whether that is what the file states; None where there is nothing to compare
     cause : in words, what it holds and why; empty where it agrees
+    kind : the same in a word
     fused : links whose mass the engine has added to this one
     expected : the exact sum of the parts, which `difference` is taken from; None as `stated`
     attitude_apart_deg : by the time in s, between the file's body and the engine's, tumbling from
@@ -56,6 +77,7 @@ class Held:
     body: BodyReading | None
     agrees: bool | None
     cause: str = ""
+    kind: Kind = ""
     fused: tuple[str, ...] = ()
     expected: Stated | None = None
     difference: Difference | None = None

@@ -1,6 +1,7 @@
 """The command 'inspect', from a file to the words and the exit code, on the engines themselves."""
 
 import json
+from types import SimpleNamespace
 
 import pytest
 from spincheck.reports.cli import inspect as command
@@ -88,8 +89,8 @@ def test_several_files_are_a_list(tmp_path):
 def test_what_differs_is_told_in_words_with_what_to_do(tmp_path):
     ended = inspect(written(tmp_path, arm()))
     assert ended.exit_code == 1
-    assert "arm, pybullet default: made up from the collision shapes: tensor 1/" in ended.stdout
-    assert "base, pybullet inertia-from-file: held as 1 kg, 1 kg m²: the file states nothing" in (
+    assert "pybullet default, arm: made up from the collision shapes: tensor 1/" in ended.stdout
+    assert "pybullet inertia-from-file, base: held as 1 kg, 1 kg m²: the file states nothing" in (
         ended.stdout
     )
     assert "load it with flags=pybullet.URDF_USE_INERTIA_FROM_FILE" in ended.stdout
@@ -99,10 +100,10 @@ def test_an_impossible_tensor_is_told_of_file_and_engines(tmp_path):
     path = written(tmp_path, arm(diagonal(0.3, 0.1, 0.9)))
     ended = inspect(path)
     assert ended.exit_code == 1
-    assert f"{path}:3: link 'arm': 0.1 + 0.3 < 0.9: no body has it" in ended.stdout
+    assert "arm (line 3): 0.1 + 0.3 < 0.9: no body has it" in ended.stdout
     assert (
-        "arm, pybullet inertia-from-file: tensor set to zero: no body has it, 0.1 + 0.3 < 0.9"
-        in (ended.stdout)
+        "pybullet inertia-from-file, arm: tensor set to zero: no body has it, 0.1 + 0.3 < 0.9"
+        in ended.stdout
     )
     assert "mujoco as-is: MuJoCo refuses the file: inertia must satisfy A + B >= C" in ended.stdout
 
@@ -143,15 +144,17 @@ def test_a_sum_that_an_engine_gets_wrong_is_told(tmp_path, monkeypatch):
 
     monkeypatch.setattr(harness, "read_held", lossy)
     found = records(written(tmp_path, text), "--engine", "mujoco")
-    assert held_of(found, "arm", "as-is")["cause"] == "tensor 1/2 of the file's"
+    assert held_of(found, "arm", "as-is")["cause"] == (
+        "the sum of its fused parts is wrong: tensor 1/2 of the file's"
+    )
 
 
 def test_an_engine_that_crashes_costs_its_configuration_alone(tmp_path, monkeypatch):
     class Crashing(InProcess):
-        def call(self, function, /, *arguments):
+        def call_at(self, site, function, /, *arguments):
             if arguments[2] == "default":
                 return Answer(CallFailed("the worker process was killed by SIGSEGV", "crash"))
-            return super().call(function, *arguments)
+            return super().call_at(site, function, *arguments)
 
     monkeypatch.setattr(command, "LocalWorkers", lambda *_: Crashing())
     path = written(tmp_path, arm())
@@ -172,22 +175,63 @@ def test_engines_read_in_a_process_of_their_own(tmp_path, monkeypatch):
     assert found["summary"]["refused"] == {}
 
 
+def complaint(*arguments):
+    ended = inspect(*arguments)
+    assert isinstance(ended.exception, Complaint)
+    return ended.exception.exit_code, str(ended.exception), ended.stdout
+
+
 def test_a_file_that_nobody_can_read_ends_with_exit_code_2(tmp_path):
-    path = written(tmp_path, arm(mass="0,5"))
-    with pytest.raises(Complaint, match="'value' of <mass> must be decimal numbers") as caught:
-        command.inspected([path], [], ())
-    assert caught.value.exit_code == 2
+    code, told, _ = complaint(written(tmp_path, arm(mass="0,5")))
+    assert code == 2
+    assert "'value' of <mass> must be decimal numbers" in told
+
+
+def test_beside_a_file_that_nobody_can_read_others_are_inspected(tmp_path):
+    path = written(tmp_path, arm())
+    code, told, printed = complaint(tmp_path / "none.urdf", path, "--json")
+    assert (code, told) == (2, f"{tmp_path}/none.urdf: cannot be read: No such file or directory")
+    assert [one["file"] for one in json.loads(printed)] == [str(path)]
 
 
 def test_an_engine_that_there_is_not_is_told(tmp_path):
-    with pytest.raises(Complaint, match=r"no engine 'bullet' reads model files; there are mujoco"):
-        command.inspected([written(tmp_path, arm())], ["bullet"], ())
+    code, told, _ = complaint(written(tmp_path, arm()), "--engine", "pybulet")
+    assert code == 2
+    assert told == (
+        "'--engine' must be one of mujoco, pybullet, which read model files, or a version of one, "
+        "got 'pybulet'; did you mean 'pybullet'?"
+    )
 
 
 def test_an_engine_that_cannot_read_the_format_is_told(tmp_path):
     path = written(tmp_path, body("<geom/>"), "a.xml")
-    with pytest.raises(Complaint, match="pybullet cannot read MJCF"):
-        command.inspected([path], ["pybullet"], ())
+    assert complaint(path, "--engine", "pybullet")[:2] == (2, "pybullet cannot read MJCF")
+
+
+def test_a_version_is_asked_in_its_own_folder(tmp_path, monkeypatch):
+    """Without installing one: the folder and the version are told by who would."""
+    engine = SimpleNamespace(version="3.3.7", site="/where/3.3.7/is")
+    monkeypatch.setattr(harness, "versioned", lambda name: engine)
+    asked = []
+
+    class AtSite(InProcess):
+        def call_at(self, site, function, /, *arguments):
+            asked.append((site, arguments[0]))
+            return super().call(function, *arguments)
+
+    monkeypatch.setattr(command, "LocalWorkers", lambda *_: AtSite())
+    found = records(written(tmp_path, arm()), "--engine", "mujoco@3.3.7")
+    assert asked == [("/where/3.3.7/is", "mujoco")] * 2
+    held = held_of(found, "arm", "as-is")
+    assert (held["engine"], held["engine_version"]) == ("mujoco@3.3.7", "3.3.7")
+
+
+def test_a_version_that_cannot_be_had_is_told(tmp_path):
+    path = written(tmp_path, arm())
+    assert complaint(path, "--engine", "mujoco@new")[:2] == (
+        2,
+        "'--engine' a version must be like 3.1.6, got 'new'",
+    )
 
 
 @pytest.mark.parametrize("given", ["made-up", "made-up=/no/such/folder", "=/tmp"])

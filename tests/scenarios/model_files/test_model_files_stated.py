@@ -123,7 +123,7 @@ PROBLEMS = {
     "negative mass": (("-1", diagonal(1, 1, 1)), "a mass of -1 kg"),
     "placeholder": (
         ("1", diagonal(1e-3, 1e-3, 1e-3)),
-        "0.001 × identity: nobody has measured that",
+        "0.001 × identity: a placeholder",
     ),
 }
 
@@ -173,7 +173,7 @@ def test_mass_that_spreads_further_than_the_shapes_is_doubted(tmp_path):
     (found,) = problems(read_model(written(tmp_path, shaped(twice, BOX))).links[0])
     assert found.kind == "radius of gyration"
     assert not found.impossible
-    assert "within the link's shapes" in found.text
+    assert "within its shapes" in found.text
 
 
 @pytest.mark.parametrize("shape", [BOX, BOX.replace("collision", "visual")])

@@ -3,10 +3,7 @@
 Run by ``make survey``, which installs the packages; PyBullet comes with its own.
 """
 
-import json
-import os
 import re
-import subprocess
 import sys
 from collections import Counter
 from collections.abc import Iterator
@@ -16,10 +13,16 @@ from pathlib import Path
 
 import psutil
 from spincheck.reports.harness.executors import LocalWorkers
-from spincheck.reports.harness.inspection import Held, Inspection, inspect_model
+from spincheck.reports.harness.inspection import (
+    Asked,
+    Held,
+    Inspection,
+    asked_engines,
+    inspect_model,
+)
 from spincheck.reports.harness.inspection.inspect import READ_LIMIT
 from spincheck.reports.harness.inspection.records import AGREES
-from spincheck.scenarios.model_files import ModelFileError
+from spincheck.scenarios.model_files import ModelFileError, read_model
 
 #: Distributions, and which of their files are models.
 PACKAGES = {
@@ -45,8 +48,8 @@ CAUSES = {
     "com moved": "mm off",
     "another tensor": "tensor",
 }
-#: MuJoCo's, from before two faults of its URDF reader were mended.
-OLDER = ("3.3.7", "3.13.0")
+#: The last two are from before two faults of MuJoCo's URDF reader were mended.
+ENGINES = ("mujoco", "pybullet", "mujoco@3.3.7", "mujoco@3.13.0")
 JOBS = 2
 
 
@@ -60,20 +63,21 @@ def models(package: str) -> Iterator[tuple[Path, tuple[tuple[str, Path], ...]]]:
             yield path, (("pybullet_data", top[0]),) if top else ()
 
 
-def inspected(executor, engines, path, packages):
+def inspected(executor, engines: list[Asked], path, packages) -> Inspection | str:
     """An inspection, or why the file cannot be read."""
     try:
-        return inspect_model(path, executor, engines, packages)
+        model = read_model(path, packages)
+        newest = [engine for engine in engines if not engine.site]
+        return inspect_model(model, executor, engines if model.format == "urdf" else newest)
     except ModelFileError as error:
         return f"{path.name}{str(error).removeprefix(str(path))}"
 
 
-def survey(
-    engines: tuple[str, ...] = (),
-) -> tuple[dict[str, list[Inspection]], dict[str, list[str]]]:
+def survey() -> tuple[dict[str, list[Inspection]], dict[str, list[str]]]:
     """Every package's inspections, and its files that are refused."""
     found: dict[str, list[Inspection]] = {}
     refused: dict[str, list[str]] = {}
+    engines = asked_engines(ENGINES)
     with LocalWorkers(JOBS, READ_LIMIT) as executor:
         for package in PACKAGES:
             tasks = [partial(inspected, executor, engines, *model) for model in models(package)]
@@ -155,26 +159,13 @@ def held_rows(found: dict[str, list[Inspection]], form: str) -> list[list[object
             column = (held.engine, held.engine_version, held.configuration)
             refusals[column] += column[::2] in one.refusals
     return [
-        [" ".join(column), refusals[column], *_counted(held)] for column, held in by_column.items()
+        [" ".join(_titled(*column)), refusals[column], *_counted(held)]
+        for column, held in by_column.items()
     ]
 
 
-def older_rows() -> list[list[object]]:
-    """The same of URDF files by older versions of MuJoCo, each in a process of its own."""
-    rows = []
-    for version in OLDER:
-        folder = Path("build", f"mujoco-{version}").absolute()
-        if not folder.exists():
-            pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target"]
-            subprocess.run([*pip, str(folder), f"mujoco=={version}"], check=True)
-        answer = subprocess.run(
-            [sys.executable, __file__, "mujoco"],
-            env=os.environ | {"PYTHONPATH": str(folder)},
-            stdout=subprocess.PIPE,
-            check=True,
-        )
-        rows += json.loads(answer.stdout)
-    return rows
+def _titled(engine: str, version: str, configuration: str) -> tuple[str, str, str]:
+    return engine.partition("@")[0], version, configuration
 
 
 def _counted(held: list[Held]) -> list[int]:
@@ -233,7 +224,6 @@ def heavy_table(found: dict[str, list[Inspection]]) -> str:
 def written(
     found: dict[str, list[Inspection]],
     refused: dict[str, list[str]],
-    older: list[list[object]],
     seconds: float,
 ) -> str:
     files = "\n".join(f"- `{line}`" for lines in refused.values() for line in lines)
@@ -242,7 +232,7 @@ def written(
             BEGIN,
             stated_table(found, refused),
             "What engines hold of the URDF files' links that have an inertia:",
-            table(HELD_HEADS, held_rows(found, "urdf") + older),
+            table(HELD_HEADS, held_rows(found, "urdf")),
             "Of the MJCF files':",
             table(HELD_HEADS, held_rows(found, "mjcf")),
             "By cause, all links:",
@@ -258,18 +248,14 @@ def written(
 
 
 def main() -> None:
-    """Write the tables; given an engine, print its rows of the URDF files alone, as JSON."""
-    if engines := tuple(sys.argv[1:]):
-        print(json.dumps(held_rows(survey(engines)[0], "urdf")))
-        return
+    """Write the tables."""
     found, refused = survey()
-    older = older_rows()
     used = psutil.Process().cpu_times()
     seconds = used.user + used.system + used.children_user + used.children_system
     text = DOCUMENT.read_text(encoding="utf-8")
     before, _, rest = text.partition(BEGIN)
     _, _, after = rest.partition(END)
-    tables = written(found, refused, older, seconds)
+    tables = written(found, refused, seconds)
     DOCUMENT.write_text(before + tables + after, encoding="utf-8")
     print(f"{DOCUMENT} has the tables", file=sys.stderr)
 

@@ -23,7 +23,7 @@ def stated(inertia=MOMENTS, mass=2.0, com=NO_COM, unturned=None):
 
 
 def told(one, other, problems=(), made_up=""):
-    return cause(one, other, difference(one, other), problems, made_up)
+    return cause(one, other, difference(one, other), problems, made_up)[1]
 
 
 def turned(inertia, R):

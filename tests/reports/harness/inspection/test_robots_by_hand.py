@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from spincheck.reports.harness.executors import InProcess
-from spincheck.reports.harness.inspection import inspect_model
+from spincheck.reports.harness.inspection import asked_engines, inspect_model
+from spincheck.scenarios.model_files import read_model
 
 pybullet_data = pytest.importorskip("pybullet_data")
 ROBOTS = Path(pybullet_data.getDataPath())
@@ -15,7 +16,8 @@ PRINTED = 5e-3
 
 def held(file, link):
     """By configuration, and what the file has wrong."""
-    found = inspect_model(ROBOTS / file, InProcess(), (), (("robots", ROBOTS),))
+    model = read_model(ROBOTS / file, (("robots", ROBOTS),))
+    found = inspect_model(model, InProcess(), asked_engines())
     (one,) = (li for li in found.links if li.link.name == link)
     return {h.configuration: h for h in one.held}, [p.kind for p in one.problems]
 
@@ -65,4 +67,4 @@ def test_a_leg_without_a_tensor_is_a_problem_of_the_file():
     by, wrong = held("laikago/laikago.urdf", "FR_upper_leg")
     assert wrong == ["zero tensor"]
     assert by["inertia-from-file"].agrees
-    assert by["default"].cause.endswith("kg m²: the file states a tensor of zero")
+    assert by["default"].cause.endswith("kg m², the file states a tensor of zero")

@@ -1,0 +1,98 @@
+"""What an inspection found, in lines to read: worst first, alike ones in one."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from .records import Held, InspectedLink, Inspection
+
+#: Links that a line names.
+MOST_NAMES = 3
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that is so for some links.
+
+    Attributes
+    ----------
+    who : engine and configuration; empty of the file itself
+    names : of the links; none where it is so for the file as a whole
+    """
+
+    who: str
+    names: tuple[str, ...]
+    text: str
+
+    def __str__(self) -> str:
+        about = [part for part in (self.who, listed(self.names)) if part]
+        return f"{', '.join(about)}: {self.text}"
+
+
+def listed(names: Sequence[str]) -> str:
+    """The first of them, and how many more there are."""
+    more = len(names) - MOST_NAMES
+    return ", ".join(names[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
+
+
+def differences(inspection: Inspection) -> list[Finding]:
+    """Refusals, then by the attitude lost at the last time, then by the size of the difference."""
+    refused = [
+        Finding(f"{engine} {configuration}", (), reason)
+        for (engine, configuration), reason in inspection.refusals.items()
+    ]
+    wrong = [
+        (held, link.link.name)
+        for link in inspection.links
+        for held in link.held
+        if held.agrees is False
+    ]
+    wrong.sort(key=lambda one: badness(one[0]), reverse=True)
+    return refused + _grouped(
+        (f"{held.engine} {held.configuration}", f"{held.cause}{_apart(held)}", name)
+        for held, name in wrong
+    )
+
+
+def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
+    """What the file states that no body can have, or what is doubtful about it."""
+    told = [
+        (problem, link)
+        for link in inspection.links
+        for problem in link.problems
+        if problem.impossible == impossible
+    ]
+    return _grouped(("", problem.text, _place(link)) for problem, link in told)
+
+
+def worst_links(inspection: Inspection) -> list[InspectedLink]:
+    """Links with something wrong, the worst motion first."""
+    wrong = [link for link in inspection.links if not link.is_well or link.problems]
+    return sorted(wrong, key=lambda link: max(map(badness, link.held), default=(0.0, 0.0)))[::-1]
+
+
+def badness(held: Held) -> tuple[float, float]:
+    """Attitude apart at the latest time, degrees, and the size of the difference."""
+    if held.agrees is not False:
+        return (0.0, 0.0)
+    apart = held.attitude_apart_deg
+    worst = held.difference.worst if held.difference is not None else 0.0
+    return (max(apart.values()) if apart else 0.0, worst)
+
+
+def _place(link: InspectedLink) -> str:
+    return f"{link.link.name} (line {link.link.where.rpartition(':')[2]})"
+
+
+def _grouped(told: Iterable[tuple[str, str, str]]) -> list[Finding]:
+    alike: dict[tuple[str, str], list[str]] = {}
+    for who, text, name in told:
+        alike.setdefault((who, text), []).append(name)
+    return [Finding(who, tuple(names), text) for (who, text), names in alike.items()]
+
+
+def _apart(held: Held) -> str:
+    apart = held.attitude_apart_deg
+    if apart is None:
+        return ""
+    angles = " and ".join(f"{angle:.3g}° after {time:g} s" for time, angle in apart.items())
+    return f"; attitude off by {angles} of tumbling"

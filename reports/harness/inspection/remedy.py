@@ -1,0 +1,115 @@
+"""What to do where an engine holds another body than the file states: a flag, an option, a line."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ....engines.model_reader import model_readers
+from ....scenarios import FloatArray
+from ....scenarios.model_files import Stated
+from .records import Held, InspectedLink, Inspection, Kind
+
+#: Written into `<inertial>`: what a frame without a mass has.
+NO_INERTIA = (
+    '<inertial><mass value="0"/>'
+    '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
+)
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """What to do, and for which links of which configuration.
+
+    Attributes
+    ----------
+    line : of XML to put into the file; empty where the remedy is something else
+    """
+
+    engine: str
+    configuration: str
+    links: tuple[str, ...]
+    text: str
+    line: str = ""
+
+
+def remedies(inspection: Inspection) -> list[Remedy]:
+    """One for each configuration and kind of difference, in the order of the table's columns."""
+    wrong: dict[tuple[str, str, Kind], list[str]] = {}
+    for link in inspection.links:
+        for held in link.held:
+            if held.agrees is False:
+                found = wrong.setdefault((held.engine, held.configuration, held.kind), [])
+                found.append(link.link.name)
+    told = [
+        Remedy(engine, configuration, tuple(names), text, line)
+        for (engine, configuration, kind), names in wrong.items()
+        for text, line in _of_kind(engine, configuration, kind)
+    ]
+    return [*_of_refusals(inspection), *told]
+
+
+def line_without_rotation(link: InspectedLink, held: Held) -> str:
+    """The link's inertial in its own axes, as XML, where an engine loses the turn; else empty."""
+    if held.kind != "rotation lost" or link.link.stated is None:
+        return ""
+    return inertial_line(link.link.stated)
+
+
+def inertial_line(stated: Stated) -> str:
+    """What a file states of a link, without a rotation: every reader takes this alike."""
+    tensor = stated.inertia
+    entries = {
+        f"i{a}{b}": tensor[i, j] for i, a in enumerate("xyz") for j, b in enumerate("xyz") if i <= j
+    }
+    written = " ".join(f'{key}="{float(value)!r}"' for key, value in entries.items())
+    return (
+        f'<inertial><origin xyz="{_decimals(stated.com)}"/>'
+        f'<mass value="{float(stated.mass)!r}"/><inertia {written}/></inertial>'
+    )
+
+
+def _decimals(values: FloatArray) -> str:
+    return " ".join(repr(float(value)) for value in values)
+
+
+def _of_kind(engine: str, configuration: str, kind: Kind) -> Iterator[tuple[str, str]]:
+    base, at, _ = engine.partition("@")
+    if kind == "made up":
+        for known in model_readers()[base].configurations:
+            if known.name == configuration and known.remedy:
+                yield known.remedy, ""
+    elif kind == "nothing stated":
+        yield "state in the file that these links have no mass", NO_INERTIA
+    elif kind == "no tensor":
+        yield "state a tensor in the file: these links have a mass alone", ""
+    elif kind == "zero":
+        yield "correct the tensor in the file: the engine takes none that no body has", ""
+    elif kind == "rotation lost":
+        newer = ", or use a newer version" if at else ""
+        yield f"write the tensor along the link's axes, without 'rpy'{newer}", ""
+    elif kind == "sum" and base == "mujoco":
+        newer = ", or use a newer version" if at else ""
+        line = '<mujoco><compiler fusestatic="false"/></mujoco>'
+        yield f"keep links from being fused{newer}", line
+
+
+def _of_refusals(inspection: Inspection) -> Iterator[Remedy]:
+    """What makes an engine take a file that it refuses."""
+    impossible = [
+        link.link.name for link in inspection.links if any(p.impossible for p in link.problems)
+    ]
+    massless = [
+        link.link.name
+        for link in inspection.links
+        if link.link.moves and (link.link.stated is None or not link.link.stated.is_physical)
+    ]
+    for (engine, configuration), reason in inspection.refusals.items():
+        who = (engine, configuration)
+        if "A + B >= C" in reason or "positive definite" in reason:
+            yield Remedy(*who, tuple(impossible), "correct the tensors that no body has")
+        elif "mjMINVAL" in reason:
+            yield Remedy(
+                *who,
+                tuple(massless),
+                "give links that move a mass and a tensor; this option gives them small ones",
+                '<mujoco><compiler boundmass="1e-6" boundinertia="1e-9"/></mujoco>',
+            )
