@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from statistics import median_high
 
 from ..pages.analysis.report_data import MethodRuns, ReportData, report_data
-from ..pages.analysis.timesteps import as_shipped, best_choice, row_at, stock_timesteps
+from ..pages.analysis.timesteps import as_shipped, attitudes_at, best_choice, stock_timesteps
 from ..pages.analysis.wording import duration, plural
-from ..results.records import Pair, Row, Verdict, VerdictWord
+from ..results.records import Row, Verdict, VerdictWord
 from ..results.store import Results
 
 WIDTH = 80
@@ -80,7 +80,7 @@ def _at_stock(report: ReportData) -> Iterator[str]:
     errors_of = {
         pair: errors
         for pair in report.pairs
-        if pair[0] in steps and (errors := _attitudes(report, pair, steps[pair[0]]))
+        if pair[0] in steps and (errors := attitudes_at(report, pair, steps[pair[0]]))
     }
     shown = [pair for pair in shipped if pair in errors_of]
     for engine in dict.fromkeys(pair[0] for pair in errors_of):
@@ -96,17 +96,6 @@ def _at_stock(report: ReportData) -> Iterator[str]:
         name = f"{mark} {engine} {method}, {duration(steps[engine])}"
         middle = _degrees(median_high(errors.values()))
         yield f"{name:45}{middle:>8}  {_degrees(errors[worst])} {worst}"[:WIDTH]
-
-
-def _attitudes(report: ReportData, pair: Pair, timestep: float) -> dict[str, float]:
-    """The error in rad by scene, of the runs that were made; infinite where one did not end ok."""
-    errors: dict[str, float] = {}
-    for scene in report.scenes:
-        runs = next((r for r in scene.methods if (r.engine, r.method) == pair), None)
-        row = row_at(runs, "stock", timestep) if runs else None
-        if row is not None and row.made:
-            errors[scene.name] = row.errors.attitude if row.errors else math.inf
-    return errors
 
 
 def _best(report: ReportData) -> Iterator[str]:

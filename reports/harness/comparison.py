@@ -37,6 +37,7 @@ def row_of(
         result.stopped_at,
         uncertainty=solution.uncertainty.omega,
         steps=result.steps,
+        unasked=tuple(sorted(result.active - scenario.called_for)),
     )
     motion = result.trajectory
     if motion is None or not len(motion.t):

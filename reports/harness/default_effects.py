@@ -5,14 +5,37 @@ from collections.abc import Collection
 import numpy as np
 
 from ...engines import Engine, EngineError, Method
-from ...engines.faults import Bounds
+from ...engines.faults import Bounds, clamped_turn
 from ...engines.read_back import READ_BACK_SLACK
 from ...engines.sampling import sample
 from ...reference import Solution
 from ...scenarios import Errors, Scenario, Trajectory, errors_between
 from ..results.default_records import DefaultEffect, DefaultEffects
 from ..results.records import Key
+from ..results.store import Store
+from .convergence_study import ConvergenceStudy
+from .executors import Executor
 from .ladder import Rung
+
+
+def take_defaults_away(study: ConvergenceStudy, executor: Executor, store: Store) -> None:
+    """Store what each default does to the motion, at the coarsest stock timestep that can be run.
+
+    Of an engine's methods as shipped the first has all of its defaults; the others are not asked.
+    """
+    scenario, engine, method = study.scenario, study.engine, study.method
+    first = next(other for other in engine.methods if other.as_shipped)
+    made = [(run.rung, run.solution) for run in study.stock if run.rung and run.solution]
+    if not made or method != first or not engine.defaults(scenario, method):
+        return
+    rung, solution = max(made, key=lambda run: run[0].timestep)
+    speed = float(np.linalg.norm(scenario.start.omega_body))
+    if clamped_turn(speed, rung.timestep, method.max_rotation_per_step):
+        return
+    asked = (scenario, engine, method, rung, solution)
+    found = executor.call_at(engine.site, default_effects, *asked).value
+    if isinstance(found, DefaultEffects):
+        store.put_default_effects(found)
 
 
 def default_effects(

@@ -22,6 +22,7 @@ from ..results.records import UNSOLVED, Key, Row, Verdict
 from ..results.store import Store
 from .choice import Choice
 from .convergence_study import ConvergenceStudy, SingleRun
+from .default_effects import take_defaults_away
 from .executors import CallFailed, Executor, is_environmental, may_succeed_if_repeated
 from .ladder import Ladder, Rung, ladder, single
 from .plan import Plan, SceneLeft
@@ -77,6 +78,8 @@ def study_method(
         store.put_row(row)
     for row in study.refusals():
         store.put_row(row)
+    if method.as_shipped:
+        take_defaults_away(study, executor, store)
     verdict = study.verdict()
     step_limit = choice.max_steps_on(scenario) if study.cut_short else None
     store.put_verdict(verdict, choice.timesteps, step_limit, study.discardable_timesteps())

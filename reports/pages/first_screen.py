@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from statistics import median, median_high
 
 from ..results.records import Pair, Row
+from .analysis.gyroscopic import without_gyroscopic_torque
 from .analysis.report_data import ReportData, SceneRuns
 from .analysis.timesteps import as_shipped, row_at, stock_timesteps
 from .analysis.wording import duration, plural, readable
@@ -16,7 +17,10 @@ from .analysis.work_precision import cost
 COVERING = 0.9
 #: What is said of a default is so on at least so many of the scenes that it gets wrong.
 COMMON = 0.1
-_ACTIVE = "active though the scene does not call for it: "
+#: Engines whose defaults are told one by one, the least wrong; the others in a sentence.
+TOLD = 2
+#: An error of ω, relative, that one default alone is told for.
+NOTICED_OMEGA = 0.01
 
 
 @dataclass(frozen=True)
@@ -77,19 +81,53 @@ def answer(gathered: ReportData, harmless: Collection[str] = frozenset()) -> tup
     there = {one.pair: one for one in tried if one.rows}
     # Of an engine the first: what else is as shipped tells its defaults apart.
     first = {pair[0]: there[pair] for pair in reversed(as_shipped(plain)) if pair in there}
-    shipped = [first[engine] for engine in sorted(first)]
+    shipped = sorted(first.values(), key=lambda one: one.size)
     clean = [one for pair, one in there.items() if pair not in as_shipped(plain)]
     if not shipped:
         return ()
+    told, others = shipped[:TOLD], shipped[TOLD:]
     most = max(len(one.rows) for one in shipped)
-    wrong = [f"{_named(one)} {one}" for one in shipped]
-    instead = [said for one in shipped if (said := _instead(one, clean))]
-    found = [
+    wrong = [f"{_named(one)} {one}" for one in told] + _others(others)
+    instead = [text for one in told if (text := _instead(one, clean))]
+    measured = {one.key.engine for scene in plain.scenes for one in scene.defaults}
+    explained = [one for one in shipped if one in told or one.pair[0] in measured]
+    why = [_why(one, plain.scenes, harmless) for one in explained] + _no_gyroscopic_torque(plain)
+    sentences = [
         Sentence(f"What defaults get wrong (median of {plural(most, 'scene')})", _sentences(wrong)),
         Sentence("What to use instead", _sentences(instead)),
-        Sentence("Why", _sentences([_why(one, plain.scenes, harmless) for one in shipped])),
+        Sentence("Why", _sentences(why)),
     ]
-    return tuple(sentence for sentence in found if sentence.text)
+    return tuple(sentence for sentence in sentences if sentence.text)
+
+
+def _others(shipped: Sequence[_AtStock]) -> list[str]:
+    """The other defaults in short: between which medians they lie, and which mostly blow up."""
+    ended = [one for one in shipped if one.size[0] < math.inf]
+    lost = [one.pair[0] for one in shipped if one not in ended]
+    sentences = []
+    if ended:
+        low, high = (_degrees(one.size[0]) for one in (ended[0], ended[-1]))
+        names = ", ".join(one.pair[0] for one in ended)
+        ranged = low if low == high else f"{low} to {high}"
+        sentences.append(f"The defaults of {names} are {ranged} off")
+    if lost:
+        sentences.append(f"Those of {', '.join(lost)} do not come to the end of most scenes")
+    return sentences
+
+
+def _no_gyroscopic_torque(gathered: ReportData) -> list[str]:
+    """Which engines leave it out, and what comes of that; nothing where none does."""
+    lacking, tried = without_gyroscopic_torque(gathered)
+    if not lacking:
+        return []
+    worst = max(lacking, key=lambda one: one.omega_error)
+    names = ", ".join(one.engine for one in lacking)
+    leave = "leaves" if len(lacking) == 1 else "leave"
+    return [
+        f"{len(lacking)} of {plural(tried, 'engine')} {leave} out the gyroscopic torque as shipped "
+        f"({names}): no free body tumbles, and ω is up to {worst.omega_error:.0%} off, "
+        f"with {worst.engine} on {worst.worst_scene}"
+    ]
 
 
 def _at_stock(gathered: ReportData, pair: Pair, timestep: float) -> _AtStock:
@@ -133,6 +171,8 @@ def _why(shipped: _AtStock, scenes: Sequence[SceneRuns], harmless: Collection[st
     wrong = [name for name, word in verdicts.items() if word in ("disagrees", "diverges", "failed")]
     name = " ".join(shipped.pair)
     good = sum(word == "converges" for word in verdicts.values())
+    if not wrong and not good:
+        return f"The timesteps of {name} were too coarse to tell on all its scenes"
     if not wrong:
         open_ = len(verdicts) - good
         left = f" (on {open_} its timesteps were too coarse to tell)" if open_ else ""
@@ -140,28 +180,47 @@ def _why(shipped: _AtStock, scenes: Sequence[SceneRuns], harmless: Collection[st
             f"{name} goes to the exact motion on {good} of {plural(len(verdicts), 'scene')} as its "
             f"timestep shrinks{left}: its errors are its integrator's"
         )
+    text = f"{name} does not, at any timestep, on {len(wrong)} of {plural(len(verdicts), 'scene')}"
+    told = [scene for scene in scenes if scene.name in wrong]
+    causes = _by_each_default(shipped.pair, told) or _acting(shipped, wrong, harmless)
+    return text + (f": {causes}" if causes else "")
+
+
+def _by_each_default(pair: Pair, scenes: Sequence[SceneRuns]) -> str:
+    """On how many scenes each default by itself puts ω off, where that was measured."""
+    measured = [
+        one
+        for scene in scenes
+        for one in scene.defaults
+        if (one.key.engine, one.key.method) == pair
+    ]
+    counted = Counter(
+        effect.name
+        for found in measured
+        if found.none is not None
+        for effect in found.each
+        if effect.alone is None or effect.alone.omega > max(NOTICED_OMEGA, 2 * found.none.omega)
+    )
+    listed = ", ".join(f"{name} on {amount}" for name, amount in counted.most_common())
+    return f"ω is more than {NOTICED_OMEGA:.0%} off by its {listed}, each alone" if listed else ""
+
+
+def _acting(shipped: _AtStock, wrong: Sequence[str], harmless: Collection[str]) -> str:
+    """What acted unasked, by the engine's own account, on how many of the scenes."""
     rows = [shipped.rows[name] for name in wrong if name in shipped.rows]
-    counted = Counter(cause for row in rows for cause in dict.fromkeys(_causes(row)))
-    causes = [
+    counted = Counter(cause for row in rows for cause in dict.fromkeys(_unasked(row)))
+    return ", ".join(
         f"{cause} ({amount})"
         for cause, amount in counted.most_common()
         if amount > COMMON * len(rows) and cause.removeprefix("a ") not in harmless
-    ]
-    text = f"{name} does not, at any timestep, on {len(wrong)} of {plural(len(verdicts), 'scene')}"
-    return text + (f": {', '.join(causes)}" if causes else "")
+    )
 
 
-def _causes(row: Row) -> Iterator[str]:
-    """What an engine as shipped did besides the scene, in the words of its own report."""
-    if "'inertia_com' reads back" in row.reason:
-        yield "an inertia that is not the file's"
+def _unasked(row: Row) -> Iterator[str]:
+    # Sizes that were measured differ from scene to scene; what has a name does not.
+    yield from (name for name in row.unasked if not any(map(str.isdigit, name)))
     if row.cause == "clamp":
-        yield "velocity clamp"
-    for part in row.reason.split("; "):
-        if part.startswith(_ACTIVE):
-            names = part.removeprefix(_ACTIVE).split(", ")
-            # Sizes that were measured differ from scene to scene; what has a name does not.
-            yield from (name for name in names if not any(map(str.isdigit, name)))
+        yield "a velocity clamp"
 
 
 def _named(one: _AtStock) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..results.records import Pair, Row
 from .analysis.report_data import MethodRuns, ReportData, SceneRuns
-from .analysis.timesteps import AT, as_shipped, best_choice, row_at, stock_timesteps
+from .analysis.timesteps import AT, as_shipped, best_choice, leading, row_at, stock_timesteps
 from .analysis.wording import duration
 from .analysis.work_precision import cost
 from .links import method_anchor, scene_page
@@ -32,6 +32,7 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
     steps = stock_timesteps(gathered)
     shipped = as_shipped(gathered)
     pairs = [*shipped, *(pair for pair in gathered.pairs if pair not in shipped)]
+    first = leading(gathered.plain)
     columns = [
         {
             "engine": engine,
@@ -39,6 +40,7 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
             "label": _label((engine, method), shipped),
             "shipped": (engine, method) in shipped,
             "stock": duration(steps[engine]) if engine in steps else "",
+            "leading": (engine, method) in first,
             "anchor": method_anchor(engine, method),
         }
         for engine, method in pairs

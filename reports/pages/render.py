@@ -1,5 +1,7 @@
 """Writes the report: an overview, a page a scene, and the same as Markdown."""
 
+import base64
+import zlib
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -15,6 +17,7 @@ from ..results.store import Results
 from . import hard_cases, overview, scene_tables
 from .analysis.report_data import ReportData, SceneRuns, report_data
 from .cost_section import LEGEND, cost_section, scene_costs
+from .default_tables import default_tables
 from .figures.figures import figures
 from .first_screen import answer
 from .heat_map import heat_map
@@ -29,7 +32,8 @@ from .stock_table import stock_table
 from .sweep_section import sweep_section, write_sweeps
 
 TEMPLATES = Path(str(files(__package__))) / "templates"
-PLOTLY = "plotly.min.js"
+#: Plotly, deflated: `figures.js` unpacks it.
+PLOTLY = "plotly.js"
 #: Of ours; written as they are.
 ASSETS = (
     "style.css",
@@ -176,6 +180,7 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
             "observables": scene_tables.observables_table(scene),
             "published": scene_tables.published_table(scene.found.scenario),
             "models": _models(scene.found.scenario),
+            "defaults": default_tables(scene),
         }
     return content
 
@@ -192,7 +197,8 @@ def _write_assets(folder: Path) -> None:
     from plotly.offline import get_plotlyjs
 
     folder.mkdir(exist_ok=True)
-    _write(folder / PLOTLY, get_plotlyjs())
+    packed = base64.b64encode(zlib.compress(get_plotlyjs().encode("utf-8"), 9)).decode("ascii")
+    _write(folder / PLOTLY, f'const packedPlotly = "{packed}";\n')
     for name in ASSETS:
         _write(folder / name, (TEMPLATES / name).read_text(encoding="utf-8"))
 

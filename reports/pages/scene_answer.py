@@ -23,7 +23,7 @@ HEADINGS = (
     "method",
     "timestep",
     "attitude off by, °",
-    "more than 1° from",
+    "more than 1° off from",
     "ω error, relative",
     "energy error, relative",
     "CPU s a simulated s",
@@ -128,6 +128,8 @@ def _told(scene: SceneRuns, label: str, row: Row) -> str:
         return f"{run} is off by {attitude_in_degrees(scene, row)}° at worst."
     if not row.made:
         return f"{run} was not run: {row.reason}."
+    if row.outcome == "unsupported":
+        return f"{run} cannot be run: {row.reason}."
     when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
     return f"{run} {row.outcome}{when}."
 
@@ -148,7 +150,7 @@ def _facts(scene: SceneRuns, best: BestChoice) -> list[tuple[str, str]]:
     found = [
         ("engine", f"{best.runs.engine} {best.row.engine_version}"),
         ("integrator", best.runs.method),
-        ("timestep", f"{best.row.timestep:.6g} s"),
+        ("timestep", duration(best.row.timestep)),
         ("attitude error", f"{attitude_in_degrees(scene, best.row)}°"),
         ("ω error", limited(errors.omega, limits.omega)),
     ]

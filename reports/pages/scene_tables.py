@@ -223,8 +223,14 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
         Cell(order(verdict.order), "number", declared if verdict.order is not None else ""),
         Cell(limited(verdict.limit_error, uncertainty), "number", decided),
         stable,
-        reason_of(verdict),
+        Cell(reason_of(verdict), note=_besides(runs)),
     ]
+
+
+def _besides(runs: MethodRuns) -> str:
+    """What an engine as shipped does though the scene does not call for it; else empty."""
+    names = dict.fromkeys(name for row in runs.rows for name in row.unasked)
+    return f"Active though the scene does not call for it: {', '.join(names)}." if names else ""
 
 
 def _summary(runs: MethodRuns) -> str:

@@ -53,6 +53,8 @@ class Row:
     printed : what the engine wrote to the terminal
     stock : whether the timestep is one of those that an engine is run at whatever the scene: its
         own stock timestep, and 1 ms
+    unasked : of an engine as shipped, what acted though the scene does not call for it, by the
+        engine's names
     """
 
     key: Key
@@ -73,6 +75,7 @@ class Row:
     printed: str = ""
     lost: bool = False
     stock: bool = False
+    unasked: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.errors is not None and self.outcome != "ok":

@@ -16,6 +16,7 @@ from ...scenarios import Scenario
 from . import table_records
 from .cost_records import EffectsCost, PassCosts, StepCost
 from .database import Database, put
+from .default_records import DefaultEffects
 from .records import UNSOLVED, Key, Pair, Row, Verdict
 from .result_file import OpenFile, ResultFileError, opened
 from .sweep_records import EnsembleResult, MapResult
@@ -42,7 +43,7 @@ CREATE TABLE scenes (
 CREATE TABLE rows (
     scenario TEXT, engine TEXT, method TEXT, timestep REAL, engine_version TEXT NOT NULL,
     outcome TEXT NOT NULL, reason TEXT NOT NULL, cause TEXT NOT NULL, lost INTEGER NOT NULL,
-    stock INTEGER NOT NULL, stopped_at REAL, errors TEXT, drifts TEXT,
+    stock INTEGER NOT NULL, unasked TEXT NOT NULL, stopped_at REAL, errors TEXT, drifts TEXT,
     uncertainty REAL NOT NULL, steps INTEGER NOT NULL, motion BLOB, printed TEXT NOT NULL,
     checksum TEXT NOT NULL, PRIMARY KEY (scenario, engine, method, timestep));
 CREATE TABLE costs (
@@ -53,6 +54,10 @@ CREATE TABLE costs (
 CREATE TABLE left_out (
     scenario TEXT, engine TEXT, method TEXT, kind TEXT, record TEXT NOT NULL,
     checksum TEXT NOT NULL, PRIMARY KEY (scenario, engine, method, kind));
+-- What each default of an engine as shipped does to the motion: a DefaultEffects, as JSON.
+CREATE TABLE default_effects (
+    scenario TEXT, engine TEXT, method TEXT, record TEXT NOT NULL, checksum TEXT NOT NULL,
+    PRIMARY KEY (scenario, engine, method));
 -- Timesteps are empty for a ladder; the step limit is that of a ladder it cut short, else null.
 CREATE TABLE verdicts (
     scenario TEXT, engine TEXT, method TEXT, timesteps TEXT, verdict TEXT NOT NULL,
@@ -61,7 +66,7 @@ CREATE TABLE verdicts (
     known INTEGER NOT NULL, step_limit INTEGER, checksum TEXT NOT NULL,
     PRIMARY KEY (scenario, engine, method, timesteps));
 """
-_OF_STUDIES = ("rows", "costs", "left_out", "verdicts")
+_OF_STUDIES = ("rows", "costs", "left_out", "default_effects", "verdicts")
 _OF_ENGINES = (*_OF_STUDIES, "points")
 _OF_SCENES = ("fingerprints", "scenes", "sweeps", *_OF_ENGINES)
 _ONE_ENGINE = "scenario = ? AND engine = ?"
@@ -91,6 +96,7 @@ class Results:
     verdicts: list[Verdict]
     effects: list[EffectsCost] = field(default_factory=list)
     passes: list[PassCosts] = field(default_factory=list)
+    defaults: list[DefaultEffects] = field(default_factory=list)
     methods: dict[Pair, Method] = field(default_factory=dict)
     maps: list[MapResult] = field(default_factory=list)
     ensembles: list[EnsembleResult] = field(default_factory=list)
@@ -207,6 +213,11 @@ class Store:
         with self._database.transaction() as connection:
             put(connection, "left_out", table_records.of_left_out(found))
 
+    def put_default_effects(self, found: DefaultEffects) -> None:
+        """Record what each default of a method as shipped does to the motion of a scene."""
+        with self._database.transaction() as connection:
+            put(connection, "default_effects", table_records.of_default_effects(found))
+
     def settled(self, scenario: str, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
         """The verdicts there are on what is asked of a scene; not those a lesser limit cut short.
 
@@ -268,6 +279,10 @@ class Store:
             verdicts=self._verdicts(_asked(timesteps)),
             effects=[found for found in left_out if isinstance(found, EffectsCost)],
             passes=[found for found in left_out if isinstance(found, PassCosts)],
+            defaults=[
+                table_records.default_effects(record)
+                for record in self._select("default_effects", order="scenario, engine, method")
+            ],
             maps=maps,
             ensembles=ensembles,
             methods=dict(table_records.method(record) for record in self._select("methods")),

@@ -15,6 +15,7 @@ from ...reference import Solution
 from ...scenarios import Errors, Scenario, Trajectory, is_scene_name, loads, printable
 from .cost_records import EffectsCost, PassCost, PassCosts, Ratio, StepCost
 from .database import shown
+from .default_records import DefaultEffect, DefaultEffects
 from .motion_blobs import pack, unpack
 from .records import Key, Pair, Row, SignalVerdict, Verdict
 from .result_file import ResultFileError
@@ -66,6 +67,7 @@ def of_row(row: Row) -> dict[str, Any]:
         "errors": json.dumps(asdict(row.errors)) if row.errors else None,
         "lost": row.lost,
         "stock": row.stock,
+        "unasked": json.dumps(row.unasked),
         "drifts": json.dumps(row.drifts) if row.drifts is not None else None,
         "motion": pack(row.motion) if row.motion is not None else None,
     }
@@ -111,6 +113,12 @@ def of_left_out(found: EffectsCost | PassCosts) -> dict[str, Any]:
     return {**record.pop("key"), "kind": type(found).__name__, "record": json.dumps(record)}
 
 
+def of_default_effects(found: DefaultEffects) -> dict[str, Any]:
+    """What each default does to a motion, for the table `default_effects`."""
+    record = asdict(found)
+    return {**record.pop("key"), "record": json.dumps(record)}
+
+
 def as_result_file_error(read: Callable[..., T]) -> Callable[..., T]:
     """Turn what a damaged record raises into one kind of error."""
 
@@ -147,6 +155,7 @@ def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
         errors=_errors(record["errors"]) if record["errors"] else None,
         lost=bool(record["lost"]),
         stock=bool(record["stock"]),
+        unasked=tuple(from_json(record["unasked"], list)),
         drifts=from_json(record["drifts"], dict) if record["drifts"] else None,
         motion=unpack(record["motion"]) if record["motion"] else None,
         seconds_per_step=cost["seconds_per_step"] if cost else None,
@@ -252,6 +261,22 @@ def left_out(record: sqlite3.Row) -> EffectsCost | PassCosts:
         return typed(EffectsCost(key(record), left_out, ratio=typed(ratio), **found))
     passes = tuple(typed(PassCost(**one)) for one in found.pop("passes"))
     return typed(PassCosts(key(record), passes=passes, **found))
+
+
+@as_result_file_error
+def default_effects(record: sqlite3.Row) -> DefaultEffects:
+    """A record of the table `default_effects`."""
+    found = from_json(record["record"], dict)
+
+    def errors(entry: Any) -> Errors | None:
+        return None if entry is None else typed(Errors(**entry))
+
+    each = tuple(
+        typed(DefaultEffect(one["name"], errors(one["alone"]), errors(one["without"])))
+        for one in found["each"]
+    )
+    none, every = errors(found["none"]), errors(found["all"])
+    return typed(DefaultEffects(key(record), found["timestep"], none, every, each))
 
 
 def _errors(text: str) -> Errors:

@@ -12,9 +12,11 @@ from spincheck.reports.results.cost_records import (
     Ratio,
     StepCost,
 )
+from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
 from spincheck.reports.results.records import Key
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.sweep_records import Ensemble, Map, sweep_points
+from spincheck.scenarios import Errors
 
 SCENE = "made-up-top"
 #: Samples of every motion.
@@ -22,6 +24,8 @@ SAMPLES = 5
 SWEPT = "disc"
 KEY = Key(SCENE, "mujoco", "Euler")
 EFFECTS = EffectsCost(KEY, ("contact",), 1e-6, 1.2e-6, Ratio(1.2, 0.02), 1e-3, 1.0, 0.0)
+EXACT = Errors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+DEFAULTS = DefaultEffects(KEY, 0.002, EXACT, None, (DefaultEffect("damping", None, EXACT),))
 PASSES = PassCosts(KEY, 1e-6, 0.01, (PassCost("contact", 0.2, 0.1),))
 MEMBERS = 2
 
@@ -44,6 +48,7 @@ def write(path: Path) -> Path:
         store.put_cost(KEY, "a processor", StepCost(1e-6, 1e-7, 1e-6))
         store.put_left_out(EFFECTS)
         store.put_left_out(PASSES)
+        store.put_default_effects(DEFAULTS)
         _put_sweeps(store)
     return path
 

@@ -9,6 +9,7 @@ from ....engines import Method
 from ....reference import ExactMotion
 from ....scenarios import Errors, ErrorSeries, Scenario, Trajectory, error_series
 from ....scenarios.fastest_rate import fastest_rate
+from ...results.default_records import DefaultEffects
 from ...results.records import Pair, Row, Verdict
 from ...results.store import Results, SceneResult
 from .trace_style import TraceStyle, looks
@@ -67,11 +68,13 @@ class SceneRuns:
     Attributes
     ----------
     found : the scene and its exact motion; None where it could not be solved
+    defaults : of engines as shipped, what each default does to the motion, where that was measured
     """
 
     name: str
     found: SceneResult | None
     methods: tuple[MethodRuns, ...]
+    defaults: tuple[DefaultEffects, ...] = ()
 
     @property
     def title(self) -> str:
@@ -167,6 +170,7 @@ def report_data(results: Results) -> ReportData:
                 for pair in pairs
                 if (name, pair) in tried or (name, pair) in known
             ),
+            tuple(one for one in results.defaults if one.key.scenario == name),
         )
         for name in names
     )

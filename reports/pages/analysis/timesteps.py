@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from statistics import median_high
 from typing import Literal
 
 from ...harness.stock import COMMON_TIMESTEP
@@ -62,6 +63,36 @@ def as_shipped(gathered: ReportData) -> list[Pair]:
         if runs.declared and runs.declared.as_shipped
     }
     return [pair for pair in gathered.pairs if pair in shipped]
+
+
+def attitudes_at(gathered: ReportData, pair: Pair, timestep: float) -> dict[str, float]:
+    """The attitude error at a stock timestep in rad by scene, of the runs that were made.
+
+    Infinite where one did not end ok.
+    """
+    errors: dict[str, float] = {}
+    for scene in gathered.scenes:
+        runs = next((r for r in scene.methods if (r.engine, r.method) == pair), None)
+        row = row_at(runs, "stock", timestep) if runs else None
+        if row is not None and row.made:
+            errors[scene.name] = row.errors.attitude if row.errors else math.inf
+    return errors
+
+
+def leading(gathered: ReportData) -> list[Pair]:
+    """Of each engine its first method as shipped, and of the others the most accurate in median."""
+    steps, shipped = stock_timesteps(gathered), as_shipped(gathered)
+    first = {engine: (engine, method) for engine, method in reversed(shipped)}
+    middles = {
+        pair: (-len(errors), median_high(errors.values()))
+        for pair in gathered.pairs
+        if pair not in shipped
+        if (errors := attitudes_at(gathered, pair, steps.get(pair[0], COMMON_TIMESTEP)))
+    }
+    best: dict[str, Pair] = {}
+    for pair in sorted(middles, key=lambda one: middles[one]):
+        best.setdefault(pair[0], pair)
+    return [*first.values(), *best.values()]
 
 
 def best_choice(scene: SceneRuns) -> BestChoice | None:

@@ -1,6 +1,7 @@
 // Draws every figure of the page, in the page's colours; chips switch methods on and off.
 (async () => {
   "use strict";
+  if (typeof packedPlotly !== "undefined") await unpackPlotly();
   const packed = typeof spincheck === "undefined" ? null : await spincheck.packed;
   const motions = packed?.motions;
   const plots = [...document.querySelectorAll(".plot")].map((div) => ({
@@ -22,6 +23,19 @@
     modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
     toImageButtonOptions: { format: "svg" },
   };
+
+  // Plotly's source, deflated (RFC 1950) in base64, is run from memory.
+  async function unpackPlotly() {
+    const raw = Uint8Array.from(atob(packedPlotly), (letter) => letter.charCodeAt(0));
+    const stream = new Blob([raw]).stream().pipeThrough(new DecompressionStream("deflate"));
+    const source = new Blob([await new Response(stream).blob()], { type: "text/javascript" });
+    const script = document.createElement("script");
+    script.src = URL.createObjectURL(source);
+    const loaded = new Promise((resolve) => script.addEventListener("load", resolve));
+    document.head.append(script);
+    await loaded;
+    URL.revokeObjectURL(script.src);
+  }
 
   function scopeOf(element) {
     return element.closest("[data-scope]")?.dataset.scope ?? "";
@@ -191,7 +205,7 @@
         if (detail) made("span", detail, cell, "detail");
         if (!note) continue;
         const why = made("details", "", cell, "note");
-        made("summary", "why", why);
+        made("summary", kind ? "why" : "more", why);
         why.append(note);
       }
     }

@@ -17,7 +17,9 @@
   const LIGHT = ["#ffffe5", "#fff3b2", "#fee187", "#fec561", "#fd9f44", "#fb7434", "#ee3423", "#c20325", "#800026"];
   const DARK = ["#1f1235", "#320a5e", "#57106e", "#7c1d6d", "#a32c61", "#c83f4b", "#e65d2f", "#f8850f", "#fcc22c"];
   const dark = matchMedia("(prefers-color-scheme: dark)");
-  const state = { signal: 0, at: 1, find: "", kind: "", tag: "", engine: "", verdict: "", sort: null, up: false };
+  const state = { signal: 0, at: 1, find: "", kind: "", tag: "", engine: "", verdict: "", methods: "all", sort: null, up: false };
+  // More columns do not fit a window; of each engine two are shown then, unless all are asked for.
+  const MOST_COLUMNS = 14;
   const open = new Set();
 
   function element(tag, text, attributes = {}) {
@@ -127,7 +129,7 @@
       best.price === null ? "" : `${number(best.price)} times the CPU time of ${best.default} as shipped`,
     ];
     linked(td, `${scene.page}#${best.anchor}`, "", told.filter(Boolean).join(" · "));
-    td.firstChild.append(chip, `${best.label} ${best.timestep}${price}`);
+    td.firstChild.append(chip, element("span", `${best.label} ${best.timestep}${price}`));
     return td;
   }
   function sceneRow(scene, columns, nested) {
@@ -274,7 +276,8 @@
   function draw() {
     const columns = data.columns
       .map((column, index) => ({ column, index }))
-      .filter(({ column }) => !state.engine || column.engine === state.engine);
+      .filter(({ column }) => !state.engine || column.engine === state.engine)
+      .filter(({ column }) => state.engine || state.methods === "all" || column.leading);
     const thead = element("thead");
     thead.append(...head(columns));
     const tbody = element("tbody");
@@ -312,6 +315,16 @@
   offer("tag", unique(data.scenes.flatMap((scene) => scene.tags)).sort(), "all");
   offer("engine", unique(data.columns.map((column) => column.engine)), "all");
   offer("verdict", Object.keys(data.signs).filter((word) => data.scenes.some((s) => s.cells.some((c) => c?.[0] === word))), "any");
+  if (data.columns.length > MOST_COLUMNS) {
+    state.methods = "";
+    const select = document.getElementById("methods-shown");
+    select.append(element("option", "as shipped, and each engine's best", { value: "" }), element("option", "all methods", { value: "all" }));
+    select.addEventListener("change", () => {
+      state.methods = select.value;
+      draw();
+    });
+    select.parentElement.hidden = false;
+  }
   document.getElementById("find").addEventListener("input", (event) => {
     state.find = event.target.value.trim();
     draw();

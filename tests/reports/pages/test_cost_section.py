@@ -49,7 +49,7 @@ def test_the_first_page_draws_its_profiles(first: Page) -> None:
     assert "profiles" in first.attribute("id")
     assert {Path(src).name for src in first.attribute("src")} == {
         "overview.js",
-        "plotly.min.js",
+        "plotly.js",
         "figures.js",
     }
 

@@ -9,22 +9,22 @@ from made_up import SECONDS_PER_STEP, SIZE, TIMESTEPS, MadeUp, results
 from markdown_text import markdown_tables, plain
 from spincheck.reports.pages.analysis.report_data import ReportData, report_data
 from spincheck.reports.pages.analysis.timesteps import ATTITUDE_WITHIN, best_choice
-from spincheck.reports.pages.first_screen import answer
+from spincheck.reports.pages.first_screen import NOTICED_OMEGA, answer
 from spincheck.reports.pages.heat_map import heat_map
 from spincheck.reports.pages.render import render
-from spincheck.reports.results.records import Row
+from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
+from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.store import Results
+from spincheck.scenarios import Errors
 
 STOCK = TIMESTEPS[1]
 SHIPPED = MadeUp("mujoco", "default", 1)
 CLEAN = MadeUp("mujoco", "Euler", 1)
 SHARP = MadeUp("mujoco", "RK4", 4)
 DYING = MadeUp("pybullet", "default", 1, "diverges", "the state is no longer finite")
+EXACT = Errors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 TRIED = (SHIPPED, CLEAN, SHARP, DYING)
-WHY = (
-    "'inertia_com' reads back as [1], not [2]; active though the scene does not call for it: "
-    "a force of 0.5 N at 0.1 m/s, damping, joint motor"
-)
+UNASKED = ("a force of 0.5 N at 0.1 m/s", "damping", "joint motor")
 
 
 def stocked(**changed) -> Results:
@@ -47,7 +47,14 @@ def stocked(**changed) -> Results:
 
 def _at_stock(row: Row) -> Row:
     row = replace(row, stock=row.timestep == STOCK)
-    return replace(row, reason=WHY) if row.key.engine == "pybullet" else row
+    return replace(row, unasked=UNASKED) if row.key.engine == "pybullet" else row
+
+
+def taken_away(name: str, alone: Errors | None) -> DefaultEffects:
+    """What was measured of one default of PyBullet; without any it is exact."""
+    effect = DefaultEffect(name, alone, EXACT)
+    key = Key("made-up-top", "pybullet", "default")
+    return DefaultEffects(key, STOCK, EXACT, None, (effect,))
 
 
 @pytest.fixture(scope="module")
@@ -101,8 +108,22 @@ def test_why_a_default_is_wrong_is_told_by_name_and_count(gathered):
     why = answer(gathered)[2].text
     assert "mujoco default goes to the exact motion on 2 of 2 scenes" in why
     assert "pybullet default does not, at any timestep, on 2 of 2 scenes" in why
-    assert "an inertia that is not the file's (2), damping (2), joint motor (2)" in why
-    assert "a force of" not in why
+    assert "on 2 of 2 scenes: damping (2), joint motor (2)." in why
+
+
+@pytest.mark.parametrize(
+    ("alone", "is_told"),
+    [
+        (replace(EXACT, omega=2 * NOTICED_OMEGA), True),
+        (replace(EXACT, omega=NOTICED_OMEGA / 2), False),
+        (None, True),
+    ],
+    ids=["off", "hardly", "blown up"],
+)
+def test_a_default_that_was_tried_alone_is_a_reason_if_it_is_noticed(alone, is_told):
+    measured = stocked(defaults=[taken_away("joint motor", alone)])
+    why = answer(report_data(measured))[2].text
+    assert ("ω is more than 1% off by its joint motor on 1, each alone" in why) == is_told
 
 
 def test_what_changes_no_motion_is_no_reason(gathered):

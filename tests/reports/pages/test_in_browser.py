@@ -81,7 +81,7 @@ def open_page(visit: Visit, folder: Path, name: str = "index.html") -> Page:
 
 def open_table(visit: Visit, folder: Path) -> Page:
     """The first page without its figures, which its table does not need."""
-    visit.page.route("**/plotly.min.js", lambda route: route.abort())
+    visit.page.route("**/plotly.js", lambda route: route.abort())
     return open_page(visit, folder)
 
 

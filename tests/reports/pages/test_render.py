@@ -1,6 +1,8 @@
 """The report as files: complete, well formed, self-contained, safe, and the same every time."""
 
+import base64
 import re
+import zlib
 from dataclasses import replace
 from pathlib import Path
 from urllib.parse import unquote
@@ -128,8 +130,10 @@ def test_plotly_is_told_to_send_nothing(folder: Path) -> None:
 
 def test_plotly_is_written_once(folder: Path) -> None:
     written = [path for path in folder.rglob("*") if path.is_file()]
-    large = [path.name for path in written if "plotly.js v" in path.read_text(encoding="utf-8")]
-    assert large == ["plotly.min.js"]
+    large = [path for path in written if "packedPlotly =" in path.read_text(encoding="utf-8")]
+    assert [path.name for path in large] == ["plotly.js"]
+    packed = large[0].read_text(encoding="utf-8").split('"')[1]
+    assert b"plotly.js v" in zlib.decompress(base64.b64decode(packed))[:1000]
 
 
 def test_what_users_wrote_stays_text(pages: dict[str, Page], folder: Path) -> None:

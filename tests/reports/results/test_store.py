@@ -11,6 +11,7 @@ import pytest
 from forging import forge
 from spincheck.reference import Solution
 from spincheck.reports.results.cost_records import StepCost
+from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
 from spincheck.reports.results.records import Key, Row, SignalVerdict, Verdict
 from spincheck.reports.results.result_file import FORMAT, ResultFileError
 from spincheck.reports.results.store import open_store
@@ -43,6 +44,7 @@ def row() -> Row:
         motion=motion(),
         printed="a warning",
         stock=True,
+        unasked=("damping", "joint motor"),
     )
 
 
@@ -82,6 +84,14 @@ def test_a_verdict_comes_back(path):
     with open_store(path, create=True) as store:
         store.put_verdict(verdict)
         assert store.read().verdicts == [verdict]
+
+
+def test_what_each_default_does_comes_back(path):
+    each = (DefaultEffect("damping", ERRORS, None), DefaultEffect("clamp", None, ERRORS))
+    measured = DefaultEffects(KEY, 0.002, ERRORS, None, each)
+    with open_store(path, create=True) as store:
+        store.put_default_effects(measured)
+        assert store.read().defaults == [measured]
 
 
 def test_a_scene_comes_back_with_its_truth(path):

@@ -1,0 +1,87 @@
+"""What the page of a scene says of each default of an engine as shipped, one at a time."""
+
+import math
+from dataclasses import dataclass
+
+from ...scenarios import Errors
+from ..results.default_records import DefaultEffects
+from .analysis.report_data import SceneRuns
+from .analysis.wording import NOTHING, duration, limited
+from .tables import Cell, Table, figure, table
+
+#: An error of ω this many times that with no default, and this large, is an effect of the default.
+NOTICED, NEGLIGIBLE = 1.5, 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class DefaultsTold:
+    """One engine as shipped.
+
+    Attributes
+    ----------
+    label : engine, method and timestep
+    sentence : which default does most
+    """
+
+    label: str
+    sentence: str
+    table: Table
+
+
+def default_tables(scene: SceneRuns) -> list[DefaultsTold]:
+    """One for each engine whose defaults were taken away one by one."""
+    return [
+        DefaultsTold(
+            f"{measured.key.engine} {measured.key.method} at {duration(measured.timestep)}",
+            _sentence(measured),
+            _table(scene, measured),
+        )
+        for measured in scene.defaults
+    ]
+
+
+def _table(scene: SceneRuns, measured: DefaultEffects) -> Table:
+    headings = [
+        f"{error} {which}"
+        for which in ("with it alone", "with all others")
+        for error in ("attitude, °,", "ω, relative,", "energy, relative,")
+    ]
+    pairs = [(one.name, one.alone, one.without) for one in measured.each]
+    rows = [
+        [Cell(name, "name"), *_errors(scene, alone), *_errors(scene, without)]
+        for name, alone, without in [*pairs, ("no default, and all", measured.none, measured.all)]
+    ]
+    return table(("default", *headings), rows)
+
+
+def _sentence(measured: DefaultEffects) -> str:
+    """Which of them, alone, is more wrong in ω than none at all."""
+    if measured.none is None:
+        return "The run does not come to its end without any of them."
+    least = max(NOTICED * measured.none.omega, NEGLIGIBLE)
+    sizes = {one.name: _size(one.alone) for one in measured.each}
+    effective = sorted((name for name in sizes if sizes[name] > least), key=lambda n: -sizes[n])
+    if not effective:
+        return "None of them alone alters the motion by more than the timestep does."
+    idle = [name for name in sizes if name not in effective]
+    text = f"The {effective[0]} alters ω most"
+    if len(effective) > 1:
+        text += f", then the {' and the '.join(effective[1:])}"
+    return text + (f"; the {' and the '.join(idle)} by nothing to speak of." if idle else ".")
+
+
+def _size(errors: Errors | None) -> float:
+    return math.inf if errors is None else errors.omega
+
+
+def _errors(scene: SceneRuns, errors: Errors | None) -> list[Cell]:
+    """In attitude, ω and energy, as they may be claimed."""
+    if errors is None:
+        return [Cell("diverged", "diverged"), figure(NOTHING), figure(NOTHING)]
+    assert scene.found is not None, "defaults are measured of solved scenes"
+    known = scene.found.solution.uncertainty
+    return [
+        figure(limited(math.degrees(errors.attitude), math.degrees(known.attitude))),
+        figure(limited(errors.omega, known.omega)),
+        figure(limited(errors.energy, known.energy)),
+    ]
