@@ -41,6 +41,7 @@ class Method:
     max_rotation_per_step : rad; beyond it the engine silently clamps, so it is not run
     as_shipped : the engine with all its defaults: how it differs from the scene is reported as a
         remark, and does not fail a run
+    by_angles : whether a first-order rule steps the attitude of a held body as roll, pitch and yaw
     """
 
     name: str
@@ -51,6 +52,7 @@ class Method:
     requires: frozenset[str] = frozenset()
     max_rotation_per_step: float = np.inf
     as_shipped: bool = False
+    by_angles: bool = False
 
 
 @dataclass(frozen=True)
@@ -220,7 +222,8 @@ class Engine(ABC):
                     return ended("failed", unlike[0].complaint, "read-back")
                 arm = held[0].com if scenario.has_pivot else None
                 decay = scenario.drag / float(scenario.body.principal_moments[0])
-                bounds = Bounds(timestep, most, slack, decay, arm)
+                by_angles = method.by_angles and scenario.has_pivot
+                bounds = Bounds(timestep, most, slack, decay, arm, by_angles)
                 sampled = sample(session, sample_steps, bounds)
                 audited = audit(session, scenario, sampled)
         except UnsupportedError as error:

@@ -27,6 +27,7 @@ class Bounds:
     round_off : of a state that is read, relative
     decay : 1/s, the fastest rate at which drag slows the body
     arm : m, body axes, from the pivot to the com, (3,); None where nothing holds the body
+    by_angles : whether a first-order rule steps the attitude as roll, pitch and yaw
     """
 
     timestep: float
@@ -34,6 +35,7 @@ class Bounds:
     round_off: float
     decay: float = 0.0
     arm: FloatArray | None = None
+    by_angles: bool = False
 
 
 def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
@@ -56,7 +58,8 @@ def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
         yield Fault(_first(clamped), "clamp", clamped_turn(speed, timestep, bounds.most_turn))
     if bounds.arm is not None:
         yield from _pivot_faults(states, bounds.arm)
-    yield from turn_faults(reading, timestep, bounds.round_off, bounds.decay)
+    decay, by_angles = bounds.decay, bounds.by_angles
+    yield from turn_faults(reading, timestep, bounds.round_off, decay, by_angles)
 
 
 def clamped_turn(speed: float, timestep: float, most: float) -> str:

@@ -6,7 +6,9 @@ rules take one or the other, those of higher order something in between, a multi
 beyond the one by half their difference; where drag stops the body within a step, the ω in between
 is another still, by as much as drag takes. Where ω does not change, what is left is how well the
 rule follows a rotation about a fixed axis: the coarsest there is, q (1, hω/2) normalised, and
-Cayley's rule alike turn by 2 atan(h|ω|/2), short of h|ω| by (h|ω|)³/12 at most.
+Cayley's rule alike turn by 2 atan(h|ω|/2), short of h|ω| by (h|ω|)³/12 at most. A first-order rule
+that steps roll, pitch β and yaw instead is off by (h|ω|/cos β)²/2, about any axis: by the second
+derivative of the rotation, where no angle changes faster than |ω|/cos β.
 """
 
 from collections.abc import Iterator
@@ -43,7 +45,7 @@ class Reading:
 
 
 def turn_faults(
-    reading: Reading, timestep: float, round_off: float, decay: float
+    reading: Reading, timestep: float, round_off: float, decay: float, by_angles: bool
 ) -> Iterator[Fault]:
     """The first state whose attitude does not follow from the one a step before, and a reset.
 
@@ -52,6 +54,7 @@ def turn_faults(
     timestep : s
     round_off : rad, of an attitude that is read
     decay : 1/s, of ω by drag
+    by_angles : whether a first-order rule steps the attitude as roll, pitch and yaw
     """
     with np.errstate(all="ignore"):
         yield from _resets(reading)
@@ -59,7 +62,7 @@ def turn_faults(
         is_sound = _is_sound(reading.states)
         pairs = pairs[is_sound[pairs] & is_sound[pairs + 1]]
         if len(pairs):
-            yield from _turns(reading, pairs, timestep, round_off, decay)
+            yield from _turns(reading, pairs, timestep, round_off, decay, by_angles)
 
 
 def _turns(
@@ -68,6 +71,7 @@ def _turns(
     timestep: float,
     round_off: float,
     decay: float,
+    by_angles: bool,
 ) -> Iterator[Fault]:
     states = reading.states
     q_world_body = states.q_world_body_wxyz
@@ -83,6 +87,10 @@ def _turns(
     np.maximum(change[:-1], own_change[1:], out=change[:-1])
     change += decay * timestep * fastest
     allowed = change + ATAN * timestep**2 * fastest**3 + round_off / timestep
+    if by_angles:
+        w, x, y, z = q_world_body[pairs].T
+        cos_pitch_squared = 1 - (2 * (w * y - x * z)) ** 2
+        allowed += timestep / 2 * fastest**2 / cos_pitch_squared
     bad = (norms(rate_body - said_body) > allowed) & (fastest * timestep < FURTHEST)
     if not bad.any():
         return

@@ -22,7 +22,7 @@ TIMESTEP = 1e-3
 ODD_STEPS, ODD_TIMESTEP = 115, 1e-4
 #: s, and steps over it at which a method of this order is in its asymptotic range.
 SPAN = 0.25
-COARSEST = {1: 1024, 2: 128, 3: 32, 4: 16}
+COARSEST = {1: 1024, 2: 128, 3: 128, 4: 16, 5: 32}
 #: How far an order may fall short of the declared one, as for the verdict of a ladder.
 ORDER_SLACK = 0.25
 #: Differences that an order is read off are this many roundings, at the least.

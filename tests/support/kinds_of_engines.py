@@ -4,7 +4,18 @@ from spincheck.engines import Engine, engines, missing
 from spincheck.engines.child import ChildEngine
 
 #: Optional engines of which a name stands in a test; each is run where it is there.
-OPTIONAL = ("cannon-es", "exudyn", "havok", "jolt", "physx", "rapier3d", "rapier3d-js")
+OPTIONAL = (
+    "cannon-es",
+    "dartpy",
+    "drake",
+    "exudyn",
+    "havok",
+    "jolt",
+    "physx",
+    "pin",
+    "rapier3d",
+    "rapier3d-js",
+)
 
 
 def required_engines() -> list[Engine]:

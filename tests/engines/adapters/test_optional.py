@@ -78,14 +78,23 @@ def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
         assert said == ""
 
 
-@pytest.mark.parametrize("method", ["RK44", "TrapezoidalIndex2"])
+@pytest.mark.parametrize(
+    ("name", "method"),
+    [
+        ("dartpy", "semi-implicit"),
+        ("drake", "runge_kutta3"),
+        ("exudyn", "RK44"),
+        ("exudyn", "TrapezoidalIndex2"),
+        ("pin", "semi-implicit"),
+    ],
+)
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
-def test_exudyn_keeps_the_contract(check: Check, method: str) -> None:
-    """Of its methods one that is explicit and one that solves for its step."""
-    if reason := why_missing("exudyn"):
+def test_it_keeps_the_contract(check: Check, name: str, method: str) -> None:
+    """Of each engine in double precision one method of a kind."""
+    if reason := why_missing(name):
         pytest.skip(reason)
-    exudyn = engines()["exudyn"]
-    check(exudyn, exudyn.method(method))
+    engine = engines()[name]
+    check(engine, engine.method(method))
 
 
 def test_nothing_optional_is_imported_before_a_scene_is_opened() -> None:

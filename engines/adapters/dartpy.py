@@ -1,0 +1,158 @@
+"""DART, multibody dynamics in joint coordinates, in double precision.
+
+What it does to a top by default, and how each effect was measured: docs/engines-more.md.
+"""
+
+from importlib import import_module
+from importlib.metadata import version
+from typing import Any, final
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ...scenarios import EFFECTS, FloatArray, Scenario
+from ..engine import Engine, Method
+from ..read_back import BodyReading, EngineError, State
+from ..session import Session
+
+ALL_EFFECTS = frozenset(EFFECTS)
+TORQUES = frozenset({"torque_body", "torque_world"})
+#: Coordinates that turn the body; they are a joint's first.
+TURNING = 3
+#: Of a torque that went through two rotations, relative.
+SLACK = 16 * float(np.finfo(float).eps)
+
+
+@final
+class Dart(Engine):
+    """A body on a free joint, or on a ball joint at its pivot."""
+
+    name = "dartpy"
+    package = "dartpy"
+    # getTimeStep() of a new World.
+    stock_timestep = 1e-3
+    methods = (
+        Method("semi-implicit", 1, 1, "semi-implicit Euler in joint coordinates", ALL_EFFECTS),
+        Method("default", 1, 1, "as shipped: may fall asleep", ALL_EFFECTS, as_shipped=True),
+    )
+
+    @property
+    def version(self) -> str:
+        """Of the installed package."""
+        return version("dartpy")
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        """Build a world with the body on its joint."""
+        return DartSession(scenario, method.as_shipped, timestep)
+
+
+@final
+class DartSession(Session):
+    """One body in a world of its own; its frame is the scene's body frame."""
+
+    def __init__(self, scenario: Scenario, as_shipped: bool, timestep: float) -> None:
+        dart: Any = import_module("dartpy")
+        self._scenario = scenario
+        self._world = dart.simulation.World("spincheck")
+        self._world.setTimeStep(timestep)
+        # It takes no array that is read-only, as the scene's are.
+        self._world.setGravity(np.array(scenario.gravity_world))
+        if not as_shipped:
+            deactivation = self._world.getDeactivationOptions()
+            deactivation.mEnabled = False
+            self._world.setDeactivationOptions(deactivation)
+        skeleton = dart.dynamics.Skeleton("top")
+        kind = "Ball" if scenario.has_pivot else "Free"
+        self._joint, self._body = getattr(skeleton, f"create{kind}JointAndBodyNodePair")()
+        body = scenario.body
+        com, inertia_com = np.array(body.com), np.array(body.inertia_com)
+        self._body.setInertia(dart.dynamics.Inertia(body.mass, com, inertia_com))
+        for coordinate in range(TURNING):
+            self._joint.setDampingCoefficient(coordinate, scenario.drag)
+        _set_start(dart, self._joint, scenario)
+        self._world.addSkeleton(skeleton)
+
+    def read_body(self) -> BodyReading:
+        """As the body node holds it, from the joint."""
+        held = self._body.getInertia()
+        com, inertia = np.array(held.getLocalCOM()), np.array(held.getMoment())
+        return BodyReading(float(held.getMass()), com, inertia)
+
+    def read_state(self) -> State:
+        """The state now."""
+        body = self._body
+        R_world_body = np.array(body.getWorldTransform().rotation())
+        if not np.isfinite(R_world_body).all():
+            raise EngineError("the state is no longer finite", "not-finite")
+        return State(
+            Rotation.from_matrix(R_world_body).as_quat(scalar_first=True),
+            np.array(body.getSpatialVelocity()[:TURNING]),
+            np.array(body.getCOM()),
+            np.array(body.getCOMLinearVelocity()),
+        )
+
+    def advance(self, steps: int) -> None:
+        """A torque is forgotten after each step, and given anew."""
+        world, pushed = self._world, bool(self._scenario.called_for & TORQUES)
+        for _ in range(steps):
+            if pushed:
+                self._push()
+            world.step()
+
+    def check(self) -> None:
+        """A state that is not finite raises when it is read."""
+
+    def active(self) -> frozenset[str]:
+        """What acts, as world, joint and body node tell it."""
+        world, joint, scenario = self._world, self._joint, self._scenario
+        gravity = np.array(world.getGravity()) * self._body.getGravityMode()
+        right = np.array_equal(gravity, scenario.gravity_world)
+        count = joint.getNumDofs()
+        damping = [joint.getDampingCoefficient(k) for k in range(count)]
+        is_drag = damping == [scenario.drag] * TURNING + [0.0] * (count - TURNING)
+        torque, wanted = self._push(), self._torque()
+        pushes = np.linalg.norm(torque - wanted) <= SLACK * np.linalg.norm(wanted)
+        named = {
+            "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
+            "drag" if is_drag else f"a joint damping of {damping} N m s": any(damping),
+            "pivot": joint.getType() == "BallJoint",
+            f"a torque of {torque.tolist()} N m": not pushes,
+            "springs": any(joint.getSpringStiffness(k) for k in range(count)),
+            "deactivation": world.getDeactivationOptions().mEnabled,
+            "a collision shape": self._body.getNumShapeNodes() > 0,
+        }
+        acting = frozenset(name for name, acts in named.items() if acts)
+        return acting | (scenario.called_for & TORQUES if torque.any() else frozenset())
+
+    def close(self) -> None:
+        """Drop the world."""
+        del self._body, self._joint, self._world
+
+    def _push(self) -> FloatArray:
+        """Give the scene's torques; what the body node holds of them, N m, world axes."""
+        body, scenario = self._body, self._scenario
+        body.clearExternalForces()
+        body.addExtTorque(np.array(scenario.torque_body), True)
+        body.addExtTorque(np.array(scenario.torque_world), False)
+        return np.array(body.getExternalForceGlobal()[:TURNING])
+
+    def _torque(self) -> FloatArray:
+        """The same as the scene has it."""
+        R_world_body = np.array(self._body.getWorldTransform().rotation())
+        return np.asarray(R_world_body @ self._scenario.torque_body + self._scenario.torque_world)
+
+
+def _set_start(dart: Any, joint: Any, scenario: Scenario) -> None:
+    start, com = scenario.start, np.array(scenario.body.com)
+    attitude = Rotation.from_quat(start.q_world_body_wxyz, scalar_first=True)
+    if scenario.has_pivot:
+        joint.setPositions(attitude.as_rotvec())
+        joint.setVelocities(np.array(start.omega_body))
+        return
+    R_world_body = attitude.as_matrix()
+    origin = start.position_world - R_world_body @ com
+    joint.setTransform(dart.math.Isometry3(R_world_body, origin))
+    world, body = dart.dynamics.Frame.World(), joint.getChildBodyNode()
+    swing = np.cross(start.omega_body, com)
+    velocity_body = R_world_body.T @ start.velocity_world - swing
+    joint.setSpatialVelocity(np.array([*start.omega_body, *velocity_body]), world, body)

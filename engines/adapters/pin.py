@@ -1,0 +1,184 @@
+"""Pinocchio, rigid-body dynamics without integrators of its own, in double precision.
+
+What is judged is its forward dynamics (articulated-body algorithm), stepped as its examples do and
+by a Runge-Kutta rule. How each effect was measured: docs/engines-more.md.
+"""
+
+from importlib import import_module
+from importlib.metadata import version
+from typing import Any, final
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ...scenarios import EFFECTS, FloatArray, Scenario
+from ..engine import Engine, Method
+from ..read_back import BodyReading, EngineError, State
+from ..session import Session
+
+ALL_EFFECTS = frozenset(EFFECTS)
+#: Of the classical Runge-Kutta rule (Hairer, Nørsett & Wanner I, II.1): where stages stand in the
+#: step, and a sixth of what they weigh.
+STAGES = ((0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0))
+
+
+@final
+class Pinocchio(Engine):
+    """A body on a free-flyer joint, or on a spherical joint at its pivot."""
+
+    name = "pin"
+    package = "pinocchio"
+    methods = (
+        Method("semi-implicit", 1, 1, "aba, then integrate with the new velocity", ALL_EFFECTS),
+        Method("RK4", 4, 4, "aba, in classical Runge-Kutta steps of its state", ALL_EFFECTS),
+        Method(
+            "default",
+            1,
+            1,
+            "the loop of its examples, which is semi-implicit: it has no integrator",
+            ALL_EFFECTS,
+            as_shipped=True,
+        ),
+    )
+
+    @property
+    def version(self) -> str:
+        """Of the installed package."""
+        return version("pin")
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        """Build a model of one joint and its body."""
+        return PinocchioSession(scenario, method.name, timestep)
+
+
+@final
+class PinocchioSession(Session):
+    """One body; its joint's frame is the scene's body frame.
+
+    Of a free body q is where its origin is, then its attitude x y z w, and v the origin's velocity
+    along body axes, then ω; on a pivot they are attitude and ω alone.
+    """
+
+    def __init__(self, scenario: Scenario, method: str, timestep: float) -> None:
+        self._pin: Any = import_module("pinocchio")
+        pin, body = self._pin, scenario.body
+        self._scenario, self._timestep = scenario, timestep
+        self._step = self._runge_kutta if method == "RK4" else self._semi_implicit
+        self._model = pin.Model()
+        joint = pin.JointModelSpherical() if scenario.has_pivot else pin.JointModelFreeFlyer()
+        number = self._model.addJoint(0, joint, pin.SE3.Identity(), "top")
+        held = pin.Inertia(body.mass, np.array(body.com), np.array(body.inertia_com))
+        self._model.appendBodyToJoint(number, held, pin.SE3.Identity())
+        self._model.gravity.linear = np.array(scenario.gravity_world)
+        self._data = self._model.createData()
+        self._q, self._v = _start(scenario)
+
+    def read_body(self) -> BodyReading:
+        """As the model holds it, from the joint."""
+        held = self._model.inertias[1]
+        return BodyReading(float(held.mass), np.array(held.lever), np.array(held.inertia))
+
+    def read_state(self) -> State:
+        """The state now."""
+        if not (np.isfinite(self._q).all() and np.isfinite(self._v).all()):
+            raise EngineError("the state is no longer finite", "not-finite")
+        lever = self._model.inertias[1].lever
+        self._pin.forwardKinematics(self._model, self._data, self._q, self._v)
+        placed, moving = self._data.oMi[1], self._data.v[1]
+        R_world_body, omega_body = np.array(placed.rotation), np.array(moving.angular)
+        x, y, z, w = self._q[-4:]
+        return State(
+            np.array((w, x, y, z)) / np.linalg.norm(self._q[-4:]),
+            omega_body,
+            np.asarray(placed.act(lever)),
+            R_world_body @ (moving.linear + np.cross(omega_body, lever)),
+        )
+
+    def advance(self, steps: int) -> None:
+        """One step after another: there is no native loop."""
+        for _ in range(steps):
+            self._step()
+
+    def check(self) -> None:
+        """A state that is not finite raises when it is read."""
+
+    def active(self) -> frozenset[str]:
+        """Gravity and pivot as the model has them; torques are what is given to `aba`."""
+        model, scenario = self._model, self._scenario
+        gravity = np.array(model.gravity.vector)
+        right = np.array_equal(gravity, [*scenario.gravity_world, 0.0, 0.0, 0.0])
+        named = {
+            "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
+            "pivot": model.joints[1].shortname() == "JointModelSpherical",
+            "more bodies": model.njoints > 2,
+            "drag": scenario.drag > 0,
+            "torque_body": scenario.torque_body.any(),
+            "torque_world": scenario.torque_world.any(),
+            "armature": model.armature.any(),
+            "joint friction": model.damping.any() or model.friction.any(),
+        }
+        return frozenset(name for name, acts in named.items() if acts)
+
+    def close(self) -> None:
+        """Drop the model."""
+        del self._data, self._model
+
+    def _semi_implicit(self) -> None:
+        self._v = self._v + self._timestep * self._acceleration(self._q, self._v)
+        self._q = self._pin.integrate(self._model, self._q, self._timestep * self._v)
+
+    def _runge_kutta(self) -> None:
+        """Of place, quaternion and velocity, which are numbers like any other."""
+        h, q, v = self._timestep, self._q, self._v
+        q_rate, v_rate = np.zeros_like(q), np.zeros_like(v)
+        q_gain, v_gain = np.zeros_like(q), np.zeros_like(v)
+        for at, weight in STAGES:
+            stage_q, stage_v = _normalised(q + at * h * q_rate), v + at * h * v_rate
+            q_rate = _rate(stage_q, stage_v)
+            v_rate = self._acceleration(stage_q, stage_v)
+            q_gain += weight * q_rate
+            v_gain += weight * v_rate
+        self._q, self._v = _normalised(q + h / 6 * q_gain), v + h / 6 * v_gain
+
+    def _acceleration(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        scenario = self._scenario
+        push = np.zeros_like(v)
+        push[-3:] = scenario.torque_body - scenario.drag * v[-3:]
+        if scenario.torque_world.any():
+            push[-3:] += _matrix(q).T @ scenario.torque_world
+        return np.asarray(self._pin.aba(self._model, self._data, q, v, push))
+
+
+def _start(scenario: Scenario) -> tuple[FloatArray, FloatArray]:
+    """Coordinates and velocities of the joint."""
+    start, com = scenario.start, scenario.body.com
+    w, x, y, z = start.q_world_body_wxyz
+    q = np.array((x, y, z, w))
+    if scenario.has_pivot:
+        return q, np.array(start.omega_body)
+    R_world_body = _matrix(q)
+    origin_velocity = R_world_body.T @ start.velocity_world - np.cross(start.omega_body, com)
+    origin = start.position_world - R_world_body @ com
+    return np.array([*origin, *q]), np.array([*origin_velocity, *start.omega_body])
+
+
+def _matrix(q: FloatArray) -> FloatArray:
+    return np.asarray(Rotation.from_quat(q[-4:]).as_matrix())
+
+
+def _rate(q: FloatArray, v: FloatArray) -> FloatArray:
+    """How coordinates change: of the quaternion half its product with ω."""
+    (x, y, z, w), (a, b, c) = q[-4:], v[-3:]
+    turning = (
+        w * a + y * c - z * b,
+        w * b + z * a - x * c,
+        w * c + x * b - y * a,
+        -x * a - y * b - z * c,
+    )
+    moving = _matrix(q) @ v[:-3] if len(q) > len(turning) else ()
+    return np.array([*moving, *(part / 2 for part in turning)])
+
+
+def _normalised(q: FloatArray) -> FloatArray:
+    q[-4:] /= np.linalg.norm(q[-4:])
+    return q
