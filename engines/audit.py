@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from ..scenarios import Scenario
+from .fault import ENVIRONMENTAL
 from .read_back import EngineError
 from .sampling import Sampled
 from .session import Session
@@ -23,12 +24,20 @@ class Audit:
 
 
 def audit(session: Session, scenario: Scenario, sampled: Sampled) -> Audit:
-    """Audit a session whose run has ended; only of a run that is ok anything is said."""
+    """Audit a session whose run has ended; only of a run that is ok anything is said.
+
+    Raises
+    ------
+    EngineError
+        If the machine is to blame that it cannot be audited.
+    """
     if sampled.outcome == "failed":
         return Audit()
     try:
         active = session.active()
     except EngineError as error:
+        if error.cause in ENVIRONMENTAL:
+            raise
         # A run that blew up may have taken the engine with it.
         return Audit(differs=f"cannot be audited: {error}" if sampled.outcome == "ok" else "")
     return Audit(active, _differs(active, scenario.called_for) if sampled.outcome == "ok" else "")

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..scenarios import Scenario, Trajectory
 from .audit import audit
-from .fault import Cause
+from .fault import ENVIRONMENTAL, Cause
 from .faults import Bounds, clamped_turn
 from .first_steps import equation_residuals
 from .read_back import (
@@ -179,6 +179,11 @@ class Engine(ABC):
 
         Empty also for an engine as shipped, which need not obey them, and where the engine raises
         an `EngineError` before these steps are done.
+
+        Raises
+        ------
+        EngineError
+            If the machine is to blame for that.
         """
         if method.as_shipped or self.unsupported(scenario, method):
             return ""
@@ -189,7 +194,9 @@ class Engine(ABC):
                 scenario,
                 float(np.finfo(numbers).eps),
             )
-        except EngineError:
+        except EngineError as error:
+            if error.cause in ENVIRONMENTAL:
+                raise
             return ""
         return "; ".join(said)
 

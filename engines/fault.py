@@ -39,9 +39,11 @@ Cause = Literal[
     "law",
 ]
 
+#: What lies in the machine, not in the engine: the run may succeed if it is made again.
+ENVIRONMENTAL: frozenset[Cause] = frozenset({"killed", "environment"})
 #: What no smaller timestep can mend: such a run has failed, and not only diverged.
-WRONG_AT_ANY_TIMESTEP: frozenset[Cause] = frozenset(
-    {"clock", "frozen", "late", "frames", "crash", "time-out", "killed", "protocol"}
+WRONG_AT_ANY_TIMESTEP: frozenset[Cause] = ENVIRONMENTAL | frozenset(
+    {"clock", "frozen", "late", "frames", "crash", "time-out", "protocol"}
 )
 
 

@@ -125,6 +125,9 @@ def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], _Block]:
         if blown_up and error.cause not in WRONG_AT_ANY_TIMESTEP:
             return snapshots, _Block(nothing, "diverged", str(error), error.cause or blown_up)
         return snapshots, _Block(nothing, "failed", str(error), error.cause or "refused")
+    except (OSError, MemoryError):
+        # The machine's, perhaps; whoever made the call can tell.
+        raise
     except Exception as error:  # A bug in an adapter costs the rest of the run, not its beginning.
         return snapshots, _Block(nothing, "failed", f"{type(error).__name__}: {error}", "bug")
     return snapshots, _Block(nothing)

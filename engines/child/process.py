@@ -5,23 +5,25 @@ of it is quoted where the process dies.
 """
 
 import atexit
+import errno
 import json
 import os
 import selectors
-import signal
 import subprocess
 import time
 from collections.abc import Sequence
 from contextlib import suppress
 from typing import Any, TypeVar
 
-from ..fault import Cause
+import psutil
+
+from ..lost_process import cpu_seconds, death, is_stopped, wait_for_answer
 from ..read_back import EngineError
 from .messages import Answer, Hello, Misanswer, Refusal, parse
 
 #: Names the descriptor that a child writes its answers to.
 ANSWERS = "SPINCHECK_ANSWERS"
-#: s of wall time that an answer may take; one of a few thousand steps takes a fraction of one.
+#: s of CPU time that an answer may take; one of a few thousand steps takes a fraction of one.
 ANSWER_LIMIT = 60.0
 #: s that a child has to end once its standard input has.
 END_LIMIT = 1.0
@@ -33,11 +35,10 @@ PIPE_SIZE = 1 << 16
 LAST_LINE = 200
 #: Bytes of what it printed that are kept, from its end.
 KEPT_OUTPUT = 4096
-#: What ends a process from outside; Windows has fewer of these.
-_FOREIGN = frozenset(
-    getattr(signal, name).value
-    for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")
-    if hasattr(signal, name)
+
+#: What the system says of a command that is none; anything else is no fault of the command.
+NOT_A_PROGRAM = frozenset(
+    {errno.ENOENT, errno.EACCES, errno.EPERM, errno.ENOEXEC, errno.ENOTDIR, errno.ELOOP}
 )
 
 A = TypeVar("A", bound=Answer)
@@ -53,7 +54,7 @@ class ChildProcess:
     Parameters
     ----------
     command : the program and its arguments
-    limit : s of wall time that an answer may take
+    limit : s of CPU time that an answer may take
 
     Attributes
     ----------
@@ -62,7 +63,9 @@ class ChildProcess:
     Raises
     ------
     ProtocolError
-        If it cannot be started.
+        If the command is none.
+    OSError
+        If the system refuses to start it.
     """
 
     def __init__(self, command: Sequence[str], limit: float) -> None:
@@ -86,12 +89,16 @@ class ChildProcess:
             )
         except OSError as error:
             os.close(self._answers)
+            if error.errno not in NOT_A_PROGRAM:
+                raise
             words = f"'{command[0]}' cannot be started: {error.strerror}"
             raise ProtocolError(words, "refused") from None
         finally:
             os.close(theirs)
         assert self._process.stdin is not None, "it is a pipe"
         assert self._process.stdout is not None, "it is a pipe"
+        self._of_system = psutil.Process(self._process.pid)
+        self._asked = ""
         self._calls, self._output = self._process.stdin, self._process.stdout
         self._streams = selectors.DefaultSelector()
         self._streams.register(self._answers, selectors.EVENT_READ)
@@ -144,17 +151,36 @@ class ChildProcess:
 
     def _line(self, do: str) -> bytes:
         """The next line, whatever the child prints meanwhile."""
-        until = time.monotonic() + self._limit
-        while b"\n" not in self._heard:
-            ready = self._streams.select(max(0.0, until - time.monotonic()))
-            if not ready and time.monotonic() >= until:
-                raise ProtocolError(
-                    f"it did not answer '{do}' within {self._limit:g} s", "time-out"
-                )
-            for key, _ in ready:
-                self._take(key.fd, do)
+        self._asked = do
+        if overdue := wait_for_answer(self, self._limit):
+            raise ProtocolError(f"it did not answer '{do}' within {overdue.words}", overdue.cause)
         line, _, self._heard = self._heard.partition(b"\n")
         return line
+
+    def has_answered(self, seconds: float) -> bool:
+        """Wait for a line, so long at most, and read what the child prints meanwhile.
+
+        Raises
+        ------
+        ProtocolError
+            If it is gone, or its line is too long.
+        """
+        until = time.monotonic() + seconds
+        while b"\n" not in self._heard:
+            left = until - time.monotonic()
+            if left < 0:
+                return False
+            for key, _ in self._streams.select(left):
+                self._take(key.fd, self._asked)
+        return True
+
+    def cpu_seconds(self) -> float:
+        """CPU time it has used so far, s, with its children; 0 once it is gone."""
+        return cpu_seconds(self._of_system)
+
+    def is_stopped(self) -> bool:
+        """Whether somebody has stopped it."""
+        return is_stopped(self._of_system)
 
     def _take(self, descriptor: int, do: str) -> None:
         part = os.read(descriptor, PIPE_SIZE)
@@ -181,7 +207,7 @@ class ChildProcess:
         with suppress(OSError):
             os.set_blocking(self._output.fileno(), False)
             self._printed += os.read(self._output.fileno(), PIPE_SIZE)
-        how, cause = _death(code)
+        how, cause = death(code)
         lines = self._printed.decode(errors="replace").strip().splitlines()
         last = f"; it last printed: {lines[-1][-LAST_LINE:]}" if lines else ""
         return ProtocolError(f"it {how} instead of answering '{do}'{last}", cause)
@@ -202,16 +228,6 @@ class ChildProcess:
         finally:
             self._output.close()
             os.close(self._answers)
-
-
-def _death(code: int) -> tuple[str, Cause]:
-    if code >= 0:
-        return f"ended with exit code {code}", "crash"
-    try:
-        name = signal.Signals(-code).name
-    except ValueError:
-        name = f"signal {-code}"
-    return f"was killed by {name}", "killed" if -code in _FOREIGN else "crash"
 
 
 _idle: dict[tuple[str, ...], list[ChildProcess]] = {}

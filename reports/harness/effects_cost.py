@@ -8,6 +8,7 @@ from statistics import median
 import numpy as np
 
 from ...engines import Engine, EngineError, Method, Session
+from ...engines.fault import ENVIRONMENTAL
 from ...scenarios import FloatArray, Scenario
 from ..results.cost_records import EffectsCost, PassCost, PassCosts, Ratio
 from ..results.records import Key
@@ -143,7 +144,9 @@ def _difference(
         for sample in range(1, COMPARED + 1):
             try:
                 states = [_stepped(session, steps // COMPARED) for session in (pruned, unpruned)]
-            except EngineError:
+            except EngineError as error:
+                if error.cause in ENVIRONMENTAL:
+                    raise
                 return (sample - 1) * steps // COMPARED * timestep, largest
             largest = max(largest, float(np.abs(states[0] - states[1]).max()))
     return scenario.window.duration, largest

@@ -6,14 +6,18 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import cache
+from typing import TypeVar
 
 import numpy as np
 
 from ...engines import EngineError, Session
+from ...engines.fault import ENVIRONMENTAL
 from ...scenarios import Scenario
 from ..results.cost_records import StepCost
 from .choice import EngineMethod
-from .executors import CallFailed, Executor
+from .executors import Answer, CallFailed, Executor, is_environmental
+
+T = TypeVar("T")
 
 #: s of CPU time a timed stretch must last, at the least: so short that many a stretch falls between
 #: two ticks of the system's clock.
@@ -43,6 +47,23 @@ class TimingSample:
     wall: float
 
 
+class TimingRefused(Exception):
+    """The machine did not let steps be timed; it may the next time."""
+
+
+def timed(answer: Answer[T]) -> T | CallFailed:
+    """What came of a call that times steps.
+
+    Raises
+    ------
+    TimingRefused
+        If the machine is to blame that it failed.
+    """
+    if isinstance(answer.value, CallFailed) and is_environmental(answer.value.cause):
+        raise TimingRefused(answer.value.reason)
+    return answer.value
+
+
 def measure(
     executor: Executor, scenario: Scenario, pairs: Sequence[EngineMethod]
 ) -> tuple[list[StepCost | None], list[str]]:
@@ -54,18 +75,24 @@ def measure(
     Returns
     -------
     The costs, None where there is none, and complaints.
+
+    Raises
+    ------
+    TimingRefused
+        If the machine is to blame that one is missing.
     """
     costs: list[StepCost | None] = [None] * len(pairs)
     complaints = []
     for site in dict.fromkeys(engine.site for engine, _ in pairs):
         places = [k for k, (engine, _) in enumerate(pairs) if engine.site == site]
-        measured = executor.call_at(site, step_costs, scenario, [pairs[k] for k in places]).value
+        together = [pairs[k] for k in places]
+        measured = timed(executor.call_at(site, step_costs, scenario, together))
         for k in places:
             if not isinstance(measured, CallFailed):
                 costs[k] = measured[places.index(k)]
                 continue
             engine, method = pairs[k]
-            alone = executor.call_at(site, step_costs, scenario, [pairs[k]]).value
+            alone = timed(executor.call_at(site, step_costs, scenario, [pairs[k]]))
             if isinstance(alone, CallFailed):
                 complaints.append(f"{engine.name} {method.name} could not be timed: {alone.reason}")
             else:
@@ -124,7 +151,9 @@ class _Timed:
             return
         try:
             action()
-        except EngineError:
+        except EngineError as error:
+            if error.cause in ENVIRONMENTAL:
+                raise
             self.gave_up = True
             self.stretches.clear()
 

@@ -1,6 +1,6 @@
 """Times the steps of a scene's methods and stores what they cost, once all runs are done."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from ...engines import Engine, Method
@@ -11,7 +11,7 @@ from .choice import Choice
 from .effects_cost import effects_costs, first_pass_costs
 from .executors import CallFailed, Executor
 from .plan import SceneLeft, can_be_timed, settled_verdicts
-from .step_cost import measure
+from .step_cost import TimingRefused, measure, timed
 
 
 def time_scene(
@@ -24,8 +24,19 @@ def time_scene(
     """Time what a scene leaves out, then every method that can simulate it, in one call.
 
     Methods are interleaved, and all timed even where one alone is missing: times taken apart cannot
-    be compared. Times are stored last: a scene whose steps were timed is complete.
+    be compared. Times are stored last: a scene whose steps were timed is complete, and one that
+    the machine did not let be timed is timed by the next run.
     """
+    try:
+        complaints = _time_scene(scene, choice, store, executor)
+    except TimingRefused as refused:
+        complaints = [f"not by now, the same command goes on: {refused}"]
+    progress("; ".join([f"{scene.scenario.name}  timed", *complaints]))
+
+
+def _time_scene(
+    scene: SceneLeft, choice: Choice, store: Store, executor: Executor
+) -> Sequence[str]:
     scenario = scene.scenario
     _time_left_out(effects_costs, scenario, choice, store, executor)
     if scene.by_pass:
@@ -39,7 +50,7 @@ def time_scene(
     costs, complaints = measure(executor, scenario, list(pairs.values())) if pairs else ([], [])
     for key, cost in zip(pairs, costs, strict=True):
         store.put_cost(key, processor(), cost)
-    progress("; ".join([f"{scenario.name}  timed", *complaints]))
+    return complaints
 
 
 def _time_left_out(
@@ -54,6 +65,6 @@ def _time_left_out(
     for engine, method in choice.pairs():
         methods.setdefault(engine.name, (engine, []))[1].append(method)
     for engine, chosen in methods.values():
-        costs = executor.call_at(engine.site, call, scenario, engine, chosen).value
+        costs = timed(executor.call_at(engine.site, call, scenario, engine, chosen))
         for one in [] if isinstance(costs, CallFailed) else costs:
             store.put_left_out(one)

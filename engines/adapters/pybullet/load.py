@@ -81,6 +81,8 @@ def load(
         If PyBullet would leave out terms of so small a body.
     EngineError
         If PyBullet cannot load the body.
+    OSError
+        If there is no file to load it from.
     """
     hung = representation.hung and scenario.has_pivot
     world_from_body = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
@@ -150,6 +152,8 @@ def _load_urdf(
                 )
             )
         except p.error as error:
+            # Raises where it is the system that does not let anybody open it.
+            file.read_bytes()
             raise EngineError(f"PyBullet cannot load the body: {error}") from None
     finally:
         file.unlink(missing_ok=True)

@@ -15,10 +15,11 @@ from typing import Any, ParamSpec, TypeVar, final
 
 import numpy as np
 
+from ....engines.lost_process import KILLED
 from ...results.fingerprints import program
 from .executor import Answer, CallFailed, Executor, ExecutorStopped
 from .local_workers import LocalWorkers
-from .worker_slot import KILLED, TIME_LIMIT, WorkerSlot
+from .worker_slot import TIME_LIMIT, WorkerSlot
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -89,7 +90,7 @@ class DaskCluster(Executor):
                 isolated, call, self._time_limit, pure=False
             ).result()
         except KilledWorker as error:
-            reason = f"{KILLED}, and others after it: {error}"
+            reason = f"the worker process {KILLED}, and others after it: {error}"
             return Answer(CallFailed(reason, "killed"))
         except (Exception, asyncio.CancelledError) as error:
             if self._stopped:

@@ -35,6 +35,8 @@ PASSING = frozenset(
     )
     if hasattr(errno, name)
 )
+#: What Python says where the system has no thread to spare.
+NO_THREAD = "can't start new thread"
 
 
 def serve(mark: bytes, parent: int) -> None:
@@ -101,9 +103,40 @@ def _answer(request: bytes) -> bytes:
 
 
 def cause_of(error: BaseException) -> "Cause":
-    """The cause, one word, of a call that raised."""
-    passing = isinstance(error, OSError) and error.errno in PASSING
-    return "environment" if passing else "bug"
+    """The cause, one word, of a call that raised: the machine's, if that is what it rests on."""
+    # An engine's error knows by itself whether its child was killed.
+    if getattr(error, "cause", "") == "killed":
+        return "killed"
+    at: BaseException | None = error
+    while at is not None:
+        if _is_passing(at):
+            return "environment"
+        at = at.__cause__ or at.__context__
+    return "bug"
+
+
+def _is_passing(error: BaseException) -> bool:
+    """Whether an error is the machine's, and may be gone the next time."""
+    if getattr(error, "cause", "") == "environment":
+        return True
+    if isinstance(error, OSError):
+        return error.errno in PASSING
+    if isinstance(error, ImportError):
+        # Of a library that could not be opened the loader says why in words.
+        return any(os.strerror(number) in str(error) for number in PASSING)
+    if isinstance(error, MemoryError):
+        return _is_memory_limited()
+    return isinstance(error, RuntimeError) and str(error) == NO_THREAD
+
+
+def _is_memory_limited() -> bool:
+    """Whether somebody else allows this process less memory than `MEMORY_SHARE`."""
+    if sys.platform == "win32":
+        return False
+    import resource
+
+    limits = [resource.getrlimit(kind)[0] for kind in (resource.RLIMIT_DATA, resource.RLIMIT_AS)]
+    return any(0 <= limit < _own_bound() for limit in limits if limit != resource.RLIM_INFINITY)
 
 
 def _pipes_of_its_own() -> tuple[IO[bytes], IO[bytes], int]:
@@ -140,12 +173,16 @@ def _bound_memory() -> None:
         return
     import resource
 
-    bytes_there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    limit = int(MEMORY_SHARE * bytes_there)
-    _, most = resource.getrlimit(resource.RLIMIT_DATA)
-    if most != resource.RLIM_INFINITY:
-        limit = min(limit, most)
-    resource.setrlimit(resource.RLIMIT_DATA, (limit, most))
+    bound = _own_bound()
+    lower, most = resource.getrlimit(resource.RLIMIT_DATA)
+    for limit in (lower, most):
+        bound = bound if limit == resource.RLIM_INFINITY else min(bound, limit)
+    resource.setrlimit(resource.RLIMIT_DATA, (bound, most))
+
+
+def _own_bound() -> int:
+    """Bytes that a worker may hold."""
+    return int(MEMORY_SHARE * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
 
 
 def _print_at_once() -> None:

@@ -22,6 +22,7 @@ from typing import IO, Any
 import psutil
 
 from ....engines import Cause
+from ....engines.lost_process import cpu_seconds, is_stopped
 from . import worker_main
 from .worker_main import receive, send
 
@@ -125,11 +126,11 @@ class WorkerProcess:
 
     def cpu_seconds(self) -> float:
         """CPU time it has used so far, s, with its children; 0 once it is gone."""
-        try:
-            processes = [self._of_system, *self._of_system.children()]
-            return sum(sum(process.cpu_times()[:2]) for process in processes)
-        except psutil.Error:
-            return 0.0
+        return cpu_seconds(self._of_system)
+
+    def is_stopped(self) -> bool:
+        """Whether somebody has stopped it."""
+        return is_stopped(self._of_system)
 
     def kill(self) -> None:
         """Kill it, from whichever thread; `end` is still to be called."""

@@ -2,14 +2,12 @@
 
 import pickle
 import re
-import signal
-import sys
 import threading
-import time
 from collections.abc import Callable
 from typing import Any
 
-from ....engines import Cause
+from ....engines.fault import ENVIRONMENTAL
+from ....engines.lost_process import Overdue, death, wait_for_answer
 from .executor import Answer, CallFailed, ExecutorStopped
 from .worker_process import WorkerProcess
 
@@ -19,24 +17,10 @@ TIME_LIMIT = 120.0
 ATTEMPTS = 2
 #: Characters of a worker's last line that go into the reason of its death.
 LAST_LINE = 200
-#: s between two readings of the CPU time of a call.
-POLL = 0.5
-#: A call that has used less than this share of the wall time, once that exceeds the limit, hangs.
-IDLE = 0.01
-#: Wall time that a call may take, in time limits, however busy the machine is.
-MOST_WALL = 20.0
-#: What ends a process that does something wrong itself; any other signal comes from outside.
-_OWN_SIGNALS = frozenset(
-    getattr(signal, name).value
-    for name in ("SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS", "SIGTRAP", "SIGSYS")
-    if hasattr(signal, name)
-)
-#: Begins the reason of a call whose worker was killed by somebody else.
-KILLED = "the worker process was killed from outside"
+#: Begins the reason of a call whose worker is gone.
+_WORKER = "the worker process"
 #: Begins the reason of a call that was stopped; its time limit follows.
 _OVERDUE = "did not finish within "
-#: Causes that lie in the machine, not in the engine.
-_ENVIRONMENTAL = frozenset({"killed", "environment"})
 
 
 class WorkerSlot:
@@ -99,10 +83,8 @@ class WorkerSlot:
             return Answer(CallFailed(f"no worker process could be started: {error}", "environment"))
         try:
             worker.give(request)
-            if overdue := self._wait(worker):
-                self._forget(worker)
-                printed = worker.printed()
-                return Answer(CallFailed(overdue + _last_line(printed), "time-out"), printed)
+            if overdue := wait_for_answer(worker, self._time_limit):
+                return self._given_up(worker, overdue)
             returned, value, cause = worker.take()
         except (EOFError, OSError):
             return self._died(worker)
@@ -120,30 +102,16 @@ class WorkerSlot:
                 self._worker = WorkerProcess(self.site)
             return self._worker
 
-    def _wait(self, worker: WorkerProcess) -> str:
-        """Wait for an answer; returns why it is waited for no longer, empty if it is there.
-
-        The limit is on CPU time, so that a busy machine fails no engine. Wall time tells a call
-        that waits for ever; time in which this process was stopped itself (Ctrl-Z) is not counted.
-        """
-        limit, wall, begun = self._time_limit, 0.0, worker.cpu_seconds()
-        while True:
-            before, poll = time.monotonic(), min(POLL, limit)
-            if worker.has_answered(poll):
-                return ""
-            wall += min(time.monotonic() - before, 2 * poll)
-            used = worker.cpu_seconds() - begun
-            if used > limit:
-                return f"{_OVERDUE}{limit:g} s of CPU time"
-            if wall > limit and used < IDLE * wall:
-                return f"{_OVERDUE}{limit:g} s: it hangs, and used {used:.2g} s of CPU time"
-            if wall > MOST_WALL * limit:
-                return f"{_OVERDUE}{limit:g} s: {wall:.3g} s went by, {used:.2g} s of CPU time"
+    def _given_up(self, worker: WorkerProcess, overdue: Overdue) -> Answer[Any]:
+        self._forget(worker)
+        printed = worker.printed()
+        reason = f"{_OVERDUE}{overdue.words}{_last_line(printed)}"
+        return Answer(CallFailed(reason, overdue.cause), printed)
 
     def _died(self, worker: WorkerProcess) -> Answer[Any]:
-        reason, cause = _cause_of_death(self._forget(worker))
+        how, cause = death(self._forget(worker))
         printed = worker.printed()
-        return Answer(CallFailed(reason + _last_line(printed), cause), printed)
+        return Answer(CallFailed(f"{_WORKER} {how}{_last_line(printed)}", cause), printed)
 
     def _forget(self, worker: WorkerProcess) -> int:
         with self._changing:
@@ -153,7 +121,7 @@ class WorkerSlot:
 
 def is_environmental(cause: str) -> bool:
     """Whether a cause lies in the machine, not in what was called."""
-    return cause in _ENVIRONMENTAL
+    return cause in ENVIRONMENTAL
 
 
 def may_succeed_if_repeated(cause: str, reason: str, time_limit: float | None) -> bool:
@@ -166,19 +134,6 @@ def may_succeed_if_repeated(cause: str, reason: str, time_limit: float | None) -
         return True
     stopped = re.search(f"{_OVERDUE}([^ ]+) s", reason)
     return stopped is not None and time_limit is not None and float(stopped[1]) < time_limit
-
-
-def _cause_of_death(exit_code: int) -> tuple[str, Cause]:
-    if exit_code >= 0 or sys.platform == "win32":
-        return f"the worker process ended with exit code {exit_code}", "crash"
-    number = -exit_code
-    try:
-        name = signal.Signals(number).name
-    except ValueError:
-        name = f"signal {number}"
-    if number in _OWN_SIGNALS:
-        return f"the worker process was killed by {name}", "crash"
-    return f"{KILLED} by {name}", "killed"
 
 
 def _last_line(printed: str) -> str:

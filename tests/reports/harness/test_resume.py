@@ -11,11 +11,11 @@ from command_line import spincheck
 from failing_calls import FailingCalls, of_function
 from planted import HeunSession, RaisingSession, planted
 from same_results import differences
+from spincheck.engines.lost_process import KILLED
 from spincheck.reports.harness import ladder_judge
 from spincheck.reports.harness import study as study_module
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import CallFailed, Executor
-from spincheck.reports.harness.executors.worker_slot import KILLED
 from spincheck.reports.harness.study import prepare, simulate
 from spincheck.reports.results import fingerprints as fingerprints
 from spincheck.reports.results.records import Row
@@ -234,7 +234,7 @@ def test_a_longer_ladder_serves_whoever_asks_for_a_shorter_one(path, runs):
 
 @pytest.mark.parametrize("name", ["SIGKILL", "SIGXCPU", "SIGUSR1"])
 def test_a_run_that_was_killed_from_outside_is_made_again(path, undisturbed, name):
-    killed = CallFailed(f"{KILLED} by {name}", "killed")
+    killed = CallFailed(f"the worker process {KILLED} by {name}", "killed")
     run(path, executor=FailingCalls(of_function(simulate, killed)))
     assert {verdict.verdict for verdict in read(path).verdicts} == {"failed"}
     run(path)

@@ -17,10 +17,10 @@ from planted import (
     SegfaultSession,
     planted,
 )
+from spincheck.engines.lost_process import KILLED
 from spincheck.reports.harness import sweep_run
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import CallFailed, Executor, LocalWorkers
-from spincheck.reports.harness.executors.worker_slot import KILLED
 from spincheck.reports.harness.sweep import plan_sweep
 from spincheck.reports.harness.sweep_points import STEP_TURN
 from spincheck.reports.results import fingerprints as fingerprints

@@ -16,11 +16,10 @@ from spincheck.reports.harness.executors import (
     CallFailed,
     ExecutorStopped,
     LocalWorkers,
-    worker_slot,
 )
 from spincheck.reports.harness.executors.worker_main import MEMORY_SHARE
 from spincheck.reports.harness.executors.worker_process import KEPT_OUTPUT
-from spincheck.reports.harness.executors.worker_slot import LAST_LINE, WorkerSlot
+from spincheck.reports.harness.executors.worker_slot import LAST_LINE
 
 pytestmark = pytest.mark.processes
 
@@ -139,61 +138,6 @@ def test_what_does_not_end_is_stopped(call, words):
         failed = failure(pool.call(*call))
     assert failed.cause == "time-out"
     assert words in failed.reason
-
-
-class Unanswering:
-    """A worker whose clocks a test sets; it never answers."""
-
-    def __init__(self, cpu_per_poll: float) -> None:
-        self.cpu, self.step = 0.0, cpu_per_poll
-
-    def has_answered(self, seconds: float) -> bool:
-        return False
-
-    def cpu_seconds(self) -> float:
-        self.cpu += self.step
-        return self.cpu
-
-
-class Clock:
-    """Seconds on the wall, so many from look to look."""
-
-    def __init__(self, step: float) -> None:
-        self.now, self.step = 0.0, step
-
-    def monotonic(self) -> float:
-        self.now += self.step
-        return self.now
-
-
-@pytest.mark.parametrize(
-    ("cpu", "words"),
-    [
-        (0.0, "it hangs"),
-        (worker_slot.POLL, "s of CPU time"),
-        # Slow, on a machine that is busy: as long as it gets anywhere it is waited for.
-        (0.02 * worker_slot.POLL, "s went by"),
-    ],
-    ids=["idle", "busy", "slowed"],
-)
-def test_time_is_limited_by_cpu_seconds_and_idleness(monkeypatch, cpu, words):
-    monkeypatch.setattr(worker_slot, "time", Clock(worker_slot.POLL))
-    told = WorkerSlot(time_limit=10.0)._wait(Unanswering(cpu))
-    assert words in told
-
-
-def test_time_in_which_this_process_was_stopped_is_not_counted(monkeypatch):
-    """One look that takes a night: Ctrl-Z, or a laptop that was closed."""
-    clock, looks = Clock(worker_slot.POLL), iter([False, True])
-    worker = Unanswering(0.0)
-
-    def asleep(_: float) -> bool:
-        clock.now += FOREVER
-        return next(looks)
-
-    worker.has_answered = asleep
-    monkeypatch.setattr(worker_slot, "time", clock)
-    assert WorkerSlot(time_limit=10.0)._wait(worker) == ""
 
 
 # What is printed

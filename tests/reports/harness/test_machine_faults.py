@@ -1,0 +1,131 @@
+"""What the machine is to blame for is no verdict on an engine: the same command makes it again."""
+
+import errno
+import os
+import resource
+from contextlib import contextmanager
+
+import pytest
+from box import BOX
+from failing_calls import FailingCalls, of_function
+from planted import METHOD, HeunSession, Planted, planted
+from spincheck.engines import EngineError
+from spincheck.engines.fault import ENVIRONMENTAL
+from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.effects_cost import effects_costs
+from spincheck.reports.harness.executors import CallFailed, cause_of
+from spincheck.reports.harness.executors.worker_main import NO_THREAD
+from spincheck.reports.harness.step_cost import step_costs
+from spincheck.reports.results.store import open_store
+from spincheck.scenarios import loads
+from studies import study
+
+#: Rungs of a ladder as short as one may be.
+SHORT = 1 << 7
+
+
+KILLED = EngineError("it was killed from outside by SIGKILL", "killed")
+FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+class Spoilt(Planted):
+    """Every session of it raises at one call of the run loop's."""
+
+    name = "spoilt"
+
+    def __init__(self, call: str, error: Exception) -> None:
+        self._call, self._error = call, error
+
+    def open(self, scenario, method, timestep):
+        session = HeunSession(scenario, timestep)
+
+        def spoilt(*_):
+            raise self._error
+
+        setattr(session, self._call, spoilt)
+        return session
+
+
+@pytest.mark.parametrize("call", ["read_body", "advance", "check", "active"])
+@pytest.mark.parametrize("error", [KILLED, FULL], ids=["a child is killed", "a full disk"])
+def test_a_run_that_the_machine_spoilt_has_no_cause_of_the_engines(tmp_path, call, error):
+    path = tmp_path / "results.sqlite"
+    choice = Choice((Spoilt(call, error),), max_steps=SHORT, timed=False)
+    study(path, [loads(BOX, "box")], choice)
+    with open_store(path) as store:
+        causes = {row.cause for row in store.read().rows}
+    assert causes
+    assert causes <= ENVIRONMENTAL
+
+
+@pytest.mark.parametrize("cause", sorted(ENVIRONMENTAL))
+@pytest.mark.parametrize("spoilt", [step_costs, effects_costs], ids=lambda call: call.__name__)
+def test_steps_that_the_machine_did_not_let_be_timed_are_timed_by_the_next_run(
+    tmp_path, spoilt, cause
+):
+    path, told = tmp_path / "results.sqlite", []
+    choice = Choice((planted(HeunSession),), max_steps=SHORT)
+
+    def run(executor=None) -> list[float | None]:
+        study(path, [loads(BOX, "box")], choice, executor, told.append)
+        with open_store(path) as store:
+            return [row.seconds_per_step for row in store.read().rows if row.outcome == "ok"]
+
+    refused = CallFailed("no worker process could be started", cause)
+    assert set(run(FailingCalls(of_function(spoilt, refused)))) == {None}
+    assert "the same command goes on: no worker process could be started" in told[-1]
+    assert None not in run()
+
+
+def test_a_child_killed_while_it_is_timed_is_not_one_that_cannot_be():
+    with pytest.raises(EngineError) as error:
+        step_costs(loads(BOX, "box"), [(Spoilt("advance", KILLED), METHOD)])
+    assert cause_of(error.value) == "killed"
+
+
+def chained(cause: BaseException, error: BaseException) -> BaseException:
+    error.__cause__ = cause
+    return error
+
+
+NO_FILE = "libbullet.so: cannot open shared object file: "
+CAUSES = {
+    "a full disk": (OSError(errno.ENOSPC, "full"), "environment"),
+    "a full disk, told as another error": (
+        chained(OSError(errno.ENOSPC, "full"), ValueError("cannot be saved")),
+        "environment",
+    ),
+    "no file": (OSError(errno.ENOENT, "no such file"), "bug"),
+    "a library when descriptors are out": (
+        ImportError(NO_FILE + os.strerror(errno.EMFILE)),
+        "environment",
+    ),
+    "a library that is not there": (ImportError(NO_FILE + os.strerror(errno.ENOENT)), "bug"),
+    "no thread": (RuntimeError(NO_THREAD), "environment"),
+    "another error": (RuntimeError("no such body"), "bug"),
+    "memory that an engine has filled": (MemoryError(), "bug"),
+}
+
+
+@pytest.mark.parametrize(("error", "cause"), CAUSES.values(), ids=CAUSES)
+def test_an_error_is_the_machines_or_the_calls(error, cause):
+    assert cause_of(error) == cause
+
+
+@contextmanager
+def allowed(kind: int, size: int):
+    """No more memory than that, as `ulimit` has it."""
+    before = resource.getrlimit(kind)
+    resource.setrlimit(kind, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(kind, before)
+
+
+@pytest.mark.parametrize("kind", [resource.RLIMIT_DATA, resource.RLIMIT_AS])
+def test_memory_that_somebody_else_bounds_is_the_machines(kind):
+    # More than this process has, less than half of what there is of it.
+    bound = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 4
+    with allowed(kind, bound):
+        assert cause_of(MemoryError()) == "environment"
