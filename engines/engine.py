@@ -13,11 +13,14 @@ from ..scenarios import Scenario, Trajectory
 from .audit import audit
 from .fault import ENVIRONMENTAL, Cause
 from .faults import Bounds, clamped_turn
-from .first_steps import equation_residuals
+from .first_steps import NEGLIGIBLE, equation_residuals
 from .read_back import (
     READ_BACK_SLACK,
     READ_BACK_SLACK_SINGLE,
+    BodyReading,
+    Difference,
     EngineError,
+    State,
     UnsupportedError,
     differences,
 )
@@ -64,10 +67,12 @@ class Release:
     requirements : distributions, as pip takes them, with nothing that they depend on but what this
         version needs otherwise than the newest does
     methods : with their orders in that version
+    installed_as : the engine whose installed versions it shares; its own name if empty
     """
 
     requirements: tuple[str, ...]
     methods: tuple[Method, ...]
+    installed_as: str = ""
 
 
 class Engine(ABC):
@@ -80,6 +85,7 @@ class Engine(ABC):
     single_precision : whether it holds its state in 24 bits
     stock_timestep : s, the default timestep; None where users have to set one
     package : of an optional engine, the package that it needs, imported when a scene is opened
+    of_file : whether it loads the link that a scene names out of the user's own model file
     """
 
     name: str
@@ -87,6 +93,12 @@ class Engine(ABC):
     single_precision: bool = False
     stock_timestep: float | None = None
     package: str = ""
+    of_file: bool = False
+
+    @property
+    def slack(self) -> float:
+        """Relative, to which body and start must read back as they were given."""
+        return READ_BACK_SLACK_SINGLE if self.single_precision else READ_BACK_SLACK
 
     @property
     @abstractmethod
@@ -153,6 +165,20 @@ class Engine(ABC):
         """
         raise NotImplementedError(f"{self.name} {method.name} has no defaults that alter motions.")
 
+    def differences(
+        self,
+        scenario: Scenario,
+        method: str,  # noqa: ARG002
+        body: BodyReading,
+        state: State,
+    ) -> list[Difference]:
+        """What a freshly loaded model has otherwise than the scene."""
+        return differences(scenario, body, state, self.slack)
+
+    def applies_to(self, scenario: Scenario) -> bool:  # noqa: ARG002
+        """Whether there is anything in a scene that it could load."""
+        return True
+
     @final
     def method(self, name: str) -> Method:
         """The method of that name.
@@ -187,12 +213,14 @@ class Engine(ABC):
         """
         if method.as_shipped or self.unsupported(scenario, method):
             return ""
+        negligible = max(NEGLIGIBLE, self.slack) if self.of_file else NEGLIGIBLE
         numbers = np.float32 if self.single_precision else np.float64
         try:
             said = equation_residuals(
                 lambda scene, timestep: self.open(scene, method, timestep),
                 scenario,
                 float(np.finfo(numbers).eps),
+                negligible,
             )
         except EngineError as error:
             if error.cause in ENVIRONMENTAL:
@@ -220,17 +248,16 @@ class Engine(ABC):
         most = method.max_rotation_per_step
         if turn := clamped_turn(float(np.linalg.norm(scenario.start.omega_body)), timestep, most):
             return ended("unsupported", turn, "clamp")
-        slack = READ_BACK_SLACK_SINGLE if self.single_precision else READ_BACK_SLACK
         try:
             with self.open(scenario, method, timestep) as session:
                 held = session.read_body(), session.read_state()
-                unlike = differences(scenario, *held, slack)
+                unlike = self.differences(scenario, method.name, *held)
                 if unlike and not method.as_shipped:
                     return ended("failed", unlike[0].complaint, "read-back")
                 arm = held[0].com if scenario.has_pivot else None
                 decay = scenario.drag / float(scenario.body.principal_moments[0])
                 by_angles = method.by_angles and scenario.has_pivot
-                bounds = Bounds(timestep, most, slack, decay, arm, by_angles)
+                bounds = Bounds(timestep, most, self.slack, decay, arm, by_angles)
                 sampled = sample(session, sample_steps, bounds)
                 audited = audit(session, scenario, sampled)
         except UnsupportedError as error:

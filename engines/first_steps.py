@@ -60,19 +60,22 @@ class _Felt:
     is_held: bool
 
 
-def equation_residuals(open_at: Open, scenario: Scenario, epsilon: float) -> list[str]:
+def equation_residuals(
+    open_at: Open, scenario: Scenario, epsilon: float, negligible: float = NEGLIGIBLE
+) -> list[str]:
     """In words, what an engine's first steps gain beyond the scene's equations of motion.
 
     Parameters
     ----------
     open_at : opens a scene with a timestep, s
     epsilon : of the engine's floating-point numbers
+    negligible : part of a gain's size that need not be told
     """
     equations = Equations(scenario)
     said = []
     felt = []
     for start in (scenario, *_askew(scenario, equations.rate)):
-        one, leap = _felt(open_at, start, equations, epsilon)
+        one, leap = _felt(open_at, start, equations, epsilon, negligible)
         felt.append(one)
         said += [leap] if leap and start is scenario else []
     if said:
@@ -101,7 +104,7 @@ def _askew(scenario: Scenario, rate: float) -> Iterator[Scenario]:
 
 
 def _felt(
-    open_at: Open, start: Scenario, equations: Equations, epsilon: float
+    open_at: Open, start: Scenario, equations: Equations, epsilon: float, negligible: float
 ) -> tuple[_Felt, str]:
     """What is gained from one start, and a leap of ω in words."""
     longest = _longest_step(start, equations.rate, epsilon)
@@ -120,7 +123,7 @@ def _felt(
     extrapolated = 2 * fine - middle
     apart = np.abs(extrapolated - (2 * middle - coarse)).max(axis=1)
     noise = ABOVE_NOISE * apart + ABOVE_ROUNDING * rounded(equations, gains[-1], epsilon)
-    noise += NEGLIGIBLE * gain_sizes(equations, gains[-1])
+    noise += negligible * gain_sizes(equations, gains[-1])
     return _Felt(replace(gains[-1], excess=extrapolated), noise, start.has_pivot), leap
 
 

@@ -1,10 +1,10 @@
 """A user's URDF as it is handed to an engine: verbatim, but for meshes and what is only drawn."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from ...scenarios.model_files import ModelFile, Shape
+from ...scenarios.model_files import Link, ModelFile, Shape
 
 _FILENAME = re.compile(rb"""\bfilename\s*=\s*(?:"[^"]*"|'[^']*')""")
 
@@ -22,9 +22,34 @@ def with_meshes(model: ModelFile, usable: Callable[[Shape], bool]) -> tuple[byte
         there, lies outside the model's folders, or is not to be read
     meshes : the files by the names that the file has for them now
     """
+    edits, meshes = _edits(model, model.links, usable)
+    return _edited(model.data, edits), meshes
+
+
+def link_alone(
+    model: ModelFile, link: Link, usable: Callable[[Shape], bool] | None = None
+) -> tuple[bytes, dict[str, Path]]:
+    """A URDF of one link, cut verbatim out of a model.
+
+    Parameters
+    ----------
+    usable : as of `with_meshes`; without it the link has no shapes
+    """
+    start, end = link.span
+    edits, meshes = _edits(model, (link,), usable) if usable else ([], {})
+    if not usable:
+        edits = [(shape.span, b"") for shape in link.shapes]
+    shifted = [((first - start, last - start), new) for (first, last), new in edits]
+    return b'<robot name="cut">' + _edited(model.data[start:end], shifted) + b"</robot>", meshes
+
+
+def _edits(
+    model: ModelFile, links: Iterable[Link], usable: Callable[[Shape], bool]
+) -> tuple[list[tuple[tuple[int, int], bytes]], dict[str, Path]]:
+    """Which bytes of the file are replaced by what, and the meshes that are named instead."""
     edits: list[tuple[tuple[int, int], bytes]] = []
     meshes: dict[str, Path] = {}
-    for link in model.links:
+    for link in links:
         for shape in link.shapes:
             path = None
             if shape.collides and shape.mesh is not None and usable(shape):
@@ -37,7 +62,7 @@ def with_meshes(model: ModelFile, usable: Callable[[Shape], bool]) -> tuple[byte
                 edits.append((shape.span, _FILENAME.sub(named, model.data[start:end])))
             elif not shape.collides or shape.mesh is not None:
                 edits.append((shape.span, b""))
-    return _edited(model.data, edits), meshes
+    return edits, meshes
 
 
 def _edited(data: bytes, edits: list[tuple[tuple[int, int], bytes]]) -> bytes:

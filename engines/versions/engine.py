@@ -8,7 +8,7 @@ from typing import final
 from ...scenarios import Scenario
 from ..discovery import engines
 from ..engine import Engine, Method
-from ..read_back import EngineError
+from ..read_back import BodyReading, Difference, EngineError, State
 from ..session import Session
 from .folders import VersionError, install
 
@@ -27,6 +27,8 @@ class VersionedEngine(Engine):
         self.methods = methods
         self.single_precision = newest.single_precision
         self.stock_timestep = newest.stock_timestep
+        self.of_file = newest.of_file
+        self._slack = newest.slack
         self._base, self._version, self._site = base, version, str(site)
 
     @property
@@ -40,6 +42,11 @@ class VersionedEngine(Engine):
         return self._site
 
     @property
+    def slack(self) -> float:
+        """The adapter's."""
+        return self._slack
+
+    @property
     def sources(self) -> tuple[Path, ...]:
         """The adapter's."""
         file = Path(inspect.getfile(type(engines()[self._base])))
@@ -48,6 +55,16 @@ class VersionedEngine(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """As the adapter opens it."""
         return self._adapter().open(scenario, method, timestep)
+
+    def applies_to(self, scenario: Scenario) -> bool:
+        """As the adapter does."""
+        return engines()[self._base].applies_to(scenario)
+
+    def differences(
+        self, scenario: Scenario, method: str, body: BodyReading, state: State
+    ) -> list[Difference]:
+        """As the adapter tells them."""
+        return self._adapter().differences(scenario, method, body, state)
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """Of this version."""
@@ -88,5 +105,5 @@ def versioned(name: str) -> VersionedEngine:
     release = engines()[base].at_version(version)
     if release is None:
         raise VersionError(f"'{base}' cannot be had in other versions")
-    site = install(name, release.requirements)
+    site = install(f"{release.installed_as or base}@{version}", release.requirements)
     return VersionedEngine(base, version, release.methods, site)

@@ -73,7 +73,7 @@ class ScenarioFile(pytest.File):
         yield ReferenceItem.from_parent(self, name="reference")
         expected = {(expect.engine, expect.method) for expect in self.scenario.expect}
         for engine in engines().values():
-            if not _is_asked_for(self.config, engine.name):
+            if not (engine.applies_to(self.scenario) and _is_asked_for(self.config, engine.name)):
                 continue
             for method in engine.methods:
                 if method.as_shipped and (engine.name, method.name) not in expected:

@@ -51,7 +51,9 @@ def run(
         written, or it was stopped.
     """
     scenarios = scenes_of(scenes, quick=quick)
-    choice = limited(choose(engine_names, methods, timesteps), time_limit)
+    wanted = engine_names or _engines_for(scenarios)
+    choice = limited(choose(wanted, methods, timesteps), time_limit)
+    _check_all_apply(choice, scenarios)
     choice = replace(choice, hard_in_passing=not scenes, again=again)
     if quick:
         choice = replace(choice, max_steps=QUICK_STEPS, timed=False)
@@ -74,6 +76,32 @@ def run(
             f"{stopped}; what was finished is in {out}, and the same command goes on from there",
             stopped.exit_code,
         ) from None
+
+
+def _engines_for(scenarios: Sequence[Scenario]) -> list[str]:
+    """Every engine there is; those of users' files where a scene names one."""
+    return [
+        name
+        for name, engine in engines().items()
+        if any(engine.applies_to(scenario) for scenario in scenarios)
+    ]
+
+
+def _check_all_apply(choice: Choice, scenarios: Sequence[Scenario]) -> None:
+    """See that every engine that was asked for has something to do.
+
+    Raises
+    ------
+    Complaint
+        If one has not.
+    """
+    for engine in choice.engines:
+        if not any(engine.applies_to(scenario) for scenario in scenarios):
+            raise Complaint(
+                f"'--engine' {engine.name} loads links of users' files, and no scene here names "
+                "one; 'spincheck import FILE --out DIR' makes such scenes",
+                BAD_INPUT,
+            )
 
 
 def scenes_of(names: Sequence[str], *, quick: bool) -> list[Scenario]:
@@ -167,7 +195,8 @@ def choose(
     Complaint
         If there is no such engine, method or timestep.
     """
-    chosen = tuple(_engine(name) for name in dict.fromkeys(engine_names or engines()))
+    generated = [name for name, engine in engines().items() if not engine.of_file]
+    chosen = tuple(_engine(name) for name in dict.fromkeys(engine_names or generated))
     if not chosen:
         raise Complaint("no engine is installed; 'pip install mujoco pybullet'", NOT_RUN)
     by_lower = {method.name.lower(): method.name for engine in chosen for method in engine.methods}

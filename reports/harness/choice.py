@@ -60,4 +60,5 @@ class Choice:
         return {
             Key(scenario.name, engine.name, method.name): (engine, method)
             for engine, method in self.pairs()
+            if engine.applies_to(scenario)
         }

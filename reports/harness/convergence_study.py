@@ -186,7 +186,9 @@ class ConvergenceStudy:
         worst = self.judge.worst
         judgement = worst.judgement
         word, reason = judgement.word, f"{SIGNAL_NAMES[worst.sequence.signal]}: {judgement.reason}"
-        parts = [remark, reason] if breaks_law and word != "disagrees" else [reason, remark]
+        # Of a user's file, what an engine holds is why it moves as it does.
+        explains = self.engine.of_file or (breaks_law and word != "disagrees")
+        parts = [remark, reason] if explains else [reason, remark]
         if word == "converges" and not breaks_law:
             # What an engine as shipped does besides alters no motion then.
             parts = [reason]

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...engines import Engine, Method
-from ...engines.read_back import READ_BACK_SLACK, READ_BACK_SLACK_SINGLE
 from ...reference import Solution
 from ...scenarios import Scenario
 from ..results.records import Row, SignalVerdict
@@ -139,6 +138,6 @@ class LadderJudge:
             self.solution,
             self.method.order,
             self.method.attitude_order,
-            precision=READ_BACK_SLACK_SINGLE if single else READ_BACK_SLACK,
+            precision=self.engine.slack,
             ulp=float(np.finfo(np.float32 if single else np.float64).eps),
         )

@@ -80,7 +80,7 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
         for scenario in scenarios
     ]
     missing = sum(len(scene.to_run) for scene in scenes)
-    there = len(scenarios) * len(choice.pairs()) - missing
+    there = sum(len(choice.methods_on(scenario)) for scenario in scenarios) - missing
     return Plan([scene for scene in scenes if scene.to_run or scene.to_time], there, dropped)
 
 

@@ -62,7 +62,7 @@ def _time_left_out(
 ) -> None:
     """Time what each engine leaves out of a scene."""
     methods: dict[str, tuple[Engine, list[Method]]] = {}
-    for engine, method in choice.pairs():
+    for engine, method in choice.methods_on(scenario).values():
         methods.setdefault(engine.name, (engine, []))[1].append(method)
     for engine, chosen in methods.values():
         costs = timed(executor.call_at(engine.site, call, scenario, engine, chosen))

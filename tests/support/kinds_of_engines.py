@@ -19,8 +19,12 @@ OPTIONAL = (
 
 
 def required_engines() -> list[Engine]:
-    """Those whose packages spincheck depends on."""
-    return [e for e in engines().values() if not (e.package or isinstance(e, ChildEngine))]
+    """Those whose packages spincheck depends on, which load the scene's own models."""
+    return [
+        engine
+        for engine in engines().values()
+        if not (engine.package or engine.of_file or isinstance(engine, ChildEngine))
+    ]
 
 
 def why_missing(name: str) -> str:

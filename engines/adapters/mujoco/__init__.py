@@ -1,6 +1,7 @@
-"""MuJoCo, from the scene as MJCF and from its URDF."""
+"""MuJoCo, from the scene as MJCF, from its URDF, and from users' own files."""
 
 from .engine import MuJoCo
+from .file_engine import MuJoCoFile
 from .urdf_reader import MuJoCoURDF
 
-__all__ = ["MuJoCo", "MuJoCoURDF"]
+__all__ = ["MuJoCo", "MuJoCoFile", "MuJoCoURDF"]

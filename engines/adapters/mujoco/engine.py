@@ -89,16 +89,20 @@ class MuJoCo(Engine):
         return _open(scenario, timestep, method.name, names if left_in is None else left_in)
 
     def at_version(self, version: str) -> Release:
-        """As its changelog has it: RK4 averaged the stages' rotations until 4.0.0."""
-        number = numbers_of(version)
-        methods: tuple[Method, ...] = self.methods
-        if number < (4,):
-            methods = tuple(
-                replace(method, order=2, attitude_order=2) if method.name == "RK4" else method
-                for method in methods
-            )
-        parts = ("mujoco", "mujoco-core", "mujoco-studio") if number >= (4,) else ("mujoco",)
-        return Release(tuple(f"{part}=={version}" for part in parts), methods)
+        """As its changelog has it."""
+        return release(version, self.methods)
+
+
+def release(version: str, methods: tuple[Method, ...]) -> Release:
+    """A version of MuJoCo: until 4.0.0, RK4 averaged the stages' rotations."""
+    number = numbers_of(version)
+    if number < (4,):
+        methods = tuple(
+            replace(method, order=2, attitude_order=2) if method.name == "RK4" else method
+            for method in methods
+        )
+    parts = ("mujoco", "mujoco-core", "mujoco-studio") if number >= (4,) else ("mujoco",)
+    return Release(tuple(f"{part}=={version}" for part in parts), methods, MuJoCo.name)
 
 
 def _open(

@@ -56,8 +56,8 @@ class MuJoCoModelReader(ModelReader):
 
 
 def _compiled(model: ModelFile, *, unfused: bool) -> Any:
-    spec = _urdf(model) if model.format == "urdf" else _mjcf(model)
-    _name_bodies(spec)
+    spec = _urdf(model) if model.format == "urdf" else spec_of_mjcf(model)
+    name_bodies(spec)
     if unfused:
         spec.compiler.fusestatic = False
         if model.format == "urdf":
@@ -77,7 +77,7 @@ def _urdf(model: ModelFile) -> Any:
     return mujoco.MjSpec.from_string(data.decode(errors="replace"), assets=assets)
 
 
-def _mjcf(model: ModelFile) -> Any:
+def spec_of_mjcf(model: ModelFile) -> Any:
     """The file without what is only drawn, and without meshes that no inertia comes from."""
     spec = mujoco.MjSpec.from_file(str(model.folders.own / model.path.name))
     explicit = spec.compiler.inertiafromgeom != mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
@@ -102,7 +102,7 @@ def _is_there(model: ModelFile, spec: Any, geom: Any) -> bool:
     return model.folders.find(str(Path(spec.compiler.meshdir, mesh.file))) is not None
 
 
-def _name_bodies(spec: Any) -> None:
+def name_bodies(spec: Any) -> None:
     """Name those without a name by their order, as the file's reader does."""
     nameless = [body for body in spec.bodies if not body.name]
     for number, body in enumerate(nameless, 1):

@@ -92,7 +92,7 @@ class PyBullet(Engine):
     @property
     def version(self) -> str:
         """Of the installed package; the library does not tell its own."""
-        return _version()
+        return installed_version()
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Load the scene's URDF and set its start."""
@@ -120,9 +120,8 @@ class PyBullet(Engine):
         return PyBulletSession(scenario, REPRESENTATIONS[method.name], timestep, kept)
 
     def at_version(self, version: str) -> Release:
-        """3.2.6 and older are built for numpy 1."""
-        older = ("numpy==1.26.4",) if numbers_of(version) <= (3, 2, 6) else ()
-        return Release((f"pybullet=={version}", *older), self.methods)
+        """Under the same methods."""
+        return release(version, self.methods)
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """Of a method as shipped; without a joint there is no motor."""
@@ -139,7 +138,13 @@ class PyBullet(Engine):
         return PyBulletSession(scenario, representation, timestep)
 
 
+def release(version: str, methods: tuple[Method, ...]) -> Release:
+    """A version of PyBullet: 3.2.6 and older are built for numpy 1."""
+    older = ("numpy==1.26.4",) if numbers_of(version) <= (3, 2, 6) else ()
+    return Release((f"pybullet=={version}", *older), methods, PyBullet.name)
+
+
 @cache
-def _version() -> str:
+def installed_version() -> str:
     """Looked up once: it takes as long as a hundred steps."""
     return version("pybullet")

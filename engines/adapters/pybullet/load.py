@@ -4,6 +4,7 @@ Why each call is there, and what happens without it: docs/engines-pybullet.md.
 """
 
 import atexit
+import shutil
 import tempfile
 from collections.abc import Collection
 from dataclasses import dataclass, replace
@@ -39,6 +40,14 @@ TAKEN_FOR_ZERO = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
+class OwnURDF:
+    """A user's URDF of one link, and the meshes that it names, to be laid beside it."""
+
+    data: bytes
+    meshes: tuple[tuple[str, Path], ...]
+
+
+@dataclass(frozen=True)
 class BodyRepresentation:
     """How a method represents the body, and its pivot where there is one.
 
@@ -47,11 +56,13 @@ class BodyRepresentation:
     maximal : six coordinates a body (btRigidBody) instead of joint coordinates (btMultiBody)
     hung : the pivot is a spherical joint; otherwise a point-to-point constraint
     defaults : of `DEFAULTS`, those that are left as shipped
+    own : the file that is loaded; the scene's URDF if None
     """
 
     maximal: bool
     hung: bool
     defaults: frozenset[str] = frozenset()
+    own: OwnURDF | None = None
 
     @property
     def as_shipped(self) -> bool:
@@ -61,7 +72,7 @@ class BodyRepresentation:
 
 def left_out(scenario: Scenario, representation: BodyRepresentation) -> tuple[str, ...]:
     """What a body could have besides and move alike."""
-    if representation.as_shipped:
+    if representation.as_shipped or representation.own:
         return ()
     return (SHAPE, MOTOR) if representation.hung and scenario.has_pivot else (SHAPE,)
 
@@ -89,12 +100,7 @@ def load(
     arm_world = world_from_body.apply(np.array(scenario.body.com))
     if not representation.as_shipped:
         _check_not_lost(scenario, representation)
-    radius = _gyration_radius(scenario) if SHAPE in left_in else 0.0
-    text = urdf(
-        scenario if hung else set_free(scenario),
-        shape_radius=radius,
-        has_box=representation.as_shipped,
-    )
+    text = representation.own or _scenes_own(scenario, representation, left_in)
     if hung:
         body = _load_urdf(client, text, representation, np.zeros(3), Rotation.identity())
         model = _model_of_link(client, body, HUNG)
@@ -124,9 +130,22 @@ def load(
     return model
 
 
+def _scenes_own(
+    scenario: Scenario, representation: BodyRepresentation, left_in: Collection[str]
+) -> OwnURDF:
+    """The scene as URDF; what holds a body that does not hang by a joint is no part of it."""
+    hung = representation.hung and scenario.has_pivot
+    text = urdf(
+        scenario if hung else set_free(scenario),
+        shape_radius=_gyration_radius(scenario) if SHAPE in left_in else 0.0,
+        has_box=representation.as_shipped,
+    )
+    return OwnURDF(text.encode(), ())
+
+
 def _load_urdf(
     client: int,
-    text: str,
+    model: OwnURDF,
     representation: BodyRepresentation,
     position: FloatArray,
     attitude: Rotation,
@@ -137,9 +156,13 @@ def _load_urdf(
     given here, not set after: a rigid body keeps the inertia it was loaded with, in world axes,
     until the end of its first step.
     """
-    file = Path(_folder(), f"{next(_numbers)}.urdf")
+    number = next(_numbers)
+    file = Path(_folder(), f"{number}.urdf")
     try:
-        file.write_text(text, encoding="utf-8")
+        file.write_bytes(model.data)
+        if model.meshes:
+            # Of their own names too: meshes are kept as files are.
+            file = _beside_meshes(file, model.meshes)
         try:
             return int(
                 p.loadURDF(
@@ -157,6 +180,17 @@ def _load_urdf(
             raise EngineError(f"PyBullet cannot load the body: {error}") from None
     finally:
         file.unlink(missing_ok=True)
+        if model.meshes:
+            shutil.rmtree(file.parent, ignore_errors=True)
+
+
+def _beside_meshes(file: Path, meshes: tuple[tuple[str, Path], ...]) -> Path:
+    """The file in a folder of its own, where its meshes are."""
+    folder = file.with_suffix("")
+    folder.mkdir()
+    for name, mesh in meshes:
+        Path(folder, name).symlink_to(mesh)
+    return file.rename(folder / file.name)
 
 
 _numbers = count()

@@ -19,6 +19,9 @@ from .model import BASE
 
 #: Meshes that PyBullet makes collision shapes of.
 MESHES = frozenset((".obj", ".stl", ".dae"))
+#: The two ways to load a URDF, and where the first takes tensors from.
+DEFAULT, FROM_FILE = "default", "inertia-from-file"
+MADE_UP = "made up from the collision shapes"
 #: The head of what PyBullet prints: file and line of its source.
 _HEAD = re.compile(r"b3(?:Warning|Error|Printf)\[[^\]]*\]:\n?")
 #: In bytes of the index of `getJointInfo`.
@@ -33,12 +36,12 @@ class PyBulletModelReader(ModelReader):
     formats = frozenset({"urdf"})
     configurations = (
         Configuration(
-            "default",
+            DEFAULT,
             "loadURDF without a flag",
-            "made up from the collision shapes",
+            MADE_UP,
             "load it with flags=pybullet.URDF_USE_INERTIA_FROM_FILE",
         ),
-        Configuration("inertia-from-file", "loadURDF with URDF_USE_INERTIA_FROM_FILE"),
+        Configuration(FROM_FILE, "loadURDF with URDF_USE_INERTIA_FROM_FILE"),
     )
 
     @property
@@ -48,15 +51,11 @@ class PyBulletModelReader(ModelReader):
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
         """Load it into an empty world; only the default asks the collision shapes."""
-        asks_shapes = configuration == "default"
+        asks_shapes = configuration == DEFAULT
         flags = p.URDF_IGNORE_VISUAL_SHAPES
         if not asks_shapes:
             flags |= p.URDF_USE_INERTIA_FROM_FILE | p.URDF_IGNORE_COLLISION_SHAPES
-
-        def usable(shape: Shape) -> bool:
-            return asks_shapes and Path(shape.mesh or "").suffix.lower() in MESHES
-
-        data, meshes = with_meshes(model, usable)
+        data, meshes = with_meshes(model, lambda shape: asks_shapes and takes_mesh(shape))
         client = p.connect(p.DIRECT)
         try:
             with tempfile.TemporaryDirectory() as folder, native_output() as printed:
@@ -70,6 +69,11 @@ class PyBulletModelReader(ModelReader):
             return _bodies(client, body)
         finally:
             p.disconnect(client)
+
+
+def takes_mesh(shape: Shape) -> bool:
+    """Whether PyBullet makes a collision shape of such a mesh."""
+    return Path(shape.mesh or "").suffix.lower() in MESHES
 
 
 def _load(client: int, file: Path, flags: int) -> int | None:

@@ -1,12 +1,11 @@
 """Users' own models: what each engine holds of them, against what their file states."""
 
 from .inspect import Asked, CannotInspectError, asked_engines, inspect_model
-from .records import Difference, Held, InspectedLink, Inspection
+from .records import Held, InspectedLink, Inspection
 
 __all__ = [
     "Asked",
     "CannotInspectError",
-    "Difference",
     "Held",
     "InspectedLink",
     "Inspection",

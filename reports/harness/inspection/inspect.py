@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ....engines import EngineError
+from ....engines.inspection import AGREES, cause, difference, held_of_nothing
 from ....engines.model_reader import Configuration, ModelReader, model_readers
 from ....engines.read_back import BodyReading
 from ....engines.versions import VersionError, versioned
@@ -11,10 +12,8 @@ from ....scenarios import did_you_mean
 from ....scenarios.model_files import Link, ModelFile, Problem, fused, problems
 from ....scenarios.model_files.model_file import Pose, welded
 from ..executors import CallFailed, Executor
-from .cause import cause, held_of_nothing
-from .difference import difference
 from .motion_apart import attitude_apart_deg
-from .records import AGREES, Held, InspectedLink, Inspection
+from .records import Held, InspectedLink, Inspection
 
 #: CPU s for one engine to read one file, meshes included; the largest take a few.
 READ_LIMIT = 60.0

@@ -1,58 +1,13 @@
 """What an inspection finds: a link of a file × a configuration of an engine."""
 
 from dataclasses import dataclass
-from typing import Literal
 
+from ....engines.inspection import Difference, Kind
 from ....engines.read_back import BodyReading
 from ....scenarios.model_files import Link, ModelFile, Problem, Stated
 
-#: Relative; an engine that holds a link within this holds the file's. Tensors that engines
-#: diagonalise loosely are off by 1e-12 to 1e-6: at 1e-12 a third of all links would be wrong.
-AGREES = 1e-5
 #: s after which two motions are compared.
 TIMES = (1.0, 3.0)
-
-
-#: What an engine has done to a link: refused its file; put a body where the file states none, or a
-#: tensor where it states a mass alone; made a tensor up or set it to zero; lost the rotation of its
-#: inertial frame, or the products of inertia; turned the axes; summed fused links wrongly; or any
-#: other difference.
-Kind = Literal[
-    "",
-    "refused",
-    "nothing stated",
-    "no tensor",
-    "made up",
-    "zero",
-    "rotation lost",
-    "products dropped",
-    "turned",
-    "sum",
-    "other",
-]
-
-
-@dataclass(frozen=True)
-class Difference:
-    """How far an engine's body is from the file's.
-
-    Attributes
-    ----------
-    mass : relative
-    com : distance, relative to the file's radius of gyration or |com|, whichever is larger
-    inertia : norm of the difference of the tensors about the com, relative to the file's
-    axes_deg : the least rotation between the principal axes; 0 where both have all moments alike
-    """
-
-    mass: float
-    com: float
-    inertia: float
-    axes_deg: float
-
-    @property
-    def worst(self) -> float:
-        """The largest of the three that are judged."""
-        return max(self.mass, self.com, self.inertia)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,10 +3,11 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ....engines.inspection import Kind
 from ....engines.model_reader import model_readers
 from ....scenarios import FloatArray
 from ....scenarios.model_files import Stated
-from .records import Held, InspectedLink, Inspection, Kind
+from .records import Held, InspectedLink, Inspection
 
 #: Written into `<inertial>`: what a frame without a mass has.
 NO_INERTIA = (

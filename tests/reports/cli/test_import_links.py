@@ -4,12 +4,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from spincheck.engines import engines
+from spincheck.reports.cli.app import app
 from spincheck.reports.cli.import_links import import_scenes
+from spincheck.reports.cli.running import _engines_for
 from spincheck.reports.cli.terminal import Complaint
-from spincheck.scenarios import ScenarioError, load
+from spincheck.scenarios import ScenarioError, find, load
 from spincheck.scenarios.model_files import read_model
+from typer.testing import CliRunner
 from users_models import arm, diagonal, inertial, joint, link, robot, written
 
+pytest_plugins = ["pytester"]
 BAD = inertial("1", diagonal(0.3, 0.1, 0.9))
 ODD = robot(
     link("base"),
@@ -99,3 +104,37 @@ def test_an_origin_is_given_whole(tmp_path):
     scene = written(tmp_path, text, "scenes/half.toml")
     with pytest.raises(ScenarioError, match=r"\[body\]: 'link', 'model' needs 'sha256' besides"):
         load(scene)
+
+
+def test_a_run_of_a_changed_model_ends_with_exit_code_2(tmp_path):
+    path, (_, line) = imported(tmp_path, arm())
+    path.write_text(arm(mass="3"), encoding="utf-8")
+    ended = CliRunner().invoke(app, ["run", line, "--out", str(tmp_path / "results.sqlite")])
+    assert isinstance(ended.exception, Complaint)
+    assert ended.exception.exit_code == 2
+    assert "'../robots/robot.urdf' has changed since this scene was made of it" in str(
+        ended.exception
+    )
+
+
+def test_a_run_asks_engines_of_users_files_where_a_scene_names_one(tmp_path):
+    _, (_, line) = imported(tmp_path, arm())
+    of_file = {name for name, engine in engines().items() if engine.of_file}
+    assert of_file <= set(_engines_for([load(line)]))
+    assert not of_file & set(_engines_for([load(find(["fast-top"])[0])]))
+
+
+def test_an_engine_of_users_files_that_is_asked_for_in_vain_is_told(tmp_path):
+    out = str(tmp_path / "results.sqlite")
+    ended = CliRunner().invoke(app, ["run", "fast-top", "--engine", "mujoco-file", "--out", out])
+    assert str(ended.exception).startswith(
+        "'--engine' mujoco-file loads links of users' files, and no scene here names one"
+    )
+
+
+def test_pytest_has_an_item_a_link_and_engine(pytester):
+    path = written(pytester.path, arm())
+    import_scenes(path, pytester.path / "scenes", ())
+    result = pytester.runpytest_inprocess("-p", "no:cacheprovider", "--collect-only", "-q")
+    result.stdout.fnmatch_lines(["*::mujoco-file-RK4", "*::pybullet-file-inertia-from-file"])
+    result.stdout.no_fnmatch_line("*::pybullet-file-default")

@@ -12,6 +12,7 @@ from importlib.metadata import distribution
 from pathlib import Path
 
 import psutil
+from spincheck.engines.inspection import AGREES
 from spincheck.reports.harness.executors import LocalWorkers
 from spincheck.reports.harness.inspection import (
     Asked,
@@ -21,7 +22,6 @@ from spincheck.reports.harness.inspection import (
     inspect_model,
 )
 from spincheck.reports.harness.inspection.inspect import READ_LIMIT
-from spincheck.reports.harness.inspection.records import AGREES
 from spincheck.scenarios.model_files import ModelFileError, read_model
 
 #: Distributions, and which of their files are models.

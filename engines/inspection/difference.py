@@ -1,15 +1,42 @@
 """How far a body is from another: mass, com, tensor, and the angle between principal axes."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ....engines.read_back import BodyReading
-from ....scenarios import FloatArray
-from ....scenarios.model_files import Stated
-from .records import AGREES, Difference
+from ...scenarios import FloatArray
+from ...scenarios.model_files import Stated
+from ..read_back import BodyReading
 
+#: Relative; an engine that holds a link within this holds the file's. Tensors that engines
+#: diagonalise loosely are off by 1e-12 to 1e-6: at 1e-12 a third of all links would be wrong.
+AGREES = 1e-5
 #: Half turns about each axis: principal axes have no sign.
 _SIGNS = [np.diag(signs) for signs in ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))]
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How far an engine's body is from the file's.
+
+    Attributes
+    ----------
+    mass : relative
+    com : distance, relative to the file's radius of gyration or |com|, whichever is larger
+    inertia : norm of the difference of the tensors about the com, relative to the file's
+    axes_deg : the least rotation between the principal axes; 0 where both have all moments alike
+    """
+
+    mass: float
+    com: float
+    inertia: float
+    axes_deg: float
+
+    @property
+    def worst(self) -> float:
+        """The largest of the three that are judged."""
+        return max(self.mass, self.com, self.inertia)
 
 
 def difference(stated: Stated, held: BodyReading) -> Difference:

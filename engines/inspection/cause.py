@@ -1,14 +1,32 @@
 """How an engine's body differs from the file's, in words: size and cause."""
 
+from typing import Literal
+
 import numpy as np
 
-from ....engines.read_back import BodyReading
-from ....scenarios import FloatArray
-from ....scenarios.model_files import Problem, Stated
-from ....scenarios.model_files.problems import principal_moments
-from .difference import moments_alike
-from .records import AGREES, Difference, Kind
+from ...scenarios import FloatArray
+from ...scenarios.model_files import Problem, Stated
+from ...scenarios.model_files.problems import principal_moments
+from ..read_back import BodyReading
+from .difference import AGREES, Difference, moments_alike
 
+#: What an engine has done to a link: refused its file; put a body where the file states none, or a
+#: tensor where it states a mass alone; made a tensor up or set it to zero; lost the rotation of its
+#: inertial frame, or the products of inertia; turned the axes; summed fused links wrongly; or any
+#: other difference.
+Kind = Literal[
+    "",
+    "refused",
+    "nothing stated",
+    "no tensor",
+    "made up",
+    "zero",
+    "rotation lost",
+    "products dropped",
+    "turned",
+    "sum",
+    "other",
+]
 #: Ratios this close to 1 are printed as a percentage.
 NEAR_ONE = 0.1
 

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from spincheck.engines import BodyReading
-from spincheck.reports.harness.inspection.cause import cause
-from spincheck.reports.harness.inspection.difference import angle_between_axes, difference
+from spincheck.engines.inspection import AGREES, cause, difference
+from spincheck.engines.inspection.difference import angle_between_axes
 from spincheck.reports.harness.inspection.motion_apart import START, attitude_apart_deg
-from spincheck.reports.harness.inspection.records import AGREES
 from spincheck.scenarios.model_files import Problem, Stated
 
 EPS = float(np.finfo(float).eps)

@@ -1,0 +1,98 @@
+"""MuJoCo from the user's own file: the link that a scene names, cut out of its URDF or MJCF."""
+
+from copy import copy
+from functools import lru_cache
+from typing import Any, final
+
+import mujoco
+
+from ....scenarios import Scenario
+from ...engine import Method, Release
+from ...file_engine import FileEngine
+from ...models.mjcf import start_coordinates, switched_off
+from ...models.users_link import UsersLink, users_link
+from ...models.users_urdf import link_alone
+from .audit import disable
+from .engine import KEPT, MuJoCo, release
+from .model_reader import name_bodies, spec_of_mjcf
+from .session import MuJoCoSession, check_not_too_small, compiled
+
+#: Keeps a link's name from meeting another.
+PREFIX = "cut-"
+
+
+@final
+class MuJoCoFile(FileEngine):
+    """MuJoCo's URDF and MJCF readers on the link that a scene names."""
+
+    name = "mujoco-file"
+    formats = frozenset({"urdf", "mjcf"})
+    stock_timestep = MuJoCo.stock_timestep
+    # What the readers do to a body shows with any integrator; the most exact one hides least.
+    methods = (
+        Method(
+            "RK4",
+            4,
+            4,
+            "Runge-Kutta of fourth order, on the link as read from the user's own file",
+            frozenset({"gravity"}),
+        ),
+    )
+
+    @property
+    def version(self) -> str:
+        """Of the library that runs, which is what counts."""
+        return str(mujoco.mj_versionString())
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
+        """Read the link, give it a free joint, and set what no file says."""
+        check_not_too_small(scenario)
+        model = copy(_model(users_link(scenario)))
+        model.opt.timestep = timestep
+        model.opt.gravity = scenario.gravity_world
+        model.opt.integrator = mujoco.mjtIntegrator.__members__[f"mjINT_{method.name}"]
+        disable(model, switched_off(scenario))
+        return MuJoCoSession(scenario, model, *start_coordinates(scenario))
+
+    def at_version(self, version: str) -> Release:
+        """As MuJoCo is from its generated models."""
+        return release(version, self.methods)
+
+
+@lru_cache(maxsize=KEPT)
+def _model(users: UsersLink) -> Any:
+    """The compiled link, as it was read."""
+    build = _of_urdf if users.model.format == "urdf" else _of_mjcf
+    return compiled(lambda: build(users).compile())
+
+
+def _of_urdf(users: UsersLink) -> Any:
+    """The link's element verbatim, but for its shapes: they have no part in a stated inertia."""
+    text, _ = link_alone(users.model, users.link)
+    spec = mujoco.MjSpec.from_string(text.decode(errors="replace"))
+    # By default the reader fuses an only link with the world.
+    spec.compiler.fusestatic = False
+    return _freed(spec, spec.body(users.link.name))
+
+
+def _of_mjcf(users: UsersLink) -> Any:
+    """The body with its file's compiler settings and defaults, without what hangs on it."""
+    whole = spec_of_mjcf(users.model)
+    name_bodies(whole)
+    spec = mujoco.MjSpec()
+    body = spec.worldbody.add_frame().attach_body(whole.body(users.link.name), PREFIX, "")
+    for parts in (spec.sensors, spec.actuators, spec.tendons, spec.equalities, spec.keys):
+        for part in list(parts):
+            spec.delete(part)
+    for parts in (spec.joints, spec.geoms, spec.sites, spec.cameras, spec.lights, body.bodies):
+        for part in list(parts):
+            spec.delete(part)
+    return _freed(spec, body)
+
+
+def _freed(spec: Any, body: Any) -> Any:
+    joint = body.add_freejoint()
+    if hasattr(joint, "align"):
+        # Aligned with the inertial frame, qpos and qvel would mean something else.
+        joint.align = False
+    return spec

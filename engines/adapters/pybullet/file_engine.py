@@ -1,0 +1,65 @@
+"""PyBullet from the user's own URDF: the link that a scene names, cut out of it."""
+
+from typing import ClassVar, final
+
+from ....scenarios import Scenario
+from ...engine import Method, Release
+from ...file_engine import FileEngine
+from ...models.users_link import users_link
+from ...models.users_urdf import link_alone
+from .engine import MOST_ROTATION_A_STEP, PyBullet, installed_version, release
+from .load import DEFAULTS, INERTIA, BodyRepresentation, OwnURDF
+from .model_reader import DEFAULT, FROM_FILE, MADE_UP, takes_mesh
+from .session import PyBulletSession
+
+#: By method: the defaults that are left as shipped.
+LEFT = {DEFAULT: frozenset(DEFAULTS), FROM_FILE: frozenset[str]()}
+
+
+@final
+class PyBulletFile(FileEngine):
+    """`loadURDF` on the link that a scene names, as `inspect` has it."""
+
+    name = "pybullet-file"
+    formats = frozenset({"urdf"})
+    stock_timestep = PyBullet.stock_timestep
+    made_up: ClassVar[dict[str, str]] = {DEFAULT: MADE_UP}
+    methods = (
+        Method(
+            FROM_FILE,
+            1,
+            1,
+            "the link as read from the user's own URDF, with URDF_USE_INERTIA_FROM_FILE",
+            frozenset({"gravity"}),
+            max_rotation_per_step=MOST_ROTATION_A_STEP,
+        ),
+        Method(
+            DEFAULT,
+            1,
+            1,
+            "as shipped: the link as read from the user's own URDF, without a flag",
+            frozenset({"gravity"}),
+            max_rotation_per_step=MOST_ROTATION_A_STEP,
+            as_shipped=True,
+        ),
+    )
+
+    @property
+    def version(self) -> str:
+        """Of the installed package; the library does not tell its own."""
+        return installed_version()
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> PyBulletSession:
+        """Load the link's element and set its start."""
+        users = users_link(scenario)
+        left = LEFT[method.name]
+        # Tensors are made up from shapes; else these would only collide.
+        shapes = takes_mesh if INERTIA in left else None
+        text, meshes = link_alone(users.model, users.link, shapes)
+        own = OwnURDF(text, tuple(meshes.items()))
+        representation = BodyRepresentation(maximal=False, hung=False, defaults=left, own=own)
+        return PyBulletSession(scenario, representation, timestep)
+
+    def at_version(self, version: str) -> Release:
+        """As PyBullet is from its generated models."""
+        return release(version, self.methods)

@@ -1,0 +1,78 @@
+"""An engine that loads a link out of the user's own model file, instead of a generated model."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+from ..scenarios import Scenario
+from ..scenarios.model_files import problems
+from ..scenarios.model_files.model_file import Format
+from .engine import Engine
+from .inspection import AGREES, cause, difference
+from .models.users_link import users_link
+from .read_back import BodyReading, Difference, EngineError, State
+
+#: What `read_back.differences` calls the numbers of a body.
+OF_BODY = frozenset({"mass", "com", "inertia_com"})
+
+
+class FileEngine(Engine):
+    """For scenes that name a link of a model file, and for no others.
+
+    A body agrees with the scene's as it does for `inspect`: engines diagonalise tensors loosely.
+
+    Attributes
+    ----------
+    formats : of the files that it reads
+    made_up : by method, where it takes tensors from instead of the file
+    """
+
+    of_file = True
+    slack = AGREES
+    formats: ClassVar[frozenset[Format]]
+    made_up: ClassVar[dict[str, str]] = {}
+
+    def applies_to(self, scenario: Scenario) -> bool:
+        """Whether a scene names a link of a file of its formats; one that is lost is a failure."""
+        if scenario.document.body.model is None:
+            return False
+        try:
+            return users_link(scenario).model.format in self.formats
+        except EngineError:
+            return True
+
+    def differences(
+        self, scenario: Scenario, method: str, body: BodyReading, state: State
+    ) -> list[Difference]:
+        """As of any engine; those of the body in the words of `inspect`."""
+        found = super().differences(scenario, method, body, state)
+        others = [one for one in found if one.what not in OF_BODY]
+        if len(others) == len(found):
+            return found
+        link = users_link(scenario).link
+        assert link.stated is not None, "a link that states nothing is refused"
+        # The scene's numbers are what is simulated; the file tells what they would be unturned.
+        numbers = scenario.body
+        stated = replace(
+            link.stated, mass=numbers.mass, com=numbers.com, inertia=numbers.inertia_com
+        )
+        apart, made_up = difference(stated, body), self.made_up.get(method, "")
+        _, words = cause(stated, body, apart, problems(link), made_up)
+        other = _OtherBody("body", stated.inertia, body.inertia_com, apart.worst, words)
+        return [other, *others]
+
+
+@dataclass(frozen=True, eq=False)
+class _OtherBody(Difference):
+    """Another body than the file states, and why."""
+
+    why: str
+
+    @property
+    def complaint(self) -> str:
+        """In words, without numbers that the words have."""
+        return f"holds another body than the file states: {self.why}"
+
+    @property
+    def remark(self) -> str:
+        """The same."""
+        return self.complaint
