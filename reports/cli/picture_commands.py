@@ -34,11 +34,12 @@ def plot(
     what: Annotated[
         str,
         typer.Option(
-            help="theta, omega, polhode, herpolhode, axis, potential, convergence, work-precision."
+            help="theta, omega, polhode, herpolhode, axis, potential, convergence, "
+            "work-precision; motion, a film."
         ),
     ],
     out: Annotated[
-        Path, typer.Option("--out", "-o", help="The file to write: .svg, .png or .pdf.")
+        Path, typer.Option("--out", "-o", help="The file to write: .svg, .png, .pdf; .gif, .mp4.")
     ],
     results: Annotated[
         Path, typer.Option("--from", help="Runs are taken from this result file.")
@@ -46,12 +47,14 @@ def plot(
     engine: Engines = None,
     method: Methods = None,
 ) -> None:
-    """Draw one figure of a scene as a file; takes matplotlib.
+    """Draw one figure of a scene, or film its motion, as a file; takes matplotlib.
 
     The exact motion, and beside it the engines and methods that are named, as far as the result
     file has runs of them; convergence and work-precision of every method.
 
-    Example: spincheck plot fast-top --what theta --engine mujoco --method default -o theta.svg
+    A film is slow enough to be followed; .gif always works, .mp4 takes ffmpeg.
+
+    Example: spincheck plot fast-top --what motion --engine mujoco --method default -o top.gif
     """
     from .pictures import plot as draw
 

@@ -5,11 +5,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ...reference import solve
-from ...scenarios import Scenario
+from ...scenarios import Scenario, did_you_mean
 from ..pages.analysis.report_data import Compared, SceneRuns, report_data
 from ..pages.figures.figures import figures
 from ..pages.figures.plot import Figure
 from ..pages.figures.run_lines import with_runs
+from ..pages.motion_data import run_name
 from ..pages.render import render
 from ..results.store import Results, SceneResult
 from . import running
@@ -28,6 +29,8 @@ WHAT: dict[str, tuple[str, int | None]] = {
     "convergence": ("convergence", None),
     "work-precision": ("cost", None),
 }
+#: The motion itself, as a film.
+MOTION = "motion"
 #: Those that are of runs alone.
 OF_RUNS = ("convergence", "work-precision")
 
@@ -64,8 +67,12 @@ def plot(
         If there is no such figure of the scene, its runs are not in the result file, or it cannot
         be written.
     """
-    if what not in WHAT:
-        raise Complaint(f"'--what' must be one of {', '.join(WHAT)}, got '{what}'", BAD_INPUT)
+    if what not in (*WHAT, MOTION):
+        raise Complaint(
+            f"'--what' must be one of {', '.join([*WHAT, MOTION])}, got '{what}'"
+            f"{did_you_mean(what, [*WHAT, MOTION])}",
+            BAD_INPUT,
+        )
     scenario = one_scene(scene)
     scene_runs = _scene_runs(scenario, results)
     if what in OF_RUNS and not any(runs.rows for runs in scene_runs.methods):
@@ -73,15 +80,33 @@ def plot(
             f"{results}: has no runs of {scenario.name}; 'spincheck run {scene}' makes them",
             BAD_INPUT,
         )
-    parts = _parts(scene_runs, what, _chosen(scene_runs, engine_names, methods))
+    chosen = _chosen(scene_runs, engine_names, methods)
     try:
-        from ..pages.figures.picture import write_picture
+        if what == MOTION:
+            _film(scene_runs, chosen, out)
+        else:
+            _picture(scene_runs, _parts(scene_runs, what, chosen), out)
     except ImportError:
         raise Complaint("needs matplotlib; 'pip install spincheck[plot]'", NOT_RUN) from None
-    try:
-        write_picture(parts, scenario.title, out)
     except (OSError, ValueError) as error:
         raise Complaint(f"{out}: cannot be written: {error}", BAD_INPUT) from None
+
+
+def _picture(scene: SceneRuns, parts: list[Figure], out: Path) -> None:
+    from ..pages.figures.picture import write_picture
+
+    write_picture(parts, scene.title, out)
+
+
+def _film(scene: SceneRuns, runs: tuple[Compared, ...], out: Path) -> None:
+    from ..pages.figures.film import Filmed, NoWriterError, write_film
+
+    assert scene.found is not None, "only a scene that was solved is filmed"
+    beside = [Filmed(run_name(run.row), run.motion) for run in runs]
+    try:
+        write_film(scene.found, beside, out)
+    except NoWriterError as error:
+        raise Complaint(f"{out}: cannot be written: {error}", NOT_RUN) from None
 
 
 def _scene_runs(scenario: Scenario, results: Path) -> SceneRuns:

@@ -129,7 +129,9 @@
       best.price === null ? "" : `${number(best.price)} times the CPU time of ${best.default} as shipped`,
     ];
     linked(td, `${scene.page}#${best.anchor}`, "", told.filter(Boolean).join(" · "));
-    td.firstChild.append(chip, element("span", `${best.label} ${best.timestep}${price}`));
+    const words = element("span");
+    words.append(element("span", best.label), " ", element("span", `${best.timestep}${price}`));
+    td.firstChild.append(chip, words);
     return td;
   }
   function sceneRow(scene, columns, nested) {
