@@ -9,13 +9,12 @@ from ...scenarios.model_files import ModelFile, ModelFileError, read_model
 from ..harness.executors import LocalWorkers
 from ..harness.inspection import (
     CannotInspectError,
-    Held,
     InspectedLink,
     Inspection,
     asked_engines,
     inspect_model,
 )
-from ..harness.inspection.findings import differences, listed, problems_of
+from ..harness.inspection.findings import cell_text, differences, problems_of
 from ..harness.inspection.inspect import READ_LIMIT
 from ..harness.inspection.remedy import remedies
 from .inspection_record import columns, is_stated
@@ -23,8 +22,6 @@ from .terminal import BAD_INPUT, NOT_RUN, Complaint, table, terminal_width
 
 #: Lines of a list that are printed; '--json' has all.
 MOST_LINES = 20
-#: What a cell says where an engine holds what the file states, and where there is nothing to say.
-FINE, NOTHING = "ok", "–"
 LEGEND = (
     "ok: held as the file states it. Else: how far mass, com or tensor is off, the largest of the "
     "three, and the attitude that tumbling for 1 s loses by it."
@@ -63,6 +60,25 @@ def inspections(found: Sequence[ModelFile], engines: Sequence[str]) -> Iterator[
         raise Complaint(str(error), BAD_INPUT) from None
 
 
+def write_pages(inspected: Sequence[Inspection], out: Path) -> Iterator[Path]:
+    """A page of each model.
+
+    Raises
+    ------
+    Complaint
+        If the folder cannot be written.
+    """
+    from ..pages.model_page import page_names, write_model_page
+
+    names = page_names([one.model.path for one in inspected])
+    try:
+        for one, name in zip(inspected, names, strict=True):
+            yield write_model_page(one, out, name)
+    except OSError as error:
+        where = error.filename or out
+        raise Complaint(f"{where}: cannot be written: {error.strerror}", BAD_INPUT) from None
+
+
 def print_inspection(inspection: Inspection) -> None:
     """Table, differences worst first, what the file has wrong, and what to do."""
     model = inspection.model
@@ -81,7 +97,7 @@ def print_inspection(inspection: Inspection) -> None:
     _print_list("What engines hold otherwise, the worst first:", differences(inspection))
     _print_list("Impossible in the file:", problems_of(inspection, impossible=True))
     _print_list("Doubtful in the file:", problems_of(inspection, impossible=False))
-    _print_list("What to do:", _advice(inspection))
+    _print_list("What to do:", remedies(inspection))
     _print_list("Besides:", model.notes)
     if inspection.is_well:
         print("All is well.\n")
@@ -97,7 +113,7 @@ def _has_something(link: InspectedLink) -> bool:
 def _row(link: InspectedLink, heads: Sequence[tuple[str, str]]) -> dict[str, object]:
     stated = link.link.stated
     cells = {
-        _heading(engine, configuration): _cell(held)
+        _heading(engine, configuration): cell_text(held)
         for (engine, configuration), held in zip(heads, link.held, strict=True)
     }
     return {"link": link.link.name, "kg": stated and stated.mass, **cells}
@@ -108,35 +124,6 @@ def _heading(engine: str, configuration: str) -> str:
     return f"{engine.replace('@', ' @')} {configuration.replace('-from', '- from')}".replace(
         " ", "\n"
     )
-
-
-def _cell(held: Held) -> str:
-    if held.kind == "refused":
-        return "refused"
-    if held.agrees is None:
-        if held.body is None and held.cause:
-            return "fused"
-        return "by shapes" if held.body is not None and held.cause else NOTHING
-    if held.agrees:
-        return FINE
-    if held.difference is None:
-        return f"{held.body.mass:.3g} kg" if held.body else NOTHING
-    apart = held.attitude_apart_deg
-    return _share(held.difference.worst) + (f", {apart[1.0]:.0f}°" if apart is not None else "")
-
-
-def _share(share: float) -> str:
-    if share == float("inf"):
-        return "not zero"
-    if share >= 10:
-        return f"× {share:.3g}"
-    return f"{share:.2%}" if share < 0.01 else f"{share:.0%}"
-
-
-def _advice(inspection: Inspection) -> Iterator[str]:
-    for one in remedies(inspection):
-        line = f": {one.line}" if one.line else ""
-        yield f"{one.engine} {one.configuration}, {listed(one.links)}: {one.text}{line}"
 
 
 def _print_list(heading: str, lines: Iterable[object]) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from .options import AsJson, Engines
-from .terminal import AGREES, BAD_INPUT, DISAGREES, Complaint, to_json
+from .terminal import AGREES, BAD_INPUT, DISAGREES, Complaint, say, to_json
 
 app = typer.Typer()
 
@@ -22,6 +22,10 @@ def inspect(
     files: ModelFiles,
     engine: Engines = None,
     package_path: Packages = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Write a page of each file there; a report's will do."),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Compare what engines hold of a model's links with what its file states.
@@ -29,7 +33,7 @@ def inspect(
     Exits with 1 if an engine holds something else or the file states what no body can have, with 2
     if a file cannot be read; the others are inspected all the same.
     """
-    from .inspect import inspections, models, print_inspection
+    from .inspect import inspections, models, print_inspection, write_pages
     from .inspection_record import record
 
     found, unreadable = models(files, _packages(package_path or []))
@@ -38,6 +42,9 @@ def inspect(
         inspected.append(one)
         if not as_json:
             print_inspection(one)
+    if out is not None:
+        for page in write_pages(inspected, out):
+            say(str(page))
     if as_json and inspected:
         records = [record(one) for one in inspected]
         print(to_json(records[0] if len(files) == 1 else records))

@@ -2,12 +2,10 @@
 
 import base64
 import zlib
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
-from markupsafe import Markup
+from jinja2 import Environment
 
 from ...engines.models.mjcf import mjcf
 from ...engines.models.urdf import urdf
@@ -16,27 +14,24 @@ from ..results.records import VerdictWord
 from ..results.store import Results
 from . import hard_cases, overview, scene_tables
 from .analysis.report_data import ReportData, SceneRuns, report_data
-from .cost_section import LEGEND, cost_section, scene_costs
+from .cost_section import cost_section, scene_costs
 from .default_tables import default_tables
 from .figures.figures import figures
 from .first_screen import answer
 from .heat_map import heat_map
 from .left_out_tables import effects_table, harm_in_words, passes_tables
-from .links import scene_page
-from .markdown import code_block, escaped, to_html
 from .motion_data import motion_data
 from .page_data import PageData
 from .protocol import constants
 from .scene_answer import scene_answer, shown_at_first
 from .stock_table import stock_table
 from .sweep_section import sweep_section, write_sweeps
+from .templating import templates, write, write_styles
 
-TEMPLATES = Path(str(files(__package__))) / "templates"
 #: Plotly, deflated: `figures.js` unpacks it.
 PLOTLY = "plotly.js"
 #: Of ours; written as they are.
 ASSETS = (
-    "style.css",
     "scene.css",
     "figures.js",
     "overview.js",
@@ -63,7 +58,7 @@ def render(results: Results, folder: Path) -> Path:
         If the folder cannot be written.
     """
     gathered = report_data(results)
-    environment = _environment()
+    environment = templates()
     protocol = environment.get_template("protocol.md").render(p=constants())
     (folder / "scenes").mkdir(parents=True, exist_ok=True)
     _write_assets(folder / "assets")
@@ -78,11 +73,11 @@ def render(results: Results, folder: Path) -> Path:
     write_sweeps(environment, folder, sweeps, results.scenes)
     shared["hard"] = _hard_cases(gathered, environment)
     index = folder / "index.html"
-    _write(index, environment.get_template("index.html").render(root="", **shared))
+    write(index, environment.get_template("index.html").render(root="", **shared))
     contents = [_scene(scene) for scene in gathered.scenes]
     _write_scenes(environment, folder / "scenes", gathered.scenes, contents)
     report = environment.get_template("report.md").render(scenes=contents, **shared)
-    _write(folder / "report.md", report)
+    write(folder / "report.md", report)
     return index
 
 
@@ -105,29 +100,10 @@ def _write_scenes(
             "shown_at_first": shown_at_first(scene),
         }
         html = page.render(root="../", **drawn, **content, **around)
-        _write(folder / f"{scene.name}.html", html)
-        _write(folder / f"{scene.name}.md", text.render(**content))
+        write(folder / f"{scene.name}.html", html)
+        write(folder / f"{scene.name}.md", text.render(**content))
         for name, model in content.get("models", {}).items():
-            _write(folder / name, model)
-
-
-def _environment() -> Environment:
-    environment = Environment(
-        loader=FileSystemLoader(TEMPLATES),
-        autoescape=select_autoescape(["html"]),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.globals["cost_legend"] = LEGEND
-    environment.filters |= {
-        "markdown": lambda text: Markup(to_html(text)),
-        "md": escaped,
-        "code_block": code_block,
-        "page": scene_page,
-    }
-    return environment
+            write(folder / name, model)
 
 
 def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
@@ -196,12 +172,6 @@ def _models(scenario: Scenario) -> dict[str, str]:
 def _write_assets(folder: Path) -> None:
     from plotly.offline import get_plotlyjs
 
-    folder.mkdir(exist_ok=True)
+    write_styles(folder, *ASSETS)
     packed = base64.b64encode(zlib.compress(get_plotlyjs().encode("utf-8"), 9)).decode("ascii")
-    _write(folder / PLOTLY, f'const packedPlotly = "{packed}";\n')
-    for name in ASSETS:
-        _write(folder / name, (TEMPLATES / name).read_text(encoding="utf-8"))
-
-
-def _write(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8", newline="\n")
+    write(folder / PLOTLY, f'const packedPlotly = "{packed}";\n')

@@ -7,6 +7,8 @@ from .records import Held, InspectedLink, Inspection
 
 #: Links that a line names.
 MOST_NAMES = 3
+#: What a cell says where an engine holds what the file states, and where there is nothing to say.
+FINE, NOTHING = "ok", "–"
 
 
 @dataclass(frozen=True)
@@ -96,3 +98,27 @@ def _apart(held: Held) -> str:
         return ""
     angles = " and ".join(f"{angle:.3g}° after {time:g} s" for time, angle in apart.items())
     return f"; attitude off by {angles} of tumbling"
+
+
+def cell_text(held: Held) -> str:
+    """What one configuration has made of one link, in the width of a column."""
+    if held.kind == "refused":
+        return "refused"
+    if held.agrees is None:
+        if held.body is None and held.cause:
+            return "fused"
+        return "by shapes" if held.body is not None and held.cause else NOTHING
+    if held.agrees:
+        return FINE
+    if held.difference is None:
+        return f"{held.body.mass:.3g} kg" if held.body else NOTHING
+    apart = held.attitude_apart_deg
+    return _share(held.difference.worst) + (f", {apart[1.0]:.0f}°" if apart is not None else "")
+
+
+def _share(share: float) -> str:
+    if share == float("inf"):
+        return "not zero"
+    if share >= 10:
+        return f"× {share:.3g}"
+    return f"{share:.2%}" if share < 0.01 else f"{share:.0%}"

@@ -42,16 +42,28 @@ def attitude_apart_deg(stated: FloatArray, held: FloatArray) -> dict[float, floa
     -------
     None where one of them is a tensor that no body has, which has no motion
     """
+    apart = attitude_apart(stated, held, np.array(TIMES))
+    if apart is None:
+        return None
+    return {time: float(angle) for time, angle in zip(TIMES, np.degrees(apart), strict=True)}
+
+
+def attitude_apart(stated: FloatArray, held: FloatArray, times: FloatArray) -> FloatArray | None:
+    """The angle between the two bodies, rad, (n,); None as above.
+
+    Parameters
+    ----------
+    times : s, (n,), at most the scene's 3
+    """
     omega = np.linalg.eigh(stated)[1] @ START
-    one, other = (_attitudes(tensor, omega) for tensor in (stated, held))
+    one, other = (_attitudes(tensor, omega, times) for tensor in (stated, held))
     if one is None or other is None:
         return None
-    angles = np.degrees((one.inv() * other).magnitude())
-    return {time: float(angle) for time, angle in zip(TIMES, angles, strict=True)}
+    return np.asarray((one.inv() * other).magnitude())
 
 
-def _attitudes(tensor: FloatArray, omega: FloatArray) -> Rotation | None:
-    """At each of `TIMES`, of a body that starts unturned.
+def _attitudes(tensor: FloatArray, omega: FloatArray, times: FloatArray) -> Rotation | None:
+    """At each time, of a body that starts unturned.
 
     Solved along its principal axes: the reference would look for them in 60 digits.
     """
@@ -64,7 +76,7 @@ def _attitudes(tensor: FloatArray, omega: FloatArray) -> Rotation | None:
     try:
         body = body_about_com(1.0, (0.0, 0.0, 0.0), np.diag(moments / total).tolist())
         started = replace(scene, body=body, start=replace(scene.start, omega_body_exact=(x, y, z)))
-        moved = solve_ode(started, np.array(TIMES))
+        moved = solve_ode(started, times)
     except (ValueError, IntegrationError):
         return None
     turn = Rotation.from_matrix(axes)

@@ -1,12 +1,13 @@
 """What to do where an engine holds another body than the file states: a flag, an option, a line."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ....engines.inspection import Kind
 from ....engines.model_reader import model_readers
 from ....scenarios import FloatArray
 from ....scenarios.model_files import Stated
+from .findings import listed
 from .records import Held, InspectedLink, Inspection
 
 #: Written into `<inertial>`: what a frame without a mass has.
@@ -18,22 +19,26 @@ NO_INERTIA = (
 
 @dataclass(frozen=True)
 class Remedy:
-    """What to do, and for which links of which configuration.
+    """What to do, and for which links of which configurations.
 
     Attributes
     ----------
+    who : engines and configurations
     line : of XML to put into the file; empty where the remedy is something else
     """
 
-    engine: str
-    configuration: str
+    who: tuple[str, ...]
     links: tuple[str, ...]
     text: str
     line: str = ""
 
+    def __str__(self) -> str:
+        line = f": {self.line}" if self.line else ""
+        return f"{', '.join(self.who)}; {listed(self.links)}: {self.text}{line}"
+
 
 def remedies(inspection: Inspection) -> list[Remedy]:
-    """One for each configuration and kind of difference, in the order of the table's columns."""
+    """Those of refusals first, then in the order of the table's columns; each once."""
     wrong: dict[tuple[str, str, Kind], list[str]] = {}
     for link in inspection.links:
         for held in link.held:
@@ -41,11 +46,16 @@ def remedies(inspection: Inspection) -> list[Remedy]:
                 found = wrong.setdefault((held.engine, held.configuration, held.kind), [])
                 found.append(link.link.name)
     told = [
-        Remedy(engine, configuration, tuple(names), text, line)
+        Remedy((f"{engine} {configuration}",), tuple(names), text, line)
         for (engine, configuration, kind), names in wrong.items()
         for text, line in _of_kind(engine, configuration, kind)
     ]
-    return [*_of_refusals(inspection), *told]
+    alike: dict[tuple[str, str, tuple[str, ...]], Remedy] = {}
+    for one in (*_of_refusals(inspection), *told):
+        key = (one.text, one.line, one.links)
+        before = alike[key].who if key in alike else ()
+        alike[key] = replace(one, who=before + one.who)
+    return list(alike.values())
 
 
 def line_without_rotation(link: InspectedLink, held: Held) -> str:
@@ -79,11 +89,12 @@ def _of_kind(engine: str, configuration: str, kind: Kind) -> Iterator[tuple[str,
             if known.name == configuration and known.remedy:
                 yield known.remedy, ""
     elif kind == "nothing stated":
-        yield "state in the file that these links have no mass", NO_INERTIA
+        held_still = "; PyBullet holds a root without mass still" if base == "pybullet" else ""
+        yield f"state that they have no mass{held_still}", NO_INERTIA
     elif kind == "no tensor":
-        yield "state a tensor in the file: these links have a mass alone", ""
+        yield "state their tensors: the file has a mass alone", ""
     elif kind == "zero":
-        yield "correct the tensor in the file: the engine takes none that no body has", ""
+        yield "correct their tensors in the file: no body has them", ""
     elif kind == "rotation lost":
         newer = ", or use a newer version" if at else ""
         yield f"write the tensor along the link's axes, without 'rpy'{newer}", ""
@@ -104,12 +115,12 @@ def _of_refusals(inspection: Inspection) -> Iterator[Remedy]:
         if link.link.moves and (link.link.stated is None or not link.link.stated.is_physical)
     ]
     for (engine, configuration), reason in inspection.refusals.items():
-        who = (engine, configuration)
+        who = (f"{engine} {configuration}",)
         if "A + B >= C" in reason or "positive definite" in reason:
-            yield Remedy(*who, tuple(impossible), "correct the tensors that no body has")
+            yield Remedy(who, tuple(impossible), "correct the tensors that no body has")
         elif "mjMINVAL" in reason:
             yield Remedy(
-                *who,
+                who,
                 tuple(massless),
                 "give links that move a mass and a tensor; this option gives them small ones",
                 '<mujoco><compiler boundmass="1e-6" boundinertia="1e-9"/></mujoco>',

@@ -38,15 +38,17 @@ BEGIN, END = "<!-- make survey writes from here -->", "<!-- to here -->"
 #: How far off a tensor is, relative to the file's.
 LIMITS = (1e-12, AGREES, 1e-2)
 TEN_TIMES = 10.0
-#: Causes by what tells them in a held link's words, the first that fits.
+#: Kinds of difference in words, in the table's order.
 CAUSES = {
-    "made up from collision shapes": "made up from",
-    "set to zero": "tensor set to zero",
-    "body where the file states none": "the file states nothing",
-    "axes turned, moments kept": "axes turned",
-    "another mass": " kg, not ",
-    "com moved": "mm off",
-    "another tensor": "tensor",
+    "made up": "made up from collision shapes",
+    "no tensor": "made up where the file states a mass alone",
+    "zero": "set to zero",
+    "nothing stated": "body where the file states none",
+    "rotation lost": "rotation of the inertial frame lost",
+    "turned": "axes turned",
+    "sum": "fused parts summed wrongly",
+    "products dropped": "products of inertia dropped",
+    "other": "another tensor, mass or com",
 }
 #: The last two are from before two faults of MuJoCo's URDF reader were mended.
 ENGINES = ("mujoco", "pybullet", "mujoco@3.3.7", "mujoco@3.13.0")
@@ -193,11 +195,12 @@ def cause_table(found: dict[str, list[Inspection]]) -> str:
             for held in link.held:
                 column = f"{held.engine} {held.configuration}"
                 if held.agrees is False:
-                    kind = next(kind for kind, words in CAUSES.items() if words in held.cause)
-                    counts.setdefault(kind, Counter())[column] += 1
+                    counts.setdefault(held.kind, Counter())[column] += 1
     columns = sorted({column for counter in counts.values() for column in counter})
     rows = [
-        [kind, *(counts[kind][column] for column in columns)] for kind in CAUSES if kind in counts
+        [words, *(counts[kind][column] for column in columns)]
+        for kind, words in CAUSES.items()
+        if kind in counts
     ]
     return table(["links held otherwise", *columns], rows)
 

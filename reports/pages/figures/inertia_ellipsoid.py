@@ -1,0 +1,136 @@
+"""The solid ellipsoid with a body's mass, com and tensor, seen along the axes of its link.
+
+A uniform ellipsoid of semi-axes a has the second moments of mass m a² / 5 along them; those of a
+tensor I are (tr I / 2) E − I (Goldstein, Classical Mechanics, §5.3). A tensor that no body has has
+none: a second moment is negative.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....scenarios import FloatArray
+
+#: Of a solid ellipsoid: a² = 5 × the second moment over the mass.
+SOLID = 5.0
+#: Pairs of axes that a view shows, to the right and up, and the axis that it looks along.
+VIEWS = ((0, 1), (0, 2), (1, 2))
+AXES = "xyz"
+#: Width and height of a view; its margin.
+SIZE, MARGIN = 200.0, 26.0
+#: The least that anything is drawn with.
+LEAST = 1.5
+#: Lengths of scale bars, m: 1, 2 or 5 times a power of ten, at most this part of the width.
+BAR = 0.4
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """What an ellipsoid is drawn from.
+
+    Attributes
+    ----------
+    name, colour, dash : of the configuration that holds it; of the file, of the page's own ink
+    com : m, (3,)
+    squares : the matrix whose ellipse in a plane is that part of it, m², (3, 3); None of a tensor
+        that no body has
+    """
+
+    name: str
+    colour: str
+    dash: str
+    com: FloatArray
+    squares: FloatArray | None
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """In the units of a view, y downwards; `turn` in degrees, clockwise."""
+
+    name: str
+    colour: str
+    dash: str
+    x: float
+    y: float
+    rx: float
+    ry: float
+    turn: float
+
+
+@dataclass(frozen=True)
+class View:
+    """One of three views of a link.
+
+    Attributes
+    ----------
+    right, up : names of the axes
+    origin : of the link's frame
+    ellipses : the file's first; an impossible tensor is a point, with no radius
+    bar, bar_text : length of the scale bar, and the length that it stands for
+    """
+
+    right: str
+    up: str
+    origin: tuple[float, float]
+    ellipses: tuple[Ellipse, ...]
+    bar: float
+    bar_text: str
+
+
+def solid_squares(mass: float, inertia: FloatArray) -> FloatArray | None:
+    """The squares of the ellipsoid's semi-axes as a matrix, m², (3, 3); None if there is none."""
+    if not mass > 0:
+        return None
+    second = (np.trace(inertia) / 2 * np.eye(3) - inertia) * (SOLID / mass)
+    rounding = 16 * float(np.finfo(float).eps) * float(np.abs(second).max())
+    moments = np.linalg.eigvalsh(second)
+    return second if moments[-1] > 0 and moments[0] >= -rounding else None
+
+
+def views(solids: Sequence[Solid]) -> tuple[View, ...]:
+    """Three views at one scale, which all solids and the frame's origin fit."""
+    reaches = [np.zeros(3) if s.squares is None else _reach(s.squares) for s in solids]
+    low = np.min([np.zeros(3), *(s.com - r for s, r in zip(solids, reaches, strict=True))], axis=0)
+    high = np.max([np.zeros(3), *(s.com + r for s, r in zip(solids, reaches, strict=True))], axis=0)
+    width = float((high - low).max()) or 1.0
+    scale, middle = (SIZE - 2 * MARGIN) / width, (low + high) / 2
+    return tuple(_view(solids, right, up, scale, middle) for right, up in VIEWS)
+
+
+def _view(solids: Sequence[Solid], right: int, up: int, scale: float, middle: FloatArray) -> View:
+    def place(point: FloatArray) -> tuple[float, float]:
+        x, y = (point - middle)[[right, up]] * scale
+        return float(SIZE / 2 + x), float(SIZE / 2 - y)
+
+    length = _round_length(BAR * SIZE / scale)
+    return View(
+        AXES[right],
+        AXES[up],
+        place(np.zeros(3)),
+        tuple(_ellipse(solid, place(solid.com), (right, up), scale) for solid in solids),
+        length * scale,
+        f"{length:g} m" if length >= 0.1 else f"{1000 * length:g} mm",
+    )
+
+
+def _ellipse(
+    solid: Solid, centre: tuple[float, float], plane: tuple[int, int], scale: float
+) -> Ellipse:
+    who = (solid.name, solid.colour, solid.dash)
+    if solid.squares is None:
+        return Ellipse(*who, *centre, 0.0, 0.0, 0.0)
+    squares, axes = np.linalg.eigh(solid.squares[np.ix_(plane, plane)])
+    ry, rx = np.maximum(np.sqrt(np.maximum(squares, 0.0)) * scale, LEAST)
+    turn = -float(np.degrees(np.arctan2(axes[1, 1], axes[0, 1])))
+    return Ellipse(*who, *centre, float(rx), float(ry), turn)
+
+
+def _reach(squares: FloatArray) -> FloatArray:
+    """How far an ellipsoid goes along each axis, m."""
+    return np.asarray(np.sqrt(np.maximum(np.diag(squares), 0.0)))
+
+
+def _round_length(most: float) -> float:
+    power = 10.0 ** np.floor(np.log10(most))
+    return float(max(digit * power for digit in (1, 2, 5) if digit * power <= most * (1 + 1e-9)))
