@@ -21,6 +21,7 @@ from .options import (
     Bound,
     Dask,
     Engines,
+    From,
     Jobs,
     Members,
     Methods,
@@ -237,11 +238,13 @@ def recommend(
     angular_momentum: Bound = None,
     energy: Bound = None,
     engine: Engines = None,
+    stored: From = RESULT_FILE,
     as_json: AsJson = False,
 ) -> None:
-    """Find the cheapest method and timestep that stay within bounds, and check it.
+    """Find the cheapest method and timestep that stay within bounds, and check it by a run.
 
-    An engine as shipped, with its damping and clamps, is never recommended.
+    It rests on the timed runs that the result file has of the scene, and runs the scene where it
+    has none. An engine as shipped, with its damping and clamps, is never recommended.
     """
     from .recommend import exit_code, print_recommendation, recommendation_as_json
     from .recommend import recommend as find_cheapest
@@ -254,7 +257,7 @@ def recommend(
         "energy": energy,
     }
     bounds: Any = {signal: bound for signal, bound in wanted.items() if bound is not None}
-    recommendation = find_cheapest(scenario, bounds, engine or [], CORES)
+    recommendation = find_cheapest(scenario, bounds, engine or [], CORES, stored)
     if as_json:
         print(to_json(recommendation_as_json(recommendation)))
     else:

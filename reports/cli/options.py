@@ -41,6 +41,9 @@ SweepTimesteps = Annotated[
     list[float] | None,
     typer.Option("--timestep", help="s; chosen from each point's spin if left out."),
 ]
+From = Annotated[
+    Path, typer.Option("--from", metavar="RESULT FILE", help="Runs are taken from this file.")
+]
 Members = Annotated[
     int | None, typer.Option("--ensemble", min=1, help="Scatter one scene into so many members.")
 ]

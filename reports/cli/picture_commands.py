@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from .options import CORES, RESULT_FILE, Engines, Jobs, Methods, Scene
+from .options import CORES, RESULT_FILE, Engines, From, Jobs, Methods, Scene
 
 app = typer.Typer()
 
@@ -41,9 +41,7 @@ def plot(
     out: Annotated[
         Path, typer.Option("--out", "-o", help="The file to write: .svg, .png, .pdf; .gif, .mp4.")
     ],
-    results: Annotated[
-        Path, typer.Option("--from", help="Runs are taken from this result file.")
-    ] = RESULT_FILE,
+    results: From = RESULT_FILE,
     engine: Engines = None,
     method: Methods = None,
 ) -> None:

@@ -1,8 +1,8 @@
 """What the command `recommend` does: the cheapest method and timestep that stay within bounds.
 
-The scene is run and timed on this machine, down its ladder and above it. What comes out as the
-cheapest is then run at exactly its timestep; a check that misses a bound is one more run to
-interpolate between.
+It rests on the runs and times that a result file has of the scene, as the report's tables do; where
+it has none the scene is run and timed now. What comes out as the cheapest is then run at exactly
+its timestep; a check that misses a bound is one more run to interpolate between.
 """
 
 import math
@@ -25,6 +25,7 @@ from ..results.records import Key, Row
 from ..results.store import Results, open_store
 from . import running
 from .executing import Where, check_temporary_folder
+from .named_scenes import one_scene
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table
 
 #: Checks before it is given up: each that misses is taken into account by the next.
@@ -41,6 +42,7 @@ class Recommendation:
     checks : runs at exactly a recommended timestep; the last one is of the first candidate
     unchecked : why there was no check; empty where there was
     command : runs the first candidate again; empty where no method reaches the bounds
+    source : the result file that it rests on; empty where the scene was run for it
     """
 
     scenario: str
@@ -49,6 +51,7 @@ class Recommendation:
     checks: tuple[Row, ...]
     unchecked: str = ""
     command: str = ""
+    source: str = ""
 
     @property
     def best(self) -> Candidate | None:
@@ -62,19 +65,28 @@ class Recommendation:
         return bool(self.checks) and within(self.checks[-1], self.bounds)
 
 
-def recommend(scene: str, bounds: Bounds, engine_names: Sequence[str], jobs: int) -> Recommendation:
-    """Run a scene's ladders, choose, and check the choice; of engines as shipped there is none.
+def recommend(
+    scene: str, bounds: Bounds, engine_names: Sequence[str], jobs: int, stored: Path
+) -> Recommendation:
+    """Choose from a scene's ladders, and check the choice; of engines as shipped there is none.
+
+    Parameters
+    ----------
+    stored : a result file; where it has no timed runs of the scene its ladders are run
 
     Raises
     ------
     Complaint
-        If there is no bound or one is not positive, the scene or an engine cannot be used, or
-        nothing could be run.
+        If there is no bound or one is not positive, the scene, the file or an engine cannot be
+        used, or nothing could be run.
     """
     _check_bounds(bounds)
     methods = _methods(engine_names)
     check_temporary_folder()
     with TemporaryDirectory() as folder:
+        if known := _timed_runs(scene, engine_names, stored):
+            say(f"From the runs in {stored}.")
+            return replace(_checked(scene, bounds, known, Path(folder)), source=str(stored))
         out = Path(folder) / "ladder.sqlite"
         results = running.run([scene], engine_names, methods, [], Where(jobs), out)
         if running.exit_code(results) == NOT_RUN:
@@ -111,6 +123,7 @@ def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
             for row in recommendation.checks
         ],
         "command": recommendation.command,
+        "source": recommendation.source or None,
         "methods": methods,
     }
 
@@ -165,6 +178,32 @@ def _methods(engine_names: Sequence[str]) -> list[str]:
         names = ", ".join(engine_names)
         raise Complaint(f"{names}: has no method but as shipped, which is not recommended", NOT_RUN)
     return list(dict.fromkeys(offered))
+
+
+def _timed_runs(scene: str, engine_names: Sequence[str], stored: Path) -> Results | None:
+    """What the file has of the scene and of engines that are here; None without timed runs."""
+    if not stored.exists():
+        return None
+    scenario, results = one_scene(scene), running.read(stored)
+    found = results.scenes.get(scenario.name)
+    if found is None or found.scenario.digest != scenario.digest:
+        return None
+    chosen = engine_names or list(engines())
+    versions = {name: engine.version for name, engine in engines().items() if name in chosen}
+    rows = [
+        row
+        for row in results.rows
+        if row.key.scenario == scenario.name and versions.get(row.key.engine) == row.engine_version
+    ]
+    if not any(row.seconds_per_step for row in rows):
+        return None
+    keys = {row.key for row in rows}
+    return replace(
+        results,
+        scenes={scenario.name: found},
+        rows=rows,
+        verdicts=[verdict for verdict in results.verdicts if verdict.key in keys],
+    )
 
 
 def _checked(scene: str, bounds: Bounds, results: Results, folder: Path) -> Recommendation:

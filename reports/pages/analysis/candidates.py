@@ -4,11 +4,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ....scenarios import Scenario
 from ...results.records import Key
-from .cost_to_reach import Barrier, How, Reach, below_finest, first_within, reach
+from .cost_to_reach import Barrier, How, reach
 from .report_data import MethodRuns, SceneRuns
-from .work_precision import EPS, Curve, Signal, curve_of, observed_order, slope
+from .work_precision import Signal, curve_of
 
 Bounds = Mapping[Signal, float]
 
@@ -22,7 +21,7 @@ class Candidate:
     word, reason : how that is known, or why it is out of reach; of the bound that decides
     decided_by : the error that needs the smallest timestep, or cannot be reached
     largest_stable : s, the coarsest timestep from which all finer ones ended well
-    timestep : s, a whole number of them from sample to sample; None where out of reach
+    timestep : s; None where out of reach
     cost : CPU seconds a simulated second at that timestep
     spread : of the timings of a step, relative
     """
@@ -66,7 +65,7 @@ def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: Bounds) -> Candidate:
     curves = {signal: curve_of(scene, runs, signal) for signal in bounds}
     reached = {signal: reach(curves[signal], bound) for signal, bound in bounds.items()}
     timesteps = {
-        signal: _cautious(curves[signal], found) if found.timestep is not None else 0.0
+        signal: found.timestep if found.timestep is not None else 0.0
         for signal, found in reached.items()
     }
     signal = min(timesteps, key=lambda name: timesteps[name])
@@ -76,44 +75,10 @@ def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: Bounds) -> Candidate:
     candidate = Candidate(key, found.word, found.reason, signal, stable)
     if not timesteps[signal] or curve.seconds_per_step is None:
         return candidate
-    assert scene.found is not None, "only a solved scene has candidates"
-    timestep = _whole(_sample_interval(scene.found.scenario), timesteps[signal])
     spread = next((row.seconds_spread for row in reversed(runs.rows) if row.seconds_spread), 0.0)
     return replace(
         candidate,
-        timestep=timestep,
-        cost=curve.seconds_per_step / timestep,
+        timestep=timesteps[signal],
+        cost=found.cost,
         spread=spread / curve.seconds_per_step,
     )
-
-
-def _cautious(curve: Curve, found: Reach) -> float:
-    """The timestep of a bound, smaller where the curve of logarithms bends.
-
-    Between two runs the error is at most that of the finer one times (dt ratio)^p, if p is the
-    steeper of the slopes on either side of it. Below the finest the slope goes to a whole number
-    as dt → 0: where it comes from above, that number is the lesser.
-    """
-    assert found.timestep is not None, "a bound out of reach has no timestep"
-    if found.word == "extrapolated":
-        order = observed_order(curve)
-        assert order is not None, "what shows no order is not extrapolated"
-        return below_finest(curve, found.level, min(order, max(1, round(order))))
-    k = first_within(curve, found.level)
-    if not k:
-        return found.timestep
-    fine = curve.stable[k]
-    slopes = [slope(curve.stable[k - 1], fine)]
-    finer = curve.stable[k + 1 : k + 2]
-    slopes += [slope(fine, point) for point in finer if point.error > curve.floor(point.timestep)]
-    return float(fine.timestep * (found.level / fine.error) ** (1 / max(slopes)))
-
-
-def _whole(interval: float, timestep: float) -> float:
-    """The largest timestep up to the one given that divides the interval between samples."""
-    # A ladder's own timestep divides it already, but for the last bits of a quotient.
-    return interval / math.ceil(interval / timestep * (1 - 4 * EPS))
-
-
-def _sample_interval(scenario: Scenario) -> float:
-    return float(scenario.window.duration / (scenario.window.samples - 1))

@@ -55,11 +55,16 @@ class Reach:
 
 
 def reach(curve: Curve, level: float) -> Reach:
-    """What it takes to stay within an error: interpolated, extrapolated, or why it cannot be."""
+    """What it takes to stay within an error: interpolated, extrapolated, or why it cannot be.
+
+    Where the curve of logarithms bends it is the smaller timestep: between two runs the error is at
+    most that of the finer one times (dt ratio)^p, if p is the steeper of the slopes on either side
+    of it.
+    """
     if curve.points and level < curve.uncertainty:
         reason = f"the reference itself is known to {curve.uncertainty:.1e}"
         return Reach(level, "reference limit", reason)
-    k = first_within(curve, level)
+    k = _first_within(curve, level)
     if k is None:
         return _below_the_ladder(curve, level)
     fine = curve.stable[k]
@@ -67,12 +72,14 @@ def reach(curve: Curve, level: float) -> Reach:
         reason = "the coarsest stable run is within it; a coarser one may be"
         return _priced(curve, level, "at most", reason, fine.timestep)
     coarse = curve.stable[k - 1]
-    timestep = fine.timestep * (level / fine.error) ** (1 / slope(coarse, fine))
+    finer = [p for p in curve.stable[k + 1 : k + 2] if p.error > curve.floor(p.timestep)]
+    steepest = max([slope(coarse, fine), *(slope(fine, point) for point in finer)])
+    timestep = fine.timestep * (level / fine.error) ** (1 / steepest)
     reason = f"between timesteps of {coarse.timestep:.3g} s and {fine.timestep:.3g} s"
     return _priced(curve, level, "measured", reason, timestep)
 
 
-def first_within(curve: Curve, level: float) -> int | None:
+def _first_within(curve: Curve, level: float) -> int | None:
     """Index of the coarsest stable run within an error that no finer run exceeds.
 
     A finer run may exceed it where rounding explains that: there only a coarser one can help.
@@ -87,7 +94,7 @@ def first_within(curve: Curve, level: float) -> int | None:
     return next((k for k in range(start, len(errors)) if errors[k] <= level), None)
 
 
-def below_finest(curve: Curve, level: float, order: float) -> float:
+def _below_finest(curve: Curve, level: float, order: float) -> float:
     """The timestep of an error below all runs, from the finest that rounding does not explain."""
     finest = above_round_off(curve)[-1]
     return float(finest.timestep * (level / finest.error) ** (1 / order))
@@ -131,7 +138,8 @@ def _below_the_ladder(curve: Curve, level: float) -> Reach:
     order = observed_order(curve)
     if order is None or order < SETTLING_ORDER:
         return Reach(level, "no order", "no run is within it, and the errors show no order")
-    timestep = below_finest(curve, level, order)
+    # The slope goes to a whole number as dt → 0: where it comes from above, that is the lesser.
+    timestep = _below_finest(curve, level, min(order, max(1, round(order))))
     floor = curve.floor(timestep)
     if floor >= level:
         reason = f"at the timestep it takes, {timestep:.1e} s, rounding alone may cause {floor:.1e}"

@@ -21,6 +21,8 @@ from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.store import Results
 from spincheck.scenarios import Errors
 
+NO_FILE = Path("there-is-none.sqlite")
+
 
 def recommended(
     monkeypatch: pytest.MonkeyPatch, ladder: Results, true_law: Law, **bounds: float
@@ -32,7 +34,7 @@ def recommended(
 
     monkeypatch.setattr(running, "run", lambda *arguments: ladder)
     monkeypatch.setattr(recommend_module, "_run_again", check)
-    return recommend(TOP, bounds, [], 1)
+    return recommend(TOP, bounds, [], 1, NO_FILE)
 
 
 def euler_alone(law: Law) -> Results:
@@ -85,10 +87,31 @@ def test_engines_as_shipped_are_not_even_run(monkeypatch: pytest.MonkeyPatch) ->
         return euler_alone(straight)
 
     monkeypatch.setattr(running, "run", run)
-    recommend(TOP, {"omega": 1e-300}, [], 1)
+    recommend(TOP, {"omega": 1e-300}, [], 1, NO_FILE)
     every = [method for engine in engines().values() for method in engine.methods]
     assert any(method.as_shipped for method in every)
     assert set(asked[0]) == {method.name for method in every if not method.as_shipped}
+
+
+@pytest.mark.parametrize(
+    ("of_the_file", "is_taken"),
+    [({}, True), ({"engine_version": "0.1"}, False), ({"seconds_per_step": None}, False)],
+    ids=["timed", "of another version", "untimed"],
+)
+def test_timed_runs_of_the_engine_that_is_here_are_taken_from_the_file(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, of_the_file: dict[str, Any], is_taken: bool
+) -> None:
+    ladder = euler_alone(straight)
+    here = {"engine_version": engines()["mujoco"].version}
+    rows = [replace(row, **(here | of_the_file)) for row in ladder.rows]
+    stored = tmp_path / "stored.sqlite"
+    stored.touch()
+    monkeypatch.setattr(running, "read", lambda _: replace(ladder, rows=rows))
+    scenario = ladder.scenes[TOP].scenario
+    monkeypatch.setattr(recommend_module, "one_scene", lambda _: scenario)
+    monkeypatch.setattr(running, "run", lambda *_: ladder)
+    found = recommend(TOP, {"omega": 1e-300}, [], 1, stored)
+    assert found.source == (str(stored) if is_taken else "")
 
 
 def test_an_engine_that_is_there_as_shipped_only_is_one_message(
@@ -97,7 +120,7 @@ def test_an_engine_that_is_there_as_shipped_only_is_one_message(
     raw = type("Raw", (Works,), {"name": "raw", "methods": (replace(METHOD, as_shipped=True),)})
     monkeypatch.setattr(recommend_module, "engines", lambda: {"raw": raw(lambda _: None)})
     with pytest.raises(Complaint, match="raw: has no method but as shipped"):
-        recommend(TOP, {"omega": BETWEEN}, ["raw"], 1)
+        recommend(TOP, {"omega": BETWEEN}, ["raw"], 1, NO_FILE)
 
 
 def test_what_no_method_reaches_is_said_and_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -129,7 +152,7 @@ def test_bad_bounds_are_refused_before_anything_runs(
     bounds: dict[Any, float], message: str
 ) -> None:
     with pytest.raises(Complaint, match=message) as complaint:
-        recommend("no scene", bounds, [], 1)
+        recommend("no scene", bounds, [], 1, NO_FILE)
     assert complaint.value.exit_code == 2
 
 

@@ -1,13 +1,14 @@
-"""What each method needs for several bounds: cautious where curves bend, in whole steps."""
+"""What each method needs for several bounds, and that it is what the tables of a report say."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from ladders import (
     BELOW,
     BETWEEN,
-    INTERVAL,
     ROUNDING,
     TOP,
     Law,
@@ -21,10 +22,13 @@ from ladders import (
 )
 from made_up import METHODS, TIMESTEPS, results
 from spincheck.reports.pages.analysis.candidates import Candidate, as_cheap, candidates
-from spincheck.reports.pages.analysis.cost_to_reach import reach
-from spincheck.reports.pages.analysis.work_precision import curve_of
+from spincheck.reports.pages.analysis.cost_to_reach import LEVELS
+from spincheck.reports.pages.analysis.report_data import SceneRuns
+from spincheck.reports.pages.analysis.wording import number
+from spincheck.reports.pages.cost_tables import MARKS, reach_table
 from spincheck.reports.results.records import Key
-from spincheck.reports.results.store import Results
+from spincheck.reports.results.store import Results, SceneResult
+from spincheck.scenarios import Errors, find, load
 
 
 def test_an_engine_as_shipped_is_no_candidate() -> None:
@@ -47,25 +51,6 @@ LAWS = [straight, bending_up, bending_down]
 def test_a_curve_that_bends_does_not_break_the_bound(law: Law, bound: float) -> None:
     best = chosen(with_law(law), "Euler", omega=bound)
     assert law(best.timestep) <= bound * (1 + ROUNDING)
-
-
-def test_plain_interpolation_would_break_it() -> None:
-    scene = scene_of(with_law(bending_down))
-    euler = next(runs for runs in scene.methods if runs.method == "Euler")
-    plain = reach(curve_of(scene, euler, "omega"), 2.3e-2)
-    assert bending_down(plain.timestep) > 2.3e-2 * (1 + ROUNDING)
-
-
-@pytest.mark.parametrize("bound", [2e-2, 7e-3, BELOW])
-def test_the_interval_between_samples_is_a_whole_number_of_steps(bound: float) -> None:
-    steps = INTERVAL / chosen(with_law(straight), "Euler", omega=bound).timestep
-    assert steps == pytest.approx(round(steps), rel=ROUNDING)
-
-
-def test_a_rung_that_fits_is_not_cut() -> None:
-    """Rounding down must not take a step off a quotient that is whole but for its last bits."""
-    found = with_law(straight)
-    assert chosen(found, "Euler", omega=1.0).timestep == pytest.approx(TIMESTEPS[0], rel=ROUNDING)
 
 
 def test_the_tightest_of_several_bounds_decides() -> None:
@@ -104,3 +89,51 @@ def test_costs_within_the_spread_of_the_timings_are_called_alike() -> None:
     lost = replace(best, timestep=None, cost=None)
     assert as_cheap([best, near, far, lost]) == [near]
     assert as_cheap([lost, lost]) == []
+
+
+def of_the_library() -> Iterator[SceneRuns]:
+    """Every scene with made-up runs, whose orders, sizes, bends and costs differ scene by scene."""
+    made = results()
+    stand_in = made.scenes[TOP].solution
+    for k, path in enumerate(find([])):
+        scenario = load(path)
+        random = np.random.default_rng(k)
+        size, bend, price = (float(10 ** random.uniform(-2, 1)) for _ in range(3))
+        rows = [
+            replace(
+                row,
+                key=replace(row.key, scenario=scenario.name),
+                errors=row.errors and scaled(row.errors, size * (1 + bend * row.timestep)),
+                seconds_per_step=row.seconds_per_step and row.seconds_per_step * price,
+            )
+            for row in made.rows
+            if row.key.scenario == TOP
+        ]
+        verdicts = [
+            replace(verdict, key=replace(verdict.key, scenario=scenario.name))
+            for verdict in made.verdicts
+            if verdict.key.scenario == TOP
+        ]
+        scenes = {scenario.name: SceneResult(scenario, stand_in)}
+        yield scene_of(replace(made, scenes=scenes, rows=rows, verdicts=verdicts))
+
+
+def scaled(errors: Errors, factor: float) -> Errors:
+    return Errors(*(factor * error for _, error in errors))
+
+
+def test_of_every_scene_of_the_library_the_recommendation_is_the_table() -> None:
+    """Which methods reach an error, by which timestep, at what cost, in the tables' own words."""
+    reached = 0
+    for scene in of_the_library():
+        cells = {(row[0].text, row[1].text): row[4:] for row in reach_table(scene, "omega").rows}
+        for k in range(0, len(LEVELS), 2):
+            for candidate in candidates(scene, {"omega": LEVELS[k]}):
+                cell = cells[candidate.key.engine, candidate.key.method][k]
+                if candidate.cost is None:
+                    assert cell.text == candidate.word
+                    continue
+                reached += 1
+                assert cell.text == f"{MARKS[candidate.word]}{number(candidate.cost)}"
+                assert cell.detail.startswith(f"{number(candidate.timestep)} s")
+    assert reached
