@@ -22,7 +22,7 @@ from spincheck.reports.pages.figures.figures import Titled, figures
 from spincheck.reports.pages.figures.ladder_figures import cost
 from spincheck.reports.pages.figures.plot import MOST_SAMPLES, claimed, error_range, peaks, thinned
 from spincheck.reports.pages.motion_data import motion_data
-from spincheck.reports.pages.render import TEMPLATES
+from spincheck.reports.pages.templating import TEMPLATES
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.store import Results
 from spincheck.scenarios import Trajectory

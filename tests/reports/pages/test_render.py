@@ -16,7 +16,8 @@ from spincheck.reports.pages import scene_tables
 from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.pages.analysis.wording import ERROR_HEADINGS, number
 from spincheck.reports.pages.overview import complaints, headline
-from spincheck.reports.pages.render import TEMPLATES, render
+from spincheck.reports.pages.render import render
+from spincheck.reports.pages.templating import TEMPLATES
 from spincheck.reports.results.records import Verdict
 from spincheck.reports.results.store import SceneResult
 
