@@ -7,7 +7,7 @@ CODE := scenarios reference engines reports
 PLAIN := free heavy driven thrown
 
 .PHONY: report engines test quick pythons bench kills survey thresholds random
-.PHONY: lint types contract check schema format-page clean
+.PHONY: lint types contract check schema format-page engine-verdicts clean
 
 # The page is there to look at after the plain scenes, and once more when the hard ones are done.
 # Exit code 1 says that something disagrees: the report tells what.
@@ -44,6 +44,10 @@ kills: $(READY)
 # The smallest lie that is told, by kind, method class and scene; written to docs/thresholds.md.
 thresholds: $(READY)
 	$(BIN)/python tests/reports/harness/measure_thresholds.py
+
+# Verdicts, survivors and the cost of accuracy of every engine there is; docs/engine-verdicts.md.
+engine-verdicts: $(READY)
+	$(BIN)/python tests/reports/harness/measure_engines.py
 
 # Honest methods on a thousand random scenes: what is judged wrongly, counted.
 random: $(READY)

@@ -21,9 +21,16 @@ FINE_TURN = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """The right-hand sides for one scene; vectors (3,), SI."""
+    """The right-hand sides for one scene; vectors (3,), SI.
+
+    Attributes
+    ----------
+    gyroscopic : whether the body feels ω × I ω, I about its com; that of the com's own going round
+        a pivot it feels in either case
+    """
 
     scenario: Scenario
+    gyroscopic: bool = True
 
     @cached_property
     def inertia(self) -> FloatArray:
@@ -40,6 +47,12 @@ class Equations:
     def arm(self) -> float:
         """m, from the body's origin to the com."""
         return float(np.linalg.norm(self.scenario.body.com))
+
+    @cached_property
+    def reach(self) -> float:
+        """m, what the com's place is measured against: its arm, or else the radius of gyration."""
+        body = self.scenario.body
+        return self.arm or float(np.sqrt(body.principal_moments[-1] / body.mass))
 
     @cached_property
     def rate(self) -> float:
@@ -71,8 +84,10 @@ class Equations:
     def torque_body(self, R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
         """I dω/dt, N m."""
         outer = self.fall_body(R_world_body) + self.push_body(R_world_body)
-        gyroscopic = np.cross(omega_body, self.inertia @ omega_body)
-        return outer - self.scenario.drag * omega_body - gyroscopic
+        felt = self.inertia
+        if not self.gyroscopic:
+            felt = felt - self.scenario.body.inertia_com
+        return outer - self.scenario.drag * omega_body - np.cross(omega_body, felt @ omega_body)
 
     def after(self, state: State, span: float) -> State:
         """The state a time `span` later, s."""
@@ -162,14 +177,17 @@ def gain_sizes(equations: Equations, gain: Gain) -> FloatArray:
     speed = float(np.linalg.norm(omega))
     outer = np.linalg.norm(equations.fall_body(R)) + np.linalg.norm(equations.push_body(R))
     torque = L * speed + float(outer) + equations.scenario.drag * speed
-    return np.array([speed, torque, *np.linalg.norm(gain.wanted[2:], axis=1)])
+    places = np.linalg.norm(gain.wanted[2:], axis=1)
+    if equations.scenario.has_pivot:
+        places = np.maximum(places, np.array([speed, 1.0]) * equations.reach)
+    return np.array([speed, torque, *places])
 
 
 def rounded(equations: Equations, gain: Gain, epsilon: float) -> FloatArray:
     """What one rounding of the states read makes of a gain, (4,)."""
     speed = float(np.linalg.norm(gain.before.omega_body)) + equations.rate
-    fast = float(np.linalg.norm(gain.before.velocity_world)) + equations.arm * speed
-    far = float(np.linalg.norm(gain.before.com_world)) + equations.arm
+    fast = float(np.linalg.norm(gain.before.velocity_world)) + equations.reach * speed
+    far = float(np.linalg.norm(gain.before.com_world)) + equations.reach
     largest = float(np.linalg.norm(equations.inertia, 2))
     sizes = np.array([1 / gain.span, largest * speed / gain.span, fast, far])
     if not equations.scenario.has_pivot:

@@ -22,6 +22,8 @@ LINEAR, LINEAR_AT_MOST = 1e-2, 0.2
 WHOLE = 1e-2
 #: A number that makes less difference than this, relative to the others, makes none.
 RANK = 1e-6
+#: Also told where the motion without it is compared as a whole: `first_steps`.
+NO_GYROSCOPIC_TORQUE = "there were no gyroscopic torque"
 #: Two changes are distinguished if what they leave unexplained differs by this factor.
 ALIKE = 4.0
 
@@ -48,7 +50,7 @@ def explanation(equations: Equations, gains: Sequence[Gain], noise: FloatArray) 
     noise : of the gains' excess, (n, 4)
     """
     excess = np.array([gain.excess for gain in gains])
-    weights = 1 / np.maximum(noise, np.finfo(float).tiny)[..., None]
+    weights = 1 / np.maximum(noise, NO_SIZE)[..., None]
     seen = (weights * excess).ravel()
     found = []
     for change in _changes(equations, gains):
@@ -176,7 +178,7 @@ class _Start:
 def _gyroscopic(theta: FloatArray) -> str:
     left_out = theta[0]
     if abs(left_out - 1) <= WHOLE:
-        return "there were no gyroscopic torque"
+        return NO_GYROSCOPIC_TORQUE
     return f"the gyroscopic torque ω × Iω were {1 - left_out:.7g} times as strong"
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from ..scenarios import FloatArray, Scenario
 from ..scenarios.scenario import build
 from .equations import Equations, Gain, gain_between, gain_sizes, rounded
-from .explanations import explanation
+from .explanations import NO_GYROSCOPIC_TORQUE, explanation
 from .read_back import State
 from .session import Session
 
@@ -30,19 +30,34 @@ from .session import Session
 STEPS = 64
 #: How many steps a longest one is divided into.
 HALVINGS = (1, 2, 4)
-#: An excess is real if it is so many times its noise, and so many roundings of the states.
-ABOVE_NOISE, ABOVE_ROUNDING = 8.0, 64.0
+#: An excess is real if it is so many times its noise, and so many roundings of the states: one a
+#: step of the shortest, as they may all go the same way.
+ABOVE_NOISE, ABOVE_ROUNDING = 8.0, float(STEPS * HALVINGS[-1])
 #: Part of a gain's size that a constraint's solver may leave, and its tolerance need not show.
 NEGLIGIBLE = 2e-6
 #: Directions of ω in the body, beside the scene's own: askew to every axis of a body that is drawn
 #: along its axes.
 ASKEW = ((0.62, 0.55, 0.56), (-0.48, 0.71, 0.52))
-#: ω that is another one no time after the start is off by this part, at the least.
+#: ω that is another one no time after the start is off by this part, at the least, beyond what the
+#: body turns meanwhile.
 LEAP = 1e-3
 #: Printed of a number, and as many more as it takes to see a difference.
 DIGITS = 3
 
 Open = Callable[[Scenario, float], Session]
+
+
+@dataclass(frozen=True, eq=False)
+class _Turned:
+    """What was read from one start: at the start, in the middle and at the end, by timestep.
+
+    Attributes
+    ----------
+    span : s, from the start to the middle, and from there to the end
+    """
+
+    states: list[tuple[State, State, State]]
+    span: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,19 +87,22 @@ def equation_residuals(
     negligible : part of a gain's size that need not be told
     """
     equations = Equations(scenario)
-    said = []
-    felt = []
-    for start in (scenario, *_askew(scenario, equations.rate)):
-        one, leap = _felt(open_at, start, equations, epsilon, negligible)
-        felt.append(one)
-        said += [leap] if leap and start is scenario else []
-    if said:
-        return said
+    turned = [_turned(open_at, scenario, equations, epsilon)]
+    if leap := _leap(turned[0], equations):
+        return [leap]
+    turned += [
+        _turned(open_at, start, equations, epsilon) for start in _askew(scenario, equations.rate)
+    ]
+    felt = [_felt(one, equations, epsilon, negligible) for one in turned]
     departures = list(_departures([felt[0]])) or list(_departures(felt[1:]))[:1]
     if not departures:
         return []
-    noise = np.array([one.noise for one in felt])
-    as_if = explanation(equations, [one.gain for one in felt], noise)
+    without = Equations(scenario, gyroscopic=False)
+    if any(_departures([_felt(one, without, epsilon, negligible) for one in turned])):
+        noise = np.array([one.noise for one in felt])
+        as_if = explanation(equations, [one.gain for one in felt], noise)
+    else:
+        as_if = NO_GYROSCOPIC_TORQUE
     return [*departures[:-1], departures[-1] + (f", as if {as_if}" if as_if else "")]
 
 
@@ -103,28 +121,32 @@ def _askew(scenario: Scenario, rate: float) -> Iterator[Scenario]:
         yield starting_with(scenario, speed * np.array(direction))
 
 
-def _felt(
-    open_at: Open, start: Scenario, equations: Equations, epsilon: float, negligible: float
-) -> tuple[_Felt, str]:
-    """What is gained from one start, and a leap of ω in words."""
+def _turned(open_at: Open, start: Scenario, equations: Equations, epsilon: float) -> _Turned:
+    """Take the steps from one start, with each of the timesteps."""
     longest = _longest_step(start, equations.rate, epsilon)
-    span = STEPS * longest
-    gains, leap = [], ""
+    states = []
     for halving in HALVINGS:
         with open_at(start, longest / halving) as session:
             first = session.read_state()
             session.advance(STEPS * halving)
             before = session.read_state()
             session.advance(STEPS * halving)
-            after = session.read_state()
-        leap = leap or _leap(first, before, equations.after(first, span))
-        gains.append(gain_between(equations, before, after, span))
+            states.append((first, before, session.read_state()))
+    return _Turned(states, STEPS * longest)
+
+
+def _felt(turned: _Turned, equations: Equations, epsilon: float, negligible: float) -> _Felt:
+    """What states gain beyond these equations."""
+    gains = [
+        gain_between(equations, before, after, turned.span) for _, before, after in turned.states
+    ]
     coarse, middle, fine = (gain.excess for gain in gains)
     extrapolated = 2 * fine - middle
     apart = np.abs(extrapolated - (2 * middle - coarse)).max(axis=1)
     noise = ABOVE_NOISE * apart + ABOVE_ROUNDING * rounded(equations, gains[-1], epsilon)
     noise += negligible * gain_sizes(equations, gains[-1])
-    return _Felt(replace(gains[-1], excess=extrapolated), noise, start.has_pivot), leap
+    is_held = equations.scenario.has_pivot
+    return _Felt(replace(gains[-1], excess=extrapolated), noise, is_held)
 
 
 def _longest_step(scenario: Scenario, rate: float, epsilon: float) -> float:
@@ -138,15 +160,17 @@ def _longest_step(scenario: Scenario, rate: float, epsilon: float) -> float:
     return float(2.0 ** np.floor(np.log2(HALVINGS[-1] * balance / rate)))
 
 
-def _leap(start: State, soon: State, exact: State) -> str:
+def _leap(turned: _Turned, equations: Equations) -> str:
     """Say so if ω is another one no time after the start."""
-    size = float(np.linalg.norm(start.omega_body))
-    # From rest anything is a leap; what ω gains there is compared below.
-    apart = [np.linalg.norm(soon.omega_body - other.omega_body) for other in (start, exact)]
-    if not size or min(apart) <= LEAP * size:
-        return ""
-    reads, soon_reads = _numbers(start.omega_body), _numbers(soon.omega_body)
-    return f"ω, rad/s in body axes, reads {reads} at the start and leaps to {soon_reads}"
+    for start, soon, _ in turned.states:
+        size = float(np.linalg.norm(start.omega_body))
+        exact = equations.after(start, turned.span)
+        # From rest anything is a leap; what ω gains there is compared besides.
+        apart = [np.linalg.norm(soon.omega_body - other.omega_body) for other in (start, exact)]
+        if size and min(apart) > (LEAP + equations.rate * turned.span) * size:
+            reads, soon_reads = _numbers(start.omega_body), _numbers(soon.omega_body)
+            return f"ω, rad/s in body axes, reads {reads} at the start and leaps to {soon_reads}"
+    return ""
 
 
 _WHAT = ("dR/dt, rad/s in body axes,", "I dω/dt, N m in body axes,")

@@ -1,5 +1,5 @@
 // cannon-es, in double precision. Its bodies turn without the gyroscopic torque ω × I ω.
-import { acting, load, method, push, serve, version, xyz } from './host.mjs';
+import { acting, load, method, serve, stepped, version, xyz } from './parts/host.mjs';
 
 const C = await load('cannon-es/dist/cannon-es.cjs.js');
 // For a joint that holds as rigidly as doubles allow; its own defaults suppose steps of 1/60 s.
@@ -29,18 +29,12 @@ function open(scene, name, timestep) {
     if (!shipped) joint.equations.forEach((row) => row.setSpookParams(STIFFNESS, RELAXATION, timestep));
     world.addConstraint(joint);
   }
-  const torque = push(scene);
-  const q = () => [body.quaternion.w, ...xyz(body.quaternion)];
+  const state = () => ({ q: [body.quaternion.w, ...xyz(body.quaternion)], omega: xyz(body.angularVelocity), com: xyz(body.position), velocity: xyz(body.velocity) });
   return {
     body: () => ({ mass: 1 / body.invMass, com: [0, 0, 0], moments: xyz(body.invInertia).map((inverse) => 1 / inverse),
       frame: [1, 0, 0, 0], arm: joint && xyz(joint.pivotA) }),
-    state: () => ({ q: q(), omega: xyz(body.angularVelocity), com: xyz(body.position), velocity: xyz(body.velocity) }),
-    advance(steps) {
-      for (let k = 0; k < steps; k++) {
-        if (torque) body.torque.set(...torque(q(), xyz(body.angularVelocity)));
-        world.step(timestep);
-      }
-    },
+    state,
+    advance: stepped(scene, state, (torque) => body.torque.set(...torque), () => world.step(timestep)),
     active: () => acting(scene, { gravity: xyz(world.gravity), joints: world.constraints.length, others: {
       damping: body.linearDamping > 0 || body.angularDamping > 0, sleeping: world.allowSleep,
       'a collision shape': world.bodies.some((one) => one.shapes.length > 0), contacts: world.contacts.length > 0 } }),

@@ -13,15 +13,15 @@ from ...read_back import EngineError
 from ...user_cache import user_cache
 
 HERE = Path(__file__).parent
-#: Not an engine: what all of them share.
-HOST = HERE / "host.mjs"
+#: Not engines: what they import.
+PARTS = tuple(sorted((HERE / "parts").glob("*.mjs")))
 LOCK = HERE / "package-lock.json"
 HOW = "python -m spincheck.engines.adapters.node"
 
 
 def discovered() -> Iterator[Engine | Missing]:
     """Every engine that has a file here."""
-    files = [path for path in sorted(HERE.glob("*.mjs")) if path != HOST]
+    files = sorted(HERE.glob("*.mjs"))
     if shutil.which("node") is None:
         yield from (Missing(path.stem, "node", "node is not installed") for path in files)
         return
@@ -44,13 +44,13 @@ def _engine(path: Path, modules: Path) -> ChildEngine | Missing:
     command = ("node", str(path), str(modules))
     hello = _said_before(path, modules)
     if hello is not None:
-        return ChildEngine(command, hello, sources=(path, HOST, LOCK))
+        return ChildEngine(command, hello, sources=(path, *PARTS, LOCK))
     try:
         engine = child_engine(command)
     except EngineError as error:
         return Missing(path.stem, "", f"it does not start: {error}")
     _memory(path, modules).write_text(engine.hello.model_dump_json(), encoding="utf-8")
-    return ChildEngine(command, engine.hello, sources=(path, HOST, LOCK))
+    return ChildEngine(command, engine.hello, sources=(path, *PARTS, LOCK))
 
 
 def _said_before(path: Path, modules: Path) -> Hello | None:
@@ -62,5 +62,6 @@ def _said_before(path: Path, modules: Path) -> Hello | None:
 
 
 def _memory(path: Path, modules: Path) -> Path:
-    digest = sha256(path.read_bytes() + HOST.read_bytes()).hexdigest()[:16]
+    files = (path, *PARTS)
+    digest = sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:16]
     return modules.parent / f"{path.stem}-{digest}.json"

@@ -1,5 +1,5 @@
 // Jolt as WebAssembly, in single precision. It leaves out the gyroscopic torque unless asked for it.
-import { acting, load, method, push, serve, version } from './host.mjs';
+import { acting, load, method, serve, stepped, version } from './parts/host.mjs';
 
 const J = await (await load('jolt-physics/dist/jolt-physics.wasm-compat.js'))();
 const RADIUS = 0.05, FAST = 1e6;                 // m; m/s and rad/s, out of reach
@@ -8,12 +8,10 @@ const wxyz = (q) => [q.GetW(), q.GetX(), q.GetY(), q.GetZ()];
 
 function world(gravity) {
   const settings = new J.JoltSettings(), layer = new J.BroadPhaseLayer(0);
-  settings.mMaxWorkerThreads = 0;
   const pairs = new J.ObjectLayerPairFilterTable(1), layers = new J.BroadPhaseLayerInterfaceTable(1, 1);
   layers.MapObjectToBroadPhaseLayer(0, layer);
-  settings.mObjectLayerPairFilter = pairs;
-  settings.mBroadPhaseLayerInterface = layers;
-  settings.mObjectVsBroadPhaseLayerFilter = new J.ObjectVsBroadPhaseLayerFilterTable(layers, 1, pairs, 1);
+  const filter = new J.ObjectVsBroadPhaseLayerFilterTable(layers, 1, pairs, 1);
+  Object.assign(settings, { mMaxWorkerThreads: 0, mObjectLayerPairFilter: pairs, mBroadPhaseLayerInterface: layers, mObjectVsBroadPhaseLayerFilter: filter });
   const jolt = new J.JoltInterface(settings);
   jolt.GetPhysicsSystem().SetGravity(new J.Vec3(...gravity));
   return jolt;
@@ -41,19 +39,14 @@ function open(scene, name, timestep) {
   }
   bodies.SetLinearVelocity(body.GetID(), new J.Vec3(...scene.velocity));
   bodies.SetAngularVelocity(body.GetID(), new J.Vec3(...scene.omega));
-  const torque = push(scene), vec = new J.Vec3();
+  const vec = new J.Vec3(), apply = (torque) => { vec.Set(...torque); body.AddTorque(vec); };
   const state = () => ({ q: wxyz(body.GetRotation()), omega: list(body.GetAngularVelocity()),
     com: list(body.GetCenterOfMassPosition()), velocity: list(body.GetLinearVelocity()) });
   return {
     body: () => ({ mass: 1 / motion.GetInverseMass(), com: [0, 0, 0], moments: list(motion.GetInverseInertiaDiagonal()).map((i) => 1 / i),
       frame: wxyz(motion.GetInertiaRotation()), arm }),
     state,
-    advance(steps) {
-      for (let k = 0; k < steps; k++) {
-        if (torque) { const { q, omega } = state(); vec.Set(...torque(q, omega)); body.AddTorque(vec); }
-        jolt.Step(timestep, 1);
-      }
-    },
+    advance: stepped(scene, state, apply, () => jolt.Step(timestep, 1)),
     active: () => acting(scene, { gravity: list(system.GetGravity()).map((g) => g * motion.GetGravityFactor()), joints: arm ? 1 : 0, others: {
       damping: motion.GetLinearDamping() > 0 || motion.GetAngularDamping() > 0, sleeping: body.GetAllowSleeping(),
       'a velocity clamp': motion.GetMaxAngularVelocity() < FAST, 'no gyroscopic torque': !body.GetApplyGyroscopicForce() } }),

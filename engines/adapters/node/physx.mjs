@@ -1,5 +1,5 @@
 // PhysX 5 as WebAssembly, in single precision. It leaves out the gyroscopic torque unless asked for it.
-import { acting, load, method, push, read, serve, vector, version, xyz } from './host.mjs';
+import { acting, load, method, read, serve, stepped, version, xyz } from './parts/host.mjs';
 
 // It is not built for node, looks for it and refuses: both stand in for a browser while it starts.
 const node = globalThis.process, wasmBinary = read('physx-js-webidl/physx-js-webidl.wasm');
@@ -22,8 +22,7 @@ function open(told, name, timestep) {
   if (name === 'tgs') about.set_solverType(P.PxSolverTypeEnum.eTGS);
   const scene = physics.createScene(about), [w, x, y, z] = told.q;
   const body = physics.createRigidDynamic(new P.PxTransform(vec(told.com), new P.PxQuat(x, y, z, w)));
-  body.setMass(told.mass);
-  body.setMassSpaceInertiaTensor(vec(told.moments));
+  body.setMass(told.mass), body.setMassSpaceInertiaTensor(vec(told.moments));
   if (!shipped) {
     body.setLinearDamping(0);
     body.setAngularDamping(0);
@@ -38,20 +37,15 @@ function open(told, name, timestep) {
   body.setAngularVelocity(vec(told.omega));
   const upright = new P.PxQuat(0, 0, 0, 1);
   const joint = told.arm && T.SphericalJointCreate(physics, null, new P.PxTransform(vec([0, 0, 0]), upright), body, new P.PxTransform(vec(told.arm), upright));
-  const torque = push(told);
   const wxyz = ({ w, x, y, z }) => [w, x, y, z];
   const state = () => { const pose = body.getGlobalPose(); return { q: wxyz(pose.q), com: xyz(pose.p), omega: xyz(body.getAngularVelocity()), velocity: xyz(body.getLinearVelocity()) }; };
+  const apply = (torque) => { const t = vec(torque); body.addTorque(t, P.PxForceModeEnum.eFORCE, true); P.destroy(t); };
+  const step = () => { scene.simulate(timestep); scene.fetchResults(true); };
   return {
     body: () => { const at = body.getCMassLocalPose(), com = xyz(at.p), frame = wxyz(at.q);
       return { mass: body.getMass(), com, frame, moments: xyz(body.getMassSpaceInertiaTensor()), arm: joint && xyz(joint.getLocalPose(P.PxJointActorIndexEnum.eACTOR1).p) }; },
     state,
-    advance(steps) {
-      for (let k = 0; k < steps; k++) {
-        if (torque) { const { q, omega } = state(), t = vec(torque(q, omega)); body.addTorque(t, P.PxForceModeEnum.eFORCE, true); P.destroy(t); }
-        scene.simulate(timestep);
-        scene.fetchResults(true);
-      }
-    },
+    advance: stepped(told, state, apply, step),
     active: () => acting(told, { gravity: xyz(scene.getGravity()), joints: joint ? 1 : 0, others: {
       damping: body.getLinearDamping() > 0 || body.getAngularDamping() > 0, sleeping: body.getSleepThreshold() > 0,
       'a velocity clamp': body.getMaxAngularVelocity() < FAST, 'no gyroscopic torque': !body.getRigidBodyFlags().isSet(GYROSCOPIC) } }),

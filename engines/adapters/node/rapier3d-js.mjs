@@ -1,5 +1,5 @@
 // Rapier as WebAssembly, in single precision, its gyroscopic torque always on.
-import { acting, load, method, push, serve, vector, xyz } from './host.mjs';
+import { acting, load, method, serve, stepped, vector, xyz } from './parts/host.mjs';
 
 const R = await load('@dimforge/rapier3d-compat/dist/rapier.mjs');
 const log = console.warn;
@@ -25,21 +25,14 @@ function open(scene, name, timestep) {
     const ground = world.createRigidBody(R.RigidBodyDesc.fixed());
     joint = world.createImpulseJoint(R.JointData.spherical(vector([0, 0, 0]), vector(scene.arm)), ground, body, true);
   }
-  const torque = push(scene);
   const wxyz = (q) => [q.w, q.x, q.y, q.z];
+  const state = () => ({ q: wxyz(body.rotation()), omega: xyz(body.angvel()), com: xyz(body.translation()), velocity: xyz(body.linvel()) });
+  const apply = (torque) => { body.resetTorques(true); body.addTorque(vector(torque), true); };
   return {
     body: () => ({ mass: body.mass(), com: xyz(body.localCom()), moments: xyz(body.principalInertia()),
       frame: wxyz(body.principalInertiaLocalFrame()), arm: joint && xyz(joint.anchor2()) }),
-    state: () => ({ q: wxyz(body.rotation()), omega: xyz(body.angvel()), com: xyz(body.translation()), velocity: xyz(body.linvel()) }),
-    advance(steps) {
-      for (let k = 0; k < steps; k++) {
-        if (torque) {
-          body.resetTorques(true);
-          body.addTorque(vector(torque(wxyz(body.rotation()), xyz(body.angvel()))), true);
-        }
-        world.step();
-      }
-    },
+    state,
+    advance: stepped(scene, state, apply, () => world.step()),
     active: () => acting(scene, { gravity: xyz(world.gravity).map((g) => g * body.gravityScale()), joints: world.impulseJoints.len(), others: {
       damping: body.linearDamping() > 0 || body.angularDamping() > 0, sleeping: body.isSleeping(),
       'a collision shape': body.numColliders() > 0, 'a multibody joint': world.multibodyJoints.len() > 0 } }),

@@ -19,7 +19,7 @@ const SINGLE = 2 ** -20;                         // some roundings of single pre
 const isZero = (v) => v.every((x) => x === 0);
 
 // The scene's torques at an attitude (w x y z) and ω, world axes; null where it has none.
-export function push({ torque_world: t, torque_body: b, drag }) {
+function push({ torque_world: t, torque_body: b, drag }) {
   if (isZero([...t, ...b, drag])) return null;
   const cross = ([x, y, z], v) => [y * v[2] - z * v[1], z * v[0] - x * v[2], x * v[1] - y * v[0]];
   return ([w, ...u], omega) => {
@@ -27,6 +27,17 @@ export function push({ torque_world: t, torque_body: b, drag }) {
     return t.map((x, i) => x + b[i] + w * c[i] + d[i] - drag * omega[i]);
   };
 }
+
+// Takes steps one by one, each after the scene's torques at the state then.
+export const stepped = (scene, state, apply, step) => {
+  const torque = push(scene);
+  return (steps) => {
+    for (let k = 0; k < steps; k++) {
+      if (torque) { const { q, omega } = state(); apply(torque(q, omega)); }
+      step();
+    }
+  };
+};
 
 // Names of what acts: from gravity and joints as the engine holds them, our own torques, and words for the rest.
 export function acting(scene, { gravity, joints, others = {} }) {
