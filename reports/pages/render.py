@@ -26,12 +26,14 @@ from .protocol import constants
 from .scene_answer import scene_answer, shown_at_first
 from .stock_table import stock_table
 from .sweep_section import sweep_section, write_sweeps
-from .templating import templates, write, write_styles
+from .templating import TEMPLATES, templates
+from .written import ReportFolder
 
 #: Plotly, deflated: `figures.js` unpacks it.
 PLOTLY = "plotly.js"
 #: Of ours; written as they are.
 ASSETS = (
+    "style.css",
     "scene.css",
     "figures.js",
     "overview.js",
@@ -50,7 +52,7 @@ SHIPPED: tuple[VerdictWord, ...] = ("disagrees", "failed", "diverges", "unresolv
 def render(results: Results, folder: Path) -> Path:
     """Write index.html, report.md, assets/ and a page a scene, map, ensemble; returns index.html.
 
-    The same results give the same files, byte for byte.
+    The same results give the same files, byte for byte; those of an earlier report go.
 
     Raises
     ------
@@ -60,8 +62,8 @@ def render(results: Results, folder: Path) -> Path:
     gathered = report_data(results)
     environment = templates()
     protocol = environment.get_template("protocol.md").render(p=constants())
-    (folder / "scenes").mkdir(parents=True, exist_ok=True)
-    _write_assets(folder / "assets")
+    written = ReportFolder(folder)
+    _write_assets(written)
     left_out = (
         effects_table(results.effects),
         passes_tables(results.passes),
@@ -70,20 +72,21 @@ def render(results: Results, folder: Path) -> Path:
     shared = {**_overview(gathered, results), "gathered": gathered, "left_out": left_out}
     shared["protocol"] = protocol
     shared["sweeps"] = sweeps = sweep_section(results)
-    write_sweeps(environment, folder, sweeps, results.scenes)
+    write_sweeps(environment, written, sweeps, results.scenes)
     shared["hard"] = _hard_cases(gathered, environment)
-    index = folder / "index.html"
-    write(index, environment.get_template("index.html").render(root="", **shared))
+    html = environment.get_template("index.html").render(root="", **shared)
+    index = written.write("index.html", html)
     contents = [_scene(scene) for scene in gathered.scenes]
-    _write_scenes(environment, folder / "scenes", gathered.scenes, contents)
+    _write_scenes(environment, written, gathered.scenes, contents)
     report = environment.get_template("report.md").render(scenes=contents, **shared)
-    write(folder / "report.md", report)
+    written.write("report.md", report)
+    written.finish()
     return index
 
 
 def _write_scenes(
     environment: Environment,
-    folder: Path,
+    written: ReportFolder,
     scenes: tuple[SceneRuns, ...],
     contents: list[dict[str, Any]],
 ) -> None:
@@ -100,10 +103,10 @@ def _write_scenes(
             "shown_at_first": shown_at_first(scene),
         }
         html = page.render(root="../", **drawn, **content, **around)
-        write(folder / f"{scene.name}.html", html)
-        write(folder / f"{scene.name}.md", text.render(**content))
+        written.write(f"scenes/{scene.name}.html", html)
+        written.write(f"scenes/{scene.name}.md", text.render(**content))
         for name, model in content.get("models", {}).items():
-            write(folder / name, model)
+            written.write(f"scenes/{name}", model)
 
 
 def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
@@ -169,9 +172,10 @@ def _models(scenario: Scenario) -> dict[str, str]:
     }
 
 
-def _write_assets(folder: Path) -> None:
+def _write_assets(written: ReportFolder) -> None:
     from plotly.offline import get_plotlyjs
 
-    write_styles(folder, *ASSETS)
+    for name in ASSETS:
+        written.write(f"assets/{name}", (TEMPLATES / name).read_text(encoding="utf-8"))
     packed = base64.b64encode(zlib.compress(get_plotlyjs().encode("utf-8"), 9)).decode("ascii")
-    write(folder / PLOTLY, f'const packedPlotly = "{packed}";\n')
+    written.write(f"assets/{PLOTLY}", f'const packedPlotly = "{packed}";\n')

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from jinja2 import Environment
 
@@ -14,6 +13,7 @@ from .ensemble_pages import EnsemblePage, ensemble_pages
 from .map_pages import MapPage, map_pages
 from .map_tables import percent
 from .tables import Cell, Table, figure, table
+from .written import ReportFolder
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ def sweep_section(results: Results) -> SweepSection:
 
 
 def write_sweeps(
-    environment: Environment, folder: Path, section: SweepSection, scenes: Iterable[str]
+    environment: Environment, written: ReportFolder, section: SweepSection, scenes: Iterable[str]
 ) -> None:
     """Write maps/ and ensembles/, each page as .html and .md.
 
@@ -54,14 +54,11 @@ def write_sweeps(
     known = set(scenes)
     for kind, pages in (("map", section.maps), ("ensemble", section.ensembles)):
         for page in pages:
-            into = folder / f"{kind}s"
-            into.mkdir(exist_ok=True)
             for ending in ("html", "md"):
                 text = environment.get_template(f"{kind}.{ending}").render(
                     root="../", page=page, has_scene=page.scene in known
                 )
-                path = into / f"{page.name}.{ending}"
-                path.write_text(text, encoding="utf-8", newline="\n")
+                written.write(f"{kind}s/{page.name}.{ending}", text)
 
 
 def _with_runs(found: Iterable[tuple[PointResult, ...]]) -> list[tuple[PointResult, ...]]:
