@@ -7,14 +7,18 @@ from pathlib import Path
 
 import made_up_sweeps
 import pytest
+import users_models
 from spincheck.engines import engines
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.harness.inspection import asked_engines, inspect_model
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_study
+from spincheck.reports.pages.model_page import write_model_page
 from spincheck.reports.pages.render import render
 from spincheck.reports.results.store import open_store
 from spincheck.scenarios import find, load
+from spincheck.scenarios.model_files import read_model
 
 pytest.importorskip("playwright", reason="playwright is not installed")
 from browser import chromium, launched
@@ -25,6 +29,10 @@ pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not instal
 
 SCENES = ("fast-top", "hammer", "reaction-wheel")
 METHODS = ("default", "RK4", "multibody")
+#: An arm whose tensor PyBullet makes up from a box; with a long name that would run if it could.
+MODEL = users_models.arm(
+    inside='<collision><geometry><box size="0.4 0.2 0.1"/></geometry></collision>'
+).replace("arm", "arm_" * 30 + "&lt;img src=x onerror=console.error(1)&gt;")
 #: Steps: short ladders, whose pages are made of the same parts.
 BUDGET = 1 << 11
 DESK, PHONE = {"width": 1280, "height": 900}, {"width": 400, "height": 800}
@@ -44,6 +52,9 @@ def folder(tmp_path_factory) -> Path:
         results = store.read()
     swept = made_up_sweeps.swept()
     render(replace(results, maps=swept.maps, ensembles=swept.ensembles), folder / "report")
+    model = read_model(users_models.written(folder, MODEL))
+    inspection = inspect_model(model, InProcess(), asked_engines())
+    write_model_page(inspection, folder / "report", "robot")
     return folder / "report"
 
 
