@@ -56,7 +56,8 @@ def map_pages(results: Results) -> list[MapPage]:
         if any(point.key.engine for point in found.points):
             seen[found.map.scenario] += 1
             name = f"{found.map.scenario}-{seen[found.map.scenario]}"
-            pages.append(_page(name, Grid(found, methods_of(found.points, results))))
+            methods = methods_of(found.points, results)
+            pages.append(_page(name, Grid(found, methods, results.stock_timesteps)))
     return pages
 
 

@@ -27,7 +27,7 @@ from ...scenarios import printable
 
 #: "spin" in ASCII: tells a result file from any other SQLite database.
 APPLICATION_ID = 0x7370696E
-FORMAT = 11
+FORMAT = 12
 #: Bytes of a record; the motion of the longest window, 10⁶ samples, has 112 MB.
 LARGEST_RECORD = 1 << 28
 

@@ -30,7 +30,7 @@ CREATE TABLE environment (
 CREATE TABLE methods (
     engine TEXT, method TEXT, "order" INTEGER NOT NULL, attitude_order INTEGER NOT NULL,
     summary TEXT NOT NULL, effects TEXT NOT NULL, requires TEXT NOT NULL,
-    max_rotation_per_step REAL NOT NULL, as_shipped INTEGER NOT NULL,
+    max_rotation_per_step REAL NOT NULL, as_shipped INTEGER NOT NULL, stock_timestep REAL,
     checksum TEXT NOT NULL, PRIMARY KEY (engine, method));
 -- What results rest on: where the engine is empty the scene and this program, else the engine.
 CREATE TABLE fingerprints (
@@ -88,6 +88,7 @@ class Results:
     Attributes
     ----------
     methods : what each engine's adapter declared of its methods, in the order it lists them
+    stock_timesteps : s, likewise of engines that have one
     """
 
     environment: dict[str, str]
@@ -98,6 +99,7 @@ class Results:
     passes: list[PassCosts] = field(default_factory=list)
     defaults: list[DefaultEffects] = field(default_factory=list)
     methods: dict[Pair, Method] = field(default_factory=dict)
+    stock_timesteps: dict[str, float] = field(default_factory=dict)
     maps: list[MapResult] = field(default_factory=list)
     ensembles: list[EnsembleResult] = field(default_factory=list)
 
@@ -128,7 +130,7 @@ class Store:
             for engine in engines:
                 connection.execute("DELETE FROM methods WHERE engine = ?", (engine.name,))
                 for method in engine.methods:
-                    put(connection, "methods", table_records.of_method(engine.name, method))
+                    put(connection, "methods", table_records.of_method(engine, method))
 
     def keep_matching(self, scenario: str, digests: dict[str, str]) -> int:
         """Drop what is known of a scene but rests on something else; returns how many verdicts.
@@ -262,6 +264,7 @@ class Store:
         rows = self._select("rows", order="scenario, engine, method, -timestep")
         scenes = self._select("scenes", order="scenario")
         environment = self._select("environment", order="name")
+        methods = self._select("methods")
         left_out = [
             table_records.left_out(record)
             for record in self._select("left_out", order="scenario, engine, method")
@@ -285,7 +288,8 @@ class Store:
             ],
             maps=maps,
             ensembles=ensembles,
-            methods=dict(table_records.method(record) for record in self._select("methods")),
+            methods=dict(table_records.method(record) for record in methods),
+            stock_timesteps=dict(filter(None, map(table_records.stock_timestep, methods))),
         )
 
     def _verdicts(self, asked: str) -> list[Verdict]:

@@ -10,7 +10,7 @@ from typing import Any, TypeVar, get_type_hints
 
 from pydantic import TypeAdapter, ValidationError
 
-from ...engines import Method
+from ...engines import Engine, Method
 from ...reference import Solution
 from ...scenarios import Errors, Scenario, Trajectory, is_scene_name, loads, printable
 from .cost_records import EffectsCost, PassCost, PassCosts, Ratio, StepCost
@@ -96,10 +96,11 @@ def of_cost(key: Key, processor: str, cost: StepCost | None) -> dict[str, Any]:
     }
 
 
-def of_method(engine: str, method: Method) -> dict[str, Any]:
+def of_method(engine: Engine, method: Method) -> dict[str, Any]:
     """What an adapter declares of a method, for the table `methods`."""
     return {
-        "engine": engine,
+        "engine": engine.name,
+        "stock_timestep": engine.stock_timestep,
         "method": method.name,
         **{name: getattr(method, name) for name in _PLAIN_METHOD},
         "effects": json.dumps(sorted(method.effects)),
@@ -191,6 +192,18 @@ def method(record: sqlite3.Row) -> tuple[Pair, Method]:
         **declared | {"as_shipped": bool(declared["as_shipped"])},
     )
     return (_text(record["engine"]), found.name), typed(found)
+
+
+@as_result_file_error
+def stock_timestep(record: sqlite3.Row) -> tuple[str, float] | None:
+    """Of the engine of a record of the table `methods`, s; None where it has none."""
+    timestep = record["stock_timestep"]
+    _check("stock_timestep", timestep, float | None)
+    if timestep is None:
+        return None
+    if not 0 < timestep < LARGEST:
+        raise ValueError(f"stock_timestep: must be positive, got {timestep!r}")
+    return _text(record["engine"]), timestep
 
 
 @as_result_file_error

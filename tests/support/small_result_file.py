@@ -35,7 +35,8 @@ def write(path: Path) -> Path:
     found = made_up.results(SAMPLES, made_up.METHODS[:1])
     with open_store(path, create=True) as store:
         store.put_environment(found.environment)
-        store.put_methods([SimpleNamespace(name="mujoco", methods=tuple(found.methods.values()))])
+        methods = tuple(found.methods.values())
+        store.put_methods([SimpleNamespace(name="mujoco", methods=methods, stock_timestep=0.002)])
         store.keep_matching(SCENE, {"": "a digest", "mujoco": "another"})
         result = found.scenes[SCENE]
         store.put_scene(result.scenario, result.solution)

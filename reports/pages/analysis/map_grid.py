@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -48,10 +48,12 @@ class Grid:
     ----------
     found : as it was stored; the first axis runs across, the second up
     methods : what adapters declared of those that were run, in reading order; None where unknown
+    stock_timesteps : of their engines that have one, s
     """
 
     found: MapResult
     methods: dict[Pair, Method | None]
+    stock_timesteps: dict[str, float] = field(default_factory=dict)
 
     @property
     def axes(self) -> tuple[Axis, Axis]:

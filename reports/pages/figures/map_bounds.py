@@ -1,4 +1,4 @@
-"""The lines that theory draws on a map of a method: where each of its numbers reaches its limit."""
+"""The lines drawn on a map of a method: where its numbers reach a limit, and its stock timestep."""
 
 import math
 from collections.abc import Callable
@@ -13,6 +13,7 @@ from ....reference.stability_bounds import (
     euler_folds,
     rk4_folds,
 )
+from ..analysis.wording import duration
 
 #: Its logarithm stands for a rate of zero, which no timestep makes reach a limit.
 LEAST = 1e-300
@@ -95,13 +96,31 @@ SEPARATRIX = Bound(
 _PI_OVER = range(1, 9)
 
 
-def bounds_of(method: Method | None) -> tuple[Bound, ...]:
-    """The lines that concern a method; of one that nobody declared, those of its scene alone."""
+def bounds_of(method: Method | None, stock_timestep: float | None = None) -> tuple[Bound, ...]:
+    """The lines that concern a method; of one that nobody declared, those of its scene alone.
+
+    Parameters
+    ----------
+    stock_timestep : s, of its engine; None if it has none
+    """
+    at_stock = (stock(stock_timestep),) if stock_timestep else ()
     if method is None:
         return TURN, SLEEPING, SEPARATRIX
     turn = TURN if math.isinf(method.max_rotation_per_step) else clamp(method.max_rotation_per_step)
     by_order = {1: (EULER, SWING), 4: (RK4_DAMPING, RK4_BLOWS_UP)}
-    return turn, *by_order.get(method.order, ()), SLEEPING, SEPARATRIX
+    return turn, *at_stock, *by_order.get(method.order, ()), SLEEPING, SEPARATRIX
+
+
+def stock(timestep: float) -> Bound:
+    """Where an engine is used by those who choose no timestep, s."""
+    told = duration(timestep)
+    return Bound(
+        f"stock {told}",
+        f"dt = {told}: the engine's default timestep",
+        "as its adapter declares",
+        lambda _, dt: _log(dt / timestep),
+        "longdashdot",
+    )
 
 
 def clamp(most: float) -> Bound:

@@ -173,7 +173,7 @@ def drawn_bounds(grid: Grid, pair: Pair) -> list[tuple[Bound, list[FloatArray]]]
     """The bounds that pass through a method's panel, as curves in the places of the axes."""
     across, up = (places(axis) for axis in grid.axes)
     found = []
-    for bound in bounds_of(grid.methods[pair]):
+    for bound in bounds_of(grid.methods[pair], grid.stock_timesteps.get(pair[0])):
         curves = zero_lines(across, up, grid.evaluated(bound.value))
         if curves:
             found.append((bound, curves))

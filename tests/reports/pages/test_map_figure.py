@@ -16,7 +16,7 @@ from spincheck.reports.pages.analysis.map_grid import Grid, axis_title, places
 from spincheck.reports.pages.analysis.map_marks import COLOURS, HORIZON, SIGNS, is_coloured, marks
 from spincheck.reports.pages.figures import map_figure as map_figure_module
 from spincheck.reports.pages.figures.map_bounds import bounds_of
-from spincheck.reports.pages.figures.map_figure import drawn_bounds, map_figure
+from spincheck.reports.pages.figures.map_figure import drawn_bounds, legend_of_bounds, map_figure
 from spincheck.reports.pages.figures.map_labels import place
 from spincheck.reports.pages.figures.plot import Figure
 from spincheck.reports.results.sweep_records import MapResult
@@ -30,8 +30,12 @@ EULER, RK4, MULTIBODY = METHODS
 SINGLE = 2 * float(np.finfo(np.float32).eps)
 
 
+#: s, of MuJoCo alone.
+STOCK = 0.002
+
+
 def grid(found: MapResult | None = None) -> Grid:
-    return Grid(found or map_result(), dict(METHODS))
+    return Grid(found or map_result(), dict(METHODS), {"mujoco": STOCK})
 
 
 @pytest.fixture(scope="module")
@@ -149,6 +153,13 @@ def test_runge_kutta_s_limit_is_where_the_disc_s_rate_times_the_timestep_is() ->
 def test_the_clamp_is_where_the_adapter_says() -> None:
     spin, timestep = bound_line(map_result(), MULTIBODY, "π/4").T
     np.testing.assert_allclose(np.hypot(spin, 0.1) * timestep, math.pi / 4, rtol=0.01)
+
+
+def test_the_engine_s_stock_timestep_is_a_level_line_and_stands_in_the_legend() -> None:
+    _, timestep = bound_line(map_result(), RK4, "stock 2 ms").T
+    np.testing.assert_allclose(timestep, STOCK, rtol=64 * float(np.finfo(float).eps))
+    assert "stock 2 ms" in {bound.label for bound in legend_of_bounds(grid())}
+    assert not {b.label for b, _ in drawn_bounds(grid(), MULTIBODY)} & {"stock 2 ms"}
 
 
 def test_the_clamp_stands_in_for_the_turn_of_one() -> None:
