@@ -37,13 +37,13 @@ pythons: $(READY)
 bench: $(READY)
 	for script in tests/bench/*.py; do $(BIN)/python $$script || exit 1; done
 
-# Runs killed with -9 at fifty random moments must go on to the same results.
+# Runs killed with -9 at random moments must go on to the same results.
 kills: $(READY)
-	$(BIN)/python tests/reports/cli/kills.py
+	PYTHONPATH=tests/support $(BIN)/python tests/reports/cli/kills.py
 
 # The smallest lie that is told, by kind, method class and scene; written to docs/thresholds.md.
 thresholds: $(READY)
-	$(BIN)/python tests/reports/harness/measure_thresholds.py
+	PYTHONPATH=tests/support $(BIN)/python tests/reports/harness/measure_thresholds.py
 
 # Verdicts, survivors and the cost of accuracy of every engine there is; docs/engine-verdicts.md.
 engine-verdicts: $(READY)

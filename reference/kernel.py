@@ -71,17 +71,26 @@ def kernel(function: Callable[P, T]) -> Callable[P, T]:
         compiled: Any = njit(forceinline=True, cache=True)(function)
     finally:
         config.CACHE_DIR = elsewhere
-    _save_if_there_is_room(compiled._cache)
+    _survive_the_disk(compiled._cache)
     kept: Callable[P, T] = compiled
     return kept
 
 
-def _save_if_there_is_room(cache: Any) -> None:
-    """Have a full disk cost the next process a compilation, and this one nothing."""
-    save = cache.save_overload
+def _survive_the_disk(cache: Any) -> None:
+    """Have a full disk, or machine code that was cut, cost a compilation and nothing else."""
+    load, save = cache.load_overload, cache.save_overload
+
+    def load_overload(signature: Any, context: Any) -> Any:
+        try:
+            return load(signature, context)
+        # Half a pickle raises whatever comes.
+        except Exception:
+            with suppress(OSError):
+                cache.flush()
+            return None
 
     def save_overload(signature: Any, machine_code: Any) -> None:
         with suppress(OSError):
             save(signature, machine_code)
 
-    cache.save_overload = save_overload
+    cache.load_overload, cache.save_overload = load_overload, save_overload

@@ -32,11 +32,12 @@ from .options import (
     Timesteps,
 )
 from .picture_commands import app as picture_commands
+from .refusals import refusal, unusable
 from .result_commands import app as result_commands
-from .stopping import STDOUT, Stopped, open_closed_streams, print_nowhere, raise_when_stopped
+from .stopping import Stopped, open_closed_streams, raise_when_stopped
 from .sweep_commands import app as sweep_commands
 from .sweep_commands import run_members
-from .terminal import BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table, to_json
+from .terminal import BAD_INPUT, DISAGREES, Complaint, say, table, to_json
 from .version_commands import app as version_commands
 
 app = typer.Typer(
@@ -92,18 +93,18 @@ def main() -> None:
 
 
 def _run_and_flush() -> None:
-    """Run the command line; raises a `Complaint` where its output cannot be written."""
+    """Run the command line; a `Complaint` where the system does not let it do its work."""
     try:
         try:
             app()
         finally:
             sys.stdout.flush()
-    except OSError as error:
-        # Of a file, which has a name, commands complain themselves.
-        if error.filename is not None:
-            raise
-        print_nowhere(STDOUT)
-        raise Complaint(f"the output cannot be written: {error.strerror}", NOT_RUN) from None
+    except Complaint:
+        raise
+    except Exception as error:
+        if complaint := refusal(error):
+            raise complaint from None
+        raise
 
 
 @app.command(epilog="Example: spincheck run fast-top --engine mujoco")
@@ -187,7 +188,7 @@ def report(
     try:
         print(f"The report is {render(stored, out)}")
     except OSError as error:
-        raise _unwritable(out, error) from None
+        raise unusable(out, error, "written") from None
     running.tell_untrue(stored)
     raise typer.Exit(running.exit_code(stored))
 
@@ -373,7 +374,7 @@ def export(
     try:
         written = write(_scenario(scenario), folder)
     except OSError as error:
-        raise _unwritable(folder, error) from None
+        raise unusable(folder, error, "written") from None
     for path in written:
         print(path)
 
@@ -382,13 +383,6 @@ def _scenario(name: str) -> Any:
     from .named_scenes import one_scene
 
     return one_scene(name)
-
-
-def _unwritable(place: Path, error: OSError) -> Complaint:
-    from ...scenarios import printable
-
-    where = printable(str(place))
-    return Complaint(f"{where}: cannot be written: {error.strerror}", BAD_INPUT)
 
 
 def _inline(value: object) -> str:

@@ -1,11 +1,11 @@
 """Machine code is kept, but never longer than the sources it was made from."""
 
-import errno
 from pathlib import Path
 
 import numba
 import pytest
-from numba.core import caching
+from small_disks import small_disk
+from spincheck.reference import kernel as kernel_module
 from spincheck.reference.kernel import digest_of_kernels, kernel
 
 KERNELS = "from .kernel import kernel\n"
@@ -47,12 +47,23 @@ def abs_difference(a: float, b: float) -> float:
     return abs(a - b)
 
 
-def test_a_full_disk_costs_the_kept_machine_code_and_no_result(monkeypatch) -> None:
-    def no_room(*_: object) -> None:
-        raise OSError(errno.ENOSPC, "No space left on device")
+def test_a_full_disk_costs_the_kept_machine_code_and_no_result(tmp_path, monkeypatch) -> None:
+    """One that holds a folder, and no file."""
+    with small_disk(tmp_path / "disk", "size=4k,nr_inodes=2") as disk:
+        monkeypatch.setattr(kernel_module, "FOLDER", disk.folder)
+        assert kernel(sum_of)(2.0, 5.0) == 7.0
+        assert [path for path in disk.folder.rglob("*") if path.is_file()] == []
 
-    monkeypatch.setattr(caching.IndexDataCacheFile, "save", no_room)
+
+def test_machine_code_that_was_cut_is_made_anew(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(kernel_module, "FOLDER", tmp_path)
+    kernel(sum_of)(2.0, 5.0)
+    kept = {path: path.read_bytes() for path in tmp_path.rglob("*.nb?")}
+    assert kept
+    for path, content in kept.items():
+        path.write_bytes(content[: len(content) // 2])
     assert kernel(sum_of)(2.0, 5.0) == 7.0
+    assert all(len(path.read_bytes()) > len(content) // 2 for path, content in kept.items())
 
 
 def sum_of(a: float, b: float) -> float:

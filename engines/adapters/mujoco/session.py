@@ -26,6 +26,8 @@ READ = int(
 )
 #: How it begins to say that a coordinate is beyond 1e10 (mjMAXVAL), if it is a number at all.
 BLOWN_UP = "Nan, Inf or huge value"
+#: What it says where the system gives it no memory.
+NO_MEMORY = "Could not allocate memory"
 #: These, and the steps taken, as the bytes of an array.
 Snapshot = bytes
 
@@ -203,6 +205,8 @@ def compiled(build: Callable[[], Any]) -> Any:
     ------
     EngineError
         With the compiler's message, where it refuses or warns.
+    MemoryError
+        If there is none for it.
     """
     heard: list[str] = []
     # An editable model's warnings come as Python's own.
@@ -211,6 +215,8 @@ def compiled(build: Callable[[], Any]) -> Any:
         try:
             model = build()
         except ValueError as error:
+            if NO_MEMORY in str(error):
+                raise MemoryError(str(error)) from None
             raise EngineError(f"MuJoCo's compiler: {' '.join(str(error).split())}") from None
     heard += [str(warning.message) for warning in recorded]
     if heard:

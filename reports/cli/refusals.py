@@ -1,0 +1,34 @@
+"""What the system does not let a command do, each as one message in place of a traceback."""
+
+import errno
+from pathlib import Path
+
+from .stopping import STDOUT, print_nowhere
+from .terminal import BAD_INPUT, NOT_RUN, Complaint
+
+#: What the system says where that which is printed cannot go.
+_OF_OUTPUT = (errno.ENOSPC, errno.EPIPE, errno.EBADF, errno.EIO, errno.EFBIG, errno.EDQUOT)
+
+
+def refusal(error: Exception) -> Complaint | None:
+    """What to say of a command that the system has ended with an error; None of any other error."""
+    from ..harness.executors import cause_of
+
+    if isinstance(error, OSError) and error.filename is not None:
+        return unusable(error.filename, error)
+    if isinstance(error, OSError) and error.errno in _OF_OUTPUT:
+        print_nowhere(STDOUT)
+        return Complaint(f"the output cannot be written: {error.strerror}", NOT_RUN)
+    if isinstance(error, MemoryError):
+        return Complaint("there is not enough memory", NOT_RUN)
+    if cause_of(error) == "environment":
+        return Complaint(f"the system does not let it go on: {error}", NOT_RUN)
+    return None
+
+
+def unusable(place: Path | str, error: OSError, purpose: str = "used") -> Complaint:
+    """A file or folder that cannot be written, or used at all."""
+    from ...scenarios import printable
+
+    where = printable(str(place))
+    return Complaint(f"{where}: cannot be {purpose}: {error.strerror}", BAD_INPUT)
