@@ -30,7 +30,7 @@ def read_model(path: str | Path, packages: tuple[tuple[str, Path], ...] = ()) ->
     if root.tag == "robot":
         _refuse_includes(root)
         links = urdf_links(root)
-        notes = (*file.notes, *_missing_meshes(links, folders, path))
+        notes = (*file.notes, *_scaled(root), *_missing_meshes(links, folders, path))
         return ModelFile(path, file.data, "urdf", links, notes, folders)
     if root.tag == "mujoco":
         links, notes = read_mjcf(root, folders)
@@ -50,6 +50,17 @@ def _refuse_includes(robot: Element) -> None:
         if element.tag == "include":
             element.refuse("<include> has no place in a URDF; expand the file first")
         left += element.children
+
+
+def _scaled(robot: Element) -> list[str]:
+    """Links whose tensor Bullet multiplies, by an element of its own."""
+    return [
+        f"{scaling.where}: Bullet multiplies the tensor of {link} by this <inertia_scaling>; no "
+        "other engine does"
+        for link in robot.all("link")
+        for contact in link.all("contact")
+        for scaling in contact.all("inertia_scaling")
+    ]
 
 
 def _missing_meshes(links: tuple[Link, ...], folders: Folders, path: Path) -> list[str]:

@@ -116,7 +116,7 @@ def _of_refusals(inspection: Inspection) -> Iterator[Remedy]:
     ]
     for (engine, configuration), reason in inspection.refusals.items():
         who = (f"{engine} {configuration}",)
-        if "A + B >= C" in reason or "positive definite" in reason:
+        if "A + B >= C" in reason or "positive eigenvalues" in reason:
             yield Remedy(who, tuple(impossible), "correct the tensors that no body has")
         elif "mjMINVAL" in reason:
             yield Remedy(

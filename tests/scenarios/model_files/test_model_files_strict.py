@@ -126,6 +126,26 @@ def test_a_prefix_that_is_not_declared_is_noted(tmp_path):
     assert note.startswith(f"{path}:3: the prefix of <sensor:camera> is not declared")
 
 
+def test_bullets_own_scaling_of_a_tensor_is_noted(tmp_path):
+    scaled = '<contact>\n<inertia_scaling value="3.0"/></contact>'
+    path = written(tmp_path, robot(link("a", inertial() + scaled)))
+    assert read_model(path).notes == (
+        f"{path}:3: Bullet multiplies the tensor of <link name='a'> by this <inertia_scaling>; no "
+        "other engine does",
+    )
+
+
+def test_meshes_that_are_not_inside_the_models_folders_are_noted(tmp_path):
+    written(tmp_path, "solid", "outside.stl")
+    mesh = '<collision><geometry><mesh filename="../outside.stl"/></geometry></collision>'
+    path = written(tmp_path, robot(link("a", mesh)), "inner/robot.urdf")
+    assert read_model(path).notes == (
+        f"{path}: 1 of 1 collision meshes are not inside the model's folders, the first is "
+        "'../outside.stl'; stated inertia needs none, and '--package-path NAME=DIR' says where "
+        "they are",
+    )
+
+
 def test_a_prefix_that_is_declared_is_not(tmp_path):
     text = robot(link("a"), '<s:camera xmlns:s="urn:s"/>')
     assert read_model(written(tmp_path, text)).notes == ()

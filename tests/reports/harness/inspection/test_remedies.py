@@ -57,8 +57,9 @@ def test_an_option_has_mujoco_take_links_without_a_tensor(tmp_path):
     assert ("mujoco", "as-is") not in after.refusals
 
 
-def test_a_tensor_that_no_body_has_is_to_be_corrected(tmp_path):
-    found = inspected(tmp_path, arm(diagonal(0.3, 0.1, 0.9)))
+@pytest.mark.parametrize("moments", [(0.3, 0.1, 0.9), (-0.1, 0.3, 0.3)])
+def test_a_tensor_that_no_body_has_is_to_be_corrected(tmp_path, moments):
+    found = inspected(tmp_path, arm(diagonal(*moments)))
     assert [(one.text, one.links) for one in told(found, "mujoco as-is")] == [
         ("correct the tensors that no body has", ("arm",))
     ]
