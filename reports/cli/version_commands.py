@@ -1,12 +1,16 @@
 """Versions of engines: which are installed, and what changed from one to the next."""
 
 from dataclasses import asdict
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .options import AsJson
+from .options import REPORT_FOLDER, AsJson
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table, to_json
+
+if TYPE_CHECKING:
+    from ..harness.version_changes import VersionChange
 
 app = typer.Typer()
 
@@ -46,18 +50,25 @@ def versions(
         list[str],
         typer.Argument(metavar="V1 V2... [SCENARIO]...", help="Versions, oldest first; scenes."),
     ],
-    timestep: Annotated[float, typer.Option(min=1e-9, help="s, of every run.")] = 1e-3,
+    timestep: Annotated[
+        float, typer.Option(min=1e-9, help="s, of the runs that are compared.")
+    ] = 1e-3,
+    out: Annotated[Path, typer.Option(help="The folder of the page.")] = REPORT_FOLDER,
     as_json: AsJson = False,
 ) -> None:
-    """Say what changed from version to version of an engine: motion, errors, outcomes, speed.
+    """Say what changed from version to version of an engine: motion, errors, verdicts, speed.
 
     Example: spincheck versions mujoco 3.1.6 3.6.0 3.10.0 4.0.0 tennis-racket fast-top
 
-    Each version is installed once, into a folder of its own. Exits with 1 if a newer one is worse.
+    Each version is installed once, into a folder of its own. Writes OUT/ENGINE-versions.html.
+
+    Exits with 1 if a newer one is worse: a run no longer ends well, a verdict falls, an error or
+    the time of a step grows by a fifth.
     """
     from ...engines.versions import VersionError, versioned
     from ..harness.executors import LocalWorkers
-    from ..harness.version_changes import SCENES, version_changes
+    from ..harness.version_changes import SCENES, over_versions
+    from ..pages.version_page import write_version_page
     from .named_scenes import scenes_to_run
 
     numbers = [word for word in arguments if word[:1].isdigit()]
@@ -68,16 +79,29 @@ def versions(
         chosen = [versioned(f"{engine}@{number}") for number in numbers]
     except VersionError as error:
         raise Complaint(str(error), NOT_RUN) from None
-    changes = []
+    over = []
     with LocalWorkers(1) as executor:
-        for change in version_changes(chosen, scenes, timestep, executor):
-            changes.append(change)
-            if not as_json and change.words:
-                print(change.words, flush=True)
+        for one in over_versions(chosen, scenes, timestep, executor):
+            over.append(one)
+            if not as_json:
+                _print_changes(one.changes)
+    try:
+        page = write_version_page(engine, over, timestep, out)
+    except OSError as error:
+        raise Complaint(f"'--out': {out} cannot be written: {error.strerror}", BAD_INPUT) from None
+    changes = [change for one in over for change in one.changes]
     worse = sum(change.is_worse for change in changes)
     if as_json:
-        print(to_json({"changes": [asdict(change) for change in changes], "worse": worse}))
+        document = {"changes": [asdict(c) for c in changes], "worse": worse, "page": str(page)}
+        print(to_json(document))
     else:
         same = sum(not change.words for change in changes)
         say(f"{same} of {len(changes)} comparisons are alike; in {worse} the newer one is worse.")
+        print(page)
     raise typer.Exit(DISAGREES if worse else AGREES)
+
+
+def _print_changes(changes: "list[VersionChange]") -> None:
+    for change in changes:
+        if change.words:
+            print(change.words, flush=True)

@@ -1,4 +1,9 @@
-"""What changed from one version of an engine to the next: motions, errors, outcomes, speed."""
+"""What changed from one version of an engine to the next: motions, errors, verdicts, speed.
+
+A newer version is worse if a run no longer comes to its end, the verdict on a method falls
+(`RANKS`), an error at the timestep asked for grew by a fifth or more, or a step takes longer by a
+fifth or more in every round of timing.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -6,13 +11,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...engines import Engine, Method, Run
-from ...reference import Solution, solve
-from ...scenarios import Errors, Scenario, errors_between
-from .executors import CallFailed, Executor
-from .ladder import Rung, single
-from .step_cost import step_costs
-from .study import simulate
+from ...engines import Engine, Method
+from ...scenarios import Scenario, errors_between
+from ..results.records import VerdictWord
+from .executors import Executor
+from .version_runs import SolvedScene, VersionRun, solved, version_runs
 
 #: A free body, a heavy top, and one that is slowed, where nothing else is asked for.
 SCENES = ("tennis-racket", "fast-top", "book-with-drag")
@@ -21,8 +24,17 @@ EPS = float(np.finfo(float).eps)
 ROUNDINGS = 16
 #: An error or a time has changed if it did by this factor: the noise of times is less.
 NOTABLE = 1.2
-#: Rounds in which versions are timed in turn.
-ROUNDS = 5
+#: Errors that are told by another name.
+SIGNALS = {"omega": "ω", "angular_momentum": "L"}
+#: How good a verdict is; of one that cannot simulate a scene the outcome tells.
+RANKS: dict[VerdictWord, int] = {
+    "converges": 3,
+    "unresolved": 2,
+    "diverges": 1,
+    "disagrees": 0,
+    "failed": 0,
+    "unsupported": 0,
+}
 
 
 @dataclass(frozen=True)
@@ -31,12 +43,13 @@ class VersionChange:
 
     Attributes
     ----------
-    outcomes : of the older and the newer run
+    outcomes, verdicts : of the older and the newer
     equal : whether they are one motion, "to the last bit" or "to round-off"; else empty
     errors : by signal, of the older and the newer, where they changed notably
     ratio : of the newer's time a step to the older's, median of rounds in turn; None if not timed
     is_worse : whether the newer is
     words : all of it; empty where nothing changed
+    is_round_off : whether nothing changed but that
     """
 
     scenario: str
@@ -44,150 +57,125 @@ class VersionChange:
     older: str
     newer: str
     outcomes: tuple[str, str]
+    verdicts: tuple[VerdictWord, VerdictWord]
     equal: str
     errors: dict[str, tuple[float, float]]
     ratio: float | None
     is_worse: bool
     words: str
+    is_round_off: bool
 
 
 @dataclass(frozen=True, eq=False)
-class _Exact:
-    """A scene's runs, and the exact motion at their samples."""
+class OverVersions:
+    """A method on a scene, in all versions, and what changed between neighbours."""
 
-    scenario: Scenario
-    rung: Rung
-    solution: Solution
+    scenario: str
+    method: str
+    runs: list[VersionRun]
+    changes: list[VersionChange]
 
 
-def version_changes(
+def over_versions(
     engines: Sequence[Engine], scenes: Sequence[Scenario], timestep: float, executor: Executor
-) -> Iterator[VersionChange]:
-    """Compare neighbours among versions, oldest first, method by method.
+) -> Iterator[OverVersions]:
+    """Compare neighbours among versions, oldest first, scene by scene and method by method.
 
     Parameters
     ----------
-    timestep : s, of every run
+    timestep : s, of the runs that are compared; verdicts are of ladders of their own
     """
     for scenario in scenes:
-        rung = single(timestep, scenario.times)
-        solution = solve(scenario, np.asarray(rung.sample_steps * timestep, dtype=float))
-        exact = _Exact(scenario, rung.until(len(solution.trajectory.t)), solution)
+        scene = solved(scenario, timestep)
         for method in engines[-1].methods:
-            if engines[-1].unsupported(scenario, method):
-                continue
-            runs = [_run(engine, method, exact, executor) for engine in engines]
-            times = _times(engines, method, scenario, executor)
-            for k, (older, newer) in enumerate(pairwise(engines)):
-                ratios = _ratios(times[k], times[k + 1])
-                yield _change(older, newer, method, exact, (runs[k], runs[k + 1]), ratios)
-
-
-def _run(engine: Engine, method: Method, exact: _Exact, executor: Executor) -> Run | CallFailed:
-    return executor.call_at(
-        engine.site, simulate, engine, exact.scenario, method.name, exact.rung
-    ).value
-
-
-def _times(
-    engines: Sequence[Engine], method: Method, scenario: Scenario, executor: Executor
-) -> list[list[float]]:
-    """CPU seconds a step of each version, round by round; versions in turn."""
-    times: list[list[float]] = [[] for _ in engines]
-    for _ in range(ROUNDS):
-        for engine, seconds in zip(engines, times, strict=True):
-            pairs = [(engine, method)]
-            costs = executor.call_at(engine.site, step_costs, scenario, pairs).value
-            if not isinstance(costs, CallFailed) and costs[0] is not None:
-                seconds.append(costs[0].seconds_per_step)
-    return times
-
-
-def _ratios(older: Sequence[float], newer: Sequence[float]) -> list[float]:
-    """Round by round; none where a version could not be timed."""
-    if len(older) != ROUNDS or len(newer) != ROUNDS:
-        return []
-    return [new / old for old, new in zip(older, newer, strict=True)]
+            if not engines[-1].unsupported(scenario, method):
+                runs = version_runs(engines, method, scene, executor)
+                changes = [_change(scene, method, *pair) for pair in pairwise(runs)]
+                yield OverVersions(scenario.name, method.name, runs, changes)
 
 
 def _change(
-    older: Engine,
-    newer: Engine,
-    method: Method,
-    exact: _Exact,
-    runs: tuple[Run | CallFailed, Run | CallFailed],
-    ratios: Sequence[float],
+    scene: SolvedScene, method: Method, older: VersionRun, newer: VersionRun
 ) -> VersionChange:
-    outcomes = tuple("failed" if isinstance(run, CallFailed) else run.outcome for run in runs)
-    equal, errors = _motions(exact, runs)
-    is_less = {name: pair for name, pair in errors.items() if pair[1] > pair[0]}
-    # What the older version could not do either is no regression.
-    got_worse = outcomes[0] == "ok" != outcomes[1]
-    ratio = float(np.median(ratios)) if ratios else None
+    equal = _equal(scene, older, newer)
+    errors = {} if equal else _notable(scene, older, newer)
+    ratios = [new / old for old, new in zip(older.seconds, newer.seconds, strict=False)]
     # In every round: a single slow one may be the machine's.
     is_slower = bool(ratios) and min(ratios) > NOTABLE
     is_faster = bool(ratios) and max(ratios) < 1 / NOTABLE
-    parts = []
-    if outcomes[0] != outcomes[1]:
-        reason = getattr(runs[1] if got_worse else runs[0], "reason", "")
-        parts.append(f"{outcomes[0]} → {outcomes[1]} ({reason})")
-    elif outcomes == ("ok", "ok") and equal != "to the last bit":
-        parts.append(f"motion equal {equal}" if equal else "another motion")
-    parts += [f"{name} error {old:.2g} → {new:.2g}" for name, (old, new) in errors.items()]
+    ratio = float(np.median(ratios)) if ratios else None
+    ended_before = older.outcome == "ok"
+    # What the older version could not do either is no regression.
+    is_worse = is_slower or (ended_before and newer.outcome != "ok")
+    is_worse |= any(new > old for old, new in errors.values())
+    words = (older.verdict.verdict, newer.verdict.verdict)
+    is_worse |= ended_before and RANKS[words[1]] < RANKS[words[0]]
+    parts = [*_in_words(older, newer, equal, errors)]
     if is_slower or is_faster:
         parts.append(f"a step takes {ratio:.2f} times as long")
-    is_worse = bool(is_less) or got_worse or is_slower
-    head = f"{exact.scenario.name}, {method.name}, {older.version} → {newer.version}"
-    words = f"{head}: {'; '.join(parts)}{'  WORSE' if is_worse else ''}" if parts else ""
+    head = f"{scene.scenario.name}, {method.name}, {older.version} → {newer.version}"
+    said = f"{head}: {'; '.join(parts)}{'  WORSE' if is_worse else ''}" if parts else ""
     return VersionChange(
-        exact.scenario.name,
+        scene.scenario.name,
         method.name,
         older.version,
         newer.version,
-        (outcomes[0], outcomes[1]),
+        (older.outcome, newer.outcome),
+        words,
         equal,
         errors,
         ratio,
         is_worse,
-        words,
+        said,
+        is_round_off=len(parts) == 1 and equal == "to round-off",
     )
 
 
-def _motions(
-    exact: _Exact, runs: tuple[Run | CallFailed, Run | CallFailed]
-) -> tuple[str, dict[str, tuple[float, float]]]:
-    """How equal two motions are, and the errors that changed beyond round-off."""
-    motions = [
-        run.trajectory
-        for run in runs
-        if isinstance(run, Run) and run.outcome == "ok" and run.trajectory is not None
-    ]
-    if len(motions) < len(runs):
-        return "", {}
-    older, newer = motions
-    rows = [
+def _in_words(
+    older: VersionRun, newer: VersionRun, equal: str, errors: dict[str, tuple[float, float]]
+) -> Iterator[str]:
+    if older.outcome != newer.outcome:
+        reason = newer.reason if older.outcome == "ok" else older.reason
+        yield f"{older.outcome} → {newer.outcome} ({reason})"
+    elif older.outcome == "ok" and equal != "to the last bit":
+        yield f"motion equal {equal}" if equal else "another motion"
+    if older.verdict.verdict != newer.verdict.verdict:
+        yield f"{older.verdict.verdict} → {newer.verdict.verdict}"
+    for name, (old, new) in errors.items():
+        yield f"{SIGNALS.get(name, name)} error {old:.2g} → {new:.2g}"
+
+
+def _equal(scene: SolvedScene, older: VersionRun, newer: VersionRun) -> str:
+    """How equal two motions are, in words; empty where they differ, or one has no end."""
+    if older.motion is None or newer.motion is None:
+        return ""
+    first, second = (
         np.hstack([m.q_world_body_wxyz, m.omega_body, m.com_world, m.velocity_world])
-        for m in motions
-    ]
-    if np.array_equal(rows[0], rows[1]):
-        return "to the last bit", {}
-    round_off = ROUNDINGS * EPS * exact.rung.steps
-    between = errors_between(exact.scenario, newer, older)
-    if max(vars(between).values()) <= round_off:
-        return "to round-off", {}
-    errors = [errors_between(exact.scenario, m, exact.solution.trajectory) for m in motions]
-    return "", _notable(errors[0], errors[1], vars(exact.solution.uncertainty), round_off)
+        for m in (older.motion, newer.motion)
+    )
+    if np.array_equal(first, second):
+        return "to the last bit"
+    apart = errors_between(scene.scenario, newer.motion, older.motion)
+    return "to round-off" if max(vars(apart).values()) <= _round_off(scene) else ""
 
 
 def _notable(
-    older: Errors, newer: Errors, uncertainty: dict[str, float], round_off: float
+    scene: SolvedScene, older: VersionRun, newer: VersionRun
 ) -> dict[str, tuple[float, float]]:
     """The errors that changed by more than `NOTABLE` and exceed what the reference can resolve."""
+    if older.errors is None or newer.errors is None:
+        return {}
+    uncertainty = vars(scene.solution.uncertainty)
     notable = {}
-    for name, old in vars(older).items():
-        new = vars(newer)[name]
-        floor = max(uncertainty.get(name, 0.0), round_off)
+    for name, old in vars(older.errors).items():
+        new = vars(newer.errors)[name]
+        floor = max(uncertainty.get(name, 0.0), _round_off(scene))
         high, low = max(old, new), max(min(old, new), floor)
         if high > NOTABLE * low:
             notable[name] = (old, new)
     return notable
+
+
+def _round_off(scene: SolvedScene) -> float:
+    """Of a run, relative."""
+    return ROUNDINGS * EPS * scene.rung.steps

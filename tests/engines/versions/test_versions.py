@@ -14,7 +14,8 @@ from spincheck.engines.models.mjcf import mjcf
 from spincheck.engines.versions import VersionedEngine, VersionError, folders, versioned
 from spincheck.reports.harness.executors import InProcess, LocalWorkers
 from spincheck.reports.harness.executors.executor import CallFailed
-from spincheck.reports.harness.version_changes import VersionChange, version_changes
+from spincheck.reports.harness.version_changes import OverVersions, VersionChange, over_versions
+from spincheck.reports.pages.version_page import write_version_page
 from spincheck.scenarios import Scenario
 
 TIMESTEP = 1e-3
@@ -136,9 +137,14 @@ def rk4_alone(engine: Engine) -> Engine:
 
 
 def change(older: Engine, newer: Engine) -> VersionChange:
+    (one,) = compared(older, newer)
+    (only,) = one.changes
+    return only
+
+
+def compared(older: Engine, newer: Engine) -> list[OverVersions]:
     pair = [rk4_alone(older), rk4_alone(newer)]
-    (found,) = version_changes(pair, [SCENES["free"]], TIMESTEP, InProcess())
-    return found
+    return list(over_versions(pair, [SCENES["free"]], TIMESTEP, InProcess()))
 
 
 def test_one_engine_twice_is_alike_to_the_last_bit() -> None:
@@ -149,9 +155,28 @@ def test_a_newer_one_that_errs_more_is_worse_and_the_other_way_round_is_not() ->
     worse = change(Newer(), NewerAndWorse())
     assert worse.is_worse
     assert worse.errors["omega"][1] > 100 * worse.errors["omega"][0]
-    assert "omega error" in worse.words
+    assert "ω error" in worse.words
     better = change(NewerAndWorse(), Newer())
     assert better.errors["omega"] == worse.errors["omega"][::-1]
+
+
+def test_a_version_whose_verdict_falls_is_worse() -> None:
+    """It is declared to be of fourth order, and is of first."""
+    fallen = change(Newer(), NewerAndWorse())
+    assert fallen.verdicts == ("converges", "disagrees")
+    assert fallen.is_worse
+    assert "converges → disagrees" in fallen.words
+
+
+def test_the_page_has_each_version_and_says_which_is_worse(tmp_path: Path) -> None:
+    over = compared(Newer(), NewerAndWorse())
+    page = write_version_page("mujoco", over, TIMESTEP, tmp_path)
+    text = page.read_text(encoding="utf-8")
+    assert page.name == "mujoco-versions.html"
+    assert "1 of 1 comparisons of neighbours are regressions" in text
+    assert "✗ worse" in text
+    for one in over[0].runs:
+        assert f'<th scope="col">{one.version}</th>' in text
 
 
 def test_mjcf_for_the_newest_is_as_complete_as_before() -> None:
