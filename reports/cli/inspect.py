@@ -14,7 +14,12 @@ from ..harness.inspection import (
     asked_engines,
     inspect_model,
 )
-from ..harness.inspection.findings import cell_text, differences, problems_of
+from ..harness.inspection.findings import (
+    cell_text,
+    differences,
+    problems_of,
+    weight_in_words,
+)
 from ..harness.inspection.inspect import READ_LIMIT
 from ..harness.inspection.remedy import remedies
 from .inspection_record import columns, is_stated
@@ -87,6 +92,8 @@ def print_inspection(inspection: Inspection) -> None:
         f"{model.path}: {model.format.upper()}, {len(model.links)} links, {stated} with a mass "
         "and a tensor"
     )
+    if weight := weight_in_words(inspection):
+        _print(weight)
     shown = [link for link in inspection.links if _has_something(link)]
     table([_row(link, columns(inspection)) for link in shown])
     if idle := len(inspection.links) - len(shown):

@@ -5,6 +5,7 @@ from typing import Any
 from ...engines.read_back import BodyReading
 from ...scenarios.model_files import Stated
 from ..harness.inspection import Held, InspectedLink, Inspection
+from ..harness.inspection.findings import added_masses, stated_mass
 
 
 def record(inspection: Inspection) -> dict[str, Any]:
@@ -28,6 +29,7 @@ def record(inspection: Inspection) -> dict[str, Any]:
                 )
                 for engine, configuration in columns(inspection)
             },
+            "mass": {"stated": stated_mass(inspection), "added": added_masses(inspection)},
             "refused": {" ".join(who): reason for who, reason in inspection.refusals.items()},
             "notes": list(inspection.model.notes),
         },

@@ -12,7 +12,13 @@ from ...scenarios import FloatArray, printable
 from ...scenarios.model_files import Stated
 from ...scenarios.model_files.problems import principal_moments
 from ..harness.inspection import Held, InspectedLink, Inspection
-from ..harness.inspection.findings import cell_text, differences, problems_of, worst_links
+from ..harness.inspection.findings import (
+    cell_text,
+    differences,
+    problems_of,
+    weight_in_words,
+    worst_links,
+)
 from ..harness.inspection.motion_apart import attitude_apart
 from ..harness.inspection.remedy import line_without_rotation, remedies
 from .analysis.trace_style import TraceStyle, looks
@@ -87,6 +93,7 @@ def _content(inspection: Inspection) -> dict[str, object]:
         "stated": sum(li.link.stated is not None for li in inspection.links),
         "wrong": len(wrong),
         "is_well": inspection.is_well,
+        "weight": weight_in_words(inspection),
         "configurations": _configurations(inspection, who),
         "remedies": remedies(inspection),
         "refusals": [(" ".join(key), reason) for key, reason in inspection.refusals.items()],

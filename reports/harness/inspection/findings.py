@@ -37,7 +37,7 @@ def listed(names: Sequence[str]) -> str:
 
 
 def differences(inspection: Inspection) -> list[Finding]:
-    """Refusals, then by the attitude lost at the last time, then by the size of the difference."""
+    """Refusals, then by `badness`."""
     refused = [
         Finding(f"{engine} {configuration}", (), reason)
         for (engine, configuration), reason in inspection.refusals.items()
@@ -55,6 +55,35 @@ def differences(inspection: Inspection) -> list[Finding]:
     )
 
 
+def stated_mass(inspection: Inspection) -> float:
+    """What the file's links weigh together, kg."""
+    stated = (link.link.stated for link in inspection.links)
+    return sum(one.mass for one in stated if one is not None)
+
+
+def added_masses(inspection: Inspection) -> dict[str, float]:
+    """By configuration, the kg of bodies that the file states nothing of, where there are any."""
+    added: dict[str, float] = {}
+    for link in inspection.links:
+        for held in link.held:
+            if held.kind == "nothing stated" and held.body is not None and held.body.mass:
+                who = f"{held.engine} {held.configuration}"
+                added[who] = added.get(who, 0.0) + held.body.mass
+    return added
+
+
+def weight_in_words(inspection: Inspection) -> str:
+    """What the robot weighs, and in whose world it weighs more; empty where it does nowhere."""
+    stated = stated_mass(inspection)
+    by_mass: dict[str, list[str]] = {}
+    for who, added in added_masses(inspection).items():
+        by_mass.setdefault(f"{stated + added:.4g} kg in", []).append(who)
+    if not by_mass:
+        return ""
+    held = "; ".join(f"{mass} {' and '.join(who)}" for mass, who in by_mass.items())
+    return f"Its links weigh {stated:.4g} kg together; {held}."
+
+
 def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
     """What the file states that no body can have, or what is doubtful about it."""
     told = [
@@ -67,15 +96,24 @@ def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
 
 
 def worst_links(inspection: Inspection) -> list[InspectedLink]:
-    """Links with something wrong, the worst motion first."""
-    wrong = [link for link in inspection.links if not link.is_well or link.problems]
+    """Links that state a body and have something wrong, the worst motion first."""
+    wrong = [
+        link
+        for link in inspection.links
+        if link.link.stated is not None and (not link.is_well or link.problems)
+    ]
     return sorted(wrong, key=lambda link: max(map(badness, link.held), default=(0.0, 0.0)))[::-1]
 
 
 def badness(held: Held) -> tuple[float, float]:
-    """Attitude apart at the latest time, degrees, and the size of the difference."""
+    """Attitude apart at the latest time, degrees, and the size of the difference.
+
+    A body out of nothing is worse than any that is held wrongly.
+    """
     if held.agrees is not False:
         return (0.0, 0.0)
+    if held.kind == "nothing stated":
+        return (float("inf"), held.body.mass if held.body else 0.0)
     apart = held.attitude_apart_deg
     worst = held.difference.worst if held.difference is not None else 0.0
     return (max(apart.values()) if apart else 0.0, worst)

@@ -96,6 +96,20 @@ def test_what_differs_is_told_in_words_with_what_to_do(tmp_path):
     assert "load it with flags=pybullet.URDF_USE_INERTIA_FROM_FILE" in ended.stdout
 
 
+def test_what_a_robot_gains_by_links_that_state_nothing_is_told_first(tmp_path):
+    path = written(tmp_path, arm())
+    printed = inspect(path).stdout.splitlines()
+    assert printed[1] == (
+        "Its links weigh 2 kg together; 3 kg in pybullet default and pybullet inertia-from-file."
+    )
+    first = printed[printed.index("What engines hold otherwise, the worst first:") + 1]
+    assert first.startswith("  pybullet default, base: held as 1 kg, ")
+    assert records(path)["summary"]["mass"] == {
+        "stated": 2.0,
+        "added": {"pybullet default": 1.0, "pybullet inertia-from-file": 1.0},
+    }
+
+
 def test_an_impossible_tensor_is_told_of_file_and_engines(tmp_path):
     path = written(tmp_path, arm(diagonal(0.3, 0.1, 0.9)))
     ended = inspect(path)
