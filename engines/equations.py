@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray, Scenario
 from ..scenarios.fastest_rate import swing_rate
+from ..scenarios.rotation import cross, matrices, rotation_vectors
 from .read_back import State
-from .rotation import matrices
 
 #: Of an exact gain, by Runge and Kutta's classical rule: a step of at most so many rad.
 FINE_TURN = 0.05
@@ -75,7 +74,7 @@ class Equations:
         if not self.scenario.has_pivot:
             return np.zeros(3)
         weight_body = self.scenario.body.mass * (self.scenario.gravity_world @ R_world_body)
-        return np.cross(self.scenario.body.com, weight_body)
+        return cross(self.scenario.body.com, weight_body)
 
     def push_body(self, R_world_body: FloatArray) -> FloatArray:
         """The scene's constant torques, N m."""
@@ -87,7 +86,7 @@ class Equations:
         felt = self.inertia
         if not self.gyroscopic:
             felt = felt - self.scenario.body.inertia_com
-        return outer - self.scenario.drag * omega_body - np.cross(omega_body, felt @ omega_body)
+        return outer - self.scenario.drag * omega_body - cross(omega_body, felt @ omega_body)
 
     def after(self, state: State, span: float) -> State:
         """The state a time `span` later, s."""
@@ -159,7 +158,7 @@ def gain_between(equations: Equations, before: State, after: State, span: float)
         R = matrices(after.q_world_body_wxyz[None])[0]
         com = np.array(equations.scenario.body.com)
         got = np.array([turn, torque, after.velocity_world, after.com_world])
-        wanted = [exact_turn, exact_torque, R @ np.cross(after.omega_body, com), R @ com]
+        wanted = [exact_turn, exact_torque, R @ cross(after.omega_body, com), R @ com]
     else:
         velocity = (after.velocity_world - before.velocity_world) / span
         position = (after.com_world - before.com_world) / span
@@ -197,6 +196,5 @@ def rounded(equations: Equations, gain: Gain, epsilon: float) -> FloatArray:
 
 def _turn(before: State, after: State) -> FloatArray:
     """Rotation vector from one attitude to the other, rad, body axes, (3,)."""
-    first = Rotation.from_quat(before.q_world_body_wxyz, scalar_first=True)
-    second = Rotation.from_quat(after.q_world_body_wxyz, scalar_first=True)
-    return np.asarray((first.inv() * second).as_rotvec())
+    first, second = before.q_world_body_wxyz[None], after.q_world_body_wxyz[None]
+    return np.asarray(rotation_vectors(first, second)[0])

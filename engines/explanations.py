@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..scenarios import FloatArray
+from ..scenarios.rotation import cross, matrices
 from .equations import Equations, Gain
-from .rotation import matrices
 
 #: Stands for a size of nothing; its inverse can be squared.
 NO_SIZE = 1e-100
@@ -116,9 +116,9 @@ def _body_changes(equations: Equations, effect: Callable[..., FloatArray]) -> It
 
     def moved(s: "_Start", axis: FloatArray) -> FloatArray:
         tensor = mass * (2 * (com @ axis) * np.eye(3) - np.outer(com, axis) - np.outer(axis, com))
-        pull = mass * np.cross(axis, equations.scenario.gravity_world @ s.R)
+        pull = mass * cross(axis, equations.scenario.gravity_world @ s.R)
         added = s.torque(pull + s.of_tensor(tensor))
-        added[2], added[3] = s.R @ np.cross(s.omega, axis), s.R @ axis
+        added[2], added[3] = s.R @ cross(s.omega, axis), s.R @ axis
         return added
 
     yield _Change(
@@ -136,7 +136,7 @@ class _Start:
         self.R = matrices(middle.q_world_body_wxyz[None])[0]
         self.omega = middle.omega_body
         self.L = equations.inertia @ self.omega
-        self.gyroscopic = np.cross(self.omega, self.L)
+        self.gyroscopic = cross(self.omega, self.L)
         self.omega_rate = equations.inverse @ equations.torque_body(self.R, self.omega)
         pivot = equations.scenario.has_pivot
         self.is_rate = np.array([1, 1, not pivot, not pivot], dtype=float)[:, None]
@@ -147,14 +147,14 @@ class _Start:
 
     def of_tensor(self, tensor: FloatArray) -> FloatArray:
         """The torque that a tensor more comes to."""
-        return -tensor @ self.omega_rate - np.cross(self.omega, tensor @ self.omega)
+        return -tensor @ self.omega_rate - cross(self.omega, tensor @ self.omega)
 
     def gravity(self, gravity_world: FloatArray) -> FloatArray:
         """A gravity more."""
         if not self.equations.scenario.has_pivot:
             return np.array([np.zeros(3), np.zeros(3), gravity_world, np.zeros(3)])
         body = self.equations.scenario.body
-        return self.torque(body.mass * np.cross(body.com, gravity_world @ self.R))
+        return self.torque(body.mass * cross(body.com, gravity_world @ self.R))
 
     def scaled_omega(self) -> FloatArray:
         """A larger reading of ω: what drives it is larger, and the body turns less than it says."""

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from ..scenarios import FloatArray, Trajectory
+from ..scenarios.rotation import matrices, norms
 from .fault import Fault
 from .read_back import State
-from .rotation import matrices, norms
 from .turn_faults import Reading, turn_faults
 
 #: Of so many states one is asked whether the pivot holds, the last among them.

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scenarios import FloatArray
+from ..scenarios.rotation import norms, rotation_vectors
 from .fault import Cause, Fault
 from .read_back import State
-from .rotation import norms, rotation_vectors
 
 #: rad. The direction of a turn is known below π; this margin keeps clear of it.
 FURTHEST = 3.0

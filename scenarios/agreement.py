@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from .body import FloatArray
-from .mechanics import angular_momentum_world, energy, energy_base
+from .mechanics import RECENT, angular_momentum_world, energy, energy_base
 from .scenario import Scenario
 from .trajectory import Trajectory
 
@@ -141,13 +141,18 @@ def error_series(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> E
     """
     if not np.array_equal(motion.t, truth.t):
         raise ValueError("'motion' and 'truth' must be sampled at the same times.")
-    norm = ErrorNorm(scenario, truth)
+    norm = _norm_of(scenario, truth)
     return ErrorSeries(*norm.distances(norm.table(motion), norm.true_table).T)
 
 
 def errors_between(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> Errors:
     """The errors of `motion` against `truth`, the largest of each signal."""
     return error_series(scenario, motion, truth).worst()
+
+
+@lru_cache(maxsize=RECENT)
+def _norm_of(scenario: Scenario, truth: Trajectory) -> ErrorNorm:
+    return ErrorNorm(scenario, truth)
 
 
 def _table(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> FloatArray:

@@ -1,14 +1,21 @@
 """L and energy of a trajectory: one piece of code, for reference and engines alike."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from .body import FloatArray
+from .rotation import cross
 from .scenario import Scenario
 from .trajectory import Trajectory
 
+#: Of so many motions L and energy are kept: errors, drifts and judgements all ask for them.
+RECENT = 16
 
+
+@lru_cache(maxsize=RECENT)
 def angular_momentum_world(scenario: Scenario, motion: Trajectory) -> FloatArray:
-    """L about the pivot, or about the centre of mass where there is none, kg m²/s, (n, 3).
+    """L about the pivot, or the com where there is none, kg m²/s, (n, 3), read-only.
 
     L = R I_com ω, and m r × v besides where there is a pivot
     (Goldstein, Classical Mechanics, eq. 1.28: L of the centre of mass plus L about it).
@@ -16,9 +23,9 @@ def angular_momentum_world(scenario: Scenario, motion: Trajectory) -> FloatArray
     body = scenario.body
     L_world = motion.to_world(motion.omega_body @ body.inertia_com)
     if not scenario.has_pivot:
-        return L_world
+        return _readonly(L_world)
     momentum_world = body.mass * motion.velocity_world
-    return np.asarray(L_world + np.cross(motion.com_world, momentum_world), dtype=float)
+    return _readonly(L_world + cross(motion.com_world, momentum_world))
 
 
 def kinetic_energy(scenario: Scenario, motion: Trajectory) -> FloatArray:
@@ -35,9 +42,10 @@ def potential_energy(scenario: Scenario, motion: Trajectory) -> FloatArray:
     return -scenario.body.mass * (motion.com_world @ scenario.gravity_world)
 
 
+@lru_cache(maxsize=RECENT)
 def energy(scenario: Scenario, motion: Trajectory) -> FloatArray:
-    """T + V, J, (n,)."""
-    return kinetic_energy(scenario, motion) + potential_energy(scenario, motion)
+    """T + V, J, (n,), read-only."""
+    return _readonly(kinetic_energy(scenario, motion) + potential_energy(scenario, motion))
 
 
 def energy_base(scenario: Scenario, motion: Trajectory) -> float:
@@ -45,3 +53,8 @@ def energy_base(scenario: Scenario, motion: Trajectory) -> float:
     height = np.linalg.norm(motion.com_world, axis=1).max()
     weight = scenario.body.mass * np.linalg.norm(scenario.gravity_world)
     return float(kinetic_energy(scenario, motion).max() + weight * height)
+
+
+def _readonly(values: FloatArray) -> FloatArray:
+    values.setflags(write=False)
+    return values

@@ -1,12 +1,14 @@
 """A motion, sampled."""
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from .body import FloatArray
+from .rotation import matrices, turned
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,8 +70,14 @@ class Trajectory:
 
     def to_world(self, vectors_body: FloatArray) -> FloatArray:
         """Body components to world components, sample by sample: (3,) or (n, 3) to (n, 3)."""
-        # scipy refuses read-only arrays, hence the copy.
-        return np.asarray(self.R_world_body.apply(np.array(vectors_body)), dtype=float)
+        rows = np.broadcast_to(vectors_body, (len(self.t), 3))
+        return turned(self._world_from_body, rows)
+
+    @cached_property
+    def _world_from_body(self) -> FloatArray:
+        """As `R_world_body`, (n, 3, 3)."""
+        q = self.q_world_body_wxyz
+        return matrices(q / np.linalg.norm(q, axis=1, keepdims=True))
 
     def until(self, n: int) -> "Trajectory":
         """The first n samples; itself where there are no more."""

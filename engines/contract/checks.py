@@ -10,8 +10,8 @@ from itertools import pairwise
 import numpy as np
 
 from ...scenarios import FloatArray, Scenario, Trajectory
+from ...scenarios.rotation import norms, rotation_vectors
 from ..engine import Engine, Method
-from ..rotation import norms, rotation_vectors
 from ..session import Session
 from .scenes import SCENES
 

@@ -1,6 +1,6 @@
 """Checks of the reference, scene by scene: invariants, a cross-check, published values."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -118,7 +118,7 @@ def _omega_world(_: Scenario, motion: Trajectory) -> FloatArray:
     return motion.to_world(motion.omega_body)
 
 
-_QUANTITIES = {
+_QUANTITIES: dict[str, Callable[[Scenario, Trajectory], FloatArray]] = {
     "omega_body": lambda _, motion: motion.omega_body,
     "omega_world": _omega_world,
     "quaternion_wxyz": lambda _, motion: motion.q_world_body_wxyz,

@@ -50,9 +50,10 @@ GOAL = 1.6
 #: counts where one is within another.
 PHASES: dict[str, list[tuple[Any, str]]] = {
     "exact motion": [(study, "prepare")],
-    "stepping": [
-        (mujoco.engine.MuJoCoSession, "advance"),
-        (pybullet.engine.PyBulletSession, "advance"),
+    "stepping and recording": [
+        (session, name)
+        for session in (mujoco.engine.MuJoCoSession, pybullet.engine.PyBulletSession)
+        for name in ("advance", "record")
     ],
     "loading models": [(engine, "open") for engine in map(engines().get, ENGINES)],
     "looking at states": [(sampling, "_looked_at")],

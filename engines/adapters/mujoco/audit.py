@@ -6,6 +6,7 @@ of the process; all three are looked through.
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import mujoco
@@ -219,15 +220,17 @@ def _is_on(model: Any, name: str) -> bool:
     return not model.opt.disableflags & _disabling().get(name, 0)
 
 
+@cache
 def _disabling() -> dict[str, int]:
     """The bits that disable passes, by name."""
-    bits = _flags(mujoco.mjtDisableBit, "mjDSBL_")
+    bits = dict(_flags(mujoco.mjtDisableBit, "mjDSBL_"))
     # One flag of both up to 3.3.0.
     if passive := bits.pop("passive", 0):
         bits |= {"spring": passive, "damper": passive}
     return bits
 
 
+@cache
 def _flags(enum: Any, prefix: str) -> dict[str, int]:
     """MuJoCo's flags by the names MJCF gives them."""
     members = enum.__members__.items()

@@ -10,10 +10,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray, Scenario
+from ....scenarios.rotation import across, matrices, turned
 from ...fault import Fault
 from ...models.mjcf import switched_off
 from ...read_back import BodyReading, EngineError, State, UnsupportedError
-from ...rotation import across, matrices, turned
 from ...session import Session
 from . import clock
 from .audit import acting
@@ -132,7 +132,8 @@ class MuJoCoSession(Session):
         ω × arm; a ball joint's origin stands still.
         """
         nq = self.model.nq
-        _, _, qpos, qvel = np.split(_rows(snapshots), (1, 2, 2 + nq), axis=1)
+        rows = _rows(snapshots)
+        qpos, qvel = rows[:, 2 : 2 + nq], rows[:, 2 + nq :]
         q_world_body_wxyz, omega_body = qpos[:, -4:], qvel[:, -3:]
         R_world_body = matrices(q_world_body_wxyz)
         com_world = R_world_body @ self._com_body

@@ -10,9 +10,9 @@ from typing import Protocol
 
 import numpy as np
 import pybullet as p
-from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray, Scenario
+from ....scenarios.rotation import cross, matrices
 from ...read_back import BodyReading, State
 from .as_shipped import take_away_damping, take_away_motor
 from .model import BASE, HUNG, Model
@@ -124,9 +124,9 @@ class _Probe:
         steps.set_timestep(PROBE_STEP)
         if scenario.has_pivot and model.link == BASE:
             model.put_on_pivot()
-        world_from_body = model.world_from_body()
-        push_world = world_from_body.apply(np.array(scenario.torque_body)) + scenario.torque_world
-        spin_world = world_from_body.apply(np.full(3, PROBE_SPIN))
+        R_world_body = model.R_world_body()
+        push_world = R_world_body @ scenario.torque_body + scenario.torque_world
+        spin_world = R_world_body @ np.full(3, PROBE_SPIN)
         return cls(steps, model, scenario, model.read_body(), push_world, spin_world)
 
     def after(self, omega_world: FloatArray) -> tuple[State, State]:
@@ -134,8 +134,8 @@ class _Probe:
 
         A free body starts with a velocity besides, in m/s the same vector.
         """
-        arm_world = self.model.world_from_body().apply(self.model.com)
-        at_pivot = np.cross(omega_world, arm_world)
+        arm_world = self.model.R_world_body() @ self.model.com
+        at_pivot = cross(omega_world, arm_world)
         self.model.set_velocity(omega_world, at_pivot if self.scenario.has_pivot else omega_world)
         before = self.model.read_state()
         self.steps.advance(1)
@@ -182,10 +182,10 @@ class _Probe:
 
     def _momentum(self, state: State) -> FloatArray:
         """L about the pivot, or the com where there is none, world axes, kg m²/s, (3,)."""
-        world_from_body = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
-        L_world = world_from_body.apply(self.held.inertia_com @ state.omega_body)
+        R_world_body = matrices(state.q_world_body_wxyz[None])[0]
+        L_world = R_world_body @ (self.held.inertia_com @ state.omega_body)
         if self.scenario.has_pivot:
-            L_world += self.held.mass * np.cross(state.com_world, state.velocity_world)
+            L_world += self.held.mass * cross(state.com_world, state.velocity_world)
         return np.asarray(L_world)
 
 

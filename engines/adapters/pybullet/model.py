@@ -8,8 +8,8 @@ import pybullet as p
 from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray
+from ....scenarios.rotation import matrices, times, turned, turned_back
 from ...read_back import BodyReading, State
-from ...rotation import matrices, times, turned, turned_back
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -72,8 +72,9 @@ class Model:
         ----------
         rows : the numbers of a motion, one after the other, (n, 13)
         """
-        com_world, q_xyzw, velocity_world, omega_world = np.split(rows, (3, 7, 10), axis=1)
-        q_world_body = np.roll(q_xyzw, 1, axis=1) @ self._times_q_principal_body
+        com_world, q_wxyz = rows[:, :3], rows[:, (6, 3, 4, 5)]
+        velocity_world, omega_world = rows[:, 7:10], rows[:, 10:]
+        q_world_body = q_wxyz @ self._times_q_principal_body
         omega_body = turned_back(matrices(q_world_body), omega_world)
         return State(q_world_body, omega_body, com_world, velocity_world)
 
@@ -84,14 +85,14 @@ class Model:
         omega_world = turned(matrices(states.q_world_body_wxyz), states.omega_body)
         return np.hstack([omega_world, states.velocity_world])
 
-    def world_from_body(self) -> Rotation:
-        """The body's attitude now."""
-        return Rotation.from_quat(self.read_state().q_world_body_wxyz, scalar_first=True)
+    def R_world_body(self) -> FloatArray:
+        """The body's attitude now, (3, 3)."""
+        return np.asarray(matrices(self.read_state().q_world_body_wxyz[None])[0])
 
     def put_on_pivot(self) -> None:
         """Take back what a constraint let the origin drift; the attitude stays, the motion ends."""
         q_xyzw = self.motion()[1]
-        com_world = self.world_from_body().apply(self.com)
+        com_world = self.R_world_body() @ self.com
         p.resetBasePositionAndOrientation(self.body, com_world, q_xyzw, self.client)
 
     def set_velocity(self, omega_world: FloatArray, velocity_world: FloatArray) -> None:

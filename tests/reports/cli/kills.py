@@ -141,7 +141,7 @@ def ended(run: subprocess.Popen[str]) -> str:
         return f"hangs: {run.communicate()[1]}"
 
 
-def after(path: Path, expected: Results) -> Iterator[str]:
+def after(path: Path, expected: Results, *options: str) -> Iterator[str]:
     """What is wrong with a file when its study was killed, and when it has been gone on with."""
     if path.exists():
         with closing(sqlite3.connect(path)) as connection:
@@ -149,7 +149,7 @@ def after(path: Path, expected: Results) -> Iterator[str]:
             if said != "ok":
                 yield f"integrity: {said}"
     kept = stored(path)
-    finish(path)
+    finish(path, *options)
     # A record that is written again gets another row id.
     lost = kept - stored(path)
     yield from (f"made again: {record}" for record in lost)

@@ -4,15 +4,15 @@ import os
 import signal
 
 import pytest
-from kills import TARGETS, children, finish, gone, read, rounds, start
-from result_files import rows_in, wait_for_rows
+from kills import after, children, finish, gone, read, start
+from result_files import wait_for_rows
 from same_results import differences
 from spincheck.reports.results.store import Results
 
 pytestmark = pytest.mark.processes
 
-#: Kills of every kind; `kills.py` makes more of them.
-KILLS = len(TARGETS)
+#: Rows that are stored before something is killed: some of the first ladder's, most of both.
+EARLY, LATE = 3, 10
 
 
 @pytest.fixture(scope="module")
@@ -23,28 +23,16 @@ def undisturbed(tmp_path_factory) -> Results:
     return read(path)
 
 
-def test_killed_at_a_random_moment_it_goes_on_as_if_it_had_not_been(tmp_path):
-    found = list(rounds(tmp_path, KILLS))
-    assert [(kill.target, kill.faults) for kill in found] == [(target, ()) for target in TARGETS]
-
-
-def test_a_killed_run_leaves_its_rows_and_no_process(tmp_path, undisturbed):
+@pytest.mark.parametrize(("target", "rows"), [("run", LATE), ("group", EARLY)])
+def test_a_killed_run_goes_on_as_if_it_had_not_been(tmp_path, undisturbed, target, rows):
+    """`kills.py` does the same at random moments, fifty times."""
     path = tmp_path / "results.sqlite"
     run = start(path, "--quick")
-    wait_for_rows(run, path, 10)
-    run.kill()
+    wait_for_rows(run, path, rows)
+    (os.killpg if target == "group" else os.kill)(run.pid, signal.SIGKILL)
     run.communicate()
     assert gone(run.pid)
-    before = rows_in(path)
-    assert before >= 10
-    finish(path, "--quick")
-    assert differences(read(path), undisturbed) == []
-
-
-def test_what_is_there_already_is_said(tmp_path):
-    path = tmp_path / "results.sqlite"
-    finish(path, "--quick")
-    assert "2 of 2 results are there already" in finish(path, "--quick")
+    assert list(after(path, undisturbed, "--quick")) == []
 
 
 def test_a_killed_worker_is_replaced_and_its_run_made_again(tmp_path, undisturbed):

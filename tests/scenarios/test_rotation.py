@@ -2,7 +2,7 @@
 
 import numpy as np
 from scipy.spatial.transform import Rotation
-from spincheck.engines.rotation import (
+from spincheck.scenarios.rotation import (
     across,
     matrices,
     rotation_vectors,
