@@ -34,7 +34,7 @@ from .options import (
 from .picture_commands import app as picture_commands
 from .refusals import refusal, unusable
 from .result_commands import app as result_commands
-from .stopping import Stopped, open_closed_streams, raise_when_stopped
+from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last_words
 from .sweep_commands import app as sweep_commands
 from .sweep_commands import run_members
 from .terminal import BAD_INPUT, DISAGREES, Complaint, say, table, to_json
@@ -81,14 +81,14 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    raise_when_stopped()
     try:
+        raise_when_stopped()
         _run_and_flush()
     except Complaint as complaint:
         say(f"spincheck: {complaint}")
         sys.exit(complaint.exit_code)
     except Stopped as stopped:
-        say(f"spincheck: {stopped}")
+        say_last_words(stopped.number)
         sys.exit(stopped.exit_code)
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ...engines import Engine, add, engines, missing
-from ...scenarios import Scenario, did_you_mean
+from ...scenarios import Scenario, did_you_mean, printable
 from ..harness.choice import QUICK_STEPS, Choice
 from ..harness.plan import plan
 from ..harness.reference_checks import published_that_do_not_hold
@@ -16,7 +16,7 @@ from ..results.result_file import ResultFileError
 from ..results.store import Results, open_store
 from .executing import Where, executor_for
 from .named_scenes import scenes_to_run
-from .stopping import Stopped
+from .stopping import saying
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress, say
 
 #: Begins the name of an engine that is a command: docs/engine-protocol.md.
@@ -47,8 +47,8 @@ def run(
     Raises
     ------
     Complaint
-        If a scene, engine, method, timestep or time limit cannot be used, the file cannot be
-        written, or it was stopped.
+        If a scene, engine, method, timestep or time limit cannot be used, or the file cannot be
+        written.
     """
     scenarios = scenes_of(scenes, quick=quick)
     wanted = engine_names or _engines_for(scenarios)
@@ -59,7 +59,7 @@ def run(
         choice = replace(choice, max_steps=QUICK_STEPS, timed=False)
     check_timesteps(scenarios, choice)
     try:
-        with open_store(out, create=True) as store:
+        with saying(gone_on_with(out)), open_store(out, create=True) as store:
             left = plan(scenarios, choice, store)
             if str(left):
                 say(f"{out}: {left}")
@@ -71,11 +71,11 @@ def run(
             return _asked_for(store.read(choice.timesteps), scenarios, choice)
     except ResultFileError as error:
         raise Complaint(str(error), BAD_INPUT) from None
-    except Stopped as stopped:
-        raise Complaint(
-            f"{stopped}; what was finished is in {out}, and the same command goes on from there",
-            stopped.exit_code,
-        ) from None
+
+
+def gone_on_with(out: Path) -> str:
+    """What to say of a result file whose run is stopped."""
+    return f"what was finished is in {printable(str(out))}, and the same command goes on from there"
 
 
 def _engines_for(scenarios: Sequence[Scenario]) -> list[str]:

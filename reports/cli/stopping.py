@@ -1,26 +1,36 @@
 """What stops the program from outside: Ctrl-C, SIGTERM, a terminal that closes.
 
-The first such signal is an exception, wherever the program is; a second one ends it at once, since
-whatever it is doing then takes too long. So does the first one where Python does not hear of it,
-which it does between two steps of its own: a query or an archive may be a single one. Workers end
-with their parent (`worker_process`), and a result file is whole at any moment (`result_file`).
+The first such signal is an exception, wherever the program is, so that what it holds is put away.
+It ends within a second all the same: at once where a module is being imported, which an exception
+leaves half done; and by a thread that waits for it where Python does not hear of the signal, which
+it does between two steps of its own, or where it takes longer to end. A second signal ends it at
+once. Nothing is lost by that: workers end with their parent (`worker_process`), and a result file
+is whole at any moment (`result_file`).
 """
 
 import os
 import signal
 import sys
 import threading
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from types import FrameType
 
 STDIN, STDOUT, STDERR = 0, 1, 2
 #: s, in which Python has to hear of a signal, and in which everything has to be put away then.
-HEARING, ENDING = 0.5, 10.0
+HEARING, ENDING = 0.4, 0.4
 #: Windows has no SIGHUP.
 _HANGUP: signal.Signals | None = getattr(signal, "SIGHUP", None)
 _STOPPING = tuple(n for n in (signal.SIGINT, signal.SIGTERM, _HANGUP) if n is not None)
 #: Exit codes of what a signal ended, as shells have it: this and the signal's number.
 _BY_SIGNAL = 128
+#: Where Python runs what imports modules.
+_IMPORTING = "<frozen importlib._bootstrap>"
+#: Brings back the cursor, which a progress bar hides, and clears the line that it is on.
+_CURSOR_AND_EMPTY_LINE = "\x1b[?25h\r\x1b[K"
+#: The last words' second half, while there is something to say there; the latest counts.
+_besides: list[str] = []
+_last_words = threading.Lock()
 
 
 class Stopped(BaseException):
@@ -28,7 +38,31 @@ class Stopped(BaseException):
 
     def __init__(self, number: int) -> None:
         super().__init__(f"stopped by {signal.Signals(number).name}")
+        self.number = number
         self.exit_code = _BY_SIGNAL + number
+
+
+@contextmanager
+def saying(besides: str) -> Iterator[None]:
+    """Have the program say this besides, if it is stopped in here."""
+    _besides.append(besides)
+    try:
+        yield
+    finally:
+        # Not where it is stopped: its last words are still to come.
+        if not isinstance(sys.exception(), Stopped):
+            _besides.remove(besides)
+
+
+def say_last_words(number: int) -> None:
+    """Tell, once, by what the program was stopped; whoever is the first says it."""
+    if not _last_words.acquire(blocking=False):
+        return
+    said = "; ".join([f"spincheck: {Stopped(number)}", *_besides[-1:]])
+    # Not by `print`, whose lock somebody may hold; on a terminal that has closed by nobody.
+    with suppress(OSError):
+        bar_away = _CURSOR_AND_EMPTY_LINE if os.isatty(STDERR) else ""
+        os.write(STDERR, f"{bar_away}{said}\n".encode(errors="backslashreplace"))
 
 
 def raise_when_stopped() -> None:
@@ -38,18 +72,29 @@ def raise_when_stopped() -> None:
 
     heard = threading.Event()
 
-    def stop(number: int, _: FrameType | None) -> None:
+    def stop(number: int, frame: FrameType | None) -> None:
         heard.set()
         for each in obeyed:
             signal.signal(each, _leave)
         if number == _HANGUP:
             print_nowhere(*terminals)
+        if _imports(frame):
+            say_last_words(number)
+            _leave(number, frame)
         raise Stopped(number)
 
     obeyed = [each for each in _STOPPING if signal.getsignal(each) != signal.SIG_IGN]
     for each in obeyed:
         signal.signal(each, stop)
     _watch(obeyed, heard)
+
+
+def _imports(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if frame.f_code.co_filename == _IMPORTING:
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _watch(obeyed: list[signal.Signals], heard: threading.Event) -> None:
@@ -69,9 +114,7 @@ def _watch(obeyed: list[signal.Signals], heard: threading.Event) -> None:
         if heard.wait(HEARING):
             # Ends with the program, as a rule long before.
             threading.Event().wait(ENDING)
-        else:
-            with suppress(OSError):
-                os.write(STDERR, f"spincheck: {Stopped(number)}\n".encode())
+        say_last_words(number)
         os._exit(_BY_SIGNAL + number)
 
     threading.Thread(target=watch, name="spincheck-stopping", daemon=True).start()

@@ -22,8 +22,8 @@ from ..results.sweep_records import (
 )
 from .executing import Where, executor_for
 from .named_scenes import one_scene
-from .running import check_timesteps, choose, limited
-from .stopping import Stopped
+from .running import check_timesteps, choose, gone_on_with, limited
+from .stopping import saying
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress, say
 
 #: Lines of progress of a sweep, where there is no terminal to draw a bar on.
@@ -191,7 +191,7 @@ def _carried_out(
 ) -> tuple[PointResult, ...]:
     """The points of the methods chosen, once all are there."""
     try:
-        with open_store(out, create=True) as store:
+        with saying(gone_on_with(out)), open_store(out, create=True) as store:
             left = plan_sweep(asked, base, choice, store)
             if str(left):
                 say(f"{out}: {left}")
@@ -206,8 +206,3 @@ def _carried_out(
             return tuple(p for p in points if (p.key.engine, p.key.method) in pairs)
     except ResultFileError as error:
         raise Complaint(str(error), BAD_INPUT) from None
-    except Stopped as stopped:
-        raise Complaint(
-            f"{stopped}; what was finished is in {out}, and the same command goes on from there",
-            stopped.exit_code,
-        ) from None

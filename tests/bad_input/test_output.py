@@ -12,7 +12,7 @@ import command_line
 import pytest
 from mutated_scenes import LEAST, written
 from spincheck.reports.cli import executing
-from spincheck.reports.cli.stopping import HEARING
+from spincheck.reports.cli.stopping import ENDING, HEARING
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, NOT_RUN
 
 pytestmark = pytest.mark.processes
@@ -21,23 +21,46 @@ pytestmark = pytest.mark.processes
 SPINCHECK = (
     "import sys; from spincheck.reports.cli.app import main; sys.argv[0] = 'spincheck'; main()"
 )
-#: One call into C that never ends, as a query of a stranger's file may be.
-QUERYING = """
-import sqlite3, sys
-from spincheck.reports.cli.stopping import Stopped, raise_when_stopped
-raise_when_stopped()
-try:
+#: What goes on for ever once it says that it has begun, as a query of a stranger's file may.
+ENDLESS = {
+    "a query": """
+import sqlite3
+def run():
     print("begun", flush=True)
     sqlite3.connect(":memory:").execute(
         "WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT 1 FROM n) SELECT count(*) FROM n"
     ).fetchall()
-except Stopped as stopped:
-    # It came before the query.
-    print(f"spincheck: {stopped}", file=sys.stderr)
-    sys.exit(stopped.exit_code)
+""",
+    "an import": """
+import importlib.util, sys
+from pathlib import Path
+def run():
+    Path("endless.py").write_text("print('begun', flush=True)\\nwhile True: pass\\n")
+    sys.path.insert(0, "")
+    # As numpy does with half of itself: another error comes of it.
+    try:
+        import endless
+    except BaseException as error:
+        raise RecursionError from error
+""",
+    "what lets nothing through": """
+def run():
+    print("begun", flush=True)
+    while True:
+        try:
+            while True:
+                pass
+        except BaseException:
+            pass
+""",
+}
+PROGRAM = """
+from spincheck.reports.cli import app
+app.app = run
+app.main()
 """
 #: s; of a machine that is busy with other things.
-PATIENCE = 20 * HEARING
+PATIENCE = 10 * (HEARING + ENDING)
 
 
 def shell(redirected: str, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -77,9 +100,11 @@ def test_a_pipe_that_nobody_reads_is_no_traceback():
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_signal_is_obeyed_during_a_call_that_never_ends(number):
+@pytest.mark.parametrize("text", ENDLESS.values(), ids=ENDLESS)
+def test_a_signal_is_obeyed_whatever_never_ends(tmp_path, text, number):
     run = subprocess.Popen(
-        [sys.executable, "-c", QUERYING],
+        [sys.executable, "-c", text + PROGRAM],
+        cwd=tmp_path,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -88,8 +113,8 @@ def test_a_signal_is_obeyed_during_a_call_that_never_ends(number):
     )
     assert run.stdout
     assert run.stdout.readline() == "begun\n"
-    # Then the query is under way, as a rule.
-    time.sleep(HEARING)
+    # Then it is under way, as a rule.
+    time.sleep(0.1)
     run.send_signal(number)
     began = time.monotonic()
     try:
@@ -98,6 +123,24 @@ def test_a_signal_is_obeyed_during_a_call_that_never_ends(number):
         run.kill()
     assert time.monotonic() - began < PATIENCE
     assert (run.returncode, err) == (128 + number, f"spincheck: stopped by {number.name}\n")
+
+
+def test_a_signal_before_the_first_word_is_no_traceback():
+    """While the command line itself is still being imported."""
+    program = """
+import os, signal
+from spincheck.reports.cli import start
+signal.signal(signal.SIGINT, signal.default_int_handler)
+import sys
+class Importing:
+    def find_spec(self, name, *_):
+        if name.endswith("cli.app"):
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Importing())
+start.main()
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (-signal.SIGINT, "")
 
 
 def test_two_scenes_of_one_name_are_told(tmp_path):

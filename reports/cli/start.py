@@ -1,0 +1,13 @@
+"""Starts the command line: Ctrl-C ends it from the first moment on, without a traceback."""
+
+import signal
+
+
+def main() -> None:
+    """Run the command line."""
+    # Until it hears of signals itself. Who was to ignore them, as by nohup, goes on doing so.
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    from .app import main as command_line
+
+    command_line()
