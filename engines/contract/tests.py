@@ -12,7 +12,8 @@ def contract_tests(*names: str) -> Callable[..., None]:
 
     Parameters
     ----------
-    names : of engines; every engine that can be used here if there are none
+    names : of engines; every engine that can be used here if there are none, but for those of
+        users' files, which the contract's scenes name none of
 
     Raises
     ------
@@ -21,7 +22,8 @@ def contract_tests(*names: str) -> Callable[..., None]:
     """
     import pytest
 
-    chosen = [engines()[name] for name in names or engines()]
+    generated = [name for name, engine in engines().items() if not engine.of_file]
+    chosen = [engines()[name] for name in names or generated]
     cases = [
         pytest.param(check, engine, method, id=f"{engine.name}-{method.name}-{check.__name__}")
         for engine in chosen

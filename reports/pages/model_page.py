@@ -229,6 +229,8 @@ def _verdict(held: Held) -> list[Cell]:
     said = "as the file states it" if held.agrees else held.cause or "nothing to compare"
     if held.agrees is not False:
         turned = angles = ""
+    if held.kind == "refused":
+        said = "refuses the file"
     return [figure(turned), figure(angles), Cell(printable(said))]
 
 

@@ -102,7 +102,9 @@ def worst_links(inspection: Inspection) -> list[InspectedLink]:
         for link in inspection.links
         if link.link.stated is not None and (not link.is_well or link.problems)
     ]
-    return sorted(wrong, key=lambda link: max(map(badness, link.held), default=(0.0, 0.0)))[::-1]
+    return sorted(
+        wrong, key=lambda link: max(map(badness, link.held), default=(0.0, 0.0)), reverse=True
+    )
 
 
 def badness(held: Held) -> tuple[float, float]:
