@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray, Scenario
+from ..scenarios.rotation import cross, matrices, norms, rotation_vectors
 from .fault import Cause
 
 #: A model or state that was set must read back to this, relative to its size. Text with 17 digits
@@ -105,7 +105,7 @@ def differences(
         if not largest <= slack * size:
             found.append(Difference(what, wanted, got, largest / size if size else np.inf))
     wanted_q, got_q = scenario.start.q_world_body_wxyz, state.q_world_body_wxyz
-    angle = float((_rotation(got_q).inv() * _rotation(wanted_q)).magnitude())
+    angle = float(norms(rotation_vectors(got_q[None], wanted_q[None]))[0])
     if not angle <= slack:
         found.append(Difference("q_world_body_wxyz", wanted_q, got_q, angle))
     return found
@@ -119,9 +119,9 @@ def _pairs(
     arm = float(np.linalg.norm(body.com))
     com_world, velocity_world = start.position_world, start.velocity_world
     if scenario.has_pivot:
-        R_world_body = _rotation(start.q_world_body_wxyz)
-        com_world = R_world_body.as_matrix() @ body.com
-        velocity_world = R_world_body.as_matrix() @ np.cross(start.omega_body, body.com)
+        R_world_body = matrices(start.q_world_body_wxyz[None])[0]
+        com_world = R_world_body @ body.com
+        velocity_world = R_world_body @ cross(start.omega_body, body.com)
     speed = float(np.linalg.norm(start.omega_body))
     yield "mass", np.array(held.mass), np.array(body.mass), body.mass
     yield "com", held.com, body.com, arm
@@ -131,10 +131,6 @@ def _pairs(
     yield "com_world", state.com_world, com_world, arm + float(np.linalg.norm(com_world))
     size = arm * speed + float(np.linalg.norm(velocity_world))
     yield "velocity_world", state.velocity_world, velocity_world, size
-
-
-def _rotation(q_wxyz: FloatArray) -> Rotation:
-    return Rotation.from_quat(q_wxyz, scalar_first=True)
 
 
 def _rounded(values: FloatArray) -> str:

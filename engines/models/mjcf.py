@@ -6,6 +6,7 @@ default for contacts, constraints, sensors and the like is switched off.
 
 import xml.etree.ElementTree as ET
 from collections.abc import Collection, Iterable, Iterator
+from functools import lru_cache
 
 from mpmath import mp
 
@@ -19,6 +20,9 @@ JOINT = "joint"
 START_KEY = "start"
 BODY_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 NO_FORCE = (0.0, 0.0, 0.0)
+
+#: Of so many scenes the start is kept, which takes long in extended precision.
+RECENT = 64
 
 #: Flags that are on in MuJoCo by default and that no scene ever needs. The others that MuJoCo has
 #: (filterparent, nativeccd, multiccd) choose how contacts are found, where there are any.
@@ -88,6 +92,7 @@ def switched_off(scenario: Scenario) -> tuple[str, ...]:
     return NEVER_CALLED_FOR + tuple(name for name, is_needed in needed.items() if not is_needed)
 
 
+@lru_cache(maxsize=RECENT)
 def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
     """qpos and qvel at t = 0.
 
