@@ -84,6 +84,7 @@ class Engine(ABC):
     methods : what it can simulate with
     single_precision : whether it holds its state in 24 bits
     stock_timestep : s, the default timestep; None where users have to set one
+    step_seconds : CPU time of a step, roughly; what the estimate of a run's time rests on
     package : of an optional engine, the package that it needs, imported when a scene is opened
     of_file : whether it loads the link that a scene names out of the user's own model file
     """
@@ -92,6 +93,7 @@ class Engine(ABC):
     methods: tuple[Method, ...]
     single_precision: bool = False
     stock_timestep: float | None = None
+    step_seconds: float = 1e-6
     package: str = ""
     of_file: bool = False
 

@@ -29,6 +29,7 @@ class Dart(Engine):
 
     name = "dartpy"
     package = "dartpy"
+    step_seconds = 2e-6
     # getTimeStep() of a new World.
     stock_timestep = 1e-3
     methods = (

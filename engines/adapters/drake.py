@@ -38,6 +38,7 @@ class Drake(Engine):
 
     name = "drake"
     package = "pydrake"
+    step_seconds = 15e-6
     # MultibodyPlantConfig.time_step.
     stock_timestep = 1e-3
     # Orders: its documentation of the integrators; measured in docs/engines-more.md.

@@ -28,6 +28,7 @@ class Pinocchio(Engine):
 
     name = "pin"
     package = "pinocchio"
+    step_seconds = 30e-6
     methods = (
         Method("semi-implicit", 1, 1, "aba, then integrate with the new velocity", ALL_EFFECTS),
         Method("RK4", 4, 4, "aba, in classical Runge-Kutta steps of its state", ALL_EFFECTS),

@@ -29,6 +29,7 @@ class Rapier3D(Engine):
 
     name = "rapier3d"
     package = "rapier3d"
+    step_seconds = 6e-6
     single_precision = True
     # IntegrationParameters.dt of its documentation.
     stock_timestep = 1 / 60

@@ -23,6 +23,8 @@ class ChildEngine(Engine):
     sources : files that its results rest on; those that the command names if None
     """
 
+    step_seconds = 15e-6
+
     def __init__(
         self,
         command: Sequence[str],

@@ -14,6 +14,7 @@ from ..harness.study import run_study
 from ..results.records import UNSOLVED, Key, Row
 from ..results.result_file import ResultFileError
 from ..results.store import Results, open_store
+from .announcement import announcement
 from .executing import Where, executor_for
 from .named_scenes import scenes_to_run
 from .stopping import saying
@@ -63,6 +64,8 @@ def run(
             left = plan(scenarios, choice, store)
             if str(left):
                 say(f"{out}: {left}")
+            if words := announcement(left, choice, where.jobs):
+                say(words)
             with (
                 executor_for(where, choice.time_limit) as executor,
                 progress(left.total) as advance,

@@ -10,7 +10,10 @@ from .discovered import HERE, discovered, modules_folder
 
 
 def main() -> int:
-    """Install what is not there; returns the exit code, 3 where it cannot be done."""
+    """Install what is not there; returns the exit code.
+
+    3 where there is no npm, 1 where npm cannot install them or one that is installed does not start.
+    """
     npm = shutil.which("npm")
     modules = modules_folder()
     if npm is None:
@@ -24,12 +27,14 @@ def main() -> int:
         done = subprocess.run([npm, "ci", *quietly], cwd=modules.parent, check=False)
         if done.returncode:
             shutil.rmtree(modules.parent)
-            return 3
-    for engine in discovered():
-        said = engine.reason if isinstance(engine, Missing) else engine.version
-        print(f"{engine.name}: {said}")
+            print("npm could not install the engines under node (above: why).", file=sys.stderr)
+            return 1
+    found = list(discovered())
+    for engine in found:
+        state = engine.reason if isinstance(engine, Missing) else engine.version
+        print(f"{engine.name}: {state}")
     end_idle()
-    return 0
+    return int(any(isinstance(engine, Missing) for engine in found))
 
 
 if __name__ == "__main__":

@@ -49,6 +49,11 @@ def test_every_optional_engine_is_there_or_missing_with_how_to_get_it() -> None:
         assert any(remedy in absent[name] for remedy in remedies)
 
 
+def test_no_engine_whose_package_is_installed_fails_to_load() -> None:
+    """Its tests would skip, as if it were not there."""
+    assert [one for one in missing() if not one.package] == []
+
+
 @pytest.mark.parametrize("name", [*HELD, *PUSHED])
 def test_it_holds_the_scene_and_no_other_thing_acts(engine: Engine, name: str) -> None:
     for method in engine.methods:
