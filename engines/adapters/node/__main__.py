@@ -12,7 +12,7 @@ from .discovered import HERE, discovered, modules_folder
 def main() -> int:
     """Install what is not there; returns the exit code.
 
-    3 where there is no npm, 1 where npm cannot install them or one that is installed does not start.
+    3 where there is no npm; 1 where npm cannot install them, or one that is there does not start.
     """
     npm = shutil.which("npm")
     modules = modules_folder()
