@@ -1,6 +1,6 @@
 """The command 'import': a model's links as scenes, and what was left out of it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ...scenarios import printable
@@ -10,7 +10,7 @@ from .terminal import BAD_INPUT, Complaint
 
 
 def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
-    """Write the scenes; returns what was written, and what was left out and why, a line each.
+    """Write the scenes; returns a line for each, and one for each reason to leave links out.
 
     Parameters
     ----------
@@ -33,18 +33,27 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
     if not any(scene.text for scene in wanted):
         why = f"'{wanted[0].link}' is left out: {wanted[0].left_out}"
         raise Complaint(f"{file}: no link makes a scene; {why}", BAD_INPUT)
+    paths = {out / f"{scene.name}.toml": scene for scene in wanted if scene.text}
+    if there_already := [path for path in paths if path.exists()]:
+        raise Complaint(
+            f"{there_already[0]}: a scene is there already; remove it, or give another '--out'",
+            BAD_INPUT,
+        )
     try:
         out.mkdir(parents=True, exist_ok=True)
-        return [printable(_line(scene, out)) for scene in wanted]
+        for path, scene in paths.items():
+            path.write_text(scene.text, encoding="utf-8")
     except OSError as error:
         where = error.filename or out
         raise Complaint(f"{where}: cannot be written: {error.strerror}", BAD_INPUT) from None
+    return [printable(line) for line in (*map(str, paths), *_left_out(wanted))]
 
 
-def _line(scene: LinkScene, out: Path) -> str:
-    if scene.left_out:
-        return f"left out: {scene.link}: {scene.left_out}"
-    path = out / f"{scene.name}.toml"
-    with path.open("x", encoding="utf-8") as file:
-        file.write(scene.text)
-    return str(path)
+def _left_out(scenes: Sequence[LinkScene]) -> Iterator[str]:
+    """A line for each reason, with all the links it holds for."""
+    by_reason: dict[str, list[str]] = {}
+    for scene in scenes:
+        if scene.left_out:
+            by_reason.setdefault(scene.left_out, []).append(scene.link)
+    for reason, links in by_reason.items():
+        yield f"left out, {reason}: {', '.join(links)}"

@@ -31,18 +31,18 @@ def imported(tmp_path, text=ODD, links=()):
 
 
 def test_a_link_becomes_a_scene_with_the_files_numbers(tmp_path):
-    path, (left, line) = imported(tmp_path, arm())
+    path, (line, left) = imported(tmp_path, arm())
     scene = load(line)
     stated = read_model(path).link("arm").stated
     assert (scene.body.mass, scene.body.com.tolist()) == (stated.mass, stated.com.tolist())
     assert (scene.body.inertia_com == stated.inertia).all()
     assert scene.title == "arm of robot.urdf: tumbles"
     assert scene.document.body.model == "../robots/robot.urdf"
-    assert left == "left out: base: the file states no inertia of it"
+    assert left == "left out, the file states no inertia of it: base"
 
 
 def test_it_turns_about_its_middle_axis(tmp_path):
-    _, (_, line) = imported(tmp_path, arm())
+    _, (line, _) = imported(tmp_path, arm())
     scene = load(line)
     spin = scene.start.omega_body / np.linalg.norm(scene.start.omega_body)
     moment = spin @ scene.body.inertia_com @ spin
@@ -56,7 +56,7 @@ def test_names_are_made_such_as_files_may_have_and_differ(tmp_path):
 
 
 def test_what_no_body_has_is_left_out_with_the_reason(tmp_path):
-    assert "left out: bad: 0.1 + 0.3 < 0.9: no body has it" in imported(tmp_path)[1]
+    assert "left out, 0.1 + 0.3 < 0.9: no body has it: bad" in imported(tmp_path)[1]
 
 
 def test_one_link_can_be_asked_for(tmp_path):
@@ -76,13 +76,19 @@ def test_a_link_without_a_scene_is_a_complaint(tmp_path, links, told):
 
 
 def test_a_scene_that_is_there_is_not_written_over(tmp_path):
-    imported(tmp_path, arm())
-    with pytest.raises(Complaint, match=r"arm\.toml: cannot be written: File exists"):
-        imported(tmp_path, arm())
+    _, (line, _) = imported(tmp_path, arm())
+    Path(line).write_text("mine", encoding="utf-8")
+    more = robot(link("base"), link("leg", inertial()), link("arm", inertial()))
+    joints = joint("base", "leg") + joint("base", "arm")
+    with pytest.raises(Complaint, match=r"arm\.toml: a scene is there already; remove it, or"):
+        imported(tmp_path, more.replace("</robot>", f"{joints}</robot>"))
+    assert Path(line).read_text(encoding="utf-8") == "mine"
+    # Nor is anything else written then.
+    assert [path.name for path in Path(line).parent.iterdir()] == ["arm.toml"]
 
 
 def test_a_model_that_changed_is_an_error_that_says_so(tmp_path):
-    path, (_, line) = imported(tmp_path, arm())
+    path, (line, _) = imported(tmp_path, arm())
     path.write_text(arm(mass="3"), encoding="utf-8")
     with pytest.raises(
         ScenarioError, match=r"arm\.toml:\d+: \[body\] sha256: .* has changed since"
@@ -91,14 +97,14 @@ def test_a_model_that_changed_is_an_error_that_says_so(tmp_path):
 
 
 def test_a_model_that_is_gone_is_an_error_that_says_so(tmp_path):
-    path, (_, line) = imported(tmp_path, arm())
+    path, (line, _) = imported(tmp_path, arm())
     path.unlink()
     with pytest.raises(ScenarioError, match=r"\[body\] model: .*robot\.urdf: cannot be read"):
         load(line)
 
 
 def test_an_origin_is_given_whole(tmp_path):
-    _, (_, line) = imported(tmp_path, arm())
+    _, (line, _) = imported(tmp_path, arm())
     kept = Path(line).read_text(encoding="utf-8").splitlines()
     text = "\n".join(li for li in kept if not li.startswith("sha256"))
     scene = written(tmp_path, text, "scenes/half.toml")
@@ -107,7 +113,7 @@ def test_an_origin_is_given_whole(tmp_path):
 
 
 def test_a_run_of_a_changed_model_ends_with_exit_code_2(tmp_path):
-    path, (_, line) = imported(tmp_path, arm())
+    path, (line, _) = imported(tmp_path, arm())
     path.write_text(arm(mass="3"), encoding="utf-8")
     ended = CliRunner().invoke(app, ["run", line, "--out", str(tmp_path / "results.sqlite")])
     assert isinstance(ended.exception, Complaint)
@@ -118,7 +124,7 @@ def test_a_run_of_a_changed_model_ends_with_exit_code_2(tmp_path):
 
 
 def test_a_run_asks_engines_of_users_files_where_a_scene_names_one(tmp_path):
-    _, (_, line) = imported(tmp_path, arm())
+    _, (line, _) = imported(tmp_path, arm())
     of_file = {name for name, engine in engines().items() if engine.of_file}
     assert of_file <= set(_engines_for([load(line)]))
     assert not of_file & set(_engines_for([load(find(["fast-top"])[0])]))
