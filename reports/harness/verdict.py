@@ -249,11 +249,13 @@ def _unresolved(window: _BestWindow, limit: str) -> tuple[str, float | None]:
         )
     a_step = float(bounds[-1]) * finest / sequence.duration
     floor = math.sqrt(sequence.duration / sequence.timesteps[least]) * a_step
+    at = float(sequence.timesteps[least])
+    is_last = least == len(errors) - 1
+    worse = "" if is_last else f" and gets worse below it, {errors[-1]:.1e} at {finest:.1e} s"
     return (
-        f"round-off × conditioning bounds the error from below: a step's rounding moves the "
-        f"motion by {a_step:.1e}, all of them by {floor:.1e}; the least error is "
-        f"{errors[least]:.1e}, at a timestep of {sequence.timesteps[least]:.1e} s, and no finer "
-        f"one would resolve it; {limit}",
+        f"round-off × conditioning bounds the error from below: it comes down to "
+        f"{errors[least]:.1e} at a timestep of {at:.1e} s{worse}; no finer one would resolve it: "
+        f"a step's rounding moves the motion by {a_step:.1e}, all of them by {floor:.1e}; {limit}",
         None,
     )
 

@@ -230,6 +230,7 @@ def test_where_rounding_or_the_reference_hides_the_limit_no_timestep_is_recommen
     found = judged(lambda dt: 0.3 * np.sin(1 / dt), 2, **{given: noise})
     assert (found.word, found.needed_timestep) == ("unresolved", None)
     assert "no finer one would resolve it" in found.reason
+    assert "and gets worse below it" in found.reason
 
 
 def test_errors_within_a_round_off_that_is_no_small_error_are_no_convergence():
