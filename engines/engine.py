@@ -14,6 +14,7 @@ from .audit import audit
 from .fault import ENVIRONMENTAL, Cause
 from .faults import Bounds, clamped_turn
 from .first_steps import NEGLIGIBLE, equation_residuals
+from .precision import single_precision
 from .read_back import (
     READ_BACK_SLACK,
     READ_BACK_SLACK_SINGLE,
@@ -269,7 +270,8 @@ class Engine(ABC):
         known = _samples(sampled, sample_steps, timestep) | {"active": audited.active}
         if audited.differs and not method.as_shipped:
             return ended("failed", audited.differs, "model", **known)
-        said = [*(found.remark for found in unlike), audited.differs, sampled.reason]
+        bits = "" if self.single_precision else single_precision(sampled.states)
+        said = [*(found.remark for found in unlike), audited.differs, sampled.reason, bits]
         cause = sampled.cause or ("read-back" if unlike else "model" if audited.differs else "")
         return ended(sampled.outcome, "; ".join(part for part in said if part), cause, **known)
 

@@ -26,6 +26,8 @@ METHODS = {"Euler": "first order", "RK4": "fourth order"}
 #: Sizes tried.
 SIZES = (1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
 MOST_STEPS = 1 << 13
+#: How single precision is named.
+BITS = "the state is held in 24 bits"
 
 
 def told(scenario: Scenario, prepared: Prepared, method: str, lie: Lie) -> str:
@@ -37,8 +39,10 @@ def told(scenario: Scenario, prepared: Prepared, method: str, lie: Lie) -> str:
     verdict = study.verdict()
     if verdict.agrees and verdict.verdict != "diverges":
         return ""
-    _, is_named, words = verdict.reason.partition("as if ")
-    return words.split(";")[0] if is_named else verdict.signal
+    _, is_explained, words = verdict.reason.partition("as if ")
+    if is_explained:
+        return words.split(";")[0]
+    return BITS if BITS in verdict.reason else verdict.signal
 
 
 def threshold(scenario: Scenario, prepared: Prepared, method: str, kind: str) -> tuple[str, str]:
