@@ -1,7 +1,6 @@
 // Draws every figure of the page, in the page's colours; chips switch methods on and off.
 (async () => {
   "use strict";
-  if (typeof packedPlotly !== "undefined") await unpackPlotly();
   const packed = typeof spincheck === "undefined" ? null : await spincheck.packed;
   const motions = packed?.motions;
   const plots = [...document.querySelectorAll(".plot")].map((div) => ({
@@ -23,6 +22,12 @@
     modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
     toImageButtonOptions: { format: "svg" },
   };
+
+  // A figure is drawn when the reader comes near it, px, the others once the page is idle, ms: to
+  // read Plotly takes a second, in which a page does not answer.
+  const NEAR = 400, IDLE = 3000;
+  let plotly = null;
+  const withPlotly = () => (plotly ??= unpackPlotly());
 
   // Plotly's source, deflated (RFC 1950) in base64, is run from memory.
   async function unpackPlotly() {
@@ -138,16 +143,20 @@
   }
 
   // One at a time, so that the page answers in between.
-  function draw(chosen = plots) {
-    const waiting = [...chosen];
-    const next = () => {
-      const plot = waiting.shift();
-      if (!plot) return;
+  async function draw(chosen) {
+    await withPlotly();
+    for (const plot of chosen) {
       drawOne(plot);
-      setTimeout(next);
-    };
-    next();
+      await new Promise((resolve) => setTimeout(resolve));
+    }
   }
+  const drawn = () => plots.filter(({ div }) => div.data);
+
+  const coming = new IntersectionObserver((seen) => {
+    const near = new Set(seen.filter((one) => one.isIntersecting).map((one) => one.target));
+    for (const div of near) coming.unobserve(div);
+    if (near.size) draw(plots.filter(({ div }) => near.has(div)));
+  }, { rootMargin: `${NEAR}px` });
 
   function toggled(scope) {
     for (const plot of plots)
@@ -180,7 +189,7 @@
     select.addEventListener("change", () => {
       common = select.value === "common";
       for (const other of document.querySelectorAll("[data-timestep]")) other.value = select.value;
-      draw(plots.filter(({ spec }) => spec.overlays));
+      draw(drawn().filter(({ spec }) => spec.overlays));
     });
 
   // Folded tables are made when they are asked for.
@@ -216,15 +225,17 @@
       for (const place of details.querySelectorAll("[data-table]:empty")) filled(place);
     });
 
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => draw());
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => draw(drawn()));
   // Paper is white whatever the screen is.
   addEventListener("beforeprint", () => {
     document.documentElement.dataset.paper = "";
-    plots.forEach(drawOne);
+    if (typeof Plotly !== "undefined") plots.forEach(drawOne);
   });
   addEventListener("afterprint", () => {
     delete document.documentElement.dataset.paper;
-    draw();
+    draw(drawn());
   });
-  draw();
+  for (const { div } of plots) coming.observe(div);
+  if (plots.length)
+    setTimeout(() => requestIdleCallback(() => draw(plots.filter(({ div }) => !div.data))), IDLE);
 })();

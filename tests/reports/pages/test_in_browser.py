@@ -38,6 +38,8 @@ BUDGET = 1 << 11
 DESK, PHONE = {"width": 1280, "height": 900}, {"width": 400, "height": 800}
 #: ms; as much as a busy machine may need.
 PATIENCE = 60_000
+#: Bytes.
+LARGEST_REPORT = 25e6
 
 
 @pytest.fixture(scope="module")
@@ -112,11 +114,12 @@ def test_every_page_draws_its_figures_fits_a_desk_and_a_phone_and_asks_for_nothi
     too_wide = []
     for path in sorted(folder.rglob("*.html")):
         page = open_page(visit, folder, str(path.relative_to(folder)))
+        draw_all(page)
         for window in (DESK, PHONE):
             page.set_viewport_size(window)
-            draw_all(page)
             if (width := widest(page)) > window["width"]:
                 too_wide.append(f"{path.name}: {width} of {window['width']}")
+        page.set_viewport_size(DESK)
     assert too_wide == []
     assert visit.said == []
     assert [url for url in visit.asked if not url.startswith(("file:", "data:", "blob:"))] == []
@@ -283,7 +286,7 @@ def test_a_folded_table_is_there_when_it_is_asked_for(visit, folder):
     page = open_page(visit, folder, "scenes/fast-top.html")
     runs = page.locator("#runs details.method").first
     expect(runs.locator("td")).to_have_count(0)
-    expect(page.locator(".plot .main-svg").first).to_be_attached()
+    page.evaluate("spincheck.packed")
     runs.locator("summary").first.click()
     expect(runs.locator("td").first).to_be_visible()
 
@@ -291,3 +294,23 @@ def test_a_folded_table_is_there_when_it_is_asked_for(visit, folder):
 def pictures(page: Page) -> list[str]:
     """What the player's two canvases show."""
     return page.eval_on_selector_all(".player canvas", "all => all.map((one) => one.toDataURL())")
+
+
+def test_a_page_answers_before_figures_are_drawn_and_draws_those_the_reader_comes_near(
+    visit, folder
+):
+    page = open_page(visit, folder, "scenes/fast-top.html")
+    page.locator("[data-clock]").filter(has_text="of 5").wait_for()
+    assert page.evaluate("typeof Plotly") == "undefined"
+    first = page.locator(".plot").first
+    first.scroll_into_view_if_needed()
+    first.locator(".main-svg").first.wait_for(state="attached")
+
+
+def test_the_library_s_report_stays_below_25_mb(folder):
+    """As many pages as the library has scenes, of the size of these and of their Markdown."""
+    scenes = len(find([]))
+    pages = [path.stat().st_size for path in (folder / "scenes").iterdir()]
+    once = sum(path.stat().st_size for path in (folder / "assets").iterdir())
+    first = sum((folder / name).stat().st_size for name in ("index.html", "report.md"))
+    assert once + (sum(pages) + first) * scenes / len(SCENES) < LARGEST_REPORT
