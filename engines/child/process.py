@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 
 import psutil
 
+from ...scenarios import printable
 from ..lost_process import cpu_seconds, death, is_stopped, wait_for_answer
 from ..read_back import EngineError
 from .messages import Answer, Hello, Misanswer, Refusal, parse
@@ -38,7 +39,15 @@ KEPT_OUTPUT = 4096
 
 #: What the system says of a command that is none; anything else is no fault of the command.
 NOT_A_PROGRAM = frozenset(
-    {errno.ENOENT, errno.EACCES, errno.EPERM, errno.ENOEXEC, errno.ENOTDIR, errno.ELOOP}
+    {
+        errno.ENOENT,
+        errno.EACCES,
+        errno.EPERM,
+        errno.ENOEXEC,
+        errno.ENOTDIR,
+        errno.ELOOP,
+        errno.ENAMETOOLONG,
+    }
 )
 
 A = TypeVar("A", bound=Answer)
@@ -91,7 +100,7 @@ class ChildProcess:
             os.close(self._answers)
             if error.errno not in NOT_A_PROGRAM:
                 raise
-            words = f"'{command[0]}' cannot be started: {error.strerror}"
+            words = f"'{printable(command[0], 100)}' cannot be started: {error.strerror}"
             raise ProtocolError(words, "refused") from None
         finally:
             os.close(theirs)

@@ -1,6 +1,5 @@
 """The command line. Heavy imports wait inside the commands, so that ``--help`` answers at once."""
 
-import json
 import sys
 from importlib.metadata import version
 from io import TextIOWrapper
@@ -18,6 +17,7 @@ from .options import (
     RESULT_FILE,
     Again,
     AsJson,
+    AttitudeBound,
     Bound,
     Dask,
     Engines,
@@ -34,10 +34,11 @@ from .options import (
 from .picture_commands import app as picture_commands
 from .refusals import refusal, unusable
 from .result_commands import app as result_commands
+from .scene_commands import app as scene_commands
 from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last_words
 from .sweep_commands import app as sweep_commands
 from .sweep_commands import run_members
-from .terminal import BAD_INPUT, DISAGREES, Complaint, say, table, to_json
+from .terminal import BAD_INPUT, Complaint, say, to_json
 from .version_commands import app as version_commands
 
 app = typer.Typer(
@@ -49,6 +50,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.add_typer(result_commands)
+app.add_typer(scene_commands)
 app.add_typer(sweep_commands)
 app.add_typer(engine_commands)
 app.add_typer(model_commands)
@@ -211,31 +213,11 @@ def compare(
     raise typer.Exit(exit_code(changed))
 
 
-@app.command(epilog="Example: spincheck reference fast-top --at 0.5 --at 1 --json")
-def reference(
-    scenario: Scene,
-    at: Annotated[list[float] | None, typer.Option("--at", help="A time, s.")] = None,
-    as_json: AsJson = False,
-) -> None:
-    """Print the exact motion: states, L, energy, invariants, and how exact they are."""
-    from ..harness.reference_checks import published_that_do_not_hold
-    from .exact_motion import describe, print_truth
-
-    scene = _scenario(scenario)
-    truth = describe(scene, at or [])
-    if as_json:
-        print(to_json(truth))
-    else:
-        print_truth(truth)
-    if untrue := list(published_that_do_not_hold(scene)):
-        raise Complaint("\n".join(untrue), DISAGREES)
-
-
 @app.command(epilog="Example: spincheck recommend fast-top --omega 1e-4")
 def recommend(
     scenario: Scene,
     omega: Bound = None,
-    attitude: Bound = None,
+    attitude: AttitudeBound = None,
     angular_momentum: Bound = None,
     energy: Bound = None,
     engine: Engines = None,
@@ -247,10 +229,11 @@ def recommend(
     It rests on the timed runs that the result file has of the scene, and runs the scene where it
     has none. An engine as shipped, with its damping and clamps, is never recommended.
     """
+    from .named_scenes import one_scene
     from .recommend import exit_code, print_recommendation, recommendation_as_json
     from .recommend import recommend as find_cheapest
 
-    _scenario(scenario)
+    one_scene(scenario)
     wanted = {
         "omega": omega,
         "attitude": attitude,
@@ -264,126 +247,3 @@ def recommend(
     else:
         print_recommendation(recommendation)
     raise typer.Exit(exit_code(recommendation))
-
-
-@app.command("list", epilog="Example: spincheck list hard")
-def list_scenes(scenes: Scenes = None, as_json: AsJson = False) -> None:
-    """List scenes with what they are about."""
-    from .named_scenes import complain, listed
-
-    rows, wrong = listed(scenes or [])
-    print(to_json(rows)) if as_json else table(rows)
-    complain(wrong)
-
-
-@app.command(epilog="Example: spincheck new my-top")
-def new(name: Annotated[str, typer.Argument(metavar="NAME", help="Of the scene.")]) -> None:
-    """Write NAME.toml, a scene to edit, with every key explained."""
-    from .new_scene import new_scene
-
-    path = new_scene(name)
-    print(f"{path} is written. Edit it, then: spincheck run {path}")
-
-
-@app.command(epilog="Example: spincheck show fast-top")
-def show(scenario: Scene, as_json: AsJson = False) -> None:
-    """Show a scene as it was understood."""
-    from .scene import scene_as_json
-
-    scene = _scenario(scenario)
-    described = scene_as_json(scene)
-    if as_json:
-        print(to_json(described))
-    else:
-        print(f"{scene.title}\n\n{scene.document.description}\n\n{scene.path}\n")
-        table([{"": name, "value": _inline(value)} for name, value in described.items()])
-
-
-@app.command(epilog="Example: spincheck check my-top.toml")
-def check(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Files or folders.")],
-) -> None:
-    """Check scenario files: the format, published values, and what a scene cannot tell."""
-    from .named_scenes import checked, complain
-
-    result = checked(files)
-    for line in [*result.lines, *result.powerless]:
-        print(line)
-    complain(result.wrong)
-    if result.untrue:
-        raise Complaint("\n".join(result.untrue), DISAGREES)
-
-
-@app.command("engines", epilog="Example: spincheck engines --installed")
-def list_engines(
-    as_json: AsJson = False,
-    installed: Annotated[
-        bool, typer.Option("--installed", help="List versions that were installed.")
-    ] = False,
-    remove: Annotated[
-        list[str] | None,
-        typer.Option("--remove", metavar="ENGINE@VERSION", help="Remove this version."),
-    ] = None,
-) -> None:
-    """List engines, their methods, orders of accuracy and effects.
-
-    Versions come by 'spincheck run --engine mujoco@3.1.6', each into a folder of its own.
-    """
-    from ...engines import engines, missing
-
-    if installed or remove:
-        from .version_commands import list_installed
-
-        list_installed(remove or [], as_json)
-        return
-    rows = [
-        {
-            "engine": engine.name,
-            "version": engine.version,
-            "method": method.name,
-            "order": method.order,
-            "attitude order": method.attitude_order,
-            "effects": ", ".join(sorted(method.effects)),
-            "summary": method.summary,
-        }
-        for engine in engines().values()
-        for method in engine.methods
-    ]
-    if as_json:
-        absent = [{"engine": m.name, "package": m.package, "reason": m.reason} for m in missing()]
-        print(to_json({"engines": rows, "missing": absent}))
-        return
-    table(rows)
-    for m in missing():
-        print(f"{m.name} cannot be used: {m.reason}.")
-
-
-@app.command(epilog="Example: spincheck export fast-top models")
-def export(
-    scenario: Scene,
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Made if it is not there.")],
-    truth: Annotated[
-        bool, typer.Option("--truth", help="The exact motion instead: truth.csv, .json, .h (C).")
-    ] = False,
-) -> None:
-    """Write a scene as scene.xml (MJCF) and scene.urdf, or its exact motion."""
-    from .scene import export_scene
-    from .truth_files import write_truth
-
-    write = write_truth if truth else export_scene
-    try:
-        written = write(_scenario(scenario), folder)
-    except OSError as error:
-        raise unusable(folder, error, "written") from None
-    for path in written:
-        print(path)
-
-
-def _scenario(name: str) -> Any:
-    from .named_scenes import one_scene
-
-    return one_scene(name)
-
-
-def _inline(value: object) -> str:
-    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)

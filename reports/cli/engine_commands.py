@@ -1,4 +1,4 @@
-"""Commands for engine developers: a protocol check, and one run to paste into an issue."""
+"""Commands about engines: a list, a protocol check, and one run to paste into an issue."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -7,12 +7,58 @@ from typing import Annotated, Any
 import typer
 
 from .options import AsJson, Scene
-from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, to_json
+from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table, to_json
 
 app = typer.Typer()
 
 #: s that an answer may take, where nothing large is asked.
 ANSWER_LIMIT = 10.0
+
+
+@app.command("engines", epilog="Example: spincheck engines --installed")
+def list_engines(
+    as_json: AsJson = False,
+    installed: Annotated[
+        bool, typer.Option("--installed", help="List versions that were installed.")
+    ] = False,
+    remove: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--remove", metavar="ENGINE@VERSION", help="Remove this version; may be repeated."
+        ),
+    ] = None,
+) -> None:
+    """List engines, their methods, orders of accuracy and effects.
+
+    Versions come by 'spincheck run --engine mujoco@3.1.6', each into a folder of its own.
+    """
+    from ...engines import engines, missing
+
+    if installed or remove:
+        from .version_commands import list_installed
+
+        list_installed(remove or [], as_json)
+        return
+    rows = [
+        {
+            "engine": engine.name,
+            "version": engine.version,
+            "method": method.name,
+            "order": method.order,
+            "attitude order": method.attitude_order,
+            "effects": ", ".join(sorted(method.effects)),
+            "summary": method.summary,
+        }
+        for engine in engines().values()
+        for method in engine.methods
+    ]
+    if as_json:
+        absent = [{"engine": m.name, "package": m.package, "reason": m.reason} for m in missing()]
+        print(to_json({"engines": rows, "missing": absent}))
+        return
+    table(rows)
+    for m in missing():
+        print(f"{m.name} cannot be used: {m.reason}.")
 
 
 @app.command(epilog="Example: spincheck conform -- node my-engine.mjs")
@@ -21,7 +67,7 @@ def conform(
         list[str], typer.Argument(metavar="-- COMMAND...", help="What starts the engine.")
     ],
     limit: Annotated[
-        float, typer.Option(min=0.1, help="s that an answer may take.")
+        float, typer.Option(min=0.1, max=1e6, metavar="S", help="s that an answer may take.")
     ] = ANSWER_LIMIT,
     as_json: AsJson = False,
 ) -> None:

@@ -13,7 +13,9 @@ app = typer.Typer()
 ModelFiles = Annotated[list[Path], typer.Argument(metavar="FILE...", help="URDF or MJCF.")]
 Packages = Annotated[
     list[str] | None,
-    typer.Option("--package-path", metavar="NAME=DIR", help="Where package://NAME is."),
+    typer.Option(
+        "--package-path", metavar="NAME=DIR", help="Where package://NAME is; may be repeated."
+    ),
 ]
 
 
@@ -57,7 +59,9 @@ def inspect(
 def import_links(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="URDF or MJCF.")],
     out: Annotated[Path, typer.Option(metavar="DIR", help="Made if it is not there.")],
-    link: Annotated[list[str] | None, typer.Option("--link", help="Only this link.")] = None,
+    link: Annotated[
+        list[str] | None, typer.Option("--link", help="Only this link; may be repeated.")
+    ] = None,
 ) -> None:
     """Make a scene of every link of a model: it tumbles, with the inertia that the file states."""
     from .import_links import import_scenes

@@ -24,22 +24,41 @@ Engines = Annotated[
     list[str] | None,
     typer.Option(
         "--engine",
-        help="Only this engine; 'mujoco@3.1.6' a version, 'child:COMMAND' one in another language.",
+        metavar="ENGINE",
+        help="Only this engine; may be repeated. 'mujoco@3.1.6' is a version, 'child:COMMAND' one "
+        "in another language.",
     ),
 ]
-Methods = Annotated[list[str] | None, typer.Option("--method", help="Only this method.")]
-Timesteps = Annotated[
-    list[float] | None, typer.Option("--timestep", help="Run this timestep, s; no ladder.")
+Methods = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--method", metavar="METHOD", help="Only this method, in any case; may be repeated."
+    ),
 ]
-Bound = Annotated[float | None, typer.Option(help="Largest error allowed.")]
-Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Worker processes.")]
+Timesteps = Annotated[
+    list[float] | None,
+    typer.Option(
+        "--timestep",
+        metavar="S",
+        help="Run this timestep, s, instead of a ladder; may be repeated.",
+    ),
+]
+Bound = Annotated[float | None, typer.Option(metavar="E", help="Largest error allowed, relative.")]
+AttitudeBound = Annotated[
+    float | None, typer.Option("--attitude", metavar="RAD", help="Largest error allowed, rad.")
+]
+Jobs = Annotated[int, typer.Option("--jobs", metavar="N", min=1, help="Worker processes.")]
 TimeLimit = Annotated[
     float | None,
-    typer.Option("--time-limit", help="s that a run may take; 120 if left out."),
+    typer.Option("--time-limit", metavar="S", help="s that a run may take; 120 if left out."),
 ]
 SweepTimesteps = Annotated[
     list[float] | None,
-    typer.Option("--timestep", help="s; chosen from each point's spin if left out."),
+    typer.Option(
+        "--timestep",
+        metavar="S",
+        help="s; may be repeated; chosen from each point's spin if left out.",
+    ),
 ]
 From = Annotated[
     Path, typer.Option("--from", metavar="RESULT FILE", help="Runs are taken from this file.")

@@ -1,5 +1,6 @@
 """The commands that print what a result file holds, record by record."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import typer
@@ -12,20 +13,36 @@ app = typer.Typer()
 
 @app.command(epilog="Example: spincheck rows spincheck.sqlite --csv")
 def rows(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
-    """Print every run of a result file."""
+    """Print every run of a result file.
+
+    In 80 columns; --csv and --json have every number in full.
+    """
     from . import running
+    from .brief_records import run_lines
     from .summary import row_record
 
-    _print_records([row_record(row) for row in running.read(results).rows], as_csv, as_json)
+    stored = running.read(results).rows
+    if as_csv or as_json:
+        _print_records([row_record(row) for row in stored], as_csv, as_json)
+    else:
+        _print_lines(run_lines(stored))
 
 
 @app.command(epilog="Example: spincheck verdicts spincheck.sqlite --json")
 def verdicts(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
-    """Print every verdict of a result file."""
+    """Print every verdict of a result file.
+
+    In 80 columns; --csv and --json have every number in full.
+    """
     from . import running
+    from .brief_records import verdict_lines
     from .summary import verdict_records
 
-    _print_records(verdict_records(running.read(results)), as_csv, as_json)
+    stored = running.read(results)
+    if as_csv or as_json:
+        _print_records(verdict_records(stored), as_csv, as_json)
+    else:
+        _print_lines(verdict_lines(stored.verdicts))
 
 
 @app.command(epilog="Example: spincheck points spincheck.sqlite --csv")
@@ -38,6 +55,13 @@ def points(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson
     sweeps: list[Any] = [*stored.maps, *stored.ensembles]
     records = [record for sweep in sweeps for record in flat_records(sweep)]
     _print_records(records, as_csv, as_json)
+
+
+def _print_lines(lines: Iterable[str]) -> None:
+    from ...scenarios import printable
+
+    for line in lines:
+        print(printable(line))
 
 
 def _print_records(records: list[dict[str, Any]], as_csv: bool, as_json: bool) -> None:

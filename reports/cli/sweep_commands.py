@@ -37,7 +37,7 @@ def map_scene(
         list[str] | None,
         typer.Option(
             metavar="PATH=LO:HI[:COUNT][:log]",
-            help="A number of the scene file, such as start.omega_body[2], or timestep; twice.",
+            help="A number of the scene file, as start.omega_body[2], or timestep; to be repeated.",
         ),
     ] = None,
     engine: Engines = None,

@@ -32,6 +32,23 @@ def test_every_command_has_an_example_that_is_a_command(name):
     assert words[:2] == ["spincheck", name]
 
 
+@pytest.mark.parametrize("name", COMMANDS)
+def test_an_option_that_may_be_repeated_says_so(name):
+    told = [
+        p for p in get_group(app).get_command(None, name).params if p.param_type_name == "option"
+    ]
+    silent = [p.opts for p in told if p.multiple and "repeated" not in p.help]
+    assert silent == []
+
+
+def test_shells_complete_commands(monkeypatch):
+    monkeypatch.setenv("_SPINCHECK_COMPLETE", "complete_bash")
+    monkeypatch.setenv("COMP_WORDS", "spincheck rec")
+    monkeypatch.setenv("COMP_CWORD", "1")
+    done = CliRunner().invoke(app, prog_name="spincheck")
+    assert done.output.split() == ["recommend"]
+
+
 def test_commands_are_known_in_any_case():
     assert printed("LIST", "fast-top") == printed("list", "fast-top")
 

@@ -1,0 +1,72 @@
+"""Runs and verdicts in lines of at most eighty columns; every column is in JSON and CSV."""
+
+import math
+import textwrap
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+
+from ..results.records import Row, Verdict
+
+WIDTH = 80
+#: Columns of names in a line of a verdict.
+SCENE, METHOD = 25, 25
+#: Lines that a reason takes at most.
+REASON_LINES = 3
+_NAMES = ("ω", "attitude", "L", "energy")
+_EXPLAINED = ("disagrees", "failed", "diverges", "unresolved")
+
+
+def run_lines(rows: Sequence[Row]) -> Iterator[str]:
+    """The runs of each method below its name, coarse to fine; a star marks a stock timestep."""
+    for key, runs in groupby(rows, key=lambda row: row.key):
+        yield cut(f"{key.scenario}: {key.engine} {key.method}", WIDTH)
+        yield f"  {'timestep, s':>11} {''.join(f'{name:>9}' for name in _NAMES)}{'CPU s/s':>9}"
+        for row in runs:
+            yield cut(_run(row), WIDTH)
+
+
+def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
+    """A line a verdict, and below what is not as it should be the reason."""
+    yield f"{'scene':{SCENE}} {'method':{METHOD}} {'verdict':11} {'order':>5} {'limit':>8}"
+    for verdict in verdicts:
+        key = verdict.key
+        method = f"{key.engine} {key.method}"
+        order = "" if verdict.order is None else f"{verdict.order:.2f}"
+        limit = "" if verdict.limit_error is None else f"{verdict.limit_error:.1e}"
+        yield (
+            f"{cut(key.scenario, SCENE):{SCENE}} {cut(method, METHOD):{METHOD}} "
+            f"{verdict.verdict:11} {order:>5} {limit:>8}"
+        ).rstrip()
+        reasons = [*verdict.unmet, *([verdict.reason] if verdict.verdict in _EXPLAINED else [])]
+        yield from textwrap.wrap(
+            "; ".join(reasons),
+            WIDTH,
+            initial_indent="    ",
+            subsequent_indent="    ",
+            max_lines=REASON_LINES,
+            placeholder=" …",
+            break_on_hyphens=False,
+        )
+
+
+def cut(text: str, width: int) -> str:
+    """A text of at most so many characters."""
+    return text if len(text) <= width else f"{text[: width - 1]}…"
+
+
+def _run(row: Row) -> str:
+    mark = "*" if row.stock else " "
+    begun = f"{mark} {row.timestep:11.5g} "
+    if row.errors is None:
+        when = f" at {row.stopped_at:.3g} s" if row.stopped_at is not None else ""
+        return f"{begun}{row.outcome if row.made else 'not run'}{when}: {row.reason}"
+    e = row.errors
+    numbers = (e.omega, e.attitude, e.angular_momentum, e.energy, _cost(row))
+    return begun + "".join(f"{number:9.1e}" if number is not None else "" for number in numbers)
+
+
+def _cost(row: Row) -> float | None:
+    """CPU seconds a simulated second."""
+    if row.seconds_per_step is None or not row.timestep or math.isinf(row.seconds_per_step):
+        return None
+    return row.seconds_per_step / row.timestep
