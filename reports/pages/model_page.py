@@ -206,7 +206,15 @@ def _numbers(stated: Stated | None, held: Sequence[Held]) -> Table:
         rows[-1] += [Cell("")] * 3
     for one in held:
         rows.append([Cell(_who(one), "name"), *_held_body(one.body), *_verdict(one)])
-    heads = ("", "kg", "com, m", "principal moments, kg m²", "axes turned", "attitude off, 1 s and 3 s", "")
+    heads = (
+        "",
+        "kg",
+        "com, m",
+        "principal moments, kg m²",
+        "axes turned",
+        "attitude off, 1 s and 3 s",
+        "",
+    )
     return table(heads, rows)
 
 
