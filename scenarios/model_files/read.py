@@ -70,6 +70,6 @@ def _missing_meshes(links: tuple[Link, ...], folders: Folders, path: Path) -> li
         return []
     return [
         f"{printable(str(path))}: {len(lost)} of {len(named)} collision meshes are not inside the "
-        f"model's folders, the first is {shown(lost[0])}; stated inertia needs none, and "
-        "'--package-path NAME=DIR' says where they are"
+        f"model's folders, the first is {shown(lost[0])}; stated inertia needs none, what "
+        "PyBullet makes up by default does; '--package-path NAME=DIR' says where they are"
     ]

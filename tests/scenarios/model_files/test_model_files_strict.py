@@ -141,8 +141,8 @@ def test_meshes_that_are_not_inside_the_models_folders_are_noted(tmp_path):
     path = written(tmp_path, robot(link("a", mesh)), "inner/robot.urdf")
     assert read_model(path).notes == (
         f"{path}: 1 of 1 collision meshes are not inside the model's folders, the first is "
-        "'../outside.stl'; stated inertia needs none, and '--package-path NAME=DIR' says where "
-        "they are",
+        "'../outside.stl'; stated inertia needs none, what PyBullet makes up by default does; "
+        "'--package-path NAME=DIR' says where they are",
     )
 
 
