@@ -155,7 +155,7 @@ class ChildProcess:
         except Misanswer as error:
             raise ProtocolError(f"its answer to '{do}' {error}", "protocol") from None
         if isinstance(answer, Refusal):
-            raise EngineError(" ".join(answer.error.split()))
+            raise EngineError(printable(" ".join(answer.error.split())))
         return answer
 
     def _line(self, do: str) -> bytes:
@@ -218,7 +218,7 @@ class ChildProcess:
             self._printed += os.read(self._output.fileno(), PIPE_SIZE)
         how, cause = death(code)
         lines = self._printed.decode(errors="replace").strip().splitlines()
-        last = f"; it last printed: {lines[-1][-LAST_LINE:]}" if lines else ""
+        last = f"; it last printed: {printable(lines[-1][-LAST_LINE:])}" if lines else ""
         return ProtocolError(f"it {how} instead of answering '{do}'{last}", cause)
 
     def end(self) -> bool:

@@ -34,8 +34,18 @@ def say(text: str) -> None:
 
 
 def to_json(value: Any) -> str:
-    """JSON with numbers that read back to the last bit; inf and nan, which it lacks, as null."""
-    return json.dumps(_finite(value), indent=1, ensure_ascii=False, allow_nan=False)
+    """JSON with numbers that read back to the last bit; inf and nan, which it lacks, as null.
+
+    What would command a terminal is an escape of JSON's own.
+    """
+    text = json.dumps(_finite(value), indent=1, ensure_ascii=False, allow_nan=False)
+    return "\n".join(map(_escaped, text.split("\n")))
+
+
+def _escaped(line: str) -> str:
+    if line.isprintable():
+        return line
+    return "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in line)
 
 
 def _finite(value: Any) -> Any:

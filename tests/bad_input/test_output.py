@@ -1,6 +1,7 @@
 """Where output cannot go, and signals that come while Python does not listen."""
 
 import errno
+import json
 import os
 import signal
 import subprocess
@@ -13,7 +14,7 @@ import pytest
 from mutated_scenes import LEAST, written
 from spincheck.reports.cli import executing
 from spincheck.reports.cli.stopping import ENDING, HEARING
-from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, NOT_RUN
+from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, NOT_RUN, to_json
 
 pytestmark = pytest.mark.processes
 
@@ -141,6 +142,14 @@ start.main()
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (-signal.SIGINT, "")
+
+
+def test_json_escapes_what_commands_a_terminal_and_reads_back_the_same():
+    text = "a\x1b[2J\x9b31m\u202e\u00e9\nb"
+    printed = to_json({text: [text]})
+    assert not {"\x1b", "\x9b", "\u202e"} & set(printed)
+    assert "\u00e9" in printed
+    assert json.loads(printed) == {text: [text]}
 
 
 def test_two_scenes_of_one_name_are_told(tmp_path):

@@ -8,6 +8,7 @@ from typing import Any
 
 from ....engines.fault import ENVIRONMENTAL
 from ....engines.lost_process import Overdue, death, wait_for_answer
+from ....scenarios import printable
 from .executor import Answer, CallFailed, ExecutorStopped
 from .worker_process import WorkerProcess
 
@@ -139,4 +140,4 @@ def may_succeed_if_repeated(cause: str, reason: str, time_limit: float | None) -
 def _last_line(printed: str) -> str:
     """The last line that a worker printed, to go on with the reason of its death."""
     lines = printed.strip().splitlines()
-    return f"; it last printed: {lines[-1][-LAST_LINE:]}" if lines else ""
+    return f"; it last printed: {printable(lines[-1][-LAST_LINE:])}" if lines else ""

@@ -96,7 +96,7 @@ def spoilt(call: dict, said: dict) -> None:
         said["id"] -= 1
     elif FAULT == "refuses" and do == WHEN:
         said.clear()
-        said.update(id=call["id"], error="the solver\nwill not")
+        said.update(id=call["id"], error="the solver\nwill not\x1b[2J")
     elif FAULT == "changes its name" and do == "hello":
         said["version"] = str(os.getpid())
 
@@ -109,6 +109,8 @@ for line in sys.stdin:
             sys.exit(3)
         if FAULT == "crashes":
             os.kill(os.getpid(), signal.SIGSEGV)
+        if FAULT.startswith("killed by "):
+            os.kill(os.getpid(), getattr(signal, FAULT.removeprefix("killed by ")))
         if FAULT == "hangs":
             time.sleep(600)
         if FAULT == "prints garbage":

@@ -82,9 +82,22 @@ def test_a_number_that_is_not_finite_is_a_motion_that_diverged() -> None:
     assert (run.outcome, run.cause) == ("diverged", "not-finite")
 
 
-def test_a_child_that_refuses_a_step_is_quoted() -> None:
+def test_a_child_that_refuses_a_step_is_quoted_and_commands_no_terminal() -> None:
     run = ran(planted("refuses"))
-    assert (run.outcome, run.cause, run.reason) == ("diverged", "warning", "the solver will not")
+    words = "the solver will not\\x1b[2J"
+    assert (run.outcome, run.cause, run.reason) == ("diverged", "warning", words)
+
+
+@pytest.mark.parametrize("name", ["SIGKILL", "SIGXCPU", "SIGUSR1"])
+def test_a_child_that_somebody_kills_is_not_to_blame(name: str) -> None:
+    run = ran(planted(f"killed by {name}"))
+    assert (run.outcome, run.cause) == ("failed", "killed")
+    assert f"was killed from outside by {name} instead of answering 'run'" in run.reason
+
+
+def test_a_child_that_somebody_stops_is_not_to_blame() -> None:
+    run = ran(planted("killed by SIGSTOP"))
+    assert (run.outcome, run.cause) == ("failed", "environment")
 
 
 def test_what_a_child_prints_is_in_nobodys_way() -> None:
