@@ -7,6 +7,7 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
+from ..results.database import shown
 from .cost_section import LEGEND
 from .links import scene_page
 from .markdown import code_block, escaped, to_html
@@ -43,5 +44,5 @@ def write_styles(folder: Path, *names: str) -> None:
 
 
 def write(path: Path, text: str) -> None:
-    """The same bytes on every system."""
-    path.write_text(text, encoding="utf-8", newline="\n")
+    """The same bytes on every system, with nothing in them that commands a terminal."""
+    path.write_text(shown(text), encoding="utf-8", newline="\n")

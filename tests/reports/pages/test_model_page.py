@@ -8,6 +8,7 @@ import pytest
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.inspection import asked_engines, inspect_model
 from spincheck.reports.pages.model_page import page_names, write_model_page
+from spincheck.scenarios.errors import is_control
 from spincheck.scenarios.model_files import read_model
 from users_models import arm, body, diagonal, inertial, joint, link, robot, written
 
@@ -86,6 +87,15 @@ def test_nothing_of_a_file_is_taken_for_markup(tmp_path):
     for tag in ("<script>alert", "<img", "<b>"):
         assert tag not in html
     assert "&lt;script&gt;alert(1)" in html
+
+
+def test_nothing_in_a_file_commands_a_terminal(tmp_path):
+    """What XML lets a name hold: a C1 control, and what turns text about."""
+    name = "a\x9b31m\u202eb"
+    text = robot(link("base"), link(name, inertial() + BOX), joint("base", name))
+    html = page(tmp_path, text, "robot.urdf")
+    assert "a\\x9b31m\\u202eb" in html
+    assert not [c for c in html if is_control(c) and c not in "\n\t"]
 
 
 def test_a_page_needs_its_style_sheets_alone(tmp_path):
