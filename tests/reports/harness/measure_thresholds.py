@@ -1,6 +1,6 @@
 """The smallest lie of each kind that a verdict tells, by class of method and scene, and its name.
 
-Written to docs/thresholds.md. Engines are MuJoCo with the lie in it (`lying_mujoco`); sizes are
+Written to docs/thresholds.md and to the reports. Engines are MuJoCo with the lie in it (`lying_mujoco`); sizes are
 tried from the smallest upwards.
 """
 
@@ -68,8 +68,8 @@ def rows(names: tuple[str, ...]) -> Iterator[str]:
                     yield f"| {name} | {order} | {kind} | {smallest} | {words} |"
 
 
-HEAD = f"""# The smallest faults that are detected
-
+TITLE = "The smallest faults that are detected"
+TEXT = f"""
 Measured by `make thresholds`: MuJoCo with a planted fault, which does not show in the read-back
 before the first step, run down ladders of up to {MOST_STEPS} steps. Sizes are relative, of turns
 in rad, of a com and its drift relative to the radius of gyration. Given is the smallest detected of
@@ -81,11 +81,19 @@ explains them, else by the signal that decides.
 """
 
 
+#: Where it is printed, under which kind of heading: a page, and a section of every report.
+PAGES = {
+    "#": ROOT / "docs" / "thresholds.md",
+    "##": ROOT / "reports" / "pages" / "templates" / "thresholds.md",
+}
+
+
 def main() -> None:
     """Measure the scenes named, or all of `SCENES`."""
     names = tuple(sys.argv[1:]) or SCENES
-    text = HEAD + "\n".join(rows(names)) + "\n"
-    (ROOT / "docs" / "thresholds.md").write_text(text, encoding="utf-8")
+    text = TEXT + "\n".join(rows(names)) + "\n"
+    for head, path in PAGES.items():
+        path.write_text(f"{head} {TITLE}\n{text}", encoding="utf-8")
 
 
 if __name__ == "__main__":
