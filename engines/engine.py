@@ -45,7 +45,7 @@ class Method:
     max_rotation_per_step : rad; beyond it the engine silently clamps, so it is not run
     as_shipped : the engine with all its defaults: how it differs from the scene is reported as a
         remark, and does not fail a run
-    by_angles : whether a first-order rule steps the attitude of a held body as roll, pitch and yaw
+    by_angles : whether the attitude of a held body is stepped as roll, pitch and yaw
     """
 
     name: str

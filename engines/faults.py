@@ -27,7 +27,7 @@ class Bounds:
     round_off : of a state that is read, relative
     decay : 1/s, the fastest rate at which drag slows the body
     arm : m, body axes, from the pivot to the com, (3,); None where nothing holds the body
-    by_angles : whether a first-order rule steps the attitude as roll, pitch and yaw
+    by_angles : whether the attitude is stepped as roll, pitch and yaw
     """
 
     timestep: float

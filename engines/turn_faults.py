@@ -6,8 +6,8 @@ rules take one or the other, those of higher order something in between, a multi
 beyond the one by half their difference; where drag stops the body within a step, the ω in between
 is another still, by as much as drag takes. Where ω does not change, what is left is how well the
 rule follows a rotation about a fixed axis: the coarsest there is, q (1, hω/2) normalised, and
-Cayley's rule alike turn by 2 atan(h|ω|/2), short of h|ω| by (h|ω|)³/12 at most. A first-order rule
-that steps roll, pitch β and yaw instead is off by (h|ω|/cos β)²/2, about any axis: by the second
+Cayley's rule alike turn by 2 atan(h|ω|/2), short of h|ω| by (h|ω|)³/12 at most. A rule that
+steps roll, pitch β and yaw instead is off by (h|ω|/cos β)²/2 at most, about any axis: by the second
 derivative of the rotation, where no angle changes faster than |ω|/cos β.
 """
 
@@ -54,7 +54,7 @@ def turn_faults(
     timestep : s
     round_off : rad, of an attitude that is read
     decay : 1/s, of ω by drag
-    by_angles : whether a first-order rule steps the attitude as roll, pitch and yaw
+    by_angles : whether the attitude is stepped as roll, pitch and yaw
     """
     with np.errstate(all="ignore"):
         yield from _resets(reading)

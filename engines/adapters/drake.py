@@ -26,10 +26,7 @@ DISCRETE = frozenset({"discrete", "default"})
 
 
 def _method(name: str, order: int, summary: str, as_shipped: bool = False) -> Method:
-    by_angles = order == 1
-    return Method(
-        name, order, order, summary, ALL_EFFECTS, as_shipped=as_shipped, by_angles=by_angles
-    )
+    return Method(name, order, order, summary, ALL_EFFECTS, as_shipped=as_shipped, by_angles=True)
 
 
 @final

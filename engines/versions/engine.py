@@ -2,6 +2,7 @@
 
 import inspect
 from collections.abc import Collection
+from importlib import import_module
 from pathlib import Path
 from typing import final
 
@@ -10,7 +11,10 @@ from ..discovery import engines
 from ..engine import Engine, Method
 from ..read_back import BodyReading, Difference, EngineError, State
 from ..session import Session
-from .folders import VersionError, install
+from .folders import VersionError, install, install_for
+
+#: What a worker of another Python imports of spincheck.
+PACKAGES = tuple(f"spincheck.{part}" for part in ("engines", "reference", "reports", "scenarios"))
 
 
 @final
@@ -91,8 +95,12 @@ class VersionedEngine(Engine):
         return adapter
 
 
-def versioned(name: str) -> VersionedEngine:
+def versioned(name: str, python: str = "") -> VersionedEngine:
     """An engine@version, installed if it is not there.
+
+    Parameters
+    ----------
+    python : the command of another interpreter that it is to run under
 
     Raises
     ------
@@ -105,5 +113,10 @@ def versioned(name: str) -> VersionedEngine:
     release = engines()[base].at_version(version)
     if release is None:
         raise VersionError(f"'{base}' cannot be had in other versions")
-    site = install(f"{release.installed_as or base}@{version}", release.requirements)
+    installed_as = f"{release.installed_as or base}@{version}"
+    if python:
+        code = [Path(next(iter(import_module(name).__path__))) for name in PACKAGES]
+        site = install_for(python, installed_as, release.requirements, code)
+    else:
+        site = install(installed_as, release.requirements)
     return VersionedEngine(base, version, release.methods, site)

@@ -5,7 +5,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,8 +13,14 @@ from ..user_cache import user_cache
 
 #: Wheels are of one minor version of Python.
 _PYTHON = f"cp{sys.version_info.major}{sys.version_info.minor}"
+#: Of another Python, the same in its own words.
+_TAG = "import sys; print(f'cp{sys.version_info.major}{sys.version_info.minor}')"
+#: Of what `_python` may print, to be a tag.
+_TAGGED = re.compile(r"cp3\d+")
 #: What a version may look like (PEP 440, without epochs and local versions).
 _VERSION = re.compile(r"\d+(\.\d+)*([a-z]+\d*)?(\.(post|dev)\d+)?")
+#: What a worker of another Python needs besides the engine.
+RUNS_WITH = ("numpy", "scipy", "pydantic", "mpmath", "numba", "psutil")
 #: s that pip may take.
 _PATIENCE = 600
 
@@ -39,15 +45,15 @@ class Installed:
     megabytes: float
 
 
-def folder_of(name: str) -> Path:
-    """Where an engine@version is, or would be."""
-    return _folders() / f"{name}-{_PYTHON}"
+def folder_of(name: str, python: str = _PYTHON) -> Path:
+    """Where an engine@version is, or would be, for a Python of such wheels."""
+    return _folders() / f"{name}-{python}"
 
 
 def installed() -> list[Installed]:
-    """All that are there, for this Python."""
+    """All that are there, for every Python; of another than this one it is in the name."""
     found = []
-    for folder in sorted(_folders().glob(f"*@*-{_PYTHON}")):
+    for folder in sorted(_folders().glob("*@*-cp*")):
         size = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
         name = folder.name.removesuffix(f"-{_PYTHON}")
         found.append(Installed(name, folder, size / 1e6))
@@ -62,32 +68,71 @@ def install(name: str, requirements: Sequence[str]) -> Path:
     VersionError
         If pip cannot; with its last words.
     """
-    folder = folder_of(name)
+    _check(name)
+
+    def fill(target: Path) -> None:
+        command = [*_pip(sys.executable), "--no-deps", "--target", str(target), *requirements]
+        _call(name, requirements, command)
+
+    return _made(folder_of(name), fill)
+
+
+def install_for(python: str, name: str, requirements: Sequence[str], code: Sequence[Path]) -> Path:
+    """The same for another Python: a virtual environment of it.
+
+    Parameters
+    ----------
+    python : the command of an interpreter
+    code : folders of packages that are to be found there as they are here
+
+    Raises
+    ------
+    VersionError
+        If there is no such Python, or pip cannot; with its last words.
+    """
+    _check(name)
+    tag = _call(name, (python,), [python, "-c", _TAG]).strip()
+    if not _TAGGED.fullmatch(tag):
+        raise VersionError(f"'{python}' is no Python 3: it printed '{tag[:40]}'")
+
+    def fill(target: Path) -> None:
+        _call(name, (python,), [python, "-m", "venv", str(target)])
+        needed = [*RUNS_WITH, *requirements]
+        # Only what is not copied knows where it is.
+        _call(name, needed, [*_pip(str(interpreter_of(target))), *needed])
+        package = next(target.glob("lib/python3*/site-packages")) / "spincheck"
+        package.mkdir()
+        for folder in code:
+            (package / folder.name).symlink_to(folder)
+
+    return _made(folder_of(name, tag), fill)
+
+
+def interpreter_of(site: Path) -> Path:
+    """The Python of a folder that is a virtual environment; there is none elsewhere."""
+    return site / "bin" / "python"
+
+
+def _check(name: str) -> None:
     version = name.partition("@")[2]
     if not _VERSION.fullmatch(version):
         raise VersionError(f"a version must be like 3.1.6, got '{version}'")
+
+
+def _pip(python: str) -> list[str]:
+    quietly = ["--quiet", "--only-binary", ":all:", "--disable-pip-version-check"]
+    return [python, "-m", "pip", "install", *quietly]
+
+
+def _made(folder: Path, fill: Callable[[Path], None]) -> Path:
+    """A folder, filled unless it is there."""
     if folder.is_dir():
         return folder
     _folders().mkdir(parents=True, exist_ok=True)
     # Beside it, and moved when complete: a folder that is there is whole.
     with tempfile.TemporaryDirectory(dir=_folders(), prefix=".new-") as made:
         target = Path(made, "site")
-        command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps"]
-        command += ["--only-binary", ":all:", "--disable-pip-version-check"]
-        command += ["--target", str(target), *requirements]
-        try:
-            done = subprocess.run(
-                command, capture_output=True, text=True, timeout=_PATIENCE, check=False
-            )
-        except subprocess.TimeoutExpired:
-            raise VersionError(f"{name}: pip did not finish within {_PATIENCE} s") from None
-        if done.returncode:
-            errors = [line for line in done.stderr.splitlines() if line.startswith("ERROR")]
-            said = (errors or done.stderr.splitlines() or ["it said nothing"])[-1]
-            raise VersionError(
-                f"{name} is not installed, and pip cannot install {' '.join(requirements)}: "
-                f"{said.removeprefix('ERROR: ')}"
-            )
+        fill(target)
         try:
             target.replace(folder)
         except OSError:
@@ -95,6 +140,26 @@ def install(name: str, requirements: Sequence[str]) -> Path:
             if not folder.is_dir():
                 raise
     return folder
+
+
+def _call(name: str, wanted: Sequence[str], command: Sequence[str]) -> str:
+    """What a command prints."""
+    try:
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=_PATIENCE, check=False
+        )
+    except subprocess.TimeoutExpired:
+        raise VersionError(f"{name}: '{command[0]}' did not finish within {_PATIENCE} s") from None
+    except OSError as error:
+        raise VersionError(f"'{command[0]}' cannot be started: {error.strerror}") from None
+    if done.returncode:
+        errors = [line for line in done.stderr.splitlines() if line.startswith("ERROR")]
+        last = (errors or done.stderr.splitlines() or ["it said nothing"])[-1]
+        raise VersionError(
+            f"{name} is not installed, and pip cannot install {' '.join(wanted)}: "
+            f"{last.removeprefix('ERROR: ')}"
+        )
+    return done.stdout
 
 
 def remove(name: str) -> Path:

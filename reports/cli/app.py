@@ -25,6 +25,7 @@ from .options import (
     Jobs,
     Members,
     Methods,
+    Python,
     Scene,
     Scenes,
     Seed,
@@ -122,6 +123,7 @@ def run(
         typer.Option("--quick", help="Short ladders, untimed; none of hard scenes unless named."),
     ] = False,
     time_limit: TimeLimit = None,
+    python: Python = "",
     ensemble: Members = None,
     seed: Seed = 0,
     dask: Dask = None,
@@ -154,7 +156,14 @@ def run(
         raise typer.Exit(code)
     where = Where(jobs, dask)
     results = running.run(
-        scenes or [], *asked, where, out, quick=quick, time_limit=time_limit, again=again
+        scenes or [],
+        *asked,
+        where,
+        out,
+        quick=quick,
+        time_limit=time_limit,
+        again=again,
+        python=python,
     )
     if as_json:
         print(to_json(results_as_json(results)))

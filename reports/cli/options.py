@@ -29,6 +29,12 @@ Engines = Annotated[
         "in another language.",
     ),
 ]
+Python = Annotated[
+    str,
+    typer.Option(
+        metavar="COMMAND", help="The interpreter that versions run under, such as python3.12."
+    ),
+]
 Methods = Annotated[
     list[str] | None,
     typer.Option(

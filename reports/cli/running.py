@@ -37,6 +37,7 @@ def run(
     quick: bool = False,
     time_limit: float | None = None,
     again: bool = False,
+    python: str = "",
 ) -> Results:
     """Run what was named and read back what was found of it.
 
@@ -53,7 +54,7 @@ def run(
     """
     scenarios = scenes_of(scenes, quick=quick)
     wanted = engine_names or _engines_for(scenarios)
-    choice = limited(choose(wanted, methods, timesteps), time_limit)
+    choice = limited(choose(wanted, methods, timesteps, python), time_limit)
     _check_all_apply(choice, scenarios)
     choice = replace(choice, hard_in_passing=not scenes, again=again)
     if quick:
@@ -189,9 +190,16 @@ def exit_code(results: Results, *, strict: bool = False) -> int:
 
 
 def choose(
-    engine_names: Sequence[str], methods: Sequence[str], timesteps: Sequence[float]
+    engine_names: Sequence[str],
+    methods: Sequence[str],
+    timesteps: Sequence[float],
+    python: str = "",
 ) -> Choice:
     """The part of the grid that was asked for.
+
+    Parameters
+    ----------
+    python : the command of the interpreter that versions run under; this one if empty
 
     Raises
     ------
@@ -199,7 +207,10 @@ def choose(
         If there is no such engine, method or timestep.
     """
     generated = [name for name, engine in engines().items() if not engine.of_file]
-    chosen = tuple(_engine(name) for name in dict.fromkeys(engine_names or generated))
+    names = dict.fromkeys(engine_names or generated)
+    if python and not any("@" in name for name in names):
+        raise Complaint("'--python' is for versions, such as '--engine mujoco@3.1.6'", BAD_INPUT)
+    chosen = tuple(_engine(name, python) for name in names)
     if not chosen:
         raise Complaint("no engine is installed; 'pip install mujoco pybullet'", NOT_RUN)
     by_lower = {method.name.lower(): method.name for engine in chosen for method in engine.methods}
@@ -233,13 +244,13 @@ def limited(choice: Choice, time_limit: float | None) -> Choice:
     return replace(choice, time_limit=time_limit)
 
 
-def _engine(name: str) -> Engine:
+def _engine(name: str, python: str) -> Engine:
     if name.startswith(CHILD):
         return _child(name.removeprefix(CHILD))
     if name in engines():
         return engines()[name]
     if "@" in name:
-        return _at_version(name)
+        return _at_version(name, python)
     for absent in missing():
         if absent.name == name:
             raise Complaint(
@@ -253,12 +264,12 @@ def _engine(name: str) -> Engine:
     )
 
 
-def _at_version(name: str) -> Engine:
+def _at_version(name: str, python: str) -> Engine:
     """An engine@version, among the engines from now on."""
     from ...engines.versions import VersionError, versioned
 
     try:
-        engine = versioned(name)
+        engine = versioned(name, python)
     except VersionError as error:
         raise Complaint(f"'--engine' {error}", NOT_RUN) from None
     add(engine)

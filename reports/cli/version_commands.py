@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .options import REPORT_FOLDER, AsJson
+from .options import REPORT_FOLDER, AsJson, Python
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table, to_json
 
 if TYPE_CHECKING:
@@ -53,6 +53,7 @@ def versions(
     timestep: Annotated[
         float, typer.Option(min=1e-9, help="s, of the runs that are compared.")
     ] = 1e-3,
+    python: Python = "",
     out: Annotated[Path, typer.Option(help="The folder of the page.")] = REPORT_FOLDER,
     as_json: AsJson = False,
 ) -> None:
@@ -76,7 +77,7 @@ def versions(
         raise Complaint("'versions' takes two versions at the least, oldest first", BAD_INPUT)
     scenes = scenes_to_run([word for word in arguments if word not in numbers] or list(SCENES))
     try:
-        chosen = [versioned(f"{engine}@{number}") for number in numbers]
+        chosen = [versioned(f"{engine}@{number}", python) for number in numbers]
     except VersionError as error:
         raise Complaint(str(error), NOT_RUN) from None
     over = []

@@ -197,5 +197,6 @@ def _print_at_once() -> None:
 
 if __name__ == "__main__":
     _, mark_hex, parent_id, search_path = sys.argv
-    sys.path[:] = json.loads(search_path)
+    # None of another Python, which has its own.
+    sys.path[:] = json.loads(search_path) or sys.path
     serve(bytes.fromhex(mark_hex), int(parent_id))

@@ -16,6 +16,7 @@ import subprocess
 import sys
 import threading
 from contextlib import suppress
+from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import IO, Any
 
@@ -23,6 +24,7 @@ import psutil
 
 from ....engines import Cause
 from ....engines.lost_process import cpu_seconds, is_stopped
+from ....engines.versions.folders import interpreter_of
 from . import worker_main
 from .worker_main import receive, send
 
@@ -54,7 +56,10 @@ class WorkerProcess:
         started: dict[str, Any] = {"process_group": 0, "env": os.environ | ONE_THREAD}
         if sys.platform == "win32":
             program, started = _on_windows()
-        arguments = (self._mark.hex(), os.getpid(), json.dumps([site] * bool(site) + sys.path))
+        path = [site] * bool(site) + sys.path
+        if site and interpreter_of(Path(site)).exists():
+            program, path = str(interpreter_of(Path(site))), []
+        arguments = (self._mark.hex(), os.getpid(), json.dumps(path))
         self._process = subprocess.Popen(
             [program, "-P", worker_main.__file__, *map(str, arguments)],
             stdin=subprocess.PIPE,

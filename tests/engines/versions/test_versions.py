@@ -2,6 +2,7 @@
 
 import pkgutil
 import subprocess
+import venv
 from dataclasses import replace
 from pathlib import Path
 
@@ -64,6 +65,27 @@ def test_without_a_network_one_message_says_so(monkeypatch: pytest.MonkeyPatch) 
 def test_what_is_no_version_is_told(name: str, words: str) -> None:
     with pytest.raises(VersionError, match=words):
         versioned(name)
+
+
+@pytest.mark.parametrize(
+    ("python", "words"),
+    {
+        "no-such-python": "'no-such-python' cannot be started",
+        "echo": "'echo' is no Python 3: it printed",
+    }.items(),
+)
+def test_another_interpreter_that_is_none_is_told(python: str, words: str) -> None:
+    with pytest.raises(VersionError, match=words):
+        versioned("mujoco@3.1.6", python)
+    assert folders.installed() == []
+
+
+def test_a_worker_of_a_virtual_environment_is_of_its_interpreter(cache: Path) -> None:
+    """Made without anything to import: pip is not needed to see which Python runs."""
+    venv.create(cache / "another", with_pip=False, symlinks=True)
+    with LocalWorkers(1) as workers:
+        prefix = workers.call_at(str(cache / "another"), pkgutil.resolve_name, "sys:prefix").value
+    assert prefix == str(cache / "another")
 
 
 def test_versions_are_listed_and_removed_by_name() -> None:
