@@ -12,6 +12,7 @@ import time
 import command_line
 import pytest
 from mutated_scenes import LEAST, written
+from spincheck.engines import engines
 from spincheck.reports.cli import executing
 from spincheck.reports.cli.stopping import ENDING, HEARING
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, NOT_RUN, to_json
@@ -166,6 +167,8 @@ def test_no_temporary_folder_is_told_before_anything_is_run(tmp_path, monkeypatc
     def none() -> str:
         raise FileNotFoundError(errno.ENOENT, "No usable temporary directory found in ['/tmp']")
 
+    # Found once a process, and some use a temporary folder as they are imported.
+    engines()
     monkeypatch.chdir(tmp_path)
     for module in (tempfile, executing):
         monkeypatch.setattr(module, "gettempdir", none)
