@@ -54,7 +54,7 @@ def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
     shipped = [verdict for verdict in verdicts if verdict.as_shipped]
     if shipped:
         good = sum(verdict.verdict == "converges" for verdict in shipped)
-        yield f"As shipped, engines converge {good} times of {len(shipped)}."
+        yield f"With their defaults (as shipped): {good} of {len(shipped)} converge."
 
 
 def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:

@@ -61,10 +61,9 @@ def headline(gathered: ReportData) -> str:
         text += f" Of {pairs} of a scene and a method, {_listed(said)}.{missed}"
     if shipped:
         good = sum(verdict.verdict == "converges" for verdict in shipped)
-        text += f" Left as shipped, with all their defaults, engines converge {good} times of "
-        text += f"{len(shipped)}."
+        text += f" With their defaults (as shipped), {good} of {len(shipped)} pairs converge."
     if hard := len(gathered.scenes) - len(plain.scenes):
-        text += f" What survives {plural(hard, 'hard scene')} besides stands below."
+        text += f" {plural(hard, 'hard scene')} are counted apart, below."
     return text
 
 

@@ -302,4 +302,4 @@ def test_what_engines_do_as_shipped_is_told_apart() -> None:
     gathered = report_data(replace(made, verdicts=verdicts))
     assert complaints(gathered, ("disagrees",)).rows == ()
     assert len(complaints(gathered, ("disagrees",), as_shipped=True).rows) == len(verdicts)
-    assert f"engines converge 0 times of {len(verdicts)}" in headline(gathered)
+    assert f"0 of {len(verdicts)} pairs converge" in headline(gathered)
