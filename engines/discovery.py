@@ -48,7 +48,7 @@ def missing() -> tuple[Missing, ...]:
 
 @cache
 def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
-    found: dict[str, Engine] = {}
+    engines: dict[str, Engine] = {}
     absent: list[Missing] = []
     names = [f"{adapters.__name__}.{info.name}" for info in pkgutil.iter_modules(adapters.__path__)]
     names += [point.value for point in entry_points(group=ENTRY_POINTS)]
@@ -63,11 +63,11 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
         for engine in there:
             if isinstance(engine, Missing):
                 absent.append(engine)
-            elif engine.name in found:
+            elif engine.name in engines:
                 raise ValueError(f"two engines are named '{engine.name}'; rename one.")
             else:
-                found[engine.name] = engine
-    return found, tuple(absent)
+                engines[engine.name] = engine
+    return engines, tuple(absent)
 
 
 def _missing(name: str, error: BaseException) -> Missing:

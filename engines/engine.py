@@ -219,7 +219,7 @@ class Engine(ABC):
         negligible = max(NEGLIGIBLE, self.slack) if self.of_file else NEGLIGIBLE
         numbers = np.float32 if self.single_precision else np.float64
         try:
-            said = equation_residuals(
+            residuals = equation_residuals(
                 lambda scene, timestep: self.open(scene, method, timestep),
                 scenario,
                 float(np.finfo(numbers).eps),
@@ -229,7 +229,7 @@ class Engine(ABC):
             if error.cause in ENVIRONMENTAL:
                 raise
             return ""
-        return "; ".join(said)
+        return "; ".join(residuals)
 
     @final
     def run(
@@ -242,9 +242,9 @@ class Engine(ABC):
         sample_steps : (n,) increasing whole numbers of steps, the first of them 0
         """
 
-        def ended(outcome: Outcome, reason: str, cause: Cause, **known: object) -> Run:
+        def ended(outcome: Outcome, reason: str, cause: Cause, **fields: object) -> Run:
             named = (self.name, self.version, method.name, timestep)
-            return Run(*named, outcome, reason, cause, **known)  # type: ignore[arg-type]
+            return Run(*named, outcome, reason, cause, **fields)  # type: ignore[arg-type]
 
         if reason := self.unsupported(scenario, method):
             return ended("unsupported", reason, "effects")
@@ -267,25 +267,30 @@ class Engine(ABC):
             return ended("unsupported", str(error), error.cause)
         except EngineError as error:
             return ended("failed", str(error), error.cause or "refused")
-        known = _samples(sampled, sample_steps, timestep) | {"active": audited.active}
+        fields = _samples(sampled, sample_steps, timestep) | {"active": audited.active}
         if audited.differs and not method.as_shipped:
-            return ended("failed", audited.differs, "model", **known)
+            return ended("failed", audited.differs, "model", **fields)
         bits = "" if self.single_precision else single_precision(sampled.states)
-        said = [*(found.remark for found in unlike), audited.differs, sampled.reason, bits]
+        remarks = [
+            *(difference.remark for difference in unlike),
+            audited.differs,
+            sampled.reason,
+            bits,
+        ]
         cause = sampled.cause or ("read-back" if unlike else "model" if audited.differs else "")
-        return ended(sampled.outcome, "; ".join(part for part in said if part), cause, **known)
+        return ended(sampled.outcome, "; ".join(part for part in remarks if part), cause, **fields)
 
 
 def _samples(
     sampled: Sampled, sample_steps: NDArray[np.int64], timestep: float
 ) -> dict[str, object]:
     """The good samples as a trajectory, how many steps they took, and where they end."""
-    known: dict[str, object] = {}
+    fields: dict[str, object] = {}
     count = sampled.count
     if count:
         times = np.asarray(sample_steps[:count] * timestep, dtype=float)
-        known["trajectory"] = Trajectory(t=times, **vars(sampled.states))
-        known["steps"] = int(sample_steps[count - 1])
+        fields["trajectory"] = Trajectory(t=times, **vars(sampled.states))
+        fields["steps"] = int(sample_steps[count - 1])
     if sampled.outcome != "ok":
-        known["stopped_at"] = float(sample_steps[count] * timestep)
-    return known
+        fields["stopped_at"] = float(sample_steps[count] * timestep)
+    return fields

@@ -52,7 +52,7 @@ def explanation(equations: Equations, gains: Sequence[Gain], noise: FloatArray) 
     excess = np.array([gain.excess for gain in gains])
     weights = 1 / np.maximum(noise, NO_SIZE)[..., None]
     seen = (weights * excess).ravel()
-    found = []
+    candidates = []
     for change in _changes(equations, gains):
         matrix = (weights[..., None] * change.effects).reshape(len(seen), -1)
         # Of numbers that make no difference, such as a free body's scale, none is changed.
@@ -62,10 +62,10 @@ def explanation(equations: Equations, gains: Sequence[Gain], noise: FloatArray) 
         slack = np.abs(seen).max() * min(max(LINEAR, size), LINEAR_AT_MOST)
         rest = float(np.abs(left).max())
         if rest <= max(1.0, slack) and (words := change.words(theta)):
-            found.append((count, rest, words))
-    if not found:
+            candidates.append((count, rest, words))
+    if not candidates:
         return ""
-    fewest = [one for one in found if one[0] == min(found)[0]]
+    fewest = [one for one in candidates if one[0] == min(candidates)[0]]
     # Some are the same change by another name; the first of them is told.
     best = min(rest for _, rest, _ in fewest)
     return next(words for _, rest, words in fewest if rest <= max(1.0, ALIKE * best))

@@ -47,10 +47,12 @@ def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
         if not finite.all():
             yield Fault(_first(~finite.all(axis=1)), "not-finite", "the state is no longer finite")
     sizes = norms(states.q_world_body_wxyz)
-    off = np.abs(sizes - 1) > Trajectory.UNIT_NORM_SLACK
-    if off.any():
-        norm = sizes[_first(off)]
-        yield Fault(_first(off), "not-unit", f"the attitude's quaternion is of norm {norm:.3g}")
+    not_unit = np.abs(sizes - 1) > Trajectory.UNIT_NORM_SLACK
+    if not_unit.any():
+        norm = sizes[_first(not_unit)]
+        yield Fault(
+            _first(not_unit), "not-unit", f"the attitude's quaternion is of norm {norm:.3g}"
+        )
     speeds = norms(states.omega_body)
     clamped = speeds * timestep > bounds.most_turn
     if clamped.any():

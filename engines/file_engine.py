@@ -44,10 +44,10 @@ class FileEngine(Engine):
         self, scenario: Scenario, method: str, body: BodyReading, state: State
     ) -> list[Difference]:
         """As of any engine; those of the body in the words of `inspect`."""
-        found = super().differences(scenario, method, body, state)
-        others = [one for one in found if one.what not in OF_BODY]
-        if len(others) == len(found):
-            return found
+        differing = super().differences(scenario, method, body, state)
+        others = [one for one in differing if one.what not in OF_BODY]
+        if len(others) == len(differing):
+            return differing
         link = users_link(scenario).link
         assert link.stated is not None, "a link that states nothing is refused"
         # The scene's numbers are what is simulated; the file tells what they would be unturned.

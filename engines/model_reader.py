@@ -63,7 +63,7 @@ class ModelReader(ABC):
 @cache
 def model_readers() -> dict[str, ModelReader]:
     """The readers of the engines that are installed, by name, sorted."""
-    found: dict[str, ModelReader] = {}
+    readers: dict[str, ModelReader] = {}
     for package in pkgutil.iter_modules(adapters.__path__):
         where = f"{adapters.__name__}.{package.name}"
         if not package.ispkg:
@@ -79,5 +79,5 @@ def model_readers() -> dict[str, ModelReader]:
             continue
         for cls in vars(module).values() if module else ():
             if isinstance(cls, type) and issubclass(cls, ModelReader) and not isabstract(cls):
-                found[cls.name] = cls()
-    return dict(sorted(found.items()))
+                readers[cls.name] = cls()
+    return dict(sorted(readers.items()))

@@ -99,16 +99,16 @@ def differences(
     ----------
     slack : allowed difference, relative to the size of each quantity
     """
-    found = []
+    differing = []
     for what, got, wanted, size in _pairs(scenario, held, state):
         largest = float(np.abs(np.subtract(got, wanted)).max())
         if not largest <= slack * size:
-            found.append(Difference(what, wanted, got, largest / size if size else np.inf))
+            differing.append(Difference(what, wanted, got, largest / size if size else np.inf))
     wanted_q, got_q = scenario.start.q_world_body_wxyz, state.q_world_body_wxyz
     angle = float(norms(rotation_vectors(got_q[None], wanted_q[None]))[0])
     if not angle <= slack:
-        found.append(Difference("q_world_body_wxyz", wanted_q, got_q, angle))
-    return found
+        differing.append(Difference("q_world_body_wxyz", wanted_q, got_q, angle))
+    return differing
 
 
 def _pairs(

@@ -147,18 +147,18 @@ def _looked_at(
     session: Session, snapshots: list[Any], reading: Reading, end: _Block, bounds: Bounds
 ) -> _Block:
     """A block's states up to the first that is bad."""
-    found = list(faults(reading, bounds))
+    block_faults = list(faults(reading, bounds))
     if fault := session.first_fault(snapshots, reading.states):
-        found.insert(0, fault)
+        block_faults.insert(0, fault)
     elif end.outcome == "ok":
         try:
             session.check()
         except EngineError as error:
             # It happened somewhere in the block.
-            found.insert(0, Fault(0, error.cause or "warning", str(error)))
-    if not found:
+            block_faults.insert(0, Fault(0, error.cause or "warning", str(error)))
+    if not block_faults:
         return _Block(reading.states, end.outcome, end.reason, end.cause)
-    worst = min(found, key=lambda fault: fault.index)
+    worst = min(block_faults, key=lambda fault: fault.index)
     outcome: Outcome = "failed" if worst.cause in WRONG_AT_ANY_TIMESTEP else "diverged"
     return _Block(_rows(reading.states, slice(worst.index)), outcome, worst.reason, worst.cause)
 

@@ -64,19 +64,19 @@ def facts(scenario: Scenario) -> list[Fact]:
     """Everything that applies to a scene, in the order to be read."""
     problem = rotational_problem(scenario)
     start = _start(scenario, problem)
-    found = list(_of_any_body(scenario, problem, start))
+    scene_facts = list(_of_any_body(scenario, problem, start))
     axis = symmetry_axis(problem)
     top = heavy_symmetric_top(problem)
     if top is not None:
-        found += _of_a_heavy_top(top)
+        scene_facts += _of_a_heavy_top(top)
         if is_undriven(problem):
-            found += _of_nutation(top)
+            scene_facts += _of_nutation(top)
     elif is_free(problem):
-        found += _of_a_free_body(problem) if axis is None else _of_a_free_top(problem)
-    found += _of_an_integrable_case(problem, start)
+        scene_facts += _of_a_free_body(problem) if axis is None else _of_a_free_top(problem)
+    scene_facts += _of_an_integrable_case(problem, start)
     if problem.drag and axis is not None:
-        found.append(_spin_down(problem))
-    return found
+        scene_facts.append(_spin_down(problem))
+    return scene_facts
 
 
 def _start(scenario: Scenario, problem: Problem) -> Trajectory:

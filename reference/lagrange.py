@@ -64,12 +64,12 @@ def lagrange(problem: Problem) -> ClosedForm:
         I1, I3 = moments_across_and_along(problem, axis)
         if _rests_at_a_pole(start, omega, mp.sqrt(kappa / I1)):
             return rigid_rotation(problem)
-        known = constants(start, omega, 2 * kappa / I1, I3 * omega[2] / I1)
-        swing = nutation(known)
+        constants_of_motion = constants(start, omega, 2 * kappa / I1, I3 * omega[2] / I1)
+        swing = nutation(constants_of_motion)
     with mp.workdps(DIGITS):
         if swing is None:
-            return _steady(frames, start, omega, known)
-        return _swinging(frames, start, omega, known, swing)
+            return _steady(frames, start, omega, constants_of_motion)
+        return _swinging(frames, start, omega, constants_of_motion, swing)
 
 
 def _frames(problem: Problem, triad: tuple[Vector, Vector, Vector]) -> Frames:
@@ -100,27 +100,36 @@ def _rests_at_a_pole(start: CayleyKlein, omega: Vector, rate: mpf) -> bool:
     return equal(near, 0, 1) and equal(abs(transverse(omega)), 0, rate + abs(omega[2]))
 
 
-def _steady(frames: Frames, start: CayleyKlein, omega: Vector, known: Constants) -> ClosedForm:
+def _steady(
+    frames: Frames, start: CayleyKlein, omega: Vector, constants_of_motion: Constants
+) -> ClosedForm:
     """Steady precession: the phases of A and B turn at constant rates, and |A|, |B| stay."""
-    delta, spin = known.delta, omega[2] - known.d
-    above, below = (2 - delta, delta) if known.pole > 0 else (delta, 2 - delta)
-    rates = ((known.c_plus_d / above + spin) / 2, (known.c_minus_d / below - spin) / 2)
-    u = float(known.pole * (1 - delta))
+    delta, spin = constants_of_motion.delta, omega[2] - constants_of_motion.d
+    above, below = (2 - delta, delta) if constants_of_motion.pole > 0 else (delta, 2 - delta)
+    rates = (
+        (constants_of_motion.c_plus_d / above + spin) / 2,
+        (constants_of_motion.c_minus_d / below - spin) / 2,
+    )
+    u = float(constants_of_motion.pole * (1 - delta))
     return replace(regular_precession(frames, start, omega, rates), turning_points=(u, u))
 
 
 def _swinging(
-    frames: Frames, start: CayleyKlein, omega: Vector, known: Constants, swing: Nutation
+    frames: Frames,
+    start: CayleyKlein,
+    omega: Vector,
+    constants_of_motion: Constants,
+    swing: Nutation,
 ) -> ClosedForm:
     lattice = swing.lattice
     u0 = first_kind(swing.sin_squared, swing.cos_squared, lattice.m1)
-    at_start = (u0 if known.rising else -u0) * lattice.scale
+    at_start = (u0 if constants_of_motion.rising else -u0) * lattice.scale
     clock = Clock(lattice, swing.p * lattice.scale, at_start)
     rows, residual = [], mpf(0)
     for numerator, begin, log_rate in zip(
-        _numerators(known, swing),
-        _starts(start, omega, known),
-        _log_rates(omega, known, swing),
+        _numerators(constants_of_motion, swing),
+        _starts(start, omega, constants_of_motion),
+        _log_rates(omega, constants_of_motion, swing),
         strict=True,
     ):
         quotient, error = fitted(clock, numerator, 2, begin, log_rate)
@@ -136,15 +145,19 @@ def _swinging(
     )
 
 
-def _starts(start: CayleyKlein, omega: Vector, known: Constants) -> tuple[Start, Start, Start]:
+def _starts(
+    start: CayleyKlein, omega: Vector, constants_of_motion: Constants
+) -> tuple[Start, Start, Start]:
     """A, B and W at t = 0; W' = i (ω3 − d) W + b A B* is Euler's equation."""
     W = transverse(omega)
-    W_rate = mpc(0, omega[2] - known.d) * W + known.b * start.A * mp.conj(start.B)
+    W_rate = mpc(
+        0, omega[2] - constants_of_motion.d
+    ) * W + constants_of_motion.b * start.A * mp.conj(start.B)
     A_rate, B_rate = start.rates(omega)
     return Start(start.A, A_rate), Start(start.B, B_rate), Start(W, W_rate)
 
 
-def _numerators(known: Constants, swing: Nutation) -> tuple[Theta, Theta, Theta]:
+def _numerators(constants_of_motion: Constants, swing: Nutation) -> tuple[Theta, Theta, Theta]:
     """θ1 or θ2 with the imaginary part of u at which A, B and W vanish.
 
     u = −1 at u = iy with sc²(y|m1) = (1 + u1)/(u2 − u1); u = 1 and u = U at K + iy with
@@ -157,10 +170,10 @@ def _numerators(known: Constants, swing: Nutation) -> tuple[Theta, Theta, Theta]
     if lattice.m1:
         y_B = _zero_beyond(below[1], -below[2], swing)
         y_W = _zero_beyond(swing.U2, max(swing.u32 - swing.U2, mpf(0)), swing)
-    at_U = known.c_minus_d_times(below[1] - swing.U2, above[1] + swing.U2)
+    at_U = constants_of_motion.c_minus_d_times(below[1] - swing.U2, above[1] + swing.U2)
     return (
-        theta(1, lattice, _sign(known.c_plus_d) * y_A),
-        theta(2, lattice, _sign(known.c_minus_d) * y_B),
+        theta(1, lattice, _sign(constants_of_motion.c_plus_d) * y_A),
+        theta(2, lattice, _sign(constants_of_motion.c_minus_d) * y_B),
         theta(2, lattice, _sign(at_U) * y_W),
     )
 
@@ -177,10 +190,10 @@ def _sign(value: mpf) -> int:
 
 
 def _log_rates(
-    omega: Vector, known: Constants, swing: Nutation
+    omega: Vector, constants_of_motion: Constants, swing: Nutation
 ) -> tuple[LogRate, LogRate, LogRate]:
     """A'/A, B'/B and W'/W as functions of x, from u, u̇ and the constants of motion."""
-    functions, spin = jacobi(swing.lattice), omega[2] - known.d
+    functions, spin = jacobi(swing.lattice), omega[2] - constants_of_motion.d
 
     def height(x: mpf) -> tuple[mpf, mpf, mpf]:
         """sn², cn² and u̇."""
@@ -189,17 +202,20 @@ def _log_rates(
 
     def of_A(x: mpf) -> mpc:
         sn2, _, u_rate = height(x)
-        return (mpc(u_rate, known.c_plus_d) / (swing.above[0] + swing.u21 * sn2) + mpc(0, spin)) / 2
+        return (
+            mpc(u_rate, constants_of_motion.c_plus_d) / (swing.above[0] + swing.u21 * sn2)
+            + mpc(0, spin)
+        ) / 2
 
     def of_B(x: mpf) -> mpc:
         _, cn2, u_rate = height(x)
         below = swing.below[1] + swing.u21 * cn2
-        return (mpc(-u_rate, known.c_minus_d) / below - mpc(0, spin)) / 2
+        return (mpc(-u_rate, constants_of_motion.c_minus_d) / below - mpc(0, spin)) / 2
 
     def of_W(x: mpf) -> mpc:
         sn2, cn2, u_rate = height(x)
         below, above = swing.below[1] + swing.u21 * cn2, swing.above[0] + swing.u21 * sn2
-        turn = mpc(-u_rate, known.c_minus_d_times(below, above))
+        turn = mpc(-u_rate, constants_of_motion.c_minus_d_times(below, above))
         return turn / (2 * (swing.U2 + swing.u21 * cn2)) + mpc(0, spin)
 
     return of_A, of_B, of_W

@@ -86,9 +86,9 @@ class AxisMotion:
     def turns(self) -> tuple[FloatArray, FloatArray]:
         """Times at which the angle is least, and at which it is largest, between the samples."""
         height = PPoly(self.along.c[..., 2], self.along.x)
-        found = _roots(height.derivative())
-        bend = height.derivative(2)(found)
-        return found[bend < 0], found[bend > 0]
+        turning_times = _roots(height.derivative())
+        bend = height.derivative(2)(turning_times)
+        return turning_times[bend < 0], turning_times[bend > 0]
 
     def azimuth_rate(self) -> FloatArray:
         """Of the axis about the direction, at the samples, rad/s; NaN where they coincide."""

@@ -88,11 +88,11 @@ def _increasing(times: FloatArray) -> FloatArray:
 
 def _part(together: Solution, times: FloatArray) -> Solution:
     """A solution at some of its times, up to its horizon."""
-    known = (
+    count = (
         len(times) if together.horizon is None else int(np.searchsorted(times, together.horizon))
     )
-    at = np.searchsorted(together.trajectory.t, times[:known])
-    horizon = float(times[known]) if known < len(times) else None
+    at = np.searchsorted(together.trajectory.t, times[:count])
+    horizon = float(times[count]) if count < len(times) else None
     return replace(together, trajectory=together.trajectory.at(at), horizon=horizon)
 
 
@@ -134,11 +134,13 @@ def _apart_from_ode(scenario: Scenario, problem: Problem, by_form: Trajectory) -
     if max(value for _, value in difference) <= ROUNDING:
         return difference
     finest = by_ode(FINE_ORDERS)
-    n = _known(scenario, finest, usual)
+    n = _count_of_agreeing_samples(scenario, finest, usual)
     return errors_between(scenario, by_form.until(n), finest.until(n))
 
 
-def _known(scenario: Scenario, trajectory: Trajectory, coarser: Trajectory) -> int:
+def _count_of_agreeing_samples(
+    scenario: Scenario, trajectory: Trajectory, coarser: Trajectory
+) -> int:
     """Samples up to which a coarser series finds the same motion."""
     series = error_series(scenario, trajectory, coarser)
     beyond = np.flatnonzero(np.maximum(series.omega, series.attitude) > MAX_UNCERTAINTY)
@@ -191,10 +193,10 @@ def _integrated_to_horizon(
         return motion(scenario, problem, times, integrate(problem, times, orders))
 
     coarser, trajectory = integrated(CHECK_ORDERS), integrated(TRUTH_ORDERS)
-    n = _known(scenario, trajectory, coarser)
+    n = _count_of_agreeing_samples(scenario, trajectory, coarser)
     if n < len(times):  # chaos: where the usual series ends, the dearest goes on
         coarser, trajectory = trajectory, integrated(FINE_ORDERS)
-        n = _known(scenario, trajectory, coarser)
+        n = _count_of_agreeing_samples(scenario, trajectory, coarser)
     if n == 0:
         raise IntegrationError(
             f"The motion is chaotic and not known any more at {times[0]} s. Ask for earlier times."

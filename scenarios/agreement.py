@@ -88,15 +88,15 @@ class ErrorNorm:
         apart = table - other
         # Of what has blown up the square may be too large for a double.
         with np.errstate(over="ignore"):
-            found: FloatArray = np.sqrt(np.add.reduceat(apart * apart, _FIRST_COLUMNS, axis=1))
-        found[:, _ENERGY] = np.abs(apart[:, _FIRST_COLUMNS[_ENERGY]])
+            distances: FloatArray = np.sqrt(np.add.reduceat(apart * apart, _FIRST_COLUMNS, axis=1))
+        distances[:, _ENERGY] = np.abs(apart[:, _FIRST_COLUMNS[_ENERGY]])
         # The chord between unit quaternions is 2 sin of a quarter of the angle.
-        half_chord = np.minimum(found[:, _ATTITUDE] / 2, 1.0)
-        found[:, _ATTITUDE] = 4 * np.arcsin(half_chord)
+        half_chord = np.minimum(distances[:, _ATTITUDE] / 2, 1.0)
+        distances[:, _ATTITUDE] = 4 * np.arcsin(half_chord)
         if self._bases.all():
-            return found / self._bases
+            return distances / self._bases
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(found > 0, found / self._bases, 0.0)
+            return np.where(distances > 0, distances / self._bases, 0.0)
 
     def extrapolated(
         self, coarse: FloatArray, fine: FloatArray, orders: FloatArray | list[int]

@@ -18,9 +18,9 @@ def scenario_files(folder: Path) -> list[Path]:
     ScenarioError
         If two files share a name: a scene is known by its file's stem.
     """
-    found = [path for path in sorted(folder.rglob("*.toml")) if is_scenario(path)]
-    _check_unique(found)
-    return found
+    paths = [path for path in sorted(folder.rglob("*.toml")) if is_scenario(path)]
+    _check_unique(paths)
+    return paths
 
 
 def find(names: Iterable[str]) -> list[Path]:
@@ -55,10 +55,10 @@ def _find_one(name: str) -> list[Path]:
         raise ScenarioError(f"{printable(name)}: cannot be read: {error.strerror}") from None
     folder = path if path.is_dir() or not name.isidentifier() else LIBRARY / name
     if folder.is_dir():
-        found = scenario_files(folder)
-        if not found:
+        paths = scenario_files(folder)
+        if not paths:
             raise ScenarioError(f"{printable(name)}: no scenario in this folder")
-        return found
+        return paths
     matches = [path for path in _library() if path.stem == name]
     if not matches:
         raise ScenarioError(

@@ -27,16 +27,16 @@ _UNION_ARMS = (
 _IN_TOML = {"model_type": "must be a table", "tuple_type": "must be an array"}
 
 
-def told(details: list[ErrorDetails], text: str, where: str) -> str:
+def validation_message(details: list[ErrorDetails], text: str, where: str) -> str:
     """What is wrong, one line for a key, however much is wrong with its entries."""
-    told: dict[Keys, str] = {}
+    lines: dict[Keys, str] = {}
     for detail in details:
         keys = _keys(detail)
-        if (key := _without_entries(keys)) not in told and len(told) < MAX_COMPLAINTS:
-            told[key] = at(where, line_of(text, keys), _explain(detail, keys))
+        if (key := _without_entries(keys)) not in lines and len(lines) < MAX_COMPLAINTS:
+            lines[key] = at(where, line_of(text, keys), _explain(detail, keys))
     if len(details) > MAX_COMPLAINTS:
-        return "\n".join([*told.values(), f"{where}: and more is wrong"])
-    return "\n".join(told.values())
+        return "\n".join([*lines.values(), f"{where}: and more is wrong"])
+    return "\n".join(lines.values())
 
 
 def misfit(error: Misfit, text: str, where: str) -> str:
@@ -105,11 +105,11 @@ def _rule(detail: ErrorDetails, keys: Keys) -> str:
     return f"{message}, got {_shown(detail['input'])}"
 
 
-def _unknown_key(key: str, known: Iterable[str]) -> str:
-    known = sorted(known)
-    close = difflib.get_close_matches(key, known, n=1)
+def _unknown_key(key: str, known_keys: Iterable[str]) -> str:
+    known_keys = sorted(known_keys)
+    close = difflib.get_close_matches(key, known_keys, n=1)
     hint = f"did you mean '{close[0]}'? " if close else ""
-    return f"unknown key; {hint}known keys: {', '.join(known)}"
+    return f"unknown key; {hint}known keys: {', '.join(known_keys)}"
 
 
 def _known_keys(table: Keys) -> list[str]:

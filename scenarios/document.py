@@ -59,19 +59,19 @@ class BodyTable(Table):
     @model_validator(mode="after")
     def _whole_origin(self) -> Self:
         origin = ("model", "link", "sha256")
-        given = [key for key in origin if getattr(self, key) is not None]
-        if given and len(given) < len(origin):
-            missing = [key for key in origin if key not in given]
-            raise ValueError(f"{_names(given)} needs {_names(missing)} besides")
+        stated_keys = [key for key in origin if getattr(self, key) is not None]
+        if stated_keys and len(stated_keys) < len(origin):
+            missing = [key for key in origin if key not in stated_keys]
+            raise ValueError(f"{_names(stated_keys)} needs {_names(missing)} besides")
         return self
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
-        given = {"mass", "inertia", "inertia_about", "com"} & self.model_fields_set
+        stated_keys = {"mass", "inertia", "inertia_about", "com"} & self.model_fields_set
         if self.particles is not None:
-            if given:
+            if stated_keys:
                 raise ValueError(
-                    f"'particles' replaces mass, com and inertia; remove {_names(given)}"
+                    f"'particles' replaces mass, com and inertia; remove {_names(stated_keys)}"
                 )
         elif missing := [key for key in ("mass", "inertia") if getattr(self, key) is None]:
             raise ValueError(f"missing {_names(missing)}; or give 'particles'")
@@ -130,9 +130,9 @@ class StartTable(Table):
         return self
 
     def _exactly_one(self, what: str, keys: tuple[str, ...]) -> None:
-        given = [key for key in keys if getattr(self, key) is not None]
-        if len(given) != 1:
-            got = _names(given) if given else "none"
+        stated_keys = [key for key in keys if getattr(self, key) is not None]
+        if len(stated_keys) != 1:
+            got = _names(stated_keys) if stated_keys else "none"
             raise ValueError(f"{what} takes exactly one of {_names(keys)}; got {got}")
 
 
@@ -225,18 +225,18 @@ class Published(Table):
     @model_validator(mode="after")
     def _something(self) -> Self:
         if not self.values():
-            known = set(type(self).model_fields) - {"t", "tolerance", "source"}
-            raise ValueError(f"names no value to compare with; give any of {_names(known)}")
+            quantities = set(type(self).model_fields) - {"t", "tolerance", "source"}
+            raise ValueError(f"names no value to compare with; give any of {_names(quantities)}")
         if self.quaternion_wxyz is not None:
             check_unit(self.quaternion_wxyz)
         return self
 
     def values(self) -> dict[str, Any]:
         """The quantities given, by name; None for components that are not."""
-        given = self.model_dump(exclude={"t", "tolerance", "source"})
+        fields = self.model_dump(exclude={"t", "tolerance", "source"})
         return {
             name: tuple(value.values()) if isinstance(value, dict) else value
-            for name, value in given.items()
+            for name, value in fields.items()
             if value is not None
         }
 

@@ -25,9 +25,9 @@ class Misfit(ValueError):
         self.keys = keys
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
+def did_you_mean(name: str, names: Iterable[str]) -> str:
     """What to add to a complaint about a name: the nearest of those that are known, if one is."""
-    near = get_close_matches(name, list(known), n=1)
+    near = get_close_matches(name, list(names), n=1)
     return f"; did you mean '{near[0]}'?" if near else ""
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from .complaints import MAX_SHOWN, at, misfit, told
+from .complaints import MAX_SHOWN, at, misfit, validation_message
 from .document import Document
 from .errors import Misfit, ScenarioError, printable
 from .origin import check_origin
@@ -68,7 +68,7 @@ def loads(text: str, name: str, path: Path | None = None) -> Scenario:
     except RecursionError:
         raise ScenarioError(f"{where}: not valid TOML: nested too deeply") from None
     except ValidationError as error:
-        raise ScenarioError(told(error.errors(), text, where)) from None
+        raise ScenarioError(validation_message(error.errors(), text, where)) from None
     except Misfit as error:
         raise ScenarioError(misfit(error, text, where)) from None
 
@@ -86,14 +86,14 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         message = printable(str(error), MAX_SHOWN)
-        found = _PARSER_LINE.search(str(error))
+        match = _PARSER_LINE.search(str(error))
         # It names no line at the end of the text.
-        last = int(found[1]) if found else len(text.splitlines())
+        last = int(match[1]) if match else len(text.splitlines())
         raise ScenarioError(at(where, last, f"not valid TOML: {message}")) from None
     except ValueError:
         # Python's own limit on the digits of an integer.
-        found = _MANY_DIGITS.search(text)
-        line = text.count("\n", 0, found.start()) + 1 if found else None
+        match = _MANY_DIGITS.search(text)
+        line = text.count("\n", 0, match.start()) + 1 if match else None
         raise ScenarioError(at(where, line, "not valid TOML: an integer is too large")) from None
     if MARKER not in tables:
         raise ScenarioError(f"{where}: not a scenario: the first key must be 'spincheck = 1'")

@@ -28,7 +28,7 @@ def line_of(text: str, keys: Keys) -> int | None:
 @lru_cache(maxsize=1)  # every complaint about a file asks for them again
 def _key_lines(text: str) -> dict[Keys, int]:
     """Where every table and key begins. Keys inside inline tables are not looked for."""
-    found: dict[Keys, int] = {}
+    lines: dict[Keys, int] = {}
     table: Keys = ()
     seen: dict[str, int] = {}
     quote: str | None = None
@@ -36,11 +36,11 @@ def _key_lines(text: str) -> dict[Keys, int]:
         if quote is None:
             if header := _HEADER.match(line):
                 table = _table_path(header[1], header[2], seen)
-                found.setdefault(table, number)
+                lines.setdefault(table, number)
             elif key := _KEY.match(line):
-                found.setdefault((*table, *key[1].split(".")), number)
+                lines.setdefault((*table, *key[1].split(".")), number)
         quote = _open_quote(line, quote)
-    return found
+    return lines
 
 
 def _table_path(brackets: str, name: str, seen: dict[str, int]) -> Keys:

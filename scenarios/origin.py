@@ -23,12 +23,12 @@ def check_origin(scenario: Scenario) -> None:
     if body.model is None or scenario.path is None:
         return
     try:
-        found = digest(scenario.path.parent / body.model)
+        sha256 = digest(scenario.path.parent / body.model)
     except ModelFileError as error:
         raise Misfit(str(error), "body", "model") from None
-    if found != body.sha256:
+    if sha256 != body.sha256:
         raise Misfit(
-            f"'{body.model}' has changed since this scene was made of it: its sha256 is {found}; "
+            f"'{body.model}' has changed since this scene was made of it: its sha256 is {sha256}; "
             "import it again, or take 'model', 'link' and 'sha256' away",
             *("body", "sha256"),
         )

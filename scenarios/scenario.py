@@ -204,9 +204,9 @@ def _omega_body(table: StartTable, q_world_body: exact.Quaternion) -> exact.Vect
     if table.euler_zyz_rates is not None:
         assert table.euler_zyz_deg is not None
         return exact.omega_body_from_zyz_rates(table.euler_zyz_deg, table.euler_zyz_rates)
-    given = table.omega_body if table.omega_body is not None else table.omega_world
-    assert given is not None
-    x, y, z = exact.exact(given)
+    omega = table.omega_body if table.omega_body is not None else table.omega_world
+    assert omega is not None
+    x, y, z = exact.exact(omega)
     if table.omega_body is not None:
         return (x, y, z)
     with mp.workdps(exact.DIGITS):

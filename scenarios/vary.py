@@ -62,8 +62,8 @@ def parse_axis(text: str) -> Axis:
     VaryError
         If it is written otherwise, or the range is empty.
     """
-    path, _, told = text.partition("=")
-    low_text, _, rest = told.partition(":")
+    path, _, range_text = text.partition("=")
+    low_text, _, rest = range_text.partition(":")
     high_text, *options = rest.split(":")
     logarithmic = options[-1:] == ["log"]
     counts = options[:-1] if logarithmic else options
@@ -96,11 +96,11 @@ def check_path(scenario: Scenario, path: str) -> None:
     VaryError
         If it does not.
     """
-    known = [*numbers(tomllib.loads(scenario.text)), TIMESTEP]
-    if path not in known:
-        close = difflib.get_close_matches(path, known, n=1)
+    paths = [*numbers(tomllib.loads(scenario.text)), TIMESTEP]
+    if path not in paths:
+        close = difflib.get_close_matches(path, paths, n=1)
         hint = f"did you mean '{close[0]}'? " if close else ""
-        listed = ", ".join(known)
+        listed = ", ".join(paths)
         raise VaryError(f"{path}: no number of {scenario.name}; {hint}its numbers: {listed}")
 
 
@@ -126,8 +126,8 @@ def varied(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
     changed = own_tables(scenario)
     for path, value in values.items():
         _set(changed, path, value)
-    said = ", ".join(f"{path} = {value!r}" for path, value in values.items())
-    return rewritten(scenario, changed, said)
+    changes = ", ".join(f"{path} = {value!r}" for path, value in values.items())
+    return rewritten(scenario, changed, changes)
 
 
 def own_tables(scenario: Scenario) -> dict[str, Any]:
@@ -136,7 +136,7 @@ def own_tables(scenario: Scenario) -> dict[str, Any]:
     return {key: value for key, value in tables.items() if key not in _OF_THE_SCENE_ALONE}
 
 
-def rewritten(scenario: Scenario, tables: Mapping[str, Any], said: str) -> Scenario:
+def rewritten(scenario: Scenario, tables: Mapping[str, Any], changes: str) -> Scenario:
     """A scene made of other tables, under the same name; its title says what is different.
 
     Raises
@@ -145,8 +145,8 @@ def rewritten(scenario: Scenario, tables: Mapping[str, Any], said: str) -> Scena
         If there is no such scene.
     """
     changed = deepcopy(dict(tables))
-    if said:
-        changed["title"] = f"{scenario.title}, with {said}"
+    if changes:
+        changed["title"] = f"{scenario.title}, with {changes}"
     return loads(to_toml(changed), scenario.name)
 
 

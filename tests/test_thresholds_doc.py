@@ -9,7 +9,9 @@ TEMPLATES = ROOT / "reports" / "pages" / "templates"
 
 def test_reports_print_the_table_of_the_docs() -> None:
     assert (TEMPLATES / "thresholds.md").read_text(encoding="utf-8") == f"#{PAGE}"
-    assert '{% include "thresholds.md" %}' in (TEMPLATES / "protocol.md").read_text(encoding="utf-8")
+    assert '{% include "thresholds.md" %}' in (TEMPLATES / "protocol.md").read_text(
+        encoding="utf-8"
+    )
 
 
 def test_no_kind_of_fault_goes_undetected() -> None:

@@ -144,19 +144,26 @@ class ExudynSession(Session):
     def active(self) -> frozenset[str]:
         """What is in the system: its loads and its objects, by strength."""
         system, numbers = self._system, self._system.systemData
-        found = set()
+        acting = set()
         for number in range(numbers.NumberOfLoads()):
-            found.add(self._of_load(system.GetLoad(number)))
+            acting.add(self._of_load(system.GetLoad(number)))
         kinds = []
         for number in range(numbers.NumberOfObjects()):
             held = system.GetObject(number)
             kinds.append(held["objectType"])
             if held["objectType"] == "ConnectorRigidBodySpringDamper":
-                found.add(self._of_damper(held))
+                acting.add(self._of_damper(held))
         if kinds.count("ConnectorCoordinate") == len(PLACE):
-            found.add("pivot")
-        known = {"RigidBody", "Ground", "ConnectorCoordinate", "ConnectorRigidBodySpringDamper"}
-        return frozenset(found | {f"an object of type {kind}" for kind in set(kinds) - known})
+            acting.add("pivot")
+        expected_kinds = {
+            "RigidBody",
+            "Ground",
+            "ConnectorCoordinate",
+            "ConnectorRigidBodySpringDamper",
+        }
+        return frozenset(
+            acting | {f"an object of type {kind}" for kind in set(kinds) - expected_kinds}
+        )
 
     def _of_load(self, held: Any) -> str:
         vector, scenario = np.array(held["loadVector"]), self._scenario

@@ -130,9 +130,9 @@ class Rapier3DSession(Session):
             "no gyroscopic torque": not body.gyroscopic_forces_enabled,
             "a rotation clamp": not body.allow_fast_rotation,
         }
-        found = {name for name, acts in named.items() if acts}
-        given = scenario.called_for & {"drag", "torque_body", "torque_world"}
-        return frozenset(found | given if held.any() else found)
+        acting = {name for name, acts in named.items() if acts}
+        stated_effects = scenario.called_for & {"drag", "torque_body", "torque_world"}
+        return frozenset(acting | stated_effects if held.any() else acting)
 
     def close(self) -> None:
         """Drop the world."""

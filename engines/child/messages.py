@@ -189,8 +189,8 @@ def parse(line: bytes, number: int, expected: type[A]) -> A | Refusal:
     try:
         answer: Any = json.loads(line, parse_constant=_no_number)
     except (ValueError, RecursionError) as error:
-        said = str(error) if isinstance(error, Misanswer) else f"is not JSON: {_quoted(line)}"
-        raise Misanswer(said) from None
+        fault = str(error) if isinstance(error, Misanswer) else f"is not JSON: {_quoted(line)}"
+        raise Misanswer(fault) from None
     if not isinstance(answer, dict):
         raise Misanswer(f"is not a JSON object: {_quoted(line)}")
     if answer.pop("id", None) != number:

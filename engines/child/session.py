@@ -38,8 +38,8 @@ class ChildSession(Session):
     ) -> None:
         self._child, self._scenario = child, scenario
         self._body_from_axes = _rotation(principal_frame(scenario.body).q_body_axes_wxyz)
-        told = scene_for_child(scenario)
-        self._held = child.ask(Opened, "open", scene=told, method=method, timestep=timestep)
+        scene = scene_for_child(scenario)
+        self._held = child.ask(Opened, "open", scene=scene, method=method, timestep=timestep)
         self._state: StateRow | Stepped = self._held.state
         self._left = 0
 

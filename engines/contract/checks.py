@@ -50,8 +50,8 @@ def holds_the_scene_and_only_its_effects_act(engine: Engine, method: Method) -> 
 def begins_as_the_equations_of_motion_say(engine: Engine, method: Method) -> None:
     """The first steps obey Euler's and Newton's equations of the scene: effects, units, frames."""
     for scene in _scenes(engine, method):
-        said = engine.equation_residuals(scene, method)
-        _require(not said, engine, method, scene, said)
+        residuals = engine.equation_residuals(scene, method)
+        _require(not residuals, engine, method, scene, residuals)
 
 
 def is_of_the_declared_order(engine: Engine, method: Method) -> None:

@@ -60,8 +60,8 @@ def cause(
         distance = float(np.linalg.norm(body.com - stated.com))
         causes.append(f"com {1000 * distance:.3g} mm off")
     if apart.inertia > AGREES:
-        kind, told = _of_tensor(stated, body.inertia_com, apart, problems, made_up)
-        causes.append(told)
+        kind, sentence = _of_tensor(stated, body.inertia_com, apart, problems, made_up)
+        causes.append(sentence)
     return kind, "; ".join(causes)
 
 
@@ -82,10 +82,10 @@ def _of_tensor(
     if made_up:
         return "made up", f"{made_up}: {size}"
     if moments_alike(stated.inertia, held):
-        lost = _close(held, stated.unturned)
-        why = ": the rotation of its inertial frame is lost" if lost else ""
-        told = f"moments kept, axes turned by {apart.axes_deg:.3g}°{why}"
-        return ("rotation lost" if lost else "turned"), told
+        rotation_lost = _close(held, stated.unturned)
+        why = ": the rotation of its inertial frame is lost" if rotation_lost else ""
+        sentence = f"moments kept, axes turned by {apart.axes_deg:.3g}°{why}"
+        return ("rotation lost" if rotation_lost else "turned"), sentence
     if _close(held, np.diag(np.diag(stated.inertia))):
         return "products dropped", f"products of inertia dropped: {size}"
     return "other", size

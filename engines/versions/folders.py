@@ -52,12 +52,12 @@ def folder_of(name: str, python: str = _PYTHON) -> Path:
 
 def installed() -> list[Installed]:
     """All that are there, for every Python; of another than this one it is in the name."""
-    found = []
+    installations = []
     for folder in sorted(_folders().glob("*@*-cp*")):
         size = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
         name = folder.name.removesuffix(f"-{_PYTHON}")
-        found.append(Installed(name, folder, size / 1e6))
-    return found
+        installations.append(Installed(name, folder, size / 1e6))
+    return installations
 
 
 def install(name: str, requirements: Sequence[str]) -> Path:

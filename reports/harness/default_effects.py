@@ -33,9 +33,9 @@ def take_defaults_away(study: ConvergenceStudy, executor: Executor, store: Store
     if clamped_turn(speed, rung.timestep, method.max_rotation_per_step):
         return
     asked = (scenario, engine, method, rung, solution)
-    found = executor.call_at(engine.site, default_effects, *asked).value
-    if isinstance(found, DefaultEffects):
-        store.put_default_effects(found)
+    effects = executor.call_at(engine.site, default_effects, *asked).value
+    if isinstance(effects, DefaultEffects):
+        store.put_default_effects(effects)
 
 
 def default_effects(

@@ -34,8 +34,8 @@ class SignalJudgement:
         """What is worse; of two that are unresolved, what takes the smaller timestep to tell."""
         judgement = self.judgement
         rank = ("converges", "unresolved", "disagrees").index(judgement.word)
-        off = (judgement.limit_error or 0.0) / (judgement.tolerance or math.inf)
-        return rank, -(judgement.needed_timestep or math.inf) if rank == 1 else 0.0, off
+        excess = (judgement.limit_error or 0.0) / (judgement.tolerance or math.inf)
+        return rank, -(judgement.needed_timestep or math.inf) if rank == 1 else 0.0, excess
 
 
 @dataclass(eq=False)

@@ -174,17 +174,17 @@ class RichardsonLadder:
         coarsest, coarse, fine = self._last
         orders = self._extrapolation_orders()
         limit = norm.extrapolated(coarse, fine, orders)
-        off = norm.distances(limit, norm.true_table)
+        limit_errors = norm.distances(limit, norm.true_table)
         changes = norm.distances(limit, norm.extrapolated(coarsest, coarse, orders))
         noise_floor = self._roundoff_bounds[-1] + self._uncertainty
         allowed = CAUTIOUS * np.maximum.accumulate(changes) + noise_floor
-        ratios = np.maximum.accumulate(off) / allowed
+        ratios = np.maximum.accumulate(limit_errors) / allowed
         ratios = np.where(allowed <= ASYMPTOTIC, ratios, 0.0)[: self._samples_in_range()]
         worst = ratios.argmax(axis=0)
         return Refinement(
             difference=self._differences[-1],
             orders=orders,
-            limit_error=off.max(axis=0),
+            limit_error=limit_errors.max(axis=0),
             limit_change=changes.max(axis=0),
             excess=ratios.max(axis=0),
             since=self._truth.t[worst],

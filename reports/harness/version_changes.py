@@ -114,7 +114,7 @@ def _change(
     if is_slower or is_faster:
         parts.append(f"a step takes {ratio:.2f} times as long")
     head = f"{scene.scenario.name}, {method.name}, {older.version} → {newer.version}"
-    said = f"{head}: {'; '.join(parts)}{'  WORSE' if is_worse else ''}" if parts else ""
+    sentence = f"{head}: {'; '.join(parts)}{'  WORSE' if is_worse else ''}" if parts else ""
     return VersionChange(
         scene.scenario.name,
         method.name,
@@ -126,7 +126,7 @@ def _change(
         errors,
         ratio,
         is_worse,
-        said,
+        sentence,
         is_round_off=len(parts) == 1 and equal == "to round-off",
     )
 

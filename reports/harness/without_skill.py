@@ -36,10 +36,12 @@ def no_better_than_rest(scenario: Scenario, motion: Trajectory, truth: Trajector
 def _signals(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> Iterator[str]:
     yield from _of_path("ω", motion.omega_body, truth.omega_body, truth.t)
     L_true = _norms(angular_momentum_world(scenario, truth))
-    off = _norms(angular_momentum_world(scenario, motion) - angular_momentum_world(scenario, truth))
-    if 0 < L_true.max() <= off.max():
-        since = truth.t[np.argmax(off >= L_true.max())]
-        yield _words("L", off.max() / L_true.max(), since)
+    L_errors = _norms(
+        angular_momentum_world(scenario, motion) - angular_momentum_world(scenario, truth)
+    )
+    if 0 < L_true.max() <= L_errors.max():
+        since = truth.t[np.argmax(L_errors >= L_true.max())]
+        yield _words("L", L_errors.max() / L_true.max(), since)
     if not scenario.has_pivot:
         start = truth.com_world[0]
         yield from _of_path("com", motion.com_world - start, truth.com_world - start, truth.t)
@@ -57,8 +59,8 @@ def _of_path(name: str, run: FloatArray, truth: FloatArray, times: FloatArray) -
         yield _words(name, _rms(error[len(error) // 2 :]) / _rms(truth), since)
 
 
-def _words(name: str, off: float, since: float) -> str:
-    return f"{name} is off by {off:.2g} times its size, from t = {since:.3g} s on"
+def _words(name: str, ratio: float, since: float) -> str:
+    return f"{name} is off by {ratio:.2g} times its size, from t = {since:.3g} s on"
 
 
 def _norms(vectors: FloatArray) -> FloatArray:

@@ -271,15 +271,15 @@ def _check(connection: sqlite3.Connection, schema: str) -> None:
             f"its schema is not that of a result file: '{printable(name, 100)}' differs"
         )
     # Damage is told here, rather than stumbled upon in the middle of a report.
-    found = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
-    if found != "ok":
-        raise ResultFileError(f"damaged: {printable(found)}")
+    first_damage = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
+    if first_damage != "ok":
+        raise ResultFileError(f"damaged: {printable(first_damage)}")
 
 
 def _objects(connection: sqlite3.Connection) -> frozenset[tuple[str, ...]]:
     """Type, name, table and text of everything that a schema holds."""
     query = "SELECT type, name, tbl_name, sql FROM sqlite_master"
-    return frozenset(tuple(map(str, found)) for found in connection.execute(query))
+    return frozenset(tuple(map(str, columns)) for columns in connection.execute(query))
 
 
 def _text(content: bytes) -> str:

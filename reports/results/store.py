@@ -210,15 +210,15 @@ class Store:
         with self._database.transaction() as connection:
             put(connection, "costs", table_records.of_cost(key, processor, cost))
 
-    def put_left_out(self, found: EffectsCost | PassCosts) -> None:
+    def put_left_out(self, cost: EffectsCost | PassCosts) -> None:
         """Record what a method leaves out of a scene saves."""
         with self._database.transaction() as connection:
-            put(connection, "left_out", table_records.of_left_out(found))
+            put(connection, "left_out", table_records.of_left_out(cost))
 
-    def put_default_effects(self, found: DefaultEffects) -> None:
+    def put_default_effects(self, effects: DefaultEffects) -> None:
         """Record what each default of a method as shipped does to the motion of a scene."""
         with self._database.transaction() as connection:
-            put(connection, "default_effects", table_records.of_default_effects(found))
+            put(connection, "default_effects", table_records.of_default_effects(effects))
 
     def settled(self, scenario: str, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
         """The verdicts there are on what is asked of a scene; not those a lesser limit cut short.
@@ -238,8 +238,8 @@ class Store:
 
     def failed_rows(self, scenario: str) -> list[Row]:
         """The runs of a scene that failed."""
-        found = self._select("rows", "scenario = ? AND outcome = 'failed'", (scenario,))
-        return [table_records.row(record) for record in found]
+        records = self._select("rows", "scenario = ? AND outcome = 'failed'", (scenario,))
+        return [table_records.row(record) for record in records]
 
     def timed_on(self, processor: str) -> set[Key]:
         """The methods whose steps were timed; what was timed elsewhere is dropped."""
@@ -261,27 +261,27 @@ class Store:
             If a record cannot be read.
         """
         costs = {table_records.key(record): record for record in self._select("costs")}
-        rows = self._select("rows", order="scenario, engine, method, -timestep")
-        scenes = self._select("scenes", order="scenario")
+        row_records = self._select("rows", order="scenario, engine, method, -timestep")
+        scene_records = self._select("scenes", order="scenario")
         environment = self._select("environment", order="name")
         methods = self._select("methods")
         left_out = [
             table_records.left_out(record)
             for record in self._select("left_out", order="scenario, engine, method")
         ]
-        found = [table_records.row(r, costs.get(table_records.key(r))) for r in rows]
+        rows = [table_records.row(r, costs.get(table_records.key(r))) for r in row_records]
         maps, ensembles = self.sweeps.read()
-        known = {r["scenario"]: SceneResult(*table_records.scene(r)) for r in scenes}
-        for row in found:
-            if row.errors is not None and row.key.scenario not in known:
+        scenes = {r["scenario"]: SceneResult(*table_records.scene(r)) for r in scene_records}
+        for row in rows:
+            if row.errors is not None and row.key.scenario not in scenes:
                 raise ResultFileError(f"a run has errors, but its scene is not there: {row.key}")
         return Results(
             environment=dict(table_records.environment(record) for record in environment),
-            scenes=known,
-            rows=found,
+            scenes=scenes,
+            rows=rows,
             verdicts=self._verdicts(_asked(timesteps)),
-            effects=[found for found in left_out if isinstance(found, EffectsCost)],
-            passes=[found for found in left_out if isinstance(found, PassCosts)],
+            effects=[cost for cost in left_out if isinstance(cost, EffectsCost)],
+            passes=[cost for cost in left_out if isinstance(cost, PassCosts)],
             defaults=[
                 table_records.default_effects(record)
                 for record in self._select("default_effects", order="scenario, engine, method")

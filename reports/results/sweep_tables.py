@@ -181,17 +181,17 @@ def _map(asked: dict[str, Any], scene: Scenario) -> Map:
         _check_axis(axis)
     if first.path == second.path:
         raise ValueError(f"{first.path}: varied twice")
-    found = typed(Map(scene.name, (first, second), asked["timestep"]))
-    _check_timestep(found.timestep)
-    return found
+    grid = typed(Map(scene.name, (first, second), asked["timestep"]))
+    _check_timestep(grid.timestep)
+    return grid
 
 
 def _ensemble(asked: dict[str, Any], scene: str) -> Ensemble:
-    found = typed(Ensemble(**{**asked, "scenario": scene}))
-    if not (0 < found.members <= MAX_MEMBERS and 0 <= found.seed <= MAX_SEED):
-        raise ValueError(f"an ensemble of {found.members} members and seed {found.seed}")
-    _check_timestep(found.timestep)
-    return found
+    ensemble = typed(Ensemble(**{**asked, "scenario": scene}))
+    if not (0 < ensemble.members <= MAX_MEMBERS and 0 <= ensemble.seed <= MAX_SEED):
+        raise ValueError(f"an ensemble of {ensemble.members} members and seed {ensemble.seed}")
+    _check_timestep(ensemble.timestep)
+    return ensemble
 
 
 def _check_axis(axis: Axis) -> None:

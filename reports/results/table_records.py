@@ -108,15 +108,15 @@ def of_method(engine: Engine, method: Method) -> dict[str, Any]:
     }
 
 
-def of_left_out(found: EffectsCost | PassCosts) -> dict[str, Any]:
+def of_left_out(cost: EffectsCost | PassCosts) -> dict[str, Any]:
     """What pruning saves, for the table `left_out`."""
-    record = asdict(found)
-    return {**record.pop("key"), "kind": type(found).__name__, "record": json.dumps(record)}
+    record = asdict(cost)
+    return {**record.pop("key"), "kind": type(cost).__name__, "record": json.dumps(record)}
 
 
-def of_default_effects(found: DefaultEffects) -> dict[str, Any]:
+def of_default_effects(effects: DefaultEffects) -> dict[str, Any]:
     """What each default does to a motion, for the table `default_effects`."""
-    record = asdict(found)
+    record = asdict(effects)
     return {**record.pop("key"), "record": json.dumps(record)}
 
 
@@ -151,7 +151,7 @@ def scene(record: sqlite3.Row) -> tuple[Scenario, Solution]:
 @as_result_file_error
 def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
     """A record of the table `rows`, with that of its method in `costs`."""
-    found = Row(
+    restored = Row(
         key=key(record),
         errors=_errors(record["errors"]) if record["errors"] else None,
         lost=bool(record["lost"]),
@@ -164,13 +164,13 @@ def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
         wall_seconds_per_step=cost["wall_seconds_per_step"] if cost else None,
         **{name: record[name] for name in _PLAIN_ROW},
     )
-    return typed(found)
+    return typed(restored)
 
 
 @as_result_file_error
 def verdict(record: sqlite3.Row) -> Verdict:
     """A record of the table `verdicts`."""
-    found = Verdict(
+    restored = Verdict(
         key=key(record),
         signals=tuple(typed(SignalVerdict(**one)) for one in from_json(record["signals"], list)),
         unmet=tuple(from_json(record["unmet"], list)),
@@ -178,20 +178,20 @@ def verdict(record: sqlite3.Row) -> Verdict:
         known=bool(record["known"]),
         **{name: record[name] for name in _PLAIN_VERDICT},
     )
-    return typed(found)
+    return typed(restored)
 
 
 @as_result_file_error
 def method(record: sqlite3.Row) -> tuple[Pair, Method]:
     """A record of the table `methods`, and whose it is."""
     declared = {name: record[name] for name in _PLAIN_METHOD}
-    found = Method(
+    restored = Method(
         name=record["method"],
         effects=frozenset(from_json(record["effects"], list)),
         requires=frozenset(from_json(record["requires"], list)),
         **declared | {"as_shipped": bool(declared["as_shipped"])},
     )
-    return (_text(record["engine"]), found.name), typed(found)
+    return (_text(record["engine"]), restored.name), typed(restored)
 
 
 @as_result_file_error
@@ -209,10 +209,10 @@ def stock_timestep(record: sqlite3.Row) -> tuple[str, float] | None:
 @as_result_file_error
 def key(record: sqlite3.Row) -> Key:
     """What a record of `rows`, `costs` or `verdicts` is about."""
-    found = point_key(record)
-    if not (found.engine and found.method):
+    restored = point_key(record)
+    if not (restored.engine and restored.method):
         raise ValueError("names no engine or no method")
-    return found
+    return restored
 
 
 def point_key(record: sqlite3.Row) -> Key:
@@ -244,10 +244,10 @@ def from_json(text: Any, kind: type[T]) -> T:
     """
     if len(_text(text)) > LONGEST_JSON:
         raise ValueError(f"JSON of more than {LONGEST_JSON} characters")
-    found = _shown(json.loads(text))
-    if not isinstance(found, kind):
-        raise ValueError(f"JSON of another kind: {str(found)!r}")
-    return found
+    value = _shown(json.loads(text))
+    if not isinstance(value, kind):
+        raise ValueError(f"JSON of another kind: {str(value)!r}")
+    return value
 
 
 def _shown(value: Any) -> Any:
@@ -268,28 +268,28 @@ def environment(record: sqlite3.Row) -> tuple[str, str]:
 @as_result_file_error
 def left_out(record: sqlite3.Row) -> EffectsCost | PassCosts:
     """What pruning saves, of the table `left_out`."""
-    found = from_json(record["record"], dict)
+    fields = from_json(record["record"], dict)
     if record["kind"] == EffectsCost.__name__:
-        left_out, ratio = tuple(found.pop("left_out")), Ratio(**found.pop("ratio"))
-        return typed(EffectsCost(key(record), left_out, ratio=typed(ratio), **found))
-    passes = tuple(typed(PassCost(**one)) for one in found.pop("passes"))
-    return typed(PassCosts(key(record), passes=passes, **found))
+        left_out, ratio = tuple(fields.pop("left_out")), Ratio(**fields.pop("ratio"))
+        return typed(EffectsCost(key(record), left_out, ratio=typed(ratio), **fields))
+    passes = tuple(typed(PassCost(**one)) for one in fields.pop("passes"))
+    return typed(PassCosts(key(record), passes=passes, **fields))
 
 
 @as_result_file_error
 def default_effects(record: sqlite3.Row) -> DefaultEffects:
     """A record of the table `default_effects`."""
-    found = from_json(record["record"], dict)
+    fields = from_json(record["record"], dict)
 
     def errors(entry: Any) -> Errors | None:
         return None if entry is None else typed(Errors(**entry))
 
     each = tuple(
         typed(DefaultEffect(one["name"], errors(one["alone"]), errors(one["without"])))
-        for one in found["each"]
+        for one in fields["each"]
     )
-    none, every = errors(found["none"]), errors(found["all"])
-    return typed(DefaultEffects(key(record), found["timestep"], none, every, each))
+    none, every = errors(fields["none"]), errors(fields["all"])
+    return typed(DefaultEffects(key(record), fields["timestep"], none, every, each))
 
 
 def _errors(text: str) -> Errors:

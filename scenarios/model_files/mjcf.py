@@ -208,15 +208,17 @@ def _pose(element: Element, compiler: Compiler) -> Pose:
 
 def _rotation(element: Element, compiler: Compiler) -> FloatArray:
     """By whichever of MJCF's five ways it is given (XML reference, *Frame orientations*)."""
-    given = [key for key in _BY if key in element.attributes]
-    if len(given) > 1:
-        element.refuse(f"{element} gives its rotation twice: '{given[0]}' and '{given[1]}'")
-    if not given:
+    stated_keys = [key for key in _BY if key in element.attributes]
+    if len(stated_keys) > 1:
+        element.refuse(
+            f"{element} gives its rotation twice: '{stated_keys[0]}' and '{stated_keys[1]}'"
+        )
+    if not stated_keys:
         return np.eye(3)
-    length, build = _BY[given[0]]
-    values = np.array(numbers(element, given[0], element.attributes[given[0]], length))
-    if not values.any() and given[0] != "euler":
-        element.refuse(f"'{given[0]}' of <{element.tag}> must not be zero")
+    length, build = _BY[stated_keys[0]]
+    values = np.array(numbers(element, stated_keys[0], element.attributes[stated_keys[0]], length))
+    if not values.any() and stated_keys[0] != "euler":
+        element.refuse(f"'{stated_keys[0]}' of <{element.tag}> must not be zero")
     return build(values, compiler).as_matrix()
 
 

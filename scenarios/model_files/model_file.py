@@ -135,14 +135,14 @@ class Folders:
         """A file that a model names, if it is there and inside one of the folders."""
         wanted = self._place(name)
         try:
-            found = None if wanted is None else wanted.resolve(strict=True)
+            resolved = None if wanted is None else wanted.resolve(strict=True)
         except (OSError, ValueError, RuntimeError):
             return None
-        if found is None or not found.is_file():
+        if resolved is None or not resolved.is_file():
             return None
         roots = [self.own, *(folder for _, folder in self.packages), *self._packages_above()]
-        inside = any(found.is_relative_to(root.resolve()) for root in roots)
-        return found if inside else None
+        inside = any(resolved.is_relative_to(root.resolve()) for root in roots)
+        return resolved if inside else None
 
     def _packages_above(self) -> list[Path]:
         """The packages that the file itself lies in, as ROS lays them out and installs them."""
@@ -160,9 +160,9 @@ class Folders:
         if scheme not in ("package", "model"):
             return None
         package, _, inner = rest.partition("/")
-        given = dict(self.packages).get(package)
-        if given is not None:
-            return given / inner
+        folder = dict(self.packages).get(package)
+        if folder is not None:
+            return folder / inner
         return next((f / inner for f in self._packages_above() if f.name == package), None)
 
 
@@ -198,14 +198,14 @@ def welded(links: Sequence[Link], host: str, gone: frozenset[str]) -> list[tuple
     children: dict[str, list[Link]] = {}
     for link in links:
         children.setdefault(link.parent, []).append(link)
-    found = [(link, IDENTITY) for link in links if link.name == host]
-    for link, pose in found:  # grows as it goes
-        found += [
+    fused = [(link, IDENTITY) for link in links if link.name == host]
+    for link, pose in fused:  # grows as it goes
+        fused += [
             (child, pose.then(child.pose))
             for child in children.get(link.name, [])
             if child.name in gone
         ]
-    return found
+    return fused
 
 
 def _zeros(*shape: int) -> FloatArray:

@@ -46,10 +46,10 @@ def problems(link: Link) -> tuple[Problem, ...]:
     stated = link.stated
     if stated is None:
         return ()
-    found = [*_of_mass(stated), *_of_tensor(stated)]
-    if not found and stated.is_physical:
-        found = [*_placeholder(stated), *_outside_its_shapes(link, stated)]
-    return tuple(found)
+    problems_found = [*_of_mass(stated), *_of_tensor(stated)]
+    if not problems_found and stated.is_physical:
+        problems_found = [*_placeholder(stated), *_outside_its_shapes(link, stated)]
+    return tuple(problems_found)
 
 
 def principal_moments(inertia: FloatArray) -> FloatArray:
@@ -80,8 +80,8 @@ def _of_tensor(stated: Stated) -> list[Problem]:
         rule = "principal moments must be positive"
         return [Problem("not positive definite", f"{rule}, they are {moments} kg m²")]
     if large - small - middle > rounding:
-        told = f"{_digits(small, middle, large)}: no body has it"
-        return [Problem("triangle inequality", told)]
+        details = f"{_digits(small, middle, large)}: no body has it"
+        return [Problem("triangle inequality", details)]
     if small <= rounding:
         # A rod: the largest two are equal, and nothing says how fast it turns about itself.
         return [Problem("not positive definite", f"a principal moment is {small:.3g} kg m²")]

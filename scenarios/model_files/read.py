@@ -65,11 +65,11 @@ def _scaled(robot: Element) -> list[str]:
 
 def _missing_meshes(links: tuple[Link, ...], folders: Folders, path: Path) -> list[str]:
     named = {s.mesh for link in links for s in link.shapes if s.collides and s.mesh is not None}
-    lost = sorted(name for name in named if folders.find(name) is None)
-    if not lost:
+    missing = sorted(name for name in named if folders.find(name) is None)
+    if not missing:
         return []
     return [
-        f"{printable(str(path))}: {len(lost)} of {len(named)} collision meshes are not inside the "
-        f"model's folders, the first is {shown(lost[0])}; stated inertia needs none, what "
+        f"{printable(str(path))}: {len(missing)} of {len(named)} collision meshes are not inside "
+        f"the model's folders, the first is {shown(missing[0])}; stated inertia needs none, what "
         "PyBullet makes up by default does; '--package-path NAME=DIR' says where they are"
     ]

@@ -44,7 +44,7 @@ def _name(element: Element) -> str:
 
 def _joints(robot: Element, links: dict[str, Element]) -> dict[str, tuple[str, Element]]:
     """The parent's name and the joint, by the child's name."""
-    found: dict[str, tuple[str, Element]] = {}
+    joints: dict[str, tuple[str, Element]] = {}
     for joint in robot.all("joint"):
         ends = []
         for role in ("parent", "child"):
@@ -56,10 +56,10 @@ def _joints(robot: Element, links: dict[str, Element]) -> dict[str, tuple[str, E
                 )
             ends.append(name)
         parent, child = ends
-        if child in found:
+        if child in joints:
             joint.refuse(f"{joint}: the link {shown(child)} hangs on a joint already")
-        found[child] = (parent, joint)
-    return found
+        joints[child] = (parent, joint)
+    return joints
 
 
 def _check_tree(
@@ -71,15 +71,15 @@ def _check_tree(
             f"links {shown(roots[0])} and {shown(roots[1])} both hang on no joint; engines want "
             "one root"
         )
-    known = set(roots)
+    connected = set(roots)
     for name in links:
         path: list[str] = []
-        while name not in known:
+        while name not in connected:
             if name in path:
                 robot.refuse(f"joints lead from the link {shown(name)} back to itself")
             path.append(name)
             name = joints[name][0]
-        known.update(path)
+        connected.update(path)
 
 
 def _link(name: str, element: Element, joint: tuple[str, Element] | None) -> Link:
@@ -122,7 +122,7 @@ def _pose(element: Element) -> Pose:
 
 
 def _shapes(link: Element) -> tuple[Shape, ...]:
-    found = []
+    shapes = []
     for element in link.children:
         if element.tag not in ("collision", "visual"):
             continue
@@ -137,8 +137,8 @@ def _shapes(link: Element) -> tuple[Shape, ...]:
             reach = np.abs(pose.R) @ half
             low, high = pose.position - reach, pose.position + reach
         span = (element.start, element.end)
-        found.append(Shape(low, high, span, mesh, element.tag == "collision"))
-    return tuple(found)
+        shapes.append(Shape(low, high, span, mesh, element.tag == "collision"))
+    return tuple(shapes)
 
 
 def _half_extents(solid: Element) -> FloatArray | None:

@@ -63,10 +63,10 @@ class Element:
         ModelFileError
             If there are several: engines do not take the same one.
         """
-        found = self.all(tag)
-        if len(found) > 1:
-            found[1].refuse(f"a second <{tag}> in {self}: engines do not take the same one")
-        return found[0] if found else None
+        children = self.all(tag)
+        if len(children) > 1:
+            children[1].refuse(f"a second <{tag}> in {self}: engines do not take the same one")
+        return children[0] if children else None
 
     def refuse(self, rule: str) -> Never:
         """Raise a `ModelFileError` about this element."""
@@ -210,7 +210,7 @@ class _Builder:
 
 def _unbound_prefixes(root: Element) -> list[str]:
     """One note a prefix that no `xmlns:` declares."""
-    found: dict[str, str] = {}
+    notes: dict[str, str] = {}
     left: list[tuple[Element, frozenset[str]]] = [(root, frozenset({"xml"}))]
     while left:
         element, bound = left.pop()
@@ -219,10 +219,10 @@ def _unbound_prefixes(root: Element) -> list[str]:
         if colon and prefix == "xacro":
             element.refuse(f"<{element.tag}> is xacro: expand it first, 'xacro FILE > robot.urdf'")
         if colon and prefix not in bound:
-            found.setdefault(
+            notes.setdefault(
                 prefix,
                 f"{element.where}: the prefix of <{element.tag}> is not declared; engines read "
                 "over it, standard parsers refuse the file",
             )
         left += [(child, bound) for child in element.children]
-    return list(found.values())
+    return list(notes.values())

@@ -104,11 +104,13 @@ def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
         "torque_world": effects.torque_world.any(),
         "applied forces": data.qfrc_applied.any() or data.xfrc_applied.any(),
     }
-    found = {name for name, acts in named.items() if acts}
-    found |= {name for name, part in FOREIGN.items() if _has(model, part)}
-    found |= {f"callback {n}" for n in CALLBACKS if getattr(mujoco, f"get_mjcb_{n}")() is not None}
-    found |= set(_wrong_strengths(effects, drag, scenario))
-    return frozenset(found) | effects.other | _idle_passes(model, effects)
+    names_acting = {name for name, acts in named.items() if acts}
+    names_acting |= {name for name, part in FOREIGN.items() if _has(model, part)}
+    names_acting |= {
+        f"callback {n}" for n in CALLBACKS if getattr(mujoco, f"get_mjcb_{n}")() is not None
+    }
+    names_acting |= set(_wrong_strengths(effects, drag, scenario))
+    return frozenset(names_acting) | effects.other | _idle_passes(model, effects)
 
 
 def _has(model: Any, part: Callable[[Any], Any]) -> bool:

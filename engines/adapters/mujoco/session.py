@@ -166,8 +166,8 @@ class MuJoCoSession(Session):
     def active(self) -> frozenset[str]:
         """What acts, from the compiled model, the data and the process."""
         clock.hang(self._clock)
-        found = acting(self.model, self.data, self._scenario)
-        return found | {clock.CLOCK} if clock.is_hung() else found
+        names_acting = acting(self.model, self.data, self._scenario)
+        return names_acting | {clock.CLOCK} if clock.is_hung() else names_acting
 
     def close(self) -> None:
         """Drop model and data, which MuJoCo frees with the last reference; hang its clock back."""

@@ -29,12 +29,12 @@ def main() -> int:
             shutil.rmtree(modules.parent)
             print("npm could not install the engines under node (above: why).", file=sys.stderr)
             return 1
-    found = list(discovered())
-    for engine in found:
+    engines = list(discovered())
+    for engine in engines:
         state = engine.reason if isinstance(engine, Missing) else engine.version
         print(f"{engine.name}: {state}")
     end_idle()
-    return int(any(isinstance(engine, Missing) for engine in found))
+    return int(any(isinstance(engine, Missing) for engine in engines))
 
 
 if __name__ == "__main__":

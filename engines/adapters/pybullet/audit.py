@@ -43,47 +43,47 @@ class Steps(Protocol):
 
 def what_acts(steps: Steps, model: Model, scenario: Scenario) -> frozenset[str]:
     """Effects by their names, and in words whatever else acts. The state and defaults are lost."""
-    found = {*_world(model, scenario), *_holds(model), *_extras(model)}
+    acting = {*_world(model, scenario), *_holds(model), *_extras(model)}
     if np.isfinite(model.read_state().omega_body).all():
-        found |= _felt(_Probe.of(steps, model, scenario))
-    return frozenset(found)
+        acting |= _felt(_Probe.of(steps, model, scenario))
+    return frozenset(acting)
 
 
 def _world(model: Model, scenario: Scenario) -> set[str]:
     world = p.getPhysicsEngineParameters(model.client)
     gravity = [world[f"gravityAcceleration{axis}"] for axis in "XYZ"]
-    found = {"real-time stepping"} if world["useRealTimeSimulation"] else set()
+    acting = {"real-time stepping"} if world["useRealTimeSimulation"] else set()
     if gravity != scenario.gravity_world.tolist():
-        found.add(f"a gravity of {gravity} m/s²")
+        acting.add(f"a gravity of {gravity} m/s²")
     elif "gravity" in scenario.called_for:
-        found.add("gravity")
-    return found
+        acting.add("gravity")
+    return acting
 
 
 def _holds(model: Model) -> set[str]:
     """What the body hangs by: joints of its own, constraints of the world."""
-    found = set()
+    acting = set()
     for joint in range(p.getNumJoints(model.body, model.client)):
         kind = p.getJointInfo(model.body, joint, model.client)[2]
-        found.add("pivot" if kind == p.JOINT_SPHERICAL else f"a joint of type {kind}")
+        acting.add("pivot" if kind == p.JOINT_SPHERICAL else f"a joint of type {kind}")
     for index in range(p.getNumConstraints(model.client)):
         constraint = p.getConstraintUniqueId(index, model.client)
         kind = p.getConstraintInfo(constraint, model.client)[4]
-        found.add("pivot" if kind == p.JOINT_POINT2POINT else f"a constraint of type {kind}")
-    return found
+        acting.add("pivot" if kind == p.JOINT_POINT2POINT else f"a constraint of type {kind}")
+    return acting
 
 
 def _extras(model: Model) -> set[str]:
     """Shapes that can collide, and bodies that move."""
-    found = set()
+    acting = set()
     for index in range(p.getNumBodies(model.client)):
         body = p.getBodyUniqueId(index, model.client)
         if body != model.body and p.getDynamicsInfo(body, BASE, model.client)[0]:
-            found.add("another body")
+            acting.add("another body")
         links = range(BASE, p.getNumJoints(body, model.client))
         if any(_has_shape(model.client, body, link) for link in links):
-            found.add("a collision shape")
-    return found
+            acting.add("a collision shape")
+    return acting
 
 
 def _has_shape(client: int, body: int, link: int) -> bool:
@@ -192,17 +192,17 @@ class _Probe:
 def _felt(probe: _Probe) -> set[str]:
     """Torques, drag and whatever slows the body, from what a step adds to the momenta."""
     torque, resistance, force = probe.unlike()
-    found = {words for words in (torque, resistance, force) if words}
-    if found:
-        found |= _slowing_defaults(probe)
+    acting = {words for words in (torque, resistance, force) if words}
+    if acting:
+        acting |= _slowing_defaults(probe)
         # Of what the scene calls for, once nothing else acts.
         torque, resistance, _ = probe.unlike()
     if not torque:
-        found |= probe.scenario.called_for & {"torque_body", "torque_world"}
+        acting |= probe.scenario.called_for & {"torque_body", "torque_world"}
     if not resistance:
-        found |= probe.scenario.called_for & {"drag"}
+        acting |= probe.scenario.called_for & {"drag"}
     # Last: the attitude is another after so fast a step.
-    return found | ({"velocity clamp"} if _is_clamped(probe) else set())
+    return acting | ({"velocity clamp"} if _is_clamped(probe) else set())
 
 
 def _slowing_defaults(probe: _Probe) -> set[str]:
@@ -210,13 +210,13 @@ def _slowing_defaults(probe: _Probe) -> set[str]:
     slowing = {"joint motor": take_away_motor} if probe.model.link == HUNG else {}
     # Beside the motor nobody would feel it.
     slowing["damping"] = take_away_damping
-    found = set()
+    acting = set()
     for name, take_away in slowing.items():
         with_it = probe.resistance()
         take_away(probe.model)
         if not _near(probe.resistance(), with_it, probe.noise):
-            found.add(name)
-    return found
+            acting.add(name)
+    return acting
 
 
 def _is_clamped(probe: _Probe) -> bool:

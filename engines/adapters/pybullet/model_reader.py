@@ -84,7 +84,7 @@ def _load(client: int, file: Path, flags: int) -> int | None:
 
 
 def _bodies(client: int, body: int) -> dict[str, BodyReading]:
-    found = {}
+    bodies = {}
     for link in range(BASE, p.getNumJoints(body, client)):
         if link == BASE:
             name = p.getBodyInfo(body, client)[0]
@@ -93,8 +93,8 @@ def _bodies(client: int, body: int) -> dict[str, BodyReading]:
         mass, _, moments, com, q_body_principal_xyzw, *_ = p.getDynamicsInfo(body, link, client)
         R = Rotation.from_quat(q_body_principal_xyzw).as_matrix()
         held = BodyReading(mass, np.array(com), R @ np.diag(moments) @ R.T)
-        found[name.decode(errors="replace")] = held
-    return found
+        bodies[name.decode(errors="replace")] = held
+    return bodies
 
 
 def _last_line(printed: str) -> str:

@@ -198,8 +198,8 @@ def _open(
     except EngineError as error:
         if client >= 0:
             p.disconnect(client)
-        said = f"; PyBullet printed: {printed.text.strip()}" if printed.text.strip() else ""
-        raise type(error)(f"{error}{said}", error.cause) from None
+        warning = f"; PyBullet printed: {printed.text.strip()}" if printed.text.strip() else ""
+        raise type(error)(f"{error}{warning}", error.cause) from None
     return client, model
 
 

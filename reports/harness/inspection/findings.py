@@ -86,13 +86,13 @@ def weight_in_words(inspection: Inspection) -> str:
 
 def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
     """What the file states that no body can have, or what is doubtful about it."""
-    told = [
+    linked_problems = [
         (problem, link)
         for link in inspection.links
         for problem in link.problems
         if problem.impossible == impossible
     ]
-    return _grouped(("", problem.text, _place(link)) for problem, link in told)
+    return _grouped(("", problem.text, _place(link)) for problem, link in linked_problems)
 
 
 def worst_links(inspection: Inspection) -> list[InspectedLink]:
@@ -125,9 +125,9 @@ def _place(link: InspectedLink) -> str:
     return f"{link.link.name} (line {link.link.where.rpartition(':')[2]})"
 
 
-def _grouped(told: Iterable[tuple[str, str, str]]) -> list[Finding]:
+def _grouped(entries: Iterable[tuple[str, str, str]]) -> list[Finding]:
     alike: dict[tuple[str, str], list[str]] = {}
-    for who, text, name in told:
+    for who, text, name in entries:
         alike.setdefault((who, text), []).append(name)
     return [Finding(who, tuple(names), text) for (who, text), names in alike.items()]
 

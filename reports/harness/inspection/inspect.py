@@ -54,7 +54,7 @@ def asked_engines(names: Sequence[str] = ()) -> list[Asked]:
         If there is no such engine, or version of it.
     """
     readers = model_readers()
-    found = []
+    asked = []
     for name in dict.fromkeys(names or readers):
         base, at, _ = name.partition("@")
         if base not in readers:
@@ -68,8 +68,8 @@ def asked_engines(names: Sequence[str] = ()) -> list[Asked]:
         except VersionError as error:
             raise CannotInspectError(f"'--engine' {error}") from None
         version, site = (engine.version, engine.site) if engine else (reader.version, "")
-        found.append(Asked(name, version, site, reader))
-    return found
+        asked.append(Asked(name, version, site, reader))
+    return asked
 
 
 def inspect_model(model: ModelFile, executor: Executor, engines: Sequence[Asked]) -> Inspection:
@@ -162,14 +162,14 @@ def _held(
     apart = difference(whole, body)
     agrees = apart.worst <= AGREES
     wrong = tuple(problem for link, _ in parts for problem in faults[link.name])
-    kind, told = cause(whole, body, apart, wrong, configuration.made_up)
+    kind, sentence = cause(whole, body, apart, wrong, configuration.made_up)
     if others and kind in ("other", "turned", "rotation lost"):
-        kind, told = "sum", f"the sum of its fused parts is wrong: {told}"
+        kind, sentence = "sum", f"the sum of its fused parts is wrong: {sentence}"
     return Held(
         *who,
         body,
         agrees,
-        "" if agrees else told,
+        "" if agrees else sentence,
         "" if agrees else kind,
         others,
         whole,

@@ -43,15 +43,15 @@ def remedies(inspection: Inspection) -> list[Remedy]:
     for link in inspection.links:
         for held in link.held:
             if held.agrees is False:
-                found = wrong.setdefault((held.engine, held.configuration, held.kind), [])
-                found.append(link.link.name)
-    told = [
+                link_names = wrong.setdefault((held.engine, held.configuration, held.kind), [])
+                link_names.append(link.link.name)
+    by_kind = [
         Remedy((f"{engine} {configuration}",), tuple(names), text, line)
         for (engine, configuration, kind), names in wrong.items()
         for text, line in _of_kind(engine, configuration, kind)
     ]
     alike: dict[tuple[str, str, tuple[str, ...]], Remedy] = {}
-    for one in (*_of_refusals(inspection), *told):
+    for one in (*_of_refusals(inspection), *by_kind):
         key = (one.text, one.line, one.links)
         before = alike[key].who if key in alike else ()
         alike[key] = replace(one, who=before + one.who)
@@ -85,9 +85,9 @@ def _decimals(values: FloatArray) -> str:
 def _of_kind(engine: str, configuration: str, kind: Kind) -> Iterator[tuple[str, str]]:
     base, at, _ = engine.partition("@")
     if kind == "made up":
-        for known in model_readers()[base].configurations:
-            if known.name == configuration and known.remedy:
-                yield known.remedy, ""
+        for configured in model_readers()[base].configurations:
+            if configured.name == configuration and configured.remedy:
+                yield configured.remedy, ""
     elif kind == "nothing stated":
         held_still = "; PyBullet holds a root without mass still" if base == "pybullet" else ""
         yield f"state that they have no mass{held_still}", NO_INERTIA
