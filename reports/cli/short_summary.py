@@ -7,7 +7,13 @@ from collections.abc import Iterator, Sequence
 from statistics import median_high
 
 from ..pages.analysis.report_data import MethodRuns, ReportData, report_data
-from ..pages.analysis.timesteps import as_shipped, attitudes_at, best_choice, stock_timesteps
+from ..pages.analysis.timesteps import (
+    as_shipped,
+    attitudes_at,
+    best_choice,
+    leading,
+    stock_timesteps,
+)
 from ..pages.analysis.wording import duration, plural
 from ..results.records import Row, Verdict, VerdictWord
 from ..results.store import Results
@@ -15,8 +21,9 @@ from ..results.store import Results
 WIDTH = 80
 #: Lines that one reason may take, and scenes whose best choice is printed one by one.
 REASON_LINES, SCENES_TOLD = 3, 3
-#: Methods whose errors are printed: engines as shipped, and each engine's most accurate method.
-METHODS_SHOWN = 8
+#: Methods whose errors are printed: the least wrong of engines as shipped, and each engine's most
+#: accurate method; of these so many at the least.
+METHODS_SHOWN, OTHERS = 8, 3
 #: degrees; above it they are printed as whole numbers.
 LEAST_WHOLE = 9.5
 #: Order in which verdicts are counted: what fails a run first.
@@ -70,7 +77,8 @@ def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
         text, WIDTH, max_lines=REASON_LINES, placeholder=" …", break_on_hyphens=False
     )
     if len(wrong) > 1:
-        yield f"{len(wrong) - 1} more fail: 'spincheck verdicts' has them all."
+        more = "1 more fails" if len(wrong) == 2 else f"{len(wrong) - 1} more fail"
+        yield f"{more}: 'spincheck verdicts' has them all."
 
 
 def _at_stock(report: ReportData) -> Iterator[str]:
@@ -82,10 +90,11 @@ def _at_stock(report: ReportData) -> Iterator[str]:
         for pair in report.pairs
         if pair[0] in steps and (errors := attitudes_at(report, pair, steps[pair[0]]))
     }
-    shown = [pair for pair in shipped if pair in errors_of]
-    for engine in dict.fromkeys(pair[0] for pair in errors_of):
-        own = [pair for pair in errors_of if pair[0] == engine and pair not in shipped]
-        shown += sorted(own, key=lambda pair: median_high(errors_of[pair].values()))[:1]
+    first = [pair for pair in leading(report) if pair in errors_of]
+    first.sort(key=lambda pair: median_high(errors_of[pair].values()))
+    others = [pair for pair in first if pair not in shipped]
+    defaults = [pair for pair in first if pair in shipped][: METHODS_SHOWN - len(others[:OTHERS])]
+    shown = [*defaults, *others[: METHODS_SHOWN - len(defaults)]]
     if not shown:
         return
     yield f"{'Attitude off at stock timesteps (*as shipped)':45}{'median':>8}  worst"
@@ -106,8 +115,8 @@ def _best(report: ReportData) -> Iterator[str]:
         return
     if len(best) > SCENES_TOLD:
         methods = Counter(_named(choice.runs) for choice in best.values())
-        often = ", ".join(f"{name} {count} times" for name, count in methods.most_common(3))
-        yield f"Best choice (within 0.1° and 1e-3 in ω): {often}."
+        often = ", ".join(f"{name} on {count}" for name, count in methods.most_common(3))
+        yield from textwrap.wrap(f"Best choice (within 0.1° and 1e-3 in ω): {often}.", WIDTH)
         return
     for name, choice in best.items():
         assert choice.row.errors is not None, "only a run with errors is chosen"
