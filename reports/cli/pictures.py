@@ -16,6 +16,7 @@ from ..results.store import Results, SceneResult
 from . import running
 from .executing import Where
 from .named_scenes import one_scene
+from .stopping import saying
 from .terminal import BAD_INPUT, NOT_RUN, Complaint
 
 #: What can be drawn: the figure of a scene's page, and which of its parts; all of them if None.
@@ -43,7 +44,7 @@ def view(scene: str, jobs: int, out: Path) -> Path:
     Complaint
         If the scene cannot be used, nothing could be run, or the page cannot be written.
     """
-    with TemporaryDirectory() as folder:
+    with saying("nothing is kept"), TemporaryDirectory() as folder:
         stored = Path(folder) / "view.sqlite"
         results = running.run([scene], [], [], [], Where(jobs), stored, quick=True)
     render(results, out)

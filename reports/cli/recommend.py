@@ -26,6 +26,7 @@ from ..results.store import Results, open_store
 from . import running
 from .executing import Where, check_temporary_folder
 from .named_scenes import one_scene
+from .stopping import saying
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table
 
 #: Checks before it is given up: each that misses is taken into account by the next.
@@ -83,7 +84,7 @@ def recommend(
     _check_bounds(bounds)
     methods = _methods(engine_names)
     check_temporary_folder()
-    with TemporaryDirectory() as folder:
+    with saying("nothing is kept"), TemporaryDirectory() as folder:
         if known := _timed_runs(scene, engine_names, stored):
             say(f"From the runs in {stored}.")
             return replace(_checked(scene, bounds, known, Path(folder)), source=str(stored))

@@ -28,7 +28,8 @@ _BY_SIGNAL = 128
 _IMPORTING = "<frozen importlib._bootstrap>"
 #: Brings back the cursor, which a progress bar hides, and clears the line that it is on.
 _CURSOR_AND_EMPTY_LINE = "\x1b[?25h\r\x1b[K"
-#: The last words' second half, while there is something to say there; the latest counts.
+#: The last words' second half, while there is something to say there; who says it first knows best
+#: what the command was asked for.
 _besides: list[str] = []
 _last_words = threading.Lock()
 
@@ -58,7 +59,7 @@ def say_last_words(number: int) -> None:
     """Tell, once, by what the program was stopped; whoever is the first says it."""
     if not _last_words.acquire(blocking=False):
         return
-    said = "; ".join([f"spincheck: {Stopped(number)}", *_besides[-1:]])
+    said = "; ".join([f"spincheck: {Stopped(number)}", *_besides[:1]])
     # Not by `print`, whose lock somebody may hold; on a terminal that has closed by nobody.
     with suppress(OSError):
         bar_away = _CURSOR_AND_EMPTY_LINE if os.isatty(STDERR) else ""

@@ -1,12 +1,15 @@
 """The command line: what it prints, its exit codes, one message for each complaint."""
 
 import json
+import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import command_line
 import pytest
+from spincheck.reports.cli import stopping
 
 SPHERE = Path(__file__).with_name("test_pytest_plugin.py").read_text().split('"""')[3]
 
@@ -145,3 +148,22 @@ def test_an_engine_whose_package_is_missing_is_named_and_exits_with_3(tmp_path):
     assert (
         "engine 'pybullet' cannot be used: the package 'pybullet' is not installed" in done.stderr
     )
+
+
+def test_the_last_words_are_of_what_was_asked_for(monkeypatch, capfd):
+    """A command that keeps nothing may run another that does."""
+    monkeypatch.setattr(stopping, "_last_words", threading.Lock())
+
+    def stopped() -> None:
+        with stopping.saying("nothing is kept"):
+            with stopping.saying("over and done with"):
+                pass
+            with stopping.saying("what was finished is in a file"):
+                raise stopping.Stopped(signal.SIGTERM)
+
+    with pytest.raises(stopping.Stopped):
+        stopped()
+    for _ in range(2):
+        stopping.say_last_words(signal.SIGTERM)
+    stopping._besides.clear()
+    assert capfd.readouterr().err == "spincheck: stopped by SIGTERM; nothing is kept\n"
