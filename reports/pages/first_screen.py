@@ -176,8 +176,9 @@ def _why(shipped: _AtStock, scenes: Sequence[SceneRuns], harmless: Collection[st
     if not wrong:
         open_ = len(verdicts) - good
         left = f" (on {open_} its timesteps were too coarse to tell)" if open_ else ""
+        scenes_tried = plural(len(verdicts), "scene")
         return (
-            f"{name} converges to the exact motion on {good} of {plural(len(verdicts), 'scene')} as its "
+            f"{name} converges to the exact motion on {good} of {scenes_tried} as its "
             f"timestep shrinks{left}: its errors are its integrator's"
         )
     text = f"{name} does not, at any timestep, on {len(wrong)} of {plural(len(verdicts), 'scene')}"

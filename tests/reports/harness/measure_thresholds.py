@@ -1,7 +1,7 @@
 """The smallest lie of each kind that a verdict tells, by class of method and scene, and its name.
 
-Written to docs/thresholds.md and to the reports. Engines are MuJoCo with the lie in it (`lying_mujoco`); sizes are
-tried from the smallest upwards.
+Written to docs/thresholds.md and to the reports. Engines are MuJoCo with the lie in it
+(`lying_mujoco`); sizes are tried from the smallest upwards.
 """
 
 import sys
