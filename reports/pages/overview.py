@@ -63,7 +63,7 @@ def headline(gathered: ReportData) -> str:
         good = sum(verdict.verdict == "converges" for verdict in shipped)
         text += f" With their defaults (as shipped), {good} of {len(shipped)} pairs converge."
     if hard := len(gathered.scenes) - len(plain.scenes):
-        text += f" {plural(hard, 'hard scene')} are counted apart, below."
+        text += f" Hard scenes ({hard}) are counted separately, below."
     return text
 
 
