@@ -1,6 +1,7 @@
 """Scenario files are test files, in a stranger's folder with only the package installed."""
 
 import pytest
+from _pytest.pytester import SysModulesSnapshot
 
 pytest_plugins = ["pytester"]
 
@@ -35,8 +36,12 @@ energy = 1e-300
 
 
 @pytest.fixture
-def run(pytester, engines_in_process):
+def run(pytester, engines_in_process, monkeypatch):
     """Run pytest on files given by name and text, in this process."""
+    # pytester would forget what is imported meanwhile, and numba imports its parts but once.
+    keeping_all = SysModulesSnapshot(preserve=lambda _: True)
+    monkeypatch.setattr(pytester, "_sys_modules_snapshot", keeping_all)
+    monkeypatch.setattr(pytester, "_Pytester__take_sys_modules_snapshot", lambda: keeping_all)
 
     def run_on(*arguments: str, **files: str):
         for name, text in files.items():
