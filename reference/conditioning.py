@@ -40,17 +40,17 @@ Solved = Callable[[Problem], Trajectory]
 
 
 def conditioning(
-    scenario: Scenario, problem: Problem, truth: Trajectory, solved: Solved, nudge: Nudge
+    scenario: Scenario, problem: Problem, exact_motion: Trajectory, solved: Solved, nudge: Nudge
 ) -> Errors:
     """Change of a motion by one ulp, at least one ulp itself.
 
     Parameters
     ----------
-    truth : the motion of `problem`
+    exact_motion : the motion of `problem`
     solved : what finds that of a neighbour, at the same times
     nudge : `nudged` or `nudged_alike`
     """
-    responses = [_response(scenario, problem, truth, solved, nudge, k) for k in range(COUNT)]
+    responses = [_response(scenario, problem, exact_motion, solved, nudge, k) for k in range(COUNT)]
     squares = zip(*([value**2 for _, value in response] for response in responses), strict=True)
     return Errors(*(max(float(np.sqrt(np.mean(column))), EPS) for column in squares))
 
@@ -99,14 +99,14 @@ def _moved(problem: Problem, k: int, size: mpf, scales: Sequence[mpf], lever: Ve
 def _response(
     scenario: Scenario,
     problem: Problem,
-    truth: Trajectory,
+    exact_motion: Trajectory,
     solved: Solved,
     nudge: Nudge,
     k: int,
 ) -> Errors:
     """Change of the motion by one ulp of the k-th nudge."""
     for size in NUDGES:
-        apart = errors_between(scenario, solved(nudge(problem, k, mpf(size))), truth)
+        apart = errors_between(scenario, solved(nudge(problem, k, mpf(size))), exact_motion)
         if max(apart.omega, apart.attitude) <= LINEAR:
             break
     return Errors(**{name: value * EPS / size for name, value in apart})

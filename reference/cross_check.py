@@ -31,11 +31,11 @@ class CrossCheck:
     tolerance: float
 
 
-def times_within_reach(scenario: Scenario, truth: Trajectory) -> FloatArray:
+def times_within_reach(scenario: Scenario, exact: Trajectory) -> FloatArray:
     """The sample times up to which it follows in good time, and the last time to which it does."""
-    rate = fastest_rate(scenario, truth.omega_body)
+    rate = fastest_rate(scenario, exact.omega_body)
     end = REACH / rate if rate else np.inf
-    return truth.t if truth.t[-1] <= end else np.append(truth.t[truth.t < end], end)
+    return exact.t if exact.t[-1] <= end else np.append(exact.t[exact.t < end], end)
 
 
 def cross_check(scenario: Scenario, times: FloatArray) -> CrossCheck:

@@ -69,16 +69,16 @@ class ErrorNorm:
     """The norm of errors against an exact motion: motions as tables of signals, their distances."""
 
     scenario: Scenario
-    truth: Trajectory
+    exact: Trajectory
 
     def table(self, motion: Trajectory) -> FloatArray:
         """All signals of a motion, SI, (n, 17); quaternions with the sign of the exact ones."""
-        return _table(self.scenario, motion, self.truth)
+        return _table(self.scenario, motion, self.exact)
 
     @cached_property
     def true_table(self) -> FloatArray:
         """The table of the exact motion, SI, (n, 17)."""
-        return self.table(self.truth)
+        return self.table(self.exact)
 
     def distances(self, table: FloatArray, other: FloatArray) -> FloatArray:
         """Between two motions of n samples, by signal in the order of `Errors`, (n, 6).
@@ -115,12 +115,12 @@ class ErrorNorm:
     @cached_property
     def _bases(self) -> FloatArray:
         """What distances are relative to, (6,)."""
-        speed = _longest(self.truth.omega_body)
+        speed = _longest(self.exact.omega_body)
         gyration = radius_of_gyration(self.scenario)
-        way = _longest(self.truth.com_world - self.truth.com_world[0])
-        fast = _longest(self.truth.velocity_world)
-        L = _longest(angular_momentum_world(self.scenario, self.truth))
-        joule = energy_base(self.scenario, self.truth)
+        way = _longest(self.exact.com_world - self.exact.com_world[0])
+        fast = _longest(self.exact.velocity_world)
+        L = _longest(angular_momentum_world(self.scenario, self.exact))
+        joule = energy_base(self.scenario, self.exact)
         return np.array([speed, 1.0, L, joule, max(way, gyration), max(fast, gyration * speed)])
 
 
@@ -131,33 +131,33 @@ def radius_of_gyration(scenario: Scenario) -> float:
     return float(np.sqrt(np.trace(inertia) / (2 * body.mass)))
 
 
-def error_series(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> ErrorSeries:
-    """Errors of `motion` at its own sample times, which must be those of `truth`.
+def error_series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> ErrorSeries:
+    """Errors of `motion` at its own sample times, which must be those of `exact`.
 
     Raises
     ------
     ValueError
         If the two are not sampled at the same times: nothing is interpolated.
     """
-    if not np.array_equal(motion.t, truth.t):
-        raise ValueError("'motion' and 'truth' must be sampled at the same times.")
-    norm = _norm_of(scenario, truth)
+    if not np.array_equal(motion.t, exact.t):
+        raise ValueError("'motion' and 'exact' must be sampled at the same times.")
+    norm = _norm_of(scenario, exact)
     return ErrorSeries(*norm.distances(norm.table(motion), norm.true_table).T)
 
 
-def errors_between(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> Errors:
-    """The errors of `motion` against `truth`, the largest of each signal."""
-    return error_series(scenario, motion, truth).worst()
+def errors_between(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Errors:
+    """The errors of `motion` against `exact`, the largest of each signal."""
+    return error_series(scenario, motion, exact).worst()
 
 
 @lru_cache(maxsize=RECENT)
-def _norm_of(scenario: Scenario, truth: Trajectory) -> ErrorNorm:
-    return ErrorNorm(scenario, truth)
+def _norm_of(scenario: Scenario, exact: Trajectory) -> ErrorNorm:
+    return ErrorNorm(scenario, exact)
 
 
-def _table(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> FloatArray:
+def _table(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> FloatArray:
     q = _normalised(motion.q_world_body_wxyz)
-    same_side = np.einsum("ni,ni->n", q, truth.q_world_body_wxyz) >= 0
+    same_side = np.einsum("ni,ni->n", q, exact.q_world_body_wxyz) >= 0
     return np.column_stack(
         [
             motion.omega_body,

@@ -42,19 +42,19 @@ def row_of(
     motion = result.trajectory
     if motion is None or not len(motion.t):
         return row
-    truth = solution.trajectory.until(len(motion.t))
-    absurd = _first_absurd(scenario, motion, truth)
+    exact = solution.trajectory.until(len(motion.t))
+    absurd = _first_absurd(scenario, motion, exact)
     if absurd is not None:
         # The run's own reason is kept as well: it may be the cause.
         reasons = (f"the energy exceeds {ABSURD_ENERGY:g} times its base", row.reason)
         reason = "; ".join(filter(None, reasons))
         stopped_at = float(motion.t[absurd])
         row = replace(row, outcome="diverged", reason=reason, cause="energy", stopped_at=stopped_at)
-    elif row.outcome == "ok" and (no_skill := no_better_than_rest(scenario, motion, truth)):
+    elif row.outcome == "ok" and (no_skill := no_better_than_rest(scenario, motion, exact)):
         reason = "; ".join(filter(None, (row.reason, no_skill)))
         row = replace(row, cause=row.cause or "lost", reason=reason, lost=True)
     # A run that stopped early has no errors: those up to there may be arbitrarily small.
-    errors = errors_between(scenario, motion, truth) if row.outcome == "ok" else None
+    errors = errors_between(scenario, motion, exact) if row.outcome == "ok" else None
     return replace(row, errors=errors, drifts=drifts(scenario, motion), motion=motion)
 
 
@@ -75,8 +75,8 @@ def unmet_expectations(expected: Expect, row: Row) -> list[str]:
     ]
 
 
-def _first_absurd(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> int | None:
+def _first_absurd(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> int | None:
     """Index of the first sample whose energy is off by more than `ABSURD_ENERGY` times its base."""
-    excess = np.abs(energy(scenario, motion) - energy(scenario, truth))
-    beyond = np.flatnonzero(excess > ABSURD_ENERGY * energy_base(scenario, truth))
+    excess = np.abs(energy(scenario, motion) - energy(scenario, exact))
+    beyond = np.flatnonzero(excess > ABSURD_ENERGY * energy_base(scenario, exact))
     return int(beyond[0]) if len(beyond) else None

@@ -22,14 +22,14 @@ def powerless(scenario: Scenario) -> Iterator[str]:
     if not present:
         return
     solution = solve(scenario, scenario.times)
-    truth = solution.trajectory
+    exact = solution.trajectory
     for name in present:
         try:
-            other = solve(_without(scenario, name), truth.t).trajectory
+            other = solve(_without(scenario, name), exact.t).trajectory
         except IntegrationError:
             continue
-        until = min(len(other.t), len(truth.t))
-        moved = errors_between(scenario, other.until(until), truth.until(until))
+        until = min(len(other.t), len(exact.t))
+        moved = errors_between(scenario, other.until(until), exact.until(until))
         if _is_nothing(moved, solution.uncertainty):
             yield (
                 f"{scenario.name}: cannot tell whether there is {name}: without it no signal "

@@ -106,7 +106,7 @@ class RichardsonLadder:
         precision: float,
         ulp: float = EPS,
     ) -> None:
-        truth = solution.trajectory
+        exact = solution.trajectory
         lesser = min(order, attitude_order)
         orders = {"omega": order, "attitude": attitude_order}
         self.declared = np.array([orders.get(signal, lesser) for signal in SIGNALS], dtype=float)
@@ -114,13 +114,13 @@ class RichardsonLadder:
         self._roundoff_a_step = growth * ulp
         uncertainty = np.array([value for _, value in solution.uncertainty])
         self._uncertainty = uncertainty + growth * precision
-        self._norm = ErrorNorm(scenario, truth)
-        self._truth = truth
-        self._rate = fastest_rate(scenario, truth.omega_body)
+        self._norm = ErrorNorm(scenario, exact)
+        self._exact = exact
+        self._rate = fastest_rate(scenario, exact.omega_body)
         self._p = float(self.declared.min())
-        rates = np.maximum(np.linalg.norm(truth.omega_body, axis=1), swing_rate(scenario))
+        rates = np.maximum(np.linalg.norm(exact.omega_body, axis=1), swing_rate(scenario))
         # ∫ Ω^(p+1) dt, of which h^p is what a method may have committed by then.
-        self._committed = np.cumsum(rates ** (self._p + 1) * np.gradient(truth.t))
+        self._committed = np.cumsum(rates ** (self._p + 1) * np.gradient(exact.t))
         self.timesteps: list[float] = []
         self._errors: list[FloatArray] = []
         self._roundoff_bounds: list[FloatArray] = []
@@ -165,7 +165,7 @@ class RichardsonLadder:
             column([one.since for one in refinements]),
             int(self.declared[k]),
             float(self._uncertainty[k]),
-            float(self._truth.t[-1]),
+            float(self._exact.t[-1]),
             self._rate,
         )
 
@@ -187,7 +187,7 @@ class RichardsonLadder:
             limit_error=limit_errors.max(axis=0),
             limit_change=changes.max(axis=0),
             excess=ratios.max(axis=0),
-            since=self._truth.t[worst],
+            since=self._exact.t[worst],
         )
 
     def _extrapolation_orders(self) -> FloatArray:

@@ -17,14 +17,14 @@ def ulp_growth(scenario: Scenario, solution: Solution) -> Errors:
     growth = solution.conditioning
     if scenario.has_pivot:
         return growth
-    truth, body = solution.trajectory, scenario.body
+    exact, body = solution.trajectory, scenario.body
     arm = float(np.linalg.norm(body.com))
-    speed = float(np.linalg.norm(truth.omega_body, axis=1).max())
-    far = float(np.linalg.norm(truth.com_world, axis=1).max())
-    fast = float(np.linalg.norm(truth.velocity_world, axis=1).max())
-    way = float(np.linalg.norm(truth.com_world - truth.com_world[0], axis=1).max())
+    speed = float(np.linalg.norm(exact.omega_body, axis=1).max())
+    far = float(np.linalg.norm(exact.com_world, axis=1).max())
+    fast = float(np.linalg.norm(exact.velocity_world, axis=1).max())
+    way = float(np.linalg.norm(exact.com_world - exact.com_world[0], axis=1).max())
     gyration = radius_of_gyration(scenario)
-    metres = EPS * (far + arm + fast * float(truth.t[-1])) + growth.attitude * arm
+    metres = EPS * (far + arm + fast * float(exact.t[-1])) + growth.attitude * arm
     metres_a_second = EPS * fast + (growth.attitude + growth.omega) * arm * speed
     weight = body.mass * float(np.linalg.norm(scenario.gravity_world))
     joules = body.mass * fast * metres_a_second + weight * metres
@@ -32,7 +32,7 @@ def ulp_growth(scenario: Scenario, solution: Solution) -> Errors:
         growth.omega,
         growth.attitude,
         growth.angular_momentum,
-        max(growth.energy, _relative(joules, energy_base(scenario, truth))),
+        max(growth.energy, _relative(joules, energy_base(scenario, exact))),
         _relative(metres, max(way, gyration)),
         max(EPS, _relative(metres_a_second, max(fast, gyration * speed))),
     )

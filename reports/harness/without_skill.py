@@ -22,41 +22,41 @@ import numpy as np
 from ...scenarios import FloatArray, Scenario, Trajectory, angular_momentum_world
 
 
-def no_better_than_rest(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> str:
+def no_better_than_rest(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> str:
     """In which signals a run is no better than no motion, by how much, since when; else empty.
 
     Parameters
     ----------
-    truth : the exact motion at the run's own sample times
+    exact : the exact motion at the run's own sample times
     """
-    signals = list(_signals(scenario, motion, truth))
+    signals = list(_signals(scenario, motion, exact))
     return f"lost: {'; '.join(signals)}" if signals else ""
 
 
-def _signals(scenario: Scenario, motion: Trajectory, truth: Trajectory) -> Iterator[str]:
-    yield from _of_path("ω", motion.omega_body, truth.omega_body, truth.t)
-    L_true = _norms(angular_momentum_world(scenario, truth))
+def _signals(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Iterator[str]:
+    yield from _of_path("ω", motion.omega_body, exact.omega_body, exact.t)
+    L_true = _norms(angular_momentum_world(scenario, exact))
     L_errors = _norms(
-        angular_momentum_world(scenario, motion) - angular_momentum_world(scenario, truth)
+        angular_momentum_world(scenario, motion) - angular_momentum_world(scenario, exact)
     )
     if 0 < L_true.max() <= L_errors.max():
-        since = truth.t[np.argmax(L_errors >= L_true.max())]
+        since = exact.t[np.argmax(L_errors >= L_true.max())]
         yield _words("L", L_errors.max() / L_true.max(), since)
     if not scenario.has_pivot:
-        start = truth.com_world[0]
-        yield from _of_path("com", motion.com_world - start, truth.com_world - start, truth.t)
+        start = exact.com_world[0]
+        yield from _of_path("com", motion.com_world - start, exact.com_world - start, exact.t)
 
 
-def _of_path(name: str, run: FloatArray, truth: FloatArray, times: FloatArray) -> Iterator[str]:
+def _of_path(name: str, run: FloatArray, exact: FloatArray, times: FloatArray) -> Iterator[str]:
     """Whether a signal that is zero at rest is no better than rest; vectors are (n, 3)."""
-    if not truth.any():
+    if not exact.any():
         # Relative to an exact zero, round-off alone would be infinite.
         return
-    size = min(_rms(run), _rms(truth))
-    error = run - truth
+    size = min(_rms(run), _rms(exact))
+    error = run - exact
     if _rms(error[len(error) // 2 :]) >= size:
         since = times[np.argmax(_norms(error) >= size)]
-        yield _words(name, _rms(error[len(error) // 2 :]) / _rms(truth), since)
+        yield _words(name, _rms(error[len(error) // 2 :]) / _rms(exact), since)
 
 
 def _words(name: str, ratio: float, since: float) -> str:

@@ -72,7 +72,7 @@ def test_a_whole_file_is_read(good, elsewhere, command):
 
 
 @pytest.mark.parametrize("part", range(STRIDES))
-def test_a_file_that_was_cut_is_told(good, elsewhere, part):
+def test_a_file_that_was_cut_is_reported(good, elsewhere, part):
     content = good.read_bytes()
     path = elsewhere / "cut.sqlite"
     path.write_bytes(content[: part * len(content) // STRIDES])
@@ -80,7 +80,7 @@ def test_a_file_that_was_cut_is_told(good, elsewhere, part):
 
 
 @pytest.mark.parametrize("part", range(STRIDES))
-def test_a_page_overwritten_is_told_or_holds_nothing(good, elsewhere, part):
+def test_a_page_overwritten_is_reported_or_holds_nothing(good, elsewhere, part):
     content = bytearray(good.read_bytes())
     page = 4096
     place = (part * len(content) // STRIDES) // page * page
@@ -104,7 +104,7 @@ def is_read(path: Path) -> bool:
 
 
 @pytest.mark.parametrize("value", DAMAGE.values(), ids=DAMAGE)
-def test_a_damaged_record_is_told_or_reported_never_stumbled_upon(good, elsewhere, value):
+def test_a_damaged_record_is_reported_never_stumbled_upon(good, elsewhere, value):
     """What a reader lets pass, of whatever column, the report can be made of."""
     path = elsewhere / "damaged.sqlite"
     passed = []
@@ -141,7 +141,7 @@ NOT_OURS = {
 
 
 @pytest.mark.parametrize("make", NOT_OURS.values(), ids=NOT_OURS)
-def test_what_is_no_result_file_is_told_and_left_as_it_is(elsewhere, make):
+def test_what_is_no_result_file_is_reported_and_left_as_it_is(elsewhere, make):
     path = elsewhere / "other.sqlite"
     make(path)
     before = path.read_bytes() if path.is_file() else None
@@ -163,7 +163,7 @@ def test_a_place_that_cannot_be_is_one_line_without_escapes(elsewhere, name):
     assert "\x1b" not in done.stderr
 
 
-def test_a_file_held_by_another_program_is_told(good, elsewhere):
+def test_a_file_held_by_another_program_is_reported(good, elsewhere):
     path = elsewhere / "held.sqlite"
     shutil.copy(good, path)
     with closing(sqlite3.connect(path, isolation_level=None)) as other:
@@ -198,7 +198,7 @@ def test_a_full_disk_costs_a_message_and_the_run_resumes(elsewhere, monkeypatch)
     assert command_line.spincheck(*command, "--out", "full.sqlite").returncode == AGREES
 
 
-def test_a_report_that_does_not_fit_is_told(good, elsewhere):
+def test_a_report_that_does_not_fit_is_reported(good, elsewhere):
     with full_disk(FULL):
         done = command_line.spincheck("report", str(good), "--out", "pages")
     assert done.returncode == BAD_INPUT

@@ -85,7 +85,7 @@ NOT_FILES = {
 
 
 @pytest.mark.parametrize("make", NOT_FILES.values(), ids=NOT_FILES)
-def test_what_is_no_file_is_told_and_not_waited_for(folder, make):
+def test_what_is_no_file_is_reported_and_not_waited_for(folder, make):
     make(folder / "bad.toml")
     for door in ("show", "run"):
         result = CliRunner().invoke(app, DOORS[door])
@@ -95,7 +95,7 @@ def test_what_is_no_file_is_told_and_not_waited_for(folder, make):
 
 
 @pytest.mark.parametrize("encoding", ["utf-16", "utf-32", "utf-8-sig"])
-def test_an_encoding_is_read_or_told(folder, encoding):
+def test_an_encoding_is_read_or_refused(folder, encoding):
     (folder / "bad.toml").write_text(GOOD, encoding=encoding)
     result = CliRunner().invoke(app, DOORS["check"])
     assert (result.exit_code == 0) == (encoding == "utf-8-sig")
@@ -107,7 +107,7 @@ def test_lines_may_end_as_on_windows(folder):
     assert CliRunner().invoke(app, DOORS["check"]).exit_code == 0
 
 
-def test_a_file_cut_at_any_byte_is_told_in_one_line(folder):
+def test_a_file_cut_at_any_byte_is_reported_in_one_line(folder):
     for length in range(0, len(GOOD) - len("les = 5\n"), 7):
         (folder / "bad.toml").write_text(GOOD[:length])
         result = CliRunner().invoke(app, DOORS["check"])

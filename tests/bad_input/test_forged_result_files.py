@@ -123,7 +123,7 @@ def test_a_scene_in_what_a_sweep_asks_for_names_no_page(path, name):
     assert (path.parent / "pages" / "maps" / f"{SWEPT}-1.html").is_file()
 
 
-def test_a_number_that_was_changed_is_told(good, path):
+def test_a_number_that_was_changed_is_reported(good, path):
     """Any column of any table that is read, but for motions, which have checksums of their own."""
     silent = []
     for table, column in columns(good):
@@ -146,7 +146,7 @@ def complaint_of(path) -> str:
 
 
 @pytest.mark.parametrize(("table", "column"), [("scenes", "truth"), ("rows", "motion")])
-def test_a_motion_that_was_changed_is_told(path, table, column):
+def test_a_motion_that_was_changed_is_reported(path, table, column):
     with closing(sqlite3.connect(path)) as connection, connection:
         (blob,) = connection.execute(f"SELECT {column} FROM {table}").fetchone()
         changed = bytearray(blob)

@@ -125,7 +125,7 @@ def test_a_missing_table_is_named_unless_it_may_be_left_out(keys):
 
 
 @pytest.mark.parametrize("leaf", LEAVES.values(), ids=LEAVES)
-def test_a_misspelt_key_is_told_beside_the_known_ones(leaf):
+def test_a_misspelt_key_is_reported_beside_the_known_ones(leaf):
     misspelt = f"{leaf.keys[-1]}{leaf.keys[-1][-1]}"
     file = changed(leaf.file, (*leaf.keys[:-1], misspelt), leaf.example)
     message = complaint_about(written(file))
@@ -134,7 +134,7 @@ def test_a_misspelt_key_is_told_beside_the_known_ones(leaf):
 
 
 @pytest.mark.parametrize("leaf", LEAVES.values(), ids=LEAVES)
-def test_a_key_given_twice_is_told_in_its_second_line(leaf):
+def test_a_key_given_twice_is_reported_in_its_second_line(leaf):
     lines = written(leaf.file).splitlines()
     line = line_of(leaf.file, leaf.keys)
     message = complaint_about("\n".join([*lines[:line], lines[line - 1], *lines[line:]]))
@@ -146,7 +146,7 @@ def test_a_key_given_twice_is_told_in_its_second_line(leaf):
     [keys for keys in tables() if all(isinstance(key, str) for key in keys)],
     ids=".".join,
 )
-def test_a_table_given_twice_is_told(keys):
+def test_a_table_given_twice_is_reported(keys):
     head = f"[{'.'.join(keys)}]"
     file = changed(LEAST, keys, {}) if not holds(LEAST, keys) else LEAST
     message = complaint_about(f"{written(file)}{head}\n")
@@ -167,7 +167,7 @@ def _without_table(place):
 
 
 @pytest.mark.parametrize("leaf", ARRAYS.values(), ids=ARRAYS)
-def test_an_array_of_another_length_is_told_once(leaf):
+def test_an_array_of_another_length_is_reported_once(leaf):
     for entries in ([], leaf.example[:-1], [*leaf.example, leaf.example[0]]):
         file = changed(leaf.file, leaf.keys, entries)
         if not is_scene(file):  # a particle more is a body still
@@ -213,7 +213,7 @@ def test_every_way_of_giving_an_attitude_excludes_the_others():
         "another version": (("spincheck",), 2, "input should be 1"),
     }.values(),
 )
-def test_values_that_do_not_go_together_are_told_at_the_key_to_blame(keys, value, rule):
+def test_values_that_do_not_go_together_are_reported_at_the_key_to_blame(keys, value, rule):
     (leaf,) = [leaf for leaf in LEAVES.values() if leaf.keys == keys]
     file = changed(leaf.file, keys, value)
     assert_told(file, leaf)

@@ -74,7 +74,7 @@ def shell(redirected: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_output_to_a_full_disk_is_told():
+def test_output_to_a_full_disk_is_reported():
     done = shell(">/dev/full", "list", "--json")
     assert done.returncode == NOT_RUN
     assert done.stderr == "spincheck: the output cannot be written: No space left on device\n"
@@ -153,7 +153,7 @@ def test_json_escapes_what_commands_a_terminal_and_reads_back_the_same():
     assert json.loads(printed) == {text: [text]}
 
 
-def test_two_scenes_of_one_name_are_told(tmp_path):
+def test_two_scenes_of_one_name_are_reported(tmp_path):
     for folder in ("a", "b"):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "made.toml").write_text(written(LEAST))
@@ -163,7 +163,7 @@ def test_two_scenes_of_one_name_are_told(tmp_path):
 
 
 @pytest.mark.parametrize("command", ["run", "recommend"])
-def test_no_temporary_folder_is_told_before_anything_is_run(tmp_path, monkeypatch, command):
+def test_no_temporary_folder_is_reported_before_anything_is_run(tmp_path, monkeypatch, command):
     def none() -> str:
         raise FileNotFoundError(errno.ENOENT, "No usable temporary directory found in ['/tmp']")
 

@@ -110,7 +110,7 @@ def folder(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(("command", "flag", "value"), CASES.values(), ids=map(ascii, CASES))
-def test_a_wrong_value_is_told_and_nothing_is_begun(command, flag, value, folder):
+def test_a_wrong_value_is_reported_and_nothing_is_begun(command, flag, value, folder):
     code, message = said([command, *needed(command), f"{flag}={value}"])
     assert code == BAD_INPUT, message
     assert message
@@ -118,14 +118,14 @@ def test_a_wrong_value_is_told_and_nothing_is_begun(command, flag, value, folder
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_an_option_that_there_is_not_is_told(command):
+def test_an_option_that_there_is_not_is_reported(command):
     code, message = said([command, "--no-such-option"])
     assert code == BAD_INPUT
     assert "No such option: --no-such-option" in message
 
 
 @pytest.mark.parametrize("command", [command for command in COMMANDS if needed(command)])
-def test_an_argument_that_is_missing_is_told(command):
+def test_an_argument_that_is_missing_is_reported(command):
     code, message = said([command])
     assert code == BAD_INPUT
     assert "Missing argument" in message
@@ -133,7 +133,7 @@ def test_an_argument_that_is_missing_is_told(command):
 
 @pytest.mark.parametrize("value", ["nowhere.toml", "", "\x1b[31m", "a\nb", "x" * 300], ids=ascii)
 @pytest.mark.parametrize("command", WITH_ARGUMENTS)
-def test_an_argument_that_names_nothing_is_told(command, value):
+def test_an_argument_that_names_nothing_is_reported(command, value):
     if command == "check" and not value:
         pytest.skip("an empty path is the folder one is in")
     if command == "new" and value == "nowhere.toml":

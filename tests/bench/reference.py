@@ -1,4 +1,4 @@
-"""The truth's speed and error beside scipy's DOP853 and heyoka's Taylor integrator, in one process.
+"""Speed and error of the reference and of DOP853 (scipy) and heyoka's Taylor series.
 
 Errors are against the Taylor series of orders 34/18 in double-double, itself right to 1e-22 (see
 docs/ode.md): the largest difference in q, up to sign, and in ω over its greatest size. Ratios are
@@ -126,11 +126,11 @@ def methods(problem: Problem) -> dict[str, Solver]:
     return found
 
 
-def error(states: np.ndarray, truth: np.ndarray) -> float:
+def error(states: np.ndarray, exact: np.ndarray) -> float:
     """Largest over the samples, of states (n, 7)."""
-    q, true_q = states[:, 3:], truth[:, 3:]
+    q, true_q = states[:, 3:], exact[:, 3:]
     either = [np.abs(q - sign * true_q).max(axis=1) for sign in (1, -1)]
-    omega = np.abs(states[:, :3] - truth[:, :3]).max() / np.abs(truth[:, :3]).max()
+    omega = np.abs(states[:, :3] - exact[:, :3]).max() / np.abs(exact[:, :3]).max()
     return float(max(np.minimum(*either).max(), omega))
 
 
@@ -139,9 +139,9 @@ def errors(
 ) -> Iterator[float]:
     """Of each, at times spread over a span."""
     times = period * periods * np.array([0.0, 0.37, 0.71, 1.0])
-    truth = series(problem, FINE_ORDERS)(times)
+    exact = series(problem, FINE_ORDERS)(times)
     for solver in solvers.values():
-        yield error(solver(times), truth)
+        yield error(solver(times), exact)
 
 
 def in_turn(actions: list[Callable[[], object]]) -> np.ndarray:

@@ -84,7 +84,7 @@ def test_a_reader_that_holds_another_tensor_fails_with_the_cause(tmp_path, name,
     )
 
 
-def test_without_its_flag_an_engine_makes_the_tensor_up_and_that_is_told(tmp_path):
+def test_without_its_flag_an_engine_makes_the_tensor_up_and_that_is_reported(tmp_path):
     found = run("pybullet-file", scene_of(tmp_path, arm(inside=BOX)), "default")
     assert found.cause == "read-back"
     assert found.reason.startswith(
@@ -92,7 +92,7 @@ def test_without_its_flag_an_engine_makes_the_tensor_up_and_that_is_told(tmp_pat
     )
 
 
-def test_a_file_that_changed_after_the_scene_was_read_is_told(tmp_path):
+def test_a_file_that_changed_after_the_scene_was_read_is_reported(tmp_path):
     scenario = scene_of(tmp_path, arm())
     written(tmp_path, arm(mass="3"))
     found = run("mujoco-file", scenario)
@@ -100,7 +100,7 @@ def test_a_file_that_changed_after_the_scene_was_read_is_told(tmp_path):
     assert found.reason == "'../robot.urdf' has changed since the scene was made of it"
 
 
-def test_a_link_that_the_file_has_not_is_told(tmp_path):
+def test_a_link_that_the_file_has_not_is_reported(tmp_path):
     scenario = scene_of(tmp_path, arm())
     text = scenario.text.replace('link = "arm"', 'link = "leg"')
     found = run("mujoco-file", load(written(tmp_path, text, "scenes/leg.toml")))

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from box import BOX
-from lies import SingleSession, SingleUngyroscopicSession, UngyroscopicSession
 from planted import HeunSession
+from planted_faults import SingleSession, SingleUngyroscopicSession, UngyroscopicSession
 from scenes import SCENES
 from spincheck.engines import engines
 from spincheck.engines.first_steps import equation_residuals, starting_with

@@ -28,6 +28,6 @@ def test_a_tensor_is_measured_about_the_com(times):
     assert found.relative == pytest.approx(times - 1)
 
 
-def test_a_tensor_is_told_within_its_own_rounding_however_long_the_arm():
+def test_a_tensor_is_reported_within_its_own_rounding_however_long_the_arm():
     assert unlike(np.diag([1.0, 2.0, 2.5]) * (1 + READ_BACK_SLACK / 2)) == []
     assert len(unlike(np.diag([1.0, 2.0, 2.5]) * (1 + 2 * READ_BACK_SLACK))) == 1

@@ -22,9 +22,9 @@ CASES = 80
 SEED = 20
 SAMPLES = 1_000_000
 REPEATS = 3
-#: Beyond, sixty-digit truth takes too long or has lost its own digits to a saddle.
+#: Beyond, an exact motion in sixty digits takes too long or has lost its own digits to a saddle.
 MOST_TURNS = 400.0
-LEAST_DIGITS_OF_TRUTH = 1e-28
+LEAST_DIGITS_OF_EXACT = 1e-28
 
 Case = tuple[Problem, Callable[[Problem], RepeatedMotion]]
 
@@ -83,7 +83,7 @@ def print_errors(name: str, cases: Iterator[Case]) -> None:
     """The worst error of `CASES` cases after so many periods, and the worst residual."""
     worst, residual, setups = dict.fromkeys(PERIODS, 0.0), 0.0, []
     while len(setups) < CASES:
-        p, truth_of = next(cases)
+        p, exact_motion_of = next(cases)
         begun = process_time()
         closed = closed_form(p)
         took = process_time() - begun
@@ -91,13 +91,13 @@ def print_errors(name: str, cases: Iterator[Case]) -> None:
         turns = (closed.period or math.inf) * (1 + max(abs(float(w)) for w in p.omega_axes))
         if turns > MOST_TURNS:
             continue
-        truth = truth_of(p)
-        if truth.mismatch > LEAST_DIGITS_OF_TRUTH:
+        exact = exact_motion_of(p)
+        if exact.mismatch > LEAST_DIGITS_OF_EXACT:
             continue
         setups.append(took)
         residual = max(residual, closed.residual)
         for periods in PERIODS:
-            worst[periods] = max(worst[periods], apart_at(closed, p, truth, periods))
+            worst[periods] = max(worst[periods], apart_at(closed, p, exact, periods))
     errors = ", ".join(f"{error:.1e} after {n:g}" for n, error in worst.items())
     print(f"{name}: {CASES} cases, worst error {errors} periods; residual {residual:.0e};")
     print(f"    constants in {1e3 * np.median(setups):.0f} ms, {1e3 * max(setups):.0f} at most")
@@ -116,10 +116,10 @@ def print_speed(name: str, p: Problem) -> None:
 
 
 def print_ulp(name: str, case: Case) -> None:
-    p, truth_of = case
-    off, truth = closed_form(one_ulp_heavier(p)), truth_of(p)
+    p, exact_motion_of = case
+    off, exact = closed_form(one_ulp_heavier(p)), exact_motion_of(p)
     assert off is not None
-    errors = ", ".join(f"{apart_at(off, p, truth, n):.0e} after {n:g}" for n in PERIODS)
+    errors = ", ".join(f"{apart_at(off, p, exact, n):.0e} after {n:g}" for n in PERIODS)
     print(f"{name}, one ulp more in a moment: {errors} periods")
 
 

@@ -84,7 +84,7 @@ def seconds(run: Callable[[], object]) -> float:
 
 
 def print_errors() -> None:
-    """How far the truth and its cheaper check are from a dearer series."""
+    """How far the exact motion and its cheaper check are from a dearer series."""
     print("error after so many periods:", *PERIODS)
     for name, (p, period) in TOPS.items():
         times = period * np.array(PERIODS, dtype=float)
@@ -110,10 +110,10 @@ def print_costs() -> None:
             for _ in range(REPEATS)
         ]
         mine, theirs = (min(column) * 1e3 / COMPARED_PERIODS for column in zip(*pairs, strict=True))
-        truth = integrate_double_double(p, times, FINE_ORDERS)
-        error = apart(integrate_double_double(p, times), truth)
-        omega_error = np.abs(dop853(p, t)[:3] - truth.omega_axes[0]).max()
-        speed = np.abs(truth.omega_axes).max()
+        exact = integrate_double_double(p, times, FINE_ORDERS)
+        error = apart(integrate_double_double(p, times), exact)
+        omega_error = np.abs(dop853(p, t)[:3] - exact.omega_axes[0]).max()
+        speed = np.abs(exact.omega_axes).max()
         print(
             f"{name}: Taylor {mine:.3f} {error:.0e}, DOP853 {theirs:.2f} "
             f"{omega_error / speed:.0e}, {theirs / mine:.0f} times"

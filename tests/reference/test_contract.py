@@ -1,4 +1,4 @@
-"""What is promised of the truth, for every scene of the library.
+"""What is promised of the exact motion, for every scene of the library.
 
 Finite; as certain as it says; conserving what is conserved; and continuous. Each check is also made
 of a motion with a fault in it, and must notice. For the equations of motion see
@@ -11,8 +11,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from contract_scenes import SCENES, every_scene, solved, states
-from contract_truths import (
+from contract_references import (
     SIXTY_DIGITS,
     at,
     by_legendre,
@@ -20,6 +19,7 @@ from contract_truths import (
     few,
     in_sixty_digits,
 )
+from contract_scenes import SCENES, every_scene, solved, states
 from mpmath import mp, mpf
 from spincheck.reference.conditioning import conditioning, nudged
 from spincheck.reference.motion import motion
@@ -59,9 +59,9 @@ def slipped(name: str) -> Trajectory:
 def within_reach(name: str) -> Trajectory:
     """A motion as far as the ODE follows it in good time."""
     scenario, solution = solved(name)
-    truth = solution.trajectory
-    rate = fastest_rate(scenario, truth.omega_body)
-    return truth.until(int(np.count_nonzero(truth.t * rate <= CHECKED_TURN)))
+    exact_motion = solution.trajectory
+    rate = fastest_rate(scenario, exact_motion.omega_body)
+    return exact_motion.until(int(np.count_nonzero(exact_motion.t * rate <= CHECKED_TURN)))
 
 
 def found(name: str, other: Trajectory) -> bool:
@@ -80,13 +80,13 @@ def beyond(errors: Errors, bounds: Errors) -> list[str]:
 @every_scene
 def test_it_is_finite_up_to_its_end_or_a_stated_horizon(name):
     scenario, solution = solved(name)
-    truth = solution.trajectory
-    assert (truth.t == scenario.times[: len(truth.t)]).all()
-    assert all(np.isfinite(getattr(truth, field)).all() for field in vars(truth))
+    exact_motion = solution.trajectory
+    assert (exact_motion.t == scenario.times[: len(exact_motion.t)]).all()
+    assert all(np.isfinite(getattr(exact_motion, field)).all() for field in vars(exact_motion))
     if solution.horizon is None:
-        assert len(truth.t) == len(scenario.times)
+        assert len(exact_motion.t) == len(scenario.times)
     else:
-        assert solution.horizon == scenario.times[len(truth.t)]
+        assert solution.horizon == scenario.times[len(exact_motion.t)]
     assert max(solution.uncertainty.omega, solution.uncertainty.attitude) <= MAX_UNCERTAINTY
 
 
@@ -119,11 +119,11 @@ def test_what_is_conserved_drifts_no_further_than_that_allows(name):
 def test_a_drift_of_a_billionth_in_the_spin_is_noticed(name):
     """Where anything that depends on ω is conserved, and the body turns."""
     scenario, solution = solved(name)
-    truth = solution.trajectory
-    if not truth.omega_body.any():
+    exact_motion = solution.trajectory
+    if not exact_motion.omega_body.any():
         pytest.skip("a body that does not turn has no spin to lose")
-    growing = 1 + 1e-9 * truth.t / truth.t[-1]
-    faulty = replace(truth, omega_body=truth.omega_body * growing[:, None])
+    growing = 1 + 1e-9 * exact_motion.t / exact_motion.t[-1]
+    faulty = replace(exact_motion, omega_body=exact_motion.omega_body * growing[:, None])
     if not list(drifting(scenario, replace(solution, trajectory=faulty))):
         pytest.skip("nothing that depends on the spin is conserved")
 
@@ -148,13 +148,13 @@ def neighbours(problem: Problem, ulps: float = ULPS) -> Iterator[tuple[str, Prob
 def bounds_of_a_change(name: str) -> Errors:
     """What a few ulp in any numbers do, symmetries among them: of both motions, errors included."""
     scenario, solution = solved(name)
-    truth, problem = within_reach(name), rotational_problem(scenario)
+    exact_motion, problem = within_reach(name), rotational_problem(scenario)
 
     def neighbour_of(nudged_problem: Problem) -> Trajectory:
-        by_ode = integrate(nudged_problem, truth.t, CHECK_ORDERS)
-        return motion(scenario, nudged_problem, truth.t, by_ode)
+        by_ode = integrate(nudged_problem, exact_motion.t, CHECK_ORDERS)
+        return motion(scenario, nudged_problem, exact_motion.t, by_ode)
 
-    whole = conditioning(scenario, problem, truth, neighbour_of, nudged)
+    whole = conditioning(scenario, problem, exact_motion, neighbour_of, nudged)
     return Errors(
         **{
             signal: CANCELLED * ULPS * value + 2 * getattr(solution.uncertainty, signal)
@@ -165,7 +165,7 @@ def bounds_of_a_change(name: str) -> Errors:
 
 def moved_too_far(name: str, ulps: float) -> list[str]:
     """Numbers whose change moves the motion further than a few ulp should."""
-    scenario, truth, bounds = solved(name)[0], within_reach(name), bounds_of_a_change(name)
+    scenario, exact_motion, bounds = solved(name)[0], within_reach(name), bounds_of_a_change(name)
     problem = rotational_problem(scenario)
     return [
         changed
@@ -173,8 +173,8 @@ def moved_too_far(name: str, ulps: float) -> list[str]:
         if beyond(
             errors_between(
                 scenario,
-                motion(scenario, neighbour, truth.t, states(neighbour, truth.t)),
-                truth,
+                motion(scenario, neighbour, exact_motion.t, states(neighbour, exact_motion.t)),
+                exact_motion,
             ),
             bounds,
         )

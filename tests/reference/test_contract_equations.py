@@ -1,4 +1,4 @@
-"""The truth of every scene is of one piece: its parts belong together and obey Newton and Euler.
+"""Every scene's exact motion is consistent, and obeys the equations of Newton and Euler.
 
 A derivative is the difference quotient of five samples close together, wherever along the motion:
 what has gone before does not matter, so that chaos is no excuse. Each check is made once more
@@ -8,8 +8,8 @@ with a fault, and must notice.
 from functools import cache
 
 import numpy as np
+from contract_references import few
 from contract_scenes import every_scene, solved, states
-from contract_truths import few
 from spincheck.reference.motion import motion
 from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.scenarios import Scenario, Trajectory
@@ -35,21 +35,21 @@ NOTICED = 1e-8
 def close_samples(name: str) -> tuple[Scenario, Trajectory, float, float]:
     """Five samples each at a few times, their distance in s, and the fastest rate in 1/s."""
     scenario, solution = solved(name)
-    problem, truth = rotational_problem(scenario), solution.trajectory
-    rate = fastest(scenario, truth)
+    problem, exact = rotational_problem(scenario), solution.trajectory
+    rate = fastest(scenario, exact)
     h = 2.0 ** np.floor(np.log2(STEP / rate))  # so that no time is rounded
-    times = (h * (np.floor(few(truth.t) / h)[:, None] + np.arange(-4, 1))).ravel()
+    times = (h * (np.floor(few(exact.t) / h)[:, None] + np.arange(-4, 1))).ravel()
     there = motion(scenario, problem, times, states(problem, times))
     return scenario, there, h, rate
 
 
-def fastest(scenario: Scenario, truth: Trajectory) -> float:
+def fastest(scenario: Scenario, exact: Trajectory) -> float:
     """1/s: of turning, swinging, being driven, drag about its fastest axis; at least one window."""
     least = float(min(rotational_problem(scenario).moments))
     torque = np.linalg.norm(scenario.torque_body) + np.linalg.norm(scenario.torque_world)
     driven = float(np.sqrt(torque / least))
     once = 1 / scenario.window.duration
-    return max(fastest_rate(scenario, truth.omega_body), driven, scenario.drag / least, once)
+    return max(fastest_rate(scenario, exact.omega_body), driven, scenario.drag / least, once)
 
 
 def slope(samples: np.ndarray, h: float) -> np.ndarray:
@@ -67,11 +67,11 @@ def hamilton(q: np.ndarray, omega: np.ndarray) -> np.ndarray:
 @every_scene
 def test_quaternions_are_of_norm_one_and_never_change_sign(name):
     """A turn of less than π between two samples leaves q·q' = cos(θ/2) positive."""
-    truth = solved(name)[1].trajectory
-    q = truth.q_world_body_wxyz
+    exact = solved(name)[1].trajectory
+    q = exact.q_world_body_wxyz
     assert np.abs(np.linalg.norm(q, axis=1) - 1).max() <= NORM
-    speed = np.linalg.norm(truth.omega_body, axis=1)
-    turned = np.maximum(speed[1:], speed[:-1]) * np.diff(truth.t)
+    speed = np.linalg.norm(exact.omega_body, axis=1)
+    turned = np.maximum(speed[1:], speed[:-1]) * np.diff(exact.t)
     same = np.einsum("ni,ni->n", q[1:], q[:-1]) > 0
     assert same[turned < CLOSE].all()
 

@@ -52,9 +52,9 @@ def exact(x: DoubleDouble | float) -> Fraction:
     return Fraction(x[0]) + Fraction(x[1]) if isinstance(x, tuple) else Fraction(x)
 
 
-def within(result: DoubleDouble, truth: Fraction, bound: int) -> bool:
-    """Whether a result is within a bound, in units of u², of the truth."""
-    return abs(exact(result) - truth) <= bound * U**2 * abs(truth)
+def within(result: DoubleDouble, exact_value: Fraction, bound: int) -> bool:
+    """Whether a result is within a bound, in units of u², of the exact value."""
+    return abs(exact(result) - exact_value) <= bound * U**2 * abs(exact_value)
 
 
 @compiled
@@ -104,9 +104,9 @@ def test_a_sum_that_drops_the_error_of_the_low_parts_breaks_it() -> None:
     a = (1.0, 2.0**-54 + 2.0**-106)
     b = (-1.0, 2.0**-54)
     sloppy = quick_two_sum(a[0] + b[0], a[1] + b[1])
-    truth = exact(a) + exact(b)
-    assert not within(sloppy, truth, 4)
-    assert within(dd_add(a, b), truth, 4)
+    exact_value = exact(a) + exact(b)
+    assert not within(sloppy, exact_value, 4)
+    assert within(dd_add(a, b), exact_value, 4)
 
 
 @compiled

@@ -61,8 +61,8 @@ def motion(request):
 
 @pytest.mark.parametrize("periods", LATE)
 def test_the_motion_is_exact_after_any_number_of_periods(motion, periods):
-    p, closed, truth = motion
-    assert apart_at(closed, p, truth, periods) < GOAL
+    p, closed, exact_motion = motion
+    assert apart_at(closed, p, exact_motion, periods) < GOAL
 
 
 def test_the_constants_solve_the_equations(motion):
@@ -70,11 +70,11 @@ def test_the_constants_solve_the_equations(motion):
 
 
 def test_the_period_is_the_textbooks(motion):
-    p, closed, truth = motion
+    p, closed, exact_motion = motion
     book = free_body(p)
     with mp.workdps(DIGITS):
         assert closed.period == pytest.approx(float(4 * book.K / book.p), rel=GOAL)
-    assert truth.mismatch < RESIDUAL  # and brings |A| and |B| back
+    assert exact_motion.mismatch < RESIDUAL  # and brings |A| and |B| back
 
 
 def test_one_ulp_in_a_moment_would_show():
@@ -100,7 +100,7 @@ def test_sn_cn_dn_are_a_motion():
     assert np.abs(omega - np.array(y, dtype=float)).max() < GOAL
 
 
-def separatrix_truth(p, times):
+def exact_separatrix(p, times):
     """In sixty digits, by the ODE; the poles of sech(p t) are π/2p from the real axis."""
     book = free_body(p)
     with mp.workdps(DIGITS):
@@ -113,7 +113,7 @@ def separatrix_truth(p, times):
 @pytest.mark.parametrize("p", SEPARATRICES.values(), ids=SEPARATRICES)
 def test_the_separatrix_is_exact_until_it_has_come_to_rest_on_the_saddle(p):
     times = np.linspace(0.0, 20.0, 11)
-    assert apart(free_asymmetric(p).states(times), separatrix_truth(p, times)) < GOAL
+    assert apart(free_asymmetric(p).states(times), exact_separatrix(p, times)) < GOAL
 
 
 @pytest.mark.parametrize("p", SEPARATRICES.values(), ids=SEPARATRICES)

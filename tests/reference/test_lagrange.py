@@ -56,8 +56,8 @@ def motion(request):
 
 @pytest.mark.parametrize("periods", LATE)
 def test_the_motion_is_exact_after_any_number_of_periods(motion, periods):
-    p, closed, truth = motion
-    assert apart_at(closed, p, truth, periods) < GOAL
+    p, closed, exact = motion
+    assert apart_at(closed, p, exact, periods) < GOAL
 
 
 def test_the_constants_solve_the_equations(motion):
@@ -65,8 +65,8 @@ def test_the_constants_solve_the_equations(motion):
 
 
 def test_period_and_turning_points_are_the_textbooks(motion):
-    p, closed, truth = motion
-    assert closed.period == pytest.approx(float(truth.period), rel=GOAL)
+    p, closed, exact = motion
+    assert closed.period == pytest.approx(float(exact.period), rel=GOAL)
     assert closed.turning_points == pytest.approx(heavy_top(p).limits, abs=GOAL)
 
 

@@ -124,8 +124,8 @@ def test_the_separatrix_is_exact(p):
     with mp.workdps(DIGITS):
         motion = ExtendedMotion(p, mpf(1), mpf(3), mpf(26))
     states = [motion.state(mpf(t)) for t in times]
-    truth = tuple(np.array([s[k] for s in states], dtype=float) for k in range(2))
-    assert apart(lagrange(p).states(times), truth) < GOAL
+    exact = tuple(np.array([s[k] for s in states], dtype=float) for k in range(2))
+    assert apart(lagrange(p).states(times), exact) < GOAL
 
 
 @pytest.mark.parametrize("p", SEPARATRICES.values(), ids=SEPARATRICES)

@@ -1,6 +1,6 @@
 """A million periods on, every closed form is as right as in its first.
 
-The truth is the textbooks' way by Legendre's integrals in 120 digits (`legendre_motion`,
+The exact motion is the textbooks' way by Legendre's integrals in 120 digits (`legendre_motion`,
 `legendre_top`), with mpmath's functions; it shares no formula with the theta quotients but the
 constants of motion, and is itself held against the ODE.
 """
@@ -98,17 +98,17 @@ def distance_of_states(state, true_state) -> float:
         return max(distance(omega, true_omega), min(either))
 
 
-def error(form: ClosedForm, truth: LegendreMotion, t: float) -> float:
+def error(form: ClosedForm, exact_motion: LegendreMotion, t: float) -> float:
     """Of a closed form at a time."""
     (q,), (omega,) = form.states(np.array([t]))
-    return distance_of_states((exact(q), exact(omega)), truth.state(t))
+    return distance_of_states((exact(q), exact(omega)), exact_motion.state(t))
 
 
 @every_top
 def test_a_million_periods_on_a_closed_form_is_right_to_rounding(top, solved):
-    form, truth = closed_form(top), solved(top)
+    form, exact_motion = closed_form(top), solved(top)
     for part in FRACTIONS:
-        assert error(form, truth, float((MILLION + part) * truth.period)) <= BOUND
+        assert error(form, exact_motion, float((MILLION + part) * exact_motion.period)) <= BOUND
 
 
 @every_top
@@ -117,27 +117,33 @@ def test_rates_rounded_to_double_are_noticed(top, solved):
     clock, phases = form.tables.clock.copy(), form.tables.phases.copy()
     clock[..., 1] = phases[..., 1] = 0
     rounded = replace(form, tables=form.tables._replace(clock=clock, phases=phases))
-    truth = solved(top)
-    assert error(rounded, truth, float((MILLION + FRACTIONS[1]) * truth.period)) > BOUND
+    exact_motion = solved(top)
+    assert (
+        error(rounded, exact_motion, float((MILLION + FRACTIONS[1]) * exact_motion.period)) > BOUND
+    )
 
 
 @pytest.mark.parametrize("name", REGULAR)
-def test_the_truth_solves_the_equations_of_motion(name):
+def test_the_exact_motion_solves_the_equations_of_motion(name):
     top, solved = TOPS[name]
-    truth = solved(top)
-    times = np.array([float(part * truth.period) for part in FRACTIONS])
+    exact_motion = solved(top)
+    times = np.array([float(part * exact_motion.period) for part in FRACTIONS])
     states = integrate_double_double(top, times, FINE_ORDERS)
     for k, t in enumerate(times):
-        assert distance_of_states(q_and_omega(states, k), truth.state(t)) <= truncation(FINE_ORDERS)
+        assert distance_of_states(q_and_omega(states, k), exact_motion.state(t)) <= truncation(
+            FINE_ORDERS
+        )
 
 
 @pytest.mark.parametrize("name", REGULAR)
 def test_one_ulp_in_the_attitude_is_noticed(name):
-    """By the truth, of the comparison above."""
+    """By the exact motion, of the comparison above."""
     top, solved = TOPS[name]
     w, x, y, z = top.q_world_axes
     turned = replace(top, q_world_axes=normalised((w, x + mpf(EPS), y, z)))
-    truth = solved(top)
-    t = float(truth.period)
+    exact_motion = solved(top)
+    t = float(exact_motion.period)
     states = integrate_double_double(turned, np.array([t]), FINE_ORDERS)
-    assert distance_of_states(q_and_omega(states, 0), truth.state(t)) > truncation(FINE_ORDERS)
+    assert distance_of_states(q_and_omega(states, 0), exact_motion.state(t)) > truncation(
+        FINE_ORDERS
+    )

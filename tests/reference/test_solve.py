@@ -1,4 +1,4 @@
-"""`solve` picks the simplest method, bounds its own error, and knows where a truth ends."""
+"""`solve` picks the simplest method, bounds its own error, and knows where an exact motion ends."""
 
 import numpy as np
 import pytest
@@ -124,8 +124,8 @@ def test_a_chaotic_motion_ends_where_its_uncertainty_exceeds_the_bound():
 
 def test_up_to_there_it_is_right():
     solution = solve(CHAOTIC, CHAOTIC.times)
-    truth = true_motion(CHAOTIC, solution.trajectory.t)
-    errors = errors_between(CHAOTIC, solution.trajectory, truth)
+    exact = true_motion(CHAOTIC, solution.trajectory.t)
+    errors = errors_between(CHAOTIC, solution.trajectory, exact)
     assert errors.attitude <= HONESTY * solution.uncertainty.attitude
 
 

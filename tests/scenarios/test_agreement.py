@@ -34,17 +34,17 @@ def spinning(rate=4.0, ahead=0.0, **changes):
     return Trajectory(**{**columns, **changes})
 
 
-TRUTH = spinning()
+EXACT = spinning()
 MADE = scene()
 
 
-def test_the_truth_agrees_with_itself():
-    assert set(dict(errors_between(MADE, TRUTH, TRUTH)).values()) == {0.0}
+def test_the_exact_motion_agrees_with_itself():
+    assert set(dict(errors_between(MADE, EXACT, EXACT)).values()) == {0.0}
 
 
 def test_a_rate_off_by_a_hundredth_is_off_by_a_hundredth():
     """ω and L by 0.01, energy by 2 · 0.01 + 0.01², attitude by 0.04 rad after a second."""
-    errors = errors_between(MADE, spinning(4.04), TRUTH)
+    errors = errors_between(MADE, spinning(4.04), EXACT)
     by_hand = {"omega": 0.01, "attitude": 0.04, "angular_momentum": 0.01, "energy": 0.0201}
     by_hand |= {"com": 0.0, "velocity": 0.0}
     # The rate 4.04 is itself rounded, and 0.01 is a difference of numbers near 4.
@@ -52,7 +52,7 @@ def test_a_rate_off_by_a_hundredth_is_off_by_a_hundredth():
 
 
 def test_an_attitude_ahead_by_an_angle_is_off_by_that_angle_alone():
-    errors = errors_between(MADE, spinning(ahead=1e-9), TRUTH)
+    errors = errors_between(MADE, spinning(ahead=1e-9), EXACT)
     assert errors.attitude == pytest.approx(1e-9, abs=ROUNDED)
     assert errors.omega == errors.energy == 0
 
@@ -63,31 +63,31 @@ def test_an_angle_is_found_to_rounding_where_an_arccosine_finds_nothing():
 
 
 def test_the_sign_of_a_quaternion_is_no_error():
-    turned = spinning(q_world_body_wxyz=-TRUTH.q_world_body_wxyz)
-    assert errors_between(MADE, turned, TRUTH).attitude < ROUNDED
+    turned = spinning(q_world_body_wxyz=-EXACT.q_world_body_wxyz)
+    assert errors_between(MADE, turned, EXACT).attitude < ROUNDED
 
 
 def test_the_largest_attitude_error_is_half_a_turn():
-    assert errors_between(MADE, spinning(ahead=np.pi), TRUTH).attitude == pytest.approx(np.pi)
+    assert errors_between(MADE, spinning(ahead=np.pi), EXACT).attitude == pytest.approx(np.pi)
 
 
 def test_attitudes_are_compared_in_the_body_and_angular_momenta_in_the_world():
     """Turned a right angle about x: L points along −y, |ΔL|/|L| = √2, and ω is right."""
-    aside = Rotation.from_rotvec([np.pi / 2, 0, 0]) * TRUTH.R_world_body
+    aside = Rotation.from_rotvec([np.pi / 2, 0, 0]) * EXACT.R_world_body
     errors = errors_between(
-        MADE, spinning(q_world_body_wxyz=aside.as_quat(scalar_first=True)), TRUTH
+        MADE, spinning(q_world_body_wxyz=aside.as_quat(scalar_first=True)), EXACT
     )
     assert errors.attitude == pytest.approx(np.pi / 2)
     assert errors.angular_momentum == pytest.approx(np.sqrt(2))
     assert errors.omega == errors.energy == 0
 
 
-def test_errors_are_relative_to_the_largest_of_the_truth():
+def test_errors_are_relative_to_the_largest_of_the_exact_motion():
     """ω runs from 0 to 4: off by 0.1 at the start, where it is zero, is off by 0.1/4."""
     omega = np.linspace(0, 1, 11)[:, None] * [0, 0, 4.0]
-    truth, off = spinning(omega_body=omega), omega.copy()
+    exact, off = spinning(omega_body=omega), omega.copy()
     off[0] = [0.1, 0, 0]
-    errors = errors_between(MADE, spinning(omega_body=off), truth)
+    errors = errors_between(MADE, spinning(omega_body=off), exact)
     assert errors.omega == pytest.approx(0.1 / 4, abs=ROUNDED)
     assert errors.angular_momentum == pytest.approx(0.1 / 10, abs=ROUNDED)
 
@@ -95,8 +95,8 @@ def test_errors_are_relative_to_the_largest_of_the_truth():
 def test_energy_is_relative_to_motion_and_weight():
     """Off by 1 m in height, 20 J, of T = 20 J and 2 kg · 10 m/s² · 3 m."""
     made = scene(more=GRAVITY)
-    truth = spinning(com_world=always(0, 0, 3.0))
-    errors = errors_between(made, spinning(com_world=always(0, 0, 4.0)), truth)
+    exact = spinning(com_world=always(0, 0, 3.0))
+    errors = errors_between(made, spinning(com_world=always(0, 0, 4.0)), exact)
     assert errors.energy == pytest.approx(20 / 80, abs=ROUNDED)
     assert errors.angular_momentum == 0
 
@@ -105,8 +105,8 @@ def test_about_a_pivot_the_coms_path_is_angular_momentum():
     """r × m v = 2 · 3 beside I ω = 10."""
     made = scene(more=PIVOT)
     com, velocity = always(1.0, 0, 0), always(0, 3.0, 0)
-    truth = spinning(com_world=com, velocity_world=velocity)
-    errors = errors_between(made, spinning(com_world=com), truth)
+    exact = spinning(com_world=com, velocity_world=velocity)
+    errors = errors_between(made, spinning(com_world=com), exact)
     assert errors.angular_momentum == pytest.approx(6 / 16, abs=ROUNDED)
 
 
@@ -125,10 +125,10 @@ def test_what_moves_though_it_should_rest_is_infinitely_far_off():
     assert errors.attitude == 0
 
 
-def test_the_series_tells_when():
-    omega = TRUTH.omega_body.copy()
+def test_the_series_shows_when():
+    omega = EXACT.omega_body.copy()
     omega[7] += [0, 0, 0.4]
-    series = error_series(MADE, spinning(omega_body=omega), TRUTH)
+    series = error_series(MADE, spinning(omega_body=omega), EXACT)
     assert int(series.omega.argmax()) == 7
     assert np.count_nonzero(series.omega) == 1
     assert series.worst().omega == pytest.approx(0.1, abs=ROUNDED)
@@ -136,7 +136,7 @@ def test_the_series_tells_when():
 
 def test_other_sample_times_are_refused():
     with pytest.raises(ValueError, match="must be sampled at the same times"):
-        errors_between(MADE, spinning(t=T * 1.0000001), TRUTH)
+        errors_between(MADE, spinning(t=T * 1.0000001), EXACT)
 
 
 @pytest.mark.parametrize("signal", ["com", "velocity"])
@@ -145,9 +145,9 @@ def test_a_com_that_should_stay_is_measured_against_the_radius_of_gyration(signa
     k = radius_of_gyration(scene_of)
     moved = spinning(**{f"{signal}_world": always(0.0, 0.1, 0.0)})
     base = {"com": k, "velocity": 4.0 * k}[signal]
-    assert getattr(errors_between(scene_of, moved, TRUTH), signal) == pytest.approx(0.1 / base)
+    assert getattr(errors_between(scene_of, moved, EXACT), signal) == pytest.approx(0.1 / base)
 
 
 def test_a_quaternion_of_the_other_sign_is_no_error():
-    negated = spinning(q_world_body_wxyz=-TRUTH.q_world_body_wxyz)
-    assert errors_between(MADE, negated, TRUTH).attitude == 0.0
+    negated = spinning(q_world_body_wxyz=-EXACT.q_world_body_wxyz)
+    assert errors_between(MADE, negated, EXACT).attitude == 0.0

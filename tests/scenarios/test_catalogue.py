@@ -43,26 +43,26 @@ def test_with_no_names_it_is_the_whole_library():
     assert len(find([])) > 1
 
 
-def test_a_name_that_is_nothing_is_told_where_to_look(folder):
+def test_a_name_that_is_nothing_is_reported_where_to_look(folder):
     with pytest.raises(
         ScenarioError, match=r"nothing: neither a file, a folder, nor .* 'spincheck l"
     ):
         find(["nothing"])
 
 
-def test_a_folder_without_scenes_is_told(folder):
+def test_a_folder_without_scenes_is_reported(folder):
     (folder / "empty").mkdir()
     with pytest.raises(ScenarioError, match="empty: no scenario in this folder"):
         find(["empty"])
 
 
-def test_two_files_of_one_name_are_told_apart(folder):
+def test_two_files_of_one_name_are_distinguished(folder):
     (folder / "deep" / "one.toml").write_text(TEXT)
     with pytest.raises(ScenarioError, match=r"another scene has the same name, .*one.toml; rename"):
         scenario_files(folder)
 
 
-def test_a_file_of_a_library_scenes_name_is_told_only_beside_it(folder):
+def test_a_file_of_a_library_scenes_name_is_reported_only_beside_it(folder):
     (folder / "sphere.toml").write_text(TEXT)
     assert stems(find(["sphere.toml"])) == ["sphere"]
     with pytest.raises(ScenarioError, match="another scene has the same name"):

@@ -203,7 +203,7 @@ def test_a_body_on_a_pivot_has_no_flight(key):
         scene((OMEGA, f"{OMEGA}\n{key} = [0, 0, 1]"), more=PIVOT)
 
 
-def test_every_complaint_is_told_at_once():
+def test_every_complaint_is_reported_at_once():
     with pytest.raises(ScenarioError) as complaint:
         scene(
             (MASS[0], "mass = -1"), ("samples = 5", "samples = 1"), (OMEGA, "omega_body = [0, 0]")

@@ -108,7 +108,7 @@ def test_window_is_short_enough_for_first_order_methods(scenario: Scenario) -> N
 
 
 @every_scene
-def test_scene_promises_nothing_of_engines_but_known_blow_ups(scenario: Scenario) -> None:
+def test_scene_expects_nothing_of_engines_but_known_blow_ups(scenario: Scenario) -> None:
     assert {expected.outcome for expected in scenario.expect} <= {"diverges"}
 
 

@@ -221,7 +221,7 @@ def test_conserved_values_printed_for_gazebo_hold_at_the_start(name: str) -> Non
 @pytest.mark.parametrize(
     ("name", "ratio"), [("feynman-plate", (1, 2)), ("football-spiral", (5, 3))]
 )
-def test_moments_across_and_along_stand_in_the_ratio_told(
+def test_moments_across_and_along_stand_in_the_ratio_stated(
     name: str, ratio: tuple[int, int]
 ) -> None:
     across, _, along = scene(name).body.inertia_com.diagonal()

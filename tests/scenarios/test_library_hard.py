@@ -73,7 +73,7 @@ def test_the_first_sentence_says_what_is_hard(scenario: Scenario) -> None:
 
 @every_hard_scene
 def test_a_full_ladder_of_timesteps_fits(scenario: Scenario) -> None:
-    """A million turns are for the truth, not for an engine."""
+    """A million turns are for the reference, not for an engine."""
     if scenario.name == "million-turns":
         return
     turn = np.linalg.norm(scenario.start.omega_body) * scenario.window.duration
@@ -98,7 +98,7 @@ def beyond_separatrix(scenario: Scenario) -> Fraction:
         ("separatrix-below-by-1e-14", -1e-14),
     ],
 )
-def test_the_distance_from_the_separatrix_is_the_one_told(name: str, distance: float) -> None:
+def test_the_distance_from_the_separatrix_is_the_one_stated(name: str, distance: float) -> None:
     found = float(beyond_separatrix(scene(name)))
     assert near(found, distance, ROUNDED)
     assert not near(found, FAULT * distance, ROUNDED)
@@ -155,7 +155,7 @@ def test_three_moments_agree_to_1e_14() -> None:
 @pytest.mark.parametrize(
     ("name", "ratio"), [("rod-1e-6", 1e-6), ("rod-1e-12", 1e-12), ("needle-in-skew-axes", 1e-8)]
 )
-def test_the_moment_about_a_rod_is_the_share_told(name: str, ratio: float) -> None:
+def test_the_moment_about_a_rod_is_the_share_stated(name: str, ratio: float) -> None:
     least, _, most = scene(name).body.principal_moments
     assert near(least / most, ratio, EPS / ratio + 1e-6)
     assert not near(least / most, FAULT * ratio, ROUNDED)
@@ -187,7 +187,7 @@ def test_the_plate_has_no_thickness_in_exact_numbers() -> None:
         ("earth-polar-motion", 1e25, 1e6),
     ],
 )
-def test_body_is_of_the_size_told(name: str, mass: float, length: float) -> None:
+def test_body_is_of_the_size_stated(name: str, mass: float, length: float) -> None:
     """Radius of gyration √(I/m) and mass, within a factor of ten."""
     body = scene(name).body
     gyration = np.sqrt(body.principal_moments[2] / body.mass)
@@ -199,7 +199,7 @@ def test_body_is_of_the_size_told(name: str, mass: float, length: float) -> None
     ("name", "speed"),
     [("spin-of-1e-6", 1e-6), ("steel-ball-at-40-million-rpm", 40e6 * 2 * np.pi / 60)],
 )
-def test_the_spin_is_the_one_told(name: str, speed: float) -> None:
+def test_the_spin_is_the_one_stated(name: str, speed: float) -> None:
     assert near(np.linalg.norm(scene(name).start.omega_body), speed, ROUNDED)
 
 

@@ -46,7 +46,7 @@ def test_a_huge_file_is_not_read(tmp_path):
         load(path)
 
 
-def test_broken_toml_is_told_with_its_line():
+def test_broken_toml_is_reported_with_its_line():
     with pytest.raises(ScenarioError, match=r"made:2: not valid TOML: .* \(at line 2"):
         loads("spincheck = 1\ntitle = \n", name="made")
 

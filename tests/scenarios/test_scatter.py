@@ -69,7 +69,7 @@ def test_a_member_is_that_of_numpys_spawned_streams():
     assert min(np.abs(got - expected).max(), np.abs(got + expected).max()) <= 8 * EPS
 
 
-def test_seeds_and_numbers_tell_members_apart():
+def test_seeds_and_numbers_distinguish_members():
     texts = {member(scene(), seed, number).text for seed in range(5) for number in range(5)}
     assert len(texts) == 25
 

@@ -29,11 +29,13 @@ def apart(one: States, other: States) -> float:
     return max(np.abs(one[0] - other[0]).max(), np.abs(one[1] - other[1]).max() / speed)
 
 
-def apart_at(closed: ClosedForm, problem: Problem, truth: RepeatedMotion, periods: int) -> float:
+def apart_at(
+    closed: ClosedForm, problem: Problem, exact_motion: RepeatedMotion, periods: int
+) -> float:
     """The same, of a closed form and a sixty-digit motion, in the period after so many."""
-    times = (PHASES + periods) * float(truth.period)
+    times = (PHASES + periods) * float(exact_motion.period)
     q, omega = closed.states(times)
-    true = [(truth.q(t), truth.omega(t)) for t in times]
+    true = [(exact_motion.q(t), exact_motion.omega(t)) for t in times]
     speed = max(abs(w) for _, omega_true in true for w in omega_true)
     return float(
         max(

@@ -16,7 +16,7 @@ every_scene = pytest.mark.parametrize("name", SCENES)
 
 @cache
 def solved(name: str) -> tuple[Scenario, Solution]:
-    """A scene and its truth at the window's times."""
+    """A scene and its exact motion at the window's times."""
     scenario = load(SCENES[name])
     return scenario, solve(scenario, scenario.times)
 

@@ -11,7 +11,7 @@ from spincheck.reports.results.records import Key, Row, Verdict
 from spincheck.reports.results.store import Results, SceneResult
 from spincheck.scenarios import EFFECTS, Errors, Scenario, Trajectory, errors_between, loads
 
-#: What the made-up truth is good for; the finest runs of high order are below it.
+#: What the made-up exact motion is good for; the finest runs of high order are below it.
 UNCERTAINTY = Errors(1e-13, 2e-13, 3e-13, 4e-13, 5e-13, 6e-13)
 CONDITIONING = Errors(1e-15, 1e-14, 1e-15, 1e-15, 1e-15, 1e-15)
 #: s; halved from rung to rung.
@@ -19,7 +19,7 @@ TIMESTEPS = tuple(0.02 / 2**k for k in range(6))
 #: s; two of them stand for an engine's own stock timestep and for the one of all engines.
 STOCK = TIMESTEPS[1:3]
 #: Error of a method of order p with the coarsest timestep; with dt, (dt/`TIMESTEPS[0]`)^p of it.
-#: That of order 4 falls below the uncertainty of the truth.
+#: That of order 4 falls below the uncertainty of the exact motion.
 SIZE = {1: 0.05, 2: 1e-3, 3: 1e-5, 4: 1e-8}
 SECONDS_PER_STEP = 1.5e-6
 WALL_SECONDS_PER_STEP = 1.75e-6
@@ -94,13 +94,13 @@ def results(samples: int = 101, methods: Sequence[MadeUp] = METHODS) -> Results:
     scenes, rows, verdicts = {}, [], []
     for name, text in (("made-up-top", TOP), ("made-up-brick", BRICK)):
         scenario = loads(text, name)
-        truth = _truth(scenario, samples)
+        exact = _exact(scenario, samples)
         scenes[name] = SceneResult(
-            scenario, Solution(truth, "made up", UNCERTAINTY, CONDITIONING, horizon=None)
+            scenario, Solution(exact, "made up", UNCERTAINTY, CONDITIONING, horizon=None)
         )
         for method in methods:
             key = Key(name, method.engine, method.method)
-            rows += _rows(scenario, truth, key, method)
+            rows += _rows(scenario, exact, key, method)
             verdicts.append(_verdict(key, method))
     unsolved = Key("unsolved", "mujoco", "Euler")
     reason = "the reference could not be solved: it blew up"
@@ -122,16 +122,16 @@ def _declared(method: MadeUp) -> Method:
     return Method(method.method, method.order, method.order, summary, frozenset(EFFECTS))
 
 
-def _rows(scenario: Scenario, truth: Trajectory, key: Key, method: MadeUp) -> list[Row]:
+def _rows(scenario: Scenario, exact: Trajectory, key: Key, method: MadeUp) -> list[Row]:
     if method.verdict in ("unsupported", "failed"):
         row = Row(key, "0.9", TIMESTEPS[0], method.verdict, method.reason, printed=PRINTED)
         return [row]
     rows = []
     for dt in TIMESTEPS:
         diverged = method.verdict == "diverges"
-        n = len(truth.t) // 2 if diverged else len(truth.t)
+        n = len(exact.t) // 2 if diverged else len(exact.t)
         motion = _disturbed(
-            truth.until(n), SIZE[method.order] * (dt / TIMESTEPS[0]) ** method.order, scenario
+            exact.until(n), SIZE[method.order] * (dt / TIMESTEPS[0]) ** method.order, scenario
         )
         rows.append(
             Row(
@@ -140,11 +140,11 @@ def _rows(scenario: Scenario, truth: Trajectory, key: Key, method: MadeUp) -> li
                 dt,
                 "diverged" if diverged else "ok",
                 method.reason if diverged else "",
-                stopped_at=float(truth.t[n]) if diverged else None,
-                errors=None if diverged else errors_between(scenario, motion, truth),
+                stopped_at=float(exact.t[n]) if diverged else None,
+                errors=None if diverged else errors_between(scenario, motion, exact),
                 drifts={"energy": 1e-3 * dt, "L_norm": 1e-4 * dt},
                 uncertainty=UNCERTAINTY.omega,
-                steps=round(truth.t[n - 1] / dt),
+                steps=round(exact.t[n - 1] / dt),
                 seconds_per_step=SECONDS_PER_STEP,
                 seconds_spread=SECONDS_PER_STEP / 10,
                 wall_seconds_per_step=WALL_SECONDS_PER_STEP,
@@ -158,7 +158,7 @@ def _verdict(key: Key, method: MadeUp) -> Verdict:
     if method.verdict in ("unsupported", "failed", "diverges"):
         return Verdict(key, method.verdict, method.reason)
     broken = ("omega error 1e-2 exceeds the expected 1e-3",) if method.method == "Euler" else ()
-    # The limit of one is closer to the truth than the truth is sure.
+    # The limit of one is closer to the exact motion than the exact motion is sure.
     limit_error = UNCERTAINTY.omega / 100 if method.method == "RK4" else 1e-5
     return Verdict(
         key,
@@ -172,7 +172,7 @@ def _verdict(key: Key, method: MadeUp) -> Verdict:
     )
 
 
-def _truth(scenario: Scenario, samples: int) -> Trajectory:
+def _exact(scenario: Scenario, samples: int) -> Trajectory:
     """Regular precession at a tilt of 30°: any motion will do, if its rates are its own."""
     t = np.linspace(0.0, scenario.window.duration, samples)
     beta, precession, spin = np.radians(30.0), 3.0, 7.0
@@ -189,12 +189,12 @@ def _truth(scenario: Scenario, samples: int) -> Trajectory:
     return _moving(scenario, t, R_world_body, omega_body)
 
 
-def _disturbed(truth: Trajectory, size: float, scenario: Scenario) -> Trajectory:
-    """The truth, turned about a fixed axis and sped up along it, both growing with time."""
+def _disturbed(exact: Trajectory, size: float, scenario: Scenario) -> Trajectory:
+    """The exact motion, turned about a fixed axis and sped up along it, both growing with time."""
     axis = np.array([2.0, -1.0, 2.0]) / 3
-    growth = size * (truth.t / truth.t[-1])[:, None]
-    R_world_body = truth.R_world_body * Rotation.from_rotvec(growth * axis)
-    return _moving(scenario, truth.t, R_world_body, truth.omega_body + growth * axis)
+    growth = size * (exact.t / exact.t[-1])[:, None]
+    R_world_body = exact.R_world_body * Rotation.from_rotvec(growth * axis)
+    return _moving(scenario, exact.t, R_world_body, exact.omega_body + growth * axis)
 
 
 def _moving(

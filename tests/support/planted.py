@@ -135,7 +135,7 @@ class LyingAboutStartSession(HeunSession):
 
 
 class DampedInSecretSession(HeunSession):
-    """Damps the spin and does not say so: only the truth can tell."""
+    """Damps the spin and does not say so: only a comparison with the exact motion shows it."""
 
     def rate(self, omega):
         return super().rate(omega) - 1e-3 * omega

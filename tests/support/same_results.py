@@ -39,9 +39,9 @@ def _scenes(a: Results, b: Results) -> Iterator[str]:
             yield f"scene in one only: {name}"
             continue
         known = [(s.scenario.text, s.solution.method, s.solution.horizon) for s in (first, second)]
-        truths = (first.solution.trajectory, second.solution.trajectory)
-        if known[0] != known[1] or not _same_arrays(*truths):
-            yield f"truth differs: {name}"
+        motions = (first.solution.trajectory, second.solution.trajectory)
+        if known[0] != known[1] or not _same_arrays(*motions):
+            yield f"exact motion differs: {name}"
 
 
 def _left_out(a: Results, b: Results) -> Iterator[str]:

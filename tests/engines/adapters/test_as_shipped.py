@@ -42,7 +42,9 @@ def test_engines_that_have_defaults_of_their_own_are_run_with_them() -> None:
 
 @pytest.mark.parametrize(("engine", "method"), SHIPPED)
 @pytest.mark.parametrize("name", ["free", "heavy-tilted"])
-def test_what_differs_is_told_and_fails_no_run(engine: Engine, method: Method, name: str) -> None:
+def test_what_differs_is_reported_and_fails_no_run(
+    engine: Engine, method: Method, name: str
+) -> None:
     run = engine.run(SCENES[name], method, TIMESTEP, STEPS)
     assert run.outcome == "ok"
     assert "active though the scene does not call for it: " in run.reason
@@ -51,7 +53,7 @@ def test_what_differs_is_told_and_fails_no_run(engine: Engine, method: Method, n
 
 
 @pytest.mark.parametrize(("engine", "method"), SHIPPED)
-def test_the_same_is_no_run_of_a_method_that_promises_to_simulate_the_scene(
+def test_the_same_is_no_run_of_a_method_that_claims_to_simulate_the_scene(
     engine: Engine, method: Method, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The adapter's way of opening is asked for by the real method, whatever it is given."""
@@ -100,7 +102,7 @@ def test_mujocos_automatic_reset_ends_a_run_that_blew_up() -> None:
     assert run.trajectory.t[-1] < run.stopped_at < blown_up[-1] * coarse
 
 
-def test_without_the_automatic_reset_only_the_warning_is_told() -> None:
+def test_without_the_automatic_reset_only_the_warning_is_reported() -> None:
     coarse, blown_up = 1e-2, np.arange(0, 501, 10)
     run = MUJOCO.run(SCENES["heavy-top"], MUJOCO.method("Euler"), coarse, blown_up)
     assert run.outcome == "diverged"
@@ -143,7 +145,7 @@ def test_a_joint_has_a_motor_and_a_free_body_none() -> None:
 
 
 @pytest.mark.parametrize("name", ["free", "pivot"])
-def test_none_of_it_is_told_of_a_method_that_takes_it_away(name: str) -> None:
+def test_none_of_it_is_reported_of_a_method_that_takes_it_away(name: str) -> None:
     run = PYBULLET.run(SCENES[name], PYBULLET.method("multibody"), TIMESTEP, STEPS)
     assert (run.reason, run.active) == ("", SCENES[name].called_for)
 

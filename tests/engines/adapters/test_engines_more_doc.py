@@ -35,8 +35,8 @@ def test_the_error_on_the_fast_top_is_the_pages(name: str, method: str, printed:
     steps = np.arange(round(scenario.window.duration / TIMESTEP) + 1)
     run = engine.run(scenario, engine.method(method), TIMESTEP, steps)
     assert run.trajectory is not None
-    truth = solve(scenario, run.trajectory.t).trajectory
-    error = errors_between(scenario, run.trajectory, truth).omega
+    exact = solve(scenario, run.trajectory.t).trajectory
+    error = errors_between(scenario, run.trajectory, exact).omega
     slack = SINGLE if engine.single_precision else PRINTED
     assert error == pytest.approx(float(printed), rel=slack)
 

@@ -23,7 +23,7 @@ def held(folder, text, who, file="robot.urdf", packages=()):
 
 
 @pytest.mark.parametrize("who", FAITHFUL, ids=" ".join)
-def test_an_engine_that_is_told_to_holds_the_files_tensor(tmp_path, who):
+def test_an_engine_that_is_reported_to_holds_the_files_tensor(tmp_path, who):
     stated = read_model(written(tmp_path, arm())).link("arm").stated
     found = held(tmp_path, arm(), who)["arm"]
     assert found.mass == 2
@@ -114,7 +114,7 @@ def test_an_mjcfs_missing_meshes_and_textures_do_not_matter(tmp_path):
     assert held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")["arm"].mass == 2
 
 
-def test_bodies_without_a_name_are_told_apart(tmp_path):
+def test_bodies_without_a_name_are_distinguished(tmp_path):
     inner = '<freejoint/><geom size="1"/><body pos="1 0 0"><geom size="2"/></body>'
     text = f"<mujoco><worldbody><body>{inner}</body></worldbody></mujoco>"
     found = held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")

@@ -52,7 +52,7 @@ def test_a_body_too_small_for_the_compiler_is_unsupported(engine: Engine, body: 
     assert "scale the scene up" in done.reason
 
 
-def test_what_the_compiler_refuses_is_told_in_its_words() -> None:
+def test_what_the_compiler_refuses_is_reported_in_its_words() -> None:
     # No body has such moments: one exceeds the sum of the others.
     inertial = "<inertial pos='0 0 0' mass='1' diaginertia='1 1 3'/>"
     text = f"<mujoco><worldbody><body><freejoint/>{inertial}</body></worldbody></mujoco>"

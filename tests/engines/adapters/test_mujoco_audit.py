@@ -180,7 +180,7 @@ STRENGTHS: dict[str, tuple[str, Edit]] = {
 
 
 @pytest.mark.parametrize("words", STRENGTHS)
-def test_an_effect_at_another_strength_than_the_scenes_is_told(words: str) -> None:
+def test_an_effect_at_another_strength_than_the_scenes_is_reported(words: str) -> None:
     name, planted = STRENGTHS[words]
     (told,) = active(name, planted) - SCENES[name].called_for
     assert told.startswith(words)

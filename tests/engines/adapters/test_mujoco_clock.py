@@ -69,7 +69,7 @@ def test_sessions_of_both_kinds_may_be_stepped_in_turn(counting: CountingClock) 
     assert [count > 0 for count in reads] == [False, True, False, True]
 
 
-def test_the_audit_tells_of_the_session_that_is_asked() -> None:
+def test_the_audit_reads_the_clock_of_the_session_that_is_asked() -> None:
     with opened("Euler") as clean, opened("default") as shipped:
         for session in (clean, shipped):
             session.advance(1)

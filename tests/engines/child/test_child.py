@@ -70,7 +70,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_a_child_that_misbehaves_costs_its_run_and_is_told_by_name(fault: str) -> None:
+def test_a_child_that_misbehaves_costs_its_run_and_is_reported_by_name(fault: str) -> None:
     run = ran(planted(fault))
     cause, words = FAULTS[fault]
     assert (run.outcome, run.cause) == ("failed", cause)
@@ -171,6 +171,6 @@ def test_what_the_command_names_counts_as_the_engines_sources() -> None:
     assert PLANTED in planted().sources
 
 
-def test_a_command_that_is_none_is_told() -> None:
+def test_a_command_that_is_none_is_reported() -> None:
     with pytest.raises(ProtocolError, match="'no-such-engine' cannot be started"):
         child_engine(["no-such-engine"])

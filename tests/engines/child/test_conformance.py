@@ -37,7 +37,7 @@ def test_an_engine_of_fifty_lines_in_another_language_conforms() -> None:
     }.items(),
     ids=str,
 )
-def test_one_that_breaks_the_protocol_is_told_where(fault: str, said: str) -> None:
+def test_one_that_breaks_the_protocol_is_reported_where(fault: str, said: str) -> None:
     result = conform(sys.executable, "-S", str(HERE / "planted_child.py"), fault)
     assert result.exit_code == 1
     assert "FAILS  exact on book-in-skew-axes: " in result.output

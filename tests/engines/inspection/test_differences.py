@@ -82,7 +82,7 @@ CAUSES = {
 
 
 @pytest.mark.parametrize("name", CAUSES)
-def test_a_difference_is_told_by_its_cause(name):
+def test_a_difference_is_reported_by_its_cause(name):
     one, other, words = CAUSES[name]
     assert told(one, other).startswith(words)
 
@@ -93,7 +93,7 @@ def test_a_tensor_is_set_to_zero_because_no_body_has_it():
     assert found == "tensor set to zero: no body has it, 0.1 + 0.3 < 0.9"
 
 
-def test_where_an_engine_makes_tensors_up_that_is_told():
+def test_where_an_engine_makes_tensors_up_that_is_reported():
     found = told(stated(), BodyReading(2.0, NO_COM, 3 * MOMENTS), made_up="made up from shapes")
     assert found == "made up from shapes: tensor 3 times the file's"
 

@@ -69,7 +69,7 @@ def test_the_first_acceleration_is_eulers(name: str, integrator: str) -> None:
     ],
     ids=["other-axes", "sign", "twice"],
 )
-def test_the_first_acceleration_tells_effects_apart(pivot: str, effect: str, fault: str) -> None:
+def test_the_first_acceleration_distinguishes_effects(pivot: str, effect: str, fault: str) -> None:
     right = scene("right", body=TILTED, effects=pivot + effect)
     wrong = scene("wrong", body=TILTED, effects=pivot + fault)
     assert relative_misfit(wrong, right, "RK4") > 1e9 * ROUNDOFF

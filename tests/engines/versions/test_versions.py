@@ -62,7 +62,7 @@ def test_without_a_network_one_message_says_so(monkeypatch: pytest.MonkeyPatch) 
         ("mujoco-urdf@3.1.6", "cannot be had in other versions"),
     ],
 )
-def test_what_is_no_version_is_told(name: str, words: str) -> None:
+def test_what_is_no_version_is_reported(name: str, words: str) -> None:
     with pytest.raises(VersionError, match=words):
         versioned(name)
 
@@ -74,7 +74,7 @@ def test_what_is_no_version_is_told(name: str, words: str) -> None:
         "echo": "'echo' is no Python 3: it printed",
     }.items(),
 )
-def test_another_interpreter_that_is_none_is_told(python: str, words: str) -> None:
+def test_another_interpreter_that_is_none_is_reported(python: str, words: str) -> None:
     with pytest.raises(VersionError, match=words):
         versioned("mujoco@3.1.6", python)
     assert folders.installed() == []

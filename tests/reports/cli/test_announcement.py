@@ -27,7 +27,7 @@ def test_it_names_the_engines_and_counts_what_is_to_be_made() -> None:
     assert said.startswith("2 verdicts of 2 engines (mujoco, pybullet) on 1 scene: roughly ")
 
 
-def test_many_scenes_are_told_in_minutes() -> None:
+def test_many_scenes_are_reported_in_minutes() -> None:
     assert "min with 2 workers" in announcement(plan(2000), CHOICE, 2)
 
 

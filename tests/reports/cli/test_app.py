@@ -75,11 +75,11 @@ def test_engines_lists_methods_with_their_orders(spincheck):
 
 def test_reference_prints_states_at_the_times_asked_for(spincheck, sphere):
     code, out, _ = spincheck("reference", sphere, "--at", 1, "--at", 0.5, "--json")
-    truth = json.loads(out)
+    exact = json.loads(out)
     assert code == 0
-    assert [state["t"] for state in truth["states"]] == [0.5, 1.0]
-    assert truth["states"][1]["omega_body"] == [0.0, 1.0, 2.0]
-    assert truth["states"][1]["energy"] == pytest.approx(2.5, rel=1e-15)
+    assert [state["t"] for state in exact["states"]] == [0.5, 1.0]
+    assert exact["states"][1]["omega_body"] == [0.0, 1.0, 2.0]
+    assert exact["states"][1]["energy"] == pytest.approx(2.5, rel=1e-15)
 
 
 def test_export_writes_files_that_both_engines_load(spincheck, sphere, tmp_path):
@@ -103,7 +103,7 @@ def test_run_as_json_has_rows_and_verdicts(spincheck, sphere):
     assert {row["timestep"] for row in results["rows"]} == {0.01}
 
 
-def test_a_broken_promise_exits_with_1(spincheck, sphere):
+def test_an_unmet_expectation_exits_with_1(spincheck, sphere):
     promise = '[[expect]]\nengine = "mujoco"\nmethod = "RK4"\ntimestep = 0.01\nattitude = 1e-300\n'
     sphere.write_text(SPHERE + promise)
     code, out, _ = spincheck("run", sphere, "--engine", "mujoco", "--method", "RK4")

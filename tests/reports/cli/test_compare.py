@@ -138,13 +138,13 @@ def test_an_error_without_a_base_is_compared_too(before, error):
     assert len(changes(planted, before)) == 1
 
 
-def test_a_promise_broken_is_a_regression_and_one_kept_again_is_not(before):
+def test_a_expectation_broken_is_a_regression_and_one_kept_again_is_not(before):
     kept = with_verdict(before, unmet=())
     assert [(c.kind, c.regression) for c in changes(kept, before)] == [("promise", True)]
     assert [(c.kind, c.regression) for c in changes(before, kept)] == [("promise", False)]
 
 
-def test_a_promise_broken_by_another_margin_has_not_changed(before):
+def test_a_expectation_broken_by_another_margin_has_not_changed(before):
     margin = ("omega error 2e-2 exceeds the expected 1e-3",)
     assert changes(before, with_verdict(before, unmet=margin)) == []
 
@@ -169,7 +169,7 @@ def test_a_cost_within_the_noise_has_not_changed(before, seconds, spread):
     assert changes(before, with_cost(before, seconds, spread)) == []
 
 
-def test_a_scene_and_a_method_added_or_gone_are_told_and_are_no_regression(before):
+def test_a_scene_and_a_method_added_or_gone_are_reported_and_are_no_regression(before):
     without_scene = replace(
         before,
         rows=[row for row in before.rows if row.key.scenario != "made-up-brick"],
@@ -198,7 +198,7 @@ def test_a_comment_changes_no_scene(before):
     assert changes(before, commented) == []
 
 
-def test_versions_are_told_and_dates_are_not(before):
+def test_versions_are_reported_and_dates_are_not(before):
     other = {"date": "2027-01-01T00:00:00+00:00", "mujoco": "5.0"}
     found = changes(before, replace(before, environment=before.environment | other))
     assert [(c.kind, c.name, c.old, c.new) for c in found] == [
@@ -206,7 +206,7 @@ def test_versions_are_told_and_dates_are_not(before):
     ]
 
 
-def test_a_verdict_that_is_not_there_yet_is_told(before):
+def test_a_verdict_that_is_not_there_yet_is_reported(before):
     missing = [verdict for verdict in before.verdicts if verdict.key != KEY]
     (change,) = changes(before, replace(before, verdicts=missing))
     assert (change.kind, change.new, change.regression) == ("verdict", None, False)

@@ -74,7 +74,7 @@ def test_what_is_not_there_is_empty():
     assert (record["omega_error"], record["outcome"]) == ("", "failed")
 
 
-def test_drifts_have_a_column_each_and_broken_promises_are_joined():
+def test_drifts_have_a_column_each_and_unmet_expectations_are_joined():
     sampled = next(row for row in RESULTS.rows if row.drifts)
     (row,) = records(csv_text([row_record(sampled)]))
     assert float(row["drifts.energy"]) == sampled.drifts["energy"]

@@ -70,7 +70,7 @@ def test_the_nearest_name_is_offered(engine, method, meant):
         choose([engine], method, [])
 
 
-def test_a_name_that_is_near_to_nothing_is_told_without_a_guess():
+def test_a_name_that_is_near_to_nothing_is_reported_without_a_guess():
     with pytest.raises(Complaint) as complaint:
         choose(["zzzzzz"], [], [])
     assert "did you mean" not in str(complaint.value)

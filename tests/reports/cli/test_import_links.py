@@ -130,7 +130,7 @@ def test_a_run_asks_engines_of_users_files_where_a_scene_names_one(tmp_path):
     assert not of_file & set(_engines_for([load(find(["fast-top"])[0])]))
 
 
-def test_an_engine_of_users_files_that_is_asked_for_in_vain_is_told(tmp_path):
+def test_an_engine_of_users_files_that_is_asked_for_in_vain_is_reported(tmp_path):
     out = str(tmp_path / "results.sqlite")
     ended = CliRunner().invoke(app, ["run", "fast-top", "--engine", "mujoco-file", "--out", out])
     assert str(ended.exception).startswith(

@@ -86,7 +86,7 @@ def test_several_files_are_a_list(tmp_path):
     assert [one["file"] for one in records(path, path)] == [str(path)] * 2
 
 
-def test_what_differs_is_told_in_words_with_what_to_do(tmp_path):
+def test_what_differs_is_reported_in_words_with_what_to_do(tmp_path):
     ended = inspect(written(tmp_path, arm()))
     assert ended.exit_code == 1
     assert "pybullet default, arm: made up from the collision shapes: tensor 1/" in ended.stdout
@@ -96,7 +96,7 @@ def test_what_differs_is_told_in_words_with_what_to_do(tmp_path):
     assert "load it with flags=pybullet.URDF_USE_INERTIA_FROM_FILE" in ended.stdout
 
 
-def test_what_a_robot_gains_by_links_that_state_nothing_is_told_first(tmp_path):
+def test_what_a_robot_gains_by_links_that_state_nothing_is_reported_first(tmp_path):
     path = written(tmp_path, arm())
     printed = inspect(path).stdout.splitlines()
     assert printed[1] == (
@@ -110,7 +110,7 @@ def test_what_a_robot_gains_by_links_that_state_nothing_is_told_first(tmp_path):
     }
 
 
-def test_an_impossible_tensor_is_told_of_file_and_engines(tmp_path):
+def test_an_impossible_tensor_is_reported_of_file_and_engines(tmp_path):
     path = written(tmp_path, arm(diagonal(0.3, 0.1, 0.9)))
     ended = inspect(path)
     assert ended.exit_code == 1
@@ -138,7 +138,7 @@ def test_fused_links_are_compared_with_the_sum_of_their_parts(tmp_path):
     assert held_of(found, "base", "as-is")["cause"] == "fused with the world: it cannot move"
 
 
-def test_a_sum_that_an_engine_gets_wrong_is_told(tmp_path, monkeypatch):
+def test_a_sum_that_an_engine_gets_wrong_is_reported(tmp_path, monkeypatch):
     """Planted: the engine adds the parts' tensors without their distance."""
     tool = inertial("2", ROUND)
     text = robot(
@@ -208,7 +208,7 @@ def test_beside_a_file_that_nobody_can_read_others_are_inspected(tmp_path):
     assert [one["file"] for one in json.loads(printed)] == [str(path)]
 
 
-def test_an_engine_that_there_is_not_is_told(tmp_path):
+def test_an_engine_that_there_is_not_is_reported(tmp_path):
     code, told, _ = complaint(written(tmp_path, arm()), "--engine", "pybulet")
     assert code == 2
     assert told == (
@@ -217,7 +217,7 @@ def test_an_engine_that_there_is_not_is_told(tmp_path):
     )
 
 
-def test_an_engine_that_cannot_read_the_format_is_told(tmp_path):
+def test_an_engine_that_cannot_read_the_format_is_reported(tmp_path):
     path = written(tmp_path, body("<geom/>"), "a.xml")
     assert complaint(path, "--engine", "pybullet")[:2] == (2, "pybullet cannot read MJCF")
 
@@ -240,7 +240,7 @@ def test_a_version_is_asked_in_its_own_folder(tmp_path, monkeypatch):
     assert (held["engine"], held["engine_version"]) == ("mujoco@3.3.7", "3.3.7")
 
 
-def test_a_version_that_cannot_be_had_is_told(tmp_path):
+def test_a_version_that_cannot_be_had_is_reported(tmp_path):
     path = written(tmp_path, arm())
     assert complaint(path, "--engine", "mujoco@new")[:2] == (
         2,

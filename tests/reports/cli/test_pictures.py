@@ -70,13 +70,13 @@ def test_a_png_is_a_picture(tmp_path: Path) -> None:
         ("convergence", "nutation-loops", "'spincheck run nutation-loops' makes them"),
     ],
 )
-def test_what_cannot_be_drawn_is_told(what: str, scene: str, said: str, tmp_path: Path) -> None:
+def test_what_cannot_be_drawn_is_reported(what: str, scene: str, said: str, tmp_path: Path) -> None:
     with pytest.raises(Complaint, match=said) as complaint:
         draw(what, tmp_path / "a.svg", scene=scene)
     assert complaint.value.exit_code == BAD_INPUT
 
 
-def test_an_ending_that_nobody_knows_is_told(tmp_path: Path) -> None:
+def test_an_ending_that_nobody_knows_is_reported(tmp_path: Path) -> None:
     with pytest.raises(Complaint, match=r"a\.doc: cannot be written"):
         draw("theta", tmp_path / "a.doc")
 

@@ -47,7 +47,7 @@ def file_of(folder: Path, value: float | None = None, arm: float = 0.1, tilt: fl
 
 @pytest.mark.parametrize(("value", "code"), [(3.0, 0), (3.1, 1)])
 @pytest.mark.parametrize("command", COMMANDS)
-def test_a_published_value_that_does_not_hold_is_told_alike(
+def test_a_published_value_that_does_not_hold_is_reported_alike(
     tmp_path, monkeypatch, command, value, code
 ):
     """One component of three is enough to publish."""

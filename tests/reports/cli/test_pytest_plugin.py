@@ -77,7 +77,7 @@ omega = {bound}
 """
 
 
-def test_an_engine_as_shipped_is_no_item_unless_the_scene_promises_about_it(run):
+def test_an_engine_as_shipped_is_no_item_unless_the_scene_expects_something_of_it(run):
     promised = SPHERE.replace("A spinning", "A promised") + SHIPPED_PROMISE.format(bound=1.0)
     result = run("--collect-only", "-q", sphere=SPHERE, promised=promised)
     collected = [line for line in result.outlines if "-default" in line]
@@ -85,7 +85,7 @@ def test_an_engine_as_shipped_is_no_item_unless_the_scene_promises_about_it(run)
 
 
 @pytest.mark.parametrize(("bound", "outcome"), [(1.0, "passed"), (1e-12, "failed")])
-def test_of_an_engine_as_shipped_the_promise_is_judged_and_not_the_motion(run, bound, outcome):
+def test_of_an_engine_as_shipped_the_expectation_is_judged_and_not_the_motion(run, bound, outcome):
     text = SPHERE + SHIPPED_PROMISE.format(bound=bound)
     result = run("-k", "pybullet-default", sphere=text)
     assert {outcome: 1}.items() <= result.parseoutcomes().items()
@@ -121,7 +121,7 @@ def test_a_value_printed_elsewhere_that_agrees_passes(run):
     result.assert_outcomes(passed=1)
 
 
-def test_a_broken_promise_fails_and_names_signal_size_and_command(run):
+def test_an_unmet_expectation_fails_and_names_signal_size_and_command(run):
     tumbling = SPHERE.replace("[1.0, 1.0, 1.0]", "[1.0, 2.0, 2.5]")
     result = run("-k", "mujoco-RK4", box=tumbling + PROMISE)
     result.assert_outcomes(failed=1)

@@ -60,27 +60,29 @@ def test_the_file_alone_finds_the_error_that_the_harness_finds(
     assert float(attitude) == pytest.approx(errors.attitude, rel=PRINTED)
 
 
-def test_an_engine_without_a_script_is_told() -> None:
+def test_an_engine_without_a_script_is_reported() -> None:
     scenario, engine = load(find(["fast-top"])[0]), engines()["mujoco-urdf"]
     with pytest.raises(Complaint, match="mujoco-urdf has none"):
         reproduction(scenario, engine, engine.methods[0], TIMESTEP)
 
 
 @pytest.fixture(scope="module")
-def truth(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def exact_motion(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("truth")
     result = CliRunner().invoke(app, ["export", "hammer", str(folder), "--truth"])
     assert result.exit_code == 0, result.output
     return folder
 
 
-def test_the_exact_motion_as_csv_and_as_json_are_the_same_to_the_last_bit(truth: Path) -> None:
+def test_the_exact_motion_as_csv_and_as_json_are_the_same_to_the_last_bit(
+    exact_motion: Path,
+) -> None:
     scenario = load(find(["hammer"])[0])
     exact = solve(scenario, scenario.times).trajectory
-    columns = json.loads((truth / "truth.json").read_text(encoding="utf-8"))["columns"]
+    columns = json.loads((exact_motion / "truth.json").read_text(encoding="utf-8"))["columns"]
     assert np.array_equal(columns["omega_body"], exact.omega_body)
     # The first line that is no comment names the columns.
-    lines = (truth / "truth.csv").read_text(encoding="utf-8").splitlines()
+    lines = (exact_motion / "truth.csv").read_text(encoding="utf-8").splitlines()
     heading, *rows = [line.split(",") for line in lines if not line.startswith("#")]
     first = heading.index("omega_body_x")
     numbers = np.array(rows, dtype=float)
@@ -90,7 +92,7 @@ def test_the_exact_motion_as_csv_and_as_json_are_the_same_to_the_last_bit(truth:
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
 def test_the_exact_motion_as_a_c_header_compiles_and_reads_the_same(
-    truth: Path, tmp_path: Path
+    exact_motion: Path, tmp_path: Path
 ) -> None:
     program = tmp_path / "program.c"
     program.write_text(
@@ -100,7 +102,7 @@ def test_the_exact_motion_as_a_c_header_compiles_and_reads_the_same(
         encoding="utf-8",
     )
     out = tmp_path / "program"
-    subprocess.run(["cc", f"-I{truth}", str(program), "-o", str(out)], check=True)
+    subprocess.run(["cc", f"-I{exact_motion}", str(program), "-o", str(out)], check=True)
     said = subprocess.run([str(out)], capture_output=True, text=True, check=True).stdout
-    columns = json.loads((truth / "truth.json").read_text(encoding="utf-8"))["columns"]
+    columns = json.loads((exact_motion / "truth.json").read_text(encoding="utf-8"))["columns"]
     assert float(said) == columns["omega_body"][-1][2]

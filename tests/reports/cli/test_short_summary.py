@@ -22,7 +22,7 @@ def test_all_verdicts_of_clean_methods_are_counted():
     assert sum(counted) == len(clean)
 
 
-def test_what_fails_is_told_with_its_reason_and_how_many_more_there_are():
+def test_what_fails_is_reported_with_its_reason_and_how_many_more_there_are():
     wrong = [
         replace(verdict, verdict="disagrees", reason="R" * 500, known=False, as_shipped=False)
         for verdict in FOUND.verdicts

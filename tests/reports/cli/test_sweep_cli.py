@@ -157,7 +157,7 @@ def test_what_cannot_be_used_is_one_message_and_exit_code_2(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_scheduler_that_is_not_there_is_told_with_exit_code_3(tmp_path):
+def test_a_scheduler_that_is_not_there_is_reported_with_exit_code_3(tmp_path):
     path = tmp_path / "results.sqlite"
     done = spincheck("run", SCENE, "--ensemble", 3, "--dask", "127.0.0.1:9", "--out", path)
     assert done.returncode == NOT_RUN
@@ -204,7 +204,7 @@ def test_a_sweep_fails_only_by_runs_that_failed(outcomes, code):
 
 
 @pytest.mark.usefixtures("in_process")
-def test_of_several_engines_in_a_file_those_asked_for_are_told(mapped):
+def test_of_several_engines_in_a_file_those_asked_for_are_reported(mapped):
     choice = choose(["mujoco"], ["Euler"], [])
     found = run_map(SCENE, [SPIN, STEPS], choice, Where(1), mapped[0])
     assert {point.key.method for point in found.points} == {"Euler"}

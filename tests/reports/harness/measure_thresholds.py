@@ -1,7 +1,7 @@
-"""The smallest lie of each kind that a verdict tells, by class of method and scene, and its name.
+"""The smallest planted fault that a verdict detects, by kind, class of method and scene.
 
-Written to docs/thresholds.md and to the reports. Engines are MuJoCo with the lie in it
-(`lying_mujoco`); sizes are tried from the smallest upwards.
+Written to docs/thresholds.md and to the reports. Engines are MuJoCo with the fault planted
+(`faulty_mujoco`); sizes are tried from the smallest upwards.
 """
 
 import sys
@@ -11,7 +11,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[3]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 
-from lying_mujoco import KINDS, Lie, LyingMuJoCo, applies  # noqa: E402
+from faulty_mujoco import KINDS, FaultyMuJoCo, PlantedFault, applies  # noqa: E402
 from spincheck.reports.harness.executors import InProcess  # noqa: E402
 from spincheck.reports.harness.study import (  # noqa: E402
     Prepared,
@@ -30,9 +30,9 @@ MOST_STEPS = 1 << 13
 BITS = "the state is held in 24 bits"
 
 
-def told(scenario: Scenario, prepared: Prepared, method: str, lie: Lie) -> str:
-    """How a verdict names a lie; empty where it passes."""
-    engine = LyingMuJoCo(lie)
+def told(scenario: Scenario, prepared: Prepared, method: str, fault: PlantedFault) -> str:
+    """How a verdict names a fault; empty where it passes."""
+    engine = FaultyMuJoCo(fault)
     study = convergence_study_of(scenario, engine, engine.method(method), prepared)
     for _ in run_rungs(study, InProcess()):
         pass
@@ -49,7 +49,7 @@ def threshold(scenario: Scenario, prepared: Prepared, method: str, kind: str) ->
     """The smallest size told, and how it is named."""
     # Rounding has one size.
     for size in SIZES if kind != "float32" else (2.0**-24,):
-        if words := told(scenario, prepared, method, Lie(kind, size)):
+        if words := told(scenario, prepared, method, PlantedFault(kind, size)):
             return f"{size:.0e}", words
     return "never", ""
 
@@ -62,7 +62,7 @@ def rows(names: tuple[str, ...]) -> Iterator[str]:
         prepared = prepare(scenario, [], MOST_STEPS)
         for method, order in METHODS.items():
             for kind in KINDS:
-                if applies(Lie(kind, 1.0), scenario):
+                if applies(PlantedFault(kind, 1.0), scenario):
                     smallest, words = threshold(scenario, prepared, method, kind)
                     print(name, order, kind, smallest, words, flush=True)
                     yield f"| {name} | {order} | {kind} | {smallest} | {words} |"

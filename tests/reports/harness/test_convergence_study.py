@@ -53,13 +53,13 @@ def study(
     return ConvergenceStudy(scene, MadeUp(), METHOD, prepared.solution, prepared.ladder)
 
 
-def off_by(error: float, truth: Trajectory) -> Trajectory:
-    """The truth, its attitude turned and its ω quickened by an error growing from 0, rad."""
-    growing = error * truth.t / truth.t[-1]
+def off_by(error: float, exact: Trajectory) -> Trajectory:
+    """The exact motion, its attitude turned and its ω quickened by an error growing from 0, rad."""
+    growing = error * exact.t / exact.t[-1]
     turn = Rotation.from_rotvec(np.outer(growing, [0, 0, 1]))
-    omega = truth.omega_body * (1 + growing[:, None])
-    q = (turn * truth.R_world_body).as_quat(scalar_first=True)
-    return replace(truth, q_world_body_wxyz=q, omega_body=omega)
+    omega = exact.omega_body * (1 + growing[:, None])
+    q = (turn * exact.R_world_body).as_quat(scalar_first=True)
+    return replace(exact, q_world_body_wxyz=q, omega_body=omega)
 
 
 def go_down(
@@ -67,8 +67,8 @@ def go_down(
 ):
     """Answer every rung, those of more than `dies_above` seconds a step by a blow-up."""
     while rung := found.next_rung():
-        truth = found.solution.trajectory.every(rung.every)
-        known = {"trajectory": off_by(error_of_dt(rung.timestep), truth), "steps": rung.steps}
+        exact = found.solution.trajectory.every(rung.every)
+        known = {"trajectory": off_by(error_of_dt(rung.timestep), exact), "steps": rung.steps}
         outcome = "ok"
         if rung.timestep > dies_above:
             outcome, known = "diverged", {"stopped_at": rung.timestep}
@@ -138,7 +138,7 @@ def test_errors_that_are_large_but_shrink_are_followed_to_where_they_tell():
     assert found.verdict().verdict == "converges"
 
 
-def test_what_a_short_ladder_left_open_is_told_as_cut_short():
+def test_what_a_short_ladder_left_open_is_reported_as_cut_short():
     assert go_down(study(max_steps=400), wandering).cut_short
 
 
@@ -157,7 +157,7 @@ def test_where_no_ladder_fits_the_verdict_says_what_one_would_take(speed):
     assert bool(found.above_rows) == (speed == 2e5)
 
 
-def test_where_no_ladder_fits_what_cannot_be_simulated_is_still_told():
+def test_where_no_ladder_fits_what_cannot_be_simulated_is_still_reported():
     class Lacking(MadeUp):
         methods = (replace(METHOD, requires=frozenset({"pivot"})),)
 

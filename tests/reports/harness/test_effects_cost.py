@@ -77,7 +77,7 @@ def test_a_motion_that_is_the_same_is_so_to_the_last_bit(clock: Clock) -> None:
     assert found.sentence.startswith("+31% a step; ")
 
 
-def test_a_motion_that_is_another_by_an_ulp_is_told(clock: Clock) -> None:
+def test_a_motion_that_is_another_by_an_ulp_is_reported(clock: Clock) -> None:
     found = measured(priced(clock, drift=2.0**-52))
     steps = round(found.compared_until / found.timestep)
     assert found.difference == steps * 2.0**-52
@@ -123,7 +123,7 @@ def by_pass(found: PassCosts | None) -> dict[str, tuple[float, float]]:
     return {one.name: (one.added, one.saved) for one in found.passes}
 
 
-def test_every_pass_is_told_at_its_own_price(clock: Clock) -> None:
+def test_every_pass_is_reported_at_its_own_price(clock: Clock) -> None:
     found = pass_costs(SCENE, priced(clock), METHOD)
     for name, (added, saved) in by_pass(found).items():
         assert added == pytest.approx(PASSES[name], abs=TICK)

@@ -25,14 +25,14 @@ def test_a_known_disagreement_passes_and_says_why():
     assert verdict.reason == "as found; known: it creeps on"
 
 
-def test_a_fault_that_is_gone_is_told():
+def test_a_fault_that_is_gone_is_reported():
     verdict = held("converges")
     assert not verdict.agrees
     assert verdict.unmet == ("engine method converges, known to disagree: it creeps on",)
 
 
 @pytest.mark.parametrize("word", ["unresolved", "diverges", "unsupported"])
-def test_a_ladder_that_does_not_tell_says_nothing_of_it(word):
+def test_an_unresolved_ladder_says_nothing_of_it(word):
     assert held(word) == Verdict(KEY, word, "as found")
 
 

@@ -126,7 +126,7 @@ def test_without_time_to_sample_at_there_is_nothing_to_run():
     assert (found.rungs, found.above, found.least_steps) == ((), (), 0)
 
 
-def test_a_ladder_is_cut_where_the_truth_ends():
+def test_a_ladder_is_cut_where_the_exact_motion_ends():
     found = ladder_of(3.0).until(7)
     for rung in [*found.rungs, *found.above]:
         assert np.array_equal(rung.sample_steps * rung.timestep, found.times[:: rung.every])

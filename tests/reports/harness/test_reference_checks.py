@@ -1,4 +1,4 @@
-"""The checks of the truth let a right one stand and say what is wrong with a faulty one."""
+"""The checks of the exact motion let a right one stand and say what is wrong with a faulty one."""
 
 from dataclasses import replace
 
@@ -25,12 +25,12 @@ def scene(name: str) -> Scenario:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_nothing_is_wrong_with_the_truth(name: str) -> None:
+def test_nothing_is_wrong_with_the_exact_motion(name: str) -> None:
     assert list(complaints(scene(name))) == []
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_a_truth_that_turns_too_fast_is_complained_of(
+def test_an_exact_motion_that_turns_too_fast_is_complained_of(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By a hundredth: at its coarsest a second method still tells so much."""
@@ -38,8 +38,8 @@ def test_a_truth_that_turns_too_fast_is_complained_of(
     def faster(scenario: Scenario, times: FloatArray) -> Solution:
         solution = solve(scenario, times)
         early = solve(scenario, times * 1.01).trajectory
-        truth = solution.trajectory
-        motion = replace(early, t=truth.t, omega_body=early.omega_body * 1.01)
+        exact = solution.trajectory
+        motion = replace(early, t=exact.t, omega_body=early.omega_body * 1.01)
         return replace(solution, trajectory=motion)
 
     monkeypatch.setattr(reference_checks, "solve", faster)
@@ -47,6 +47,6 @@ def test_a_truth_that_turns_too_fast_is_complained_of(
     assert any("second method" in complaint for complaint in found)
 
 
-def test_a_printed_value_that_the_truth_misses_is_complained_of() -> None:
+def test_a_printed_value_that_the_exact_motion_misses_is_complained_of() -> None:
     text = scene("detest-b5").text.replace("[[published]]\nt = 20.0", "[[published]]\nt = 19.9")
     assert any("printed" in complaint for complaint in complaints(loads(text, "late")))

@@ -180,7 +180,7 @@ def test_a_scene_run_later_leaves_the_others_as_they_are(path, undisturbed):
     assert differences(one, undisturbed) == []
 
 
-def test_a_broken_promise_is_told_by_a_study_that_was_gone_on_with(path, runs, monkeypatch):
+def test_an_unmet_expectation_is_reported_by_a_study_that_was_gone_on_with(path, runs, monkeypatch):
     run(path)
     told = [verdict.unmet for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
     with open_store(path, create=True) as store, store._database.transaction() as connection:

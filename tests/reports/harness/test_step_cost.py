@@ -66,7 +66,7 @@ def test_the_least_is_quoted_and_the_spread_beside_it(clock: Clock) -> None:
     assert found.spread == pytest.approx(0.5 * TAKES, rel=2 * TICK)
 
 
-def test_the_wall_clocks_time_is_told_apart(clock: Clock) -> None:
+def test_the_wall_clocks_time_is_distinguished(clock: Clock) -> None:
     """Longer where something else had the processor, shorter where threads share the work."""
     for wall in (2.0, 0.5):
         found = cost_of(Clockwork(clock, steadily(TAKES), wall=wall))

@@ -127,5 +127,5 @@ def test_where_the_motion_is_too_fast_for_it_a_row_says_so_and_nothing_is_run(tm
         (2e-3, 2000.0, 1.0, "turns 4 rad a step"),
     ],
 )
-def test_what_makes_no_sense_is_told_with_its_numbers(timestep, rate, horizon, said):
+def test_what_makes_no_sense_is_reported_with_its_numbers(timestep, rate, horizon, said):
     assert said in str(stock_rung(np.array([0.0, horizon]), timestep, rate))

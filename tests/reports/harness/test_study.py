@@ -186,18 +186,18 @@ timestep = 0.01
 """
 
 
-def test_a_kept_promise_passes(tmp_path):
+def test_an_expectation_that_is_met_passes(tmp_path):
     (verdict,) = study(tmp_path, HeunSession, text=BOX + PROMISE + "omega = 1e-2").verdicts
     assert verdict.agrees
 
 
-def test_a_broken_promise_fails_and_says_by_how_much(tmp_path):
+def test_an_unmet_expectation_fails_and_says_by_how_much(tmp_path):
     (verdict,) = study(tmp_path, HeunSession, text=BOX + PROMISE + "omega = 1e-12").verdicts
     assert not verdict.agrees
     assert "omega error" in verdict.unmet[0]
 
 
-def test_a_run_expected_to_diverge_that_does_not_is_told(tmp_path):
+def test_a_run_expected_to_diverge_that_does_not_is_reported(tmp_path):
     text = BOX + PROMISE + 'outcome = "diverges"'
     (verdict,) = study(tmp_path, HeunSession, text=text).verdicts
     assert "was expected to diverge" in verdict.unmet[0]

@@ -91,15 +91,15 @@ def test_every_run_has_the_timestep_of_its_place(finished):
 
 
 def test_the_method_is_of_second_order_down_each_column(finished):
-    """Errors of Heun's method, each against the truth of its own scene; twice the step, four."""
+    """Errors of Heun's method, each against its own exact motion; twice the step, four."""
     for spin in SPIN.values:
         errors = [p.errors.omega for p in finished[1] if p.at[0] == spin]
         slopes = np.diff(np.log2(errors))
         assert np.abs(slopes - 2).max() < 0.25
 
 
-def test_each_place_has_a_truth_of_its_own(finished):
-    """With the truth of the other column the errors would be as large as what is varied."""
+def test_each_place_has_an_exact_motion_of_its_own(finished):
+    """With the exact motion of the other column the errors would be as large as what is varied."""
     assert max(point.errors.omega for point in finished[1]) < 1e-3
 
 
@@ -288,7 +288,7 @@ def test_a_run_beyond_the_budget_is_skipped_and_says_so(path):
     assert points[1].outcome == "ok"
 
 
-def test_a_scene_that_cannot_be_solved_is_told_of_every_method(path, monkeypatch):
+def test_a_scene_that_cannot_be_solved_is_reported_of_every_method(path, monkeypatch):
     """In this process, where a reference can be replaced."""
 
     def unsolvable(*_: object) -> None:

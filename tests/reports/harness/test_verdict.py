@@ -49,14 +49,14 @@ def turning(error: np.ndarray, **shifted: np.ndarray) -> Trajectory:
     return Trajectory(TIMES, q, omega, **columns)
 
 
-TRUTH = turning(0 * TIMES)
+EXACT = turning(0 * TIMES)
 
 
 def ladder(
     error_of_dt: Shape, order: int, rungs: int = 8, growth: float = EPS, uncertainty: float = EPS
 ) -> RichardsonLadder:
     """Rungs whose angle and speed are off by `error_of_dt(dt)`, (n,)."""
-    solution = Solution(TRUTH, "made up", Errors(*[uncertainty] * 6), Errors(*[growth] * 6))
+    solution = Solution(EXACT, "made up", Errors(*[uncertainty] * 6), Errors(*[growth] * 6))
     found = RichardsonLadder(SCENE, solution, order, order, PRECISION)
     for k in range(rungs):
         dt = COARSEST / 2**k
@@ -86,7 +86,7 @@ def test_an_asymptotic_limit_is_known_to_a_few_times_its_error(order):
 
 @pytest.mark.parametrize("signal", TURNED)
 @pytest.mark.parametrize("order", [1, 2, 4])
-def test_a_limit_that_is_not_the_truth_disagrees(signal, order):
+def test_a_limit_that_is_not_the_exact_motion_disagrees(signal, order):
     offset = 10 * (COARSEST / 2**5) ** order
     found = judged(lambda dt: offset + dt**order + dt ** (order + 1), order, signal)
     assert found.word == "disagrees"
@@ -100,12 +100,12 @@ def test_a_limit_far_off_disagrees_however_large_the_errors_are():
     assert found.word == "disagrees"
 
 
-def test_a_limit_that_is_exact_and_not_the_truth_disagrees():
+def test_a_limit_that_is_exact_and_not_the_exact_motion_disagrees():
     """As of a rule that makes no error in a parabola, and follows another one."""
     assert judged(lambda dt: 0.5 + EPS * np.sign(np.sin(1 / dt)), order=4).word == "disagrees"
 
 
-def test_a_limit_that_leaves_the_truth_midway_says_when():
+def test_a_limit_that_leaves_the_exact_motion_midway_says_when():
     late = np.where(TIMES > 3.0, 1e-3, 0.0)
     found = judge(ladder(lambda dt: late + dt**2 * np.sin(TIMES), 2).signal("omega"))
     assert found.word == "disagrees"
@@ -115,7 +115,7 @@ def test_a_limit_that_leaves_the_truth_midway_says_when():
 
 def test_a_damping_that_every_rung_is_through_with_is_not_taken_for_a_limit():
     """A wobble that first order damps at Ω (hΩ) / 2 a second, seen when all of it is gone."""
-    fast = replace(TRUTH, omega_body=100 * TRUTH.omega_body, t=400 * TRUTH.t)
+    fast = replace(EXACT, omega_body=100 * EXACT.omega_body, t=400 * EXACT.t)
     solution = Solution(fast, "made up", Errors(*[EPS] * 6), Errors(*[EPS] * 6))
     found = RichardsonLadder(SCENE, solution, 1, 1, PRECISION)
     lost = 1e-3 * 300 * np.outer(TIMES > 0, [1, 0, 0])
@@ -142,7 +142,7 @@ def test_an_order_above_the_declared_one_converges():
     assert "or better" in found.reason
 
 
-def test_errors_that_grow_as_steps_shrink_disagree_and_are_told():
+def test_errors_that_grow_as_steps_shrink_disagree_and_are_reported():
     found = judged(lambda dt: 1e-6 / dt, order=1)
     assert found.word == "disagrees"
     assert "errors grow as the timestep shrinks" in found.reason
@@ -196,7 +196,7 @@ def test_every_signal_is_judged_by_itself(signal):
 
 @pytest.mark.parametrize("signal", ["com", "velocity"])
 def test_a_path_that_is_another_one_disagrees_in_that_signal_alone(signal):
-    solution = Solution(TRUTH, "made up", Errors(*[EPS] * 6), Errors(*[EPS] * 6))
+    solution = Solution(EXACT, "made up", Errors(*[EPS] * 6), Errors(*[EPS] * 6))
     found = RichardsonLadder(SCENE, solution, 1, 1, PRECISION)
     for k in range(8):
         dt = COARSEST / 2**k

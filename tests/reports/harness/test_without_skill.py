@@ -35,47 +35,47 @@ HEAVY, FREE = loads(TOP, "top"), load(find(["tennis-racket"])[0])
 THROWN = load(find(["hammer"])[0])
 
 
-def truth_of(scenario) -> Trajectory:
+def exact_motion_of(scenario) -> Trajectory:
     return solve(scenario, scenario.times).trajectory
 
 
-def turned_aside(truth: Trajectory, angle: float) -> Trajectory:
+def turned_aside(exact: Trajectory, angle: float) -> Trajectory:
     """The whole motion, turned about a level axis of the world: all but attitude and L alike."""
     turn = Rotation.from_rotvec([angle, 0.0, 0.0])
     return replace(
-        truth,
-        q_world_body_wxyz=(turn * truth.R_world_body).as_quat(scalar_first=True),
-        com_world=turn.apply(np.array(truth.com_world)),
-        velocity_world=turn.apply(np.array(truth.velocity_world)),
+        exact,
+        q_world_body_wxyz=(turn * exact.R_world_body).as_quat(scalar_first=True),
+        com_world=turn.apply(np.array(exact.com_world)),
+        velocity_world=turn.apply(np.array(exact.velocity_world)),
     )
 
 
-def still(truth: Trajectory) -> Trajectory:
+def still(exact: Trajectory) -> Trajectory:
     """A body that never limit_increments."""
     return replace(
-        truth,
-        q_world_body_wxyz=np.tile(truth.q_world_body_wxyz[0], (len(truth.t), 1)),
-        omega_body=0 * truth.omega_body,
-        com_world=np.tile(truth.com_world[0], (len(truth.t), 1)),
-        velocity_world=0 * truth.velocity_world,
+        exact,
+        q_world_body_wxyz=np.tile(exact.q_world_body_wxyz[0], (len(exact.t), 1)),
+        omega_body=0 * exact.omega_body,
+        com_world=np.tile(exact.com_world[0], (len(exact.t), 1)),
+        velocity_world=0 * exact.velocity_world,
     )
 
 
-def earlier(truth: Trajectory, samples: int) -> Trajectory:
+def earlier(exact: Trajectory, samples: int) -> Trajectory:
     """The motion, that many samples late."""
     names = ("q_world_body_wxyz", "omega_body", "com_world", "velocity_world")
-    return replace(truth, **{name: np.roll(getattr(truth, name), samples, 0) for name in names})
+    return replace(exact, **{name: np.roll(getattr(exact, name), samples, 0) for name in names})
 
 
 @pytest.mark.parametrize("scenario", [HEAVY, FREE, THROWN], ids=lambda scenario: scenario.name)
-def test_the_truth_is_not_lost(scenario):
-    assert no_better_than_rest(scenario, truth_of(scenario), truth_of(scenario)) == ""
+def test_the_exact_motion_is_not_lost(scenario):
+    assert no_better_than_rest(scenario, exact_motion_of(scenario), exact_motion_of(scenario)) == ""
 
 
 @pytest.mark.parametrize("scenario", [HEAVY, FREE, THROWN], ids=lambda scenario: scenario.name)
 def test_a_body_that_never_moves_is_lost(scenario):
-    truth = truth_of(scenario)
-    assert no_better_than_rest(scenario, still(truth), truth).startswith(
+    exact = exact_motion_of(scenario)
+    assert no_better_than_rest(scenario, still(exact), exact).startswith(
         "lost: ω is off by 1 times its size"
     )
 
@@ -83,32 +83,32 @@ def test_a_body_that_never_moves_is_lost(scenario):
 #: rad; L turned by more than 60° is further off than its size.
 @pytest.mark.parametrize(("angle", "is_lost"), [(0.9 * np.pi / 3, False), (1.1 * np.pi / 3, True)])
 def test_a_motion_whose_L_points_elsewhere_is_lost(angle, is_lost):
-    truth = truth_of(FREE)
+    exact = exact_motion_of(FREE)
     assert (
-        "L is off by" in no_better_than_rest(FREE, turned_aside(truth, angle), truth)
+        "L is off by" in no_better_than_rest(FREE, turned_aside(exact, angle), exact)
     ) == is_lost
 
 
 def test_a_single_flip_out_of_time_is_not_lost():
-    truth = truth_of(FREE)
-    late = earlier(truth, 20)
-    apart = np.linalg.norm(late.omega_body - truth.omega_body, axis=1)
-    assert apart[len(apart) // 2 :].max() > np.linalg.norm(truth.omega_body, axis=1).max()
-    assert "ω" not in no_better_than_rest(FREE, late, truth)
+    exact = exact_motion_of(FREE)
+    late = earlier(exact, 20)
+    apart = np.linalg.norm(late.omega_body - exact.omega_body, axis=1)
+    assert apart[len(apart) // 2 :].max() > np.linalg.norm(exact.omega_body, axis=1).max()
+    assert "ω" not in no_better_than_rest(FREE, late, exact)
 
 
 def test_a_body_thrown_another_way_is_lost():
-    truth = truth_of(THROWN)
-    start = truth.com_world[0]
-    elsewhere = replace(truth, com_world=start - (truth.com_world - start))
-    assert "com is off by" in no_better_than_rest(THROWN, elsewhere, truth)
+    exact = exact_motion_of(THROWN)
+    start = exact.com_world[0]
+    elsewhere = replace(exact, com_world=start - (exact.com_world - start))
+    assert "com is off by" in no_better_than_rest(THROWN, elsewhere, exact)
 
 
-def test_what_does_not_turn_in_truth_is_not_lost_by_rounding():
+def test_what_does_not_turn_is_not_lost_by_rounding():
     still_scene = loads(TOP.replace("40.0]", "0.0]").replace("30.0", "0.0"), "upright")
-    truth = truth_of(still_scene)
-    rounded = replace(truth, omega_body=truth.omega_body + np.finfo(float).eps)
-    assert no_better_than_rest(still_scene, rounded, truth) == ""
+    exact = exact_motion_of(still_scene)
+    rounded = replace(exact, omega_body=exact.omega_body + np.finfo(float).eps)
+    assert no_better_than_rest(still_scene, rounded, exact) == ""
 
 
 def row(method: str, timestep: float):

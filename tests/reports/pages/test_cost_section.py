@@ -84,7 +84,7 @@ def test_a_scene_has_a_table_an_error(folder: Path) -> None:
     assert len(columns_of_levels(markdown_tables(folder / "scenes" / f"{TOP}.md"))) == 2
 
 
-def test_the_time_of_a_step_is_told_in_cpu_time_and_on_the_wall(folder: Path) -> None:
+def test_the_time_of_a_step_is_reported_in_cpu_time_and_on_the_wall(folder: Path) -> None:
     page = read_page(folder / "scenes" / f"{TOP}.html")
     expected = [number(1e6 * seconds) for seconds in (SECONDS_PER_STEP, WALL_SECONDS_PER_STEP)]
     for tables in (page.tables(), markdown_tables(folder / "scenes" / f"{TOP}.md")):

@@ -4,6 +4,7 @@ import json
 import math
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -61,7 +62,7 @@ def test_a_free_body_has_its_figures(brick: dict[str, Titled]) -> None:
     assert list(brick) == ["tilt", "omega", "convergence", "cost", "polhode"]
 
 
-def test_a_scene_without_a_truth_has_none() -> None:
+def test_a_scene_without_an_exact_motion_has_none() -> None:
     assert drawn(scene(UNSOLVED)) == {}
 
 
@@ -284,17 +285,17 @@ def test_a_run_that_blows_up_leaves_the_figures_readable(size: float) -> None:
     json.dumps(motion_data(brick), allow_nan=False)
 
 
-def test_a_run_sampled_at_times_of_its_own_is_compared_with_the_truth_at_those() -> None:
+def test_a_run_sampled_at_times_of_its_own_is_compared_with_the_exact_motion_at_those() -> None:
     found = results()
     motion = next(row.motion for row in found.rows if row.key.scenario == BRICK and row.motion)
-    shifted = Trajectory(**vars(motion) | {"t": motion.t * 1.001})
+    shifted = replace(motion, t=motion.t * 1.001)
     rows = [Row(Key(BRICK, "mujoco", "Euler"), "1.0", 0.1, "ok", motion=shifted)]
     gathered = report_data(Results(**vars(found) | {"rows": rows}))
     scenario = found.scenes[BRICK].scenario
     (run,) = next(scene for scene in gathered.scenes if scene.name == BRICK).compared
-    np.testing.assert_array_equal(run.truth.t, shifted.t)
+    np.testing.assert_array_equal(run.exact_motion.t, shifted.t)
     exact = solve(scenario, shifted.t).trajectory
-    np.testing.assert_array_equal(run.truth.omega_body, exact.omega_body)
+    np.testing.assert_array_equal(run.exact_motion.omega_body, exact.omega_body)
 
 
 def test_blow_ups_do_not_squeeze_the_rest() -> None:

@@ -19,8 +19,8 @@ def few_frames(monkeypatch):
 def test_a_gif_has_a_frame_a_time_and_they_differ(tmp_path):
     pictures = pytest.importorskip("PIL.Image")
     path = tmp_path / "top.gif"
-    truth = FOUND.solution.trajectory
-    film.write_film(FOUND, [film.Filmed("alone", truth)], path)
+    exact = FOUND.solution.trajectory
+    film.write_film(FOUND, [film.Filmed("alone", exact)], path)
     with pictures.open(path) as opened:
         assert opened.n_frames == 3
         frames = []

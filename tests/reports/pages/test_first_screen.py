@@ -73,7 +73,7 @@ def cell(gathered: ReportData, method: str, engine: str = "mujoco") -> list:
     return found["cells"][columns.index((engine, method))]
 
 
-def test_the_defaults_are_told_with_their_size_in_degrees(gathered):
+def test_the_defaults_are_reported_with_their_size_in_degrees(gathered):
     wrong = answer(gathered)[0]
     # An error of first order, halved once.
     degrees = f"{math.degrees(SIZE[1] / 2):.1f}°"
@@ -104,7 +104,7 @@ def test_the_price_is_that_of_the_steps():
     assert "for 3.0 times the CPU time" in answer(report_data(replace(slow, rows=rows)))[1].text
 
 
-def test_why_a_default_is_wrong_is_told_by_name_and_count(gathered):
+def test_why_a_default_is_wrong_is_reported_by_name_and_count(gathered):
     why = answer(gathered)[2].text
     assert "mujoco default converges to the exact motion on 2 of 2 scenes" in why
     assert "pybullet default does not, at any timestep, on 2 of 2 scenes" in why

@@ -73,7 +73,7 @@ def test_what_is_declared_now_replaces_what_was(path: Path) -> None:
         assert store.read().methods == {("elsewhere", FANCY): now.methods[0]}
 
 
-def test_methods_are_told_in_the_order_of_their_engine(path: Path) -> None:
+def test_methods_are_reported_in_the_order_of_their_engine(path: Path) -> None:
     with open_store(path) as store:
         pairs = report_data(store.read()).pairs
     assert [method for engine, method in pairs if engine == "elsewhere"] == [PLAIN, FANCY]

@@ -48,7 +48,7 @@ def gathered(*, as_shipped: bool = True):
     )
 
 
-def test_the_engine_whose_omega_stays_in_space_is_told_with_its_error():
+def test_the_engine_whose_omega_stays_in_space_is_reported_with_its_error():
     (lacking,), tried = without_gyroscopic_torque(gathered())
     assert (lacking.engine, lacking.scenes, tried) == ("wrong", (FREE,), 2)
     scene = next(scene for scene in gathered().scenes if scene.name == FREE)

@@ -31,13 +31,13 @@ def test_it_comes_back_from_the_result_file(tmp_path, found):
     assert [*results.effects, *results.passes] == [found]
 
 
-def test_the_ratio_is_told_with_its_spread_and_what_it_did_to_the_motion():
+def test_the_ratio_is_reported_with_its_spread_and_what_it_did_to_the_motion():
     (row,) = effects_table([WHOLE]).rows
     assert row[1].text == "+20% ± 2%"
     assert row[1].detail == "motion identical to the last bit"
 
 
-def test_a_motion_that_changed_is_told():
+def test_a_motion_that_changed_is_reported():
     (row,) = effects_table([HARMFUL]).rows
     assert "motion off by" in row[1].detail
     assert harm_in_words([WHOLE, HARMFUL]) == "1 of 2 motions are identical to the last bit"

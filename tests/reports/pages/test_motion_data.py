@@ -124,7 +124,7 @@ def test_the_solid_drawn_has_the_moments_of_the_body(name: str, shape: str) -> N
     np.testing.assert_allclose(moments, np.diag(found.scenario.body.inertia_com), rtol=slack)
 
 
-def test_tilt_is_told_from_gravity_or_from_angular_momentum() -> None:
+def test_tilt_is_reported_from_gravity_or_from_angular_momentum() -> None:
     top, brick = scene(TOP).found, scene(BRICK).found
     assert top is not None
     assert brick is not None

@@ -123,7 +123,7 @@ def test_nothing_is_loaded_from_elsewhere(pages: dict[str, Page], folder: Path) 
     assert "url(" not in (folder / "assets" / "style.css").read_text(encoding="utf-8")
 
 
-def test_plotly_is_told_to_send_nothing(folder: Path) -> None:
+def test_plotly_is_reported_to_send_nothing(folder: Path) -> None:
     script = (folder / "assets" / "figures.js").read_text(encoding="utf-8")
     assert "showSendToCloud: false" in script
     assert 'plotlyServerURL: ""' in script
@@ -161,7 +161,7 @@ def test_what_an_engine_printed_is_shown(pages: dict[str, Page], folder: Path) -
     assert PRINTED in (folder / "scenes" / "made-up-top.md").read_text(encoding="utf-8")
 
 
-def test_a_scene_without_a_truth_has_a_page_that_says_why(pages: dict[str, Page]) -> None:
+def test_a_scene_without_an_exact_motion_has_a_page_that_says_why(pages: dict[str, Page]) -> None:
     texts = [cell.text for cell in pages["unsolved"].all("td")]
     assert any("could not be solved" in text for text in texts)
 
@@ -226,7 +226,7 @@ def test_markdown_tables_are_rectangular(folder: Path) -> None:
             assert len({len(row) for row in table}) == 1, table
 
 
-def test_a_window_cut_by_chaos_is_told(tmp_path: Path) -> None:
+def test_a_window_cut_by_chaos_is_reported(tmp_path: Path) -> None:
     found = results()
     top = found.scenes["made-up-top"]
     chaotic = SceneResult(top.scenario, replace(top.solution, horizon=1.234))
@@ -295,7 +295,7 @@ def _value(text: str) -> float:
     return float(plain.replace("×10", "e"))
 
 
-def test_what_engines_do_as_shipped_is_told_apart() -> None:
+def test_what_engines_do_as_shipped_is_distinguished() -> None:
     made = results()
     verdicts = [replace(v, as_shipped=True) for v in made.verdicts if v.verdict == "disagrees"]
     assert verdicts

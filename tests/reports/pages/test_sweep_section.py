@@ -166,7 +166,7 @@ def test_quantiles_are_of_those_that_finished() -> None:
     assert of_method.quantiles("omega") == (0.09, 0.17, 0.19)
 
 
-def test_no_error_is_told_below_the_reference() -> None:
+def test_no_error_is_reported_below_the_reference() -> None:
     points = ensemble_result().points
     sure = tuple(replace(point, uncertainty=0.5) for point in points)
     assert members_of(sure, [RK4])[0].errors("omega").min() == 0.5
@@ -178,7 +178,7 @@ def test_the_worst_are_those_that_did_not_finish_the_earliest_first() -> None:
     assert [int(point.at[0]) for point in of_method.worst(7)] == [9, 7, 5, 3, 1, 8, 6]
 
 
-def test_the_worst_are_told_with_what_writes_them(pages: dict[str, Page]) -> None:
+def test_the_worst_are_reported_with_what_writes_them(pages: dict[str, Page]) -> None:
     worst = pages["ensembles/disc-1.html"].tables()[-1]
     assert worst[1][:3] == ["mujoco", "Euler", "9"]
     words = shlex.split(worst[1][-1])

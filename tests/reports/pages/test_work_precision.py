@@ -53,7 +53,7 @@ def test_some_runs_would_claim_less_than_the_reference_is_good_for(top: SceneRun
     assert min(p.error for curve in curves(top, "attitude") for p in curve.points) < tight.attitude
 
 
-def test_a_scene_without_a_truth_has_no_curves() -> None:
+def test_a_scene_without_an_exact_motion_has_no_curves() -> None:
     unsolved = next(scene for scene in report_data(results()).scenes if scene.found is None)
     assert curves(unsolved, "omega") == []
 

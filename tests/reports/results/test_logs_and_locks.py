@@ -72,7 +72,7 @@ def test_a_first_run_that_was_killed_leaves_a_result_file(tmp_path):
 
 @pytest.mark.parametrize("write", [False, True], ids=["read", "written"])
 @pytest.mark.parametrize("which", ["another", "an older one", "another that was killed"])
-def test_a_file_beside_the_log_of_another_is_told_and_kept(path, tmp_path, which, write):
+def test_a_file_beside_the_log_of_another_is_reported_and_kept(path, tmp_path, which, write):
     older = shutil.copy(path, tmp_path / "older.sqlite")
     left = killed(path, tmp_path / "killed.sqlite")
     if which == "an older one":
@@ -111,7 +111,7 @@ def test_a_file_that_goes_during_a_run_ends_the_run(path, change):
         store.put_environment(change(path))
 
 
-def test_a_file_that_goes_last_of_all_is_told(path):
+def test_a_file_that_goes_last_of_all_is_reported(path):
     with (
         pytest.raises(ResultFileError, match="was removed or replaced"),
         open_store(path, create=True),
@@ -132,7 +132,7 @@ def refusing(monkeypatch, number: int):
 
 
 @pytest.mark.parametrize("number", [errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP])
-def test_a_disk_without_locks_is_told(path, monkeypatch, number):
+def test_a_disk_without_locks_is_reported(path, monkeypatch, number):
     with (
         refusing(monkeypatch, number),
         pytest.raises(ResultFileError, match="cannot be locked against a second run: refused"),

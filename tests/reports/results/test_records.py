@@ -32,7 +32,7 @@ def test_a_run_that_did_not_end_ok_cannot_have_errors(row, outcome):
         replace(row, outcome=outcome)
 
 
-def test_in_json_its_errors_are_null_and_its_end_is_told(diverged):
+def test_in_json_its_errors_are_null_and_its_end_is_reported(diverged):
     record = json.loads(to_json([row_record(diverged)]))[0]
     assert [record[name] for name in ERRORS] == [None] * len(ERRORS)
     assert record["stopped_at"] == 0.25

@@ -94,7 +94,7 @@ def test_what_each_default_does_comes_back(path):
         assert store.read().defaults == [measured]
 
 
-def test_a_scene_comes_back_with_its_truth(path):
+def test_a_scene_comes_back_with_its_exact_motion(path):
     scenario = load(find(["tennis-racket"])[0])
     solution = Solution(motion(), "by hand", ERRORS, ERRORS, 12.5)
     with open_store(path, create=True) as store:
@@ -230,7 +230,7 @@ def fill_the_disk(path, row) -> None:
 
 
 @pytest.mark.usefixtures("solved")
-def test_a_disk_that_is_full_is_told_and_what_was_stored_is_kept(path, row):
+def test_a_disk_that_is_full_is_reported_and_what_was_stored_is_kept(path, row):
     with open_store(path, create=True) as store:
         store.put_row(row)
     with pytest.raises(ResultFileError, match="the disk is full"):
@@ -240,7 +240,7 @@ def test_a_disk_that_is_full_is_told_and_what_was_stored_is_kept(path, row):
 
 
 @pytest.mark.parametrize("what", ["file", "folder"])
-def test_what_may_not_be_written_is_told(path, row, what):
+def test_what_may_not_be_written_is_reported(path, row, what):
     with open_store(path, create=True) as store:
         store.put_row(row)
     place = path if what == "file" else path.parent
@@ -261,7 +261,7 @@ def test_what_may_not_be_written_is_told(path, row, what):
 
 
 @pytest.mark.parametrize("out", ["nowhere/results.sqlite", "."])
-def test_a_place_where_no_file_can_be_is_told(tmp_path, out):
+def test_a_place_where_no_file_can_be_is_reported(tmp_path, out):
     with (
         pytest.raises(ResultFileError, match="cannot be written: "),
         open_store(tmp_path / out, create=True),
@@ -299,7 +299,7 @@ def test_a_file_of_another_format_version_is_refused(path):
 
 
 @pytest.mark.parametrize("column", ["errors", "drifts", "motion"])
-def test_a_damaged_record_is_told(path, row, column):
+def test_a_damaged_record_is_reported(path, row, column):
     with open_store(path, create=True) as store:
         store.put_row(row)
     forge(path, [("rows", column)], "nonsense")

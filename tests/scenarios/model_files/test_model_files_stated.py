@@ -129,7 +129,7 @@ PROBLEMS = {
 
 
 @pytest.mark.parametrize("kind", PROBLEMS)
-def test_what_a_file_has_wrong_is_told(tmp_path, kind):
+def test_what_a_file_has_wrong_is_reported(tmp_path, kind):
     given, told = PROBLEMS[kind]
     (found,) = problems(read_model(written(tmp_path, robot(link("a", inertial(*given))))).links[0])
     assert (found.kind, found.text) == (kind, told)

@@ -98,7 +98,7 @@ def test_a_pipe_is_not_waited_for(tmp_path):
     assert refusal(path) == "FILE: cannot be read: it is not a regular file"
 
 
-def test_a_file_that_is_not_there_is_told(tmp_path):
+def test_a_file_that_is_not_there_is_reported(tmp_path):
     told = "FILE: cannot be read: No such file or directory"
     assert refusal(tmp_path / "none.urdf") == told
 

@@ -124,13 +124,13 @@ def test_workers_with_another_program_are_refused(scheduler, monkeypatch):
 
 
 class Another:
-    """Tells the cluster's worker the truth, and whoever asks here something else."""
+    """Tells the cluster's worker the exact motion, and whoever asks here something else."""
 
-    def __init__(self, truth: tuple[bytes, str]) -> None:
-        self.truth, self.asked = truth, 0
+    def __init__(self, exact: tuple[bytes, str]) -> None:
+        self.exact, self.asked = exact, 0
 
     def __call__(self) -> tuple[bytes, str]:
-        return self.truth
+        return self.exact
 
     def __reduce__(self):
         return _another, ()
@@ -140,7 +140,7 @@ def _another() -> Callable[[], tuple[bytes, str]]:
     return lambda: (b"another", "")
 
 
-def test_where_no_scheduler_answers_it_is_told():
+def test_where_no_scheduler_answers_it_is_reported():
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]

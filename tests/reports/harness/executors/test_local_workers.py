@@ -77,13 +77,13 @@ def test_a_crash_says_by_what_signal_and_the_next_call_returns(worker):
     assert worker.call(calls.power, 3).value == 9
 
 
-def test_what_c_printed_last_is_told_even_from_its_buffer_and_cut(worker):
+def test_what_c_printed_last_is_reported_even_from_its_buffer_and_cut(worker):
     reason = failure(worker.call(calls.abort_after_c_printed, "y" * 2 * LAST_LINE)).reason
     words = "the worker process was killed by SIGABRT; it last printed: "
     assert reason == words + "y" * LAST_LINE
 
 
-def test_a_call_that_leaves_tells_its_exit_code(worker):
+def test_a_call_that_exits_reports_its_exit_code(worker):
     assert failure(worker.call(calls.leave_at_once, 7)) == CallFailed(
         "the worker process ended with exit code 7", "crash"
     )

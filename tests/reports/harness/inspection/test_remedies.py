@@ -41,7 +41,7 @@ def test_a_link_that_states_nothing_gets_a_line(tmp_path):
     assert told(after, who) == []
 
 
-def test_where_a_flag_mends_it_the_flag_is_told(tmp_path):
+def test_where_a_flag_mends_it_the_flag_is_reported(tmp_path):
     (remedy,) = (
         one for one in told(inspected(tmp_path, arm()), "pybullet default") if "flag" in one.text
     )
@@ -68,7 +68,7 @@ def test_a_tensor_that_no_body_has_is_to_be_corrected(tmp_path, moments):
     ]
 
 
-def test_a_remedy_for_several_configurations_is_told_once(tmp_path):
+def test_a_remedy_for_several_configurations_is_reported_once(tmp_path):
     found = inspected(tmp_path, arm(diagonal(0.3, 0.1, 0.9)))
     lines = [(one.text, one.links) for one in remedies(found)]
     assert len(lines) == len(set(lines))

@@ -38,7 +38,7 @@ def test_an_arms_link_is_held_but_by_default():
     assert moments(by["inertia-from-file"]) == pytest.approx([0.01, 0.075, 0.08])
 
 
-def test_bullets_own_scaling_of_a_cube_is_told():
+def test_bullets_own_scaling_of_a_cube_is_reported():
     by, wrong = held("cube_small.urdf", "baseLink")
     assert wrong == ["placeholder"]
     # A cube of 5 cm and 0.1 kg, three times.

@@ -124,7 +124,7 @@ class RecordsAStepLate(ToySession):
                 self.advance(1)
 
 
-LIES: list[tuple[type[ToySession], Check]] = [
+FAULTS: list[tuple[type[ToySession], Check]] = [
     (OtherMass, checks.holds_the_scene_and_only_its_effects_act),
     (OtherStart, checks.holds_the_scene_and_only_its_effects_act),
     (GravityUncalledFor, checks.holds_the_scene_and_only_its_effects_act),
@@ -152,9 +152,9 @@ def toy_of(kind: type[ToySession]) -> Engine:
 
 
 @pytest.mark.parametrize(
-    ("kind", "check"), [pytest.param(k, c, id=f"{k.__name__}-{c.__name__}") for k, c in LIES]
+    ("kind", "check"), [pytest.param(k, c, id=f"{k.__name__}-{c.__name__}") for k, c in FAULTS]
 )
-def test_a_lie_is_caught(kind: type[ToySession], check: Check) -> None:
+def test_a_planted_fault_is_caught(kind: type[ToySession], check: Check) -> None:
     engine = toy_of(kind)
     with pytest.raises(ContractBroken, match="toy RK4"):
         check(engine, engine.methods[0])
@@ -169,7 +169,7 @@ def test_a_method_that_is_another_by_name_only_is_caught() -> None:
         checks.differs_from_every_other_method(engine, engine.methods[0])
 
 
-def test_a_method_that_is_better_than_declared_is_told_so() -> None:
+def test_a_method_that_is_better_than_declared_is_reported_so() -> None:
     class Modest(Toy):
         methods = (replace(Toy.methods[0], order=2, attitude_order=2),)
 
@@ -189,4 +189,4 @@ def test_a_method_that_can_simulate_nothing_is_caught() -> None:
 
 
 def test_every_check_catches_something() -> None:
-    assert {check for _, check in LIES} | {checks.differs_from_every_other_method} == set(CHECKS)
+    assert {check for _, check in FAULTS} | {checks.differs_from_every_other_method} == set(CHECKS)

@@ -42,11 +42,11 @@ FEW = 3
 
 def by_series(scenario: Scenario, solution: Solution) -> Trajectory:
     """By the ODE, as far as it reaches: of closed forms the fine one, of itself the dearest."""
-    problem, truth = rotational_problem(scenario), solution.trajectory
-    rate = fastest_rate(scenario, truth.omega_body)
+    problem, exact = rotational_problem(scenario), solution.trajectory
+    rate = fastest_rate(scenario, exact.omega_body)
     closed = closed_form(problem) is not None
     reach = solving.CHECKED_TURN if closed else DEAREST_TURN
-    times = truth.t[truth.t * rate <= reach]
+    times = exact.t[exact.t * rate <= reach]
     return motion(
         scenario,
         problem,

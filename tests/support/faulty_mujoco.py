@@ -1,4 +1,4 @@
-"""MuJoCo with a lie of a given size in it: a model that is another, or readings that are.
+"""MuJoCo with a fault of a given size in it: a model that is another, or readings that are.
 
 What it reads back before the first step is what the scene says.
 """
@@ -20,7 +20,7 @@ Read = Callable[[State, float], State]
 
 
 @dataclass(frozen=True)
-class Lie:
+class PlantedFault:
     """A kind out of `KINDS`, and its size, relative or in rad."""
 
     kind: str
@@ -95,7 +95,7 @@ def _rounded(state: State) -> State:
     return State(*(column.astype(np.float32).astype(float) for column in vars(state).values()))
 
 
-#: What a lie does to the scene that is simulated.
+#: What a fault does to the scene that is simulated.
 MODELS: dict[str, Callable[[Scenario, float], Scenario]] = {
     "moment": _moments,
     "com": _com,
@@ -120,62 +120,62 @@ CLOCK = "clock"
 KINDS = (*MODELS, CLOCK, *READINGS)
 
 
-def applies(lie: Lie, scenario: Scenario) -> bool:
+def applies(fault: PlantedFault, scenario: Scenario) -> bool:
     """Whether it makes a difference to a scene: com and gravity act on what they are there for."""
-    if lie.kind in ("gravity", "gravity's tilt"):
+    if fault.kind in ("gravity", "gravity's tilt"):
         return scenario.effects.gravity is not None
-    if lie.kind == "com":
+    if fault.kind == "com":
         return scenario.has_pivot and scenario.effects.gravity is not None
-    return lie.kind != "moment" or bool(np.ptp(scenario.body.principal_moments) > 0)
+    return fault.kind != "moment" or bool(np.ptp(scenario.body.principal_moments) > 0)
 
 
-class LyingSession(Session):
-    """A session that tells the truth before the first step."""
+class FaultySession(Session):
+    """A session that reads back correctly before the first step."""
 
-    def __init__(self, honest: Session, lying: Session, scenario: Scenario, read: Read) -> None:
+    def __init__(self, honest: Session, faulty: Session, scenario: Scenario, read: Read) -> None:
         self.start, self.body = honest.read_state(), honest.read_body()
         honest.close()
-        self.lying, self.scenario, self.read, self.time = lying, scenario, read, 0.0
+        self.faulty, self.scenario, self.read, self.time = faulty, scenario, read, 0.0
 
     def read_body(self) -> BodyReading:
         return self.body
 
     def read_state(self) -> State:
-        return self.read(self.lying.read_state(), self.time) if self.time else self.start
+        return self.read(self.faulty.read_state(), self.time) if self.time else self.start
 
     def advance(self, steps: int) -> None:
-        self.lying.advance(steps)
+        self.faulty.advance(steps)
         self.time += steps * self.timestep
 
     def check(self) -> None:
-        self.lying.check()
+        self.faulty.check()
 
     def active(self) -> frozenset[str]:
         return self.scenario.called_for
 
     def close(self) -> None:
-        self.lying.close()
+        self.faulty.close()
 
 
-class LyingMuJoCo(MuJoCo):
-    """Its methods of first and of fourth order, with a lie in them."""
+class FaultyMuJoCo(MuJoCo):
+    """Its methods of first and of fourth order, with a fault in them."""
 
     methods = tuple(method for method in MuJoCo.methods if method.name in ("Euler", "RK4"))
 
-    def __init__(self, lie: Lie | None = None) -> None:
-        self.lie = lie
+    def __init__(self, fault: PlantedFault | None = None) -> None:
+        self.fault = fault
         # What is known of an engine's first steps is known by its name.
-        self.name = f"lying about {lie.kind} by {lie.size:g}" if lie else "honest"
+        self.name = f"faulty in its {fault.kind} by {fault.size:g}" if fault else "honest"
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         honest = super().open(scenario, method, timestep)
-        if self.lie is None:
+        if self.fault is None:
             return honest
-        kind, size = self.lie.kind, self.lie.size
+        kind, size = self.fault.kind, self.fault.size
         model = MODELS.get(kind, lambda same, _: same)(scenario, size)
         step = timestep * (1 + size) if kind == CLOCK else timestep
         reading = READINGS.get(kind, lambda state, *_: state)
-        session = LyingSession(
+        session = FaultySession(
             honest,
             super().open(model, method, step),
             scenario,

@@ -1,6 +1,6 @@
-"""Engines that lie: what they read back is right at the start, and they go on as if nothing were.
+"""Engines with a planted fault: their start reads back right, and they report nothing unusual.
 
-Stepped like the faultless one of `planted`, but for the lie.
+Stepped like the faultless engine of `planted`, except for the fault.
 """
 
 from dataclasses import replace
@@ -12,7 +12,7 @@ from spincheck.engines import Engine, Method, Session, State
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.scenarios import Scenario
 
-#: s, when some begin to lie.
+#: s, when some faults begin.
 HALFWAY = 0.5
 
 

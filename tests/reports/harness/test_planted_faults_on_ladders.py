@@ -1,7 +1,7 @@
-"""A lie in MuJoCo, of whatever size or signal, is told by the verdict, and by its numbers."""
+"""A fault in MuJoCo, of whatever size or signal, is told by the verdict, and by its numbers."""
 
 import pytest
-from lying_mujoco import Lie, LyingMuJoCo
+from faulty_mujoco import FaultyMuJoCo, PlantedFault
 from spincheck.engines import Method
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.study import convergence_study_of, prepare, run_rungs
@@ -17,8 +17,8 @@ def scene(name: str) -> Scenario:
     return load(path)
 
 
-def verdict_of(name: str, method: str, lie: Lie | None, **declared: int) -> Verdict:
-    engine = LyingMuJoCo(lie)
+def verdict_of(name: str, method: str, fault: PlantedFault | None, **declared: int) -> Verdict:
+    engine = FaultyMuJoCo(fault)
     prepared = prepare(scene(name), [], MOST_STEPS)
     used: Method = engine.method(method)
     for key, value in declared.items():
@@ -30,34 +30,42 @@ def verdict_of(name: str, method: str, lie: Lie | None, **declared: int) -> Verd
 
 
 @pytest.mark.parametrize("name", ["nutation-loops", "book-middle-axis"])
-def test_without_a_lie_every_signal_converges(name):
+def test_without_a_fault_every_signal_converges(name):
     verdict = verdict_of(name, "RK4", None)
     assert {signal.verdict for signal in verdict.signals} == {"converges"}
 
 
 @pytest.mark.parametrize("name", ["nutation-loops", "book-middle-axis"])
-def test_without_a_lie_a_short_ladder_of_first_order_disagrees_in_nothing(name):
+def test_without_a_fault_a_short_ladder_of_first_order_disagrees_in_nothing(name):
     verdict = verdict_of(name, "Euler", None)
     assert "disagrees" not in {signal.verdict for signal in verdict.signals}
 
 
-#: A scene, a lie, and the signals that may tell of it.
-LIES = [
+#: A scene, a fault, and the signals that may tell of it.
+FAULTS = [
     # A pivot that sags by half the arm.
-    ("nutation-loops", Lie("reading of the com", 0.05), {"com", "energy", "angular_momentum"}),
+    (
+        "nutation-loops",
+        PlantedFault("reading of the com", 0.05),
+        {"com", "energy", "angular_momentum"},
+    ),
     # A free body that drifts unasked.
-    ("book-middle-axis", Lie("drift", 1.0), {"com", "velocity", "energy"}),
-    ("nutation-loops", Lie("reading of the velocity", 0.5), {"velocity", "energy"}),
-    ("book-middle-axis", Lie("reading of ω", 1e-3), {"omega", "angular_momentum", "energy"}),
-    ("nutation-loops", Lie("gravity", 0.1), None),
-    ("lopsided-body", Lie("gravity", 0.1), None),
-    ("book-middle-axis", Lie("clock", 1e-3), None),
+    ("book-middle-axis", PlantedFault("drift", 1.0), {"com", "velocity", "energy"}),
+    ("nutation-loops", PlantedFault("reading of the velocity", 0.5), {"velocity", "energy"}),
+    (
+        "book-middle-axis",
+        PlantedFault("reading of ω", 1e-3),
+        {"omega", "angular_momentum", "energy"},
+    ),
+    ("nutation-loops", PlantedFault("gravity", 0.1), None),
+    ("lopsided-body", PlantedFault("gravity", 0.1), None),
+    ("book-middle-axis", PlantedFault("clock", 1e-3), None),
 ]
 
 
-@pytest.mark.parametrize(("name", "lie", "signals"), LIES)
-def test_a_lie_disagrees_in_a_signal_that_it_is_about(name, lie, signals):
-    verdict = verdict_of(name, "Euler", lie)
+@pytest.mark.parametrize(("name", "fault", "signals"), FAULTS)
+def test_a_planted_fault_disagrees_in_a_signal_that_it_is_about(name, fault, signals):
+    verdict = verdict_of(name, "Euler", fault)
     assert not verdict.agrees
     told = {signal.signal for signal in verdict.signals if signal.verdict == "disagrees"}
     # What the first steps tell already has no ladder.
@@ -65,7 +73,7 @@ def test_a_lie_disagrees_in_a_signal_that_it_is_about(name, lie, signals):
 
 
 def test_what_the_first_steps_show_is_evidence_however_coarse_the_ladder():
-    verdict = verdict_of("nutation-loops", "Euler", Lie("gravity", 1e-3))
+    verdict = verdict_of("nutation-loops", "Euler", PlantedFault("gravity", 1e-3))
     assert verdict.verdict == "disagrees"
     assert "as if gravity were 1.001 times as strong" in verdict.reason
 
@@ -77,7 +85,7 @@ def test_a_first_order_method_declared_of_fourth_order_disagrees():
 
 @pytest.mark.parametrize("name", ["nutation-loops", "book-middle-axis"])
 @pytest.mark.parametrize("kind", ["reading of ω", "reading of the velocity", "clock", "moment"])
-def test_fourth_order_tells_a_lie_of_a_hundred_millionth(name, kind):
+def test_fourth_order_detects_a_fault_of_a_hundred_millionth(name, kind):
     if (name, kind) == ("book-middle-axis", "reading of the velocity"):
         pytest.skip("a body that does not fly has no velocity to read")
-    assert not verdict_of(name, "RK4", Lie(kind, 1e-8)).agrees
+    assert not verdict_of(name, "RK4", PlantedFault(kind, 1e-8)).agrees

@@ -1,9 +1,8 @@
-"""Every lie of an engine is told by name in its rows, and no other engine's rows know of it."""
+"""Planted faults of an engine are reported by cause in its own rows, and in no other engine's."""
 
-import lies
+import planted_faults
 import pytest
 from box import BOX
-from lies import HeavierOnceLoaded, engine_of
 from planted import (
     DampedInSecretSession,
     ExplodingSession,
@@ -17,17 +16,18 @@ from planted import (
     XyzwSession,
     planted,
 )
+from planted_faults import HeavierOnceLoaded, engine_of
 from spincheck.reports.harness.choice import Choice
 from spincheck.scenarios import find, load, loads
 from studies import study
 
 #: Steps of a ladder.
 BUDGET = 1 << 11
-#: s; the lies are told of a run by itself, no ladder.
+#: s; the faults are told of a run by itself, no ladder.
 TIMESTEP = 2.0**-7
 
 #: By session class: the outcome, the cause, and words of the reason.
-TOLD = {
+DETECTED = {
     RaisingSession: ("failed", "bug", "ZeroDivisionError"),
     LyingAboutBodySession: ("failed", "read-back", "'mass' must read back"),
     NotANumberSession: ("diverged", "not-finite", "no longer finite"),
@@ -36,18 +36,22 @@ TOLD = {
     XyzwSession: ("failed", "frames", "about another axis"),
     DampedInSecretSession: ("ok", "law", "as if L were slowed by 0.001 /s"),
     SwappedMomentsSession: ("ok", "law", "I dω/dt, N m in body axes, is"),
-    lies.ResetInSecretSession: ("diverged", "reset", "that of the start again"),
-    lies.FrozenSession: ("failed", "frozen", "the state stands still"),
-    lies.WorldOmegaSession: ("failed", "frames", "about another axis"),
-    lies.NegatedSession: ("failed", "frames", "about another axis"),
-    lies.SlowClockSession: ("failed", "clock", "as if a step were 0.99 of a timestep"),
-    lies.SpunUpInSecretSession: ("ok", "law", "as if L were sped up by 0.001 /s"),
-    lies.LaggingSession: ("diverged", "lag", "in a step the attitude turns by 0.01 rad"),
-    lies.LateSession: ("failed", "late", "what is read is a step old"),
-    lies.AnotherStartSession: ("ok", "law", "at the start and leaps to"),
+    planted_faults.ResetInSecretSession: ("diverged", "reset", "that of the start again"),
+    planted_faults.FrozenSession: ("failed", "frozen", "the state stands still"),
+    planted_faults.WorldOmegaSession: ("failed", "frames", "about another axis"),
+    planted_faults.NegatedSession: ("failed", "frames", "about another axis"),
+    planted_faults.SlowClockSession: ("failed", "clock", "as if a step were 0.99 of a timestep"),
+    planted_faults.SpunUpInSecretSession: ("ok", "law", "as if L were sped up by 0.001 /s"),
+    planted_faults.LaggingSession: ("diverged", "lag", "in a step the attitude turns by 0.01 rad"),
+    planted_faults.LateSession: ("failed", "late", "what is read is a step old"),
+    planted_faults.AnotherStartSession: ("ok", "law", "at the start and leaps to"),
 }
 #: By its row alone none of these can be told from an honest engine.
-UNTOLD = (lies.TwiceTheMassSession, lies.BarelyDampedSession, lies.SpunUpFromHalfwaySession)
+UNDETECTED = (
+    planted_faults.TwiceTheMassSession,
+    planted_faults.BarelyDampedSession,
+    planted_faults.SpunUpFromHalfwaySession,
+)
 
 
 def engine(kind):
@@ -63,20 +67,20 @@ def rows_of(tmp_path, engines, scene, timestep):
 
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory):
-    kinds = [HeunSession, *TOLD, *UNTOLD]
+    kinds = [HeunSession, *DETECTED, *UNDETECTED]
     folder = tmp_path_factory.mktemp("together")
     return rows_of(folder, map(engine, kinds), loads(BOX, "box"), TIMESTEP)
 
 
-@pytest.mark.parametrize("kind", TOLD, ids=lambda kind: kind.__name__)
-def test_a_lie_is_told_by_name(rows, kind):
+@pytest.mark.parametrize("kind", DETECTED, ids=lambda kind: kind.__name__)
+def test_a_planted_fault_is_reported_by_name(rows, kind):
     row = rows[engine(kind).name]
-    outcome, cause, words = TOLD[kind]
+    outcome, cause, words = DETECTED[kind]
     assert (row.outcome, row.cause) == (outcome, cause)
     assert words in row.reason
 
 
-@pytest.mark.parametrize("kind", TOLD, ids=lambda kind: kind.__name__)
+@pytest.mark.parametrize("kind", DETECTED, ids=lambda kind: kind.__name__)
 def test_what_does_not_come_to_its_end_has_not_survived(rows, kind):
     row = rows[engine(kind).name]
     assert not (row.survived and row.outcome != "ok")
@@ -89,33 +93,33 @@ def test_the_faultless_engine_is_as_if_it_were_alone(rows, tmp_path):
     assert beside.errors == alone.errors
 
 
-@pytest.mark.parametrize("kind", UNTOLD, ids=lambda kind: kind.__name__)
-def test_some_lies_no_row_can_tell(rows, kind):
+@pytest.mark.parametrize("kind", UNDETECTED, ids=lambda kind: kind.__name__)
+def test_some_faults_show_in_no_single_run(rows, kind):
     row = rows[engine(kind).name]
     assert (row.outcome, row.cause, row.reason) == ("ok", "", "")
 
 
-def test_a_lie_that_begins_later_is_told_by_the_ladder(tmp_path):
-    liar = engine(lies.SpunUpFromHalfwaySession)
-    choice = Choice((liar,), max_steps=BUDGET, timed=False)
+def test_a_planted_fault_that_begins_later_is_reported_by_the_ladder(tmp_path):
+    faulty = engine(planted_faults.SpunUpFromHalfwaySession)
+    choice = Choice((faulty,), max_steps=BUDGET, timed=False)
     (verdict,) = study(tmp_path / "results.sqlite", [loads(BOX, "box")], choice).verdicts
     assert verdict.verdict == "disagrees"
 
 
-def test_twice_the_mass_of_a_free_body_cannot_be_told(rows):
-    """Euler's equations are the same: this is no lie that a motion could give away."""
+def test_twice_the_mass_of_a_free_body_shows_in_no_motion(rows):
+    """Euler's equations are the same: this is no fault that a motion could give away."""
     row, right = rows["TwiceTheMass"], rows[planted(HeunSession).name]
     assert (row.outcome, row.cause, row.errors) == ("ok", "", right.errors)
 
 
 @pytest.mark.parametrize("name", ["nutation-loops", "hammer"])
-def test_gravity_turned_round_is_told_of_tops_and_of_what_is_thrown(tmp_path, name):
+def test_gravity_turned_round_is_reported_of_tops_and_of_what_is_thrown(tmp_path, name):
     (row,) = rows_of(tmp_path, [UpsideDown()], load(find([name])[0]), 1e-3).values()
     assert row.cause == "law"
     assert "as if gravity were turned round" in row.reason
 
 
-def test_a_mass_that_changes_once_it_was_read_back_is_told_of_a_heavy_top(tmp_path):
+def test_a_mass_that_changes_once_it_was_read_back_is_reported_of_a_heavy_top(tmp_path):
     top = load(find(["nutation-loops"])[0])
     (row,) = rows_of(tmp_path, [HeavierOnceLoaded()], top, 1e-3).values()
     assert (row.outcome, row.cause) == ("ok", "law")
