@@ -105,15 +105,6 @@ def rates_from_omega_body(angles: FloatArray, omega_body: FloatArray) -> FloatAr
     )
 
 
-def unwrapped(angles: FloatArray) -> FloatArray:
-    """A series of angles with the jumps of full turns in α and γ taken out, (n, 3), rad.
-
-    True to the motion where α and γ turn by less than half a turn between samples.
-    """
-    alpha, beta, gamma = np.asarray(angles, dtype=float).T
-    return np.stack([np.unwrap(alpha), beta, np.unwrap(gamma)], axis=-1)
-
-
 def _folded(angle: FloatArray) -> FloatArray:
     """The same direction within [−π, π]; an angle already there keeps every bit."""
     return angle - TURN * np.round(angle / TURN)

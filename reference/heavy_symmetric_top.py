@@ -198,13 +198,6 @@ def sleeping_threshold(top: HeavySymmetricTop) -> float:
         return float(mp.sqrt(4 * top.kappa * top.I1))
 
 
-def sleeps_stably(top: HeavySymmetricTop) -> bool:
-    """Whether |p_γ| is at least the sleeping threshold, compared in extended precision."""
-    with mp.workdps(DIGITS):
-        threshold = 4 * top.kappa * top.I1
-        return bool(top.p_gamma**2 >= threshold) or equal(top.p_gamma**2, threshold)
-
-
 def steady_angle(top: HeavySymmetricTop) -> float:
     """The angle β at the bottom of V_eff, rad, where this p_α and p_γ would precess steadily.
 

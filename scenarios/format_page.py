@@ -129,11 +129,6 @@ def format_page() -> str:
     return "\n".join([_HEAD, *(line for title in EXAMPLES for line in _section(title))])
 
 
-def example_scene() -> str:
-    """All examples in one: a scene that can be read."""
-    return "\n".join(text for _, text in EXAMPLES.values() if text)
-
-
 def _section(title: str) -> Iterator[str]:
     model, example = EXAMPLES[title]
     yield f"## {title}\n"

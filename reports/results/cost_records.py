@@ -21,10 +21,6 @@ class StepCost:
     spread: float
     wall_seconds_per_step: float
 
-    def per_simulated_second(self, timestep: float) -> float:
-        """CPU seconds a simulated second, at a timestep in s."""
-        return self.seconds_per_step / timestep
-
 
 @dataclass(frozen=True)
 class Ratio:

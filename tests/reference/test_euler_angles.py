@@ -8,7 +8,6 @@ from spincheck.reference.euler_angles import (
     omega_body_from_rates,
     quaternion_from_euler_zyz,
     rates_from_omega_body,
-    unwrapped,
 )
 from spincheck.scenarios.exact import from_euler_zyz_deg, omega_body_from_zyz_rates
 
@@ -134,18 +133,3 @@ def test_rates_turn_the_body_at_their_angular_velocity():
 def test_at_a_pole_there_are_no_rates(beta):
     rates = rates_from_omega_body(np.array([0.3, beta, 0.0]), np.array([1.0, 2.0, 3.0]))
     assert np.isnan(rates).all()
-
-
-def test_unwrapped_angles_grow_steadily_through_full_turns():
-    times = np.linspace(0, 10, 401)
-    turning = np.column_stack([2.0 * times, np.full(401, 0.7), -20.0 * times])
-    seen = unwrapped(euler_zyz_from_quaternion(quaternion_from_euler_zyz(turning)))
-    # 200 rad are held to an ulp of 200.
-    assert np.abs(seen - turning).max() < ROUND_TRIP * 200
-
-
-def test_wrapped_angles_do_not():
-    times = np.linspace(0, 10, 401)
-    turning = np.column_stack([2.0 * times, np.full(401, 0.7), -20.0 * times])
-    seen = euler_zyz_from_quaternion(quaternion_from_euler_zyz(turning))
-    assert np.abs(seen - turning).max() > np.pi

@@ -313,17 +313,6 @@ def test_the_bottom_of_v_eff_is_its_lowest_point():
 # --- sleeping
 
 
-@pytest.mark.parametrize(
-    ("offset", "sleeps"),
-    [("-1e-40", False), ("0", True), ("1e-40", True)],
-    ids=["below", "at", "above"],
-)
-def test_a_top_sleeps_from_the_threshold_on(offset, sleeps):
-    with mp.workdps(60):
-        top = upright(mp.sqrt(80) + mpf(offset))
-    assert lagrangian.sleeps_stably(top) is sleeps
-
-
 def test_the_threshold_is_that_worked_out_by_hand():
     assert lagrangian.sleeping_threshold(upright(mpf(1))) == pytest.approx(
         math.sqrt(80), rel=ROUNDED

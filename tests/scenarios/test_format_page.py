@@ -8,10 +8,13 @@ from pydantic import BaseModel
 from spincheck.reports.harness.reference_checks import published_values
 from spincheck.scenarios import loads
 from spincheck.scenarios.document import Document, SomeComponents
-from spincheck.scenarios.format_page import EXAMPLES, example_scene, format_page
+from spincheck.scenarios.format_page import EXAMPLES, format_page
 
 PAGE = Path(__file__).parents[2] / "docs" / "scene-format.md"
 FIRST = PAGE.with_name("first-scene.md")
+
+#: All examples of the page in one file.
+EXAMPLE = "\n".join(text for _, text in EXAMPLES.values() if text)
 
 
 def _tables(annotation: Any) -> set[type[BaseModel]]:
@@ -40,13 +43,13 @@ def test_every_key_says_what_it_means() -> None:
 
 
 def test_its_examples_make_a_scene_whose_published_value_holds() -> None:
-    scenario = loads(example_scene(), "example")
+    scenario = loads(EXAMPLE, "example")
     assert scenario.called_for == {"gravity", "pivot", "drag", "torque_body"}
     assert [value.holds for value in published_values(scenario)] == [True]
 
 
 def test_a_published_value_that_is_off_would_not_hold() -> None:
-    text = example_scene().replace("energy = 1.5494", "energy = 1.5594")
+    text = EXAMPLE.replace("energy = 1.5494", "energy = 1.5594")
     assert [value.holds for value in published_values(loads(text, "example"))] == [False]
 
 

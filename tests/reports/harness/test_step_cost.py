@@ -104,12 +104,6 @@ def test_a_scene_that_does_not_load_has_no_cost(clock: Clock) -> None:
     assert step_costs(SCENE, [(Works(refuse), METHOD)]) == [None]
 
 
-def test_a_finer_timestep_costs_more_a_simulated_second() -> None:
-    found = StepCost(TAKES, 0.0, TAKES)
-    coarse, fine = (found.per_simulated_second(dt) for dt in (1e-3, 5e-4))
-    assert (coarse, fine) == (pytest.approx(TAKES / 1e-3), pytest.approx(2 * coarse))
-
-
 # With the system's own clocks
 
 

@@ -26,7 +26,6 @@ from spincheck.reports.pages.motion_data import motion_data
 from spincheck.reports.pages.templating import TEMPLATES
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.store import Results
-from spincheck.scenarios import Trajectory
 
 TOP, BRICK, UNSOLVED = "made-up-top", "made-up-brick", "unsolved"
 #: WCAG 2.1, 1.4.11: contrast of what must be seen in a figure.
@@ -271,7 +270,7 @@ def test_a_run_that_blows_up_leaves_the_figures_readable(size: float) -> None:
     motion = found.rows[k].motion
     assert motion is not None
     omega = motion.omega_body * np.linspace(1.0, size, len(motion.t))[:, None]
-    wild = Trajectory(**vars(motion) | {"omega_body": omega})
+    wild = replace(motion, omega_body=omega)
     rows = [
         Row(**vars(row) | {"motion": wild}) if n == k else row for n, row in enumerate(found.rows)
     ]
