@@ -46,7 +46,7 @@ def models(
     return read, wrong
 
 
-def inspections(found: Sequence[ModelFile], engines: Sequence[str]) -> Iterator[Inspection]:
+def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator[Inspection]:
     """Inspect models one after the other; engines read them in one worker process each.
 
     Raises
@@ -59,7 +59,7 @@ def inspections(found: Sequence[ModelFile], engines: Sequence[str]) -> Iterator[
         if not asked:
             raise Complaint("no engine is installed that reads model files", NOT_RUN)
         with LocalWorkers(1, READ_LIMIT) as worker:
-            for model in found:
+            for model in models:
                 yield inspect_model(model, worker, asked)
     except CannotInspectError as error:
         raise Complaint(str(error), BAD_INPUT) from None

@@ -38,9 +38,9 @@ def inspect(
     from .inspect import inspections, models, print_inspection, write_pages
     from .inspection_record import record
 
-    found, unreadable = models(files, _packages(package_path or []))
+    model_files, unreadable = models(files, _packages(package_path or []))
     inspected = []
-    for one in inspections(found, engine or []) if found else ():
+    for one in inspections(model_files, engine or []) if model_files else ():
         inspected.append(one)
         if not as_json:
             print_inspection(one)

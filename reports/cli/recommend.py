@@ -85,9 +85,9 @@ def recommend(
     methods = _methods(engine_names)
     check_temporary_folder()
     with saying("nothing is kept"), TemporaryDirectory() as folder:
-        if known := _timed_runs(scene, engine_names, stored):
+        if timed_runs := _timed_runs(scene, engine_names, stored):
             say(f"From the runs in {stored}.")
-            return replace(_checked(scene, bounds, known, Path(folder)), source=str(stored))
+            return replace(_checked(scene, bounds, timed_runs, Path(folder)), source=str(stored))
         out = Path(folder) / "ladder.sqlite"
         results = running.run([scene], engine_names, methods, [], Where(jobs), out)
         if running.exit_code(results) == NOT_RUN:
@@ -186,8 +186,8 @@ def _timed_runs(scene: str, engine_names: Sequence[str], stored: Path) -> Result
     if not stored.exists():
         return None
     scenario, results = one_scene(scene), running.read(stored)
-    found = results.scenes.get(scenario.name)
-    if found is None or found.scenario.digest != scenario.digest:
+    solved = results.scenes.get(scenario.name)
+    if solved is None or solved.scenario.digest != scenario.digest:
         return None
     chosen = engine_names or list(engines())
     versions = {name: engine.version for name, engine in engines().items() if name in chosen}
@@ -201,7 +201,7 @@ def _timed_runs(scene: str, engine_names: Sequence[str], stored: Path) -> Result
     keys = {row.key for row in rows}
     return replace(
         results,
-        scenes={scenario.name: found},
+        scenes={scenario.name: solved},
         rows=rows,
         verdicts=[verdict for verdict in results.verdicts if verdict.key in keys],
     )
@@ -214,12 +214,12 @@ def _checked(scene: str, bounds: Bounds, results: Results, folder: Path) -> Reco
         (tried,) = report_data(results).scenes
         ranked = tuple(candidates(tried, bounds))
         best = ranked[0]
-        if best.timestep is None or tried.found is None:
+        if best.timestep is None or tried.solved is None:
             return Recommendation(tried.name, bounds, ranked, tuple(checks))
-        unchecked = _too_long(best, float(tried.found.solution.trajectory.t[-1]))
+        unchecked = _too_long(best, float(tried.solved.solution.trajectory.t[-1]))
         if not unchecked:
             out = folder / f"check-{len(checks)}.sqlite"
-            checks.append(_run_again(tried.found.scenario, best.key, best.timestep, out))
+            checks.append(_run_again(tried.solved.scenario, best.key, best.timestep, out))
         if unchecked or within(checks[-1], bounds) or len(checks) == CHECKS:
             command = _command(scene, best)
             return Recommendation(tried.name, bounds, ranked, tuple(checks), unchecked, command)

@@ -109,7 +109,7 @@ def _at_stock(report: ReportData) -> Iterator[str]:
 
 def _best(report: ReportData) -> Iterator[str]:
     """The cheapest accurate run of few scenes; of many, which method it most often is."""
-    choices = {scene.name: best_choice(scene) for scene in report.scenes if scene.found}
+    choices = {scene.name: best_choice(scene) for scene in report.scenes if scene.solved}
     best = {name: choice for name, choice in choices.items() if choice is not None}
     if not best:
         return

@@ -59,11 +59,11 @@ def say_last_words(number: int) -> None:
     """Tell, once, by what the program was stopped; whoever is the first says it."""
     if not _last_words.acquire(blocking=False):
         return
-    said = "; ".join([f"spincheck: {Stopped(number)}", *_besides[:1]])
+    last_words = "; ".join([f"spincheck: {Stopped(number)}", *_besides[:1]])
     # Not by `print`, whose lock somebody may hold; on a terminal that has closed by nobody.
     with suppress(OSError):
         bar_away = _CURSOR_AND_EMPTY_LINE if os.isatty(STDERR) else ""
-        os.write(STDERR, f"{bar_away}{said}\n".encode(errors="backslashreplace"))
+        os.write(STDERR, f"{bar_away}{last_words}\n".encode(errors="backslashreplace"))
 
 
 def raise_when_stopped() -> None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from .analysis.profiles import profile
 from .analysis.report_data import ReportData, SceneRuns
-from .analysis.trace_style import TraceStyle, looks
+from .analysis.trace_style import TraceStyle, trace_styles
 from .analysis.wording import SIGNALS
 from .analysis.work_precision import SIGNALS as ERRORS
 from .analysis.work_precision import Signal, curves
@@ -32,7 +32,7 @@ class CostSection:
     Attributes
     ----------
     scenes : how many were solved, reached or not
-    methods : label and look of every method, for the figure's key
+    methods : label and style of every method, for the figure's key
     profiles : None where nothing was timed
     """
 
@@ -46,8 +46,8 @@ class CostSection:
 
 def cost_section(gathered: ReportData) -> CostSection:
     """What accuracy costs, over all scenes that were solved."""
-    scenes = [curves(scene, COMPARED) for scene in gathered.scenes if scene.found]
-    drawn = looks(gathered.pairs)
+    scenes = [curves(scene, COMPARED) for scene in gathered.scenes if scene.solved]
+    drawn = trace_styles(gathered.pairs)
     timed = any(curve.seconds_per_step is not None for tried in scenes for curve in tried)
     profiles = [profile(scenes, COMPARED, level) for level in PROFILED]
     first, *others = profile_figures(profiles, drawn)
@@ -63,7 +63,7 @@ def cost_section(gathered: ReportData) -> CostSection:
     )
     return CostSection(
         len(scenes),
-        tuple((" ".join(pair), look) for pair, look in drawn.items()),
+        tuple((" ".join(pair), style) for pair, style in drawn.items()),
         titled if timed else None,
         reached_table(gathered, scenes),
         median_table(gathered, scenes),

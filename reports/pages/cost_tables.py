@@ -34,8 +34,8 @@ def reached_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
     """On how many scenes each method reaches each error, and on how many by extrapolation only."""
     rows = []
     for pair in gathered.pairs:
-        found = [tally(scenes, pair, level) for level in LEVELS]
-        rows.append([*_named(pair), *(figure(f"{t.reached} ({t.extrapolated})") for t in found)])
+        tallies = [tally(scenes, pair, level) for level in LEVELS]
+        rows.append([*_named(pair), *(figure(f"{t.reached} ({t.extrapolated})") for t in tallies)])
     return table(("engine", "method", *_level_headings()), rows)
 
 
@@ -43,18 +43,18 @@ def median_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
     """What each error costs each method: the median over the scenes that it can simulate."""
     rows = []
     for pair in gathered.pairs:
-        found = [tally(scenes, pair, level).median_cost for level in LEVELS]
-        rows.append([*_named(pair), *(figure(number(cost)) for cost in found)])
+        costs = [tally(scenes, pair, level).median_cost for level in LEVELS]
+        rows.append([*_named(pair), *(figure(number(cost)) for cost in costs)])
     return table(("engine", "method", *_level_headings()), rows)
 
 
 def ratio_table(scenes: Sequence[SceneCurves]) -> Table:
     """How many times more the cheapest first-order method costs than the cheapest of order 4."""
-    found = [order_ratios(scenes, level) for level in LEVELS]
+    ratios = [order_ratios(scenes, level) for level in LEVELS]
     rows: list[list[Cell | str]] = [
-        ["scenes where both reach it", *(figure(str(ratio.scenes)) for ratio in found)],
-        ["median ratio", *(figure(number(ratio.median)) for ratio in found)],
-        ["largest ratio", *(figure(number(ratio.largest)) for ratio in found)],
+        ["scenes where both reach it", *(figure(str(ratio.scenes)) for ratio in ratios)],
+        ["median ratio", *(figure(number(ratio.median)) for ratio in ratios)],
+        ["largest ratio", *(figure(number(ratio.largest)) for ratio in ratios)],
     ]
     return table(("first order over fourth", *_level_headings()), rows)
 
@@ -63,13 +63,13 @@ def _level_headings() -> list[str]:
     return [f"to {number(level, 1).removeprefix('1×')}" for level in LEVELS]
 
 
-def _reach_cell(found: Reach) -> Cell:
-    floor = f"floor {number(found.floor, 1)}" if found.floor is not None else ""
-    if found.cost is None:
-        return Cell(found.word, "number none", floor)
-    kind = "number extrapolated" if found.word == "extrapolated" else "number"
-    parts = [f"{number(found.timestep)} s", floor]
-    text = f"{MARKS[found.word]}{number(found.cost)}"
+def _reach_cell(reached: Reach) -> Cell:
+    floor = f"floor {number(reached.floor, 1)}" if reached.floor is not None else ""
+    if reached.cost is None:
+        return Cell(reached.word, "number none", floor)
+    kind = "number extrapolated" if reached.word == "extrapolated" else "number"
+    parts = [f"{number(reached.timestep)} s", floor]
+    text = f"{MARKS[reached.word]}{number(reached.cost)}"
     return Cell(text, kind, "\n".join(part for part in parts if part))
 
 

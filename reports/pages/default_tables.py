@@ -78,10 +78,10 @@ def _errors(scene: SceneRuns, errors: Errors | None) -> list[Cell]:
     """In attitude, ω and energy, as they may be claimed."""
     if errors is None:
         return [Cell("diverged", "diverged"), figure(NOTHING), figure(NOTHING)]
-    assert scene.found is not None, "defaults are measured of solved scenes"
-    known = scene.found.solution.uncertainty
+    assert scene.solved is not None, "defaults are measured of solved scenes"
+    uncertainty = scene.solved.solution.uncertainty
     return [
-        figure(limited(math.degrees(errors.attitude), math.degrees(known.attitude))),
-        figure(limited(errors.omega, known.omega)),
-        figure(limited(errors.energy, known.energy)),
+        figure(limited(math.degrees(errors.attitude), math.degrees(uncertainty.attitude))),
+        figure(limited(errors.omega, uncertainty.omega)),
+        figure(limited(errors.energy, uncertainty.energy)),
     ]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ..results.store import Results
 from ..results.sweep_records import Ensemble, EnsembleResult
 from .analysis.ensemble_numbers import members_of
-from .analysis.trace_style import TraceStyle, looks
+from .analysis.trace_style import TraceStyle, trace_styles
 from .analysis.wording import count
 from .ensemble_tables import quantile_tables, worst_table
 from .figures.ensemble_figure import distribution
@@ -52,11 +52,11 @@ def ensemble_pages(results: Results) -> list[EnsemblePage]:
     """One an ensemble that has any members."""
     seen: Counter[str] = Counter()
     pages = []
-    for found in results.ensembles:
-        if any(point.key.engine for point in found.points):
-            seen[found.ensemble.scenario] += 1
-            name = f"{found.ensemble.scenario}-{seen[found.ensemble.scenario]}"
-            pages.append(_page(name, found, results))
+    for result in results.ensembles:
+        if any(point.key.engine for point in result.points):
+            seen[result.ensemble.scenario] += 1
+            name = f"{result.ensemble.scenario}-{seen[result.ensemble.scenario]}"
+            pages.append(_page(name, result, results))
     return pages
 
 
@@ -69,11 +69,11 @@ def command(ensemble: Ensemble) -> str:
     return shlex.join(words)
 
 
-def _page(name: str, found: EnsembleResult, results: Results) -> EnsemblePage:
-    ensemble = found.ensemble
-    pairs = list(methods_of(found.points, results))
-    members = members_of(found.points, pairs)
-    drawn = looks(pairs)
+def _page(name: str, result: EnsembleResult, results: Results) -> EnsemblePage:
+    ensemble = result.ensemble
+    pairs = list(methods_of(result.points, results))
+    members = members_of(result.points, pairs)
+    drawn = trace_styles(pairs)
     compared = [of_method for of_method in members if (of_method.errors("omega") > 0).any()]
     drawing = None
     if compared:
@@ -86,12 +86,12 @@ def _page(name: str, found: EnsembleResult, results: Results) -> EnsemblePage:
         link=ensemble_page(name),
         title=title,
         scene=ensemble.scenario,
-        scene_title=found.scenario.title,
+        scene_title=result.scenario.title,
         command=command(ensemble),
         timestep=timestep_in_words(ensemble.timestep),
         figure=drawing,
         shown=tuple((" ".join(of_method.pair), drawn[of_method.pair]) for of_method in compared),
-        ends=ends_table(found.points, pairs),
+        ends=ends_table(result.points, pairs),
         quantiles=quantile_tables(members),
         worst=worst_table(ensemble, [m for m in members if m.points]),
     )

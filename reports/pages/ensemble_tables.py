@@ -53,8 +53,8 @@ def _quantile_row(of_method: Members, signal: Signal) -> Iterator[Cell]:
     yield Cell(method, "name")
     yield figure(str(run))
     yield figure(percent(finished, run) if run else NOTHING)
-    found = of_method.quantiles(signal)
-    for value in found or (None,) * len(QUANTILE_NAMES):
+    quantiles = of_method.quantiles(signal)
+    for value in quantiles or (None,) * len(QUANTILE_NAMES):
         yield figure(number(value))
 
 

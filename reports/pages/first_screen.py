@@ -18,7 +18,7 @@ COVERING = 0.9
 #: What is said of a default is so on at least so many of the scenes that it gets wrong.
 COMMON = 0.1
 #: Engines whose defaults are told one by one, the least wrong; the others in a sentence.
-TOLD = 2
+LISTED = 2
 #: An error of ω, relative, that one default alone is told for.
 NOTICED_OMEGA = 0.01
 
@@ -50,22 +50,22 @@ class _AtStock:
     @property
     def size(self) -> tuple[float, float]:
         """Median and worst; of two middle ones the worse, so that infinity is no mean."""
-        off = self.attitudes.values()
-        return median_high(off), max(off)
+        errors = self.attitudes.values()
+        return median_high(errors), max(errors)
 
     def __str__(self) -> str:
         """How far off it is, in median and on the worst scene."""
-        off = self.attitudes
+        errors = self.attitudes
         middle, _ = self.size
-        ended = {name: error for name, error in off.items() if error < math.inf}
-        lost = len(off) - len(ended)
+        ended = {name: error for name, error in errors.items() if error < math.inf}
+        unfinished = len(errors) - len(ended)
         if math.isinf(middle):
-            return f"does not come to the end of {lost} of {plural(len(off), 'scene')}"
+            return f"does not come to the end of {unfinished} of {plural(len(errors), 'scene')}"
         worst = max(ended, key=lambda name: ended[name])
         text = (
             f"is {_degrees(middle)} off in attitude, at worst {_degrees(ended[worst])} on {worst}"
         )
-        return text + (f", and {plural(lost, 'run')} blew up" if lost else "")
+        return text + (f", and {plural(unfinished, 'run')} blew up" if unfinished else "")
 
 
 def answer(gathered: ReportData, harmless: Collection[str] = frozenset()) -> tuple[Sentence, ...]:
@@ -85,12 +85,12 @@ def answer(gathered: ReportData, harmless: Collection[str] = frozenset()) -> tup
     clean = [one for pair, one in there.items() if pair not in as_shipped(plain)]
     if not shipped:
         return ()
-    told, others = shipped[:TOLD], shipped[TOLD:]
+    listed, others = shipped[:LISTED], shipped[LISTED:]
     most = max(len(one.rows) for one in shipped)
-    wrong = [f"{_named(one)} {one}" for one in told] + _others(others)
-    instead = [text for one in told if (text := _instead(one, clean))]
+    wrong = [f"{_named(one)} {one}" for one in listed] + _others(others)
+    instead = [text for one in listed if (text := _instead(one, clean))]
     measured = {one.key.engine for scene in plain.scenes for one in scene.defaults}
-    explained = [one for one in shipped if one in told or one.pair[0] in measured]
+    explained = [one for one in shipped if one in listed or one.pair[0] in measured]
     why = [_why(one, plain.scenes, harmless) for one in explained] + _no_gyroscopic_torque(plain)
     sentences = [
         Sentence(f"What defaults get wrong (median of {plural(most, 'scene')})", _sentences(wrong)),
@@ -103,15 +103,15 @@ def answer(gathered: ReportData, harmless: Collection[str] = frozenset()) -> tup
 def _others(shipped: Sequence[_AtStock]) -> list[str]:
     """The other defaults in short: between which medians they lie, and which mostly blow up."""
     ended = [one for one in shipped if one.size[0] < math.inf]
-    lost = [one.pair[0] for one in shipped if one not in ended]
+    unfinished = [one.pair[0] for one in shipped if one not in ended]
     sentences = []
     if ended:
         low, high = (_degrees(one.size[0]) for one in (ended[0], ended[-1]))
         names = ", ".join(one.pair[0] for one in ended)
         ranged = low if low == high else f"{low} to {high}"
         sentences.append(f"The defaults of {names} are {ranged} off")
-    if lost:
-        sentences.append(f"Those of {', '.join(lost)} do not come to the end of most scenes")
+    if unfinished:
+        sentences.append(f"Those of {', '.join(unfinished)} do not come to the end of most scenes")
     return sentences
 
 
@@ -182,8 +182,8 @@ def _why(shipped: _AtStock, scenes: Sequence[SceneRuns], harmless: Collection[st
             f"timestep shrinks{left}: its errors are its integrator's"
         )
     text = f"{name} does not, at any timestep, on {len(wrong)} of {plural(len(verdicts), 'scene')}"
-    told = [scene for scene in scenes if scene.name in wrong]
-    causes = _by_each_default(shipped.pair, told) or _acting(shipped, wrong, harmless)
+    wrong_scenes = [scene for scene in scenes if scene.name in wrong]
+    causes = _by_each_default(shipped.pair, wrong_scenes) or _acting(shipped, wrong, harmless)
     return text + (f": {causes}" if causes else "")
 
 
@@ -197,10 +197,10 @@ def _by_each_default(pair: Pair, scenes: Sequence[SceneRuns]) -> str:
     ]
     counted = Counter(
         effect.name
-        for found in measured
-        if found.none is not None
-        for effect in found.each
-        if effect.alone is None or effect.alone.omega > max(NOTICED_OMEGA, 2 * found.none.omega)
+        for effects in measured
+        if effects.none is not None
+        for effect in effects.each
+        if effect.alone is None or effect.alone.omega > max(NOTICED_OMEGA, 2 * effects.none.omega)
     )
     listed = ", ".join(f"{name} on {amount}" for name, amount in counted.most_common())
     return f"ω is more than {NOTICED_OMEGA:.0%} off by its {listed}, each alone" if listed else ""

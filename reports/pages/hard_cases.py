@@ -15,7 +15,7 @@ TURNS = (0.01, 0.1, 1.0)
 
 def hard_scenes(gathered: ReportData) -> tuple[SceneRuns, ...]:
     """The scenes that are tagged as hard."""
-    return tuple(scene for scene in gathered.scenes if scene.found and scene.found.scenario.hard)
+    return tuple(scene for scene in gathered.scenes if scene.solved and scene.solved.scenario.hard)
 
 
 def survivors(gathered: ReportData) -> Matrix:
@@ -41,8 +41,8 @@ def survivors_table(gathered: ReportData) -> Table:
 def _detail(scene: SceneRuns, runs: MethodRuns) -> str:
     if not runs.rows:
         return "no run fits"
-    found = survival(runs.rows, scene.fastest_rate)
-    return str(found) if found else ""
+    survived = survival(runs.rows, scene.fastest_rate)
+    return str(survived) if survived else ""
 
 
 def _line(pair: Pair, scenes: tuple[SceneRuns, ...]) -> list[Cell | str]:
@@ -52,16 +52,16 @@ def _line(pair: Pair, scenes: tuple[SceneRuns, ...]) -> list[Cell | str]:
         for runs in scene.methods
         if (runs.engine, runs.method) == pair
     ]
-    can = [(runs, found) for runs, found in tried if found is not None]
+    can = [(runs, survived) for runs, survived in tried if survived is not None]
     converging = [runs.verdict and runs.verdict.verdict == "converges" for runs, _ in can]
-    turns = [found.turn or 0.0 for _, found in can]
+    turns = [survived.turn or 0.0 for _, survived in can]
     engine, method = pair
     return [
         Cell(engine, "name"),
         Cell(method, "name"),
         figure(str(len(can))),
         figure(str(sum(map(bool, converging)))),
-        figure(str(sum(found.timestep is not None for _, found in can))),
-        *(figure(str(sum(found.reaches(turn) for _, found in can))) for turn in TURNS),
+        figure(str(sum(survived.timestep is not None for _, survived in can))),
+        *(figure(str(sum(survived.reaches(turn) for _, survived in can))) for turn in TURNS),
         figure(number(median(turns)) if turns else NOTHING),
     ]

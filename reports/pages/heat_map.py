@@ -63,14 +63,14 @@ def _label(pair: Pair, shipped: list[Pair]) -> str:
 
 
 def _scene(scene: SceneRuns) -> dict[str, Any]:
-    found = scene.found.scenario if scene.found else None
+    scenario = scene.solved.scenario if scene.solved else None
     return {
         "name": scene.name,
         "title": scene.title,
         "page": scene_page(scene.name),
         "kind": group_of(scene),
-        "hard": bool(found and found.hard),
-        "tags": list(found.document.tags) if found else [],
+        "hard": bool(scenario and scenario.hard),
+        "tags": list(scenario.document.tags) if scenario else [],
     }
 
 
@@ -86,17 +86,17 @@ def _run(scene: SceneRuns, row: Row) -> list[Any]:
     if row.errors is None:
         return [row.timestep, row.outcome, _rounded(row.stopped_at), row.reason[:REASON]]
     limits = dict(scene.uncertainty(row))
-    found = dict(row.errors)
-    errors = [
-        -limits[name] if found[name] <= limits[name] else found[name] for name in SHOWN_SIGNALS
+    errors = dict(row.errors)
+    drawn = [
+        -limits[name] if errors[name] <= limits[name] else errors[name] for name in SHOWN_SIGNALS
     ]
-    return [_rounded(row.timestep), _rounded(cost(row)), *(_rounded(error) for error in errors)]
+    return [_rounded(row.timestep), _rounded(cost(row)), *(_rounded(error) for error in drawn)]
 
 
 def _best(scene: SceneRuns, steps: dict[str, float]) -> dict[str, Any] | None:
     """The best choice, and how many times the default costs: its engine's own, or the first."""
-    found = best_choice(scene) if scene.found else None
-    if found is None:
+    best = best_choice(scene) if scene.solved else None
+    if best is None:
         return None
     defaults = {
         runs.engine: cost(row)
@@ -104,16 +104,16 @@ def _best(scene: SceneRuns, steps: dict[str, float]) -> dict[str, Any] | None:
         if runs.verdict and runs.verdict.as_shipped
         if (row := row_at(runs, "stock", steps.get(runs.engine, 0.0))) is not None
     }
-    engine = found.runs.engine
+    engine = best.runs.engine
     default = defaults.get(engine, next(iter(defaults.values()), None))
     return {
-        "label": found.runs.label,
-        "anchor": method_anchor(found.runs.engine, found.runs.method),
-        "timestep": duration(found.row.timestep),
-        "within": found.within,
+        "label": best.runs.label,
+        "anchor": method_anchor(best.runs.engine, best.runs.method),
+        "timestep": duration(best.row.timestep),
+        "within": best.within,
         "default": engine if engine in defaults else next(iter(defaults), ""),
-        "price": _rounded(found.cost / default) if found.cost and default else None,
-        "run": _run(scene, found.row),
+        "price": _rounded(best.cost / default) if best.cost and default else None,
+        "run": _run(scene, best.row),
     }
 
 

@@ -13,9 +13,9 @@ BEYOND_NOISE = 2.0
 
 def effects_table(effects: Sequence[EffectsCost]) -> Table:
     """A scene a row, an engine a column: what a step would cost more with everything left in."""
-    methods = sorted({(found.key.engine, found.key.method) for found in effects})
-    cells = {found.key: _cell(found) for found in effects}
-    scenes = sorted({found.key.scenario for found in effects})
+    methods = sorted({(cost.key.engine, cost.key.method) for cost in effects})
+    cells = {cost.key: _cell(cost) for cost in effects}
+    scenes = sorted({cost.key.scenario for cost in effects})
     return table(
         ["scene", *(f"{engine} {method}" for engine, method in methods)],
         [
@@ -27,20 +27,20 @@ def effects_table(effects: Sequence[EffectsCost]) -> Table:
 
 def harm_in_words(effects: Sequence[EffectsCost]) -> str:
     """On how many scenes leaving things out changed the motion."""
-    same = sum(found.difference == 0 for found in effects)
+    same = sum(cost.difference == 0 for cost in effects)
     return f"{same} of {len(effects)} motions are identical to the last bit"
 
 
-def passes_table(found: PassCosts) -> Table:
+def passes_table(costs: PassCosts) -> Table:
     """Each pass by itself, as percent of a pruned step."""
-    least = BEYOND_NOISE * found.noise
+    least = BEYOND_NOISE * costs.noise
 
     def share(part: float) -> Cell:
         return figure(f"{part:+.0%}" if abs(part) > least else "noise")
 
     return table(
         ["left out", "a step with it alone left in", "saved by leaving it out of the defaults"],
-        [[one.name, share(one.added), share(one.saved)] for one in found.passes],
+        [[one.name, share(one.added), share(one.saved)] for one in costs.passes],
     )
 
 
@@ -49,8 +49,8 @@ def passes_tables(passes: Sequence[PassCosts]) -> list[tuple[str, Table]]:
     return [(f"{p.key.engine} {p.key.method} on {p.key.scenario}", passes_table(p)) for p in passes]
 
 
-def _cell(found: EffectsCost) -> Cell:
-    more = f"{found.ratio.median - 1:+.0%} ± {found.ratio.spread:.0%}"
+def _cell(cost: EffectsCost) -> Cell:
+    more = f"{cost.ratio.median - 1:+.0%} ± {cost.ratio.spread:.0%}"
     same = "motion identical to the last bit"
-    harm = f"motion off by {number(found.difference)}" if found.difference else same
+    harm = f"motion off by {number(cost.difference)}" if cost.difference else same
     return Cell(more, "number", harm)

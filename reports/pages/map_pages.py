@@ -52,12 +52,12 @@ def map_pages(results: Results) -> list[MapPage]:
     """One a map that has any points."""
     seen: Counter[str] = Counter()
     pages = []
-    for found in results.maps:
-        if any(point.key.engine for point in found.points):
-            seen[found.map.scenario] += 1
-            name = f"{found.map.scenario}-{seen[found.map.scenario]}"
-            methods = methods_of(found.points, results)
-            pages.append(_page(name, Grid(found, methods, results.stock_timesteps)))
+    for result in results.maps:
+        if any(point.key.engine for point in result.points):
+            seen[result.map.scenario] += 1
+            name = f"{result.map.scenario}-{seen[result.map.scenario]}"
+            methods = methods_of(result.points, results)
+            pages.append(_page(name, Grid(result, methods, results.stock_timesteps)))
     return pages
 
 
@@ -70,30 +70,30 @@ def methods_of(points: tuple[PointResult, ...], results: Results) -> dict[Pair, 
 
 
 def _page(name: str, grid: Grid) -> MapPage:
-    found = grid.found
-    across, up = (axis_title(axis) for axis in found.map.axes)
+    result = grid.result
+    across, up = (axis_title(axis) for axis in result.map.axes)
     return MapPage(
         name=name,
         link=map_page(name),
-        title=f"{found.map.scenario}: {found.map.axes[0].path} × {found.map.axes[1].path}",
-        scene=found.map.scenario,
-        scene_title=found.scenario.title,
-        command=command(found),
-        timestep=timestep_in_words(found.map.timestep, found.map.axes),
+        title=f"{result.map.scenario}: {result.map.axes[0].path} × {result.map.axes[1].path}",
+        scene=result.map.scenario,
+        scene_title=result.scenario.title,
+        command=command(result),
+        timestep=timestep_in_words(result.map.timestep, result.map.axes),
         figure=Titled("map", f"{up} against {across}", CAPTION, map_figure(grid)),
         survival=survival_table(grid),
-        ends=ends_table(found.points, grid.methods),
+        ends=ends_table(result.points, grid.methods),
         bounds=bounds_table(grid),
     )
 
 
-def command(found: MapResult) -> str:
+def command(result: MapResult) -> str:
     """What makes this map, as typed in a shell."""
-    words = ["spincheck", "map", found.map.scenario]
-    for axis in found.map.axes:
+    words = ["spincheck", "map", result.map.scenario]
+    for axis in result.map.axes:
         words += ["--vary", vary_option(axis)]
-    if found.map.timestep is not None:
-        words += ["--timestep", f"{found.map.timestep:.{TYPED_DIGITS}g}"]
+    if result.map.timestep is not None:
+        words += ["--timestep", f"{result.map.timestep:.{TYPED_DIGITS}g}"]
     return shlex.join(words)
 
 

@@ -31,14 +31,14 @@ def survival_table(grid: Grid) -> Table:
 def ends_table(points: Iterable[PointResult], pairs: Iterable[Pair]) -> Table:
     """How many runs of each method finished, and how many ended in each other way."""
     points = list(points)
-    known = marks(points)
+    marks_by_end = marks(points)
     counts: dict[Pair, Counter[str]] = {pair: Counter() for pair in pairs}
     for point in points:
         pair = point.key.engine, point.key.method
-        label = "finished" if is_coloured(point) else known[point.outcome, point.cause].label
+        label = "finished" if is_coloured(point) else marks_by_end[point.outcome, point.cause].label
         for each in [pair] if point.key.engine else counts:
             counts[each][label] += 1
-    labels = ["finished", *dict.fromkeys(mark.label for mark in known.values())]
+    labels = ["finished", *dict.fromkeys(mark.label for mark in marks_by_end.values())]
     return table(
         ("engine", "method", *labels),
         ([*_name(pair), *(_count(counts[pair][label]) for label in labels)] for pair in counts),
@@ -61,12 +61,12 @@ def _count(amount: int) -> Cell:
 
 
 def _by_turn(grid: Grid, pair: Pair) -> list[list[PointResult]]:
-    found: list[list[PointResult]] = [[] for _ in range(len(TURNS) + 1)]
+    by_turn: list[list[PointResult]] = [[] for _ in range(len(TURNS) + 1)]
     for node, point in grid.points[pair].items():
         if point.outcome in RUN and node in grid.numbers:
             turn = grid.numbers[node].turning * point.timestep
-            found[sum(turn > limit for limit in TURNS)].append(point)
-    return found
+            by_turn[sum(turn > limit for limit in TURNS)].append(point)
+    return by_turn
 
 
 def _range(k: int) -> str:

@@ -21,7 +21,7 @@ from ..harness.inspection.findings import (
 )
 from ..harness.inspection.motion_apart import attitude_apart
 from ..harness.inspection.remedy import line_without_rotation, remedies
-from .analysis.trace_style import TraceStyle, looks
+from .analysis.trace_style import TraceStyle, trace_styles
 from .figures.inertia_ellipsoid import Solid, View, solid_squares, views
 from .figures.time_curves import TimeCurves, time_curves
 from .tables import Cell, Table, figure, table
@@ -83,7 +83,7 @@ def page_names(paths: Sequence[Path]) -> list[str]:
 def _content(inspection: Inspection) -> dict[str, object]:
     model = inspection.model
     who = [(held.engine, held.configuration) for held in inspection.links[0].held]
-    drawn = looks(who)
+    drawn = trace_styles(who)
     worst = worst_links(inspection)
     wrong = [link for link in inspection.links if not link.is_well]
     return {
@@ -113,8 +113,8 @@ def _configurations(inspection: Inspection, who: Sequence[Who]) -> Table:
     rows = []
     for k, (engine, configuration) in enumerate(who):
         held = [link.held[k] for link in inspection.links]
-        known = {one.name: one for one in readers[engine.partition("@")[0]].configurations}
-        summary = known[configuration].summary
+        by_name = {one.name: one for one in readers[engine.partition("@")[0]].configurations}
+        summary = by_name[configuration].summary
         counts = [sum(h.agrees is answer for h in held) for answer in (True, False)]
         refused = (engine, configuration) in inspection.refusals
         rows.append(
@@ -171,9 +171,9 @@ def _solids(
         yield Solid(FILES_OWN, INK, "solid", stated.com, squares)
     for held in otherwise:
         assert held.body is not None, "only what holds a body holds another one"
-        look = drawn[held.engine, held.configuration]
+        style = drawn[held.engine, held.configuration]
         squares = solid_squares(held.body.mass, held.body.inertia_com)
-        yield Solid(_who(held), look.colour, look.dash, held.body.com, squares)
+        yield Solid(_who(held), style.colour, style.dash, held.body.com, squares)
 
 
 def _keys(
@@ -188,15 +188,15 @@ def _keys(
 
 def _curves(otherwise: Sequence[Held], drawn: dict[Who, TraceStyle]) -> TimeCurves | None:
     """The attitude apart over time, of the bodies that have a motion."""
-    found: list[tuple[str, TraceStyle, FloatArray]] = []
+    curves: list[tuple[str, TraceStyle, FloatArray]] = []
     for held in otherwise:
         if held.attitude_apart_deg is None or held.expected is None or held.body is None:
             continue
         apart = attitude_apart(held.expected.inertia, held.body.inertia_com, TIMES)
         if apart is not None:
-            look = drawn[held.engine, held.configuration]
-            found.append((_who(held), look, np.degrees(apart)))
-    return time_curves(TIMES, found) if found else None
+            style = drawn[held.engine, held.configuration]
+            curves.append((_who(held), style, np.degrees(apart)))
+    return time_curves(TIMES, curves) if curves else None
 
 
 def _numbers(stated: Stated | None, held: Sequence[Held]) -> Table:
@@ -234,12 +234,12 @@ def _verdict(held: Held) -> list[Cell]:
     apart = held.attitude_apart_deg
     turned = "" if held.difference is None else f"{held.difference.axes_deg:.3g}°"
     angles = "" if apart is None else ", ".join(f"{angle:.3g}°" for angle in apart.values())
-    said = "as the file states it" if held.agrees else held.cause or "nothing to compare"
+    verdict = "as the file states it" if held.agrees else held.cause or "nothing to compare"
     if held.agrees is not False:
         turned = angles = ""
     if held.kind == "refused":
-        said = "refuses the file"
-    return [figure(turned), figure(angles), Cell(printable(said))]
+        verdict = "refuses the file"
+    return [figure(turned), figure(angles), Cell(printable(verdict))]
 
 
 def _who(held: Held) -> str:

@@ -41,17 +41,17 @@ DECADES_A_STEP = (HIGHEST_DECADE - LOWEST_DECADE) / (GAP - 1)
 
 def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
     """What the page's script draws motions from; None where the scene could not be solved."""
-    found = scene.found
-    if found is None:
+    solved = scene.solved
+    if solved is None:
         return None
     samples = _samples_for(scene, EXACT_SAMPLES, EXACT_A_TURN)
-    times = np.linspace(0.0, float(found.solution.trajectory.t[-1]), samples)
-    exact = ExactMotion(found.scenario).outline(times)
+    times = np.linspace(0.0, float(solved.solution.trajectory.t[-1]), samples)
+    exact = ExactMotion(solved.scenario).outline(times)
     fastest = float(np.linalg.norm(exact.omega_body, axis=1).max())
     bases = _TimeBases()
     runs = [_run(run, scene, bases) for run in scene.compared]
     return {
-        "body": _body(found),
+        "body": _body(solved),
         "duration": float(times[-1]),
         "fastest": fastest,
         "noticeable": math.degrees(NOTICEABLE),
@@ -101,8 +101,8 @@ class _TimeBases:
         return self.packed.index(packed)
 
 
-def _body(found: SceneResult) -> dict[str, Any]:
-    scenario, drawn = found.scenario, drawn_body(found)
+def _body(solved: SceneResult) -> dict[str, Any]:
+    scenario, drawn = solved.scenario, drawn_body(solved)
     inertia = scenario.body.inertia_origin if scenario.has_pivot else scenario.body.inertia_com
     return {
         "shape": drawn.shape,
@@ -118,11 +118,11 @@ def _body(found: SceneResult) -> dict[str, Any]:
 
 
 def _run(run: Compared, scene: SceneRuns, bases: _TimeBases) -> dict[str, Any]:
-    assert scene.found is not None, "a run is compared with an exact motion"
+    assert scene.solved is not None, "a run is compared with an exact motion"
     fair = PAGE_SAMPLES // len(scene.compared)
     kept = thinned(len(run.motion.t), min(fair, _samples_for(scene, RUN_SAMPLES, RUN_A_TURN)))
-    series, known = run.series, scene.found.solution.uncertainty
-    look = run.runs.look
+    series, uncertainty = run.series, scene.solved.solution.uncertainty
+    style = run.runs.style
     data: dict[str, Any] = {
         "label": run.runs.label,
         "name": run_name(run.row),
@@ -130,11 +130,11 @@ def _run(run: Compared, scene: SceneRuns, bases: _TimeBases) -> dict[str, Any]:
         "hover": escape(run_name(run.row), quote=False),
         "outcome": run.row.outcome,
         "stopped_at": run.row.stopped_at,
-        "look": [look.colour, look.dash],
+        "look": [style.colour, style.dash],
         "noticed": noticeable_from(run),
         "t": bases.index(run.motion.t[kept]),
-        "attitude": _decades(claimed(peaks(series.attitude, kept), known.attitude)),
-        "omega": _decades(claimed(peaks(series.omega, kept), known.omega)),
+        "attitude": _decades(claimed(peaks(series.attitude, kept), uncertainty.attitude)),
+        "omega": _decades(claimed(peaks(series.omega, kept), uncertainty.omega)),
     }
     if series.attitude.max() > INVISIBLE or run.row.outcome != "ok":
         data |= _states(run.motion, kept)
@@ -143,8 +143,8 @@ def _run(run: Compared, scene: SceneRuns, bases: _TimeBases) -> dict[str, Any]:
 
 def _samples_for(scene: SceneRuns, most: int, a_turn: int) -> int:
     """As many as the turns in the window take."""
-    assert scene.found is not None, "a scene that was solved has a fastest rate"
-    turns = scene.fastest_rate * float(scene.found.solution.trajectory.t[-1]) / (2 * math.pi)
+    assert scene.solved is not None, "a scene that was solved has a fastest rate"
+    turns = scene.fastest_rate * float(scene.solved.solution.trajectory.t[-1]) / (2 * math.pi)
     return int(min(most, max(LEAST_SAMPLES, math.ceil(a_turn * turns))))
 
 

@@ -13,7 +13,7 @@ from .links import method_anchor, scene_page
 from .tables import VERDICTS, Cell, Table, figure, table, verdict_cell
 
 #: How the headline says each verdict, of one and of several.
-_SAID: dict[VerdictWord, tuple[str, str]] = {
+VERDICT_PHRASES: dict[VerdictWord, tuple[str, str]] = {
     "converges": ("converges to the exact motion", "converge to the exact motion"),
     "disagrees": ("settles on a wrong one", "settle on a wrong one"),
     "failed": ("failed", "failed"),
@@ -48,7 +48,11 @@ def headline(gathered: ReportData) -> str:
     verdicts = [verdict for verdict in plain.verdicts if not verdict.as_shipped]
     shipped = [verdict for verdict in plain.verdicts if verdict.as_shipped]
     counts = Counter(verdict.verdict for verdict in verdicts)
-    said = [f"{counts[word]} {_SAID[word][counts[word] > 1]}" for word in VERDICTS if counts[word]]
+    parts = [
+        f"{counts[word]} {VERDICT_PHRASES[word][counts[word] > 1]}"
+        for word in VERDICTS
+        if counts[word]
+    ]
     unmet = sum(bool(verdict.unmet) for verdict in verdicts)
     missed = (
         f" {plural(unmet, 'method')} missed an expectation of the scene's file." if unmet else ""
@@ -58,7 +62,7 @@ def headline(gathered: ReportData) -> str:
     pairs = plural(len(verdicts), "pair")
     text = f"{scenes} × {methods}."
     if verdicts:
-        text += f" Of {pairs} of a scene and a method, {_listed(said)}.{missed}"
+        text += f" Of {pairs} of a scene and a method, {_listed(parts)}.{missed}"
     if shipped:
         good = sum(verdict.verdict == "converges" for verdict in shipped)
         text += f" With their defaults (as shipped), {good} of {len(shipped)} pairs converge."
@@ -69,8 +73,8 @@ def headline(gathered: ReportData) -> str:
 
 def counts(gathered: ReportData) -> list[Cell]:
     """How many pairs got each verdict, those with none and engines as shipped left out."""
-    found = Counter(v.verdict for v in gathered.verdicts if not v.as_shipped)
-    return [verdict_cell(word, str(found[word])) for word in VERDICTS if found[word]]
+    counted = Counter(v.verdict for v in gathered.verdicts if not v.as_shipped)
+    return [verdict_cell(word, str(counted[word])) for word in VERDICTS if counted[word]]
 
 
 def matrix(gathered: ReportData) -> Matrix:
@@ -100,9 +104,9 @@ def matrix_of(
 
 def group_of(scene: SceneRuns) -> str:
     """Which of `GROUPS` a scene is of, by its effects."""
-    if scene.found is None:
+    if scene.solved is None:
         return "Not solved"
-    effects = scene.found.scenario.called_for
+    effects = scene.solved.scenario.called_for
     if effects & {"drag", "torque_body", "torque_world"}:
         return "Driven or damped"
     if "pivot" in effects:
@@ -158,8 +162,8 @@ def _matrix_row(
     cells = []
     for pair in pairs:
         runs = tried.get(pair)
-        said = detail(scene, runs) if runs else ""
-        cells.append(_matrix_cell(runs, page, said))
+        title = detail(scene, runs) if runs else ""
+        cells.append(_matrix_cell(runs, page, title))
     return Cell(scene.name, "scene", scene.title, page), tuple(cells)
 
 

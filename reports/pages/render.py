@@ -149,16 +149,16 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
         "runs": scene_tables.runs_tables(scene),
         "printed": scene_tables.printed(scene),
     }
-    if scene.found is not None:
+    if scene.solved is not None:
         content |= {
-            "effects": scene_tables.effects_table(scene.found.scenario),
-            "truth": scene_tables.truth_table(scene.found),
-            "facts": scene_tables.facts_table(scene.found),
+            "effects": scene_tables.effects_table(scene.solved.scenario),
+            "truth": scene_tables.truth_table(scene.solved),
+            "facts": scene_tables.facts_table(scene.solved),
             "costs": scene_costs(scene),
             "drifts": scene_tables.drifts_table(scene),
             "observables": scene_tables.observables_table(scene),
-            "published": scene_tables.published_table(scene.found.scenario),
-            "models": _models(scene.found.scenario),
+            "published": scene_tables.published_table(scene.solved.scenario),
+            "models": _models(scene.solved.scenario),
             "defaults": default_tables(scene),
         }
     return content

@@ -58,7 +58,7 @@ class Answer:
 
 def scene_answer(scene: SceneRuns) -> Answer | None:
     """None where the scene could not be solved."""
-    if scene.found is None:
+    if scene.solved is None:
         return None
     best = best_choice(scene)
     shipped = [runs for runs in scene.methods if runs.declared and runs.declared.as_shipped]
@@ -80,7 +80,7 @@ def scene_answer(scene: SceneRuns) -> Answer | None:
 
 def shown_at_first(scene: SceneRuns) -> set[str]:
     """Labels of the methods in figures of motions: the closest defaults and the best choice."""
-    best = best_choice(scene) if scene.found else None
+    best = best_choice(scene) if scene.solved else None
     closest = [runs.label for runs, _ in closest_defaults(scene)[:SHOWN_DEFAULTS]]
     return {*closest, *([best.runs.label] if best else [])}
 
@@ -102,27 +102,27 @@ def attitude_in_degrees(scene: SceneRuns, row: Row) -> str:
 
 def _sentence(scene: SceneRuns, best: BestChoice | None) -> str:
     defaults = closest_defaults(scene)
-    said = [_told(scene, runs.label, row) for runs, row in defaults[:SHOWN_DEFAULTS]]
+    sentences = [_run_in_words(scene, runs.label, row) for runs, row in defaults[:SHOWN_DEFAULTS]]
     if others := defaults[SHOWN_DEFAULTS:]:
         are = "is" if len(others) == 1 else "are"
-        said.append(f"{plural(len(others), 'other default')} {are} no closer.")
+        sentences.append(f"{plural(len(others), 'other default')} {are} no closer.")
     if best is None:
-        return " ".join([*said, "No method converges on this scene: nothing is recommended."])
+        return " ".join([*sentences, "No method converges on this scene: nothing is recommended."])
     angle = attitude_in_degrees(scene, best.row)
     label = f"{best.runs.label} at {duration(best.row.timestep)}"
     if best.within:
         within = angle.removeprefix("≤ ")
-        said.append(f"{_capital(label)} is within {within}°{_price(best, defaults)}.")
+        sentences.append(f"{_capital(label)} is within {within}°{_price(best, defaults)}.")
     else:
         bound = number(math.degrees(ATTITUDE_WITHIN), 1)
-        said.append(
+        sentences.append(
             f"No run comes within {bound}° of attitude and {OMEGA_WITHIN:g} of ω; the most "
             f"accurate is {label}, off by {angle}°."
         )
-    return " ".join(said)
+    return " ".join(sentences)
 
 
-def _told(scene: SceneRuns, label: str, row: Row) -> str:
+def _run_in_words(scene: SceneRuns, label: str, row: Row) -> str:
     run = f"{_capital(label)} at {duration(row.timestep)}"
     if row.errors is not None:
         return f"{run} is off by {attitude_in_degrees(scene, row)}° at worst."
@@ -147,7 +147,7 @@ def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
 def _facts(scene: SceneRuns, best: BestChoice) -> list[tuple[str, str]]:
     errors, limits = best.row.errors, scene.uncertainty(best.row)
     assert errors is not None, "only a run with errors is recommended"
-    found = [
+    facts = [
         ("engine", f"{best.runs.engine} {best.row.engine_version}"),
         ("integrator", best.runs.method),
         ("timestep", duration(best.row.timestep)),
@@ -155,8 +155,8 @@ def _facts(scene: SceneRuns, best: BestChoice) -> list[tuple[str, str]]:
         ("ω error", limited(errors.omega, limits.omega)),
     ]
     if best.cost is not None:
-        found.append(("cost", f"{number(best.cost)} CPU s a simulated s"))
-    return found
+        facts.append(("cost", f"{number(best.cost)} CPU s a simulated s"))
+    return facts
 
 
 def _line(

@@ -41,21 +41,21 @@ def effects_table(scenario: Scenario) -> Table:
     return table(("effect", "here"), rows)
 
 
-def truth_table(found: SceneResult) -> Table:
+def truth_table(solved: SceneResult) -> Table:
     """What the reference is good for, and how the motion grows a rounding error."""
-    growth = dict(found.solution.conditioning)
+    growth = dict(solved.solution.conditioning)
     rows = [
         (Cell(SIGNALS[name], "name"), figure(number(value)), figure(number(growth[name])))
-        for name, value in found.solution.uncertainty
+        for name, value in solved.solution.uncertainty
     ]
     return table(("signal", "uncertainty", "what one ulp in the start does"), rows)
 
 
-def facts_table(found: SceneResult) -> Table:
+def facts_table(solved: SceneResult) -> Table:
     """What a physicist asks of the scene."""
     rows = [
         (fact.name, figure(observed(fact.value)), fact.unit, fact.meaning)
-        for fact in facts(found.scenario)
+        for fact in facts(solved.scenario)
     ]
     return table(("fact", "value", "unit", "meaning"), rows)
 
@@ -92,15 +92,15 @@ def signals_table(scene: SceneRuns) -> Table:
         [
             Cell(runs.engine, "name"),
             Cell(runs.method, "name"),
-            SIGNAL_NAMES[found.signal],
-            verdict_cell(found.verdict),
-            figure(order(found.order)),
-            figure(str(found.declared_order)),
-            figure(number(found.limit_error)),
-            figure(number(found.tolerance)),
+            SIGNAL_NAMES[signal.signal],
+            verdict_cell(signal.verdict),
+            figure(order(signal.order)),
+            figure(str(signal.declared_order)),
+            figure(number(signal.limit_error)),
+            figure(number(signal.tolerance)),
         ]
         for runs in scene.methods
-        for found in (runs.verdict.signals if runs.verdict else ())
+        for signal in (runs.verdict.signals if runs.verdict else ())
     ]
     return table(headings, rows)
 
@@ -126,8 +126,8 @@ def published_table(scenario: Scenario) -> Table | None:
 
 def drifts_table(scene: SceneRuns) -> Table | None:
     """How far each method's finest run drifts from each conserved quantity; None without any."""
-    assert scene.found is not None, "conserved quantities are those of a scene"
-    laws = [invariant.law for invariant in invariants(scene.found.scenario)]
+    assert scene.solved is not None, "conserved quantities are those of a scene"
+    laws = [invariant.law for invariant in invariants(scene.solved.scenario)]
     shown = [(runs, runs.finest) for runs in scene.methods]
     rows = [
         (
@@ -145,9 +145,9 @@ def drifts_table(scene: SceneRuns) -> Table | None:
 
 def observables_table(scene: SceneRuns) -> Table | None:
     """Rates, bounds and periods read off each finest run, beside the exact ones."""
-    assert scene.found is not None, "what is exact is known of a solved scene"
-    scenario, truth = scene.found.scenario, scene.found.solution.trajectory
-    exact = observables(scenario, truth)
+    assert scene.solved is not None, "what is exact is known of a solved scene"
+    scenario, exact_motion = scene.solved.scenario, scene.solved.solution.trajectory
+    exact = observables(scenario, exact_motion)
     if not exact:
         return None
     names = [seen.name for seen in exact]
@@ -195,8 +195,8 @@ def runs_tables(scene: SceneRuns) -> list[MethodTable]:
 
 def printed(scene: SceneRuns) -> list[tuple[str, str]]:
     """What engines wrote to the terminal: each method's name and its words, once."""
-    said = [(runs.label, row.printed) for runs in scene.methods for row in runs.rows]
-    return list(dict.fromkeys((label, text) for label, text in said if text.strip()))
+    outputs = [(runs.label, row.printed) for runs in scene.methods for row in runs.rows]
+    return list(dict.fromkeys((label, text) for label, text in outputs if text.strip()))
 
 
 def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
@@ -204,11 +204,11 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
     if verdict is None:
         nothing = [figure(NOTHING)] * 3
         return [*_named(runs), Cell("no verdict", "absent"), *nothing, "stopped early"]
-    survives, turn = in_words(survival(runs.rows, scene.fastest_rate if scene.found else None))
+    survives, turn = in_words(survival(runs.rows, scene.fastest_rate if scene.solved else None))
     stable = Cell(survives, "number", f"{turn} rad a step" if turn != NOTHING else "")
     uncertainty = 0.0
-    if scene.found is not None:
-        uncertainty = dict(scene.found.solution.uncertainty).get(verdict.signal, 0.0)
+    if scene.solved is not None:
+        uncertainty = dict(scene.solved.solution.uncertainty).get(verdict.signal, 0.0)
     decided = ""
     if verdict.limit_error is not None:
         decided = f"{SIGNAL_NAMES[verdict.signal]}; tolerance {number(verdict.tolerance)}"
@@ -253,7 +253,7 @@ def _named(runs: MethodRuns) -> tuple[Cell, Cell]:
 def _observables_row(
     scenario: Scenario, runs: MethodRuns, motion: Trajectory, names: list[str]
 ) -> list[Cell | str]:
-    seen = {found.name: found.value for found in observables(scenario, motion)}
+    seen = {observable.name: observable.value for observable in observables(scenario, motion)}
     cells = [figure(observed(seen[name]) if name in seen else NOTHING) for name in names]
     return [*_named(runs), *cells]
 

@@ -40,12 +40,12 @@ def _cell(scene: SceneRuns, pair: tuple[str, str], stock: float) -> Cell:
 
 
 def _best(scene: SceneRuns) -> str:
-    found = best_choice(scene) if scene.found else None
-    if found is None:
+    best = best_choice(scene) if scene.solved else None
+    if best is None:
         return NOTHING
-    within = "" if found.within else ", the most accurate there is"
-    timestep = duration(found.row.timestep)
-    return f"{found.runs.label} {timestep}: {_attitude(scene, found.row)}{within}"
+    within = "" if best.within else ", the most accurate there is"
+    timestep = duration(best.row.timestep)
+    return f"{best.runs.label} {timestep}: {_attitude(scene, best.row)}{within}"
 
 
 def _attitude(scene: SceneRuns, row: Row) -> str:

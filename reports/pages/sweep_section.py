@@ -32,8 +32,8 @@ def sweep_section(results: Results) -> SweepSection:
     return SweepSection(
         maps,
         ensembles,
-        _overview("map", maps, _with_runs(found.points for found in results.maps)),
-        _overview("ensemble", ensembles, _with_runs(found.points for found in results.ensembles)),
+        _overview("map", maps, _with_runs(result.points for result in results.maps)),
+        _overview("ensemble", ensembles, _with_runs(result.points for result in results.ensembles)),
     )
 
 
@@ -51,18 +51,18 @@ def write_sweeps(
     OSError
         If the folder cannot be written.
     """
-    known = set(scenes)
+    solved_scenes = set(scenes)
     for kind, pages in (("map", section.maps), ("ensemble", section.ensembles)):
         for page in pages:
             for ending in ("html", "md"):
                 text = environment.get_template(f"{kind}.{ending}").render(
-                    root="../", page=page, has_scene=page.scene in known
+                    root="../", page=page, has_scene=page.scene in solved_scenes
                 )
                 written.write(f"{kind}s/{page.name}.{ending}", text)
 
 
-def _with_runs(found: Iterable[tuple[PointResult, ...]]) -> list[tuple[PointResult, ...]]:
-    return [points for points in found if any(point.key.engine for point in points)]
+def _with_runs(sweeps: Iterable[tuple[PointResult, ...]]) -> list[tuple[PointResult, ...]]:
+    return [points for points in sweeps if any(point.key.engine for point in points)]
 
 
 def _overview(

@@ -47,11 +47,11 @@ def write_version_page(
 
 def _changes(changes: Sequence[VersionChange]) -> Table:
     """Those in which anything changed: regressions first, what is round-off last."""
-    told = sorted((c for c in changes if c.words), key=lambda c: (not c.is_worse, c.is_round_off))
+    shown = sorted((c for c in changes if c.words), key=lambda c: (not c.is_worse, c.is_round_off))
     headings = ("scene", "method", "from", "to", "what changed", "")
     return table(
         headings,
-        [(c.scenario, c.method, c.older, c.newer, _what(c), _regression(c)) for c in told],
+        [(c.scenario, c.method, c.older, c.newer, _what(c), _regression(c)) for c in shown],
     )
 
 

@@ -47,8 +47,8 @@ def candidates(scene: SceneRuns, bounds: Bounds) -> list[Candidate]:
     Engines as shipped are none: what they do besides the scene, a bound on errors does not tell.
     """
     offered = [runs for runs in scene.methods if not (runs.declared and runs.declared.as_shipped)]
-    found = [_candidate(scene, runs, bounds) for runs in offered]
-    return sorted(found, key=lambda candidate: candidate.cost or math.inf)
+    offers = [_candidate(scene, runs, bounds) for runs in offered]
+    return sorted(offers, key=lambda candidate: candidate.cost or math.inf)
 
 
 def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:
@@ -65,20 +65,20 @@ def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: Bounds) -> Candidate:
     curves = {signal: curve_of(scene, runs, signal) for signal in bounds}
     reached = {signal: reach(curves[signal], bound) for signal, bound in bounds.items()}
     timesteps = {
-        signal: found.timestep if found.timestep is not None else 0.0
-        for signal, found in reached.items()
+        signal: reach_there.timestep if reach_there.timestep is not None else 0.0
+        for signal, reach_there in reached.items()
     }
     signal = min(timesteps, key=lambda name: timesteps[name])
-    curve, found = curves[signal], reached[signal]
+    curve, reach_there = curves[signal], reached[signal]
     key = Key(scene.name, runs.engine, runs.method)
     stable = curve.stable[0].timestep if curve.stable else None
-    candidate = Candidate(key, found.word, found.reason, signal, stable)
+    candidate = Candidate(key, reach_there.word, reach_there.reason, signal, stable)
     if not timesteps[signal] or curve.seconds_per_step is None:
         return candidate
     spread = next((row.seconds_spread for row in reversed(runs.rows) if row.seconds_spread), 0.0)
     return replace(
         candidate,
         timestep=timesteps[signal],
-        cost=found.cost,
+        cost=reach_there.cost,
         spread=spread / curve.seconds_per_step,
     )

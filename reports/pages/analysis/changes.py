@@ -65,17 +65,17 @@ class Change:
 def changes(old: Results, new: Results) -> list[Change]:
     """Everything that changed, the whole before its parts."""
     edited = {name for name in old.scenes.keys() & new.scenes.keys() if _edited(name, old, new)}
-    found = [*_environment(old.environment, new.environment), *_scenes(old, new, edited)]
-    found += _methods(old, new)
+    differences = [*_environment(old.environment, new.environment), *_scenes(old, new, edited)]
+    differences += _methods(old, new)
     before, after = _by_key(old), _by_key(new)
     same_machine = old.environment.get("processor") == new.environment.get("processor")
     for key in sorted(before.keys() & after.keys(), key=str):
-        found += _verdict(key, before[key].verdict, after[key].verdict)
-        found += _expectations(key, before[key].verdict, after[key].verdict)
+        differences += _verdict(key, before[key].verdict, after[key].verdict)
+        differences += _expectations(key, before[key].verdict, after[key].verdict)
         if key.scenario not in edited:
-            found += _runs(key, before[key], after[key])
-            found += _cost(key, before[key], after[key], same_machine)
-    return found
+            differences += _runs(key, before[key], after[key])
+            differences += _cost(key, before[key], after[key], same_machine)
+    return differences
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +180,7 @@ def _noise(scene: SceneResult, row: Row) -> dict[str, float]:
     """What an error is good for: the reference's uncertainty, and an ulp a step as it grows."""
     uncertainty, conditioning = dict(scene.solution.uncertainty), dict(scene.solution.conditioning)
     uncertainty["omega"] = max(uncertainty["omega"], row.uncertainty)
-    return {name: known + row.steps * conditioning[name] for name, known in uncertainty.items()}
+    return {name: bound + row.steps * conditioning[name] for name, bound in uncertainty.items()}
 
 
 def _grown(old: float, new: float, noise: float) -> Direction | None:

@@ -107,7 +107,11 @@ def above_round_off(curve: Curve) -> list[CurvePoint]:
 
 def cheapest(tried: Sequence[Curve], level: float) -> tuple[Curve, Reach] | None:
     """The method that reaches an error at the least cost, and how; None where none does."""
-    reached = [(curve, found) for curve in tried if (found := reach(curve, level)).cost is not None]
+    reached = [
+        (curve, reached_level)
+        for curve in tried
+        if (reached_level := reach(curve, level)).cost is not None
+    ]
     return min(reached, key=lambda pair: pair[1].cost or 0.0, default=None)
 
 

@@ -35,12 +35,12 @@ class Members:
 
     def errors(self, signal: Signal) -> FloatArray:
         """Of the members that finished, ascending; in ω none below what the reference can tell."""
-        found = []
+        errors = []
         for point in self.finished:
             assert point.errors is not None
             error = float(getattr(point.errors, signal))
-            found.append(max(error, point.uncertainty) if signal == "omega" else error)
-        return np.sort(np.array(found, dtype=float))
+            errors.append(max(error, point.uncertainty) if signal == "omega" else error)
+        return np.sort(np.array(errors, dtype=float))
 
     def quantiles(self, signal: Signal) -> tuple[float, ...] | None:
         """At `QUANTILES`; None where no member finished."""

@@ -41,12 +41,12 @@ def without_gyroscopic_torque(
     lacking: dict[Pair, dict[str, float]] = {}
     has_it: set[Pair] = set()
     for scene in gathered.scenes:
-        if scene.found is None or scene.found.scenario.called_for - {"gravity"}:
+        if scene.solved is None or scene.solved.scenario.called_for - {"gravity"}:
             continue
         for run in scene.compared:
             pair = (run.runs.engine, run.runs.method)
             shipped = run.runs.declared is not None and run.runs.declared.as_shipped
-            if not shipped or turned_in_space(run.truth) < TELLING:
+            if not shipped or turned_in_space(run.exact) < TELLING:
                 continue
             if _is_steady(run):
                 lacking.setdefault(pair, {})[scene.name] = float(run.series.omega.max())
@@ -54,8 +54,8 @@ def without_gyroscopic_torque(
                 has_it.add(pair)
     engines = {engine for engine, _ in {*lacking, *has_it}}
     first = {pair[0]: errors for pair, errors in lacking.items() if pair not in has_it}
-    found = tuple(_of_engine(engine, errors) for engine, errors in sorted(first.items()))
-    return found, len(engines)
+    findings = tuple(_of_engine(engine, errors) for engine, errors in sorted(first.items()))
+    return findings, len(engines)
 
 
 def turned_in_space(motion: Trajectory) -> float:
@@ -67,7 +67,7 @@ def turned_in_space(motion: Trajectory) -> float:
 
 
 def _is_steady(run: Compared) -> bool:
-    return turned_in_space(run.motion) < STEADY * turned_in_space(run.truth)
+    return turned_in_space(run.motion) < STEADY * turned_in_space(run.exact)
 
 
 def _of_engine(engine: str, errors: dict[str, float]) -> NoGyroscopicTorque:

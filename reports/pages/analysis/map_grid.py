@@ -51,14 +51,14 @@ class Grid:
     stock_timesteps : of their engines that have one, s
     """
 
-    found: MapResult
+    result: MapResult
     methods: dict[Pair, Method | None]
     stock_timesteps: dict[str, float] = field(default_factory=dict)
 
     @property
     def axes(self) -> tuple[Axis, Axis]:
         """Across, and up."""
-        return self.found.map.axes
+        return self.result.map.axes
 
     @cached_property
     def shape(self) -> tuple[int, int]:
@@ -71,7 +71,7 @@ class Grid:
         """By method and grid point; what is invalid for all methods is there for each."""
         across, up = ({value: k for k, value in enumerate(axis.values)} for axis in self.axes)
         sorted_points: dict[Pair, dict[Node, PointResult]] = {pair: {} for pair in self.methods}
-        for point in self.found.points:
+        for point in self.result.points:
             node = up[point.at[1]], across[point.at[0]]
             pair = point.key.engine, point.key.method
             for each in [pair] if point.key.engine else self.methods:
@@ -82,22 +82,22 @@ class Grid:
     def numbers(self) -> dict[Node, StabilityNumbers]:
         """Rates and limits that theory gives for the scene, at each grid point that has one."""
         across, up = self.axes
-        known: dict[tuple[float | None, float | None], StabilityNumbers | None] = {}
-        found = {}
+        by_scene: dict[tuple[float | None, float | None], StabilityNumbers | None] = {}
+        by_node = {}
         for row, second in enumerate(up.values):
             for column, first in enumerate(across.values):
                 at = {across.path: first, up.path: second}
                 of_scene = {path: value for path, value in at.items() if path != TIMESTEP}
                 same = (of_scene.get(across.path), of_scene.get(up.path))
-                if same not in known:
-                    known[same] = self._numbers(of_scene)
-                if (numbers := known[same]) is not None:
-                    found[row, column] = numbers
-        return found
+                if same not in by_scene:
+                    by_scene[same] = self._numbers(of_scene)
+                if (numbers := by_scene[same]) is not None:
+                    by_node[row, column] = numbers
+        return by_node
 
     def _numbers(self, of_scene: dict[str, float]) -> StabilityNumbers | None:
         try:
-            return stability_numbers(varied(self.found.scenario, of_scene))
+            return stability_numbers(varied(self.result.scenario, of_scene))
         except ScenarioError:
             return None
 
@@ -109,8 +109,8 @@ class Grid:
         for values, axis in ((np.array(up.values)[:, None], up), (np.array(across.values), across)):
             if axis.path == TIMESTEP:
                 return np.broadcast_to(values, (rows, columns)).copy()
-        if self.found.map.timestep is not None:
-            return np.full((rows, columns), self.found.map.timestep)
+        if self.result.map.timestep is not None:
+            return np.full((rows, columns), self.result.map.timestep)
         chosen = np.full((rows, columns), math.nan)
         for of_method in self.points.values():
             for node, point in of_method.items():

@@ -58,10 +58,10 @@ def is_coloured(point: PointResult) -> bool:
 def marks(points: Iterable[PointResult]) -> dict[tuple[PointOutcome, str], Mark]:
     """A mark for every outcome and cause among the points that have no colour."""
     kinds = {(point.outcome, point.cause) for point in points if not is_coloured(point)}
-    found = {}
+    marks_by_end = {}
     for outcome, signs in SIGNS.items():
         causes = sorted(cause for of, cause in kinds if of == outcome)
         for k, cause in enumerate(causes):
             sign = signs[min(k, len(signs) - 1)]
-            found[outcome, cause] = Mark(outcome, cause, sign, COLOURS[outcome])
-    return found
+            marks_by_end[outcome, cause] = Mark(outcome, cause, sign, COLOURS[outcome])
+    return marks_by_end

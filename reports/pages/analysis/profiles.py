@@ -78,7 +78,7 @@ def profile(scenes: Sequence[SceneCurves], signal: Signal, level: float) -> Prof
             cost = reach(curve, level).cost
             if cost is not None:
                 ratios[_pair(curve)].append(cost / best[1].cost)
-    ordered = {pair: tuple(sorted(found)) for pair, found in ratios.items()}
+    ordered = {pair: tuple(sorted(of_pair)) for pair, of_pair in ratios.items()}
     return Profile(signal, level, len(scenes), ordered)
 
 
@@ -87,8 +87,8 @@ def tally(scenes: Sequence[SceneCurves], pair: Pair, level: float) -> Tally:
     reached: list[Reach] = []
     for curves in scenes:
         reached += [reach(curve, level) for curve in curves if _pair(curve) == pair]
-    extrapolated = sum(found.word == "extrapolated" for found in reached)
-    costs = [found.cost or math.inf for found in reached if found.word != "unsupported"]
+    extrapolated = sum(one.word == "extrapolated" for one in reached)
+    costs = [one.cost or math.inf for one in reached if one.word != "unsupported"]
     within = sum(cost < math.inf for cost in costs)
     # Of two middle ones the greater: no mean with infinity.
     return Tally(within, extrapolated, median_high(costs) if costs else None)
@@ -96,8 +96,12 @@ def tally(scenes: Sequence[SceneCurves], pair: Pair, level: float) -> Tally:
 
 def order_ratios(scenes: Sequence[SceneCurves], level: float) -> OrderRatio:
     """The ratio of the cheapest of the two orders, scene by scene."""
-    found = [ratio for curves in scenes if (ratio := order_ratio(curves, level)) is not None]
-    return OrderRatio(len(found), median(found) if found else None, max(found, default=None))
+    ratios = [ratio for curves in scenes if (ratio := order_ratio(curves, level)) is not None]
+    return OrderRatio(
+        len(ratios),
+        median(ratios) if ratios else None,
+        max(ratios, default=None),
+    )
 
 
 def _pair(curve: Curve) -> Pair:

@@ -12,7 +12,7 @@ from ....scenarios.fastest_rate import fastest_rate
 from ...results.default_records import DefaultEffects
 from ...results.records import Pair, Row, Verdict
 from ...results.store import Results, SceneResult
-from .trace_style import TraceStyle, looks
+from .trace_style import TraceStyle, trace_styles
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class MethodRuns:
     rows: tuple[Row, ...]
     verdict: Verdict | None
     declared: Method | None
-    look: TraceStyle
+    style: TraceStyle
 
     @property
     def label(self) -> str:
@@ -72,29 +72,29 @@ class SceneRuns:
     """
 
     name: str
-    found: SceneResult | None
+    solved: SceneResult | None
     methods: tuple[MethodRuns, ...]
     defaults: tuple[DefaultEffects, ...] = ()
 
     @property
     def title(self) -> str:
         """The scene's own title, or its name where there is no scene."""
-        return self.found.scenario.title if self.found else self.name
+        return self.solved.scenario.title if self.solved else self.name
 
     @cached_property
     def fastest_rate(self) -> float:
         """The scene's fastest rate, rad/s."""
-        assert self.found is not None, "the fastest rate is that of the exact motion"
-        return fastest_rate(self.found.scenario, self.found.solution.trajectory.omega_body)
+        assert self.solved is not None, "the fastest rate is that of the exact motion"
+        return fastest_rate(self.solved.scenario, self.solved.solution.trajectory.omega_body)
 
     @cached_property
     def compared(self) -> tuple["Compared", ...]:
         """The runs to draw, each with the exact motion at its own sample times."""
-        if self.found is None:
+        if self.solved is None:
             return ()
-        truths = _Truths(self.found)
+        exact_motions = _ExactMotions(self.solved)
         return tuple(
-            _compared(self.found.scenario, runs, row, row.motion, truths.at(row.motion))
+            _compared(self.solved.scenario, runs, row, row.motion, exact_motions.at(row.motion))
             for runs in self.methods
             for row in runs.drawn
             if row.motion is not None
@@ -102,9 +102,9 @@ class SceneRuns:
 
     def uncertainty(self, row: Row) -> Errors:
         """What the reference of a run is good for; that of ω is recorded with the run."""
-        assert self.found is not None, "a run with errors has a reference"
-        known = self.found.solution.uncertainty
-        return replace(known, omega=max(known.omega, row.uncertainty))
+        assert self.solved is not None, "a run with errors has a reference"
+        of_reference = self.solved.solution.uncertainty
+        return replace(of_reference, omega=max(of_reference.omega, row.uncertainty))
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +114,7 @@ class Compared:
     runs: MethodRuns
     row: Row
     motion: Trajectory
-    truth: Trajectory
+    exact: Trajectory
     series: ErrorSeries
 
 
@@ -134,7 +134,7 @@ class ReportData:
     @property
     def plain(self) -> "ReportData":
         """Without the hard scenes, which are there to be survived; with them where no other is."""
-        plain = tuple(s for s in self.scenes if not (s.found and s.found.scenario.hard))
+        plain = tuple(s for s in self.scenes if not (s.solved and s.solved.scenario.hard))
         return replace(self, scenes=plain or self.scenes)
 
 
@@ -150,15 +150,15 @@ def report_data(results: Results) -> ReportData:
         )
     )
     names = sorted({key.scenario for key in keys} | set(results.scenes))
-    drawn = looks(pairs)
+    drawn = trace_styles(pairs)
     verdicts = {verdict.key: verdict for verdict in results.verdicts}
     tried: dict[tuple[str, Pair], list[Row]] = {}
     for row in sorted(results.rows, key=lambda row: -row.timestep):
         tried.setdefault((row.key.scenario, (row.key.engine, row.key.method)), []).append(row)
-    known = {(v.key.scenario, (v.key.engine, v.key.method)): v for v in verdicts.values()}
+    verdict_of = {(v.key.scenario, (v.key.engine, v.key.method)): v for v in verdicts.values()}
 
     def method_runs(name: str, pair: Pair) -> MethodRuns:
-        rows, verdict = tuple(tried.get((name, pair), ())), known.get((name, pair))
+        rows, verdict = tuple(tried.get((name, pair), ())), verdict_of.get((name, pair))
         return MethodRuns(*pair, rows, verdict, results.methods.get(pair), drawn[pair])
 
     scenes = tuple(
@@ -168,7 +168,7 @@ def report_data(results: Results) -> ReportData:
             tuple(
                 method_runs(name, pair)
                 for pair in pairs
-                if (name, pair) in tried or (name, pair) in known
+                if (name, pair) in tried or (name, pair) in verdict_of
             ),
             tuple(one for one in results.defaults if one.key.scenario == name),
         )
@@ -178,12 +178,12 @@ def report_data(results: Results) -> ReportData:
 
 
 def _compared(
-    scenario: Scenario, runs: MethodRuns, row: Row, motion: Trajectory, truth: Trajectory
+    scenario: Scenario, runs: MethodRuns, row: Row, motion: Trajectory, exact: Trajectory
 ) -> Compared:
-    return Compared(runs, row, motion, truth, error_series(scenario, motion, truth))
+    return Compared(runs, row, motion, exact, error_series(scenario, motion, exact))
 
 
-class _Truths:
+class _ExactMotions:
     """The exact motion at runs' samples: as stored if they are the ladder's, else solved again."""
 
     def __init__(self, scene: SceneResult) -> None:

@@ -54,11 +54,11 @@ def survival(rows: Iterable[Row], fastest_rate: float | None) -> Survival | None
     return Survival(largest, largest * fastest_rate, at_least=len(survived) == len(tried))
 
 
-def in_words(found: Survival | None) -> tuple[str, str]:
+def in_words(survived: Survival | None) -> tuple[str, str]:
     """The timestep, s, and the turn, rad a step, for two columns of a table."""
-    if found is None:
+    if survived is None:
         return NOTHING, NOTHING
-    if found.timestep is None:
+    if survived.timestep is None:
         return "none tried", NOTHING
-    bound = "≥ " if found.at_least else ""
-    return f"{bound}{number(found.timestep)}", f"{bound}{number(found.turn)}"
+    bound = "≥ " if survived.at_least else ""
+    return f"{bound}{number(survived.timestep)}", f"{bound}{number(survived.turn)}"

@@ -35,14 +35,14 @@ class BestChoice:
 
 def stock_timesteps(gathered: ReportData) -> dict[str, float]:
     """The timestep of each engine, s, that its users get unasked; 1 ms where it has none."""
-    found: dict[str, set[float]] = {}
+    by_engine: dict[str, set[float]] = {}
     for scene in gathered.scenes:
         for runs in scene.methods:
             steps = {row.timestep for row in runs.rows if row.stock}
-            found.setdefault(runs.engine, set()).update(steps)
+            by_engine.setdefault(runs.engine, set()).update(steps)
     return {
         engine: next(iter(steps - {COMMON_TIMESTEP}), COMMON_TIMESTEP)
-        for engine, steps in found.items()
+        for engine, steps in by_engine.items()
     }
 
 

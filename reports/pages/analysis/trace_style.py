@@ -41,8 +41,8 @@ class TraceStyle:
     symbol: str
 
 
-def looks(pairs: Iterable[tuple[str, str]]) -> dict[tuple[str, str], TraceStyle]:
-    """A look for every (engine, method); one method's name has one colour in every engine.
+def trace_styles(pairs: Iterable[tuple[str, str]]) -> dict[tuple[str, str], TraceStyle]:
+    """A style for every (engine, method); one method's name has one colour in every engine.
 
     Dash and marker together are of one pair alone, up to as many as there are of both.
     """

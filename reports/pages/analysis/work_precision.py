@@ -75,13 +75,13 @@ class Curve:
 
 def curves(scene: SceneRuns, signal: Signal) -> list[Curve]:
     """Every method's curve on a scene; none where the scene could not be solved."""
-    return [curve_of(scene, runs, signal) for runs in scene.methods] if scene.found else []
+    return [curve_of(scene, runs, signal) for runs in scene.methods] if scene.solved else []
 
 
 def curve_of(scene: SceneRuns, runs: MethodRuns, signal: Signal) -> Curve:
     """One method's curve on a scene that was solved."""
-    assert scene.found is not None, "errors are against a reference"
-    solution = scene.found.solution
+    assert scene.solved is not None, "errors are against a reference"
+    solution = scene.solved.solution
     finished = [row for row in runs.rows if row.outcome == "ok" and row.errors]
     unfinished = [row.timestep for row in runs.rows if row.made and row.outcome != "ok"]
     points = tuple(_point(scene, row, signal) for row in finished)

@@ -24,8 +24,8 @@ STEADY, STEADY_ROOM = 1e-6, 0.5
 
 def axis_path(scene: SceneRuns) -> list[Figure]:
     """On the sphere, from above, and unrolled into azimuth and tilt."""
-    assert scene.found is not None, "what is exact is known of a solved scene"
-    scenario, motion = scene.found.scenario, dense_motion(scene)
+    assert scene.solved is not None, "what is exact is known of a solved scene"
+    scenario, motion = scene.solved.scenario, dense_motion(scene)
     R_upright_world = _upright(scenario)
     # Where the axis points, (n, 3): two level components and up.
     exact = np.asarray(motion.to_world(axis_body(scenario)) @ R_upright_world.T)

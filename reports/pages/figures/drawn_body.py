@@ -39,15 +39,15 @@ class DrawnBody:
     up_means: str
 
 
-def drawn_body(found: SceneResult) -> DrawnBody:
+def drawn_body(solved: SceneResult) -> DrawnBody:
     """Choose what is drawn of a scene's body."""
-    scenario = found.scenario
+    scenario = solved.scenario
     exact_moments, exact_axes = principal_axes(scenario.body.inertia_com_exact)
     moments = np.array(exact_moments, dtype=float)
     R_body_axes = np.array(exact_axes, dtype=float)
     first, second, third = np.sort(moments)
     symmetric = first == second or second == third
-    up_world, up_means = _up(found)
+    up_world, up_means = _up(solved)
     return DrawnBody(
         "ellipsoid" if symmetric else "box",
         _half_sides(scenario.body.mass, moments, ELLIPSOID if symmetric else BOX),
@@ -77,13 +77,13 @@ def axis_body(scenario: Scenario) -> FloatArray:
     return np.asarray(np.array(R_body_axes, dtype=float) @ axis)
 
 
-def _up(found: SceneResult) -> tuple[FloatArray, str]:
+def _up(solved: SceneResult) -> tuple[FloatArray, str]:
     """Against gravity where it turns the body, along the initial L elsewhere; z at rest."""
-    scenario = found.scenario
+    scenario = solved.scenario
     gravity = float(np.linalg.norm(scenario.gravity_world))
     if scenario.has_pivot and gravity:
         return -scenario.gravity_world / gravity, "the upward vertical"
-    L_world = angular_momentum_world(scenario, found.solution.trajectory.until(1))[0]
+    L_world = angular_momentum_world(scenario, solved.solution.trajectory.until(1))[0]
     size = float(np.linalg.norm(L_world))
     if size:
         return np.asarray(L_world / size), "the initial angular momentum"

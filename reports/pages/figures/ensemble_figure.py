@@ -17,7 +17,7 @@ BESIDE, MARGIN = 2.0, 3.0
 LARGEST = 1e2
 
 
-def distribution(members: Sequence[Members], looks: dict[Pair, TraceStyle]) -> Figure:
+def distribution(members: Sequence[Members], trace_styles: dict[Pair, TraceStyle]) -> Figure:
     """Percentage of all members whose error of ω is at most so much.
 
     A curve ends at the percentage that finished; at least one member did.
@@ -32,12 +32,12 @@ def distribution(members: Sequence[Members], looks: dict[Pair, TraceStyle]) -> F
         exact = len(of_method.finished) - len(errors)
         risen = 100 * (exact + np.arange(len(errors) + 1)) / len(of_method.points)
         label = " ".join(of_method.pair)
-        told = f"{escape(label)}<br>%{{y:.3g}} % within %{{x:.2e}}<extra></extra>"
+        hover = f"{escape(label)}<br>%{{y:.3g}} % within %{{x:.2e}}<extra></extra>"
         x = np.concatenate([errors[:1], errors])
         # By steps: the error of a member is where the curve rises.
-        look = method_style(label, looks[of_method.pair])
-        look |= {"hovertemplate": told, "line": look["line"] | {"shape": "hv"}}
-        traces.append(line(x, risen, 1, **look))
+        style = method_style(label, trace_styles[of_method.pair])
+        style |= {"hovertemplate": hover, "line": style["line"] | {"shape": "hv"}}
+        traces.append(line(x, risen, 1, **style))
         outermost += [float(errors[0]), float(errors[-1])]
     x_range = min(outermost) / BESIDE, min(max(outermost), LARGEST) * BESIDE
     panel = Panel(

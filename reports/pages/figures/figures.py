@@ -40,7 +40,7 @@ class Titled:
 
 def figures(scene: SceneRuns) -> dict[Literal["signals", "ladder", "geometry"], list[Titled]]:
     """Every figure that the scene has data for, by the section of the page it stands in."""
-    if scene.found is None:
+    if scene.solved is None:
         return {"signals": [], "ladder": [], "geometry": []}
     return {
         "signals": list(_signals(scene)),
@@ -50,8 +50,8 @@ def figures(scene: SceneRuns) -> dict[Literal["signals", "ladder", "geometry"], 
 
 
 def _signals(scene: SceneRuns) -> Iterator[Titled]:
-    assert scene.found is not None, "figures are of solved scenes"
-    up = drawn_body(scene.found).up_means
+    assert scene.solved is not None, "figures are of solved scenes"
+    up = drawn_body(scene.solved).up_means
     yield Titled(
         "tilt",
         "θ(t), and where it goes wrong",
@@ -92,8 +92,8 @@ def _ladder(scene: SceneRuns) -> Iterator[Titled]:
 
 
 def _geometry(scene: SceneRuns) -> Iterator[Titled]:
-    assert scene.found is not None, "figures are of solved scenes"
-    if scene.found.scenario.has_pivot:
+    assert scene.solved is not None, "figures are of solved scenes"
+    if scene.solved.scenario.has_pivot:
         yield _titled(
             "axis",
             "Path of the axis",
@@ -113,7 +113,7 @@ def _geometry(scene: SceneRuns) -> Iterator[Titled]:
             "wrong energy or angular momentum. A dot marks the start.",
             traced,
         )
-    well = potential(scene.found.scenario)
+    well = potential(scene.solved.scenario)
     if well is not None:
         yield Titled(
             "potential",

@@ -53,7 +53,7 @@ class Filmed:
     motion: Trajectory
 
 
-def write_film(found: SceneResult, runs: Sequence[Filmed], path: Path) -> None:
+def write_film(solved: SceneResult, runs: Sequence[Filmed], path: Path) -> None:
     """Film the exact motion, and runs beside it, from the start on, slowly enough to be followed.
 
     Raises
@@ -70,17 +70,17 @@ def write_film(found: SceneResult, runs: Sequence[Filmed], path: Path) -> None:
     writer = WRITERS[path.suffix]
     if not writer.isAvailable():
         raise NoWriterError(f"{path.suffix} takes ffmpeg, which is not installed; .gif does not")
-    times = frame_times(found)
+    times = frame_times(solved)
     dense = np.linspace(0.0, times[-1], PATH_POINTS * (len(times) - 1) + 1)
-    exact = Filmed("exact", ExactMotion(found.scenario).outline(dense))
+    exact = Filmed("exact", ExactMotion(solved.scenario).outline(dense))
     shown = [exact, *runs]
-    body = drawn_body(found)
+    body = drawn_body(solved)
     with mpl.rc_context({"font.size": 9}):
         canvas = Canvas(figsize=(SIZE * len(shown), SIZE + TITLE))
         high = SIZE / (SIZE + TITLE)
         places = [(k / len(shown), 0.0, 1 / len(shown), high) for k in range(len(shown))]
         panes = [
-            _Pane(canvas.add_axes(place, projection="3d"), one, body, found.scenario)
+            _Pane(canvas.add_axes(place, projection="3d"), one, body, solved.scenario)
             for place, one in zip(places, shown, strict=True)
         ]
         film = writer(fps=FRAMES_A_SECOND)
@@ -88,13 +88,13 @@ def write_film(found: SceneResult, runs: Sequence[Filmed], path: Path) -> None:
             for time in times:
                 for pane in panes:
                     pane.draw(float(time))
-                canvas.suptitle(f"{found.scenario.title}\n{time:.3f} s", fontsize=9)
+                canvas.suptitle(f"{solved.scenario.title}\n{time:.3f} s", fontsize=9)
                 film.grab_frame()
 
 
-def frame_times(found: SceneResult) -> FloatArray:
+def frame_times(solved: SceneResult) -> FloatArray:
     """Times of the frames, s, from the start on."""
-    motion = found.solution.trajectory
+    motion = solved.solution.trajectory
     fastest = float(np.linalg.norm(motion.omega_body, axis=1).max())
     end = float(motion.t[-1])
     shown = min(end, MOST_FRAMES * TURN_A_FRAME / fastest) if fastest else end

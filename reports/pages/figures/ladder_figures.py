@@ -68,12 +68,12 @@ def _with(figure: Figure, below: list[Trace], above: list[Trace]) -> Figure:
 
 def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Iterator[tuple[Signal, Figure]]:
     """A figure for each of the two signals."""
-    assert scene.found is not None, "errors are drawn where there is a reference"
+    assert scene.solved is not None, "errors are drawn where there is a reference"
     x_range = _x_range(scene, abscissa)
     ended = list(_ended(scene, abscissa))
     signals: tuple[Signal, ...] = ("omega", "attitude")
     for signal in signals:
-        floor = float(getattr(scene.found.solution.uncertainty, signal))
+        floor = float(getattr(scene.solved.solution.uncertainty, signal))
         traces = [
             trace for runs in scene.methods for trace in _curves(runs, scene, signal, abscissa)
         ]
@@ -115,23 +115,23 @@ def _ended(scene: SceneRuns, abscissa: Abscissa) -> Iterator[Trace]:
     for k, runs in enumerate(scene.methods):
         height = 1 - (k + 0.5) / len(scene.methods)
         for outcome, symbol in ENDED.items():
-            found = [
+            ended_runs = [
                 (x, row)
                 for row in runs.rows
                 if row.outcome == outcome and row.timestep and (x := abscissa(row)) is not None
             ]
-            if found:
+            if ended_runs:
                 yield line(
-                    np.array([x for x, _ in found]),
-                    np.full(len(found), height),
+                    np.array([x for x, _ in ended_runs]),
+                    np.full(len(ended_runs), height),
                     2,
-                    **method_style(runs.label, runs.look)
+                    **method_style(runs.label, runs.style)
                     | {
-                        "text": [_hover(runs, row) for _, row in found],
+                        "text": [_hover(runs, row) for _, row in ended_runs],
                         "hovertemplate": "%{text}<extra></extra>",
                         "mode": "markers",
                         "marker": {
-                            "color": runs.look.colour,
+                            "color": runs.style.colour,
                             "symbol": symbol,
                             "size": MARK_SIZE,
                         },
@@ -156,18 +156,18 @@ def _curves(runs: MethodRuns, scene: SceneRuns, signal: str, abscissa: Abscissa)
     """The runs that ended well joined by a line, those at stock timesteps with a ring."""
     rows = [row for row in _finished(runs) if abscissa(row) is not None]
     stock = [row for row in rows if row.stock]
-    look = method_style(runs.label, runs.look)
-    marker = {"color": runs.look.colour, "symbol": runs.look.symbol, "size": 6}
+    line_style = method_style(runs.label, runs.style)
+    marker = {"color": runs.style.colour, "symbol": runs.style.symbol, "size": 6}
     if rows:
         hover = {
             "text": [_hover(runs, row) for row in rows],
             "hovertemplate": "%{text}<br>off by %{y:.2e}<extra></extra>",
         }
-        style = look | hover | {"mode": "lines+markers", "marker": marker}
+        style = line_style | hover | {"mode": "lines+markers", "marker": marker}
         yield line(_places(rows, abscissa), _claimed(scene, rows, signal), 1, **style)
     if stock:
-        ring = {"color": runs.look.colour, "symbol": "circle-open", "size": RING_SIZE}
-        style = look | {"mode": "markers", "marker": ring, "hoverinfo": "skip"}
+        ring = {"color": runs.style.colour, "symbol": "circle-open", "size": RING_SIZE}
+        style = line_style | {"mode": "markers", "marker": ring, "hoverinfo": "skip"}
         yield line(_places(stock, abscissa), _claimed(scene, stock, signal), 1, **style)
 
 
@@ -237,8 +237,8 @@ def _readable(scene: SceneRuns, row: Row, signal: str) -> bool:
 
 
 def _guide(anchor: tuple[float, float], order: int, scene: SceneRuns, signal: str) -> Trace:
-    assert scene.found is not None, "a guide runs beside a curve of errors"
-    floor = float(getattr(scene.found.solution.uncertainty, signal))
+    assert scene.solved is not None, "a guide runs beside a curve of errors"
+    floor = float(getattr(scene.solved.solution.uncertainty, signal))
     taken = [row.timestep for runs in scene.methods for row in runs.rows if row.errors]
     timestep, error = anchor
     timesteps = timestep * np.geomspace(GUIDE_SPAN, 1 / GUIDE_SPAN, num=GUIDE_POINTS)

@@ -26,19 +26,19 @@ def panels(grid: Grid, entries: int) -> dict[str, Any]:
     """Layout of a panel for each method, over a legend of so many entries."""
     count = len(grid.methods)
     columns, below = columns_of(count), below_panels(entries)
-    said = list(titles(grid, count, columns))
+    panel_titles = list(titles(grid, count, columns))
     made = layout(
         [
             [
                 Panel(x_title, y_title, escape(" ".join(pair)), domain=area)
                 for pair, area, (x_title, y_title) in zip(
-                    grid.methods, domains(count, columns), said, strict=True
+                    grid.methods, domains(count, columns), panel_titles, strict=True
                 )
             ]
         ],
         height_of(count, columns, below),
     )
-    for k, outer in enumerate(said, start=1):
+    for k, outer in enumerate(panel_titles, start=1):
         for letter, axis, title in zip("xy", grid.axes, outer, strict=True):
             made[f"{letter}axis{axis_suffix(k)}"] |= shared(letter, axis, bool(title))
     made["margin"] = {"l": LEFT, "r": RIGHT, "t": ABOVE, "b": below}

@@ -113,10 +113,10 @@ def bounds_of(method: Method | None, stock_timestep: float | None = None) -> tup
 
 def stock(timestep: float) -> Bound:
     """Where an engine is used by those who choose no timestep, s."""
-    told = duration(timestep)
+    timestep_text = duration(timestep)
     return Bound(
-        f"stock {told}",
-        f"dt = {told}: the engine's default timestep",
+        f"stock {timestep_text}",
+        f"dt = {timestep_text}: the engine's default timestep",
         "as its adapter declares",
         lambda _, dt: _log(dt / timestep),
         "longdashdot",
@@ -126,10 +126,10 @@ def stock(timestep: float) -> Bound:
 def clamp(most: float) -> Bound:
     """Where an engine cuts a turn short: `most` rad a step."""
     parts = [k for k in _PI_OVER if math.isclose(math.pi / k, most)]
-    told = f"π/{parts[0]}" if parts else f"{most:.3g} rad"
+    angle_text = f"π/{parts[0]}" if parts else f"{most:.3g} rad"
     return Bound(
-        told,
-        f"‖ω‖ dt = {told}: beyond it the engine cuts the turn of a step short",
+        angle_text,
+        f"‖ω‖ dt = {angle_text}: beyond it the engine cuts the turn of a step short",
         "as its adapter declares",
         lambda n, dt: _log(n.turning * dt / most),
         "solid",

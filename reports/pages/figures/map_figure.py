@@ -35,7 +35,7 @@ LINE_WIDTH, CASING_WIDTH, LABEL_SIZE = 1.6, 4.0, 10
 
 def map_figure(grid: Grid) -> Figure:
     """All methods of a map."""
-    signs = marks(grid.found.points)
+    signs = marks(grid.result.points)
     legend = _legend(grid, signs)
     traces = [*legend]
     labels = []
@@ -54,8 +54,8 @@ def map_figure(grid: Grid) -> Figure:
 
 def _least(grid: Grid) -> float:
     """The power of ten below all errors and above what no reference can tell."""
-    found = [_claimed(point) for point in grid.found.points if is_coloured(point)]
-    positive = [error for error in found if 0 < error < math.inf]
+    errors = [_claimed(point) for point in grid.result.points if is_coloured(point)]
+    positive = [error for error in errors if 0 < error < math.inf]
     return float(math.floor(math.log10(min(positive, default=1e-1))))
 
 
@@ -94,7 +94,7 @@ def _errors(grid: Grid, pair: Pair, k: int) -> Iterator[Trace]:
     for (row, column), point in shown.items():
         error = _claimed(point)
         values[row, column] = math.log10(error) if 0 < error < math.inf else math.nan
-        texts[row][column] = _told(grid, point)
+        texts[row][column] = _hover_text(grid, point)
     across, up = grid.axes
     yield {
         "type": "heatmap",
@@ -127,7 +127,7 @@ def _signs(grid: Grid, pair: Pair, k: int, signs: dict[Any, Mark], cell: float) 
             "x": packed(np.array([place_of(across, point.at[0]) for point in points])),
             "y": packed(np.array([place_of(up, point.at[1]) for point in points])),
             "marker": _marker(mark, SMALLEST_SIGN if mark is HORIZON else size),
-            "text": [_told(grid, point) for point in points],
+            "text": [_hover_text(grid, point) for point in points],
             "hovertemplate": _hover(pair),
             "xaxis": f"x{axis_suffix(k)}",
             "yaxis": f"y{axis_suffix(k)}",
@@ -144,7 +144,7 @@ def _marker(mark: Mark, size: float) -> dict[str, Any]:
     }
 
 
-def _told(grid: Grid, point: PointResult) -> str:
+def _hover_text(grid: Grid, point: PointResult) -> str:
     """What a pointer on a place shows, under the method's name."""
     if math.prod(grid.shape) > MOST_TOLD:
         return f"ω error {_claimed(point):.0e}" if is_coloured(point) else escape(_ended(point))
@@ -172,12 +172,12 @@ def _ended(point: PointResult) -> str:
 def drawn_bounds(grid: Grid, pair: Pair) -> list[tuple[Bound, list[FloatArray]]]:
     """The bounds that pass through a method's panel, as curves in the places of the axes."""
     across, up = (places(axis) for axis in grid.axes)
-    found = []
+    bounds = []
     for bound in bounds_of(grid.methods[pair], grid.stock_timesteps.get(pair[0])):
         curves = zero_lines(across, up, grid.evaluated(bound.value))
         if curves:
-            found.append((bound, curves))
-    return found
+            bounds.append((bound, curves))
+    return bounds
 
 
 def _bounds(grid: Grid, pair: Pair, k: int) -> tuple[list[Trace], list[dict[str, Any]]]:
@@ -231,7 +231,7 @@ def _legend(grid: Grid, signs: dict[Any, Mark]) -> list[Trace]:
         "hoverinfo": "skip",
         "showlegend": True,
     }
-    shown = [*signs.values(), *([HORIZON] if any(map(grid.is_cut, grid.found.points)) else [])]
+    shown = [*signs.values(), *([HORIZON] if any(map(grid.is_cut, grid.result.points)) else [])]
     dashes = {bound.label: bound.dash for bound in legend_of_bounds(grid)}
     return [
         nowhere
@@ -246,7 +246,7 @@ def _legend(grid: Grid, signs: dict[Any, Mark]) -> list[Trace]:
 
 def legend_of_bounds(grid: Grid) -> Sequence[Bound]:
     """Every line in any panel, once."""
-    known: dict[str, Bound] = {}
+    by_meaning: dict[str, Bound] = {}
     for pair in grid.methods:
-        known |= {bound.meaning: bound for bound, _ in drawn_bounds(grid, pair)}
-    return list(known.values())
+        by_meaning |= {bound.meaning: bound for bound, _ in drawn_bounds(grid, pair)}
+    return list(by_meaning.values())

@@ -122,16 +122,16 @@ def _panel(axes: Axes, layout: dict[str, Any], suffix: str, traces: list[Trace])
 
 
 def _style(trace: Trace) -> dict[str, Any]:
-    look, marker = trace.get("line", {}), trace.get("marker", {})
-    colour = look.get("color") or marker.get("color")
+    line_format, marker = trace.get("line", {}), trace.get("marker", {})
+    colour = line_format.get("color") or marker.get("color")
     colour = colour if str(colour).startswith("#") else COLOURS.get(str(colour), "#808080")
     mode, symbol = trace.get("mode", "lines"), str(marker.get("symbol", "circle"))
     style: dict[str, Any] = {
         "color": colour,
-        "linestyle": DASHES[look.get("dash", "solid")] if "lines" in mode else "none",
-        "linewidth": POINTS * look.get("width", 1.0),
+        "linestyle": DASHES[line_format.get("dash", "solid")] if "lines" in mode else "none",
+        "linewidth": POINTS * line_format.get("width", 1.0),
     }
-    if look.get("shape") == "hv":
+    if line_format.get("shape") == "hv":
         style["drawstyle"] = "steps-post"
     if "markers" in mode:
         style |= {

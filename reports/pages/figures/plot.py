@@ -115,11 +115,11 @@ def exact_look() -> dict[str, Any]:
     }
 
 
-def method_style(label: str, look: TraceStyle) -> dict[str, Any]:
+def method_style(label: str, style: TraceStyle) -> dict[str, Any]:
     """How a method's path is drawn: a thin line; `legendgroup` lets the page switch it off."""
     return {
         "mode": "lines",
-        "line": {"color": look.colour, "width": METHOD_WIDTH, "dash": look.dash},
+        "line": {"color": style.colour, "width": METHOD_WIDTH, "dash": style.dash},
         # Plotly takes some HTML for markup.
         "name": escape(label, quote=False),
         "legendgroup": label,

@@ -93,17 +93,17 @@ def _in_space(picture: Poinsot, exact: Trajectory) -> Figure:
     }
 
 
-def _poinsot(scene: SceneRuns, truth: Trajectory) -> Poinsot | None:
-    assert scene.found is not None, "what is exact is known of a solved scene"
-    problem = rotational_problem(scene.found.scenario)
+def _poinsot(scene: SceneRuns, exact_motion: Trajectory) -> Poinsot | None:
+    assert scene.solved is not None, "what is exact is known of a solved scene"
+    problem = rotational_problem(scene.solved.scenario)
     moments = np.array(problem.moments, dtype=float)
     R_axes_body = Rotation.from_quat(np.array(problem.q_axes_body, dtype=float), scalar_first=True)
-    omega_axes = R_axes_body.apply(np.array(truth.omega_body))
+    omega_axes = R_axes_body.apply(np.array(exact_motion.omega_body))
     twice_energy = float((omega_axes**2 @ moments).max())
     if twice_energy == 0:
         return None
     L_body = R_axes_body.inv().apply(omega_axes[0] * moments)
-    L_world = truth.R_world_body[0].apply(L_body)
+    L_world = exact_motion.R_world_body[0].apply(L_body)
     size = float(np.linalg.norm(L_world))
     along = L_world / size if size else np.array([0.0, 0.0, 1.0])
     return Poinsot(moments, float(np.sqrt(twice_energy)), R_axes_body, frame_about(along))

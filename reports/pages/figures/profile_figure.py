@@ -40,13 +40,13 @@ def _steps(profile: Profile, drawn: Mapping[Pair, TraceStyle], end: float) -> li
         label = " ".join(pair)
         style = method_style(label, drawn[pair])
         style["line"] = style["line"] | {"shape": "hv"}
-        said = f"{label}<br>within %{{x:.3g}} times the cheapest<br>on %{{y:.0%}} of scenes"
+        hover = f"{label}<br>within %{{x:.3g}} times the cheapest<br>on %{{y:.0%}} of scenes"
         traces.append(
             line(
                 np.array(factors),
                 np.array([profile.fraction(pair, factor) for factor in factors]),
                 1,
-                **style | {"hovertemplate": f"{said}<extra></extra>"},
+                **style | {"hovertemplate": f"{hover}<extra></extra>"},
             )
         )
     return traces

@@ -26,24 +26,24 @@ def with_runs(figure: Figure, scene: SceneRuns, runs: Iterable[Compared]) -> Fig
 
 
 def _drawn(overlay: dict[str, Any], scene: SceneRuns, runs: list[Compared]) -> Iterator[Trace]:
-    assert scene.found is not None, "figures are of solved scenes"
-    body, panel = drawn_body(scene.found), overlay.get("panel", 1)
+    assert scene.solved is not None, "figures are of solved scenes"
+    body, panel = drawn_body(scene.solved), overlay.get("panel", 1)
     if overlay.get("exact"):
-        end = float(scene.found.solution.trajectory.t[-1])
-        exact = ExactMotion(scene.found.scenario).outline(np.linspace(0.0, end, SAMPLES))
+        end = float(scene.solved.solution.trajectory.t[-1])
+        exact = ExactMotion(scene.solved.scenario).outline(np.linspace(0.0, end, SAMPLES))
         yield line(exact.t, MOTIONS[overlay["kind"]](exact, overlay, body), panel, **exact_look())
     for run in runs:
-        look = method_style(run.runs.label, run.runs.look)
+        style = method_style(run.runs.label, run.runs.style)
         if overlay["kind"] in ERRORS:
-            yield line(run.motion.t, ERRORS[overlay["kind"]](run), panel, **look)
+            yield line(run.motion.t, ERRORS[overlay["kind"]](run), panel, **style)
             continue
         values = MOTIONS[overlay["kind"]](run.motion, overlay, body)
         if values.ndim == 1:
-            yield line(run.motion.t, values, panel, **look)
+            yield line(run.motion.t, values, panel, **style)
         elif "panel" in overlay:
-            yield line(values[:, 0], values[:, 1], panel, **look)
+            yield line(values[:, 0], values[:, 1], panel, **style)
         else:
-            yield curve(values, look)
+            yield curve(values, style)
 
 
 def _tilt(motion: Trajectory, _: dict[str, Any], body: DrawnBody) -> FloatArray:

@@ -24,22 +24,22 @@ AXES = ("₁", "₂", "₃")
 
 def tilt_figure(scene: SceneRuns) -> Figure:
     """θ(t), and below it the angle between each run's attitude and the exact one."""
-    assert scene.found is not None, "what is exact is known of a solved scene"
-    truth, body = scene.found.solution.trajectory, drawn_body(scene.found)
-    cosine = np.clip(truth.to_world(body.axis_body) @ body.up_world, -1.0, 1.0)
+    assert scene.solved is not None, "what is exact is known of a solved scene"
+    exact, body = scene.solved.solution.trajectory, drawn_body(scene.solved)
+    cosine = np.clip(exact.to_world(body.axis_body) @ body.up_world, -1.0, 1.0)
     tilt = np.degrees(np.arccos(cosine))
     room = max(STEADY, float(np.ptp(tilt)) / 4)
     low, high = max(0.0, float(tilt.min()) - room), min(180.0, float(tilt.max()) + room)
-    floor = math.degrees(scene.found.solution.uncertainty.attitude)
+    floor = math.degrees(scene.solved.solution.uncertainty.attitude)
     curves = [np.degrees(run.series.attitude) for run in scene.compared]
     panels = [
-        Panel("", "θ, °", "Tilt", False, (low, high), _window(scene.found), domain=TILT),
+        Panel("", "θ, °", "Tilt", False, (low, high), _window(scene.solved), domain=TILT),
         Panel(
             "t, s",
             "off by, °",
             "Attitude error",
             y_range=_errors(curves, floor),
-            x_range=_window(scene.found),
+            x_range=_window(scene.solved),
             log_y=True,
             floor=floor,
             domain=DIFFERENCE,
@@ -56,16 +56,16 @@ def tilt_figure(scene: SceneRuns) -> Figure:
 
 def omega_figures(scene: SceneRuns) -> list[Figure]:
     """The three components of ω in body axes, and how far the vector is from the exact one."""
-    assert scene.found is not None, "what is exact is known of a solved scene"
-    found, runs = scene.found, scene.compared
-    figures = [_component(found, k) for k in range(3)]
-    floor = found.solution.uncertainty.omega
+    assert scene.solved is not None, "what is exact is known of a solved scene"
+    solved, runs = scene.solved, scene.compared
+    figures = [_component(solved, k) for k in range(3)]
+    floor = solved.solution.uncertainty.omega
     panel = Panel(
         "t, s",
         "‖Δω‖ / max ‖ω‖",
         "Difference",
         y_range=_errors([run.series.omega for run in runs], floor),
-        x_range=_window(found),
+        x_range=_window(solved),
         log_y=True,
         floor=floor,
     )
@@ -77,23 +77,23 @@ def omega_figures(scene: SceneRuns) -> list[Figure]:
 HEIGHT = 300
 
 
-def _component(found: SceneResult, k: int) -> Figure:
-    truth = found.solution.trajectory.omega_body
-    omega = truth[:, k]
-    room = float(np.linalg.norm(truth, axis=1).max()) * STEADY_RATE
+def _component(solved: SceneResult, k: int) -> Figure:
+    exact = solved.solution.trajectory.omega_body
+    omega = exact[:, k]
+    room = float(np.linalg.norm(exact, axis=1).max()) * STEADY_RATE
     panel = Panel(
         "t, s",
         f"ω{AXES[k]}, rad/s",
         f"ω{AXES[k]}",
         y_range=(float(omega.min()) - room, float(omega.max()) + room),
-        x_range=_window(found),
+        x_range=_window(solved),
     )
     overlays = [{"kind": "omega", "component": k, "panel": 1, "exact": True}]
     return {"data": [], "layout": layout([[panel]], height=HEIGHT), "overlays": overlays}
 
 
-def _window(found: SceneResult) -> Range:
-    return 0.0, float(found.solution.trajectory.t[-1])
+def _window(solved: SceneResult) -> Range:
+    return 0.0, float(solved.solution.trajectory.t[-1])
 
 
 def _errors(curves: list[FloatArray], floor: float) -> Range:

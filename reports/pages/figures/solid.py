@@ -46,9 +46,9 @@ def surface(semi_axes: FloatArray, names: tuple[str, str, str]) -> list[Trace]:
     ]
 
 
-def curve(points: FloatArray, look: dict[str, Any]) -> Trace:
-    """A curve in space, (n, 3), in the look of its method."""
-    return _trace(points, **look)
+def curve(points: FloatArray, style: dict[str, Any]) -> Trace:
+    """A curve in space, (n, 3), in the style of its method."""
+    return _trace(points, **style)
 
 
 def dot(point: FloatArray) -> Trace:

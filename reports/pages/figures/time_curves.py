@@ -39,16 +39,16 @@ class TimeCurves:
 
 
 def time_curves(
-    times: FloatArray, found: Sequence[tuple[str, TraceStyle, FloatArray]]
+    times: FloatArray, of_runs: Sequence[tuple[str, TraceStyle, FloatArray]]
 ) -> TimeCurves:
     """Curves of angles.
 
     Parameters
     ----------
     times : s, (n,), from 0 on
-    found : name, look and angles in degrees, (n,), of each
+    of_runs : name, style and angles in degrees, (n,), of each
     """
-    most = max(float(angles.max()) for _, _, angles in found)
+    most = max(float(angles.max()) for _, _, angles in of_runs)
     top = next((limit for limit in TOPS if most <= limit), TOPS[-1])
     end = float(times[-1])
 
@@ -59,8 +59,8 @@ def time_curves(
         return np.asarray(HEIGHT - BOTTOM - (HEIGHT - BOTTOM - TOP) * np.asarray(angle) / top)
 
     curves = tuple(
-        Curve(name, look.colour, look.dash, _points(x(times), y(angles)))
-        for name, look, angles in found
+        Curve(name, style.colour, style.dash, _points(x(times), y(angles)))
+        for name, style, angles in of_runs
     )
     seconds = tuple((float(x(t)), f"{t:g}") for t in range(int(end) + 1))
     degrees = tuple((float(y(a)), f"{a:g}°") for a in (0.0, top / 3, 2 * top / 3, top))

@@ -15,7 +15,7 @@ from made_up import METHODS, STOCK, TIMESTEPS, UNCERTAINTY, at_stock, results
 from plotted import coloured, values_of
 from spincheck.reference import facts, solve
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
-from spincheck.reports.pages.analysis.trace_style import COLOURS, DASHES, SYMBOLS, looks
+from spincheck.reports.pages.analysis.trace_style import COLOURS, DASHES, SYMBOLS, trace_styles
 from spincheck.reports.pages.analysis.work_precision import Signal
 from spincheck.reports.pages.figures import ladder_figures
 from spincheck.reports.pages.figures.dense_motion import MOST as MOST_DENSE
@@ -179,7 +179,7 @@ def test_untimed_runs_have_no_cost_figure() -> None:
 
 
 def test_turning_points_of_the_well_are_the_bounds_of_nutation(top: dict[str, Titled]) -> None:
-    found = scene(TOP).found
+    found = scene(TOP).solved
     assert found is not None
     exact = {fact.name: fact.value for fact in facts(found.scenario)}
     dots = next(t for t in top["potential"].figure["data"] if t["mode"] == "markers")
@@ -199,7 +199,7 @@ def test_the_polhode_starts_at_the_scenes_own_rates_and_stays_on_the_ellipsoid(
     brick: dict[str, Titled],
 ) -> None:
     """Of a free body Σ I ω² stays; the made-up motion, which is another, is not drawn."""
-    found = scene(BRICK).found
+    found = scene(BRICK).solved
     assert found is not None
     exact = next(t for t in brick["polhode"].figure["data"] if t.get("name") == "exact")
     tips = np.column_stack([values_of(exact[axis]) for axis in "xyz"])
@@ -211,14 +211,14 @@ def test_the_polhode_starts_at_the_scenes_own_rates_and_stays_on_the_ellipsoid(
 
 
 def test_a_method_has_one_colour_in_all_engines() -> None:
-    drawn_as = looks([("a", "Euler"), ("a", "RK4"), ("b", "RK4")])
+    drawn_as = trace_styles([("a", "Euler"), ("a", "RK4"), ("b", "RK4")])
     assert drawn_as["a", "RK4"].colour == drawn_as["b", "RK4"].colour
     assert drawn_as["a", "Euler"].colour != drawn_as["a", "RK4"].colour
 
 
 def test_no_two_methods_differ_in_hue_alone() -> None:
     pairs = [(f"engine {k // 9}", f"method {k % 9}") for k in range(len(DASHES) * len(SYMBOLS))]
-    assert len({(look.dash, look.symbol) for look in looks(pairs).values()}) == len(pairs)
+    assert len({(look.dash, look.symbol) for look in trace_styles(pairs).values()}) == len(pairs)
 
 
 def test_colours_are_those_of_the_whole_study_on_every_page() -> None:
@@ -292,9 +292,9 @@ def test_a_run_sampled_at_times_of_its_own_is_compared_with_the_exact_motion_at_
     gathered = report_data(Results(**vars(found) | {"rows": rows}))
     scenario = found.scenes[BRICK].scenario
     (run,) = next(scene for scene in gathered.scenes if scene.name == BRICK).compared
-    np.testing.assert_array_equal(run.exact_motion.t, shifted.t)
+    np.testing.assert_array_equal(run.exact.t, shifted.t)
     exact = solve(scenario, shifted.t).trajectory
-    np.testing.assert_array_equal(run.exact_motion.omega_body, exact.omega_body)
+    np.testing.assert_array_equal(run.exact.omega_body, exact.omega_body)
 
 
 def test_blow_ups_do_not_squeeze_the_rest() -> None:

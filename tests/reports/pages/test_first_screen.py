@@ -154,7 +154,7 @@ def test_a_run_that_ended_ok_has_its_cost_and_four_errors(gathered):
 def test_an_error_below_what_the_reference_is_good_for_is_a_bound(gathered):
     *_, finest = cell(gathered, "RK4")
     assert finest[2] < 0
-    assert -finest[2] == scene(gathered).found.solution.uncertainty.attitude
+    assert -finest[2] == scene(gathered).solved.solution.uncertainty.attitude
 
 
 def test_the_table_is_json_of_numbers_that_there_are(gathered):

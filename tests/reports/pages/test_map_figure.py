@@ -212,7 +212,7 @@ def test_a_place_without_a_scene_is_signed_in_every_panel() -> None:
     rest = tuple(p for p in whole.points if p.at != first.at)
     made = grid(MapResult(whole.map, whole.scenario, (invalid, *rest)))
     assert all(made.points[pair][0, 0] is invalid for pair in METHODS)
-    assert ("invalid", "scene") in marks(made.found.points)
+    assert ("invalid", "scene") in marks(made.result.points)
 
 
 def test_a_map_that_is_not_complete_is_drawn() -> None:

@@ -112,7 +112,7 @@ def test_a_page_carries_so_many_samples_and_no_more(data: dict[str, Any]) -> Non
 
 @pytest.mark.parametrize(("name", "shape"), [(TOP, "ellipsoid"), (BRICK, "box")])
 def test_the_solid_drawn_has_the_moments_of_the_body(name: str, shape: str) -> None:
-    found = scene(name).found
+    found = scene(name).solved
     assert found is not None
     body = drawn_body(found)
     squares = body.half_sides**2
@@ -125,7 +125,7 @@ def test_the_solid_drawn_has_the_moments_of_the_body(name: str, shape: str) -> N
 
 
 def test_tilt_is_reported_from_gravity_or_from_angular_momentum() -> None:
-    top, brick = scene(TOP).found, scene(BRICK).found
+    top, brick = scene(TOP).solved, scene(BRICK).solved
     assert top is not None
     assert brick is not None
     np.testing.assert_array_equal(drawn_body(top).up_world, [0.0, 0.0, 1.0])

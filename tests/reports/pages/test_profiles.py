@@ -10,7 +10,7 @@ from plotted import values_of
 from spincheck.reports.pages.analysis.cost_to_reach import LEVELS
 from spincheck.reports.pages.analysis.profiles import order_ratios, profile, tally
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
-from spincheck.reports.pages.analysis.trace_style import looks
+from spincheck.reports.pages.analysis.trace_style import trace_styles
 from spincheck.reports.pages.analysis.work_precision import Curve, curves
 from spincheck.reports.pages.cost_tables import (
     median_table,
@@ -87,7 +87,7 @@ def test_ratios_of_orders_are_over_the_scenes_where_both_reach() -> None:
 
 
 def test_a_profile_s_curve_ends_at_the_scenes_reached() -> None:
-    drawn = looks([("e", "a"), ("e", "b")])
+    drawn = trace_styles([("e", "a"), ("e", "b")])
     (figure,) = profile_figures([profile(three_scenes(), "omega", BELOW)], drawn)
     ends = {trace["name"]: values_of(trace["y"])[-1] for trace in figure["data"]}
     assert ends == {"e a": np.float32(2 / 3), "e b": 1.0}
@@ -95,7 +95,7 @@ def test_a_profile_s_curve_ends_at_the_scenes_reached() -> None:
 
 def test_tables_have_a_row_a_method_and_a_column_a_level(top: SceneRuns) -> None:
     gathered = report_data(results())
-    scenes = [curves(scene, "omega") for scene in gathered.scenes if scene.found]
+    scenes = [curves(scene, "omega") for scene in gathered.scenes if scene.solved]
     tables = (
         reach_table(top, "omega"),
         reached_table(gathered, scenes),

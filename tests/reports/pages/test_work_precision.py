@@ -47,14 +47,14 @@ def test_no_error_is_below_what_the_reference_is_good_for(top: SceneRuns, signal
 
 def test_some_runs_would_claim_less_than_the_reference_is_good_for(top: SceneRuns) -> None:
     tight = replace(UNCERTAINTY, attitude=1e-6)
-    found = replace(top.found, solution=replace(top.found.solution, uncertainty=tight))
-    raised = curves(replace(top, found=found), "attitude")
+    found = replace(top.solved, solution=replace(top.solved.solution, uncertainty=tight))
+    raised = curves(replace(top, solved=found), "attitude")
     assert min(p.error for curve in raised for p in curve.points) == tight.attitude
     assert min(p.error for curve in curves(top, "attitude") for p in curve.points) < tight.attitude
 
 
 def test_a_scene_without_an_exact_motion_has_no_curves() -> None:
-    unsolved = next(scene for scene in report_data(results()).scenes if scene.found is None)
+    unsolved = next(scene for scene in report_data(results()).scenes if scene.solved is None)
     assert curves(unsolved, "omega") == []
 
 
