@@ -152,7 +152,7 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
     if scene.solved is not None:
         content |= {
             "effects": scene_tables.effects_table(scene.solved.scenario),
-            "truth": scene_tables.truth_table(scene.solved),
+            "exact_motion": scene_tables.exact_motion_table(scene.solved),
             "facts": scene_tables.facts_table(scene.solved),
             "costs": scene_costs(scene),
             "drifts": scene_tables.drifts_table(scene),

@@ -41,7 +41,7 @@ def effects_table(scenario: Scenario) -> Table:
     return table(("effect", "here"), rows)
 
 
-def truth_table(solved: SceneResult) -> Table:
+def exact_motion_table(solved: SceneResult) -> Table:
     """What the reference is good for, and how the motion grows a rounding error."""
     growth = dict(solved.solution.conditioning)
     rows = [

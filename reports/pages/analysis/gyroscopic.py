@@ -1,7 +1,7 @@
 """Which engines turn a free body as if there were no gyroscopic torque, seen in their motions.
 
 Without ω × I ω nothing turns the angular velocity of a body that no torque acts on: it keeps its
-direction in space, however the body tumbles in truth. A damping shortens ω and turns it as little.
+direction in space, however the body tumbles. A damping shortens ω and turns it as little.
 """
 
 from dataclasses import dataclass

@@ -77,11 +77,11 @@ def test_hard_scenes_are_those_that_are_tagged_so():
     assert hard_scenes(report_data(results())) == ()
 
 
-def test_hard_scenes_are_counted_apart():
+def test_hard_scenes_are_counted_separately():
     gathered = report_data(hardened())
     assert "made-up-top" not in [scene.name for scene in gathered.plain.scenes]
     assert len(gathered.plain.scenes) == len(gathered.scenes) - 1
-    assert "1 hard scene besides" in headline(gathered)
+    assert "Hard scenes (1) are counted separately" in headline(gathered)
     assert "hard" not in headline(report_data(results()))
 
 
