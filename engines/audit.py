@@ -24,7 +24,7 @@ class Audit:
 
 
 def audit(session: Session, scenario: Scenario, sampled: Sampled) -> Audit:
-    """Audit a session whose run has ended; only of a run that is ok anything is said.
+    """Audit a session whose run has ended; `differs` is empty unless the run is ok.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The causes of what can go wrong with a run, one word each, and where in a run it did."""
+"""The causes of a run's failure, one word each, and the sample at which it failed."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -39,9 +39,9 @@ Cause = Literal[
     "law",
 ]
 
-#: What lies in the machine, not in the engine: the run may succeed if it is made again.
+#: Causes in the machine, not in the engine: the run may succeed if repeated.
 ENVIRONMENTAL: frozenset[Cause] = frozenset({"killed", "environment"})
-#: What no smaller timestep can mend: such a run has failed, and not only diverged.
+#: Causes that no smaller timestep removes: such a run is `failed`, not `diverged`.
 WRONG_AT_ANY_TIMESTEP: frozenset[Cause] = ENVIRONMENTAL | frozenset(
     {"clock", "frozen", "late", "frames", "crash", "time-out", "protocol"}
 )

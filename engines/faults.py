@@ -41,7 +41,7 @@ class Bounds:
 def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
     """The first bad state for each way in which one can be bad."""
     states, timestep = reading.states, bounds.timestep
-    # A sum tells that something is not finite, in a fraction of the time it takes to see what.
+    # The sum shows whether anything is not finite, much faster than a search for it.
     if not np.isfinite(sum(float(column.sum()) for column in columns(states))):
         finite = np.hstack([np.isfinite(column) for column in columns(states)])
         if not finite.all():
@@ -65,7 +65,7 @@ def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
 
 
 def clamped_turn(speed: float, timestep: float, most: float) -> str:
-    """Say so if the body turns further in a step than the engine lets it; else empty.
+    """The message if the body turns further in a step than the engine's clamp; else empty.
 
     Parameters
     ----------

@@ -161,7 +161,7 @@ def _longest_step(scenario: Scenario, rate: float, epsilon: float) -> float:
 
 
 def _leap(turned: _Turned, equations: Equations) -> str:
-    """Say so if ω is another one no time after the start."""
+    """The message if ω jumps at the start, before any time has passed; else empty."""
     for start, soon, _ in turned.states:
         size = float(np.linalg.norm(start.omega_body))
         exact = equations.after(start, turned.span)
@@ -179,7 +179,7 @@ _WHAT_HELD = ("the com's velocity, m/s,", "the com, m,")
 
 
 def _departures(felt: list[_Felt]) -> Iterator[str]:
-    """In words, what departs from the equations above its noise."""
+    """The residuals that exceed their noise, one sentence each."""
     for one in felt:
         for k, what in enumerate((*_WHAT, *(_WHAT_HELD if one.is_held else _WHAT_FREE))):
             excess, wanted = one.gain.excess[k], one.gain.wanted[k]

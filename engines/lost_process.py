@@ -1,4 +1,4 @@
-"""What the end or the silence of a process says: whether what it runs is to blame, or the machine.
+"""Whether a process that died or does not answer failed by its own fault or by the machine's.
 
 The limit is on CPU time, so that a busy machine fails no engine. Wall time tells what waits for
 ever; time in which this process was stopped itself (Ctrl-Z, a laptop that was closed) is not
@@ -31,7 +31,7 @@ MOST_WALL = 20.0
 
 
 class Watched(Protocol):
-    """A process that is to answer."""
+    """A process whose answer is waited for."""
 
     def has_answered(self, seconds: float) -> bool:
         """Wait until it has answered or is gone, so long at most."""

@@ -17,7 +17,7 @@ READ_BACK_SLACK_SINGLE = 1e-5
 
 
 class EngineError(Exception):
-    """The engine did something other than step: a warning, a reset, a clamp, a wrong read-back.
+    """The engine warned, reset or clamped the state, or read back another body or start.
 
     Parameters
     ----------
@@ -79,13 +79,13 @@ class Difference:
 
     @property
     def complaint(self) -> str:
-        """For a run that fails because of it: every digit."""
+        """The message of a run that fails because of it, with every digit."""
         wanted, got = self.wanted.tolist(), self.got.tolist()
         return f"'{self.what}' must read back as {wanted}, got {got}"
 
     @property
     def remark(self) -> str:
-        """For a run that goes on with it."""
+        """The message of a run that goes on in spite of it, rounded."""
         wanted, got = _rounded(self.wanted), _rounded(self.got)
         return f"'{self.what}' reads back as {got}, not {wanted}: off by {self.relative:.1%}"
 

@@ -1,4 +1,4 @@
-"""What comes of simulating one scene with one method and timestep."""
+"""The result of simulating one scene with one method and timestep."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -11,7 +11,7 @@ Outcome = Literal["ok", "diverged", "unsupported", "failed"]
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """How one scene went in one engine, with one method and timestep.
+    """The run of one scene in one engine, with one method and timestep.
 
     Attributes
     ----------

@@ -84,7 +84,7 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
                 states = session.states(snapshots)
                 start = start if first else _rows(states, slice(2))
                 reading = Reading(states, steps[first : first + len(snapshots)], start)
-                end = _looked_at(session, snapshots, reading, end, bounds)
+                end = _checked(session, snapshots, reading, end, bounds)
         kept = is_sample[first : first + len(end.states.omega_body)].copy()
         kept[: len(last)] = False
         parts.append(_rows(end.states, kept))
@@ -134,7 +134,7 @@ def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], _Block]:
 
 
 def _blown_up(session: Session) -> Cause:
-    """What is wrong with the motion that an engine stopped in; empty for trouble of its own."""
+    """The cause if an engine stopped at an invalid state; empty if that state is valid."""
     try:
         session.check()
         state = session.read_state()
@@ -143,7 +143,7 @@ def _blown_up(session: Session) -> Cause:
     return "" if all(np.isfinite(values).all() for values in vars(state).values()) else "not-finite"
 
 
-def _looked_at(
+def _checked(
     session: Session, snapshots: list[Any], reading: Reading, end: _Block, bounds: Bounds
 ) -> _Block:
     """A block's states up to the first that is bad."""
@@ -154,7 +154,7 @@ def _looked_at(
         try:
             session.check()
         except EngineError as error:
-            # It happened somewhere in the block.
+            # At an unknown step of the block.
             block_faults.insert(0, Fault(0, error.cause or "warning", str(error)))
     if not block_faults:
         return _Block(reading.states, end.outcome, end.reason, end.cause)

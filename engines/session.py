@@ -31,7 +31,7 @@ class Session(ABC):
 
     @abstractmethod
     def read_state(self) -> State:
-        """The state now, nothing of it a step old."""
+        """The state after the last step; every quantity of it is current."""
 
     @abstractmethod
     def advance(self, steps: int) -> None:

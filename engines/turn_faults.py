@@ -118,7 +118,7 @@ _WAYS: dict[Cause, str] = {
 
 
 def _cause(reading: Reading, k: int, is_aside: bool, is_short: bool) -> Cause:
-    """What the turn from state k to the next is like, beside ω."""
+    """The cause of a turn from state k to the next that does not match ω."""
     states = reading.states
     if _same(states, k, k + 1):
         moves_on = k + 2 < len(reading.steps) and not _same(states, k, k + 2)

@@ -40,7 +40,7 @@ class InvariantScales:
 
     @cached_property
     def rate(self) -> float:
-        """Rad/s: |ω| at t = 0 plus 2√(M g l/I), what a fall from the top gives a pendulum."""
+        """rad/s: |ω| at t = 0 plus 2√(M g l/I), what a fall from the top gives a pendulum."""
         fall = 2 * np.sqrt(self.pull / float(min(self.problem.moments)))
         return float(norm(self.problem.omega_axes)) + float(fall)
 

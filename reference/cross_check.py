@@ -1,4 +1,4 @@
-"""The motion by a second implementation that shares nothing with the first.
+"""The motion by a second implementation, independent of the first.
 
 Euler's equations with the full tensor in body axes, in double precision, by DOP853 (Hairer,
 Nørsett & Wanner, Solving Ordinary Differential Equations I, §II.10): no principal axes, no

@@ -99,7 +99,7 @@ def _of_any_body(scenario: Scenario, problem: Problem, start: Trajectory) -> Ite
 
 
 def _of_a_heavy_top(top: HeavySymmetricTop) -> Iterator[Fact]:
-    """What the start alone decides."""
+    """Facts that follow from the start alone."""
     threshold = lagrangian.sleeping_threshold(top)
     yield Fact("I1", float(top.I1), "kg m²", "moment across the axis, about the pivot")
     yield Fact("I3", float(top.I3), "kg m²", "moment about the axis, from the pivot to the com")
@@ -114,7 +114,7 @@ def _of_a_heavy_top(top: HeavySymmetricTop) -> Iterator[Fact]:
 
 
 def _of_nutation(top: HeavySymmetricTop) -> Iterator[Fact]:
-    """What needs p_α, p_γ and E' to stay as they are."""
+    """Facts that hold while p_α, p_γ and E' are conserved."""
     low, high = (math.degrees(beta) for beta in lagrangian.nutation_bounds(top))
     bottom = math.degrees(lagrangian.steady_angle(top))
     small = lagrangian.small_nutation_frequency(top)

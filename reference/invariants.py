@@ -39,7 +39,7 @@ class Invariant:
         return change / scale if scale > 0 else np.where(change == 0, 0.0, np.inf)
 
     def drift(self, motion: Trajectory) -> float:
-        """The largest of them."""
+        """The largest value of `drift_series`."""
         return float(self.drift_series(motion).max())
 
 

@@ -61,7 +61,7 @@ class StabilityNumbers:
 
 
 def stability_numbers(scenario: Scenario) -> StabilityNumbers:
-    """Work them out for a scene."""
+    """The stability numbers of a scene."""
     problem = rotational_problem(scenario)
     moments, omega = np.array(problem.moments, float), np.array(problem.omega_axes, float)
     return StabilityNumbers(

@@ -1,4 +1,4 @@
-"""What is wrong with a scenario file, in the house's words: file, line, table, key, value, rule."""
+"""Error messages about a scenario file: file, line, table, key, value, rule."""
 
 import difflib
 from collections.abc import Iterable, Iterator
@@ -28,7 +28,7 @@ _IN_TOML = {"model_type": "must be a table", "tuple_type": "must be an array"}
 
 
 def validation_message(details: list[ErrorDetails], text: str, where: str) -> str:
-    """What is wrong, one line for a key, however much is wrong with its entries."""
+    """The message: one line a key, however many of its entries are wrong."""
     lines: dict[Keys, str] = {}
     for detail in details:
         keys = _keys(detail)
@@ -67,7 +67,7 @@ def _without_entries(keys: Keys) -> Keys:
 
 
 def _explain(detail: ErrorDetails, keys: Keys) -> str:
-    """One pydantic error in the house's words."""
+    """The message of one pydantic error."""
     return f"{_spell(keys)}{_rule(detail, keys)}"
 
 

@@ -4,7 +4,7 @@ import unicodedata
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-#: Of characters that make what follows them run the other way, though it is read as it stands.
+#: Bidirectional classes (Unicode, UAX #9) of characters that may reverse the text after them.
 TURNING = ("LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI")
 
 
@@ -26,7 +26,7 @@ class Misfit(ValueError):
 
 
 def did_you_mean(name: str, names: Iterable[str]) -> str:
-    """What to add to a complaint about a name: the nearest of those that are known, if one is."""
+    """The hint "; did you mean '…'?" with the nearest of `names`; empty if none is near."""
     near = get_close_matches(name, list(names), n=1)
     return f"; did you mean '{near[0]}'?" if near else ""
 

@@ -20,9 +20,9 @@ from .scenario import Scenario, build
 MARKER = "spincheck"
 #: Bytes of a scene's name; a page's has an ending and perhaps a number more, and 255 at most.
 LONGEST_NAME = 200
-#: More digits than Python makes an integer of.
+#: An integer of more digits than Python converts.
 _MANY_DIGITS = re.compile(rf"[0-9_]{{{sys.get_int_max_str_digits()}}}")
-#: Where the parser says that it stopped.
+#: The line number in a message of the TOML parser.
 _PARSER_LINE = re.compile(r"\(at line (\d+), column \d+\)$")
 
 
@@ -74,7 +74,7 @@ def loads(text: str, name: str, path: Path | None = None) -> Scenario:
 
 
 def is_scene_name(name: str) -> bool:
-    """Whether a name can be mistaken for nothing else: files and pages are named after it."""
+    """Whether a name is safe for a file and a page, which are named after it."""
     short = len(name.encode(errors="replace")) <= LONGEST_NAME
     return short and name[:1].isalnum() and all(c.isalnum() or c in "-_." for c in name)
 

@@ -17,7 +17,7 @@ from .scenario import Scenario
 #: SI. The square of such a number is a double still; the moment of inertia of a hydrogen molecule
 #: is 1e-48 kg m², that of the Milky Way 1e82.
 SMALLEST, LARGEST = mpf("1e-150"), mpf("1e150")
-#: What is divided by. Anything else acts as 0 does where it is smaller.
+#: Quantities that are divided by, and so must not be below `SMALLEST`; others act as 0 there.
 NEVER_SMALL = ("the time", "the mass", "the least moment of inertia")
 #: Of the moments about the fixed point: a grain of 1e-8 m on a thread of 1 m. Conversions with
 #: `DIGITS` digits then leave each moment exact to far more than a double-double.
@@ -91,7 +91,7 @@ def _sizes(scenario: Scenario, span: mpf, moments: Moments) -> Iterator[Size]:
 
 
 def _rates(scenario: Scenario, span: mpf, moments: Moments) -> Iterator[Rate]:
-    """What sets the step of whoever integrates the motion, 1/s."""
+    """The rates that limit an integrator's timestep, 1/s."""
     least, middle, _ = moments
     yield ("start",), "an angular velocity", _norm(scenario.start.omega_body_exact)
     if scenario.has_pivot:

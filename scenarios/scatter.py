@@ -24,13 +24,13 @@ from .vary import own_tables, rewritten
 
 #: rad, and relative: a tenth, so that a member is of its scene's kind and no two are alike.
 SCATTER = 0.1
-#: Normals that a member takes, drawn all at once.
+#: Standard normals that a member takes, drawn in one call.
 _NUMBERS = 13
 #: Effects by which some attitudes differ from others.
 _MAKE_A_DIRECTION_SPECIAL = {"gravity", "torque_world"}
 #: Second moments of mass that agree this far, relative to the largest, are equal.
 _EQUAL = 16 * np.finfo(float).eps
-#: A body's shape by either of these, besides what a member always has.
+#: The keys of either way to state a body's shape; they are replaced by the member's own.
 _BODY_KEYS = ("particles", "inertia_about")
 _ATTITUDES = ("euler_zyz_deg", "rotation_vector_deg")
 _OMEGAS = ("omega_world", "euler_zyz_rates")

@@ -99,12 +99,12 @@ class Scenario:
 
     @property
     def known(self) -> tuple[Known, ...]:
-        """Verdicts that are no surprise."""
+        """The expected failures (`[[known]]`)."""
         return self.document.known
 
     @property
     def hard(self) -> bool:
-        """Whether it is there to be survived: tagged `hard`."""
+        """Whether the scene is tagged `hard`: runs may blow up on it at ordinary timesteps."""
         return "hard" in self.document.tags
 
     @property

@@ -7,7 +7,7 @@ from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
 
 from .errors import Misfit, is_control
 
-#: Typed digits rarely give a norm of 1 exactly; further off than this, something else was meant.
+#: Slack of a typed quaternion's norm from 1: typed digits rarely give 1 exactly.
 QUATERNION_NORM_SLACK = 1e-3
 
 

@@ -23,7 +23,7 @@ from .write import to_toml
 TIMESTEP = "timestep"
 #: Values of an axis that does not say how many.
 DEFAULT_COUNT = 20
-#: Nobody waits for more.
+#: Values of an axis, at most.
 MAX_COUNT = 1000
 FORM = "PATH=LO:HI[:COUNT][:log]"
 
@@ -171,6 +171,6 @@ def _set(tables: dict[str, Any], path: str, value: float) -> None:
     place: Any = tables
     for step in steps[:-1]:
         place = place[step]
-    # A count stays one.
+    # A whole number stays one.
     whole = isinstance(place[steps[-1]], int) and value.is_integer()
     place[steps[-1]] = int(value) if whole else value

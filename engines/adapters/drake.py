@@ -154,7 +154,7 @@ class DrakeSession(Session):
             "pivot": self._joint.type_name() == self._drake.BallRpyJoint.kTypeName,
             f"a torque of {torque.tolist()} N m": not pushes,
             "joints": plant.num_joints() > 1,
-            # Gravity is one.
+            # Gravity is one of them.
             "force elements": plant.num_force_elements() > 1,
             "actuators": plant.num_actuators() > 0,
             "contact geometry": plant.geometry_source_is_registered(),

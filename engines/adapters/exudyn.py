@@ -193,7 +193,7 @@ def _settings(exudyn: Any, solver: str, timestep: float) -> Any:
     integration.numberOfSteps, integration.endTime = 1, timestep
     integration.solverType = getattr(exudyn.DynamicSolverType, solver)
     if solver == "TrapezoidalIndex2":
-        # As its own SolveDynamic sets them for this name.
+        # As Exudyn's own SolveDynamic sets them for this solver name.
         integration.generalizedAlpha.useIndex2Constraints = True
         integration.generalizedAlpha.useNewmark = True
         # To round-off, and no Jacobian of an earlier step: a step depends on the state alone.

@@ -41,12 +41,12 @@ class ChildEngine(Engine):
 
     @property
     def version(self) -> str:
-        """In its own words."""
+        """The version that the child reports."""
         return self.hello.version
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """Whoever edits one of them gets new results."""
+        """Files that results depend on; runs are made anew when one changes."""
         if self._sources is not None:
             return tuple(self._sources)
         return tuple(path for path in map(Path, self.command) if path.is_file())

@@ -162,11 +162,11 @@ class Active(Answer):
 
 
 class Done(Answer):
-    """Nothing."""
+    """The answer of a call that returns nothing."""
 
 
 class Refusal(Answer):
-    """Instead of any answer: why there is none."""
+    """The answer of a call that failed: the reason."""
 
     error: Annotated[str, Field(min_length=1, max_length=2000)]
 

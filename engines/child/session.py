@@ -94,7 +94,7 @@ class ChildSession(Session):
         """Nothing to check: a child reports trouble in its answers."""
 
     def active(self) -> frozenset[str]:
-        """In the child's words."""
+        """The effects that the child reports as acting."""
         return frozenset(self._child.ask(Active, "active").active)
 
     def close(self) -> None:

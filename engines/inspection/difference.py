@@ -1,4 +1,4 @@
-"""How far a body is from another: mass, com, tensor, and the angle between principal axes."""
+"""Differences of two bodies: mass, com, tensor, and the angle between principal axes."""
 
 from dataclasses import dataclass
 
@@ -40,7 +40,7 @@ class Difference:
 
 
 def difference(stated: Stated, held: BodyReading) -> Difference:
-    """Of what an engine holds from what a file states."""
+    """The difference of the body that an engine holds from the one that a file states."""
     size = float(np.linalg.norm(stated.inertia))
     gyration = np.sqrt(abs(np.trace(stated.inertia)) / (2 * stated.mass)) if stated.mass else 0.0
     arm = max(float(gyration), float(np.linalg.norm(stated.com)))

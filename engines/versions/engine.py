@@ -47,12 +47,12 @@ class VersionedEngine(Engine):
 
     @property
     def slack(self) -> float:
-        """The adapter's."""
+        """As of the adapter."""
         return self._slack
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """The adapter's."""
+        """As of the adapter."""
         file = Path(inspect.getfile(type(engines()[self._base])))
         return tuple(sorted(file.parent.glob("*.py")))
 

@@ -136,7 +136,7 @@ def _made(folder: Path, fill: Callable[[Path], None]) -> Path:
         try:
             target.replace(folder)
         except OSError:
-            # Somebody else was faster.
+            # Another process installed it meanwhile.
             if not folder.is_dir():
                 raise
     return folder

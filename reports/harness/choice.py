@@ -1,4 +1,4 @@
-"""What a study is asked for."""
+"""The part of a study that is asked for."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""One method's way down the ladder of one scene: which rung next, and the verdict at the end."""
+"""The convergence study of one method on one scene: the next rung, and the verdict."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -74,7 +74,7 @@ class ConvergenceStudy:
         return Key(self.scenario.name, self.engine.name, self.method.name)
 
     def next_rung(self) -> Rung | None:
-        """The rung to run now, or None when enough is known."""
+        """The rung to run next; None when the verdict can be given."""
         coming = self._coming()
         return coming.rung if coming else None
 
@@ -118,7 +118,7 @@ class ConvergenceStudy:
         return True
 
     def refusals(self) -> list[Row]:
-        """The rows of stock timesteps that make no sense of the scene: nothing is run for them."""
+        """Rows of stock timesteps that do not fit the scene: `unsupported`, without a run."""
         if self._pointless:
             return []
         return [
@@ -173,7 +173,7 @@ class ConvergenceStudy:
                 return Verdict(self.key, "disagrees", _grown_into(sound[-1], last), **attributes)
             word = "diverges" if last.outcome == "diverged" else last.outcome
             return Verdict(self.key, word, _with_time(last), **attributes)
-        # Of an engine as shipped, what differs from the scene.
+        # Of an engine as shipped: what differs from the scene.
         remark = last.reason if last else ""
         breaks_law = last is not None and last.cause == "law"
         if self.judge.signals:
@@ -190,7 +190,7 @@ class ConvergenceStudy:
         explains = self.engine.of_file or (breaks_law and word != "disagrees")
         parts = [remark, reason] if explains else [reason, remark]
         if word == "converges" and not breaks_law:
-            # What an engine as shipped does besides alters no motion then.
+            # The effects that an engine as shipped adds alter no motion then.
             parts = [reason]
         return Verdict(
             self.key,

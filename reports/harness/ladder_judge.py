@@ -31,7 +31,7 @@ class SignalJudgement:
 
     @property
     def severity(self) -> tuple[int, float, float]:
-        """What is worse; of two that are unresolved, what takes the smaller timestep to tell."""
+        """Sort key, worst last; of two unresolved ones, that which needs the finer timestep."""
         judgement = self.judgement
         rank = ("converges", "unresolved", "disagrees").index(judgement.word)
         excess = (judgement.limit_error or 0.0) / (judgement.tolerance or math.inf)

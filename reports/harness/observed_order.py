@@ -10,9 +10,9 @@ ABOVE_UNCERTAINTY = 100.0
 ASYMPTOTIC = 0.1
 #: Rungs an order is fitted to.
 FITTED_RUNGS = 3
-#: Orders that are this near to one another are one.
+#: Orders that differ by less than this are taken as equal.
 ORDER_SLACK = 0.25
-#: An order below this is none: errors do not shrink.
+#: Below this order errors are taken not to shrink.
 SETTLING_ORDER = 0.5
 
 

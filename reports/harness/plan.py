@@ -1,4 +1,4 @@
-"""What of a study is in the result file already, and what is still to be done."""
+"""Which results of a study are in the result file, and which are to be made."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass

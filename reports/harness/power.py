@@ -11,7 +11,7 @@ REMOVABLE = ("gravity", "drag", "torque")
 
 
 def powerless(scenario: Scenario) -> Iterator[str]:
-    """Effects of a scene that an engine may lack unnoticed, in words.
+    """Effects without which no signal of a scene would change, one sentence each.
 
     Raises
     ------

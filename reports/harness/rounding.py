@@ -1,4 +1,4 @@
-"""What rounding does to a run: once in the body and the start it is given, and at every step."""
+"""The growth of rounding errors in a run: of body and start, and of every step."""
 
 import numpy as np
 

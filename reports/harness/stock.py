@@ -56,7 +56,7 @@ def stock_rung(times: FloatArray, timestep: float, rate: float) -> Rung | str:
 
 
 def _refusal(timestep: float, rate: float, horizon: float) -> str:
-    """Why a run with such a timestep is not made; empty if it is."""
+    """Why a run with such a timestep is not made; empty if it is made."""
     turn, steps = timestep * rate, horizon / timestep
     if turn > LARGEST_TURN:
         return (

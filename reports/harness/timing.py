@@ -1,4 +1,4 @@
-"""Times the steps of a scene's methods and stores what they cost, once all runs are done."""
+"""Times the steps of a scene's methods after all runs, and stores the costs."""
 
 from collections.abc import Callable, Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""What was measured of time: a step's, and that of what is left out."""
+"""Measured times: of a step, and of what is left out."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Motions as they lie in a result file: compressed archives of arrays, unpacked with care.
+"""Motions as stored in a result file: compressed archives of arrays, unpacked with care.
 
 An archive from a stranger may unpack to any size, so that what it declares is held against what a
 motion can be before a byte of it is unpacked, and no more than was declared is.

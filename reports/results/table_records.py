@@ -1,4 +1,4 @@
-"""Records as they lie in the tables of a result file, and back."""
+"""Converts records to rows of the tables of a result file, and back."""
 
 import json
 import math

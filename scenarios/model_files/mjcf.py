@@ -13,11 +13,11 @@ from .xml_tree import Element, read_xml, shown
 
 #: More bodies than any robot has; `replicate` can ask for any number.
 MAX_BODIES = 10_000
-#: Files within files.
+#: Included files, at most.
 MAX_INCLUDES = 256
-#: What makes bodies that the file does not write out.
+#: Elements that generate bodies.
 MAKERS = ("attach", "composite", "flexcomp", "flex")
-#: Whose files MuJoCo reads whatever is stripped.
+#: Elements whose files MuJoCo reads even with all shapes removed.
 READ = ("model", "hfield", "flexcomp")
 ZEROS = (0.0, 0.0, 0.0)
 

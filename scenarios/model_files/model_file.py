@@ -153,7 +153,7 @@ class Folders:
         ]
 
     def _place(self, name: str) -> Path | None:
-        """Where a name points, be it there or not, inside or not."""
+        """The path that a name stands for; it need not exist, nor lie inside the folders."""
         scheme, separator, rest = name.partition("://")
         if not separator:
             return self.own / name

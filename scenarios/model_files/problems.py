@@ -42,7 +42,7 @@ class Problem:
 
 
 def problems(link: Link) -> tuple[Problem, ...]:
-    """All that a file has wrong of a link."""
+    """The faults of a link's inertial, and what is doubtful about it."""
     stated = link.stated
     if stated is None:
         return ()
@@ -89,7 +89,7 @@ def _of_tensor(stated: Stated) -> list[Problem]:
 
 
 def _digits(small: float, middle: float, large: float) -> str:
-    """a + b < c, with as many digits as it takes to see it."""
+    """The text "a + b < c", with as many digits as show the inequality."""
     for digits in range(2, 18):
         a, b, c = (float(f"{moment:.{digits}g}") for moment in (small, middle, large))
         if a + b < c:

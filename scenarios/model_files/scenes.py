@@ -104,5 +104,5 @@ def _scene_name(link: str, taken: set[str]) -> str:
 
 
 def _relative(path: Path, folder: Path) -> str:
-    """Up and down again, which `Path.relative_to` does from Python 3.12 on only."""
+    """The path with `..` where needed; `Path.relative_to` does that from Python 3.12 on only."""
     return Path(os.path.relpath(path, folder)).as_posix()

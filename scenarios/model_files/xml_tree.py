@@ -190,7 +190,7 @@ class _Builder:
     def _end(self, tag: str) -> None:  # noqa: ARG002
         element = self._open.pop()
         own_tag = self._tag_at(element.start)
-        # An element without an end tag is told of behind it.
+        # Of an element without an end tag expat reports the position behind it.
         closed = self._data[own_tag - 2 : own_tag] == b"/>"
         element.end = own_tag if closed else self._tag_at(self._parser.CurrentByteIndex)
 

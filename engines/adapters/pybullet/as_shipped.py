@@ -12,7 +12,7 @@ UNREACHED_VELOCITY = 1e100
 
 
 def take_away_motor(model: Model) -> None:
-    """Of a spherical joint: it holds the joint's velocity at zero."""
+    """Remove the motor of a spherical joint, which holds the joint's velocity at zero."""
     # Gains as single numbers: only so does a force of zero take the motor out of the solver.
     _set_motor(model, 0)
 
@@ -23,14 +23,14 @@ def idle_motor(model: Model) -> None:
 
 
 def take_away_damping(model: Model) -> None:
-    """Of multibodies; of a body with joints it is one number each, and set at its base."""
+    """Set linear and angular damping to 0; of a body with joints both are set at its base."""
     p.changeDynamics(
         model.body, BASE, linearDamping=0, angularDamping=0, physicsClientId=model.client
     )
 
 
 def take_away_clamp(model: Model) -> None:
-    """Likewise."""
+    """Raise the clamp of the velocity coordinates out of reach."""
     p.changeDynamics(
         model.body, BASE, maxJointVelocity=UNREACHED_VELOCITY, physicsClientId=model.client
     )

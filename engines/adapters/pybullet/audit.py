@@ -42,7 +42,10 @@ class Steps(Protocol):
 
 
 def what_acts(steps: Steps, model: Model, scenario: Scenario) -> frozenset[str]:
-    """Effects by their names, and in words whatever else acts. The state and defaults are lost."""
+    """Names of the effects that act, and descriptions of anything else that does.
+
+    The probes change the body's state, and switch PyBullet's defaults off.
+    """
     acting = {*_world(model, scenario), *_holds(model), *_extras(model)}
     if np.isfinite(model.read_state().omega_body).all():
         acting |= _felt(_Probe.of(steps, model, scenario))
@@ -208,7 +211,7 @@ def _felt(probe: _Probe) -> set[str]:
 def _slowing_defaults(probe: _Probe) -> set[str]:
     """Which of PyBullet's defaults are at work: what makes a difference when it is taken away."""
     slowing = {"joint motor": take_away_motor} if probe.model.link == HUNG else {}
-    # Beside the motor nobody would feel it.
+    # Measured after the motor is off, whose torque hides it.
     slowing["damping"] = take_away_damping
     acting = set()
     for name, take_away in slowing.items():

@@ -71,7 +71,7 @@ class BodyRepresentation:
 
 
 def left_out(scenario: Scenario, representation: BodyRepresentation) -> tuple[str, ...]:
-    """What a body could have besides and move alike."""
+    """Parts left out of the body that would change no motion."""
     if representation.as_shipped or representation.own:
         return ()
     return (SHAPE, MOTOR) if representation.hung and scenario.has_pivot else (SHAPE,)

@@ -41,7 +41,7 @@ class WorkerSlot:
         self._changing = threading.Lock()
 
     def call(self, call: Callable[[], Any]) -> Answer[Any]:
-        """What comes of a call; it and what it returns are pickled.
+        """Make a call and return its answer; arguments and value are pickled.
 
         Raises
         ------

@@ -109,7 +109,7 @@ def inspect_model(model: ModelFile, executor: Executor, engines: Sequence[Asked]
 
 
 def read_held(engine: str, model: ModelFile, configuration: str) -> Bodies | str:
-    """In a child: what an engine holds, or why it refuses the file."""
+    """Run in a worker: the bodies that an engine holds, or why it refuses the file."""
     reader = model_readers().get(engine)
     if reader is None:
         return f"{engine} cannot be imported"

@@ -1,4 +1,4 @@
-"""What a wrong tensor does: the exact motions of both bodies, tumbling from one start."""
+"""The effect of a wrong tensor: exact motions of both bodies from one start, compared."""
 
 from dataclasses import replace
 from functools import cache
