@@ -30,7 +30,7 @@ _NUMBERS = 13
 _MAKE_A_DIRECTION_SPECIAL = {"gravity", "torque_world"}
 #: Second moments of mass that agree this far, relative to the largest, are equal.
 _EQUAL = 16 * np.finfo(float).eps
-#: The keys of either way to state a body's shape; they are replaced by the member's own.
+#: Alternative keys of body, attitude and ω: removed, since a member states its own in one way.
 _BODY_KEYS = ("particles", "inertia_about")
 _ATTITUDES = ("euler_zyz_deg", "rotation_vector_deg")
 _OMEGAS = ("omega_world", "euler_zyz_rates")
