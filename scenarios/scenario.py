@@ -98,7 +98,7 @@ class Scenario:
         return self.document.expect
 
     @property
-    def known(self) -> tuple[Known, ...]:
+    def expected_failures(self) -> tuple[Known, ...]:
         """The expected failures (`[[known]]`)."""
         return self.document.known
 

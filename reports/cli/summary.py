@@ -111,7 +111,7 @@ def verdict_record(verdict: Verdict) -> dict[str, Any]:
         "signals": {one.signal: _signal_record(one) for one in verdict.signals} or None,
         "unmet": list(verdict.unmet),
         "as_shipped": verdict.as_shipped,
-        "known": verdict.known,
+        "known": verdict.is_expected_failure,
     }
 
 

@@ -52,7 +52,7 @@ def row_of(
         row = replace(row, outcome="diverged", reason=reason, cause="energy", stopped_at=stopped_at)
     elif row.outcome == "ok" and (no_skill := no_better_than_rest(scenario, motion, exact)):
         reason = "; ".join(filter(None, (row.reason, no_skill)))
-        row = replace(row, cause=row.cause or "lost", reason=reason, lost=True)
+        row = replace(row, cause=row.cause or "lost", reason=reason, without_skill=True)
     # A run that stopped early has no errors: those up to there may be arbitrarily small.
     errors = errors_between(scenario, motion, exact) if row.outcome == "ok" else None
     return replace(row, errors=errors, drifts=drifts(scenario, motion), motion=motion)

@@ -157,7 +157,7 @@ class ConvergenceStudy:
     def verdict(self) -> Verdict:
         """Judge the ladder, and compare with the expected failures of the scene's file."""
         return compared_with_expected_failures(
-            self.scenario.known, self._verdict(), cut_short=self.cut_short
+            self.scenario.expected_failures, self._verdict(), cut_short=self.cut_short
         )
 
     def _verdict(self) -> Verdict:

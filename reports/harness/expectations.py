@@ -16,7 +16,7 @@ def _unknown(scenario: Scenario) -> Iterator[str]:
     methods = {name: [m.name for m in engine.methods] for name, engine in engines().items()}
     absent = [engine.name for engine in missing()]
     for table in ("expect", "known"):
-        for index, expected in enumerate(getattr(scenario, table)):
+        for index, expected in enumerate(getattr(scenario.document, table)):
             if expected.engine in methods and expected.method not in methods[expected.engine]:
                 yield _complaint(scenario, table, index, "method", methods[expected.engine])
             elif expected.engine not in methods and expected.engine not in absent:
@@ -26,7 +26,7 @@ def _unknown(scenario: Scenario) -> Iterator[str]:
 def _complaint(scenario: Scenario, table: str, index: int, key: str, names: Iterable[str]) -> str:
     line = line_of(scenario.text, (table, index, key))
     where = printable(str(scenario.path or scenario.name))
-    got = getattr(getattr(scenario, table)[index], key)
+    got = getattr(getattr(scenario.document, table)[index], key)
     return (
         f"{where}:{line}: [[{table}]] number {index + 1} {key}: "
         f"must be one of {', '.join(names)}, got '{got}'"

@@ -20,7 +20,9 @@ def compared_with_expected_failures(
         if (fault.engine, fault.method) != (key.engine, key.method):
             continue
         if verdict.verdict == fault.verdict:
-            return replace(verdict, reason=f"{verdict.reason}; known: {fault.reason}", known=True)
+            return replace(
+                verdict, reason=f"{verdict.reason}; known: {fault.reason}", is_expected_failure=True
+            )
         if verdict.verdict == "converges" and not cut_short:
             unmet = f"{key.engine} {key.method} converges, known to disagree: {fault.reason}"
             return replace(verdict, unmet=(*verdict.unmet, unmet))

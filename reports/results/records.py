@@ -41,7 +41,8 @@ class Row:
     ----------
     reason : why, where the outcome is not ok; of an engine as shipped, what differs from the scene
     cause : the same in a word
-    lost : whether a run that is ok is no better than no motion (`harness/without_skill.py`)
+    without_skill : whether a run that is ok is no better than no motion
+        (`harness/without_skill.py`)
     stopped_at : s, when it diverged or failed
     errors : at the run's sample times; None unless it is ok
     drifts : largest change of each conserved quantity, relative, by name
@@ -73,7 +74,7 @@ class Row:
     wall_seconds_per_step: float | None = None
     motion: Trajectory | None = None
     printed: str = ""
-    lost: bool = False
+    without_skill: bool = False
     stock: bool = False
     unasked: tuple[str, ...] = ()
 
@@ -89,7 +90,7 @@ class Row:
     @property
     def survived(self) -> bool:
         """Whether the run came to its end and is better than no motion."""
-        return self.outcome == "ok" and not self.lost
+        return self.outcome == "ok" and not self.without_skill
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,7 @@ class Verdict:
     signals : all of them; none where no ladder was judged
     unmet : expectations in the scene's file that this method did not meet, in words
     as_shipped : of the engine with all its defaults, which need not simulate the scene
-    known : whether it is an expected failure of the scene's file
+    is_expected_failure : whether it is an expected failure of the scene's file
     """
 
     key: Key
@@ -136,12 +137,12 @@ class Verdict:
     signals: tuple[SignalVerdict, ...] = ()
     unmet: tuple[str, ...] = ()
     as_shipped: bool = False
-    known: bool = False
+    is_expected_failure: bool = False
 
     @property
     def agrees(self) -> bool:
         """Whether a study with this verdict passes."""
-        expected = self.as_shipped or self.known
+        expected = self.as_shipped or self.is_expected_failure
         wrong = self.verdict in ("disagrees", "failed") and not expected
         return not wrong and not self.unmet
 
@@ -149,4 +150,4 @@ class Verdict:
     def is_unproven(self) -> bool:
         """Whether a clean method was neither found to converge nor to be wrong."""
         open_ended = self.verdict in ("unresolved", "diverges")
-        return open_ended and not (self.as_shipped or self.known)
+        return open_ended and not (self.as_shipped or self.is_expected_failure)

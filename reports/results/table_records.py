@@ -65,7 +65,7 @@ def of_row(row: Row) -> dict[str, Any]:
         **asdict(row.key),
         **{name: getattr(row, name) for name in _PLAIN_ROW},
         "errors": json.dumps(asdict(row.errors)) if row.errors else None,
-        "lost": row.lost,
+        "lost": row.without_skill,
         "stock": row.stock,
         "unasked": json.dumps(row.unasked),
         "drifts": json.dumps(row.drifts) if row.drifts is not None else None,
@@ -81,7 +81,7 @@ def of_verdict(verdict: Verdict) -> dict[str, Any]:
         "signals": json.dumps([asdict(one) for one in verdict.signals]),
         "unmet": json.dumps(verdict.unmet),
         "as_shipped": verdict.as_shipped,
-        "known": verdict.known,
+        "known": verdict.is_expected_failure,
     }
 
 
@@ -154,7 +154,7 @@ def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
     restored = Row(
         key=key(record),
         errors=_errors(record["errors"]) if record["errors"] else None,
-        lost=bool(record["lost"]),
+        without_skill=bool(record["lost"]),
         stock=bool(record["stock"]),
         unasked=tuple(from_json(record["unasked"], list)),
         drifts=from_json(record["drifts"], dict) if record["drifts"] else None,
@@ -175,7 +175,7 @@ def verdict(record: sqlite3.Row) -> Verdict:
         signals=tuple(typed(SignalVerdict(**one)) for one in from_json(record["signals"], list)),
         unmet=tuple(from_json(record["unmet"], list)),
         as_shipped=bool(record["as_shipped"]),
-        known=bool(record["known"]),
+        is_expected_failure=bool(record["known"]),
         **{name: record[name] for name in _PLAIN_VERDICT},
     )
     return typed(restored)

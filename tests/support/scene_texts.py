@@ -1,4 +1,4 @@
-"""A scenario file's text, as small as one can be, and ways to change it."""
+"""Texts of scenario files: as small as one can be, with ways to change it, and a fast top."""
 
 from spincheck.scenarios import Scenario, loads
 
@@ -15,6 +15,25 @@ omega_body = [0.5, 1.0, -2.0]
 [window]
 duration = 1.0
 samples = 5
+"""
+
+#: A heavy top that spins fast: 40 rad/s about its axis, tilted by 30°.
+FAST_TOP = """spincheck = 1
+title = "A fast top"
+source = "made up"
+[body]
+mass = 1.0
+inertia = [0.02, 0.02, 0.01]
+com = [0.0, 0.0, 0.1]
+[start]
+euler_zyz_deg = [0.0, 30.0, 0.0]
+omega_body = [0.0, 0.0, 40.0]
+[effects.gravity]
+acceleration = [0.0, 0.0, -9.81]
+[effects.pivot]
+[window]
+duration = 5.0
+samples = 101
 """
 
 

@@ -2,6 +2,7 @@
 
 import pytest
 from command_line import spincheck
+from scene_texts import FAST_TOP
 from spincheck.engines import engines
 from spincheck.reports.harness.study import convergence_study_of, prepare
 from spincheck.reports.results.records import Verdict
@@ -14,29 +15,16 @@ DISAGREES = 1
 BUDGET = 1 << 11
 
 #: A fast heavy top, 40 rad/s: MuJoCo's Euler, and PyBullet's, lose it with a step of 10 ms.
-TOP = """
-spincheck = 1
-title = "A fast top"
-source = "made up"
-[body]
-mass = 1.0
-inertia = [0.02, 0.02, 0.01]
-com = [0.0, 0.0, 0.1]
-[start]
-euler_zyz_deg = [0.0, 30.0, 0.0]
-omega_body = [0.0, 0.0, {spin}]
-[effects.gravity]
-acceleration = [0.0, 0.0, -9.81]
-[effects.pivot]
-[window]
-duration = 5.0
-samples = 101
+TOP = (
+    FAST_TOP.replace("40.0]", "{spin}]")
+    + """\
 [[expect]]
 engine = "{engine}"
 method = "{method}"
 timestep = {timestep}
 outcome = "diverges"
 """
+)
 COARSE, FINE = 0.01, 0.0005
 #: rad/s; beyond 100 PyBullet as shipped clamps every velocity.
 BEYOND_THE_CLAMP = 150.0

@@ -24,7 +24,13 @@ def test_all_verdicts_of_clean_methods_are_counted():
 
 def test_what_fails_is_reported_with_its_reason_and_how_many_more_there_are():
     wrong = [
-        replace(verdict, verdict="disagrees", reason="R" * 500, known=False, as_shipped=False)
+        replace(
+            verdict,
+            verdict="disagrees",
+            reason="R" * 500,
+            is_expected_failure=False,
+            as_shipped=False,
+        )
         for verdict in FOUND.verdicts
     ]
     lines = short_summary(replace(FOUND, verdicts=wrong))

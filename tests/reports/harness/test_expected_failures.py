@@ -47,14 +47,14 @@ def test_others_are_not_excused(other):
 
 
 def test_what_the_library_knows_of_engines_is_so():
-    knowing = [scene for scene in map(load, find(["hard"])) if scene.known]
+    knowing = [scene for scene in map(load, find(["hard"])) if scene.expected_failures]
     assert knowing
     for scene in knowing:
         prepared = prepare(scene, [], MAX_STEPS)
-        for fault in scene.known:
+        for fault in scene.expected_failures:
             engine = engines()[fault.engine]
             study = convergence_study_of(scene, engine, engine.method(fault.method), prepared)
-            assert verdict_of(study).known
+            assert verdict_of(study).is_expected_failure
 
 
 def test_a_ladder_that_was_cut_short_does_not_refute_it():

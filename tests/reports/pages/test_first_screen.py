@@ -182,7 +182,7 @@ def test_what_diverged_or_is_lost_is_never_the_best_choice():
     rows = []
     for row in best.rows:
         ended = {"outcome": "diverged", "errors": None} if row.timestep == TIMESTEPS[0] else {}
-        rows.append(replace(row, lost=row.timestep == TIMESTEPS[1], **ended))
+        rows.append(replace(row, without_skill=row.timestep == TIMESTEPS[1], **ended))
     found = best_choice(scene(report_data(replace(best, rows=rows))))
     assert found.row.timestep == TIMESTEPS[2]
 

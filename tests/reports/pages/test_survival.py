@@ -20,7 +20,7 @@ KEY = Key("scene", "engine", "method")
 def runs(*outcomes: str) -> list[Row]:
     """Rows at timesteps of 1 s, 1/2 s, … that ended so, or are lost, coarse to fine."""
     return [
-        Row(KEY, "1", 2.0**-k, "ok", lost=True)
+        Row(KEY, "1", 2.0**-k, "ok", without_skill=True)
         if outcome == "lost"
         else Row(KEY, "1", 2.0**-k, outcome)
         for k, outcome in enumerate(outcomes)
