@@ -14,7 +14,7 @@ NOTICED, NEGLIGIBLE = 1.5, 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class DefaultsTold:
+class DefaultsTable:
     """One engine as shipped.
 
     Attributes
@@ -28,10 +28,10 @@ class DefaultsTold:
     table: Table
 
 
-def default_tables(scene: SceneRuns) -> list[DefaultsTold]:
+def default_tables(scene: SceneRuns) -> list[DefaultsTable]:
     """One for each engine whose defaults were taken away one by one."""
     return [
-        DefaultsTold(
+        DefaultsTable(
             f"{measured.key.engine} {measured.key.method} at {duration(measured.timestep)}",
             _sentence(measured),
             _table(scene, measured),

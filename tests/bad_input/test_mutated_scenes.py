@@ -60,7 +60,7 @@ def complaint_about(text: str) -> str:
     return message
 
 
-def assert_told(file, leaf: Leaf) -> None:
+def assert_reported(file, leaf: Leaf) -> None:
     """The complaint names the line and the key; or the line where it is not TOML at all."""
     place = f"{NAME}:{line_of(file, leaf.keys)}: "
     message = complaint_about(written(file))
@@ -79,13 +79,13 @@ def each(values: dict[str, str], kept: dict[str, Leaf]):
 
 @each(NEVER, LEAVES)
 def test_a_value_of_no_use_anywhere_is_refused_in_its_line(leaf, value):
-    assert_told(changed(leaf.file, leaf.keys, Raw(value)), leaf)
+    assert_reported(changed(leaf.file, leaf.keys, Raw(value)), leaf)
 
 
 @each(NEVER | NOT_A_NUMBER, NUMBERS)
 def test_no_number_among_others_may_be_anything_else(leaf, value):
     for _, entries in with_entries(leaf.example, Raw(value)):
-        assert_told(changed(leaf.file, leaf.keys, entries), leaf)
+        assert_reported(changed(leaf.file, leaf.keys, entries), leaf)
 
 
 @each(NOT_A_TEXT, TEXTS)
@@ -94,7 +94,7 @@ def test_a_text_says_something(leaf, value):
     if leaf.name == "description" and value.startswith('"'):
         assert is_scene(file)
     else:
-        assert_told(file, leaf)
+        assert_reported(file, leaf)
 
 
 @each(CONTROL, TEXTS)
@@ -103,7 +103,7 @@ def test_a_text_cannot_command_a_terminal(leaf, value):
     if leaf.name == "description" and value == CONTROL["second line"]:
         assert is_scene(file)
     else:
-        assert_told(file, leaf)
+        assert_reported(file, leaf)
 
 
 @pytest.mark.parametrize("leaf", LEAVES.values(), ids=LEAVES)
@@ -171,7 +171,7 @@ def test_an_array_of_another_length_is_reported_once(leaf):
     for entries in ([], leaf.example[:-1], [*leaf.example, leaf.example[0]]):
         file = changed(leaf.file, leaf.keys, entries)
         if not is_scene(file):  # a particle more is a body still
-            assert_told(file, leaf)
+            assert_reported(file, leaf)
 
 
 def test_every_way_of_giving_an_attitude_excludes_the_others():
@@ -216,7 +216,7 @@ def test_every_way_of_giving_an_attitude_excludes_the_others():
 def test_values_that_do_not_go_together_are_reported_at_the_key_to_blame(keys, value, rule):
     (leaf,) = [leaf for leaf in LEAVES.values() if leaf.keys == keys]
     file = changed(leaf.file, keys, value)
-    assert_told(file, leaf)
+    assert_reported(file, leaf)
     assert rule in complaint_about(written(file))
 
 
@@ -225,5 +225,5 @@ def test_a_planted_hole_in_the_format_is_found():
     leaf = LEAVES["body.mass"]
     file = changed(leaf.file, leaf.keys, 3.0)
     with pytest.raises(pytest.fail.Exception):
-        assert_told(file, leaf)
+        assert_reported(file, leaf)
     assert value_at(file, leaf.keys) == 3.0

@@ -29,7 +29,7 @@ NOTHING_RIGHT = 1.0
 SIGN_PART, SMALLEST_SIGN, LARGEST_SIGN = 0.62, 3.0, 8.0
 #: Places of a map whose points are told one by one where the pointer is; of more, a page would
 #: weigh many megabytes, and the pointer shows the error or the sign's meaning alone.
-MOST_TOLD = 1600
+MOST_HOVER_TEXTS = 1600
 LINE_WIDTH, CASING_WIDTH, LABEL_SIZE = 1.6, 4.0, 10
 
 
@@ -146,7 +146,7 @@ def _marker(mark: Mark, size: float) -> dict[str, Any]:
 
 def _hover_text(grid: Grid, point: PointResult) -> str:
     """What a pointer on a place shows, under the method's name."""
-    if math.prod(grid.shape) > MOST_TOLD:
+    if math.prod(grid.shape) > MOST_HOVER_TEXTS:
         return f"ω error {_claimed(point):.0e}" if is_coloured(point) else escape(_ended(point))
     at = (with_unit(axis, value) for axis, value in zip(grid.axes, point.at, strict=True))
     chosen = not any(axis.path == TIMESTEP for axis in grid.axes) and point.timestep

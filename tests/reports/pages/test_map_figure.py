@@ -228,5 +228,5 @@ def test_linear_axes_are_drawn_in_their_own_units() -> None:
 def test_a_large_map_tells_less_of_each_point(monkeypatch: pytest.MonkeyPatch) -> None:
     """Or its page would weigh many megabytes."""
     whole = len(json.dumps(map_figure(grid())))
-    monkeypatch.setattr(map_figure_module, "MOST_TOLD", 9 * 7 - 1)
+    monkeypatch.setattr(map_figure_module, "MOST_HOVER_TEXTS", 9 * 7 - 1)
     assert len(json.dumps(map_figure(grid()))) < 0.8 * whole
