@@ -185,7 +185,9 @@ class _Probe:
 
     def _momentum(self, state: State) -> FloatArray:
         """L about the pivot, or the com where there is none, world axes, kg m²/s, (3,)."""
-        R_world_body = matrices(state.q_world_body_wxyz[None])[0]
+        # Of unit length to the last digit: a probe divides by a very short time.
+        q_world_body = state.q_world_body_wxyz / np.linalg.norm(state.q_world_body_wxyz)
+        R_world_body = matrices(q_world_body[None])[0]
         L_world = R_world_body @ (self.held.inertia_com @ state.omega_body)
         if self.scenario.has_pivot:
             L_world += self.held.mass * cross(state.com_world, state.velocity_world)

@@ -87,7 +87,8 @@ class Model:
 
     def R_world_body(self) -> FloatArray:
         """The body's attitude now, (3, 3)."""
-        return np.asarray(matrices(self.read_state().q_world_body_wxyz[None])[0])
+        q_world_body = self.read_state().q_world_body_wxyz
+        return np.asarray(matrices((q_world_body / np.linalg.norm(q_world_body))[None])[0])
 
     def put_on_pivot(self) -> None:
         """Take back what a constraint let the origin drift; the attitude stays, the motion ends."""
