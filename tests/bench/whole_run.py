@@ -56,7 +56,7 @@ PHASES: dict[str, list[tuple[Any, str]]] = {
         for name in ("advance", "record")
     ],
     "loading models": [(engine, "open") for engine in map(engines().get, ENGINES)],
-    "looking at states": [(sampling, "_looked_at")],
+    "checking states": [(sampling, "_checked")],
     "first steps": [(study, "_equation_residuals")],
     "comparing": [(convergence_study, "row_of")],
     "judging": [(convergence_study.ConvergenceStudy, "take")],
