@@ -49,7 +49,7 @@ thresholds: $(READY)
 engine-verdicts: $(READY)
 	$(BIN)/python tests/reports/harness/measure_engines.py
 
-# Honest methods on a thousand random scenes: what is judged wrongly, counted.
+# Faultless methods on a thousand random scenes: what is judged wrongly, counted.
 random: $(READY)
 	$(BIN)/python tests/reports/harness/measure_random.py
 

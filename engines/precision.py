@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from ..scenarios import FloatArray
 from ..scenarios.rotation import norms
 from .read_back import State
 
 #: Relative spacing of single-precision numbers.
 EPS_SINGLE = float(np.finfo(np.float32).eps)
 #: Root mean square of the norm's rounding, in `EPS_SINGLE`: rounding four components to 24 bits
-#: gives about a fifth. Below the first it is double precision, beyond the second something else.
+#: gives about an eighth. Below the first it is double precision, beyond the second something else.
 LEAST, MOST = 1 / 64, 4.0
 #: Samples it takes.
 FEWEST = 16
@@ -35,5 +36,5 @@ def single_precision(states: State) -> str:
     )
 
 
-def _rms(values: np.ndarray) -> float:
+def _rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2)))

@@ -239,8 +239,9 @@ def recommend(
     has none. An engine as shipped, with its damping and clamps, is never recommended.
     """
     from .named_scenes import one_scene
-    from .recommend import exit_code, print_recommendation, recommendation_as_json
+    from .recommend import exit_code
     from .recommend import recommend as find_cheapest
+    from .recommendation_words import print_recommendation, recommendation_as_json
 
     one_scene(scenario)
     wanted = {

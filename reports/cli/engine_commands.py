@@ -110,9 +110,9 @@ def reproduce(
 
     It builds the model, steps it, and prints its error against exact values that stand in it.
     """
+    from .choosing import check_timesteps, choose
     from .named_scenes import one_scene
     from .reproduce import reproduction
-    from .running import check_timesteps, choose
 
     scene = one_scene(scenario)
     choice = choose([engine], [method], [timestep])

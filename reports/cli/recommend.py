@@ -7,11 +7,10 @@ its timestep; a check that misses a bound is one more run to interpolate between
 
 import math
 import shlex
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 from ...engines import engines
 from ...scenarios import Scenario
@@ -19,7 +18,7 @@ from ..harness.choice import Choice
 from ..harness.executors import TIME_LIMIT, LocalWorkers
 from ..harness.plan import plan
 from ..harness.study import run_study
-from ..pages.analysis.candidates import Bounds, Candidate, as_cheap, candidates
+from ..pages.analysis.candidates import Bounds, Candidate, candidates
 from ..pages.analysis.report_data import report_data
 from ..results.records import Key, Row
 from ..results.store import Results, open_store
@@ -27,7 +26,7 @@ from . import running
 from .executing import Where, check_temporary_folder
 from .named_scenes import one_scene
 from .stopping import saying
-from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table
+from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say
 
 #: Checks before it is given up: each that misses is taken into account by the next.
 CHECKS = 4
@@ -108,55 +107,6 @@ def exit_code(recommendation: Recommendation) -> int:
     return AGREES if recommendation.verified else DISAGREES
 
 
-def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
-    """The same with the names that scripts rely on."""
-    methods = [_method(candidate) for candidate in recommendation.candidates]
-    return {
-        "scenario": recommendation.scenario,
-        "bounds": dict(recommendation.bounds),
-        "recommended": methods[0] if recommendation.best else None,
-        "verified": recommendation.verified,
-        "unchecked": recommendation.unchecked,
-        "checks": [
-            asdict(row.key)
-            | {"timestep": row.timestep, "outcome": row.outcome, "reason": row.reason}
-            | (asdict(row.errors) if row.errors else {})
-            for row in recommendation.checks
-        ],
-        "command": recommendation.command,
-        "source": recommendation.source or None,
-        "methods": methods,
-    }
-
-
-def print_recommendation(recommendation: Recommendation) -> None:
-    """Print every method with its cost, the choice, its checks, and how to run it again."""
-    bounds = ", ".join(
-        f"{_named(signal)} to {bound:g}" for signal, bound in recommendation.bounds.items()
-    )
-    print(f"{recommendation.scenario}: {bounds}")
-    table([_line(candidate) for candidate in recommendation.candidates])
-    for candidate in recommendation.candidates:
-        if candidate.timestep is None:
-            print(f"{candidate.label}: {candidate.word}: {candidate.reason}")
-    best = recommendation.best
-    if best is None:
-        print("No method reaches it.")
-        return
-    print(
-        f"Cheapest: {best.label} with a timestep of {best.timestep!r} s, "
-        f"{best.cost:.3g} CPU seconds a simulated second."
-    )
-    if alike := as_cheap(recommendation.candidates):
-        labels = ", ".join(candidate.label for candidate in alike)
-        print(f"As cheap, within the spread of the timings: {labels}.")
-    for row in recommendation.checks:
-        print(_check_line(row, recommendation.bounds))
-    if recommendation.unchecked:
-        print(f"Not checked: {recommendation.unchecked}.")
-    print(f"To check it again:\n  {recommendation.command}")
-
-
 def _check_bounds(bounds: Bounds) -> None:
     if not bounds:
         raise Complaint(
@@ -223,7 +173,7 @@ def _checked(scene: str, bounds: Bounds, results: Results, folder: Path) -> Reco
         if unchecked or within(checks[-1], bounds) or len(checks) == CHECKS:
             command = _command(scene, best)
             return Recommendation(tried.name, bounds, ranked, tuple(checks), unchecked, command)
-        results = _with_runs(results, checks[-1:])
+        results = _with_run(results, checks[-1])
 
 
 def _too_long(best: Candidate, duration: float) -> str:
@@ -238,30 +188,23 @@ def _run_again(scenario: Scenario, key: Key, timestep: float, out: Path) -> Row:
     """One run at exactly that timestep."""
     say(f"Checking {key.engine} {key.method} at {timestep!r} s.")
     choice = Choice((engines()[key.engine],), (key.method,), (timestep,))
-    return _rows_at(scenario, choice, 1, out)[0]
-
-
-def _rows_at(scenario: Scenario, choice: Choice, jobs: int, out: Path) -> list[Row]:
-    """What comes out at the timesteps chosen."""
     with open_store(out, create=True) as store:
-        with LocalWorkers(jobs) as executor:
+        with LocalWorkers(1) as executor:
             left = plan([scenario], choice, store)
             run_study(left, choice, store, executor, lambda _: None)
-        return [row for row in store.read().rows if row.timestep in choice.timesteps]
+        return next(row for row in store.read().rows if row.timestep == timestep)
 
 
-def _with_runs(results: Results, rows: Iterable[Row]) -> Results:
-    """The results with more runs, at the price of their methods' other runs."""
-    priced = {row.key: row for row in results.rows}
-    by_timestep = {(row.key, row.timestep): row for row in results.rows}
-    for row in rows:
-        alike = priced[row.key]
-        by_timestep[row.key, row.timestep] = replace(
-            row,
-            seconds_per_step=alike.seconds_per_step,
-            seconds_spread=alike.seconds_spread,
-            wall_seconds_per_step=alike.wall_seconds_per_step,
-        )
+def _with_run(results: Results, run: Row) -> Results:
+    """The results with one more run, at the price of its method's other runs."""
+    alike = next(row for row in reversed(results.rows) if row.key == run.key)
+    priced = replace(
+        run,
+        seconds_per_step=alike.seconds_per_step,
+        seconds_spread=alike.seconds_spread,
+        wall_seconds_per_step=alike.wall_seconds_per_step,
+    )
+    by_timestep = {(row.key, row.timestep): row for row in (*results.rows, priced)}
     return replace(results, rows=list(by_timestep.values()))
 
 
@@ -270,42 +213,3 @@ def _command(scene: str, best: Candidate) -> str:
     # In a file of its own: what a file knows of a scene is replaced when the scene is run.
     parts += ["--timestep", repr(best.timestep), "--out", "recommended.sqlite", "--json"]
     return shlex.join(parts)
-
-
-def _method(candidate: Candidate) -> dict[str, Any]:
-    return asdict(candidate.key) | {
-        "timestep": candidate.timestep,
-        "seconds_per_simulated_second": candidate.cost,
-        "spread": candidate.spread,
-        "known": candidate.word,
-        "reason": candidate.reason,
-        "decided_by": candidate.decided_by,
-        "largest_stable_timestep": candidate.largest_stable,
-    }
-
-
-def _line(candidate: Candidate) -> dict[str, object]:
-    return {
-        "engine": candidate.key.engine,
-        "method": candidate.key.method,
-        "timestep, s": candidate.timestep,
-        "CPU s a simulated s": candidate.cost,
-        "known": candidate.word,
-        "decided by": _named(candidate.decided_by),
-        "largest stable tried, s": candidate.largest_stable,
-    }
-
-
-def _check_line(row: Row, bounds: Bounds) -> str:
-    run = f"{row.key.engine} {row.key.method} at {row.timestep!r} s"
-    if row.outcome != "ok" or row.errors is None:
-        return f"Check of {run}: {row.outcome}: {row.reason}"
-    errors = dict(row.errors)
-    errors_in_words = ", ".join(f"{_named(name)} {errors[name]:.3g}" for name in errors)
-    missed = [_named(name) for name, bound in bounds.items() if not errors[name] <= bound]
-    outcome = f"misses the bound on {' and '.join(missed)}" if missed else "within every bound"
-    return f"Check of {run}: {outcome}: {errors_in_words}"
-
-
-def _named(signal: str) -> str:
-    return {"omega": "ω", "angular_momentum": "L"}.get(signal, signal)

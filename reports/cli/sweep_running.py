@@ -20,9 +20,10 @@ from ..results.sweep_records import (
     MapResult,
     PointResult,
 )
+from .choosing import check_timesteps, choose, limited
 from .executing import Where, executor_for
 from .named_scenes import one_scene
-from .running import check_timesteps, choose, gone_on_with, limited
+from .running import gone_on_with
 from .stopping import saying
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress, say
 

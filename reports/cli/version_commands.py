@@ -93,10 +93,11 @@ def versions(
     changes = [change for one in over for change in one.changes]
     worse = sum(change.is_worse for change in changes)
     if as_json:
-        document = {"changes": [asdict(c) for c in changes], "worse": worse, "page": str(page)}
+        records = [asdict(c) | {"words": str(c) if c.what else ""} for c in changes]
+        document = {"changes": records, "worse": worse, "page": str(page)}
         print(to_json(document))
     else:
-        same = sum(not change.words for change in changes)
+        same = sum(not change.what for change in changes)
         say(f"{same} of {len(changes)} comparisons are alike; in {worse} the newer one is worse.")
         print(page)
     raise typer.Exit(DISAGREES if worse else AGREES)
@@ -104,5 +105,5 @@ def versions(
 
 def _print_changes(changes: "list[VersionChange]") -> None:
     for change in changes:
-        if change.words:
-            print(change.words, flush=True)
+        if change.what:
+            print(change, flush=True)

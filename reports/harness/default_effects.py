@@ -6,7 +6,6 @@ import numpy as np
 
 from ...engines import Engine, EngineError, Method
 from ...engines.faults import Bounds, clamped_turn
-from ...engines.read_back import READ_BACK_SLACK
 from ...engines.sampling import sample
 from ...reference import Solution
 from ...scenarios import Errors, Scenario, Trajectory, errors_between
@@ -76,7 +75,7 @@ def _errors(
     defaults: Collection[str],
 ) -> Errors | None:
     """Of a run with these defaults; None where it did not come to its end."""
-    bounds = Bounds(rung.timestep, method.max_rotation_per_step, READ_BACK_SLACK, np.inf)
+    bounds = Bounds(rung.timestep, method.max_rotation_per_step, engine.slack, np.inf)
     try:
         with engine.open_with_defaults(scenario, method, rung.timestep, defaults) as session:
             sampled = sample(session, rung.sample_steps, bounds)

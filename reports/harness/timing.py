@@ -30,8 +30,9 @@ def time_scene(
     try:
         complaints = _time_scene(scene, choice, store, executor)
     except TimingRefused as refused:
-        complaints = [f"not by now, the same command goes on: {refused}"]
-    progress("; ".join([f"{scene.scenario.name}  timed", *complaints]))
+        progress(f"{scene.scenario.name}  not timed, the same command times it: {refused}")
+    else:
+        progress("; ".join([f"{scene.scenario.name}  timed", *complaints]))
 
 
 def _time_scene(

@@ -48,7 +48,7 @@ class VersionChange:
     errors : by signal, of the older and the newer, where they changed notably
     ratio : of the newer's time a step to the older's, median of rounds in turn; None if not timed
     is_worse : whether the newer is
-    words : all of it; empty where nothing changed
+    what : all of it in words; empty where nothing changed
     is_round_off : whether nothing changed but that
     """
 
@@ -62,8 +62,12 @@ class VersionChange:
     errors: dict[str, tuple[float, float]]
     ratio: float | None
     is_worse: bool
-    words: str
+    what: str
     is_round_off: bool
+
+    def __str__(self) -> str:
+        worse = "  WORSE" if self.is_worse else ""
+        return f"{self.scenario}, {self.method}, {self.older} → {self.newer}: {self.what}{worse}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,8 +117,6 @@ def _change(
     parts = [*_in_words(older, newer, equal, errors)]
     if is_slower or is_faster:
         parts.append(f"a step takes {ratio:.2f} times as long")
-    head = f"{scene.scenario.name}, {method.name}, {older.version} → {newer.version}"
-    sentence = f"{head}: {'; '.join(parts)}{'  WORSE' if is_worse else ''}" if parts else ""
     return VersionChange(
         scene.scenario.name,
         method.name,
@@ -126,7 +128,7 @@ def _change(
         errors,
         ratio,
         is_worse,
-        sentence,
+        "; ".join(parts),
         is_round_off=len(parts) == 1 and equal == "to round-off",
     )
 

@@ -34,7 +34,7 @@ def write_version_page(
         "timestep": number(timestep),
         "factor": number(NOTABLE),
         "worse": sum(change.is_worse for change in changes),
-        "alike": sum(not change.words for change in changes),
+        "alike": sum(not change.what for change in changes),
         "count": len(changes),
         "changes": _changes(changes),
         "verdicts": _by_version(over, versions, _verdict),
@@ -47,16 +47,12 @@ def write_version_page(
 
 def _changes(changes: Sequence[VersionChange]) -> Table:
     """Those in which anything changed: regressions first, what is round-off last."""
-    shown = sorted((c for c in changes if c.words), key=lambda c: (not c.is_worse, c.is_round_off))
+    shown = sorted((c for c in changes if c.what), key=lambda c: (not c.is_worse, c.is_round_off))
     headings = ("scene", "method", "from", "to", "what changed", "")
     return table(
         headings,
-        [(c.scenario, c.method, c.older, c.newer, _what(c), _regression(c)) for c in shown],
+        [(c.scenario, c.method, c.older, c.newer, c.what, _regression(c)) for c in shown],
     )
-
-
-def _what(change: VersionChange) -> str:
-    return change.words.partition(": ")[2].removesuffix("  WORSE")
 
 
 def _regression(change: VersionChange) -> Cell:

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from ...scenarios import Errors, Scenario, loads
 from ...scenarios.vary import MAX_COUNT, Axis, check_path
+from .column_values import as_result_file_error, from_json, scene_name, typed
 from .database import Database, put
 from .sweep_records import (
     MAX_MEMBERS,
@@ -24,7 +25,7 @@ from .sweep_records import (
     SweepPoint,
     sweep_point,
 )
-from .table_records import as_result_file_error, from_json, point_key, scene_name, typed
+from .table_records import point_key
 
 SCHEMA = """
 -- A Map or an Ensemble, as JSON, and the scene that is varied.

@@ -1,34 +1,26 @@
 """Converts records to rows of the tables of a result file, and back."""
 
 import json
-import math
 import sqlite3
-from collections.abc import Callable
 from dataclasses import asdict
-from functools import cache, wraps
-from typing import Any, TypeVar, get_type_hints
-
-from pydantic import TypeAdapter, ValidationError
+from typing import Any
 
 from ...engines import Engine, Method
 from ...reference import Solution
-from ...scenarios import Errors, Scenario, Trajectory, is_scene_name, loads, printable
+from ...scenarios import Errors, Scenario, loads
+from .column_values import (
+    LARGEST,
+    as_result_file_error,
+    check,
+    from_json,
+    scene_name,
+    text_of,
+    typed,
+)
 from .cost_records import EffectsCost, PassCost, PassCosts, Ratio, StepCost
-from .database import shown
 from .default_records import DefaultEffect, DefaultEffects
 from .motion_blobs import pack, unpack
 from .records import Key, Pair, Row, SignalVerdict, Verdict
-from .result_file import ResultFileError
-from .sweep_records import PointResult
-
-T = TypeVar("T")
-
-#: Characters; the two axes of a map have some 40 000.
-LONGEST_JSON = 1 << 20
-#: Of a run's times and counts, SI.
-LARGEST = 1e150
-#: Characters of what is wrong with a record.
-SHOWN = 200
 
 _PLAIN_ROW = (
     "engine_version",
@@ -120,21 +112,6 @@ def of_default_effects(effects: DefaultEffects) -> dict[str, Any]:
     return {**record.pop("key"), "record": json.dumps(record)}
 
 
-def as_result_file_error(read: Callable[..., T]) -> Callable[..., T]:
-    """Turn what a damaged record raises into one kind of error."""
-
-    @wraps(read)
-    def reading(*arguments: Any) -> T:
-        try:
-            return read(*arguments)
-        # Damaged JSON, archives, arrays and scenes raise whatever their parsers do.
-        except Exception as error:
-            words = printable(str(error), SHOWN)
-            raise ResultFileError(f"a record cannot be read: {words}") from error
-
-    return reading
-
-
 @as_result_file_error
 def scene(record: sqlite3.Row) -> tuple[Scenario, Solution]:
     """A record of the table `scenes`."""
@@ -191,19 +168,19 @@ def method(record: sqlite3.Row) -> tuple[Pair, Method]:
         requires=frozenset(from_json(record["requires"], list)),
         **declared | {"as_shipped": bool(declared["as_shipped"])},
     )
-    return (_text(record["engine"]), restored.name), typed(restored)
+    return (text_of(record["engine"]), restored.name), typed(restored)
 
 
 @as_result_file_error
 def stock_timestep(record: sqlite3.Row) -> tuple[str, float] | None:
     """Of the engine of a record of the table `methods`, s; None where it has none."""
     timestep = record["stock_timestep"]
-    _check("stock_timestep", timestep, float | None)
+    check("stock_timestep", timestep, float | None)
     if timestep is None:
         return None
     if not 0 < timestep < LARGEST:
         raise ValueError(f"stock_timestep: must be positive, got {timestep!r}")
-    return _text(record["engine"]), timestep
+    return text_of(record["engine"]), timestep
 
 
 @as_result_file_error
@@ -220,49 +197,10 @@ def point_key(record: sqlite3.Row) -> Key:
     return typed(Key(scene_name(record), record["engine"], record["method"]))
 
 
-def scene_name(record: sqlite3.Row) -> str:
-    """The name in a record's column `scenario`.
-
-    Raises
-    ------
-    ValueError
-        If no scene can have it: a page is named after it.
-    """
-    name = _text(record["scenario"])
-    if not is_scene_name(name):
-        raise ValueError(f"{printable(name)!r} is no scene's name")
-    return name
-
-
-def from_json(text: Any, kind: type[T]) -> T:
-    """What a column holds as JSON, its texts printable.
-
-    Raises
-    ------
-    ValueError
-        If it is no JSON, too long, or of another kind.
-    """
-    if len(_text(text)) > LONGEST_JSON:
-        raise ValueError(f"JSON of more than {LONGEST_JSON} characters")
-    value = _shown(json.loads(text))
-    if not isinstance(value, kind):
-        raise ValueError(f"JSON of another kind: {str(value)!r}")
-    return value
-
-
-def _shown(value: Any) -> Any:
-    """The value with its texts as `shown`: JSON has escapes of its own, which hid them so far."""
-    if isinstance(value, str):
-        return shown(value)
-    if isinstance(value, dict):
-        return {_shown(name): _shown(entry) for name, entry in value.items()}
-    return [_shown(entry) for entry in value] if isinstance(value, list) else value
-
-
 @as_result_file_error
 def environment(record: sqlite3.Row) -> tuple[str, str]:
     """A record of the table `environment`."""
-    return _text(record["name"]), _text(record["value"])
+    return text_of(record["name"]), text_of(record["value"])
 
 
 @as_result_file_error
@@ -294,51 +232,3 @@ def default_effects(record: sqlite3.Row) -> DefaultEffects:
 
 def _errors(text: str) -> Errors:
     return typed(Errors(**from_json(text, dict)))
-
-
-def _text(value: Any) -> str:
-    _check("a text", value, str)
-    return str(value)
-
-
-def typed(record: T) -> T:
-    """The record, if the values in it are of the types that its class declares.
-
-    Raises
-    ------
-    ValueError
-        If one is not: SQLite takes any value in any column.
-    """
-    kind: type = type(record)
-    for name, declared in _declared(kind).items():
-        value = getattr(record, name)
-        # A trajectory sees to itself as it is made.
-        if not isinstance(value, Trajectory | None):
-            _check(name, value, declared)
-        if isinstance(record, Row | PointResult) and isinstance(value, float | int):
-            _check_size(name, value)
-    return record
-
-
-@cache
-def _declared(kind: type) -> dict[str, Any]:
-    return get_type_hints(kind)
-
-
-def _check_size(name: str, value: float) -> None:
-    """Nothing a run is recorded with is negative, or so large that its square overflows."""
-    if not 0 <= value <= LARGEST and value != math.inf:
-        raise ValueError(f"{name}: must be from 0 to {LARGEST:g}, got {value!r}")
-
-
-def _check(name: str, value: Any, declared: Any) -> None:
-    try:
-        _adapter(declared).validate_python(value, strict=True)
-    except ValidationError as error:
-        rule = error.errors()[0]["msg"]
-        raise ValueError(f"{name}: {rule[0].lower()}{rule[1:]}, got {value!r}") from None
-
-
-@cache
-def _adapter(declared: Any) -> TypeAdapter[Any]:
-    return TypeAdapter(declared)

@@ -42,3 +42,14 @@ def written(folder: Path, text: str, name: str = "robot.urdf") -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
     return path
+
+
+def arm_with_a_tool() -> str:
+    """A robot whose tool no joint moves, so that readers fuse it with the arm."""
+    return robot(
+        link("base"),
+        link("arm", inertial()),
+        link("tool", inertial()),
+        joint("base", "arm"),
+        joint("arm", "tool", "fixed"),
+    )

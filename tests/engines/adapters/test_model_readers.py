@@ -5,7 +5,7 @@ import pytest
 from spincheck.engines import EngineError
 from spincheck.engines.model_reader import model_readers
 from spincheck.scenarios.model_files import read_model
-from users_models import arm, body, diagonal, inertial, joint, link, robot, written
+from users_models import arm, arm_with_a_tool, body, diagonal, inertial, joint, link, robot, written
 
 pytest.importorskip("pybullet")
 EPS = float(np.finfo(float).eps)
@@ -58,13 +58,7 @@ def test_mujoco_refuses_a_tensor_that_no_body_has(tmp_path, configuration):
 
 
 def test_mujoco_fuses_what_no_joint_moves(tmp_path):
-    text = robot(
-        link("base"),
-        link("arm", inertial()),
-        link("tool", inertial()),
-        joint("base", "arm"),
-        joint("arm", "tool", "fixed"),
-    )
+    text = arm_with_a_tool()
     found = held(tmp_path, text, ("mujoco", "as-is"))
     assert list(found) == ["arm"]
     assert found["arm"].mass == 4

@@ -177,7 +177,7 @@ def test_a_newer_one_that_errs_more_is_worse_and_the_other_way_round_is_not() ->
     worse = change(Newer(), NewerAndWorse())
     assert worse.is_worse
     assert worse.errors["omega"][1] > 100 * worse.errors["omega"][0]
-    assert "ω error" in worse.words
+    assert "ω error" in worse.what
     better = change(NewerAndWorse(), Newer())
     assert better.errors["omega"] == worse.errors["omega"][::-1]
 
@@ -187,7 +187,7 @@ def test_a_version_whose_verdict_falls_is_worse() -> None:
     fallen = change(Newer(), NewerAndWorse())
     assert fallen.verdicts == ("converges", "disagrees")
     assert fallen.is_worse
-    assert "converges → disagrees" in fallen.words
+    assert "converges → disagrees" in fallen.what
 
 
 def test_the_page_has_each_version_and_says_which_is_worse(tmp_path: Path) -> None:

@@ -12,7 +12,8 @@ from pathlib import Path
 from statistics import median
 
 from spincheck.engines import engines
-from spincheck.reports.cli.running import choose, scenes_of
+from spincheck.reports.cli.choosing import choose
+from spincheck.reports.cli.running import scenes_of
 from spincheck.reports.harness.choice import QUICK_STEPS
 from spincheck.reports.harness.executors import LocalWorkers
 from spincheck.reports.harness.plan import plan

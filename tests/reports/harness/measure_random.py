@@ -1,4 +1,4 @@
-"""Honest methods on random scenes: false verdicts, and tolerances below the true error, counted.
+"""Faultless methods on random scenes: false verdicts, and tolerances below the true error, counted.
 
 Bodies have skew tensors, effects come in all combinations, windows are of 2 to 20 periods.
 """

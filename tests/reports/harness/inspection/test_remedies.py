@@ -6,7 +6,15 @@ from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.inspection import asked_engines, inspect_model
 from spincheck.reports.harness.inspection.remedy import inertial_line, remedies
 from spincheck.scenarios.model_files import read_model
-from users_models import TENSOR, arm, diagonal, inertial, joint, link, robot, written
+from users_models import (
+    TENSOR,
+    arm,
+    arm_with_a_tool,
+    diagonal,
+    inertial,
+    link,
+    written,
+)
 
 pytest.importorskip("pybullet")
 EPS = float(np.finfo(float).eps)
@@ -87,13 +95,7 @@ def test_the_line_without_a_rotation_states_the_same_tensor(tmp_path):
 
 
 def test_links_that_are_kept_apart_are_not_fused(tmp_path):
-    text = robot(
-        link("base"),
-        link("arm", inertial()),
-        link("tool", inertial()),
-        joint("base", "arm"),
-        joint("arm", "tool", "fixed"),
-    )
+    text = arm_with_a_tool()
     option = '<mujoco><compiler fusestatic="false"/></mujoco>'
     after = inspected(tmp_path, text.replace('name="made-up">', f'name="made-up">{option}'))
     assert all(not held.fused for one in after.links for held in one.held)
