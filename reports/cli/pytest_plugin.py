@@ -166,7 +166,7 @@ class EngineItem(SceneItem):
             raise Disagreement(
                 "\n".join(
                     [
-                        f"{verdict.signal} {verdict.verdict}: {verdict.reason}",
+                        f"{verdict.verdict}: {verdict.reason}",
                         *verdict.unmet,
                         f"reproduce with: spincheck run {self.path} "
                         f"--engine {self.engine.name} --method {self.method.name}",
