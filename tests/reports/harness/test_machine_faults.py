@@ -73,7 +73,7 @@ def test_steps_that_the_machine_did_not_let_be_timed_are_timed_by_the_next_run(
 
     refused = CallFailed("no worker process could be started", cause)
     assert set(run(FailingCalls(of_function(spoilt, refused)))) == {None}
-    assert "the same command goes on: no worker process could be started" in told[-1]
+    assert "not timed, the same command times it: no worker process could be started" in told[-1]
     assert None not in run()
 
 
