@@ -1,9 +1,8 @@
 """What one ulp in the start and the body does to a motion.
 
-Nudged are, in extended precision, ω and attitude at t = 0, the principal moments, and the lever's
-three components: every number by as much, relative to the largest of its kind. That takes a
-symmetric body's symmetry from it. Or, `nudged_alike`, equal moments stay equal and the lever on its
-axis: rounding in a run, step by step, changes no body.
+Changed are, in extended precision, ω and attitude at t = 0, the principal moments, and the lever's
+length: every number by as much, relative to the largest of its kind. Equal moments stay equal and
+the lever keeps its direction: rounding in a run, step by step, changes no body's symmetry.
 
 To first order the change of the motion is J x, x being the dozen nudges. It is measured for four x
 of signs only; the root mean square of |J x| over random signs is the Frobenius norm of J
@@ -11,14 +10,14 @@ of signs only; the root mean square of |J x| over random signs is the Frobenius 
 length one.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from mpmath import mp, mpf
 
 from ..scenarios import Errors, Scenario, Trajectory, errors_between
-from ..scenarios.exact import DIGITS, Vector, normalised, product
+from ..scenarios.exact import DIGITS, normalised, product
 from .problem import Problem
 from .symmetry import gravity_torque_scale, norm, scaled
 
@@ -39,8 +38,39 @@ Nudge = Callable[[Problem, int, mpf], Problem]
 Solved = Callable[[Problem], Trajectory]
 
 
+def nudged(problem: Problem, k: int, size: mpf) -> Problem:
+    """The problem with all numbers changed by `size`, relative, with the k-th choice of signs.
+
+    ω is changed relative to its size or, if larger, the rate of the body's swing, √(m g l / I).
+    """
+    with mp.workdps(DIGITS):
+        by_moment = {
+            moment: moment * (1 + size * signs[k])
+            for moment, signs in zip(problem.moments, SIGNS_OF_MOMENTS, strict=True)
+        }
+        first, second, third = (by_moment[moment] for moment in problem.moments)
+        swing = mp.sqrt(gravity_torque_scale(problem) / max(problem.moments))
+        speed = max(norm(problem.omega_axes), swing)
+        w1, w2, w3 = (
+            w + size * speed * signs[k]
+            for w, signs in zip(problem.omega_axes, SIGNS_OF_OMEGA, strict=True)
+        )
+        turn = normalised((mpf(1), *(size / 2 * signs[k] for signs in SIGNS_OF_TURN)))
+        return replace(
+            problem,
+            moments=(first, second, third),
+            omega_axes=(w1, w2, w3),
+            q_world_axes=product(problem.q_world_axes, turn),
+            lever_axes=scaled(problem.lever_axes, 1 + size * SIGNS_OF_LEVER[0][k]),
+        )
+
+
 def conditioning(
-    scenario: Scenario, problem: Problem, exact_motion: Trajectory, solved: Solved, nudge: Nudge
+    scenario: Scenario,
+    problem: Problem,
+    exact_motion: Trajectory,
+    solved: Solved,
+    nudge: Nudge = nudged,
 ) -> Errors:
     """Change of a motion by one ulp, at least one ulp itself.
 
@@ -48,52 +78,11 @@ def conditioning(
     ----------
     exact_motion : the motion of `problem`
     solved : what finds that of a neighbour, at the same times
-    nudge : `nudged` or `nudged_alike`
+    nudge : the problem with its numbers changed by a relative size, with the k-th choice of signs
     """
     responses = [_response(scenario, problem, exact_motion, solved, nudge, k) for k in range(COUNT)]
     squares = zip(*([value**2 for _, value in response] for response in responses), strict=True)
     return Errors(*(max(float(np.sqrt(np.mean(column))), EPS) for column in squares))
-
-
-def nudged(problem: Problem, k: int, size: mpf) -> Problem:
-    """The problem with all of its numbers changed, by the k-th choice of signs."""
-    with mp.workdps(DIGITS):
-        length = norm(problem.lever_axes)
-        arm = [size * length * signs[k] for signs in SIGNS_OF_LEVER]
-        x, y, z = (a + b for a, b in zip(problem.lever_axes, arm, strict=True))
-        scales = [1 + size * signs[k] for signs in SIGNS_OF_MOMENTS]
-        return _moved(problem, k, size, scales, (x, y, z))
-
-
-def nudged_alike(problem: Problem, k: int, size: mpf) -> Problem:
-    """The same, but equal moments stay equal, and the lever keeps its direction."""
-    with mp.workdps(DIGITS):
-        by_moment = {
-            moment: 1 + size * signs[k]
-            for moment, signs in zip(problem.moments, SIGNS_OF_MOMENTS, strict=True)
-        }
-        scales = [by_moment[moment] for moment in problem.moments]
-        lever = scaled(problem.lever_axes, 1 + size * SIGNS_OF_LEVER[0][k])
-        return _moved(problem, k, size, scales, lever)
-
-
-def _moved(problem: Problem, k: int, size: mpf, scales: Sequence[mpf], lever: Vector) -> Problem:
-    """ω and attitude changed as well; ω relative to its size or, if larger, the swing's rate."""
-    swing = mp.sqrt(gravity_torque_scale(problem) / max(problem.moments))
-    speed = max(norm(problem.omega_axes), swing)
-    w1, w2, w3 = (
-        w + size * speed * signs[k]
-        for w, signs in zip(problem.omega_axes, SIGNS_OF_OMEGA, strict=True)
-    )
-    first, second, third = (m * s for m, s in zip(problem.moments, scales, strict=True))
-    turn = normalised((mpf(1), *(size / 2 * signs[k] for signs in SIGNS_OF_TURN)))
-    return replace(
-        problem,
-        moments=(first, second, third),
-        omega_axes=(w1, w2, w3),
-        q_world_axes=product(problem.q_world_axes, turn),
-        lever_axes=lever,
-    )
 
 
 def _response(

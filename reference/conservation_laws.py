@@ -100,8 +100,7 @@ class Law:
     ----------
     name : how results refer to it
     formula, unit : what it is
-    holds_when : the rule, in words
-    holds : the rule
+    holds : whether a scene conserves it
     values : the quantity along a trajectory, (n,) or (n, 3)
     scale : what its changes are relative to, in its unit
     """
@@ -109,7 +108,6 @@ class Law:
     name: str
     formula: str
     unit: str
-    holds_when: str
     holds: Callable[[InvariantScales], bool]
     values: Callable[[InvariantScales, Trajectory], FloatArray]
     scale: Callable[[InvariantScales], float]
@@ -162,27 +160,33 @@ def _pivot(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 
 
 def _is_undriven(scene: InvariantScales) -> bool:
+    """No drag, no torque but gravity's."""
     return is_undriven(scene.problem)
 
 
 def _is_free(scene: InvariantScales) -> bool:
+    """No drag, no torque, no gravity about a pivot."""
     return is_free(scene.problem)
 
 
 def _turns_by_the_world_alone(scene: InvariantScales) -> bool:
+    """No drag, no torque fixed in the body."""
     problem = scene.problem
     return not problem.drag and not any(problem.torque_axes)
 
 
 def _is_unpulled(scene: InvariantScales) -> bool:
+    """No drag, no torque fixed in the body, no gravity about a pivot."""
     return _turns_by_the_world_alone(scene) and scene.pull == 0
 
 
 def _is_heavy(scene: InvariantScales) -> bool:
+    """Gravity about a pivot; no drag, no torque fixed in the body."""
     return _turns_by_the_world_alone(scene) and scene.pull > 0
 
 
 def _is_symmetric(scene: InvariantScales) -> bool:
+    """A symmetric body with its com on the axis; no drag, no torque fixed in the world."""
     problem = scene.problem
     undragged = not problem.drag and not any(problem.torque_world)
     return undragged and symmetry_axis(problem) is not None
@@ -197,7 +201,6 @@ LAWS = (
         name="energy",
         formula="E = T + V",
         unit="J",
-        holds_when="no drag, no torque",
         holds=_is_undriven,
         values=lambda scene, motion: energy_of(scene.scenario, motion),
         scale=lambda scene: scene.energy,
@@ -206,7 +209,6 @@ LAWS = (
         name="L_world",
         formula="L − τ t, as vectors",
         unit="kg m²/s",
-        holds_when="no drag, no body torque, no gravity about a pivot",
         holds=_is_unpulled,
         values=_L_world,
         scale=lambda scene: scene.angular_momentum,
@@ -215,7 +217,6 @@ LAWS = (
         name="L_norm",
         formula="‖L‖",
         unit="kg m²/s",
-        holds_when="no drag, no torque, no gravity about a pivot",
         holds=_is_free,
         values=_L_norm,
         scale=lambda scene: scene.angular_momentum,
@@ -224,7 +225,6 @@ LAWS = (
         name="L_vertical",
         formula="p_α − τ·(−ĝ) t, p_α = L·(−ĝ)",
         unit="kg m²/s",
-        holds_when="gravity about a pivot, no drag, no body torque",
         holds=_is_heavy,
         values=_L_vertical,
         scale=lambda scene: scene.angular_momentum,
@@ -233,7 +233,6 @@ LAWS = (
         name="L_axial",
         formula="p_γ − τ3 t, p_γ = I3 ω3",
         unit="kg m²/s",
-        holds_when="a symmetric body with its com on the axis, no drag, no world torque",
         holds=_is_symmetric,
         values=_L_axial,
         scale=lambda scene: scene.angular_momentum,
@@ -242,7 +241,6 @@ LAWS = (
         name="kovalevskaya",
         formula="|(ω1 + iω2)² − (M g l/I3)(γ1 + iγ2)|²",
         unit="rad⁴/s⁴",
-        holds_when="I1 = I2 = 2 I3 about the pivot, com in their plane, gravity alone",
         holds=lambda scene: integrable_cases.kovalevskaya_frame(scene.problem) is not None,
         values=_kovalevskaya,
         scale=lambda scene: scene.rate**4,
@@ -251,7 +249,6 @@ LAWS = (
         name="goryachev_chaplygin",
         formula="ω3(ω1² + ω2²) − (M g l/I3) ω1 γ3",
         unit="rad³/s³",
-        holds_when="I1 = I2 = 4 I3 about the pivot, com in their plane, gravity alone, L·ĝ = 0",
         holds=lambda scene: integrable_cases.goryachev_chaplygin_frame(scene.problem) is not None,
         values=_goryachev_chaplygin,
         scale=lambda scene: scene.rate**3,
@@ -260,7 +257,6 @@ LAWS = (
         name="momentum_less_impulse",
         formula="m (v − g t)",
         unit="kg m/s",
-        holds_when="no pivot",
         holds=_is_thrown,
         values=_momentum,
         scale=lambda scene: scene.scenario.body.mass * scene.speed,
@@ -269,7 +265,6 @@ LAWS = (
         name="com_parabola",
         formula="r − v t + ½ g t²",
         unit="m",
-        holds_when="no pivot",
         holds=_is_thrown,
         values=_parabola,
         scale=lambda scene: scene.speed * scene.duration,
@@ -278,7 +273,6 @@ LAWS = (
         name="pivot",
         formula="r_com − R com: where the body's origin is",
         unit="m",
-        holds_when="a pivot",
         holds=lambda scene: scene.scenario.has_pivot,
         values=_pivot,
         scale=lambda scene: scene.radius,

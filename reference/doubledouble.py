@@ -6,11 +6,10 @@ nothing. None may be compiled with ``fastmath``: the compiler would cancel the e
 
 Sources: T. J. Dekker, "A floating-point technique for extending the available precision",
 Numer. Math. 18 (1971) 224-242; T. Ogita, S. M. Rump & S. Oishi, "Accurate sum and dot product",
-SIAM J. Sci. Comput. 26 (2005) 1955-1988; Y. Hida, X. S. Li & D. H. Bailey, "Algorithms for
-quad-double precision floating point arithmetic", ARITH-15 (2001) 155-162; M. Joldes, J.-M. Muller
-& V. Popescu, "Tight and rigorous error bounds for basic building blocks of double-word
-arithmetic", ACM Trans. Math. Softw. 44 (2017) 15res. The bounds below are on the relative error,
-with u = 2⁻⁵³, and hold short of overflow and underflow.
+SIAM J. Sci. Comput. 26 (2005) 1955-1988; M. Joldes, J.-M. Muller & V. Popescu, "Tight and rigorous
+error bounds for basic building blocks of double-word arithmetic", ACM Trans. Math. Softw. 44 (2017)
+15res. The bounds below are on the relative error, with u = 2⁻⁵³, and hold short of overflow and
+underflow.
 """
 
 from fractions import Fraction
@@ -81,19 +80,6 @@ def dd_add(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
 
 
 @kernel
-def dd_add_double(a: DoubleDouble, b: float) -> DoubleDouble:
-    """Return a + b within 2 u² (Joldes, Muller & Popescu, algorithm 4)."""
-    s, e = two_sum(a[0], b)
-    return quick_two_sum(s, e + a[1])
-
-
-@kernel
-def dd_sub(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
-    """Return a - b within 4 u², as `dd_add`."""
-    return dd_add(a, (-b[0], -b[1]))
-
-
-@kernel
 def dd_mul(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
     """Return a b within 7 u² (as Joldes, Muller & Popescu, algorithm 11, with every sum fused).
 
@@ -101,23 +87,6 @@ def dd_mul(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
     """
     p, e = two_prod(a[0], b[0])
     return quick_two_sum(p, fma(a[0], b[1], fma(a[1], b[0], e)))
-
-
-@kernel
-def dd_mul_double(a: DoubleDouble, b: float) -> DoubleDouble:
-    """Return a b within 2 u² (Joldes, Muller & Popescu, algorithm 9)."""
-    p, e = two_prod(a[0], b)
-    return quick_two_sum(p, fma(a[1], b, e))
-
-
-@kernel
-def dd_div(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
-    """Return a / b within 10 u², by long division (Hida, Li & Bailey)."""
-    q1 = a[0] / b[0]
-    r = dd_sub(a, dd_mul_double(b, q1))
-    q2 = r[0] / b[0]
-    r = dd_sub(r, dd_mul_double(b, q2))
-    return dd_add_double(quick_two_sum(q1, q2), r[0] / b[0])
 
 
 def split(x: mpf | Fraction) -> DoubleDouble:

@@ -43,44 +43,8 @@ def euler_zyz_from_quaternion(q_world_body_wxyz: FloatArray) -> FloatArray:
     )
 
 
-def quaternion_from_euler_zyz(angles: FloatArray) -> FloatArray:
-    """Attitudes of angles in rad: (..., 3) to unit quaternions w, x, y, z, (..., 4)."""
-    alpha, beta, gamma = np.moveaxis(np.asarray(angles, dtype=float), -1, 0)
-    half_sum, half_difference = (alpha + gamma) / 2, (alpha - gamma) / 2
-    upright, tilted = np.cos(beta / 2), np.sin(beta / 2)
-    return np.stack(
-        [
-            upright * np.cos(half_sum),
-            -tilted * np.sin(half_difference),
-            tilted * np.cos(half_difference),
-            upright * np.sin(half_sum),
-        ],
-        axis=-1,
-    )
-
-
-def omega_body_from_rates(angles: FloatArray, rates: FloatArray) -> FloatArray:
-    """Body components of ω, rad/s, from angles and their rates (Fetter & Walecka eq. 29.7).
-
-    Parameters
-    ----------
-    angles : (..., 3) α, β, γ in rad
-    rates : (..., 3) α̇, β̇, γ̇ in rad/s
-    """
-    _, beta, gamma = np.moveaxis(np.asarray(angles, dtype=float), -1, 0)
-    alpha_rate, beta_rate, gamma_rate = np.moveaxis(np.asarray(rates, dtype=float), -1, 0)
-    return np.stack(
-        [
-            -alpha_rate * np.sin(beta) * np.cos(gamma) + beta_rate * np.sin(gamma),
-            alpha_rate * np.sin(beta) * np.sin(gamma) + beta_rate * np.cos(gamma),
-            alpha_rate * np.cos(beta) + gamma_rate,
-        ],
-        axis=-1,
-    )
-
-
 def rates_from_omega_body(angles: FloatArray, omega_body: FloatArray) -> FloatArray:
-    """α̇, β̇, γ̇ in rad/s, (..., 3); the inverse of `omega_body_from_rates`.
+    """α̇, β̇, γ̇ in rad/s, (..., 3): the inverse of Fetter & Walecka eq. 29.7.
 
     NaN, all three, where β is exactly 0 or π: there α and γ are not separate angles and β has a
     corner. Close to the poles the rates carry an error of about ulp(1)/sin β of |ω|.

@@ -73,12 +73,6 @@ class JacobiMotion:
         """Whether ω circulates about the axis of the largest moment."""
         return bool(self.moments[2] > self.moments[1])
 
-    @property
-    def L_squared(self) -> mpf:
-        """|L|², (kg m²/s)²."""
-        (I1, _, I3), (a1, _, a3) = self.moments, self.amplitudes
-        return (I1 * a1) ** 2 + (I3 * a3) ** 2  # at u = 0
-
 
 def free_asymmetric(problem: Problem) -> ClosedForm:
     """The motion of a free body with three distinct moments.

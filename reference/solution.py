@@ -15,8 +15,8 @@ class Solution:
     method : how it was solved, in words
     uncertainty : bound on its own errors, in the norms that runs are judged by
     conditioning : what a relative change of one ulp in the start and the body does to the motion,
-        to first order and in its worst direction. Symmetric bodies stay so: it is what rounding
-        does to a state, step by step; what it does to a body, once, is in `conditioning.nudged`
+        to first order and in its worst direction. Symmetric bodies stay symmetric: rounding, step
+        by step, changes states and not the body
     horizon : s, the time at which the uncertainty of a chaotic motion exceeds `MAX_UNCERTAINTY`;
         the trajectory ends before it. None where it never does
     """

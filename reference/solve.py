@@ -1,6 +1,6 @@
 """Solves a scene by the simplest method that covers its effects, and bounds the error."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import final
 
@@ -9,7 +9,7 @@ import numpy as np
 from ..scenarios import Errors, FloatArray, Scenario, Trajectory, error_series, errors_between
 from ..scenarios.fastest_rate import fastest_rate
 from .closed_forms import ClosedForm, closed_form
-from .conditioning import conditioning, nudged_alike
+from .conditioning import conditioning
 from .motion import motion
 from .problem import Problem
 from .rotational_problem import rotational_problem
@@ -27,7 +27,6 @@ CHECKED_TURN = 5e3
 CHECKED_SAMPLES = 64
 #: rad; in double-double even errors that grow by e a radian are small so far along.
 SURE_TURN = 30.0
-Solver = Callable[[Problem, FloatArray], Trajectory]
 
 
 def solve(scenario: Scenario, times: FloatArray) -> Solution:
@@ -161,10 +160,10 @@ def _conditioning_of_closed(
         assert form is not None, "a nudge keeps the symmetry that the closed form rests on"
         return motion(scenario, neighbour, trajectory.t, form.states(trajectory.t))
 
-    near = conditioning(scenario, problem, within_reach, by_ode, nudged_alike)
+    near = conditioning(scenario, problem, within_reach, by_ode)
     if trajectory.t[-1] <= within_reach.t[-1]:
         return near
-    far = conditioning(scenario, problem, trajectory, by_form, nudged_alike)
+    far = conditioning(scenario, problem, trajectory, by_form)
     return Errors(*(max(one, other) for (_, one), (_, other) in zip(near, far, strict=True)))
 
 
@@ -179,7 +178,7 @@ def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
         trajectory=within,
         method="Taylor series of the equations of motion, low orders in double-double",
         uncertainty=_at_least(errors_between(scenario, within, coarser), ROUNDING),
-        conditioning=conditioning(scenario, problem, within, solved, nudged_alike),
+        conditioning=conditioning(scenario, problem, within, solved),
         horizon=float(times[n]) if n < len(times) else None,
     )
 

@@ -9,7 +9,6 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from ...scenarios import EFFECTS
 from ..engine import Method
 
-PROTOCOL = 1
 #: Characters of an answer that a complaint quotes.
 QUOTED = 80
 #: Methods an engine may have, and names it may list as active.

@@ -21,7 +21,12 @@ from contract_references import (
 )
 from contract_scenes import SCENES, every_scene, solved, states
 from mpmath import mp, mpf
-from spincheck.reference.conditioning import conditioning, nudged
+from spincheck.reference.conditioning import (
+    SIGNS_OF_LEVER,
+    SIGNS_OF_MOMENTS,
+    conditioning,
+    nudged,
+)
 from spincheck.reference.motion import motion
 from spincheck.reference.problem import Problem
 from spincheck.reference.rotational_problem import rotational_problem
@@ -144,6 +149,23 @@ def neighbours(problem: Problem, ulps: float = ULPS) -> Iterator[tuple[str, Prob
             yield "lever", replace(problem, lever_axes=(x + nudge * length, y, z))
 
 
+def nudged_out_of_symmetry(problem: Problem, k: int, size: mpf) -> Problem:
+    """As `nudged`, but every moment and every component of the lever is changed on its own."""
+    with mp.workdps(DIGITS):
+        first, second, third = (
+            moment * (1 + size * signs[k])
+            for moment, signs in zip(problem.moments, SIGNS_OF_MOMENTS, strict=True)
+        )
+        length = norm(problem.lever_axes)
+        x, y, z = (
+            component + size * length * signs[k]
+            for component, signs in zip(problem.lever_axes, SIGNS_OF_LEVER, strict=True)
+        )
+        return replace(
+            nudged(problem, k, size), moments=(first, second, third), lever_axes=(x, y, z)
+        )
+
+
 @cache
 def bounds_of_a_change(name: str) -> Errors:
     """What a few ulp in any numbers do, symmetries among them: of both motions, errors included."""
@@ -154,7 +176,7 @@ def bounds_of_a_change(name: str) -> Errors:
         by_ode = integrate(nudged_problem, exact_motion.t, CHECK_ORDERS)
         return motion(scenario, nudged_problem, exact_motion.t, by_ode)
 
-    whole = conditioning(scenario, problem, exact_motion, neighbour_of, nudged)
+    whole = conditioning(scenario, problem, exact_motion, neighbour_of, nudged_out_of_symmetry)
     return Errors(
         **{
             signal: CANCELLED * ULPS * value + 2 * getattr(solution.uncertainty, signal)

@@ -8,12 +8,8 @@ from mpmath import mp, mpf
 from spincheck.reference.doubledouble import (
     DoubleDouble,
     dd_add,
-    dd_add_double,
-    dd_div,
     dd_mul,
-    dd_mul_double,
     dd_neg,
-    dd_sub,
     quick_two_sum,
     split,
     two_prod,
@@ -41,8 +37,8 @@ def double_doubles(draw: st.DrawFn) -> DoubleDouble:
 def nearly_opposite(draw: st.DrawFn) -> tuple[DoubleDouble, DoubleDouble]:
     """Two pairs whose sum loses most of its digits."""
     a = draw(double_doubles())
-    off = draw(st.floats(min_value=-1, max_value=1)) * 2.0 ** draw(st.integers(-100, -1))
-    return a, dd_add(dd_neg(a), (a[0] * off, 0.0))
+    left = draw(st.floats(min_value=-1, max_value=1)) * 2.0 ** draw(st.integers(-100, -1))
+    return a, dd_add(dd_neg(a), (a[0] * left, 0.0))
 
 
 pairs = st.tuples(double_doubles(), double_doubles()) | nearly_opposite()
@@ -97,7 +93,6 @@ def test_sums_keep_their_bound_even_where_they_cancel(
 ) -> None:
     a, b = operands
     assert within(dd_add(a, b), exact(a) + exact(b), 4)
-    assert within(dd_sub(a, dd_neg(b)), exact(a) + exact(b), 4)
 
 
 def test_a_sum_that_drops_the_error_of_the_low_parts_breaks_it() -> None:
@@ -110,38 +105,23 @@ def test_a_sum_that_drops_the_error_of_the_low_parts_breaks_it() -> None:
 
 
 @compiled
-@given(double_doubles(), doubles)
-def test_sums_with_a_double_keep_their_bound(a: DoubleDouble, b: float) -> None:
-    assert within(dd_add_double(a, b), exact(a) + exact(b), 2)
-
-
-@compiled
 @given(double_doubles(), double_doubles())
-def test_products_and_quotients_keep_their_bounds(a: DoubleDouble, b: DoubleDouble) -> None:
+def test_products_keep_their_bound(a: DoubleDouble, b: DoubleDouble) -> None:
     assert within(dd_mul(a, b), exact(a) * exact(b), 7)
-    assert within(dd_div(a, b), exact(a) / exact(b), 10)
-
-
-@compiled
-@given(double_doubles(), doubles)
-def test_products_with_a_double_keep_their_bound(a: DoubleDouble, b: float) -> None:
-    assert within(dd_mul_double(a, b), exact(a) * exact(b), 2)
 
 
 @compiled
 @given(double_doubles(), double_doubles())
-def test_a_low_part_left_out_breaks_every_bound(a: DoubleDouble, b: DoubleDouble) -> None:
+def test_a_low_part_left_out_breaks_that_bound(a: DoubleDouble, b: DoubleDouble) -> None:
     assume(abs(a[1]) > abs(a[0]) * 2.0**-80)
     cut = (a[0], 0.0)
     assert not within(dd_mul(cut, b), exact(a) * exact(b), 7)
-    assert not within(dd_div(cut, b), exact(a) / exact(b), 10)
-    assert not within(dd_mul_double(cut, b[0]), exact(a) * exact(b[0]), 2)
 
 
 @compiled
 @given(double_doubles(), double_doubles())
 def test_results_are_normalised(a: DoubleDouble, b: DoubleDouble) -> None:
-    for hi, lo in (dd_add(a, b), dd_mul(a, b), dd_div(a, b)):
+    for hi, lo in (dd_add(a, b), dd_mul(a, b)):
         assert hi + lo == hi
 
 
