@@ -21,17 +21,17 @@ def test_the_scene_it_shows_is_a_valid_scene():
 
 
 def test_every_command_it_shows_exists():
-    shown = {word for _, text in BLOCKS for word in re.findall(r"^spincheck (\w+)", text, re.M)}
-    known = get_group(app).list_commands(None)
-    assert shown
-    assert shown <= set(known)
+    named = {word for _, text in BLOCKS for word in re.findall(r"^spincheck (\w+)", text, re.M)}
+    commands = get_group(app).list_commands(None)
+    assert named
+    assert named <= set(commands)
 
 
 def test_every_make_target_it_shows_exists():
-    shown = set(re.findall(r"^make (\w+)", README, flags=re.MULTILINE))
+    named = set(re.findall(r"^make (\w+)", README, flags=re.MULTILINE))
     targets = set(re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), flags=re.MULTILINE))
-    assert shown == {"report", "test"}
-    assert shown <= targets
+    assert named == {"report", "test"}
+    assert named <= targets
 
 
 @pytest.mark.parametrize("link", re.findall(r"\]\(([^)#]+)\)", README))

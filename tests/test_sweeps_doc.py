@@ -17,14 +17,14 @@ BLOCKS = re.findall(r"```sh\n(.*?)```", PAGE, flags=re.DOTALL)
 
 
 def test_every_command_it_shows_has_the_options_it_shows():
-    shown = re.findall(r"^spincheck (\w+)(.*)", "\n".join(BLOCKS), flags=re.MULTILINE)
-    assert len(shown) >= 6
+    lines = re.findall(r"^spincheck (\w+)(.*)", "\n".join(BLOCKS), flags=re.MULTILINE)
+    assert len(lines) >= 6
     group = get_group(app)
-    for name, rest in shown:
+    for name, rest in lines:
         command = group.get_command(None, name)
         assert command is not None, name
-        known = {option for parameter in command.params for option in parameter.opts}
-        assert set(re.findall(r"--[\w-]+", rest)) <= known
+        options = {option for parameter in command.params for option in parameter.opts}
+        assert set(re.findall(r"--[\w-]+", rest)) <= options
 
 
 @pytest.mark.parametrize(

@@ -87,20 +87,20 @@ def test_a_page_overwritten_is_reported_or_holds_nothing(good, elsewhere, part):
     content[place : place + page] = b"\xa5" * page
     path = elsewhere / "overwritten.sqlite"
     path.write_bytes(content)
-    said = read_by(["report", "--out", "pages"], path)
-    assert said or read_by(["rows"], path) == ""
+    message = read_by(["report", "--out", "pages"], path)
+    assert message or read_by(["rows"], path) == ""
 
 
 def is_read(path: Path) -> bool:
     """Whether a file is read; otherwise it is complained of."""
-    said = None
+    refusal = None
     try:
         running.read(path)
     except Complaint as complaint:
-        said = complaint
-    assert said is None or said.exit_code == BAD_INPUT
-    assert said is None or (str(path) in str(said) and str(said).isprintable())
-    return said is None
+        refusal = complaint
+    assert refusal is None or refusal.exit_code == BAD_INPUT
+    assert refusal is None or (str(path) in str(refusal) and str(refusal).isprintable())
+    return refusal is None
 
 
 @pytest.mark.parametrize("value", DAMAGE.values(), ids=DAMAGE)

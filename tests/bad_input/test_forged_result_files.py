@@ -114,8 +114,8 @@ def test_nothing_can_be_written_through_a_file_opened_to_be_read(path):
 def test_a_scene_in_what_a_sweep_asks_for_names_no_page(path, name):
     """The name is the column's, which is checked; that in the JSON is nobody's."""
     with closing(sqlite3.connect(path)) as connection, connection:
-        for row, asked in connection.execute("SELECT rowid, asked FROM sweeps").fetchall():
-            changed = json.dumps(json.loads(asked) | {"scenario": name})
+        for row, definition in connection.execute("SELECT rowid, asked FROM sweeps").fetchall():
+            changed = json.dumps(json.loads(definition) | {"scenario": name})
             connection.execute("UPDATE sweeps SET asked = ? WHERE rowid = ?", (changed, row))
     seal(path)
     assert command_line.spincheck("report", str(path), "--out", "pages").returncode != BAD_INPUT
@@ -200,8 +200,8 @@ def test_no_archive_unpacks_to_more_than_a_motion(blob):
 def with_asked(path, kind: str, **changed: object) -> None:
     with closing(sqlite3.connect(path)) as connection, connection:
         query = "SELECT asked FROM sweeps WHERE kind = ?"
-        (asked,) = connection.execute(query, (kind,)).fetchone()
-        text = json.dumps(json.loads(asked) | changed)
+        (definition,) = connection.execute(query, (kind,)).fetchone()
+        text = json.dumps(json.loads(definition) | changed)
         connection.execute("UPDATE sweeps SET asked = ? WHERE kind = ?", (text, kind))
     seal(path)
 
@@ -252,8 +252,8 @@ def test_reading_the_largest_ensemble_takes_as_long_as_what_there_is_of_it(path)
         return identity(place)
 
     with open_store(path) as store, patch.object(SweepPoint, "identity", property(counted)):
-        (found,) = store.read().ensembles
-    assert len(found.points) == small_result_file.MEMBERS
+        (ensemble,) = store.read().ensembles
+    assert len(ensemble.points) == small_result_file.MEMBERS
     assert places < 10 * len(columns(path))
 
 

@@ -38,9 +38,9 @@ def test_a_disk_that_fills_is_reported_and_the_same_command_goes_on(folder, size
         disk.change("size=8m")
         assert command_line.spincheck(*STUDY, *OUT).returncode == AGREES
         with open_store(disk.folder / "results.sqlite") as store:
-            found = store.read()
-        assert {verdict.verdict for verdict in found.verdicts} == {"converges"}
-        assert {row.cause for row in found.rows} & {"environment", "bug", "refused"} == set()
+            results = store.read()
+        assert {verdict.verdict for verdict in results.verdicts} == {"converges"}
+        assert {row.cause for row in results.rows} & {"environment", "bug", "refused"} == set()
 
 
 @contextmanager
@@ -108,9 +108,9 @@ def test_what_is_in_a_folder_that_is_read_only_can_be_read(folder, monkeypatch):
 
 
 def test_what_cannot_be_written_there_is_one_message(folder, monkeypatch):
-    with read_only_folder(folder, monkeypatch) as there:
+    with read_only_folder(folder, monkeypatch) as writable:
         done = {name: command_line.spincheck(*command) for name, command in WRITING.items()}
-        assert {path.name for path in there.iterdir()} == {"results.sqlite", "made.toml"}
+        assert {path.name for path in writable.iterdir()} == {"results.sqlite", "made.toml"}
     assert {name: run.returncode for name, run in done.items()} == dict.fromkeys(WRITING, BAD_INPUT)
     for run in done.values():
         (line,) = run.stderr.splitlines()

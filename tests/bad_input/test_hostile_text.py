@@ -52,13 +52,13 @@ class Structure(HTMLParser):
 
     def __init__(self) -> None:
         super().__init__()
-        self.found: set[tuple[str, str]] = set()
+        self.elements: set[tuple[str, str]] = set()
         self.targets: list[str] = []
         self.json: list[str] = []
         self._in_json = False
 
     def handle_starttag(self, tag, attributes) -> None:
-        self.found |= {(tag, name) for name, _ in attributes} | {(tag, "")}
+        self.elements |= {(tag, name) for name, _ in attributes} | {(tag, "")}
         self.targets += [value or "" for name, value in attributes if name in ("href", "src")]
         self._in_json = (tag, ("type", "application/json")) == (tag, *attributes[:1])
 
@@ -100,7 +100,7 @@ def hostile_scene():
 @pytest.fixture(scope="module")
 def hostile(results):
     """The same study, of a scene and an engine with hostile texts, which printed some."""
-    (found,) = results.scenes.values()
+    (scene_result,) = results.scenes.values()
 
     def renamed(record):
         return replace(record, key=replace(record.key, engine=TEXT), reason=TEXT)
@@ -108,7 +108,7 @@ def hostile(results):
     return replace(
         results,
         environment=results.environment | {TEXT: TEXT},
-        scenes={"made": SceneResult(hostile_scene(), found.solution)},
+        scenes={"made": SceneResult(hostile_scene(), scene_result.solution)},
         rows=[replace(renamed(row), printed=TEXT) for row in results.rows],
         verdicts=[replace(renamed(v), unmet=(TEXT,)) for v in results.verdicts],
         effects=[EffectsCost(KEY, (TEXT,), 1e-6, 2e-6, Ratio(2.0, 0.1), 1e-3, 1.0, 0.0)],
@@ -120,8 +120,8 @@ def hostile(results):
 def pages(results, hostile, tmp_path_factory):
     """The clean report and the hostile one, page by page."""
     folders = [tmp_path_factory.mktemp(name) for name in ("clean", "hostile")]
-    for found, folder in zip((results, hostile), folders, strict=True):
-        render(found, folder)
+    for report_results, folder in zip((results, hostile), folders, strict=True):
+        render(report_results, folder)
     return folders
 
 
@@ -131,7 +131,7 @@ def test_no_element_and_no_attribute_of_a_page_comes_from_a_text(pages, page):
     # Emphasis, code and tables are what a description may have.
     markdown = {(tag, "") for tag in ("p", "em", "strong", "code", "pre", "ul", "li", "table")}
     marks = {(tag, "") for tag in ("details", "summary", "span", "h3", "ol")}
-    new = {found for found in bad.found - clean.found if found not in markdown | marks}
+    new = {element for element in bad.elements - clean.elements if element not in markdown | marks}
     assert not {tag for tag, _ in new if tag == "evil"}
     assert not {name for _, name in new if name.startswith("on")}
     assert not [target for target in bad.targets if re.match(r"(?i)\s*(javascript|data):", target)]
@@ -159,23 +159,23 @@ def _shown(trace):
 @pytest.mark.parametrize("page", ["report.md", "scenes/made.md"])
 def test_markdown_pages_hold_no_html_of_the_texts(pages, page):
     text = (pages[1] / page).read_text(encoding="utf-8")
-    found = structure(MarkdownIt("commonmark", {"html": True}).enable("table").render(text))
-    assert "evil" not in {tag for tag, _ in found.found}
-    assert not [name for _, name in found.found if name.startswith("on")]
-    assert not [target for target in found.targets if "evil" in target]
+    rendered = structure(MarkdownIt("commonmark", {"html": True}).enable("table").render(text))
+    assert "evil" not in {tag for tag, _ in rendered.elements}
+    assert not [name for _, name in rendered.elements if name.startswith("on")]
+    assert not [target for target in rendered.targets if "evil" in target]
 
 
 @pytest.mark.parametrize("text", HOSTILE)
 def test_a_line_of_markdown_shows_the_text_itself(text):
-    shown = structure(MarkdownIt("commonmark").enable("table").render(f"x {escaped(text)}"))
-    assert shown.found == {("p", "")}
+    rendered = structure(MarkdownIt("commonmark").enable("table").render(f"x {escaped(text)}"))
+    assert rendered.elements == {("p", "")}
 
 
 @pytest.mark.parametrize("text", HOSTILE)
 def test_a_description_links_to_nothing_and_loads_nothing(text):
-    found = structure(to_html(text))
-    assert not found.targets
-    assert all(tag != "evil" and not name.startswith("on") for tag, name in found.found)
+    rendered = structure(to_html(text))
+    assert not rendered.targets
+    assert all(tag != "evil" and not name.startswith("on") for tag, name in rendered.elements)
 
 
 def test_the_model_of_a_hostile_scene_is_that_of_a_harmless_one(tmp_path):
@@ -239,6 +239,6 @@ def test_a_file_of_such_a_name_is_refused(tmp_path, name):
 def test_planted_markup_is_seen():
     """The teeth: what the properties above look for is found where it is let through."""
     page = structure("".join(f"<p>{text}</p>" for text in HOSTILE))
-    assert {("evil", "onclick"), ("img", "onerror")} <= page.found
+    assert {("evil", "onclick"), ("img", "onerror")} <= page.elements
     links = MarkdownIt("commonmark", {"html": True}).render(TEXT)
     assert "evil.png" in structure(links).targets

@@ -79,15 +79,17 @@ def values_of(option: Parameter) -> tuple[str, ...]:
 
 CASES = {
     f"{command} {option.flag} {value!r}": (command, option.flag, value)
-    for command, found in COMMANDS.items()
-    for option in found
+    for command, parameters in COMMANDS.items()
+    for option in parameters
     if option.flag
     for value in values_of(option)
 }
-WITH_ARGUMENTS = [command for command, found in COMMANDS.items() if not all(p.flag for p in found)]
+WITH_ARGUMENTS = [
+    command for command, parameters in COMMANDS.items() if not all(p.flag for p in parameters)
+]
 
 
-def said(arguments: list[str]) -> tuple[int, str]:
+def refusal_of(arguments: list[str]) -> tuple[int, str]:
     """The exit code and the message; any other exception than a complaint is passed on."""
     result = CliRunner().invoke(app, arguments)
     if isinstance(result.exception, Complaint):
@@ -111,7 +113,7 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("command", "flag", "value"), CASES.values(), ids=map(ascii, CASES))
 def test_a_wrong_value_is_reported_and_nothing_is_begun(command, flag, value, folder):
-    code, message = said([command, *needed(command), f"{flag}={value}"])
+    code, message = refusal_of([command, *needed(command), f"{flag}={value}"])
     assert code == BAD_INPUT, message
     assert message
     assert not list(folder.glob("*.sqlite*"))
@@ -119,14 +121,14 @@ def test_a_wrong_value_is_reported_and_nothing_is_begun(command, flag, value, fo
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_an_option_that_there_is_not_is_reported(command):
-    code, message = said([command, "--no-such-option"])
+    code, message = refusal_of([command, "--no-such-option"])
     assert code == BAD_INPUT
     assert "No such option: --no-such-option" in message
 
 
 @pytest.mark.parametrize("command", [command for command in COMMANDS if needed(command)])
 def test_an_argument_that_is_missing_is_reported(command):
-    code, message = said([command])
+    code, message = refusal_of([command])
     assert code == BAD_INPUT
     assert "Missing argument" in message
 
@@ -138,7 +140,7 @@ def test_an_argument_that_names_nothing_is_reported(command, value):
         pytest.skip("an empty path is the folder one is in")
     if command == "new" and value == "nowhere.toml":
         pytest.skip("it is the file that is to be made")
-    code, message = said([command, *[value] * max(len(needed(command)), 1)])
+    code, message = refusal_of([command, *[value] * max(len(needed(command)), 1)])
     # An engine that cannot be started is no wrong flag.
     assert code == (NOT_RUN if command == "conform" else BAD_INPUT), message
     assert "\x1b" not in message

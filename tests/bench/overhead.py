@@ -166,9 +166,9 @@ def ratio(ratios: np.ndarray) -> Ratio:
     return Ratio(float(middle), float(high - low))
 
 
-def shown(found: Ratio, goal: float | None = None) -> str:
-    missed = " !" if goal is not None and found.median > goal else ""
-    return f"{found.median:.2f} ± {found.spread:.2f}{missed}"
+def shown(ratio: Ratio, goal: float | None = None) -> str:
+    missed = " !" if goal is not None and ratio.median > goal else ""
+    return f"{ratio.median:.2f} ± {ratio.spread:.2f}{missed}"
 
 
 def main() -> None:

@@ -115,15 +115,15 @@ def by_closed_form(problem: Problem) -> Solver | None:
 def methods(problem: Problem) -> dict[str, Solver]:
     """By name, ours first."""
     ours = by_closed_form(problem)
-    found: dict[str, Solver] = {} if ours is None else {"closed form": ours}
-    found["series 28/10"] = series(problem, TRUTH_ORDERS)
+    solvers: dict[str, Solver] = {} if ours is None else {"closed form": ours}
+    solvers["series 28/10"] = series(problem, TRUTH_ORDERS)
     if HEYOKA:
-        found["heyoka, long double"] = heyoka(problem, np.longdouble)
-        found["heyoka, double"] = heyoka(problem, float)
+        solvers["heyoka, long double"] = heyoka(problem, np.longdouble)
+        solvers["heyoka, double"] = heyoka(problem, float)
     for tolerance in TOLERANCES:
-        found[f"DOP853 {tolerance:g}"] = dop853(problem, tolerance, compiled=False)
-    found[f"DOP853 {TOLERANCES[0]:g}, numba"] = dop853(problem, TOLERANCES[0], compiled=True)
-    return found
+        solvers[f"DOP853 {tolerance:g}"] = dop853(problem, tolerance, compiled=False)
+    solvers[f"DOP853 {TOLERANCES[0]:g}, numba"] = dop853(problem, TOLERANCES[0], compiled=True)
+    return solvers
 
 
 def error(states: np.ndarray, exact: np.ndarray) -> float:
@@ -218,8 +218,8 @@ def million_samples(kind: str, name: str | None) -> Long | None:
     return Long(kind, ratio(len(times) / seconds[:, 0]), setup)
 
 
-def shown(found: tuple[float, float]) -> str:
-    middle, spread = found
+def shown(sample: tuple[float, float]) -> str:
+    middle, spread = sample
     return f"{middle:.3g} ± {spread:.1g}"
 
 
@@ -268,7 +268,7 @@ def main() -> None:
     console = Console(width=120)
     if not HEYOKA:
         console.print("heyoka is not installed and left out: pip install 'spincheck[bench]'")
-    long = [found for case in CASES.items() if (found := million_samples(*case)) is not None]
+    long = [measured for case in CASES.items() if (measured := million_samples(*case)) is not None]
     console.print(long_table(long))
     by_scene = []
     for case in CASES.items():

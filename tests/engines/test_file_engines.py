@@ -33,8 +33,8 @@ HUNG = """<mujoco><compiler angle="radian" eulerseq="XYZ"/>
 def scene_of(folder: Path, text: str, name: str = "robot.urdf", link: str = "arm") -> Scenario:
     """The scene that `import` makes of a link."""
     model = read_model(written(folder, text, name))
-    (made,) = (one for one in link_scenes(model, folder / "scenes") if one.link == link)
-    return load(written(folder, made.text, f"scenes/{made.name}.toml"))
+    (scene,) = (one for one in link_scenes(model, folder / "scenes") if one.link == link)
+    return load(written(folder, scene.text, f"scenes/{scene.name}.toml"))
 
 
 def run(name: str, scenario: Scenario, method: str = ""):
@@ -46,22 +46,22 @@ def run(name: str, scenario: Scenario, method: str = ""):
 @pytest.mark.parametrize("name", FILE_ENGINES)
 def test_a_link_of_a_urdf_moves_as_its_numbers_say(tmp_path, name):
     scenario = scene_of(tmp_path, arm(inside=BOX))
-    found = run(name, scenario)
-    assert (found.outcome, found.reason, found.active) == ("ok", "", frozenset())
+    done = run(name, scenario)
+    assert (done.outcome, done.reason, done.active) == ("ok", "", frozenset())
     engine = engines()[name]
     assert engine.equation_residuals(scenario, engine.methods[0]) == ""
     exact = solve(scenario, STEPS * TIMESTEP).trajectory
     # Of order 1: a step is off by the square of the turn it makes.
     turn = float(np.linalg.norm(scenario.start.omega_body)) * TIMESTEP
-    assert np.abs(found.trajectory.omega_body - exact.omega_body).max() <= STEPS[-1] * turn**2
+    assert np.abs(done.trajectory.omega_body - exact.omega_body).max() <= STEPS[-1] * turn**2
 
 
 def test_a_body_of_an_mjcf_moves_without_what_hangs_on_it(tmp_path):
     scenario = scene_of(tmp_path, HUNG, "robot.xml")
-    found = run("mujoco-file", scenario)
-    assert (found.outcome, found.reason, found.active) == ("ok", "", frozenset())
+    done = run("mujoco-file", scenario)
+    assert (done.outcome, done.reason, done.active) == ("ok", "", frozenset())
     exact = solve(scenario, STEPS * TIMESTEP).trajectory
-    assert np.abs(found.trajectory.omega_body - exact.omega_body).max() <= AGREES
+    assert np.abs(done.trajectory.omega_body - exact.omega_body).max() <= AGREES
 
 
 @pytest.mark.parametrize("name", FILE_ENGINES)
@@ -76,18 +76,18 @@ def test_a_reader_that_holds_another_tensor_fails_with_the_cause(tmp_path, name,
         return data.replace(b'rpy="0 0 0.5"', b""), meshes
 
     monkeypatch.setattr(module, "link_alone", unturned)
-    found = run(name, scenario)
-    assert (found.outcome, found.cause) == ("failed", "read-back")
-    assert found.reason == (
+    done = run(name, scenario)
+    assert (done.outcome, done.cause) == ("failed", "read-back")
+    assert done.reason == (
         "holds another body than the file states: moments kept, axes turned by 28.6°: "
         "the rotation of its inertial frame is lost"
     )
 
 
 def test_without_its_flag_an_engine_makes_the_tensor_up_and_that_is_reported(tmp_path):
-    found = run("pybullet-file", scene_of(tmp_path, arm(inside=BOX)), "default")
-    assert found.cause == "read-back"
-    assert found.reason.startswith(
+    done = run("pybullet-file", scene_of(tmp_path, arm(inside=BOX)), "default")
+    assert done.cause == "read-back"
+    assert done.reason.startswith(
         "holds another body than the file states: made up from the collision shapes: tensor "
     )
 
@@ -95,16 +95,16 @@ def test_without_its_flag_an_engine_makes_the_tensor_up_and_that_is_reported(tmp
 def test_a_file_that_changed_after_the_scene_was_read_is_reported(tmp_path):
     scenario = scene_of(tmp_path, arm())
     written(tmp_path, arm(mass="3"))
-    found = run("mujoco-file", scenario)
-    assert found.outcome == "failed"
-    assert found.reason == "'../robot.urdf' has changed since the scene was made of it"
+    done = run("mujoco-file", scenario)
+    assert done.outcome == "failed"
+    assert done.reason == "'../robot.urdf' has changed since the scene was made of it"
 
 
 def test_a_link_that_the_file_has_not_is_reported(tmp_path):
     scenario = scene_of(tmp_path, arm())
     text = scenario.text.replace('link = "arm"', 'link = "leg"')
-    found = run("mujoco-file", load(written(tmp_path, text, "scenes/leg.toml")))
-    assert found.reason == "'../robot.urdf' has no link 'leg'"
+    done = run("mujoco-file", load(written(tmp_path, text, "scenes/leg.toml")))
+    assert done.reason == "'../robot.urdf' has no link 'leg'"
 
 
 @pytest.mark.parametrize("name", FILE_ENGINES)

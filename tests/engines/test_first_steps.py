@@ -35,15 +35,15 @@ def test_an_engine_with_another_scene_in_it_begins_otherwise(
     text = SCENES[name].text
     assert old in text
     other = loads(text.replace(old, new), name)
-    said = equation_residuals(
+    residuals = equation_residuals(
         lambda scene, h: mujoco.open(
             starting_with(other, scene.start.omega_body), mujoco.method("RK4"), h
         ),
         SCENES[name],
         EPS,
     )
-    assert words in "; ".join(said)
-    assert bool(said) == bool(words)
+    assert words in "; ".join(residuals)
+    assert bool(residuals) == bool(words)
 
 
 #: Changes of a ten-thousandth: a scene, what is done to its text, and how it is named.
@@ -84,14 +84,16 @@ ALONG_AN_AXIS = loads(BOX.replace("[1.0, 2.0, 0.5]", "[0.0, 0.0, 3.0]"), "along-
 def test_a_missing_gyroscopic_torque_is_named_whatever_the_start(scene, single) -> None:
     session = SingleUngyroscopicSession if single else UngyroscopicSession
     epsilon = float(np.finfo(np.float32 if single else float).eps)
-    said = "; ".join(equation_residuals(session, scene, epsilon))
-    assert "as if there were no gyroscopic torque" in said
+    residual_words = "; ".join(equation_residuals(session, scene, epsilon))
+    assert "as if there were no gyroscopic torque" in residual_words
 
 
 @pytest.mark.parametrize("size", [1e-4, 1e-2])
 def test_a_clock_that_is_off_is_named_with_its_number(size: float) -> None:
-    said = equation_residuals(lambda s, h: HeunSession(s, (1 - size) * h), loads(BOX, "box"), EPS)
-    assert f"as if a step were {1 - size:.7g} of a timestep" in said[-1]
+    residuals = equation_residuals(
+        lambda s, h: HeunSession(s, (1 - size) * h), loads(BOX, "box"), EPS
+    )
+    assert f"as if a step were {1 - size:.7g} of a timestep" in residuals[-1]
 
 
 def test_a_faultless_engine_in_single_precision_begins_as_the_scene_does() -> None:

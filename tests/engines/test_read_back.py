@@ -23,9 +23,9 @@ def unlike(inertia):
 
 @pytest.mark.parametrize("times", [61.0, 1 + 1e-6])
 def test_a_tensor_is_measured_about_the_com(times):
-    (found,) = unlike(times * np.diag([1.0, 2.0, 2.5]))
-    assert found.what == "inertia_com"
-    assert found.relative == pytest.approx(times - 1)
+    (difference,) = unlike(times * np.diag([1.0, 2.0, 2.5]))
+    assert difference.what == "inertia_com"
+    assert difference.relative == pytest.approx(times - 1)
 
 
 def test_a_tensor_is_reported_within_its_own_rounding_however_long_the_arm():

@@ -23,8 +23,8 @@ RAISES = ["raise RuntimeError('built for numpy 1')", "1 / 0", "import sys; sys.e
 
 
 def forget() -> None:
-    for found in (discovery.engines, discovery.missing, discovery._discover):
-        found.cache_clear()
+    for cached in (discovery.engines, discovery.missing, discovery._discover):
+        cached.cache_clear()
 
 
 @pytest.fixture
@@ -77,7 +77,7 @@ def test_a_package_that_raises_on_import_costs_only_its_own_engine(
     forget()
     try:
         assert {"mujoco", "pybullet"} <= set(discovery.engines())
-        (found,) = [one for one in discovery.missing() if one.name == "broken_engine"]
-        assert "importing it failed" in found.reason
+        (broken,) = [one for one in discovery.missing() if one.name == "broken_engine"]
+        assert "importing it failed" in broken.reason
     finally:
         forget()

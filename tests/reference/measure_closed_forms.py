@@ -117,9 +117,9 @@ def print_speed(name: str, p: Problem) -> None:
 
 def print_ulp(name: str, case: Case) -> None:
     p, exact_motion_of = case
-    off, exact = closed_form(one_ulp_heavier(p)), exact_motion_of(p)
-    assert off is not None
-    errors = ", ".join(f"{apart_at(off, p, exact, n):.0e} after {n:g}" for n in PERIODS)
+    neighbour, exact = closed_form(one_ulp_heavier(p)), exact_motion_of(p)
+    assert neighbour is not None
+    errors = ", ".join(f"{apart_at(neighbour, p, exact, n):.0e} after {n:g}" for n in PERIODS)
     print(f"{name}, one ulp more in a moment: {errors} periods")
 
 

@@ -69,7 +69,7 @@ def within_reach(name: str) -> Trajectory:
     return exact_motion.until(int(np.count_nonzero(exact_motion.t * rate <= CHECKED_TURN)))
 
 
-def found(name: str, other: Trajectory) -> bool:
+def agree_within_uncertainty(name: str, other: Trajectory) -> bool:
     """Whether another way finds the same within the stated uncertainty; and no faulty motion."""
     scenario, solution = solved(name)
     mine, faulty = at(solution.trajectory, other.t), at(slipped(name), other.t)
@@ -97,7 +97,7 @@ def test_it_is_finite_up_to_its_end_or_a_stated_horizon(name):
 
 @pytest.mark.parametrize("name", [name for name in SCENES if name not in SIXTY_DIGITS])
 def test_a_dearer_series_finds_the_same_within_the_stated_uncertainty(name):
-    assert found(name, by_series(*solved(name)))
+    assert agree_within_uncertainty(name, by_series(*solved(name)))
 
 
 @every_scene
@@ -106,12 +106,12 @@ def test_integrals_in_120_digits_find_the_same(name):
     other = by_legendre(scenario, few(solution.trajectory.t))
     if other is None:
         pytest.skip("Legendre's integrals are of motions with a closed form and a finite period")
-    assert found(name, other)
+    assert agree_within_uncertainty(name, other)
 
 
 @pytest.mark.parametrize("name", SIXTY_DIGITS)
 def test_sixty_digits_find_the_same(name):
-    assert found(name, in_sixty_digits(*solved(name)))
+    assert agree_within_uncertainty(name, in_sixty_digits(*solved(name)))
 
 
 @every_scene

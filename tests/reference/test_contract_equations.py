@@ -39,8 +39,8 @@ def close_samples(name: str) -> tuple[Scenario, Trajectory, float, float]:
     rate = fastest(scenario, exact)
     h = 2.0 ** np.floor(np.log2(STEP / rate))  # so that no time is rounded
     times = (h * (np.floor(few(exact.t) / h)[:, None] + np.arange(-4, 1))).ravel()
-    there = motion(scenario, problem, times, states(problem, times))
-    return scenario, there, h, rate
+    close = motion(scenario, problem, times, states(problem, times))
+    return scenario, close, h, rate
 
 
 def fastest(scenario: Scenario, exact: Trajectory) -> float:
@@ -81,17 +81,17 @@ class TestEquationsOfMotion:
 
     @every_scene
     def test_attitude_turns_at_omega(self, name):
-        _, there, h, rate = close_samples(name)
+        _, close, h, rate = close_samples(name)
         for slip in (0.0, NOTICED):
-            omega = there.omega_body[2::5] + slip * rate
-            q_rate = 0.5 * hamilton(there.q_world_body_wxyz[2::5], omega)
-            misfit = np.abs(slope(there.q_world_body_wxyz, h) - q_rate).max() / rate
+            omega = close.omega_body[2::5] + slip * rate
+            q_rate = 0.5 * hamilton(close.q_world_body_wxyz[2::5], omega)
+            misfit = np.abs(slope(close.q_world_body_wxyz, h) - q_rate).max() / rate
             assert (misfit <= DIFFERENCES) == (slip == 0)
 
     @every_scene
     def test_the_centre_of_mass_moves_at_its_velocity(self, name):
-        _, there, h, rate = close_samples(name)
-        place, velocity = there.com_world, there.velocity_world[2::5]
+        _, close, h, rate = close_samples(name)
+        place, velocity = close.com_world, close.velocity_world[2::5]
         size = np.abs(place).max() * rate + np.abs(velocity).max()
         for slip in (0.0, NOTICED):
             misfit = np.abs(slope(place, h) - velocity - slip * size).max()
@@ -99,11 +99,11 @@ class TestEquationsOfMotion:
 
     @every_scene
     def test_omega_obeys_euler(self, name):
-        scenario, there, h, rate = close_samples(name)
+        scenario, close, h, rate = close_samples(name)
         body = scenario.body
         inertia = body.inertia_origin if scenario.has_pivot else body.inertia_com
-        omega, to_body = there.omega_body[2::5], there.R_world_body[2::5].inv()
-        L = there.omega_body @ inertia
+        omega, to_body = close.omega_body[2::5], close.R_world_body[2::5].inv()
+        L = close.omega_body @ inertia
         torque = (
             scenario.torque_body
             + to_body.apply(np.array(scenario.torque_world))

@@ -51,8 +51,8 @@ def test_jacobi_functions_are_mpmaths(m, u):
 
 def test_a_parameter_off_by_a_hundred_bounds_would_show():
     exact = lattice("0.4")
-    off = Lattice(exact.m + 100 * BOUND, exact.m1 - 100 * BOUND)
-    assert abs(jacobi_at(off, "0.9")[2] - jacobi_at(exact, "0.9")[2]) > BOUND
+    neighbour = Lattice(exact.m + 100 * BOUND, exact.m1 - 100 * BOUND)
+    assert abs(jacobi_at(neighbour, "0.9")[2] - jacobi_at(exact, "0.9")[2]) > BOUND
 
 
 def test_at_parameter_zero_they_are_circular():

@@ -47,18 +47,18 @@ SCENES = {
 }
 
 
-def values(made):
-    return {fact.name: fact.value for fact in facts(made)}
+def values(scenario):
+    return {fact.name: fact.value for fact in facts(scenario)}
 
 
-@pytest.mark.parametrize(("made", "names"), SCENES.values(), ids=SCENES)
-def test_a_scene_has_the_facts_that_apply(made, names):
-    assert set(values(made)) == names
+@pytest.mark.parametrize(("scenario", "names"), SCENES.values(), ids=SCENES)
+def test_a_scene_has_the_facts_that_apply(scenario, names):
+    assert set(values(scenario)) == names
 
 
-@pytest.mark.parametrize(("made", "_names"), SCENES.values(), ids=SCENES)
-def test_a_fact_stands_once(made, _names):
-    names = [fact.name for fact in facts(made)]
+@pytest.mark.parametrize(("scenario", "_names"), SCENES.values(), ids=SCENES)
+def test_a_fact_stands_once(scenario, _names):
+    names = [fact.name for fact in facts(scenario)]
     assert len(names) == len(set(names))
 
 
@@ -79,8 +79,8 @@ def test_a_heavy_tops_facts_are_those_worked_out_by_hand():
         "sleeping ratio": 7 / math.sqrt(80),
         "small nutation": math.sqrt(5.25),
     }
-    found = values(scene(TOP, STEADY))
-    assert {name: found[name] for name in by_hand} == pytest.approx(by_hand, rel=ROUNDED)
+    by_name = values(scene(TOP, STEADY))
+    assert {name: by_name[name] for name in by_hand} == pytest.approx(by_hand, rel=ROUNDED)
 
 
 def test_a_free_tops_facts_are_those_worked_out_by_hand():
@@ -94,8 +94,8 @@ def test_a_free_tops_facts_are_those_worked_out_by_hand():
         "precession rate": size / 1.5,
         "tilt": math.degrees(math.atan2(4.5, 4)),
     }
-    found = values(scene(TOP, SPUN, ""))
-    assert {name: found[name] for name in by_hand} == pytest.approx(by_hand, rel=ROUNDED)
+    by_name = values(scene(TOP, SPUN, ""))
+    assert {name: by_name[name] for name in by_hand} == pytest.approx(by_hand, rel=ROUNDED)
 
 
 def test_a_free_bodys_facts_are_those_worked_out_by_hand():
@@ -105,20 +105,20 @@ def test_a_free_bodys_facts_are_those_worked_out_by_hand():
         "separatrix distance": (657 - 4 * 123) / 657,
         "kinetic energy": 61.5,
     }
-    found = values(scene(ASYMMETRIC, SPUN, ""))
-    assert {name: found[name] for name in by_hand} == pytest.approx(by_hand, rel=ROUNDED)
+    by_name = values(scene(ASYMMETRIC, SPUN, ""))
+    assert {name: by_name[name] for name in by_hand} == pytest.approx(by_hand, rel=ROUNDED)
 
 
 def test_a_thrown_bodys_energy_has_its_flight_in_it():
     thrown = f"{SPUN}\nposition = [0.0, 0.0, 3.0]\nvelocity = [0.0, 2.0, 0.0]"
-    found = values(scene(ASYMMETRIC, thrown, GRAVITY))
-    assert found["kinetic energy"] == pytest.approx(61.5 + 2, rel=ROUNDED)
-    assert found["potential energy"] == pytest.approx(30, rel=ROUNDED)
+    by_name = values(scene(ASYMMETRIC, thrown, GRAVITY))
+    assert by_name["kinetic energy"] == pytest.approx(61.5 + 2, rel=ROUNDED)
+    assert by_name["potential energy"] == pytest.approx(30, rel=ROUNDED)
 
 
 def test_about_the_middle_axis_a_growth_rate_is_shown():
-    found = values(scene(ASYMMETRIC, SPUN.replace("[3.0, 0.0, 4.0]", "[0.1, 2.0, 0.1]"), ""))
-    assert found["growth rate"] == pytest.approx(2 * math.sqrt(1 * 2 / (3 * 6)), rel=ROUNDED)
+    by_name = values(scene(ASYMMETRIC, SPUN.replace("[3.0, 0.0, 4.0]", "[0.1, 2.0, 0.1]"), ""))
+    assert by_name["growth rate"] == pytest.approx(2 * math.sqrt(1 * 2 / (3 * 6)), rel=ROUNDED)
 
 
 def test_the_spin_down_time_is_the_axial_moment_over_the_drag():

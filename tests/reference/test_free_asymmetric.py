@@ -78,8 +78,8 @@ def test_the_period_is_the_textbooks(motion):
 
 
 def test_one_ulp_in_a_moment_would_show():
-    off = free_asymmetric(one_ulp_heavier(GENERIC))
-    assert apart_at(off, GENERIC, repeated_free(GENERIC), LATE[-1]) > GOAL
+    neighbour = free_asymmetric(one_ulp_heavier(GENERIC))
+    assert apart_at(neighbour, GENERIC, repeated_free(GENERIC), LATE[-1]) > GOAL
 
 
 def test_sn_cn_dn_are_a_motion():
@@ -124,8 +124,8 @@ def test_the_separatrix_never_leaves_the_saddle(p):
 
 
 def test_a_motion_next_to_the_separatrix_leaves():
-    off = free_asymmetric(one_ulp_heavier(SEPARATRICES["++"]))
-    _, omega = off.states(np.linspace(0.0, 1e3, 1001))
+    neighbour = free_asymmetric(one_ulp_heavier(SEPARATRICES["++"]))
+    _, omega = neighbour.states(np.linspace(0.0, 1e3, 1001))
     assert np.abs(omega[500:, 0]).max() > 1
 
 

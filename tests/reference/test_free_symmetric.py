@@ -69,8 +69,8 @@ def test_the_motion_is_two_turns_at_any_time(p):
 
 
 def test_one_ulp_in_a_moment_would_show():
-    off = free_symmetric(one_ulp_heavier(OBLATE)).states(TIMES)
-    assert apart(off, by_two_turns(OBLATE, 2, TIMES)) > GOAL
+    neighbour = free_symmetric(one_ulp_heavier(OBLATE)).states(TIMES)
+    assert apart(neighbour, by_two_turns(OBLATE, 2, TIMES)) > GOAL
 
 
 @pytest.mark.parametrize("p", BODIES.values(), ids=BODIES)

@@ -122,8 +122,8 @@ def test_other_bodies_are_no_heavy_symmetric_tops(body, effects):
 @pytest.mark.parametrize("start", STARTS.values(), ids=STARTS)
 def test_nutation_energy_and_v_eff_make_up_e_prime_along_the_motion(start):
     """½ I1 β̇² + V_eff(β) = E', on the path found by an integrator that knows nothing of either."""
-    made = scene(start=start)
-    opinion = cross_check(made, made.times)
+    scenario = scene(start=start)
+    opinion = cross_check(scenario, scenario.times)
     top = top_of(start)
     bound = opinion.steps * RELATIVE_TOLERANCE
     assert defect_of(top, opinion.trajectory) < bound

@@ -76,8 +76,8 @@ CASES = {
 @cache
 def solved(name):
     """A scene's motion, by an integrator that knows of no law."""
-    made, _ = CASES[name]
-    return cross_check(made, made.times)
+    scenario, _ = CASES[name]
+    return cross_check(scenario, scenario.times)
 
 
 def bound(name):
@@ -87,14 +87,14 @@ def bound(name):
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_laws_of_a_scene_are_those_that_hold(name):
-    made, laws = CASES[name]
-    assert {invariant.name for invariant in invariants(made)} == laws
+    scenario, laws = CASES[name]
+    assert {invariant.name for invariant in invariants(scenario)} == laws
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_what_is_conserved_does_not_drift(name):
-    made, _ = CASES[name]
-    for law, drift in drifts(made, solved(name).trajectory).items():
+    scenario, _ = CASES[name]
+    for law, drift in drifts(scenario, solved(name).trajectory).items():
         assert drift < bound(name), law
 
 
@@ -133,10 +133,10 @@ def slipping(motion):
 
 @pytest.mark.parametrize("name", CASES)
 def test_a_law_notices_a_planted_fault(name):
-    made, _ = CASES[name]
+    scenario, _ = CASES[name]
     motion = solved(name).trajectory
     of_place = {"pivot", "com_parabola"}
-    for invariant in invariants(made):
+    for invariant in invariants(scenario):
         broken = slipping(motion) if invariant.name in of_place else pushed(motion)
         assert invariant.drift(broken) > 100 * bound(name), invariant.name
 
@@ -160,9 +160,9 @@ def test_a_law_notices_a_planted_fault(name):
     ids=["gravity flipped", "com mirrored", "com behind", "moments swapped"],
 )
 def test_the_motion_of_another_scene_breaks_the_law_of_this_one(name, law, wrong):
-    made, _ = CASES[name]
-    other = cross_check(wrong, made.times).trajectory
-    assert drifts(made, other)[law] > 1e6 * bound(name)
+    scenario, _ = CASES[name]
+    other = cross_check(wrong, scenario.times).trajectory
+    assert drifts(scenario, other)[law] > 1e6 * bound(name)
 
 
 @pytest.mark.parametrize(
@@ -183,8 +183,8 @@ def test_a_goryachev_chaplygin_body_with_angular_momentum_along_gravity_is_just_
     assert "goryachev_chaplygin" not in laws_of(scene(GORYACHEV_CHAPLYGIN, start))
 
 
-def laws_of(made):
-    return {invariant.name for invariant in invariants(made)}
+def laws_of(scenario):
+    return {invariant.name for invariant in invariants(scenario)}
 
 
 #: A fifth of a turn or so about x that puts the vertical along the body's (0, 0.8, 0.6).
@@ -212,16 +212,16 @@ TILTED = f"quaternion_wxyz = [{2 / 5**0.5!r}, {1 / 5**0.5!r}, 0.0, 0.0]"
     ids=["Kovalevskaya", "Goryachev-Chaplygin"],
 )
 def test_an_integrable_case_has_the_value_worked_out_by_hand(law, body, start, by_hand):
-    made = scene(body, start)
-    (found,) = [one for one in invariants(made) if one.name == law]
-    motion = cross_check(made, made.times).trajectory
-    assert found.values(motion)[0] == pytest.approx(by_hand, rel=1e-14)
+    scenario = scene(body, start)
+    (invariant,) = [one for one in invariants(scenario) if one.name == law]
+    motion = cross_check(scenario, scenario.times).trajectory
+    assert invariant.values(motion)[0] == pytest.approx(by_hand, rel=1e-14)
 
 
 def test_a_body_let_go_from_rest_has_scales():
     """L and T are zero at the start; a drift relative to them would be infinite."""
-    made = scene(TOP, "euler_zyz_deg = [0, 50, 0]\nomega_body = [0.0, 0.0, 0.0]")
-    assert all(one.law.scale(one.scene) > 0 for one in invariants(made))
+    scenario = scene(TOP, "euler_zyz_deg = [0, 50, 0]\nomega_body = [0.0, 0.0, 0.0]")
+    assert all(one.law.scale(one.scene) > 0 for one in invariants(scenario))
 
 
 def test_nothing_drifts_from_a_law_of_what_does_not_move():

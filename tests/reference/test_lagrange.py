@@ -77,8 +77,8 @@ def test_the_period_brings_the_tilt_back(motion):
 
 
 def test_one_ulp_in_a_moment_would_show():
-    off = lagrange(one_ulp_heavier(LOOP))
-    assert apart_at(off, LOOP, repeated_heavy(LOOP), LATE[-1]) > GOAL
+    neighbour = lagrange(one_ulp_heavier(LOOP))
+    assert apart_at(neighbour, LOOP, repeated_heavy(LOOP), LATE[-1]) > GOAL
 
 
 def test_the_period_is_that_of_the_facts():

@@ -21,8 +21,8 @@ def scene(name: str) -> Scenario:
 
 
 def tumbling_period(scenario: Scenario) -> float:
-    (found,) = (fact.value for fact in facts(scenario) if fact.name == "tumbling period")
-    return found
+    (period,) = (fact.value for fact in facts(scenario) if fact.name == "tumbling period")
+    return period
 
 
 def mean_precession_period(scenario: Scenario, first_moment: float = 1.0) -> float:

@@ -33,13 +33,16 @@ SCENES = {
 
 @cache
 def motion_of(name):
-    made, _ = SCENES[name]
-    return cross_check(made, made.times).trajectory
+    scenario, _ = SCENES[name]
+    return cross_check(scenario, scenario.times).trajectory
 
 
 def sights(name, motion=None):
-    made, _ = SCENES[name]
-    return {seen.name: seen for seen in observables(made, motion or motion_of(name))}
+    scenario, _ = SCENES[name]
+    return {
+        observable.name: observable
+        for observable in observables(scenario, motion or motion_of(name))
+    }
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -49,9 +52,9 @@ def test_a_motion_shows_what_its_scene_has(name):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_the_exact_value_is_the_fact_of_that_name(name):
-    known = {fact.name: (fact.value, fact.unit) for fact in facts(SCENES[name][0])}
-    for seen in sights(name).values():
-        assert known[seen.name] == (seen.exact, seen.unit)
+    by_fact = {fact.name: (fact.value, fact.unit) for fact in facts(SCENES[name][0])}
+    for observable in sights(name).values():
+        assert by_fact[observable.name] == (observable.exact, observable.unit)
 
 
 #: 2.5 ms between samples; nothing here turns faster than 25 rad/s, and a cubic spline's times are
@@ -61,11 +64,13 @@ SPLINE = (25 * 0.0025) ** 3
 
 @pytest.mark.parametrize("name", SCENES)
 def test_what_is_seen_is_the_exact_value(name):
-    for seen in sights(name).values():
-        assert seen.value == pytest.approx(seen.exact, rel=SPLINE, abs=SPLINE), seen
+    for observable in sights(name).values():
+        assert observable.value == pytest.approx(observable.exact, rel=SPLINE, abs=SPLINE), (
+            observable
+        )
 
 
-@pytest.mark.parametrize("name", [name for name, (_, seen) in SCENES.items() if seen])
+@pytest.mark.parametrize("name", [name for name, (_, observable) in SCENES.items() if observable])
 def test_a_motion_a_hundredth_too_fast_is_seen_to_be(name):
     slow = motion_of(name)
     fast = Trajectory(
@@ -76,21 +81,21 @@ def test_a_motion_a_hundredth_too_fast_is_seen_to_be(name):
         slow.velocity_world * 1.01,
     )
     of_time = {"s", "rad/s"}
-    for seen in sights(name, fast).values():
-        if seen.unit in of_time:
-            assert seen.value != pytest.approx(seen.exact, rel=10 * SPLINE), seen
+    for observable in sights(name, fast).values():
+        if observable.unit in of_time:
+            assert observable.value != pytest.approx(observable.exact, rel=10 * SPLINE), observable
 
 
 def thinned(motion, every):
     return Trajectory(**{name: values[::every] for name, values in vars(motion).items()})
 
 
-@pytest.mark.parametrize("name", [name for name, (_, seen) in SCENES.items() if seen])
+@pytest.mark.parametrize("name", [name for name, (_, observable) in SCENES.items() if observable])
 def test_samples_too_far_apart_show_nothing(name):
     fastest = max(
-        math.tau / abs(seen.exact) if seen.unit == "rad/s" else seen.exact
-        for seen in sights(name).values()
-        if seen.unit != "deg"
+        math.tau / abs(observable.exact) if observable.unit == "rad/s" else observable.exact
+        for observable in sights(name).values()
+        if observable.unit != "deg"
     )
     every = int(fastest / SAMPLES_PER_PERIOD / 0.0025) + 1
     assert set(sights(name, thinned(motion_of(name), every))) <= {"nutation from", "nutation to"}
@@ -102,8 +107,8 @@ def test_a_window_too_short_for_a_period_shows_nothing():
 
 def test_a_body_that_stays_on_its_axis_shows_no_flips():
     """Whatever rounding makes of the two other components of ω."""
-    made = scene(ASYMMETRIC, FLIPPING.replace("0.02, 15.0, 0.02", "0.0, 0.0, 5.0"), "", WINDOW)
-    assert observables(made, cross_check(made, made.times).trajectory) == []
+    scenario = scene(ASYMMETRIC, FLIPPING.replace("0.02, 15.0, 0.02", "0.0, 0.0, 5.0"), "", WINDOW)
+    assert observables(scenario, cross_check(scenario, scenario.times).trajectory) == []
 
 
 def test_azimuth_and_angle_are_those_of_a_uniform_precession():

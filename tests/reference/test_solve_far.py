@@ -32,10 +32,10 @@ FAULT = 1e-9
 def test_what_is_stated_of_a_closed_form_grows_with_the_turns_it_has_made():
     scenario = scene(TOP, START, FREE)
     stated = solve(scenario, np.array([0.0, AGES]))
-    got = [mpf(x) for x in stated.trajectory.q_world_body_wxyz[1].tolist()]
+    q_stated = [mpf(x) for x in stated.trajectory.q_world_body_wxyz[1].tolist()]
     q, _ = free_symmetric_body(rotational_problem(scenario)).state(AGES)
     with mp.workdps(DIGITS):
-        true_error = min(distance([sign * x for x in got], q) for sign in (1, -1))
+        true_error = min(distance([sign * x for x in q_stated], q) for sign in (1, -1))
     assert true_error > HONESTY * ROUNDING
     assert true_error <= HONESTY * stated.uncertainty.attitude
 

@@ -46,8 +46,8 @@ def start_near(axis, offset):
 def test_near_the_middle_axis_small_deviations_grow_at_that_rate():
     """cosh λt and sinh λt from the linear equations, against an integrator of the full ones."""
     offset, duration = 1e-6, 5.0
-    made = scene(ASYMMETRIC, start_near(1, offset), "", f"duration = {duration}\nsamples = 2")
-    end = cross_check(made, made.times).trajectory.omega_body[-1]
+    scenario = scene(ASYMMETRIC, start_near(1, offset), "", f"duration = {duration}\nsamples = 2")
+    end = cross_check(scenario, scenario.times).trajectory.omega_body[-1]
     rate = math.sqrt(perturbation_rate_squared(MOMENTS, 1, 1.0))
     # ω1' = (I2 − I3)/I1 ω2 ω3 with ω2 = 1, so ω1 = δ (cosh λt + (I2 − I3)/(I1 λ) sinh λt).
     grown = math.cosh(rate * duration) + (4 - 6) / (3 * rate) * math.sinh(rate * duration)
@@ -90,8 +90,8 @@ def test_the_motion_comes_back_after_the_period_and_not_before():
     period = tumbling_period(MOMENTS, omega)
     window = f"duration = {period!r}\nsamples = 3"
     start = "euler_zyz_deg = [0, 0, 0]\nomega_body = [0.3, 1.0, 0.2]"
-    made = scene(ASYMMETRIC, start, "", window)
-    opinion = cross_check(made, made.times)
+    scenario = scene(ASYMMETRIC, start, "", window)
+    opinion = cross_check(scenario, scenario.times)
     _, half, whole = opinion.trajectory.omega_body
     bound = opinion.steps * 1e-13
     assert np.abs(whole - omega).max() < bound
@@ -151,8 +151,8 @@ def test_omega_circles_the_axis_at_the_body_cone_rate_and_in_its_sense():
     oblate = "mass = 1.0\ninertia = [2.0, 2.0, 3.0]"
     rate = body_cone_rate(2.0, 3.0, 4.0)
     window = f"duration = {0.5 / rate!r}\nsamples = 2"
-    made = scene(oblate, "euler_zyz_deg = [0, 0, 0]\nomega_body = [1.0, 0.0, 4.0]", "", window)
-    opinion = cross_check(made, made.times)
+    scenario = scene(oblate, "euler_zyz_deg = [0, 0, 0]\nomega_body = [1.0, 0.0, 4.0]", "", window)
+    opinion = cross_check(scenario, scenario.times)
     end = opinion.trajectory.omega_body[-1]
     bound = opinion.steps * 1e-13 * 4  # relative to |ω|
     assert math.atan2(end[1], end[0]) == pytest.approx(0.5, abs=bound)

@@ -38,9 +38,9 @@ def top(omega3, tilt=0.0):
 
 def test_a_symmetric_body_s_rate_is_that_of_its_body_cone():
     """(I3 − I1)/I1 ω3 = (3 − 2)/2 · 8 rad/s."""
-    found = numbers()
-    assert found.gyration == pytest.approx(4.0, rel=EIGENVALUES)
-    assert found.turning == 8.0
+    computed = numbers()
+    assert computed.gyration == pytest.approx(4.0, rel=EIGENVALUES)
+    assert computed.turning == 8.0
 
 
 def test_the_rate_does_not_depend_on_the_axes():
@@ -61,18 +61,18 @@ def test_about_the_middle_axis_the_rate_is_that_of_the_flip():
 
     λ² = ω3² (6 − 4)(6 − 3)/(3 · 4) + ω1² (6 − 3)(4 − 3)/(4 · 6) = 4/9 + 4/9.
     """
-    found = numbers(ASYMMETRIC, (0.0, 2.0, 0.0)).gyration
-    assert found == pytest.approx(math.sqrt(8 / 9), rel=EIGENVALUES)
+    gyration = numbers(ASYMMETRIC, (0.0, 2.0, 0.0)).gyration
+    assert gyration == pytest.approx(math.sqrt(8 / 9), rel=EIGENVALUES)
     # Faster than small deviations grow about the axis itself, at 2 √(1 · 2/(3 · 6)) = 2/3 a second.
-    assert found > 2 * math.sqrt(perturbation_rate_squared((3.0, 4.0, 6.0), 1, 1.0))
+    assert gyration > 2 * math.sqrt(perturbation_rate_squared((3.0, 4.0, 6.0), 1, 1.0))
 
 
 def test_the_rate_of_a_free_body_is_the_same_all_along_its_motion():
     """What is conserved decides, as soon as the plane is where it is fastest."""
-    made = scene(ASYMMETRIC, "euler_zyz_deg = [0, 0, 0]\nomega_body = [0.1, 2.0, 0.1]", "")
-    states = solve(made, np.linspace(0.0, 2.0, 5)).trajectory.omega_body
-    found = [numbers(ASYMMETRIC, state).gyration for state in states.tolist()]
-    assert found == pytest.approx([found[0]] * len(found), rel=64 * EPS)
+    scenario = scene(ASYMMETRIC, "euler_zyz_deg = [0, 0, 0]\nomega_body = [0.1, 2.0, 0.1]", "")
+    states = solve(scenario, np.linspace(0.0, 2.0, 5)).trajectory.omega_body
+    gyrations = [numbers(ASYMMETRIC, state).gyration for state in states.tolist()]
+    assert gyrations == pytest.approx([gyrations[0]] * len(gyrations), rel=64 * EPS)
 
 
 def test_a_sphere_has_no_rate_of_its_own():

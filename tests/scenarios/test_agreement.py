@@ -85,28 +85,28 @@ def test_attitudes_are_compared_in_the_body_and_angular_momenta_in_the_world():
 def test_errors_are_relative_to_the_largest_of_the_exact_motion():
     """ω runs from 0 to 4: off by 0.1 at the start, where it is zero, is off by 0.1/4."""
     omega = np.linspace(0, 1, 11)[:, None] * [0, 0, 4.0]
-    exact, off = spinning(omega_body=omega), omega.copy()
-    off[0] = [0.1, 0, 0]
-    errors = errors_between(MADE, spinning(omega_body=off), exact)
+    exact, wrong_omega = spinning(omega_body=omega), omega.copy()
+    wrong_omega[0] = [0.1, 0, 0]
+    errors = errors_between(MADE, spinning(omega_body=wrong_omega), exact)
     assert errors.omega == pytest.approx(0.1 / 4, abs=ROUNDED)
     assert errors.angular_momentum == pytest.approx(0.1 / 10, abs=ROUNDED)
 
 
 def test_energy_is_relative_to_motion_and_weight():
     """Off by 1 m in height, 20 J, of T = 20 J and 2 kg · 10 m/s² · 3 m."""
-    made = scene(more=GRAVITY)
+    scenario = scene(more=GRAVITY)
     exact = spinning(com_world=always(0, 0, 3.0))
-    errors = errors_between(made, spinning(com_world=always(0, 0, 4.0)), exact)
+    errors = errors_between(scenario, spinning(com_world=always(0, 0, 4.0)), exact)
     assert errors.energy == pytest.approx(20 / 80, abs=ROUNDED)
     assert errors.angular_momentum == 0
 
 
 def test_about_a_pivot_the_coms_path_is_angular_momentum():
     """r × m v = 2 · 3 beside I ω = 10."""
-    made = scene(more=PIVOT)
+    scenario = scene(more=PIVOT)
     com, velocity = always(1.0, 0, 0), always(0, 3.0, 0)
     exact = spinning(com_world=com, velocity_world=velocity)
-    errors = errors_between(made, spinning(com_world=com), exact)
+    errors = errors_between(scenario, spinning(com_world=com), exact)
     assert errors.angular_momentum == pytest.approx(6 / 16, abs=ROUNDED)
 
 

@@ -219,10 +219,10 @@ def test_a_document_cannot_be_changed(text):
 
 
 def test_expected_bounds_are_those_given():
-    (found,) = scene(more=expect("omega = 1e-6", "energy = 1e-8")).expect
-    assert found.bounds() == {"omega": 1e-6, "energy": 1e-8}
+    (expectation,) = scene(more=expect("omega = 1e-6", "energy = 1e-8")).expect
+    assert expectation.bounds() == {"omega": 1e-6, "energy": 1e-8}
 
 
 def test_published_values_are_those_given():
-    (found,) = scene(more=published("t = 0.5", "energy = 2", "L_world = [1, 2, 3]")).published
-    assert found.values() == {"energy": 2.0, "L_world": (1.0, 2.0, 3.0)}
+    (value,) = scene(more=published("t = 0.5", "energy = 2", "L_world = [1, 2, 3]")).published
+    assert value.values() == {"energy": 2.0, "L_world": (1.0, 2.0, 3.0)}

@@ -115,8 +115,8 @@ def test_rates_are_those_of_the_attitude():
     difference = tuple((b - a) / (2 * step) for a, b in zip(at(-step), at(step), strict=True))
     omega = [2 * c for c in product(conjugate(at(0)), difference)[1:]]
     bound = 40**3 * step**2  # |rates|³ step²/6, and a margin for the six
-    found = omega_body_from_zyz_rates(angles, rates)
-    assert apart(omega, found) < bound
+    computed = omega_body_from_zyz_rates(angles, rates)
+    assert apart(omega, computed) < bound
     assert apart(omega, omega_body_from_zyz_rates(angles, (1.5, 2.0, 30.0))) > 1
 
 

@@ -51,9 +51,9 @@ def test_a_lever_that_is_no_principal_axis_swings_about_the_axis_that_gives_way_
     text = SCENE.format(spin=0.0, tilt=180.0, axial=0.03, effects=PIVOT)
     skew = loads(text.replace("com = [0.0, 0.0, 0.3]", "com = [0.3, 0.0, 0.0]"), "body")
     # About y and z the body gives way alike but for their moments, 0.02 and 0.03.
-    found = fastest_rate(skew, solve(skew, skew.times).trajectory.omega_body)
-    assert found == pytest.approx(SWING, rel=0.5)
-    assert found >= SWING * (1 - 16 * EPS)
+    rate = fastest_rate(skew, solve(skew, skew.times).trajectory.omega_body)
+    assert rate == pytest.approx(SWING, rel=0.5)
+    assert rate >= SWING * (1 - 16 * EPS)
 
 
 def test_without_a_pivot_gravity_turns_nothing():

@@ -144,10 +144,10 @@ def test_goryachev_chaplygin_starts_without_vertical_angular_momentum() -> None:
     assert abs(L[2]) <= 8 * EPS * np.linalg.norm(L)
     tilted = at_start(scenario)
     nudged = tilted.omega_body + np.array([[0.0, NUDGE, 0.0]])
-    off = Trajectory(
+    shifted = Trajectory(
         tilted.t, tilted.q_world_body_wxyz, nudged, tilted.com_world, tilted.velocity_world
     )
-    assert abs(angular_momentum_world(scenario, off)[0, 2]) > 8 * EPS * np.linalg.norm(L)
+    assert abs(angular_momentum_world(scenario, shifted)[0, 2]) > 8 * EPS * np.linalg.norm(L)
 
 
 def R_world_body(scenario: Scenario) -> FloatArray:
@@ -236,10 +236,10 @@ def test_the_motor_makes_up_for_the_drag() -> None:
 
 def test_the_cube_is_a_symmetric_top_about_its_diagonal() -> None:
     inertia = scene("cube-on-a-corner").body.inertia_origin_exact
-    diagonal, off = inertia[0][0], inertia[0][1]
+    diagonal, product = inertia[0][0], inertia[0][1]
     assert all(inertia[i][i] == diagonal for i in range(3))
-    assert inertia[0][1] == inertia[1][2] == inertia[0][2] == off
-    assert equal(float((diagonal - off) / (diagonal + 2 * off)), 11 / 2)
+    assert inertia[0][1] == inertia[1][2] == inertia[0][2] == product
+    assert equal(float((diagonal - product) / (diagonal + 2 * product)), 11 / 2)
 
 
 def test_the_top_with_y_up_is_the_fast_top() -> None:

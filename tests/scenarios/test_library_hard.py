@@ -24,8 +24,8 @@ LADDER_TURN_RAD = 6500.0
 
 
 def scene(name: str) -> Scenario:
-    (found,) = (scenario for scenario in HARD if scenario.name == name)
-    return found
+    (named,) = (scenario for scenario in HARD if scenario.name == name)
+    return named
 
 
 def fractions(values) -> list[Fraction]:
@@ -37,9 +37,9 @@ def moments(scenario: Scenario) -> list[Fraction]:
     return fractions(scenario.body.inertia_com.diagonal())
 
 
-def near(found: float | Fraction, told: float, within: float) -> bool:
+def near(computed: float | Fraction, stated: float, within: float) -> bool:
     """Equal but for a share."""
-    return abs(found - told) <= within * abs(told)
+    return abs(computed - stated) <= within * abs(stated)
 
 
 def scene_ids(scenario: Scenario) -> str:
@@ -99,10 +99,10 @@ def beyond_separatrix(scenario: Scenario) -> Fraction:
     ],
 )
 def test_the_distance_from_the_separatrix_is_the_one_stated(name: str, distance: float) -> None:
-    found = float(beyond_separatrix(scene(name)))
-    assert near(found, distance, ROUNDED)
-    assert not near(found, FAULT * distance, ROUNDED)
-    assert not near(found, -distance, ROUNDED)
+    beyond = float(beyond_separatrix(scene(name)))
+    assert near(beyond, distance, ROUNDED)
+    assert not near(beyond, FAULT * distance, ROUNDED)
+    assert not near(beyond, -distance, ROUNDED)
 
 
 def test_one_starts_on_the_separatrix_to_the_last_bit() -> None:

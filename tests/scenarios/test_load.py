@@ -12,14 +12,14 @@ from spincheck.scenarios.read_text import MAX_BYTES
 def test_a_file_is_a_scene_named_by_its_stem(tmp_path):
     path = tmp_path / "my-top.2.toml"
     path.write_text(TEXT, encoding="utf-8")
-    made = load(path)
-    assert (made.name, made.path) == ("my-top.2", path)
+    scenario = load(path)
+    assert (scenario.name, scenario.path) == ("my-top.2", path)
 
 
 def test_the_digest_is_of_the_text():
-    made = loads(TEXT, name="made")
-    assert made.digest == hashlib.sha256(TEXT.encode()).hexdigest()
-    assert loads(TEXT + "# changed\n", name="made").digest != made.digest
+    scenario = loads(TEXT, name="made")
+    assert scenario.digest == hashlib.sha256(TEXT.encode()).hexdigest()
+    assert loads(TEXT + "# changed\n", name="made").digest != scenario.digest
 
 
 def test_a_missing_file_is_named(tmp_path):

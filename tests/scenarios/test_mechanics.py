@@ -52,11 +52,13 @@ def test_about_a_pivot_the_com_goes_round_with_its_mass():
 
 
 def test_about_a_pivot_it_is_the_tensor_about_the_pivot():
-    made = scene(more=PIVOT)
-    omega, com = np.array([1.0, 2.0, 4.0]), made.body.com
-    L = angular_momentum_world(made, moment(omega=omega, com=com, velocity=np.cross(omega, com)))
-    assert L[0] == pytest.approx(made.body.inertia_origin @ omega, abs=ROUNDED)
-    assert L[0] != pytest.approx(made.body.inertia_com @ omega, abs=0.1)
+    scenario = scene(more=PIVOT)
+    omega, com = np.array([1.0, 2.0, 4.0]), scenario.body.com
+    L = angular_momentum_world(
+        scenario, moment(omega=omega, com=com, velocity=np.cross(omega, com))
+    )
+    assert L[0] == pytest.approx(scenario.body.inertia_origin @ omega, abs=ROUNDED)
+    assert L[0] != pytest.approx(scenario.body.inertia_com @ omega, abs=0.1)
 
 
 def test_kinetic_energy_is_of_turning_and_of_flight():
@@ -69,13 +71,16 @@ def test_kinetic_energy_is_of_turning_and_of_flight():
     ("gravity", "by_hand"), [(GRAVITY, 2 * 10 * 7), (SIDEWAYS, -2 * 3 * 5), ("", 0)]
 )
 def test_potential_energy_rises_against_gravity(gravity, by_hand):
-    there = moment(com=(5, 6, 7))
-    assert potential_energy(scene(more=gravity), there)[0] == pytest.approx(by_hand, abs=ROUNDED)
+    state = moment(com=(5, 6, 7))
+    assert potential_energy(scene(more=gravity), state)[0] == pytest.approx(by_hand, abs=ROUNDED)
 
 
 def test_energy_is_their_sum():
-    made, there = scene(more=GRAVITY), moment(omega=(1, 2, 4), com=(5, 6, 7), velocity=(3, 0, 4))
-    assert energy(made, there)[0] == pytest.approx(49.5 + 140, abs=ROUNDED)
+    scenario, state = (
+        scene(more=GRAVITY),
+        moment(omega=(1, 2, 4), com=(5, 6, 7), velocity=(3, 0, 4)),
+    )
+    assert energy(scenario, state)[0] == pytest.approx(49.5 + 140, abs=ROUNDED)
 
 
 def test_energy_is_conserved_in_free_fall():
@@ -85,9 +90,9 @@ def test_energy_is_conserved_in_free_fall():
     com = np.column_stack([3 * t, zero, 2 * t - 5 * t**2])
     velocity = np.column_stack([3 + zero, zero, 2 - 10 * t])
     q, omega = np.tile([1.0, 0, 0, 0], (50, 1)), np.zeros((50, 3))
-    made = scene(more=GRAVITY)
-    assert np.ptp(energy(made, Trajectory(t, q, omega, com, velocity))) < 10 * ROUNDED
-    assert np.ptp(energy(made, Trajectory(t, q, omega, com, 1.01 * velocity))) > 0.1
+    scenario = scene(more=GRAVITY)
+    assert np.ptp(energy(scenario, Trajectory(t, q, omega, com, velocity))) < 10 * ROUNDED
+    assert np.ptp(energy(scenario, Trajectory(t, q, omega, com, 1.01 * velocity))) > 0.1
 
 
 def test_the_base_is_of_the_fastest_and_the_farthest():

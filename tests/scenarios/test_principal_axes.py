@@ -53,8 +53,8 @@ def test_equal_moments_of_a_full_tensor_are_exactly_equal():
 
 def test_moments_an_ulp_apart_stay_apart():
     ulp = float(np.spacing(10.0))
-    off = tensor([[10.0 + ulp, 2, 2], [2, 13, 4], [2, 4, 13]])
-    moments, _ = principal_axes(off)
+    almost = tensor([[10.0 + ulp, 2, 2], [2, 13, 4], [2, 4, 13]])
+    moments, _ = principal_axes(almost)
     assert ulp / 10 < moments[1] - moments[0] < 2 * ulp
 
 

@@ -22,8 +22,8 @@ V = RANDOM.normal(size=(50, 3))
 V /= np.linalg.norm(V, axis=1, keepdims=True)
 
 
-def misfit(got: np.ndarray, wanted: np.ndarray) -> float:
-    return float(np.abs(got - wanted).max())
+def misfit(attitude: np.ndarray, wanted: np.ndarray) -> float:
+    return float(np.abs(attitude - wanted).max())
 
 
 def test_matrices_are_scipys() -> None:

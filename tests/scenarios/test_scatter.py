@@ -65,8 +65,8 @@ def test_a_member_is_that_of_numpys_spawned_streams():
     stream = np.random.SeedSequence(7).spawn(3)[2]
     n = np.random.Generator(np.random.PCG64(stream)).standard_normal(4)
     expected = Rotation.from_quat(n).as_quat(scalar_first=True)
-    got = member(scene(), 7, 2).start.q_world_body_wxyz
-    assert min(np.abs(got - expected).max(), np.abs(got + expected).max()) <= 8 * EPS
+    q_wxyz = member(scene(), 7, 2).start.q_world_body_wxyz
+    assert min(np.abs(q_wxyz - expected).max(), np.abs(q_wxyz + expected).max()) <= 8 * EPS
 
 
 def test_seeds_and_numbers_distinguish_members():
@@ -91,8 +91,8 @@ def test_every_scene_of_the_library_can_be_scattered(path):
 def test_free_attitudes_are_uniform(free):
     """Of a uniform rotation every entry of the matrix has mean 0 and variance 1/3."""
     matrices = attitudes(free).as_matrix()
-    off = np.abs(matrices.mean(axis=0)) * np.sqrt(3 * MEMBERS)
-    assert off.max() < SIGMAS
+    deviations = np.abs(matrices.mean(axis=0)) * np.sqrt(3 * MEMBERS)
+    assert deviations.max() < SIGMAS
 
 
 def test_attitudes_under_gravity_stay_near_the_scenes(heavy):

@@ -18,8 +18,8 @@ TORQUE_BODY = "[effects.torque]\nbody = [0.1, 0.2, 0.3]\n"
 TORQUE_WORLD = "[effects.torque]\nworld = [0.1, 0.2, 0.3]\n"
 
 
-def attitude_of(made):
-    return Rotation.from_quat(made.start.q_world_body_wxyz, scalar_first=True)
+def attitude_of(scenario):
+    return Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
 
 
 @pytest.mark.parametrize(
@@ -32,20 +32,20 @@ def attitude_of(made):
     ids=lambda written: written.split()[0],
 )
 def test_a_quarter_turn_about_y_may_be_written_in_three_ways(written):
-    made = scene((ATTITUDE, written))
-    assert attitude_of(made).apply([0, 0, 1]) == pytest.approx([1, 0, 0], abs=2 * EPS)
+    scenario = scene((ATTITUDE, written))
+    assert attitude_of(scenario).apply([0, 0, 1]) == pytest.approx([1, 0, 0], abs=2 * EPS)
 
 
 def test_the_attitude_is_of_unit_norm_however_it_was_typed():
-    made = scene((ATTITUDE, "quaternion_wxyz = [0.5001, 0.5, 0.5, 0.5]"))
-    assert np.linalg.norm(made.start.q_world_body_wxyz) == pytest.approx(1, abs=EPS)
+    scenario = scene((ATTITUDE, "quaternion_wxyz = [0.5001, 0.5, 0.5, 0.5]"))
+    assert np.linalg.norm(scenario.start.q_world_body_wxyz) == pytest.approx(1, abs=EPS)
 
 
 def test_omega_world_is_turned_into_body_axes():
-    made = scene((OMEGA, "omega_world = [0.5, 1.0, -2.0]"))
-    world = attitude_of(made).apply(np.array(made.start.omega_body))
+    scenario = scene((OMEGA, "omega_world = [0.5, 1.0, -2.0]"))
+    world = attitude_of(scenario).apply(np.array(scenario.start.omega_body))
     assert world == pytest.approx([0.5, 1.0, -2.0], abs=8 * EPS)
-    assert np.abs(made.start.omega_body - [0.5, 1.0, -2.0]).max() > 0.1
+    assert np.abs(scenario.start.omega_body - [0.5, 1.0, -2.0]).max() > 0.1
 
 
 def test_omega_body_is_kept_to_the_last_bit():
@@ -55,8 +55,8 @@ def test_omega_body_is_kept_to_the_last_bit():
 def test_euler_rates_are_turned_into_body_axes():
     """α̇ = 2 rad/s at β = 90 deg, γ = 0 is rotation about −x of the body."""
     rates = ("euler_zyz_rates = [2.0, 0.0, 5.0]",)
-    made = scene((ATTITUDE, "euler_zyz_deg = [0.0, 90.0, 0.0]"), (OMEGA, *rates))
-    assert made.start.omega_body == pytest.approx([-2.0, 0.0, 5.0], abs=EPS)
+    scenario = scene((ATTITUDE, "euler_zyz_deg = [0.0, 90.0, 0.0]"), (OMEGA, *rates))
+    assert scenario.start.omega_body == pytest.approx([-2.0, 0.0, 5.0], abs=EPS)
 
 
 def test_a_start_without_a_flight_is_at_rest_at_the_origin():
@@ -83,18 +83,18 @@ def test_a_scene_calls_for_the_effects_it_names(more, names):
 
 
 def test_effects_have_the_values_given():
-    made = scene(more=GRAVITY + DRAG + TORQUE_BODY)
-    assert list(made.gravity_world) == [1.0, 2.0, -9.81]
-    assert made.drag == 0.25
-    assert list(made.torque_body) == [0.1, 0.2, 0.3]
-    assert not made.torque_world.any()
+    scenario = scene(more=GRAVITY + DRAG + TORQUE_BODY)
+    assert list(scenario.gravity_world) == [1.0, 2.0, -9.81]
+    assert scenario.drag == 0.25
+    assert list(scenario.torque_body) == [0.1, 0.2, 0.3]
+    assert not scenario.torque_world.any()
 
 
 def test_effects_not_called_for_are_zero():
-    made = scene()
-    assert not made.gravity_world.any()
-    assert made.drag == 0
-    assert not made.torque_body.any()
+    scenario = scene()
+    assert not scenario.gravity_world.any()
+    assert scenario.drag == 0
+    assert not scenario.torque_body.any()
 
 
 def test_times_span_the_window_evenly():
@@ -120,10 +120,14 @@ def test_arrays_of_the_start_are_read_only(name):
 
 @pytest.mark.parametrize("path", find([]), ids=lambda path: path.stem)
 def test_a_scene_comes_whole_out_of_another_process(path):
-    made = load(path)
-    again = pickle.loads(pickle.dumps(made))
-    assert (again.name, again.digest, again.document) == (made.name, made.digest, made.document)
-    assert again.start.q_exact == made.start.q_exact
-    assert again.start.omega_body_exact == made.start.omega_body_exact
-    assert again.body.inertia_origin_exact == made.body.inertia_origin_exact
+    scenario = load(path)
+    again = pickle.loads(pickle.dumps(scenario))
+    assert (again.name, again.digest, again.document) == (
+        scenario.name,
+        scenario.digest,
+        scenario.document,
+    )
+    assert again.start.q_exact == scenario.start.q_exact
+    assert again.start.omega_body_exact == scenario.start.omega_body_exact
+    assert again.body.inertia_origin_exact == scenario.body.inertia_origin_exact
     assert not again.start.omega_body.flags.writeable

@@ -17,27 +17,27 @@ COLUMNS = {
 }
 
 
-def made(**changes):
+def trajectory(**changes):
     return Trajectory(**{**COLUMNS, **changes})
 
 
 @pytest.mark.parametrize("name", COLUMNS)
 def test_its_arrays_are_read_only(name):
     with pytest.raises(ValueError, match="read-only"):
-        getattr(made(), name)[0] = 7.0
+        getattr(trajectory(), name)[0] = 7.0
 
 
 @pytest.mark.parametrize("name", COLUMNS)
 def test_its_arrays_are_copies(name):
-    given = {key: values.copy() for key, values in COLUMNS.items()}
-    motion = Trajectory(**given)
-    given[name][0] = 0.5
+    columns = {key: values.copy() for key, values in COLUMNS.items()}
+    motion = Trajectory(**columns)
+    columns[name][0] = 0.5
     assert np.array_equal(getattr(motion, name), COLUMNS[name])
 
 
 @pytest.mark.parametrize("name", COLUMNS)
 def test_its_arrays_are_read_only_out_of_another_process(name):
-    again = pickle.loads(pickle.dumps(made()))
+    again = pickle.loads(pickle.dumps(trajectory()))
     assert np.array_equal(getattr(again, name), COLUMNS[name])
     with pytest.raises(ValueError, match="read-only"):
         getattr(again, name)[0] = 7.0
@@ -45,11 +45,11 @@ def test_its_arrays_are_read_only_out_of_another_process(name):
 
 def test_its_fields_cannot_be_replaced():
     with pytest.raises(AttributeError, match="cannot assign"):
-        made().t = COLUMNS["t"]
+        trajectory().t = COLUMNS["t"]
 
 
 def test_lists_and_integers_become_doubles():
-    motion = made(t=[0, 1, 2, 3], com_world=[[0, 0, 1]] * N)
+    motion = trajectory(t=[0, 1, 2, 3], com_world=[[0, 0, 1]] * N)
     assert motion.t.dtype == motion.com_world.dtype == np.float64
 
 
@@ -57,13 +57,13 @@ def test_lists_and_integers_become_doubles():
 @pytest.mark.parametrize("cut", [np.s_[:-1], np.s_[:, :-1]], ids=["rows", "columns"])
 def test_shapes_agree(name, cut):
     with pytest.raises(ValueError, match=rf"'{name}' must have shape \(4, "):
-        made(**{name: COLUMNS[name][cut]})
+        trajectory(**{name: COLUMNS[name][cut]})
 
 
 @pytest.mark.parametrize("t", [COLUMNS["t"][:, None], 0.0], ids=["a column", "a number"])
 def test_times_are_a_row(t):
     with pytest.raises(ValueError, match="'t' must have one dimension"):
-        made(t=t)
+        trajectory(t=t)
 
 
 @pytest.mark.parametrize("name", COLUMNS)
@@ -72,13 +72,13 @@ def test_every_number_is_finite(name, value):
     spoilt = COLUMNS[name].copy()
     spoilt[-1] = value
     with pytest.raises(ValueError, match="finite throughout"):
-        made(**{name: spoilt})
+        trajectory(**{name: spoilt})
 
 
 @pytest.mark.parametrize("t", [[0, 1, 1, 2], [0, 2, 1, 3]], ids=["repeated", "backwards"])
 def test_times_increase(t):
     with pytest.raises(ValueError, match="'t' must increase"):
-        made(t=t)
+        trajectory(t=t)
 
 
 @pytest.mark.parametrize("within", [True, False], ids=["within", "beyond"])
@@ -87,23 +87,23 @@ def test_attitudes_are_of_unit_norm_to_single_precision(within):
         1 + (0.5 if within else 2) * Trajectory.UNIT_NORM_SLACK
     )
     if within:
-        made(q_world_body_wxyz=stretched)
+        trajectory(q_world_body_wxyz=stretched)
     else:
         with pytest.raises(ValueError, match="must have unit norm"):
-            made(q_world_body_wxyz=stretched)
+            trajectory(q_world_body_wxyz=stretched)
 
 
 def test_attitudes_take_body_components_to_world_components():
     q = np.tile([np.sqrt(0.5), 0, np.sqrt(0.5), 0], (N, 1))
-    x_of_body_z = made(q_world_body_wxyz=q).R_world_body.apply([0, 0, 1])[:, 0]
+    x_of_body_z = trajectory(q_world_body_wxyz=q).R_world_body.apply([0, 0, 1])[:, 0]
     assert x_of_body_z == pytest.approx(1)
 
 
 def test_the_first_samples_are_a_trajectory():
-    first = made().until(2)
+    first = trajectory().until(2)
     assert list(first.t) == [0, 1]
     assert np.array_equal(first.omega_body, COLUMNS["omega_body"][:2])
 
 
 def test_an_empty_trajectory_is_one():
-    assert len(made().until(0).t) == 0
+    assert len(trajectory().until(0).t) == 0

@@ -106,9 +106,9 @@ def test_logarithmic_values_are_evenly_spaced_in_their_logarithms():
     ],
 )
 def test_a_range_that_cannot_be_used_names_path_rule_and_value(text, complaint):
-    with pytest.raises(VaryError) as told:
+    with pytest.raises(VaryError) as refusal:
         parse_axis(text)
-    assert complaint in str(told.value)
+    assert complaint in str(refusal.value)
 
 
 def test_every_number_of_a_scene_has_a_path():
@@ -140,12 +140,12 @@ def test_known_paths_pass(path):
 
 
 def test_an_unknown_path_names_the_near_one_and_all_of_them():
-    with pytest.raises(VaryError) as told:
+    with pytest.raises(VaryError) as refusal:
         check_path(TOP, "start.omega[2]")
     assert "start.omega[2]: no number of top; did you mean 'start.omega_body[2]'?" in str(
-        told.value
+        refusal.value
     )
-    assert "window.duration" in str(told.value)
+    assert "window.duration" in str(refusal.value)
 
 
 @pytest.mark.parametrize(

@@ -22,37 +22,37 @@ ROUNDING = 64 * EPS
 Law = Callable[[float], float]
 
 
-def only_top(found: Results) -> Results:
+def only_top(stored: Results) -> Results:
     """The made-up results of one scene, as a study of it alone would store them."""
     return replace(
-        found,
-        scenes={TOP: found.scenes[TOP]},
-        rows=[row for row in found.rows if row.key.scenario == TOP],
-        verdicts=[verdict for verdict in found.verdicts if verdict.key.scenario == TOP],
+        stored,
+        scenes={TOP: stored.scenes[TOP]},
+        rows=[row for row in stored.rows if row.key.scenario == TOP],
+        verdicts=[verdict for verdict in stored.verdicts if verdict.key.scenario == TOP],
     )
 
 
 def with_law(law: Law, method: str = "Euler") -> Results:
     """The same, with the errors of one method in ω and attitude by a law of the timestep."""
-    found = only_top(results(methods=ALONE))
+    stored = only_top(results(methods=ALONE))
     rows = [
         replace(row, errors=errors_of(law, row.timestep)) if row.key.method == method else row
-        for row in found.rows
+        for row in stored.rows
     ]
-    return replace(found, rows=rows)
+    return replace(stored, rows=rows)
 
 
 def errors_of(law: Law, timestep: float) -> Errors:
     return Errors(*[law(timestep)] * 6)
 
 
-def scene_of(found: Results) -> SceneRuns:
-    (scene,) = report_data(found).scenes
+def scene_of(stored: Results) -> SceneRuns:
+    (scene,) = report_data(stored).scenes
     return scene
 
 
-def chosen(found: Results, method: str, **bounds: float) -> Candidate:
-    tried = candidates(scene_of(found), bounds)
+def chosen(stored: Results, method: str, **bounds: float) -> Candidate:
+    tried = candidates(scene_of(stored), bounds)
     return next(candidate for candidate in tried if candidate.key.method == method)
 
 

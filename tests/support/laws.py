@@ -20,7 +20,7 @@ def law(order: float, error: float = COARSEST_ERROR) -> Callable[[float], float]
 
 
 def curve_of_law(
-    error: Callable[[float], float], seconds: float | None = 1e-6, **known: object
+    error: Callable[[float], float], seconds: float | None = 1e-6, **facts: object
 ) -> Curve:
     """A converging method with that error on every rung."""
     timesteps = [COARSEST / 2**k for k in range(RUNGS)]
@@ -39,11 +39,11 @@ def curve_of_law(
         reason="order as declared",
         order=None,
     )
-    return replace(curve, **known)
+    return replace(curve, **facts)
 
 
-def curve_of_errors(*errors: float, **known: object) -> Curve:
+def curve_of_errors(*errors: float, **facts: object) -> Curve:
     """The same with its errors listed, coarse to fine."""
-    found = {COARSEST / 2**k: error for k, error in enumerate(errors)}
-    points = tuple(CurvePoint(dt, 1e-6 / dt, error) for dt, error in found.items())
-    return curve_of_law(law(1), points=points, stable=points, **known)
+    errors_at = {COARSEST / 2**k: error for k, error in enumerate(errors)}
+    points = tuple(CurvePoint(dt, 1e-6 / dt, error) for dt, error in errors_at.items())
+    return curve_of_law(law(1), points=points, stable=points, **facts)

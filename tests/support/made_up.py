@@ -111,10 +111,10 @@ def results(samples: int = 101, methods: Sequence[MadeUp] = METHODS) -> Results:
     return Results(environment, scenes, rows, verdicts, methods=declared)
 
 
-def at_stock(found: Results) -> Results:
+def at_stock(stored: Results) -> Results:
     """The same with the runs at `STOCK` marked as those at stock timesteps."""
-    rows = [replace(row, stock=row.timestep in STOCK) for row in found.rows]
-    return replace(found, rows=rows)
+    rows = [replace(row, stock=row.timestep in STOCK) for row in stored.rows]
+    return replace(stored, rows=rows)
 
 
 def _declared(method: MadeUp) -> Method:

@@ -11,8 +11,8 @@ def outside_code(path: Path) -> str:
 
 def markdown_tables(path: Path) -> list[list[list[str]]]:
     """The cells of every table, row by row, the headings and the dashes among them."""
-    found = re.findall(r"(?:^\|.*\|\n)+", outside_code(path), re.MULTILINE)
-    return [_cells(table) for table in found]
+    tables = re.findall(r"(?:^\|.*\|\n)+", outside_code(path), re.MULTILINE)
+    return [_cells(table) for table in tables]
 
 
 def _cells(table: str) -> list[list[str]]:

@@ -103,8 +103,8 @@ def _tables(schema: dict[str, Any], keys: Keys) -> Iterator[Keys]:
 
 def _resolved(schema: dict[str, Any]) -> dict[str, Any]:
     if "$ref" in schema:
-        found: dict[str, Any] = SCHEMA["$defs"][schema["$ref"].rsplit("/", 1)[1]]
-        return found
+        definition: dict[str, Any] = SCHEMA["$defs"][schema["$ref"].rsplit("/", 1)[1]]
+        return definition
     return schema
 
 

@@ -42,10 +42,10 @@ class Page:
     @cached_property
     def packed(self) -> list[Any]:
         """The items of the page's compressed element; none without one."""
-        found = [e for e in self.all("script") if e.attributes.get("id") == "packed"]
-        if not found:
+        scripts = [e for e in self.all("script") if e.attributes.get("id") == "packed"]
+        if not scripts:
             return []
-        items: list[Any] = json.loads(zlib.decompress(base64.b64decode(found[0].text)))
+        items: list[Any] = json.loads(zlib.decompress(base64.b64decode(scripts[0].text)))
         return items
 
     @property
@@ -60,9 +60,9 @@ class Page:
         tables: list[list[list[str]]] = []
         for element in self.elements:
             if "data-table" in element.attributes:
-                made = self.packed[int(element.attributes["data-table"])]
-                rows = [["".join([c[0], *c[2:3], *c[4:5]]) for c in row] for row in made["rows"]]
-                tables.append([made["headings"], *rows])
+                item = self.packed[int(element.attributes["data-table"])]
+                rows = [["".join([c[0], *c[2:3], *c[4:5]]) for c in row] for row in item["rows"]]
+                tables.append([item["headings"], *rows])
             if element.tag == "table":
                 tables.append([])
             elif element.tag == "tr":

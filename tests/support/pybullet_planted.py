@@ -45,8 +45,8 @@ def leave_out(monkeypatch: pytest.MonkeyPatch, function: str, *keywords: str) ->
     """Call one of PyBullet's functions without some of the arguments it is given."""
     real = getattr(p, function)
 
-    def called(*args: Any, **given: Any) -> Any:
-        return real(*args, **{k: v for k, v in given.items() if k not in keywords})
+    def called(*args: Any, **arguments: Any) -> Any:
+        return real(*args, **{k: v for k, v in arguments.items() if k not in keywords})
 
     monkeypatch.setattr(p, function, called)
 
@@ -54,7 +54,9 @@ def leave_out(monkeypatch: pytest.MonkeyPatch, function: str, *keywords: str) ->
 def change(monkeypatch: pytest.MonkeyPatch, function: str, **keywords: Any) -> None:
     """Call one of PyBullet's functions with other arguments than it is given."""
     real = getattr(p, function)
-    monkeypatch.setattr(p, function, lambda *args, **given: real(*args, **{**given, **keywords}))
+    monkeypatch.setattr(
+        p, function, lambda *args, **arguments: real(*args, **{**arguments, **keywords})
+    )
 
 
 def skip(monkeypatch: pytest.MonkeyPatch, function: str) -> None:

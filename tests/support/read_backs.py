@@ -7,5 +7,5 @@ from spincheck.scenarios import Scenario
 
 def check_read_back(scene: Scenario, held: BodyReading, state: State) -> None:
     """Raise at the first difference."""
-    for found in differences(scene, held, state, READ_BACK_SLACK):
-        raise EngineError(found.complaint)
+    for difference in differences(scene, held, state, READ_BACK_SLACK):
+        raise EngineError(difference.complaint)

@@ -38,15 +38,15 @@ def _scenes(a: Results, b: Results) -> Iterator[str]:
         if first is None or second is None:
             yield f"scene in one only: {name}"
             continue
-        known = [(s.scenario.text, s.solution.method, s.solution.horizon) for s in (first, second)]
+        scenes = [(s.scenario.text, s.solution.method, s.solution.horizon) for s in (first, second)]
         motions = (first.solution.trajectory, second.solution.trajectory)
-        if known[0] != known[1] or not _same_arrays(*motions):
+        if scenes[0] != scenes[1] or not _same_arrays(*motions):
             yield f"exact motion differs: {name}"
 
 
 def _left_out(a: Results, b: Results) -> Iterator[str]:
     """What pruning saves is a matter of time: whether it is there at all."""
-    first, second = ([found.key for found in [*r.effects, *r.passes]] for r in (a, b))
+    first, second = ([record.key for record in [*r.effects, *r.passes]] for r in (a, b))
     if first != second:
         yield f"what is left out was timed otherwise: {first} {second}"
 

@@ -32,18 +32,18 @@ MEMBERS = 2
 
 def write(path: Path) -> Path:
     """Begin the file and fill it."""
-    found = made_up.results(SAMPLES, made_up.METHODS[:1])
+    stored = made_up.results(SAMPLES, made_up.METHODS[:1])
     with open_store(path, create=True) as store:
-        store.put_environment(found.environment)
-        methods = tuple(found.methods.values())
+        store.put_environment(stored.environment)
+        methods = tuple(stored.methods.values())
         store.put_methods([SimpleNamespace(name="mujoco", methods=methods, stock_timestep=0.002)])
         store.keep_matching(SCENE, {"": "a digest", "mujoco": "another"})
-        result = found.scenes[SCENE]
+        result = stored.scenes[SCENE]
         store.put_scene(result.scenario, result.solution)
-        rows = [row for row in found.rows if row.key == KEY]
+        rows = [row for row in stored.rows if row.key == KEY]
         for row in rows[-2:]:
             store.put_row(row)
-        for verdict in found.verdicts:
+        for verdict in stored.verdicts:
             if verdict.key == KEY:
                 store.put_verdict(verdict)
         store.put_cost(KEY, "a processor", StepCost(1e-6, 1e-7, 1e-6))
@@ -57,9 +57,9 @@ def write(path: Path) -> Path:
 def _put_sweeps(store) -> None:
     base = made_up_sweeps.scene(name=SWEPT)
     axes = made_up_sweeps.axes("start.omega_body[2]=1:2:2", "timestep=1e-3:1e-2:2")
-    for asked in (Map(SWEPT, axes, None), Ensemble(SWEPT, MEMBERS, 7, 0.01)):
-        store.sweeps.put(asked, base)
-        for place in sweep_points(asked):
+    for definition in (Map(SWEPT, axes, None), Ensemble(SWEPT, MEMBERS, 7, 0.01)):
+        store.sweeps.put(definition, base)
+        for place in sweep_points(definition):
             at = (*place.at, 0.0)[:2]
             point = made_up_sweeps.point(at, ("mujoco", "RK4"), place.timestep, base)
             store.sweeps.put_points(place, [point])

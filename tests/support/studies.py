@@ -33,7 +33,7 @@ def study(
 
 def sweep(
     path: Path,
-    asked: Map | Ensemble,
+    definition: Map | Ensemble,
     scene: Scenario,
     choice: Choice,
     executor: Executor | None = None,
@@ -41,8 +41,8 @@ def sweep(
 ) -> tuple[PointResult, ...]:
     """Run what is missing of a sweep; returns its points."""
     with open_store(path, create=True) as store, executor or InProcess() as calls:
-        run_sweep(plan_sweep(asked, scene, choice, store), scene, store, calls, progress)
-        return store.sweeps.points(asked)
+        run_sweep(plan_sweep(definition, scene, choice, store), scene, store, calls, progress)
+        return store.sweeps.points(definition)
 
 
 def verdict_of(study: ConvergenceStudy) -> Verdict:

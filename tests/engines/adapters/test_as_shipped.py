@@ -31,7 +31,7 @@ def default(engine: Engine, name: str, timestep: float = TIMESTEP) -> Run:
     return engine.run(SCENES[name], engine.method("default"), timestep, STEPS)
 
 
-def told(name: str) -> str:
+def reason_of(name: str) -> str:
     return default(PYBULLET, name).reason
 
 
@@ -136,12 +136,12 @@ def test_of_one_that_is_turned_it_is_that_of_its_bounding_box() -> None:
 @pytest.mark.parametrize("words", ["damping", "velocity clamp"])
 @pytest.mark.parametrize("name", ["free", "pivot"])
 def test_a_multibody_is_damped_and_its_velocity_clamped(name: str, words: str) -> None:
-    assert words in told(name)
+    assert words in reason_of(name)
 
 
 def test_a_joint_has_a_motor_and_a_free_body_none() -> None:
-    assert "joint motor" in told("pivot")
-    assert "joint motor" not in told("free")
+    assert "joint motor" in reason_of("pivot")
+    assert "joint motor" not in reason_of("free")
 
 
 @pytest.mark.parametrize("name", ["free", "pivot"])
@@ -155,14 +155,14 @@ def test_the_spin_decays_by_the_default_damping_and_not_without() -> None:
     spin, steps = 0.01, np.array([0, 1000])
     free = rotor(spin, effects="")
 
-    def left(method: str) -> float:
+    def spin_kept(method: str) -> float:
         motion = PYBULLET.run(free, PYBULLET.method(method), TIMESTEP, steps).trajectory
         assert motion is not None
         return float(motion.omega_body[-1, 2] / spin)
 
     # Linear and quadratic part together: d ln ω / dt = −DAMPING (1 + |ω|).
-    assert left("default") == pytest.approx(np.exp(-DAMPING), rel=DAMPING * (spin + TIMESTEP))
-    assert left("multibody") == pytest.approx(1.0, rel=steps[-1] * np.finfo(float).eps)
+    assert spin_kept("default") == pytest.approx(np.exp(-DAMPING), rel=DAMPING * (spin + TIMESTEP))
+    assert spin_kept("multibody") == pytest.approx(1.0, rel=steps[-1] * np.finfo(float).eps)
 
 
 def test_a_clamped_velocity_ends_the_run() -> None:

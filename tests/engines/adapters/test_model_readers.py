@@ -25,30 +25,30 @@ def held(folder, text, who, file="robot.urdf", packages=()):
 @pytest.mark.parametrize("who", FAITHFUL, ids=" ".join)
 def test_an_engine_that_is_reported_to_holds_the_files_tensor(tmp_path, who):
     stated = read_model(written(tmp_path, arm())).link("arm").stated
-    found = held(tmp_path, arm(), who)["arm"]
-    assert found.mass == 2
-    assert np.abs(found.com - [0.1, 0, 0]).max() <= EPS
-    assert np.abs(found.inertia_com - stated.inertia).max() <= 8 * EPS * 0.05
+    arm_body = held(tmp_path, arm(), who)["arm"]
+    assert arm_body.mass == 2
+    assert np.abs(arm_body.com - [0.1, 0, 0]).max() <= EPS
+    assert np.abs(arm_body.inertia_com - stated.inertia).max() <= 8 * EPS * 0.05
     # Teeth: without the rotation of its own frame it would be another.
-    assert np.abs(found.inertia_com - stated.unturned).max() > 1e-3
+    assert np.abs(arm_body.inertia_com - stated.unturned).max() > 1e-3
 
 
 def test_without_its_flag_pybullet_holds_none_of_it(tmp_path):
-    found = held(tmp_path, arm(), ("pybullet", "default"))["arm"]
-    assert found.mass == 2
-    assert found.inertia_com.max() < 1e-4 * 0.05
+    arm_body = held(tmp_path, arm(), ("pybullet", "default"))["arm"]
+    assert arm_body.mass == 2
+    assert arm_body.inertia_com.max() < 1e-4 * 0.05
 
 
 def test_pybullet_sets_a_tensor_to_zero_that_no_body_has(tmp_path):
     text = arm(diagonal(0.3, 0.1, 0.9))
-    found = held(tmp_path, text, ("pybullet", "inertia-from-file"))["arm"]
-    assert (found.mass, found.inertia_com.any()) == (2, False)
+    arm_body = held(tmp_path, text, ("pybullet", "inertia-from-file"))["arm"]
+    assert (arm_body.mass, arm_body.inertia_com.any()) == (2, False)
 
 
 def test_pybullet_makes_a_body_of_what_the_file_gives_nothing(tmp_path):
-    found = held(tmp_path, arm(), ("pybullet", "inertia-from-file"))["base"]
-    assert found.mass == BY_DEFAULT
-    assert (found.inertia_com == BY_DEFAULT * np.eye(3)).all()
+    base_body = held(tmp_path, arm(), ("pybullet", "inertia-from-file"))["base"]
+    assert base_body.mass == BY_DEFAULT
+    assert (base_body.inertia_com == BY_DEFAULT * np.eye(3)).all()
 
 
 @pytest.mark.parametrize("configuration", ["as-is", "unfused"])
@@ -59,9 +59,9 @@ def test_mujoco_refuses_a_tensor_that_no_body_has(tmp_path, configuration):
 
 def test_mujoco_fuses_what_no_joint_moves(tmp_path):
     text = arm_with_a_tool()
-    found = held(tmp_path, text, ("mujoco", "as-is"))
-    assert list(found) == ["arm"]
-    assert found["arm"].mass == 4
+    bodies = held(tmp_path, text, ("mujoco", "as-is"))
+    assert list(bodies) == ["arm"]
+    assert bodies["arm"].mass == 4
     assert list(held(tmp_path, text, ("mujoco", "unfused"))) == ["base", "arm", "tool"]
 
 
@@ -81,8 +81,8 @@ def test_a_mesh_in_a_package_is_read_where_pybullet_asks_for_it(tmp_path):
     text = arm(inside=MESH.format("package://made-up/mesh.obj"))
     packages = (("made-up", tmp_path / "package"),)
     without = held(tmp_path, text, ("pybullet", "default"))["arm"]
-    found = held(tmp_path, text, ("pybullet", "default"), packages=packages)["arm"]
-    assert np.trace(found.inertia_com) > 1e3 * np.trace(without.inertia_com)
+    arm_body = held(tmp_path, text, ("pybullet", "default"), packages=packages)["arm"]
+    assert np.trace(arm_body.inertia_com) > 1e3 * np.trace(without.inertia_com)
 
 
 def test_an_mjcfs_body_is_what_the_file_states(tmp_path):
@@ -90,9 +90,9 @@ def test_an_mjcfs_body_is_what_the_file_states(tmp_path):
         '<freejoint/><inertial mass="2" pos="0 0 1" euler="30 20 10" diaginertia="1 2 2.5"/>'
     )
     stated = read_model(written(tmp_path, text, "robot.xml")).link("arm").stated
-    found = held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")["arm"]
-    assert np.abs(found.inertia_com - stated.inertia).max() <= 16 * EPS
-    assert np.abs(found.inertia_com - np.diag([1, 2, 2.5])).max() > 0.1
+    mesh_arm = held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")["arm"]
+    assert np.abs(mesh_arm.inertia_com - stated.inertia).max() <= 16 * EPS
+    assert np.abs(mesh_arm.inertia_com - np.diag([1, 2, 2.5])).max() > 0.1
 
 
 def test_an_mjcfs_missing_meshes_and_textures_do_not_matter(tmp_path):
@@ -111,8 +111,8 @@ def test_an_mjcfs_missing_meshes_and_textures_do_not_matter(tmp_path):
 def test_bodies_without_a_name_are_distinguished(tmp_path):
     inner = '<freejoint/><geom size="1"/><body pos="1 0 0"><geom size="2"/></body>'
     text = f"<mujoco><worldbody><body>{inner}</body></worldbody></mujoco>"
-    found = held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")
-    assert found["(body 2)"].mass == pytest.approx(8 * found["(body 1)"].mass)
+    bodies = held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")
+    assert bodies["(body 2)"].mass == pytest.approx(8 * bodies["(body 1)"].mass)
 
 
 def test_replicated_bodies_are_named_as_mujoco_names_them(tmp_path):

@@ -130,8 +130,8 @@ def test_an_unpruned_model_shows_every_pass_it_did_not_need() -> None:
     scene = SCENES["free"]
     text = mjcf(scene, TIMESTEP, "RK4", left_in=switched_off(scene))
     model = mujoco.MjModel.from_xml_string(text)
-    found = acting(model, mujoco.MjData(model), scene)
-    assert {"automatic reset", "collision detection", "constraint solver"} <= found
+    active_passes = acting(model, mujoco.MjData(model), scene)
+    assert {"automatic reset", "collision detection", "constraint solver"} <= active_passes
 
 
 def test_forces_applied_to_the_data_are_named() -> None:
@@ -182,5 +182,5 @@ STRENGTHS: dict[str, tuple[str, Edit]] = {
 @pytest.mark.parametrize("words", STRENGTHS)
 def test_an_effect_at_another_strength_than_the_scenes_is_reported(words: str) -> None:
     name, planted = STRENGTHS[words]
-    (told,) = active(name, planted) - SCENES[name].called_for
-    assert told.startswith(words)
+    (effect,) = active(name, planted) - SCENES[name].called_for
+    assert effect.startswith(words)

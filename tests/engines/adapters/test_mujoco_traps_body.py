@@ -123,6 +123,6 @@ def test_an_only_link_of_a_urdf_is_welded_to_the_world_unless_told_otherwise() -
 
 
 def test_a_ball_joint_off_the_bodys_origin_is_not_the_pivot() -> None:
-    off = scene("off", body=TILTED, start=TUMBLE, effects=PIVOT)
-    session = planted(off, ('type="ball"', 'type="ball" pos="0 0 0.01"'))
+    tilted = scene("off", body=TILTED, start=TUMBLE, effects=PIVOT)
+    session = planted(tilted, ('type="ball"', 'type="ball" pos="0 0 0.01"'))
     assert "pivot" not in session.active()

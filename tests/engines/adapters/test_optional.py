@@ -42,8 +42,8 @@ def _nobody_left():
 
 
 def test_every_optional_engine_is_there_or_missing_with_how_to_get_it() -> None:
-    there, absent = set(engines()), {one.name: one.reason for one in missing()}
-    assert set(OPTIONAL) <= there | set(absent)
+    present, absent = set(engines()), {one.name: one.reason for one in missing()}
+    assert set(OPTIONAL) <= present | set(absent)
     remedies = ("pip install 'spincheck[", "python -m spincheck.engines", "node is not installed")
     for name in set(OPTIONAL) & set(absent):
         assert any(remedy in absent[name] for remedy in remedies)
@@ -89,11 +89,11 @@ def test_a_second_run_of_it_is_the_same_to_the_last_bit(engine: Engine) -> None:
 def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
     engine: Engine, name: str
 ) -> None:
-    said = engine.equation_residuals((SCENES | {"on-axis": ON_AXIS})[name], engine.methods[0])
+    residual = engine.equation_residuals((SCENES | {"on-axis": ON_AXIS})[name], engine.methods[0])
     if engine.name in WITHOUT_GYROSCOPIC_TORQUE:
-        assert said.endswith("as if there were no gyroscopic torque")
+        assert residual.endswith("as if there were no gyroscopic torque")
     else:
-        assert said == ""
+        assert residual == ""
 
 
 @pytest.mark.parametrize(
@@ -123,9 +123,9 @@ def test_nothing_optional_is_imported_before_a_scene_is_opened() -> None:
 
 def test_without_node_its_engines_are_missing_and_say_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys.modules[discovered.__module__].shutil, "which", lambda _: None)
-    found = list(discovered())
-    assert {"cannon-es", "rapier3d-js"} <= {one.name for one in found}
-    assert {one.reason for one in found} == {"node is not installed"}
+    missing_engines = list(discovered())
+    assert {"cannon-es", "rapier3d-js"} <= {one.name for one in missing_engines}
+    assert {one.reason for one in missing_engines} == {"node is not installed"}
 
 
 def test_without_their_packages_they_are_missing_with_the_command_that_installs_them(
@@ -140,11 +140,11 @@ def test_without_their_packages_they_are_missing_with_the_command_that_installs_
 
 def _imported_by_modules() -> set[str]:
     """What the adapters' modules import as soon as they are imported themselves."""
-    found = set()
+    modules = set()
     for path in Path(adapters_package.__path__[0]).rglob("*.py"):
         for node in ast.parse(path.read_text(encoding="utf-8")).body:
             if isinstance(node, ast.Import):
-                found |= {alias.name.partition(".")[0] for alias in node.names}
+                modules |= {alias.name.partition(".")[0] for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and not node.level:
-                found.add((node.module or "").partition(".")[0])
-    return found
+                modules.add((node.module or "").partition(".")[0])
+    return modules

@@ -63,7 +63,9 @@ def test_gravity_that_the_scene_does_not_call_for_fails_the_audit(
     method: Method, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     real = p.setGravity
-    monkeypatch.setattr(p, "setGravity", lambda x, y, z, **given: real(x, y, z - 9.81, **given))
+    monkeypatch.setattr(
+        p, "setGravity", lambda x, y, z, **keywords: real(x, y, z - 9.81, **keywords)
+    )
     result = run(SCENES["pivot"], method)
     assert result.outcome == "failed"
     assert "a gravity of [0.0, 0.0, -9.81] m/s²" in result.reason
@@ -80,7 +82,7 @@ def test_a_shape_to_collide_with_fails_the_audit(
     monkeypatch.setattr(
         pybullet_load,
         "urdf",
-        lambda scenario, **given: real(scenario, **given).replace(
+        lambda scenario, **keywords: real(scenario, **keywords).replace(
             '<link name="top">', '<link name="top">' + SHAPE
         ),
     )

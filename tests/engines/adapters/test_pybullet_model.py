@@ -89,7 +89,7 @@ def test_a_warning_while_loading_fails_the_run(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(
         pybullet_load,
         "urdf",
-        lambda scenario, **given: real(scenario, **given).replace("<axis", "<no-axis"),
+        lambda scenario, **keywords: real(scenario, **keywords).replace("<axis", "<no-axis"),
     )
     result = run(SCENES["pivot"], MULTIBODY)
     assert result.outcome == "failed"
@@ -196,12 +196,12 @@ def test_a_rigid_body_is_loaded_in_its_pose_lest_its_inertia_be_that_of_another(
 
     real = p.loadURDF
 
-    def load_then_turn(file: str, position: Any, attitude: Any, **given: Any) -> int:
-        right = real(file, position, attitude, **given)
-        pose = p.getBasePositionAndOrientation(right, given["physicsClientId"])
-        p.removeBody(right, given["physicsClientId"])
-        turned = int(real(file, **given))
-        p.resetBasePositionAndOrientation(turned, *pose, given["physicsClientId"])
+    def load_then_turn(file: str, position: Any, attitude: Any, **keywords: Any) -> int:
+        right = real(file, position, attitude, **keywords)
+        pose = p.getBasePositionAndOrientation(right, keywords["physicsClientId"])
+        p.removeBody(right, keywords["physicsClientId"])
+        turned = int(real(file, **keywords))
+        p.resetBasePositionAndOrientation(turned, *pose, keywords["physicsClientId"])
         return turned
 
     monkeypatch.setattr(p, "loadURDF", load_then_turn)

@@ -17,12 +17,12 @@ def run(scene: str, method: str) -> Run:
     return ENGINE.run(SCENES[scene], ENGINE.method(method), TIMESTEP, STEPS)
 
 
-def bits(found: Run) -> tuple[object, ...]:
-    motion = found.trajectory
+def bits(run_made: Run) -> tuple[object, ...]:
+    motion = run_made.trajectory
     samples = None if motion is None else [column.tobytes() for column in vars(motion).values()]
     # What acts is felt in a world that a clamped body has been through: nobody reads those digits.
-    active = found.active if found.outcome == "ok" else None
-    return found.outcome, found.reason, active, samples
+    active = run_made.active if run_made.outcome == "ok" else None
+    return run_made.outcome, run_made.reason, active, samples
 
 
 PAIRS = [
@@ -35,11 +35,11 @@ PAIRS = [
 
 @pytest.fixture(scope="module")
 def in_new_worlds() -> dict[tuple[str, str], tuple[object, ...]]:
-    found = {}
+    bits_of = {}
     for pair in PAIRS:
         worlds._empty.clear()
-        found[pair] = bits(run(*pair))
-    return found
+        bits_of[pair] = bits(run(*pair))
+    return bits_of
 
 
 def test_whatever_was_in_it_before(in_new_worlds):

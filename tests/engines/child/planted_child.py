@@ -73,32 +73,32 @@ def answer(call: dict) -> dict:
             return {"error": f"there is no call '{other}'"}
 
 
-def spoilt(call: dict, said: dict) -> None:
+def spoilt(call: dict, reply: dict) -> None:
     """What goes wrong with an answer, in place."""
     do = call["do"]
     if FAULT == "heavier" and do == "open":
-        said["body"]["mass"] *= 1.01
+        reply["body"]["mass"] *= 1.01
     elif FAULT == "confesses" and do == "active":
-        said["active"] = ["wind"]
+        reply["active"] = ["wind"]
     elif FAULT == "faster than time" and do == "time":
-        said["seconds"] = 1e6
+        reply["seconds"] = 1e6
     elif FAULT == "no number" and do == WHEN:
-        said["omega"] = [None, 0.0, 0.0]
+        reply["omega"] = [None, 0.0, 0.0]
     elif FAULT == "three of four" and do == WHEN:
-        said["q"] = said["q"][:3]
+        reply["q"] = reply["q"][:3]
     elif FAULT == "text for numbers" and do == WHEN:
-        said["com"] = ["0", "0", "0"]
+        reply["com"] = ["0", "0", "0"]
     elif FAULT == "one key more" and do == WHEN:
-        said["energy"] = 1.0
+        reply["energy"] = 1.0
     elif FAULT == "NaN" and do == WHEN:
-        said["omega"] = [math.nan, 0.0, 0.0]
+        reply["omega"] = [math.nan, 0.0, 0.0]
     elif FAULT == "another's answer" and do == WHEN:
-        said["id"] -= 1
+        reply["id"] -= 1
     elif FAULT == "refuses" and do == WHEN:
-        said.clear()
-        said.update(id=call["id"], error="the solver\nwill not\x1b[2J")
+        reply.clear()
+        reply.update(id=call["id"], error="the solver\nwill not\x1b[2J")
     elif FAULT == "changes its name" and do == "hello":
-        said["version"] = str(os.getpid())
+        reply["version"] = str(os.getpid())
 
 
 for line in sys.stdin:
@@ -127,6 +127,6 @@ for line in sys.stdin:
             print("stepping " * 100_000)
         if FAULT == "speaks unasked":
             answers.write("{}\n{}\n")
-    said = {"id": call["id"]} | answer(call)
-    spoilt(call, said)
-    answers.write(json.dumps(said) + "\n")
+    reply = {"id": call["id"]} | answer(call)
+    spoilt(call, reply)
+    answers.write(json.dumps(reply) + "\n")

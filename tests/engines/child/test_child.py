@@ -151,15 +151,15 @@ def hang_in_a_child(file: Path) -> None:
 def test_a_child_that_hangs_goes_with_the_worker_that_waits_for_it(tmp_path: Path) -> None:
     file = tmp_path / "pid"
     with LocalWorkers(1, LIMIT_OF_WORKER) as workers:
-        lost = workers.call(hang_in_a_child, file).value
-    assert isinstance(lost, CallFailed)
-    assert lost.cause == "time-out"
+        outcome = workers.call(hang_in_a_child, file).value
+    assert isinstance(outcome, CallFailed)
+    assert outcome.cause == "time-out"
     try:
-        left = psutil.Process(int(file.read_text(encoding="utf-8"))).status()
+        status = psutil.Process(int(file.read_text(encoding="utf-8"))).status()
     except psutil.NoSuchProcess:
         return
     # Dead, and nobody here is its parent.
-    assert left == psutil.STATUS_ZOMBIE
+    assert status == psutil.STATUS_ZOMBIE
 
 
 def test_a_child_engine_goes_to_a_worker_by_pickle() -> None:

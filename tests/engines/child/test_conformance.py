@@ -27,7 +27,7 @@ def test_an_engine_of_fifty_lines_in_another_language_conforms() -> None:
 
 
 @pytest.mark.parametrize(
-    ("fault", "said"),
+    ("fault", "words"),
     {
         "dies": "ended with exit code 3",
         "prints garbage": "is not JSON",
@@ -37,8 +37,8 @@ def test_an_engine_of_fifty_lines_in_another_language_conforms() -> None:
     }.items(),
     ids=str,
 )
-def test_one_that_breaks_the_protocol_is_reported_where(fault: str, said: str) -> None:
+def test_one_that_breaks_the_protocol_is_reported_where(fault: str, words: str) -> None:
     result = conform(sys.executable, "-S", str(HERE / "planted_child.py"), fault)
     assert result.exit_code == 1
     assert "FAILS  exact on book-in-skew-axes: " in result.output
-    assert said in result.output
+    assert words in result.output

@@ -21,7 +21,7 @@ def stated(inertia=MOMENTS, mass=2.0, com=NO_COM, unturned=None):
     return Stated(mass, np.array(com), inertia, inertia if unturned is None else unturned)
 
 
-def told(one, other, problems=(), made_up=""):
+def cause_of(one, other, problems=(), made_up=""):
     return cause(one, other, difference(one, other), problems, made_up)[1]
 
 
@@ -30,16 +30,16 @@ def turned(inertia, R):
 
 
 def test_a_body_is_not_different_from_itself():
-    found = difference(stated(), BodyReading(2.0, NO_COM, MOMENTS))
-    assert (found.mass, found.com, found.inertia, found.axes_deg) == (0, 0, 0, 0)
+    apart = difference(stated(), BodyReading(2.0, NO_COM, MOMENTS))
+    assert (apart.mass, apart.com, apart.inertia, apart.axes_deg) == (0, 0, 0, 0)
 
 
 @pytest.mark.parametrize("angle", [1e-6, 0.5, 89.0, 91.0, 179.0])
 def test_the_angle_is_the_least_that_brings_the_axes_together(angle):
     R = Rotation.from_euler("x", angle, degrees=True).as_matrix()
-    found = np.degrees(angle_between_axes(turned(MOMENTS, TURN), turned(MOMENTS, TURN @ R)))
+    angle_deg = np.degrees(angle_between_axes(turned(MOMENTS, TURN), turned(MOMENTS, TURN @ R)))
     # The axes' rounding is that of the tensor over the least gap of its moments.
-    assert found == pytest.approx(min(angle, 180 - angle), abs=np.degrees(64 * EPS * 2.5 / 0.5))
+    assert angle_deg == pytest.approx(min(angle, 180 - angle), abs=np.degrees(64 * EPS * 2.5 / 0.5))
 
 
 def test_equal_moments_turn_freely():
@@ -53,8 +53,8 @@ def test_equal_moments_turn_freely():
 
 def test_a_com_is_measured_by_the_radius_of_gyration():
     gyration = np.sqrt(5.5 / (2 * 2.0))
-    found = difference(stated(), BodyReading(2.0, np.array([0, 0, 0.1 * gyration]), MOMENTS))
-    assert found.com == pytest.approx(0.1)
+    apart = difference(stated(), BodyReading(2.0, np.array([0, 0, 0.1 * gyration]), MOMENTS))
+    assert apart.com == pytest.approx(0.1)
 
 
 CAUSES = {
@@ -84,41 +84,41 @@ CAUSES = {
 @pytest.mark.parametrize("name", CAUSES)
 def test_a_difference_is_reported_by_its_cause(name):
     one, other, words = CAUSES[name]
-    assert told(one, other).startswith(words)
+    assert cause_of(one, other).startswith(words)
 
 
 def test_a_tensor_is_set_to_zero_because_no_body_has_it():
     problem = Problem("triangle inequality", "0.1 + 0.3 < 0.9: no body has it")
-    found = told(stated(), BodyReading(2.0, NO_COM, np.zeros((3, 3))), (problem,))
-    assert found == "tensor set to zero: no body has it, 0.1 + 0.3 < 0.9"
+    words = cause_of(stated(), BodyReading(2.0, NO_COM, np.zeros((3, 3))), (problem,))
+    assert words == "tensor set to zero: no body has it, 0.1 + 0.3 < 0.9"
 
 
 def test_where_an_engine_makes_tensors_up_that_is_reported():
-    found = told(stated(), BodyReading(2.0, NO_COM, 3 * MOMENTS), made_up="made up from shapes")
-    assert found == "made up from shapes: tensor 3 times the file's"
+    words = cause_of(stated(), BodyReading(2.0, NO_COM, 3 * MOMENTS), made_up="made up from shapes")
+    assert words == "made up from shapes: tensor 3 times the file's"
 
 
 def test_what_is_off_by_less_than_the_limit_has_no_cause():
-    assert told(stated(), BodyReading(2.0, NO_COM, MOMENTS * (1 + AGREES / 2))) == ""
+    assert cause_of(stated(), BodyReading(2.0, NO_COM, MOMENTS * (1 + AGREES / 2))) == ""
 
 
 def test_motions_apart_are_those_of_the_closed_form_of_a_ball():
     """A ball turns steadily about its start; a top precesses: both by hand."""
     top = np.diag([1.0, 1.0, 1.5])
-    found = attitude_apart_deg(top, np.eye(3))
-    for time, angle in found.items():
+    angles_by_time = attitude_apart_deg(top, np.eye(3))
+    for time, angle in angles_by_time.items():
         # Goldstein, §5.6: spin about the axis by (1 − I3/I1) ω3 after a turn by L/I1.
         about_L = Rotation.from_rotvec(np.diag(top) * START * time)
         spin = Rotation.from_rotvec([0, 0, (1 - 1.5) * START[2] * time])
         steady = Rotation.from_rotvec(START * time)
         expected = np.degrees(((about_L * spin).inv() * steady).magnitude())
         assert angle == pytest.approx(expected, abs=1e-9)
-    assert list(found) == [1.0, 3.0]
+    assert list(angles_by_time) == [1.0, 3.0]
 
 
 def test_a_tensor_of_another_size_moves_alike():
-    found = attitude_apart_deg(MOMENTS, 61 * MOMENTS)
-    assert max(found.values()) <= np.degrees(1e-12)
+    angles_by_time = attitude_apart_deg(MOMENTS, 61 * MOMENTS)
+    assert max(angles_by_time.values()) <= np.degrees(1e-12)
 
 
 @pytest.mark.parametrize("tensor", [np.zeros((3, 3)), np.diag([0.1, 0.3, 0.9])])

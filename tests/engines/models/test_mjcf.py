@@ -109,13 +109,13 @@ def test_a_model_that_names_no_integrator_gets_euler_at_2_ms() -> None:
 def test_only_passes_that_the_scene_needs_are_left_on(name: str) -> None:
     called_for = SCENES[name].called_for
     torques = {"torque_body", "torque_world"} & called_for
-    off = switched_off(SCENES[name])
-    assert ("gravity" in off) == ("gravity" not in called_for)
-    assert ("damper" in off) == (not {"drag", "pivot"} <= called_for)
-    assert ("actuation" in off) == (
+    disabled = switched_off(SCENES[name])
+    assert ("gravity" in disabled) == ("gravity" not in called_for)
+    assert ("damper" in disabled) == (not {"drag", "pivot"} <= called_for)
+    assert ("actuation" in disabled) == (
         not torques and ("drag" not in called_for or "pivot" in called_for)
     )
-    assert {"constraint", "contact", "sensor", "spring", "autoreset", "warmstart"} <= set(off)
+    assert {"constraint", "contact", "sensor", "spring", "autoreset", "warmstart"} <= set(disabled)
 
 
 @pytest.mark.parametrize("name", SCENES)

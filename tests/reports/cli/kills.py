@@ -99,12 +99,10 @@ def rounds(folder: Path, number: int, seed: int = SEED) -> Iterator[Kill]:
     lasts = time.monotonic() - began
     expected, moments = read(other), random.Random(seed)
     for k, target in enumerate(islice(cycle(TARGETS), number)):
-        while (
-            found := one_round(folder / f"{k}.sqlite", target, lasts, moments, expected)
-        ) is None:
+        while (kill := one_round(folder / f"{k}.sqlite", target, lasts, moments, expected)) is None:
             # It ended before it was killed; another moment will do.
             (folder / f"{k}.sqlite").unlink()
-        yield found
+        yield kill
 
 
 def one_round(
@@ -124,7 +122,7 @@ def one_round(
     else:
         os.kill(run.pid if target == "run" else moments.choice(workers), signal.SIGKILL)
     err = ended(run)
-    faults = [] if gone(run.pid) else ["a process is left over"]
+    faults = [] if is_gone(run.pid) else ["a process is left over"]
     if target == "worker" and run.returncode != 0:
         faults.append(f"exit code {run.returncode}: {err}")
     faults += after(path, expected)
@@ -145,14 +143,14 @@ def after(path: Path, expected: Results, *options: str) -> Iterator[str]:
     """What is wrong with a file when its study was killed, and when it has been gone on with."""
     if path.exists():
         with closing(sqlite3.connect(path)) as connection:
-            (said,) = connection.execute("PRAGMA integrity_check").fetchone()
-            if said != "ok":
-                yield f"integrity: {said}"
-    kept = stored(path)
+            (integrity,) = connection.execute("PRAGMA integrity_check").fetchone()
+            if integrity != "ok":
+                yield f"integrity: {integrity}"
+    before = stored(path)
     finish(path, *options)
     # A record that is written again gets another row id.
-    lost = kept - stored(path)
-    yield from (f"made again: {record}" for record in lost)
+    missing = before - stored(path)
+    yield from (f"made again: {record}" for record in missing)
     yield from differences(read(path), expected)
 
 
@@ -169,17 +167,17 @@ def stored(path: Path) -> set[tuple[object, ...]]:
 
 def children(parent: int) -> list[int]:
     """Its workers, each a child of one of its threads."""
-    found = []
+    pids = []
     for thread in Path(f"/proc/{parent}/task").glob("*"):
         try:
-            found += [int(child) for child in (thread / "children").read_text().split()]
+            pids += [int(child) for child in (thread / "children").read_text().split()]
         except OSError:
             # The thread has ended.
             continue
-    return found
+    return pids
 
 
-def gone(group: int) -> bool:
+def is_gone(group: int) -> bool:
     """Whether a process group has no process left, dead ones to be reaped by others aside."""
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
@@ -205,8 +203,10 @@ def main() -> None:
     with TemporaryDirectory() as folder:
         for k, kill in enumerate(rounds(Path(folder), number), start=1):
             at = f"{kill.target} killed after {kill.seconds:.2f} s"
-            found = "; ".join(kill.faults) or "ended as undisturbed"
-            print(f"[{k}/{number}] {at}, {kill.rows} runs, {kill.timed} timed: {found}", flush=True)
+            outcome = "; ".join(kill.faults) or "ended as undisturbed"
+            print(
+                f"[{k}/{number}] {at}, {kill.rows} runs, {kill.timed} timed: {outcome}", flush=True
+            )
             wrong += bool(kill.faults)
     print(f"{number} kills, {wrong} of them with something wrong")
     sys.exit(wrong > 0)

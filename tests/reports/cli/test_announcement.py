@@ -14,8 +14,8 @@ CHOICE = Choice((MUJOCO, PYBULLET), max_steps=QUICK_STEPS)
 
 def plan(scenes: int = 1) -> Plan:
     pairs = [(engine, engine.methods[0]) for engine in CHOICE.engines]
-    left = SceneLeft(SCENES["free"], pairs, to_time=False, by_pass=False)
-    return Plan([left] * scenes, 0, 0)
+    scene_left = SceneLeft(SCENES["free"], pairs, to_time=False, by_pass=False)
+    return Plan([scene_left] * scenes, 0, 0)
 
 
 def minutes(choice: Choice) -> int:
@@ -23,8 +23,8 @@ def minutes(choice: Choice) -> int:
 
 
 def test_it_names_the_engines_and_counts_what_is_to_be_made() -> None:
-    said = announcement(plan(), CHOICE, 2)
-    assert said.startswith("2 verdicts of 2 engines (mujoco, pybullet) on 1 scene: roughly ")
+    words = announcement(plan(), CHOICE, 2)
+    assert words.startswith("2 verdicts of 2 engines (mujoco, pybullet) on 1 scene: roughly ")
 
 
 def test_many_scenes_are_reported_in_minutes() -> None:

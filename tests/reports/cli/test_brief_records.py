@@ -14,9 +14,9 @@ ROW = Row(Key(LONG, "an-engine", "a-method"), "1", 1.2345e-300, "ok", errors=TIN
 
 
 def everything() -> tuple[list[str], list[str]]:
-    found = at_stock(results(methods=(MadeUp("e" * 30, "m" * 30, 1), MadeUp("e", "m", 4))))
-    rows = [replace(row, reason="because " * 40) for row in found.rows]
-    verdicts = [replace(v, verdict="disagrees", reason="because " * 80) for v in found.verdicts]
+    stored = at_stock(results(methods=(MadeUp("e" * 30, "m" * 30, 1), MadeUp("e", "m", 4))))
+    rows = [replace(row, reason="because " * 40) for row in stored.rows]
+    verdicts = [replace(v, verdict="disagrees", reason="because " * 80) for v in stored.verdicts]
     return list(run_lines([*rows, ROW])), list(verdict_lines(verdicts))
 
 
@@ -42,6 +42,6 @@ def test_stock_timesteps_are_marked():
 
 
 def test_what_is_not_as_it_should_be_has_its_reason():
-    found = results(methods=(MadeUp("e", "m", 1, "disagrees", "settles elsewhere"),))
-    text = "\n".join(verdict_lines(found.verdicts))
+    stored = results(methods=(MadeUp("e", "m", 1, "disagrees", "settles elsewhere"),))
+    text = "\n".join(verdict_lines(stored.verdicts))
     assert "settles elsewhere" in text

@@ -52,8 +52,8 @@ def with_cost(results: Results, seconds: float, spread: float) -> Results:
 
 
 def with_verdict(results: Results, **changed: object) -> Results:
-    found = [replace(v, **changed) if v.key == KEY else v for v in results.verdicts]
-    return replace(results, verdicts=found)
+    verdicts = [replace(v, **changed) if v.key == KEY else v for v in results.verdicts]
+    return replace(results, verdicts=verdicts)
 
 
 def with_text(results: Results, old: str, new: str) -> Results:
@@ -73,26 +73,26 @@ def floor(results: Results) -> float:
 
 
 def test_a_file_and_itself_do_not_differ(before, capsys):
-    found = changes(before, before)
-    print_changes(found)
-    assert (found, exit_code(found)) == ([], 0)
+    differences = changes(before, before)
+    print_changes(differences)
+    assert (differences, exit_code(differences)) == ([], 0)
     assert capsys.readouterr().out == "nothing changed\n"
 
 
 @pytest.mark.parametrize("old", VERDICTS)
 @pytest.mark.parametrize("new", VERDICTS)
 def test_a_worse_verdict_is_a_regression_and_a_better_one_is_not(before, old, new):
-    found = changes(with_verdict(before, verdict=old), with_verdict(before, verdict=new))
-    assert [change.kind for change in found] == ["verdict"] * (old != new)
-    assert exit_code(found) == (VERDICTS.index(new) > VERDICTS.index(old))
+    differences = changes(with_verdict(before, verdict=old), with_verdict(before, verdict=new))
+    assert [change.kind for change in differences] == ["verdict"] * (old != new)
+    assert exit_code(differences) == (VERDICTS.index(new) > VERDICTS.index(old))
 
 
 @pytest.mark.parametrize("old", OUTCOMES)
 @pytest.mark.parametrize("new", OUTCOMES)
 def test_a_worse_outcome_is_a_regression_and_a_better_one_is_not(before, old, new):
-    found = changes(with_row(before, outcome=old), with_row(before, outcome=new))
-    assert [change.kind for change in found] == ["outcome"] * (old != new)
-    assert exit_code(found) == (OUTCOMES.index(new) > OUTCOMES.index(old))
+    differences = changes(with_row(before, outcome=old), with_row(before, outcome=new))
+    assert [change.kind for change in differences] == ["outcome"] * (old != new)
+    assert exit_code(differences) == (OUTCOMES.index(new) > OUTCOMES.index(old))
 
 
 def test_an_error_that_grew_is_a_regression_and_names_signal_and_timestep(before):
@@ -111,18 +111,21 @@ def test_an_error_that_shrank_is_none(before):
     assert (change.direction, change.regression) == ("better", False)
 
 
-@pytest.mark.parametrize(("factor", "told"), [(0.99 * ERROR_FACTOR, 0), (1.01 * ERROR_FACTOR, 1)])
-def test_an_error_within_the_factor_has_not_changed(before, factor, told):
+@pytest.mark.parametrize(
+    ("factor", "changed"), [(0.99 * ERROR_FACTOR, 0), (1.01 * ERROR_FACTOR, 1)]
+)
+def test_an_error_within_the_factor_has_not_changed(before, factor, changed):
     assert (
-        len(changes(before, with_omega_error(before, factor * row_of(before).errors.omega))) == told
+        len(changes(before, with_omega_error(before, factor * row_of(before).errors.omega)))
+        == changed
     )
 
 
-@pytest.mark.parametrize(("share", "told"), [(0.99, 0), (1.01, 1)])
-def test_an_error_that_changed_by_less_than_is_known_has_not_changed(before, share, told):
+@pytest.mark.parametrize(("share", "changed"), [(0.99, 0), (1.01, 1)])
+def test_an_error_that_changed_by_less_than_is_known_has_not_changed(before, share, changed):
     small = with_omega_error(before, floor(before) / 100)
     grown = with_omega_error(before, floor(before) / 100 + share * floor(before))
-    assert len(changes(small, grown)) == told
+    assert len(changes(small, grown)) == changed
 
 
 def test_errors_too_large_to_mean_anything_have_not_changed(before):
@@ -200,8 +203,8 @@ def test_a_comment_changes_no_scene(before):
 
 def test_versions_are_reported_and_dates_are_not(before):
     other = {"date": "2027-01-01T00:00:00+00:00", "mujoco": "5.0"}
-    found = changes(before, replace(before, environment=before.environment | other))
-    assert [(c.kind, c.name, c.old, c.new) for c in found] == [
+    differences = changes(before, replace(before, environment=before.environment | other))
+    assert [(c.kind, c.name, c.old, c.new) for c in differences] == [
         ("environment", "mujoco", None, "5.0")
     ]
 
@@ -219,20 +222,20 @@ def test_errors_of_a_method_that_went_the_same_way_are_one_line(before, capsys):
         else row
         for row in before.rows
     ]
-    found = changes(before, replace(before, rows=rows))
-    print_changes(found)
+    differences = changes(before, replace(before, rows=rows))
+    print_changes(differences)
     out = capsys.readouterr().out
-    assert len(found) > 1
+    assert len(differences) > 1
     assert out.count("mujoco Euler") == 1
-    assert f"the most of {len(found)}" in out
-    assert f"{len(found)} changes, {len(found)} of them regressions" in out
+    assert f"the most of {len(differences)}" in out
+    assert f"{len(differences)} changes, {len(differences)} of them regressions" in out
 
 
 def test_json_holds_every_change_and_the_rules(before):
     error = row_of(before).errors.omega
-    told = changes_as_json(changes(before, with_omega_error(before, 2 * error)))
-    assert (told["regressions"], told["error_factor"]) == (1, ERROR_FACTOR)
-    assert told["changes"][0]["scenario"] == KEY.scenario
+    printed = changes_as_json(changes(before, with_omega_error(before, 2 * error)))
+    assert (printed["regressions"], printed["error_factor"]) == (1, ERROR_FACTOR)
+    assert printed["changes"][0]["scenario"] == KEY.scenario
 
 
 @pytest.fixture

@@ -37,8 +37,8 @@ def path(tmp_path_factory):
     """A result file of made-up results."""
     path = tmp_path_factory.mktemp("export") / "results.sqlite"
     with open_store(path, create=True) as store:
-        for found in RESULTS.scenes.values():
-            store.put_scene(found.scenario, found.solution)
+        for scene_result in RESULTS.scenes.values():
+            store.put_scene(scene_result.scenario, scene_result.solution)
         for row in RESULTS.rows:
             store.put_row(row)
             store.put_cost(row.key, "a processor", StepCost(1e-6, 1e-7, 2e-6))

@@ -34,10 +34,10 @@ def test_every_command_has_an_example_that_is_a_command(name):
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_an_option_that_may_be_repeated_says_so(name):
-    told = [
+    lines = [
         p for p in get_group(app).get_command(None, name).params if p.param_type_name == "option"
     ]
-    silent = [p.opts for p in told if p.multiple and "repeated" not in p.help]
+    silent = [p.opts for p in lines if p.multiple and "repeated" not in p.help]
     assert silent == []
 
 

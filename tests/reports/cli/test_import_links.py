@@ -31,14 +31,14 @@ def imported(tmp_path, text=ODD, links=()):
 
 
 def test_a_link_becomes_a_scene_with_the_files_numbers(tmp_path):
-    path, (line, left) = imported(tmp_path, arm())
+    path, (line, unmade) = imported(tmp_path, arm())
     scene = load(line)
     stated = read_model(path).link("arm").stated
     assert (scene.body.mass, scene.body.com.tolist()) == (stated.mass, stated.com.tolist())
     assert (scene.body.inertia_com == stated.inertia).all()
     assert scene.title == "arm of robot.urdf: tumbles"
     assert scene.document.body.model == "../robots/robot.urdf"
-    assert left == "left out, the file states no inertia of it: base"
+    assert unmade == "left out, the file states no inertia of it: base"
 
 
 def test_it_turns_about_its_middle_axis(tmp_path):
@@ -64,14 +64,14 @@ def test_one_link_can_be_asked_for(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("links", "told"),
+    ("links", "message"),
     [
         (("none",), "there is no link 'none'"),
         (("bad",), "no link makes a scene; 'bad' is left out"),
     ],
 )
-def test_a_link_without_a_scene_is_a_complaint(tmp_path, links, told):
-    with pytest.raises(Complaint, match=told):
+def test_a_link_without_a_scene_is_a_complaint(tmp_path, links, message):
+    with pytest.raises(Complaint, match=message):
         imported(tmp_path, links=links)
 
 

@@ -44,8 +44,8 @@ def records(*arguments):
     return json.loads(inspect(*arguments, "--json").stdout)
 
 
-def held_of(found, name, configuration):
-    (one,) = (li for li in found["links"] if li["link"] == name)
+def held_of(record, name, configuration):
+    (one,) = (li for li in record["links"] if li["link"] == name)
     (held,) = (h for h in one["held"] if h["configuration"] == configuration)
     return held
 
@@ -61,19 +61,19 @@ def test_a_faithful_engine_ends_with_exit_code_0(tmp_path):
 
 def test_json_keeps_its_contract(tmp_path):
     path = written(tmp_path, arm())
-    found = records(path)
-    assert set(found) == {"file", "links", "summary"}
-    assert found["file"] == str(path)
-    base, moved = found["links"]
+    record = records(path)
+    assert set(record) == {"file", "links", "summary"}
+    assert record["file"] == str(path)
+    base, moved = record["links"]
     assert (base["stated"], moved["stated"]["mass"]) == (None, 2)
     for held in moved["held"]:
         assert set(held) == KEYS
-    held = held_of(found, "arm", "default")
+    held = held_of(record, "arm", "default")
     assert set(held["difference"]) == {"mass", "com", "inertia", "axes_deg"}
     assert set(held["attitude_apart_deg"]) == {"1", "3"}
     assert held["agrees"] is False
-    assert held_of(found, "arm", "inertia-from-file")["agrees"] is True
-    assert found["summary"]["held_wrongly"] == {
+    assert held_of(record, "arm", "inertia-from-file")["agrees"] is True
+    assert record["summary"]["held_wrongly"] == {
         "mujoco as-is": 0,
         "mujoco unfused": 0,
         "pybullet default": 2,
@@ -131,11 +131,11 @@ def test_fused_links_are_compared_with_the_sum_of_their_parts(tmp_path):
         joint("base", "arm"),
         joint("arm", "tool", "fixed"),
     )
-    found = records(written(tmp_path, text), "--engine", "mujoco")
-    whole = held_of(found, "arm", "as-is")
+    record = records(written(tmp_path, text), "--engine", "mujoco")
+    whole = held_of(record, "arm", "as-is")
     assert (whole["agrees"], whole["fused"], whole["mass"]) == (True, ["tool"], 4)
-    assert held_of(found, "tool", "as-is")["cause"] == "fused with 'arm'"
-    assert held_of(found, "base", "as-is")["cause"] == "fused with the world: it cannot move"
+    assert held_of(record, "tool", "as-is")["cause"] == "fused with 'arm'"
+    assert held_of(record, "base", "as-is")["cause"] == "fused with the world: it cannot move"
 
 
 def test_a_sum_that_an_engine_gets_wrong_is_reported(tmp_path, monkeypatch):
@@ -157,8 +157,8 @@ def test_a_sum_that_an_engine_gets_wrong_is_reported(tmp_path, monkeypatch):
         return bodies
 
     monkeypatch.setattr(harness, "read_held", lossy)
-    found = records(written(tmp_path, text), "--engine", "mujoco")
-    assert held_of(found, "arm", "as-is")["cause"] == (
+    record = records(written(tmp_path, text), "--engine", "mujoco")
+    assert held_of(record, "arm", "as-is")["cause"] == (
         "the sum of its fused parts is wrong: tensor 1/2 of the file's"
     )
 
@@ -173,10 +173,10 @@ def test_an_engine_that_crashes_costs_its_configuration_alone(tmp_path, monkeypa
     monkeypatch.setattr(command, "LocalWorkers", lambda *_: Crashing())
     path = written(tmp_path, arm())
     assert inspect(path).exit_code == 1
-    found = records(path)
-    assert held_of(found, "arm", "default")["cause"] == "the worker process was killed by SIGSEGV"
-    assert held_of(found, "arm", "inertia-from-file")["agrees"] is True
-    assert found["summary"]["refused"] == {
+    record = records(path)
+    assert held_of(record, "arm", "default")["cause"] == "the worker process was killed by SIGSEGV"
+    assert held_of(record, "arm", "inertia-from-file")["agrees"] is True
+    assert record["summary"]["refused"] == {
         "pybullet default": "the worker process was killed by SIGSEGV"
     }
 
@@ -184,9 +184,9 @@ def test_an_engine_that_crashes_costs_its_configuration_alone(tmp_path, monkeypa
 @pytest.mark.processes
 def test_engines_read_in_a_process_of_their_own(tmp_path, monkeypatch):
     monkeypatch.setattr(command, "LocalWorkers", LocalWorkers)
-    found = records(written(tmp_path, arm()))
-    assert held_of(found, "arm", "inertia-from-file")["agrees"] is True
-    assert found["summary"]["refused"] == {}
+    record = records(written(tmp_path, arm()))
+    assert held_of(record, "arm", "inertia-from-file")["agrees"] is True
+    assert record["summary"]["refused"] == {}
 
 
 def complaint(*arguments):
@@ -196,22 +196,25 @@ def complaint(*arguments):
 
 
 def test_a_file_that_nobody_can_read_ends_with_exit_code_2(tmp_path):
-    code, told, _ = complaint(written(tmp_path, arm(mass="0,5")))
+    code, message, _ = complaint(written(tmp_path, arm(mass="0,5")))
     assert code == 2
-    assert "'value' of <mass> must be decimal numbers" in told
+    assert "'value' of <mass> must be decimal numbers" in message
 
 
 def test_beside_a_file_that_nobody_can_read_others_are_inspected(tmp_path):
     path = written(tmp_path, arm())
-    code, told, printed = complaint(tmp_path / "none.urdf", path, "--json")
-    assert (code, told) == (2, f"{tmp_path}/none.urdf: cannot be read: No such file or directory")
+    code, message, printed = complaint(tmp_path / "none.urdf", path, "--json")
+    assert (code, message) == (
+        2,
+        f"{tmp_path}/none.urdf: cannot be read: No such file or directory",
+    )
     assert [one["file"] for one in json.loads(printed)] == [str(path)]
 
 
 def test_an_engine_that_there_is_not_is_reported(tmp_path):
-    code, told, _ = complaint(written(tmp_path, arm()), "--engine", "pybulet")
+    code, message, _ = complaint(written(tmp_path, arm()), "--engine", "pybulet")
     assert code == 2
-    assert told == (
+    assert message == (
         "'--engine' must be one of mujoco, pybullet, which read model files, or a version of one, "
         "got 'pybulet'; did you mean 'pybullet'?"
     )
@@ -226,17 +229,17 @@ def test_a_version_is_asked_in_its_own_folder(tmp_path, monkeypatch):
     """Without installing one: the folder and the version are told by who would."""
     engine = SimpleNamespace(version="3.3.7", site="/where/3.3.7/is")
     monkeypatch.setattr(harness, "versioned", lambda name: engine)
-    asked = []
+    calls = []
 
     class AtSite(InProcess):
         def call_at(self, site, function, /, *arguments):
-            asked.append((site, arguments[0]))
+            calls.append((site, arguments[0]))
             return super().call(function, *arguments)
 
     monkeypatch.setattr(command, "LocalWorkers", lambda *_: AtSite())
-    found = records(written(tmp_path, arm()), "--engine", "mujoco@3.3.7")
-    assert asked == [("/where/3.3.7/is", "mujoco")] * 2
-    held = held_of(found, "arm", "as-is")
+    record = records(written(tmp_path, arm()), "--engine", "mujoco@3.3.7")
+    assert calls == [("/where/3.3.7/is", "mujoco")] * 2
+    held = held_of(record, "arm", "as-is")
     assert (held["engine"], held["engine_version"]) == ("mujoco@3.3.7", "3.3.7")
 
 
@@ -248,8 +251,8 @@ def test_a_version_that_cannot_be_had_is_reported(tmp_path):
     )
 
 
-@pytest.mark.parametrize("given", ["made-up", "made-up=/no/such/folder", "=/tmp"])
-def test_a_package_is_given_as_name_and_folder(tmp_path, given):
-    ended = inspect(written(tmp_path, arm()), "--package-path", given)
+@pytest.mark.parametrize("value", ["made-up", "made-up=/no/such/folder", "=/tmp"])
+def test_a_package_is_given_as_name_and_folder(tmp_path, value):
+    ended = inspect(written(tmp_path, arm()), "--package-path", value)
     assert isinstance(ended.exception, Complaint)
     assert "'--package-path' takes NAME=DIR with a folder that is there" in str(ended.exception)

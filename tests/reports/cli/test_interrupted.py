@@ -4,7 +4,7 @@ import os
 import signal
 
 import pytest
-from kills import after, children, finish, gone, read, start
+from kills import after, children, finish, is_gone, read, start
 from result_files import wait_for_rows
 from same_results import differences
 from spincheck.reports.results.store import Results
@@ -31,7 +31,7 @@ def test_a_killed_run_goes_on_as_if_it_had_not_been(tmp_path, undisturbed, targe
     wait_for_rows(run, path, rows)
     (os.killpg if target == "group" else os.kill)(run.pid, signal.SIGKILL)
     run.communicate()
-    assert gone(run.pid)
+    assert is_gone(run.pid)
     assert list(after(path, undisturbed, "--quick")) == []
 
 

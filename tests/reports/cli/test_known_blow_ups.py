@@ -47,10 +47,10 @@ NO_BLOW_UPS = [
 
 def judged(scene: Scenario, engine: str, method: str, timestep: float) -> Verdict:
     """The verdict on the one timestep that the scene says something about."""
-    found = engines()[engine]
+    tested = engines()[engine]
     prepared = prepare(scene, [timestep], BUDGET)
     return verdict_of(
-        convergence_study_of(scene, found, found.method(method), prepared, [timestep])
+        convergence_study_of(scene, tested, tested.method(method), prepared, [timestep])
     )
 
 
@@ -81,15 +81,15 @@ def test_a_blow_up_that_is_known_passes(case):
 def test_one_that_does_not_happen_is_reported_and_fails(case):
     verdict = judged(loads(top(*case), "top"), *case[:3])
     assert not verdict.agrees
-    (said,) = verdict.unmet
-    assert said.startswith(f"{case[0]} {case[1]} at {case[2]:g} s was expected to diverge: ok")
+    (reason,) = verdict.unmet
+    assert reason.startswith(f"{case[0]} {case[1]} at {case[2]:g} s was expected to diverge: ok")
 
 
 def test_the_command_line_says_so_with_exit_code_1(tmp_path):
     engine, method, timestep, _ = case = NO_BLOW_UPS[0]
     tmp_path.joinpath("top.toml").write_text(top(*case))
-    asked = ["--engine", engine, "--method", method, "--timestep", str(timestep), "--jobs", "1"]
-    done = spincheck("run", "top.toml", *asked, cwd=tmp_path)
+    options = ["--engine", engine, "--method", method, "--timestep", str(timestep), "--jobs", "1"]
+    done = spincheck("run", "top.toml", *options, cwd=tmp_path)
     assert done.returncode == DISAGREES
     assert "was expected to diverge: ok" in " ".join(done.stdout.split())
 

@@ -14,13 +14,13 @@ NO_FILE = Path("there-is-none.sqlite")
 
 
 @pytest.fixture
-def made(monkeypatch: pytest.MonkeyPatch) -> Results:
+def stored_runs(monkeypatch: pytest.MonkeyPatch) -> Results:
     """A result file with made-up runs of a scene, without a study."""
-    found = at_stock(results())
-    monkeypatch.setattr(running, "read", lambda _: found)
-    scenario = found.scenes["made-up-top"].scenario
+    stored = at_stock(results())
+    monkeypatch.setattr(running, "read", lambda _: stored)
+    scenario = stored.scenes["made-up-top"].scenario
     monkeypatch.setattr(pictures, "one_scene", lambda _: scenario)
-    return found
+    return stored
 
 
 def draw(what: str, out: Path, *, runs: Path = NO_FILE, scene: str = "nutation-loops") -> Path:
@@ -36,14 +36,16 @@ def test_the_exact_motion_is_drawn_without_any_run(what: str, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("what", pictures.OF_RUNS)
-def test_every_method_is_in_a_figure_of_runs(made: Results, what: str, tmp_path: Path) -> None:
+def test_every_method_is_in_a_figure_of_runs(
+    stored_runs: Results, what: str, tmp_path: Path
+) -> None:
     text = draw(what, tmp_path / "a.svg", runs=tmp_path).read_text(encoding="utf-8")
     assert all(label in text for label in ("mujoco Euler", "mujoco RK4", "pybullet maximal"))
 
 
 @pytest.mark.parametrize("what", ["theta", "polhode"])
 def test_a_method_that_is_named_is_drawn_beside_the_exact_motion(
-    made: Results, what: str, tmp_path: Path
+    stored_runs: Results, what: str, tmp_path: Path
 ) -> None:
     alone, beside = tmp_path / "alone.svg", tmp_path / "beside.svg"
     plot("made-up-top", what, alone, tmp_path, [], [])
@@ -63,15 +65,17 @@ def test_a_png_is_a_picture(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("what", "scene", "said"),
+    ("what", "scene", "message"),
     [
         ("thetha", "nutation-loops", "must be one of theta, omega"),
         ("potential", "book-middle-axis", "has no figure 'potential'"),
         ("convergence", "nutation-loops", "'spincheck run nutation-loops' makes them"),
     ],
 )
-def test_what_cannot_be_drawn_is_reported(what: str, scene: str, said: str, tmp_path: Path) -> None:
-    with pytest.raises(Complaint, match=said) as complaint:
+def test_what_cannot_be_drawn_is_reported(
+    what: str, scene: str, message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(Complaint, match=message) as complaint:
         draw(what, tmp_path / "a.svg", scene=scene)
     assert complaint.value.exit_code == BAD_INPUT
 
@@ -82,11 +86,11 @@ def test_an_ending_that_nobody_knows_is_reported(tmp_path: Path) -> None:
 
 
 def test_view_gives_the_page_of_its_scene(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    found = at_stock(results())
-    only = {"made-up-top": found.scenes["made-up-top"]}
-    rows = [row for row in found.rows if row.key.scenario in only]
-    quick = Results(found.environment, only, rows, [], methods=found.methods)
-    monkeypatch.setattr(running, "run", lambda *_, **asked: quick if asked["quick"] else None)
+    stored = at_stock(results())
+    only = {"made-up-top": stored.scenes["made-up-top"]}
+    rows = [row for row in stored.rows if row.key.scenario in only]
+    quick = Results(stored.environment, only, rows, [], methods=stored.methods)
+    monkeypatch.setattr(running, "run", lambda *_, **choice: quick if choice["quick"] else None)
     monkeypatch.setattr(pictures, "one_scene", lambda _: only["made-up-top"].scenario)
     page = view("made-up-top", 1, tmp_path)
     assert page == tmp_path / "scenes" / "made-up-top.html"

@@ -38,19 +38,23 @@ def recommended(
 
 
 def euler_alone(law: Law) -> Results:
-    found = with_law(law)
+    ladder = with_law(law)
     return replace(
-        found,
-        rows=[row for row in found.rows if row.key.method == "Euler"],
-        verdicts=[verdict for verdict in found.verdicts if verdict.key.method == "Euler"],
+        ladder,
+        rows=[row for row in ladder.rows if row.key.method == "Euler"],
+        verdicts=[verdict for verdict in ladder.verdicts if verdict.key.method == "Euler"],
     )
 
 
 def test_a_check_that_keeps_the_bounds_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = recommended(monkeypatch, euler_alone(straight), straight, omega=BETWEEN)
-    assert (len(found.checks), found.verified, exit_code(found)) == (1, True, 0)
-    assert found.checks[0].timestep == found.best.timestep
-    assert f"--timestep {found.best.timestep!r}" in found.command
+    recommendation = recommended(monkeypatch, euler_alone(straight), straight, omega=BETWEEN)
+    assert (len(recommendation.checks), recommendation.verified, exit_code(recommendation)) == (
+        1,
+        True,
+        0,
+    )
+    assert recommendation.checks[0].timestep == recommendation.best.timestep
+    assert f"--timestep {recommendation.best.timestep!r}" in recommendation.command
 
 
 def test_a_check_that_misses_is_one_more_run_to_interpolate_between(
@@ -58,39 +62,39 @@ def test_a_check_that_misses_is_one_more_run_to_interpolate_between(
 ) -> None:
     """Below the ladder the errors turn out larger than the order promised."""
     worse = 1.1
-    found = recommended(
+    recommendation = recommended(
         monkeypatch, euler_alone(straight), lambda dt: worse * straight(dt), omega=BELOW
     )
-    assert not recommend_module.within(found.checks[0], found.bounds)
-    assert found.verified
-    assert found.best.timestep < found.checks[0].timestep
+    assert not recommend_module.within(recommendation.checks[0], recommendation.bounds)
+    assert recommendation.verified
+    assert recommendation.best.timestep < recommendation.checks[0].timestep
 
 
 def test_what_misses_again_and_again_is_not_verified(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = recommended(monkeypatch, euler_alone(straight), lambda dt: 1.0, omega=BELOW)
-    assert (found.verified, exit_code(found)) == (False, 1)
-    assert len(found.checks) <= CHECKS
+    recommendation = recommended(monkeypatch, euler_alone(straight), lambda dt: 1.0, omega=BELOW)
+    assert (recommendation.verified, exit_code(recommendation)) == (False, 1)
+    assert len(recommendation.checks) <= CHECKS
 
 
 def test_a_run_that_would_last_too_long_is_not_started(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(recommend_module, "TIME_LIMIT", 1e-6)
-    found = recommended(monkeypatch, euler_alone(straight), straight, omega=BETWEEN)
-    assert (found.checks, found.verified) == ((), False)
-    assert "it would take" in found.unchecked
+    recommendation = recommended(monkeypatch, euler_alone(straight), straight, omega=BETWEEN)
+    assert (recommendation.checks, recommendation.verified) == ((), False)
+    assert "it would take" in recommendation.unchecked
 
 
 def test_engines_as_shipped_are_not_even_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[list[str]] = []
+    methods_asked: list[list[str]] = []
 
     def run(scenes: object, engines: object, methods: list[str], *others: object) -> Results:
-        asked.append(methods)
+        methods_asked.append(methods)
         return euler_alone(straight)
 
     monkeypatch.setattr(running, "run", run)
     recommend(TOP, {"omega": 1e-300}, [], 1, NO_FILE)
     every = [method for engine in engines().values() for method in engine.methods]
     assert any(method.as_shipped for method in every)
-    assert set(asked[0]) == {method.name for method in every if not method.as_shipped}
+    assert set(methods_asked[0]) == {method.name for method in every if not method.as_shipped}
 
 
 @pytest.mark.parametrize(
@@ -110,8 +114,8 @@ def test_timed_runs_of_the_engine_that_is_here_are_taken_from_the_file(
     scenario = ladder.scenes[TOP].scenario
     monkeypatch.setattr(recommend_module, "one_scene", lambda _: scenario)
     monkeypatch.setattr(running, "run", lambda *_: ladder)
-    found = recommend(TOP, {"omega": 1e-300}, [], 1, stored)
-    assert found.source == (str(stored) if is_taken else "")
+    recommendation = recommend(TOP, {"omega": 1e-300}, [], 1, stored)
+    assert recommendation.source == (str(stored) if is_taken else "")
 
 
 def test_an_engine_that_is_there_as_shipped_only_is_one_message(
@@ -124,8 +128,8 @@ def test_an_engine_that_is_there_as_shipped_only_is_one_message(
 
 
 def test_what_no_method_reaches_is_said_and_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = recommended(monkeypatch, euler_alone(straight), straight, omega=1e-300)
-    assert (found.best, found.command, exit_code(found)) == (None, "", 1)
+    recommendation = recommended(monkeypatch, euler_alone(straight), straight, omega=1e-300)
+    assert (recommendation.best, recommendation.command, exit_code(recommendation)) == (None, "", 1)
 
 
 def test_a_bound_broken_by_any_error_is_broken() -> None:
@@ -172,17 +176,17 @@ def spincheck(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., tuple[i
 def test_from_outside_it_chooses_checks_and_its_command_repeats_it(
     spincheck: Callable[..., tuple[int, str, str]],
 ) -> None:
-    asked = ["--omega", 1e-7, "--energy", 1e-6, "--engine", "mujoco", "--json"]
-    code, out, err = spincheck("recommend", "box.toml", *asked)
-    found = json.loads(out)
-    assert (code, found["verified"]) == (0, True), err
-    assert found["recommended"]["method"] == "RK4"
-    assert found["recommended"]["known"] == "measured"
-    assert found["checks"][-1]["omega"] <= 1e-7
-    code, out, _ = spincheck(*found["command"].split()[1:])
+    options = ["--omega", 1e-7, "--energy", 1e-6, "--engine", "mujoco", "--json"]
+    code, out, err = spincheck("recommend", "box.toml", *options)
+    printed = json.loads(out)
+    assert (code, printed["verified"]) == (0, True), err
+    assert printed["recommended"]["method"] == "RK4"
+    assert printed["recommended"]["known"] == "measured"
+    assert printed["checks"][-1]["omega"] <= 1e-7
+    code, out, _ = spincheck(*printed["command"].split()[1:])
     (row,) = json.loads(out)["rows"]
-    assert row["timestep"] == found["recommended"]["timestep"]
-    assert row["omega_error"] == found["checks"][-1]["omega"]
+    assert row["timestep"] == printed["recommended"]["timestep"]
+    assert row["omega_error"] == printed["checks"][-1]["omega"]
 
 
 def test_from_outside_bad_input_is_one_message_and_exit_code_2(

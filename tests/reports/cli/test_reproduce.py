@@ -55,8 +55,8 @@ def test_the_file_alone_finds_the_error_that_the_harness_finds(
     every = solve(scenario, single(TIMESTEP, scenario.times).sample_steps * TIMESTEP).trajectory
     errors = errors_between(scenario, run.trajectory, solve(scenario, run.trajectory.t).trajectory)
     largest = np.linalg.norm(every.omega_body, axis=1).max()
-    seen = np.linalg.norm(solve(scenario, run.trajectory.t).trajectory.omega_body, axis=1).max()
-    assert float(omega) == pytest.approx(errors.omega * seen / largest, rel=PRINTED)
+    fastest = np.linalg.norm(solve(scenario, run.trajectory.t).trajectory.omega_body, axis=1).max()
+    assert float(omega) == pytest.approx(errors.omega * fastest / largest, rel=PRINTED)
     assert float(attitude) == pytest.approx(errors.attitude, rel=PRINTED)
 
 
@@ -103,6 +103,6 @@ def test_the_exact_motion_as_a_c_header_compiles_and_reads_the_same(
     )
     out = tmp_path / "program"
     subprocess.run(["cc", f"-I{exact_motion}", str(program), "-o", str(out)], check=True)
-    said = subprocess.run([str(out)], capture_output=True, text=True, check=True).stdout
+    printed = subprocess.run([str(out)], capture_output=True, text=True, check=True).stdout
     columns = json.loads((exact_motion / "truth.json").read_text(encoding="utf-8"))["columns"]
-    assert float(said) == columns["omega_body"][-1][2]
+    assert float(printed) == columns["omega_body"][-1][2]

@@ -35,8 +35,8 @@ def test_what_fails_is_reported_with_its_reason_and_how_many_more_there_are():
     ]
     lines = short_summary(replace(FOUND, verdicts=wrong))
     key = wrong[0].key
-    (told,) = (k for k, line in enumerate(lines) if line.startswith("Fails: "))
-    assert f"Fails: {key.scenario}, {key.engine} {key.method}: disagrees" in lines[told]
+    (first_line,) = (k for k, line in enumerate(lines) if line.startswith("Fails: "))
+    assert f"Fails: {key.scenario}, {key.engine} {key.method}: disagrees" in lines[first_line]
     assert any(line.startswith(f"{len(wrong) - 1} more fail") for line in lines)
     assert len(lines) <= 20
 

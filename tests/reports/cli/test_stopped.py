@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from kills import COMMAND, PATIENCE, STUDY, finish, gone, hear_signals, read, start
+from kills import COMMAND, PATIENCE, STUDY, finish, hear_signals, is_gone, read, start
 from result_files import rows_in, wait_for_rows
 from same_results import differences
 
@@ -59,7 +59,7 @@ def stop(run: subprocess.Popen[str], number: signal.Signals) -> list[str]:
     os.killpg(run.pid, number)
     _, err = run.communicate()
     assert run.returncode == 128 + number
-    assert gone(run.pid)
+    assert is_gone(run.pid)
     return [line for line in err.splitlines() if not line.startswith("[")]
 
 
@@ -82,8 +82,8 @@ def test_a_run_is_stopped(
     path = tmp_path / "results.sqlite"
     run = start(path, *options)
     phase(run, path)
-    said = [line for line in stop(run, number) if line.startswith("spincheck: ")]
-    assert said == [
+    messages = [line for line in stop(run, number) if line.startswith("spincheck: ")]
+    assert messages == [
         f"spincheck: stopped by {number.name}; what was finished is in {path}, "
         "and the same command goes on from there"
     ]
@@ -143,7 +143,7 @@ def test_a_run_whose_terminal_closes_ends_and_can_be_gone_on_with(tmp_path: Path
         time.sleep(0.01)
     os.close(ours)
     assert run.wait(PATIENCE) == 128 + signal.SIGHUP
-    assert gone(run.pid)
+    assert is_gone(run.pid)
     assert rows_in(path) >= 3
 
 

@@ -65,9 +65,9 @@ def test_asked_again_it_answers_from_the_file(mapped):
 
 
 def test_in_words_there_is_a_line_a_method_with_the_worst_point(mapped):
-    told = spincheck("map", SCENE, "--vary", SPIN, "--vary", STEPS, *ONE_METHOD, "--out", mapped[0])
-    assert "fast-top: 4 points, start.omega_body[2] 10 to 40, timestep 0.001 to 0.01" in told.stdout
-    (line,) = (line for line in told.stdout.splitlines() if "mujoco RK4" in line)
+    done = spincheck("map", SCENE, "--vary", SPIN, "--vary", STEPS, *ONE_METHOD, "--out", mapped[0])
+    assert "fast-top: 4 points, start.omega_body[2] 10 to 40, timestep 0.001 to 0.01" in done.stdout
+    (line,) = (line for line in done.stdout.splitlines() if "mujoco RK4" in line)
     assert "timestep 0.01" in line
 
 
@@ -85,8 +85,8 @@ def test_an_ensemble_prints_its_members(tmp_path):
     printed = json.loads(done.stdout)
     assert [point["at"] for point in printed["points"]] == [{"member": float(k)} for k in range(3)]
     with open_store(path) as store:
-        (found,) = store.read().ensembles
-    assert found.ensemble == Ensemble(SCENE, 3, 7, None)
+        (ensemble,) = store.read().ensembles
+    assert ensemble.ensemble == Ensemble(SCENE, 3, 7, None)
 
 
 def test_a_member_is_printed_as_a_scenario_file_that_runs(tmp_path):
@@ -151,9 +151,9 @@ def test_what_cannot_be_used_is_one_message_and_exit_code_2(
     arguments, message, tmp_path, monkeypatch
 ):
     monkeypatch.chdir(tmp_path)
-    code, told = run(*arguments)
+    code, printed = run(*arguments)
     assert code == BAD_INPUT
-    assert message in told
+    assert message in printed
     assert not list(tmp_path.iterdir())
 
 
@@ -206,8 +206,8 @@ def test_a_sweep_fails_only_by_runs_that_failed(outcomes, code):
 @pytest.mark.usefixtures("in_process")
 def test_of_several_engines_in_a_file_those_asked_for_are_reported(mapped):
     choice = choose(["mujoco"], ["Euler"], [])
-    found = run_map(SCENE, [SPIN, STEPS], choice, Where(1), mapped[0])
-    assert {point.key.method for point in found.points} == {"Euler"}
+    swept = run_map(SCENE, [SPIN, STEPS], choice, Where(1), mapped[0])
+    assert {point.key.method for point in swept.points} == {"Euler"}
 
 
 @pytest.mark.usefixtures("in_process")

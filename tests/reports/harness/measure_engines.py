@@ -75,22 +75,22 @@ def measured() -> ReportData:
     scenarios = scenes_of(SCENES, quick=False)
     choice = replace(choose([], [], []), max_steps=QUICK_STEPS)
     with open_store(STORE, create=True) as store:
-        left = plan(scenarios, choice, store)
+        to_run = plan(scenarios, choice, store)
         with LocalWorkers(2) as executor:
-            run_study(left, choice, store, executor, lambda words: print(words, flush=True))
+            run_study(to_run, choice, store, executor, lambda words: print(words, flush=True))
         return report_data(store.read())
 
 
 def costs(gathered: ReportData) -> dict[tuple[Key, float], float]:
     """CPU seconds a simulated second of each method, scene and level that it can be told of."""
-    told = {}
+    cost_at = {}
     for scene in gathered.scenes:
         for runs in scene.methods:
             for level in LEVELS:
                 cost = reach(curve_of(scene, runs, "attitude"), level).cost
                 if cost is not None:
-                    told[Key(scene.name, runs.engine, runs.method), level] = cost
-    return told
+                    cost_at[Key(scene.name, runs.engine, runs.method), level] = cost
+    return cost_at
 
 
 def rows(gathered: ReportData) -> Iterator[str]:

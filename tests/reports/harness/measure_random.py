@@ -75,28 +75,28 @@ def verdicts(scenario: Scenario) -> Iterator[tuple[Method, Verdict]]:
 def main() -> int:
     """Run so many scenes; 1 if anything is judged wrongly."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else COUNT
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for number in range(count):
         for method, verdict in verdicts(random_scene(number)):
             order = "fourth order" if method.order == 4 else "first order"
-            found[f"{order}: {verdict.verdict}"] += 1
+            counts[f"{order}: {verdict.verdict}"] += 1
             below = [
                 one
                 for one in verdict.signals
                 if one.limit_error is not None and one.limit_error > (one.tolerance or 0.0)
             ]
-            found[f"{order}: tolerances below the true error"] += len(below)
+            counts[f"{order}: tolerances below the true error"] += len(below)
             if verdict.verdict == "disagrees" or (
                 method.order == 4 and verdict.verdict == "unresolved"
             ):
-                found["wrong"] += 1
+                counts["wrong"] += 1
                 key = verdict.key
                 print(
                     f"{key.scenario} {key.engine} {key.method}: {verdict.verdict}: {verdict.reason}"
                 )
-    for what, times in sorted(found.items()):
+    for what, times in sorted(counts.items()):
         print(f"{times:6d}  {what}")
-    return min(1, found["wrong"])
+    return min(1, counts["wrong"])
 
 
 if __name__ == "__main__":

@@ -30,7 +30,7 @@ MOST_STEPS = 1 << 13
 BITS = "the state is held in 24 bits"
 
 
-def told(scenario: Scenario, prepared: Prepared, method: str, fault: PlantedFault) -> str:
+def name_of_fault(scenario: Scenario, prepared: Prepared, method: str, fault: PlantedFault) -> str:
     """How a verdict names a fault; empty where it passes."""
     engine = FaultyMuJoCo(fault)
     study = convergence_study_of(scenario, engine, engine.method(method), prepared)
@@ -49,7 +49,7 @@ def threshold(scenario: Scenario, prepared: Prepared, method: str, kind: str) ->
     """The smallest size told, and how it is named."""
     # Rounding has one size.
     for size in SIZES if kind != "float32" else (2.0**-24,):
-        if words := told(scenario, prepared, method, PlantedFault(kind, size)):
+        if words := name_of_fault(scenario, prepared, method, PlantedFault(kind, size)):
             return f"{size:.0e}", words
     return "never", ""
 

@@ -63,18 +63,18 @@ def off_by(error: float, exact: Trajectory) -> Trajectory:
 
 
 def go_down(
-    found: ConvergenceStudy, error_of_dt: Callable[[float], float], dies_above: float = np.inf
+    convergence: ConvergenceStudy, error_of_dt: Callable[[float], float], dies_above: float = np.inf
 ):
     """Answer every rung, those of more than `dies_above` seconds a step by a blow-up."""
-    while rung := found.next_rung():
-        exact = found.solution.trajectory.every(rung.every)
-        known = {"trajectory": off_by(error_of_dt(rung.timestep), exact), "steps": rung.steps}
+    while rung := convergence.next_rung():
+        exact = convergence.solution.trajectory.every(rung.every)
+        keywords = {"trajectory": off_by(error_of_dt(rung.timestep), exact), "steps": rung.steps}
         outcome = "ok"
         if rung.timestep > dies_above:
-            outcome, known = "diverged", {"stopped_at": rung.timestep}
-        run = Run("made-up", "1", "made-up", rung.timestep, outcome, **known)
-        found.take(found.compare(Answer(run)))
-    return found
+            outcome, keywords = "diverged", {"stopped_at": rung.timestep}
+        run = Run("made-up", "1", "made-up", rung.timestep, outcome, **keywords)
+        convergence.take(convergence.compare(Answer(run)))
+    return convergence
 
 
 def wandering(dt: float) -> float:
@@ -82,31 +82,31 @@ def wandering(dt: float) -> float:
     return 0.9 + 0.8 * np.sin(1e4 / dt)
 
 
-def first(found: ConvergenceStudy) -> Rung:
-    return found.ladder.rungs[0]
+def first(convergence: ConvergenceStudy) -> Rung:
+    return convergence.ladder.rungs[0]
 
 
 def test_a_limit_known_well_ends_a_ladder():
-    found = go_down(study(), lambda dt: 0.1 * dt)
-    assert found.verdict().verdict == "converges"
-    assert MIN_RUNGS <= len(found.rows) < len(found.ladder.rungs)
-    assert found.verdict().tolerance <= 2 * GOAL
-    assert not found.cut_short
+    convergence = go_down(study(), lambda dt: 0.1 * dt)
+    assert convergence.verdict().verdict == "converges"
+    assert MIN_RUNGS <= len(convergence.rows) < len(convergence.ladder.rungs)
+    assert convergence.verdict().tolerance <= 2 * GOAL
+    assert not convergence.cut_short
 
 
 def test_timesteps_above_the_ladder_are_doubled_while_they_survive():
-    found = study()
-    dies_above = 2.5 * first(found).timestep
-    go_down(found, lambda dt: 0.1 * dt, dies_above)
-    survived = [row.survived for row in found.above_rows]
+    convergence = study()
+    dies_above = 2.5 * first(convergence).timestep
+    go_down(convergence, lambda dt: 0.1 * dt, dies_above)
+    survived = [row.survived for row in convergence.above_rows]
     assert survived == [True, False]
 
 
 def test_nothing_is_run_above_a_ladder_whose_first_rung_does_not_survive():
-    found = study()
-    go_down(found, lambda dt: 0.1 * dt, dies_above=0.75 * first(found).timestep)
-    assert found.above_rows == []
-    assert found.verdict().verdict == "converges"
+    convergence = study()
+    go_down(convergence, lambda dt: 0.1 * dt, dies_above=0.75 * first(convergence).timestep)
+    assert convergence.above_rows == []
+    assert convergence.verdict().verdict == "converges"
 
 
 def test_what_is_run_above_takes_no_part_in_the_verdict():
@@ -118,24 +118,24 @@ def test_what_is_run_above_takes_no_part_in_the_verdict():
 
 
 def test_samples_of_runs_above_are_not_kept_and_those_of_the_finest_are():
-    found = go_down(study(), lambda dt: 0.1 * dt)
-    assert all(row.motion is None for row in found.above_rows)
-    assert found.rows[-1].timestep not in found.discardable_timesteps()
+    convergence = go_down(study(), lambda dt: 0.1 * dt)
+    assert all(row.motion is None for row in convergence.above_rows)
+    assert convergence.rows[-1].timestep not in convergence.discardable_timesteps()
 
 
 def test_a_ladder_that_cannot_tell_is_given_up_before_its_last_rung():
-    found = go_down(study(), wandering)
-    assert len(found.rows) >= MIN_RUNGS
-    assert found.verdict().verdict == "unresolved"
+    convergence = go_down(study(), wandering)
+    assert len(convergence.rows) >= MIN_RUNGS
+    assert convergence.verdict().verdict == "unresolved"
 
 
 def test_errors_that_are_large_but_shrink_are_followed_to_where_they_tell():
     """Given up too early it would say unresolved."""
-    found = study()
-    finest = found.ladder.rungs[-1].timestep
+    convergence = study()
+    finest = convergence.ladder.rungs[-1].timestep
     small = 0.02 / finest
-    go_down(found, lambda dt: small * dt / (1 + small * dt))
-    assert found.verdict().verdict == "converges"
+    go_down(convergence, lambda dt: small * dt / (1 + small * dt))
+    assert convergence.verdict().verdict == "converges"
 
 
 def test_what_a_short_ladder_left_open_is_reported_as_cut_short():
@@ -143,24 +143,24 @@ def test_what_a_short_ladder_left_open_is_reported_as_cut_short():
 
 
 def test_a_ladder_that_a_short_limit_leaves_no_rung_of_is_cut_short_too():
-    found = go_down(study(max_steps=10), lambda dt: 0.1)
-    assert found.rows == []
-    assert found.cut_short
+    convergence = go_down(study(max_steps=10), lambda dt: 0.1)
+    assert convergence.rows == []
+    assert convergence.cut_short
 
 
 @pytest.mark.parametrize("speed", [2e5, 2e8])
 def test_where_no_ladder_fits_the_verdict_says_what_one_would_take(speed):
-    found = go_down(study(speed), lambda dt: 0.1)
-    verdict = found.verdict()
-    assert (verdict.verdict, found.rows) == ("unresolved", [])
-    assert f"{found.ladder.least_steps * (2**RUNGS_OF_A_LIMIT - 1):.1e}" in verdict.reason
-    assert bool(found.above_rows) == (speed == 2e5)
+    convergence = go_down(study(speed), lambda dt: 0.1)
+    verdict = convergence.verdict()
+    assert (verdict.verdict, convergence.rows) == ("unresolved", [])
+    assert f"{convergence.ladder.least_steps * (2**RUNGS_OF_A_LIMIT - 1):.1e}" in verdict.reason
+    assert bool(convergence.above_rows) == (speed == 2e5)
 
 
 def test_where_no_ladder_fits_what_cannot_be_simulated_is_still_reported():
     class Lacking(MadeUp):
         methods = (replace(METHOD, requires=frozenset({"pivot"})),)
 
-    found = study(2e8)
-    found.engine, found.method = Lacking(), Lacking.methods[0]
-    assert found.verdict().verdict == "unsupported"
+    convergence = study(2e8)
+    convergence.engine, convergence.method = Lacking(), Lacking.methods[0]
+    assert convergence.verdict().verdict == "unsupported"

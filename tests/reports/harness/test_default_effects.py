@@ -19,9 +19,9 @@ AXISYMMETRIC = scene("top", body=TOP, start=SPUN_UP, effects=PIVOT + GRAVITY, du
 def effects_on(scenario: Scenario) -> DefaultEffects:
     rung = single(TIMESTEP, scenario.times)
     solution = solve(scenario, rung.sample_steps * TIMESTEP)
-    found = default_effects(scenario, ENGINE, ENGINE.method("default"), rung, solution)
-    assert found is not None
-    return found
+    effects = default_effects(scenario, ENGINE, ENGINE.method("default"), rung, solution)
+    assert effects is not None
+    return effects
 
 
 @pytest.fixture(scope="module")
@@ -62,9 +62,9 @@ def test_damping_does_something_by_itself(of_a_top: DefaultEffects) -> None:
 
 def test_a_run_that_ends_at_the_clamp_has_no_errors() -> None:
     fast = scene("fast", start=SPUN_UP.replace("40.0", "140.0"), duration=0.1)
-    found = effects_on(fast)
-    clamp = next(one for one in found.each if one.name == CLAMP)
-    assert found.all is None
+    effects = effects_on(fast)
+    clamp = next(one for one in effects.each if one.name == CLAMP)
+    assert effects.all is None
     assert clamp.alone is None
     assert clamp.without is not None
 

@@ -34,20 +34,20 @@ def priced(clock: Clock, **unpruned: float) -> Works:
 
 
 def measured(engine: Engine) -> EffectsCost:
-    found = effects_cost.effects_cost(SCENE, engine, METHOD)
-    assert found is not None
-    return found
+    measured_cost = effects_cost.effects_cost(SCENE, engine, METHOD)
+    assert measured_cost is not None
+    return measured_cost
 
 
 def test_the_ratio_is_that_of_the_two_times(clock: Clock) -> None:
-    found = measured(priced(clock))
+    measured_cost = measured(priced(clock))
     expected = 1 + sum(PASSES.values())
-    assert found.pruned == pytest.approx(TAKES, rel=TICK)
-    assert found.unpruned == pytest.approx(TAKES * expected, rel=TICK)
-    assert found.ratio.median == pytest.approx(expected, rel=TICK)
-    assert found.ratio.spread <= TICK
+    assert measured_cost.pruned == pytest.approx(TAKES, rel=TICK)
+    assert measured_cost.unpruned == pytest.approx(TAKES * expected, rel=TICK)
+    assert measured_cost.ratio.median == pytest.approx(expected, rel=TICK)
+    assert measured_cost.ratio.spread <= TICK
     # Without the cheapest of the passes it would be told apart.
-    assert abs(found.ratio.median - (expected - min(PASSES.values()))) > TICK
+    assert abs(measured_cost.ratio.median - (expected - min(PASSES.values()))) > TICK
 
 
 def test_one_disturbed_round_does_not_change_the_ratio(clock: Clock) -> None:
@@ -65,23 +65,23 @@ def test_one_disturbed_round_does_not_change_the_ratio(clock: Clock) -> None:
 
         return Clockwork(clock, seconds)
 
-    found = measured(Works(make, tuple(PASSES)))
-    assert found.ratio.median == pytest.approx(expected, rel=TICK)
+    charged = measured(Works(make, tuple(PASSES)))
+    assert charged.ratio.median == pytest.approx(expected, rel=TICK)
     assert len(stretches) > 5
 
 
 def test_a_motion_that_is_the_same_is_so_to_the_last_bit(clock: Clock) -> None:
-    found = measured(priced(clock))
-    assert (found.difference, found.compared_until) == (0.0, SCENE.window.duration)
-    assert found.same_motion == "the motion is identical to the last bit"
-    assert found.sentence.startswith("+31% a step; ")
+    measured_cost = measured(priced(clock))
+    assert (measured_cost.difference, measured_cost.compared_until) == (0.0, SCENE.window.duration)
+    assert measured_cost.same_motion == "the motion is identical to the last bit"
+    assert measured_cost.sentence.startswith("+31% a step; ")
 
 
 def test_a_motion_that_is_another_by_an_ulp_is_reported(clock: Clock) -> None:
-    found = measured(priced(clock, drift=2.0**-52))
-    steps = round(found.compared_until / found.timestep)
-    assert found.difference == steps * 2.0**-52
-    assert found.same_motion.startswith("the motion differs by ")
+    measured_cost = measured(priced(clock, drift=2.0**-52))
+    steps = round(measured_cost.compared_until / measured_cost.timestep)
+    assert measured_cost.difference == steps * 2.0**-52
+    assert measured_cost.same_motion.startswith("the motion differs by ")
 
 
 def test_motions_are_compared_as_far_as_both_go(clock: Clock) -> None:
@@ -96,9 +96,14 @@ def test_motions_are_compared_as_far_as_both_go(clock: Clock) -> None:
             opened[-1].gives_up_after = gives_up_after
         return opened[-1]
 
-    found = measured(Works(make, tuple(PASSES)))
-    assert found.difference == 0.0
-    assert 0 < found.compared_until <= gives_up_after * found.timestep < SCENE.window.duration
+    measured_cost = measured(Works(make, tuple(PASSES)))
+    assert measured_cost.difference == 0.0
+    assert (
+        0
+        < measured_cost.compared_until
+        <= gives_up_after * measured_cost.timestep
+        < SCENE.window.duration
+    )
 
 
 def test_where_nothing_is_left_out_there_is_nothing_to_tell(clock: Clock) -> None:
@@ -118,17 +123,17 @@ def test_what_does_not_load_unpruned_is_not_compared(clock: Clock) -> None:
     assert pass_costs(SCENE, engine, METHOD) is None
 
 
-def by_pass(found: PassCosts | None) -> dict[str, tuple[float, float]]:
-    assert found is not None
-    return {one.name: (one.added, one.saved) for one in found.passes}
+def by_pass(passes: PassCosts | None) -> dict[str, tuple[float, float]]:
+    assert passes is not None
+    return {one.name: (one.added, one.saved) for one in passes.passes}
 
 
 def test_every_pass_is_reported_at_its_own_price(clock: Clock) -> None:
-    found = pass_costs(SCENE, priced(clock), METHOD)
-    for name, (added, saved) in by_pass(found).items():
+    passes = pass_costs(SCENE, priced(clock), METHOD)
+    for name, (added, saved) in by_pass(passes).items():
         assert added == pytest.approx(PASSES[name], abs=TICK)
         assert saved == pytest.approx(PASSES[name], abs=TICK)
-    assert set(by_pass(found)) == set(PASSES)
+    assert set(by_pass(passes)) == set(PASSES)
 
 
 def test_a_pass_that_costs_only_beside_another_is_saved_and_not_added(clock: Clock) -> None:
@@ -149,9 +154,9 @@ def test_the_noise_is_what_equal_sessions_differ_by(clock: Clock) -> None:
         opened.append(Clockwork(clock, steadily(TAKES * price)))
         return opened[-1]
 
-    found = pass_costs(SCENE, Works(make, tuple(PASSES)), METHOD)
-    assert found is not None
-    assert found.noise == pytest.approx(0.125, abs=TICK)
+    passes = pass_costs(SCENE, Works(make, tuple(PASSES)), METHOD)
+    assert passes is not None
+    assert passes.noise == pytest.approx(0.125, abs=TICK)
 
 
 class Various(Works):
@@ -168,8 +173,8 @@ class Various(Works):
 
 def test_every_distinct_set_of_what_is_left_out_is_timed_once(clock: Clock) -> None:
     engine = Various(lambda _: Clockwork(clock, steadily(TAKES)), tuple(PASSES))
-    found = effects_costs(SCENE, engine, engine.methods)
-    assert [(one.key.method, one.left_out) for one in found] == [
+    by_method = effects_costs(SCENE, engine, engine.methods)
+    assert [(one.key.method, one.left_out) for one in by_method] == [
         ("one", tuple(PASSES)[:1]),
         ("both", tuple(PASSES)),
     ]
@@ -177,8 +182,8 @@ def test_every_distinct_set_of_what_is_left_out_is_timed_once(clock: Clock) -> N
 
 def test_the_first_method_that_can_do_it_is_timed_pass_by_pass(clock: Clock) -> None:
     engine = Various(lambda _: Clockwork(clock, steadily(TAKES)), tuple(PASSES))
-    (found,) = first_pass_costs(SCENE, engine, [m for m in engine.methods if m.name != "bare"])
-    assert found.key.method == "one"
+    (charged,) = first_pass_costs(SCENE, engine, [m for m in engine.methods if m.name != "bare"])
+    assert charged.key.method == "one"
 
 
 REAL = [
@@ -191,21 +196,24 @@ REAL = [
 @pytest.mark.parametrize(("engine", "method"), REAL)
 def test_real_engines_move_alike_with_and_without_what_is_left_out(engine, method) -> None:
     scenario = load(find(["tiring-top"])[0])
-    found = effects_cost.effects_cost(scenario, engine, method)
+    measured_cost = effects_cost.effects_cost(scenario, engine, method)
     if method.as_shipped or engine.unsupported(scenario, method):
-        assert found is None
+        assert measured_cost is None
         return
-    assert found is not None
-    assert found.key == Key("tiring-top", engine.name, method.name)
-    assert found.left_out == engine.left_out(scenario, method)
-    assert (found.difference, found.compared_until) == (0.0, scenario.window.duration)
+    assert measured_cost is not None
+    assert measured_cost.key == Key("tiring-top", engine.name, method.name)
+    assert measured_cost.left_out == engine.left_out(scenario, method)
+    assert (measured_cost.difference, measured_cost.compared_until) == (
+        0.0,
+        scenario.window.duration,
+    )
 
 
 @pytest.mark.parametrize("engine", required_engines(), ids=lambda engine: engine.name)
 def test_real_engines_are_timed_for_all_that_they_leave_out(engine) -> None:
     scenario = load(find(["fast-top"])[0])
     able = [m for m in engine.methods if not engine.unsupported(scenario, m)]
-    found = effects_costs(scenario, engine, able)
-    sets = [one.left_out for one in found]
+    by_method = effects_costs(scenario, engine, able)
+    sets = [one.left_out for one in by_method]
     assert len(sets) == len(set(sets))
     assert set(sets) == {engine.left_out(scenario, method) for method in able} - {()}

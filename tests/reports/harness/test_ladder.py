@@ -37,17 +37,17 @@ def test_the_coarsest_step_turns_the_body_no_further_than_it_should(fastest_rate
 
 @pytest.mark.parametrize("fastest_rate", [0.0, 1e-3, 7.0, 40.0])
 def test_every_rung_is_sampled_at_the_same_times_to_the_last_bit(fastest_rate):
-    found = ladder_of(fastest_rate)
-    for rung in found.rungs:
-        assert np.array_equal(rung.sample_steps * rung.timestep, found.times)
+    whole = ladder_of(fastest_rate)
+    for rung in whole.rungs:
+        assert np.array_equal(rung.sample_steps * rung.timestep, whole.times)
 
 
 @pytest.mark.parametrize("fastest_rate", [0.0, 1e-3, 3.0, 7.0, 40.0])
 def test_timesteps_above_the_ladder_meet_the_ladders_own_samples_to_the_last_bit(fastest_rate):
-    found = ladder_of(fastest_rate)
-    assert found.above
-    for rung in found.above:
-        assert np.array_equal(rung.sample_steps * rung.timestep, found.times[:: rung.every])
+    whole = ladder_of(fastest_rate)
+    assert whole.above
+    for rung in whole.above:
+        assert np.array_equal(rung.sample_steps * rung.timestep, whole.times[:: rung.every])
 
 
 def test_samples_are_those_of_the_window():
@@ -60,8 +60,8 @@ def test_timesteps_are_halved_exactly():
 
 
 def test_timesteps_above_are_doubled_up_to_half_a_turn():
-    found = ladder_of(40.0)
-    steps = [found.rungs[0].timestep, *(rung.timestep for rung in found.above)]
+    whole = ladder_of(40.0)
+    steps = [whole.rungs[0].timestep, *(rung.timestep for rung in whole.above)]
     assert all(coarse == 2 * fine for fine, coarse in pairwise(steps))
     assert LARGEST_TURN / 2 < steps[-1] * 40.0 <= LARGEST_TURN
 
@@ -87,51 +87,51 @@ def test_a_small_budget_is_exceeded_for_a_verdict_but_not_by_much():
 
 @pytest.mark.parametrize("fastest_rate", [2e4, 1e5])
 def test_rungs_that_take_too_many_steps_are_left_out(fastest_rate):
-    found = ladder_of(fastest_rate)
-    rungs = [*found.rungs, *found.above]
-    assert len(found.rungs) < MIN_RUNGS
-    assert found.least_steps >= 3.0 * fastest_rate / COARSEST_TURN * (1 - ROUNDING)
+    whole = ladder_of(fastest_rate)
+    rungs = [*whole.rungs, *whole.above]
+    assert len(whole.rungs) < MIN_RUNGS
+    assert whole.least_steps >= 3.0 * fastest_rate / COARSEST_TURN * (1 - ROUNDING)
     assert rungs
     assert all(rung.steps <= MAX_STEPS for rung in rungs)
 
 
 @pytest.mark.parametrize("fastest_rate", [1e9, 1e300, np.inf])
 def test_where_nothing_fits_there_is_no_ladder_but_its_cost(fastest_rate):
-    found = ladder_of(fastest_rate)
-    assert (found.rungs, found.above) == ((), ())
-    assert found.least_steps > MAX_STEPS
+    whole = ladder_of(fastest_rate)
+    assert (whole.rungs, whole.above) == ((), ())
+    assert whole.least_steps > MAX_STEPS
 
 
 @pytest.mark.parametrize("duration", [1e-12, 1e12])
 def test_windows_of_any_length_have_the_same_ladder(duration):
-    here, there = ladder_of(40.0 / duration, duration), ladder_of(40.0, 1.0)
-    assert [rung.steps for rung in here.rungs] == [rung.steps for rung in there.rungs]
+    here, turned_alike = ladder_of(40.0 / duration, duration), ladder_of(40.0, 1.0)
+    assert [rung.steps for rung in here.rungs] == [rung.steps for rung in turned_alike.rungs]
 
 
 def test_a_window_that_one_step_covers_has_a_full_ladder():
-    found = ladder_of(1e-3, 1e-3, samples=2)
-    assert found.rungs[0].steps == 1
-    assert len(found.rungs) > MIN_RUNGS
+    whole = ladder_of(1e-3, 1e-3, samples=2)
+    assert whole.rungs[0].steps == 1
+    assert len(whole.rungs) > MIN_RUNGS
 
 
 def test_samples_as_close_as_steps_are_thinned_to_leave_room_for_a_ladder():
-    found = ladder_of(1.0, 10.0, samples=500_001)
-    assert len(found.rungs) >= MIN_RUNGS
-    assert found.rungs[0].timestep <= COARSEST_TURN
-    assert found.times[-1] == pytest.approx(10.0, rel=1e-3)
+    whole = ladder_of(1.0, 10.0, samples=500_001)
+    assert len(whole.rungs) >= MIN_RUNGS
+    assert whole.rungs[0].timestep <= COARSEST_TURN
+    assert whole.times[-1] == pytest.approx(10.0, rel=1e-3)
 
 
 def test_without_time_to_sample_at_there_is_nothing_to_run():
-    found = ladder(Window(duration=3.0, samples=31), 1.0, samples=1)
-    assert (found.rungs, found.above, found.least_steps) == ((), (), 0)
+    whole = ladder(Window(duration=3.0, samples=31), 1.0, samples=1)
+    assert (whole.rungs, whole.above, whole.least_steps) == ((), (), 0)
 
 
 def test_a_ladder_is_cut_where_the_exact_motion_ends():
-    found = ladder_of(3.0).until(7)
-    for rung in [*found.rungs, *found.above]:
-        assert np.array_equal(rung.sample_steps * rung.timestep, found.times[:: rung.every])
-        assert rung.steps * rung.timestep <= found.times[-1]
-    assert found.until(1).rungs == ()
+    whole = ladder_of(3.0).until(7)
+    for rung in [*whole.rungs, *whole.above]:
+        assert np.array_equal(rung.sample_steps * rung.timestep, whole.times[:: rung.every])
+        assert rung.steps * rung.timestep <= whole.times[-1]
+    assert whole.until(1).rungs == ()
 
 
 def test_a_single_timestep_is_sampled_at_the_nearest_whole_steps():

@@ -63,17 +63,17 @@ def test_a_run_that_the_machine_spoilt_has_no_cause_of_the_engines(tmp_path, cal
 def test_steps_that_the_machine_did_not_let_be_timed_are_timed_by_the_next_run(
     tmp_path, spoilt, cause
 ):
-    path, told = tmp_path / "results.sqlite", []
+    path, lines = tmp_path / "results.sqlite", []
     choice = Choice((planted(HeunSession),), max_steps=SHORT)
 
     def run(executor=None) -> list[float | None]:
-        study(path, [loads(BOX, "box")], choice, executor, told.append)
+        study(path, [loads(BOX, "box")], choice, executor, lines.append)
         with open_store(path) as store:
             return [row.seconds_per_step for row in store.read().rows if row.outcome == "ok"]
 
     refused = CallFailed("no worker process could be started", cause)
     assert set(run(FailingCalls(of_function(spoilt, refused)))) == {None}
-    assert "not timed, the same command times it: no worker process could be started" in told[-1]
+    assert "not timed, the same command times it: no worker process could be started" in lines[-1]
     assert None not in run()
 
 

@@ -67,9 +67,9 @@ FAULTS = [
 def test_a_planted_fault_disagrees_in_a_signal_that_it_is_about(name, fault, signals):
     verdict = verdict_of(name, "Euler", fault)
     assert not verdict.agrees
-    told = {signal.signal for signal in verdict.signals if signal.verdict == "disagrees"}
+    disagreeing = {signal.signal for signal in verdict.signals if signal.verdict == "disagrees"}
     # What the first steps tell already has no ladder.
-    assert not verdict.signals or signals is None or told & signals
+    assert not verdict.signals or signals is None or disagreeing & signals
 
 
 def test_what_the_first_steps_show_is_evidence_however_coarse_the_ladder():

@@ -43,8 +43,8 @@ def test_an_exact_motion_that_turns_too_fast_is_complained_of(
         return replace(solution, trajectory=motion)
 
     monkeypatch.setattr(reference_checks, "solve", faster)
-    found = list(complaints(scene(name)))
-    assert any("second method" in complaint for complaint in found)
+    words = list(complaints(scene(name)))
+    assert any("second method" in complaint for complaint in words)
 
 
 def test_a_printed_value_that_the_exact_motion_misses_is_complained_of() -> None:

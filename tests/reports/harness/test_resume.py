@@ -50,9 +50,9 @@ def run(
     executor: Executor | None = None,
 ) -> list[str]:
     """Run a study of one scene; returns what progress was told."""
-    told: list[str] = []
-    study_of(path, [loads(text, "box")], choice, executor, told.append)
-    return told
+    lines: list[str] = []
+    study_of(path, [loads(text, "box")], choice, executor, lines.append)
+    return lines
 
 
 def read(path: Path, timesteps: tuple[float, ...] = ()) -> Results:
@@ -126,8 +126,8 @@ def _interrupted(*_: object) -> None:
 
 def test_the_samples_of_a_finished_ladder_are_those_of_one_run(undisturbed):
     rows = [row for row in undisturbed.rows if row.key.engine == "Heun" and not row.stock]
-    (kept,) = [row for row in rows if row.motion is not None]
-    assert kept.timestep == min(row.timestep for row in rows)
+    (with_motion,) = [row for row in rows if row.motion is not None]
+    assert with_motion.timestep == min(row.timestep for row in rows)
 
 
 def test_another_text_of_the_scene_is_run_anew(path, runs):
@@ -182,13 +182,13 @@ def test_a_scene_run_later_leaves_the_others_as_they_are(path, undisturbed):
 
 def test_an_unmet_expectation_is_reported_by_a_study_that_was_gone_on_with(path, runs, monkeypatch):
     run(path)
-    told = [verdict.unmet for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
+    unmet = [verdict.unmet for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
     with open_store(path, create=True) as store, store._database.transaction() as connection:
         connection.execute("DELETE FROM verdicts")
     run(path)
     again = [verdict.unmet for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
-    assert told == again
-    assert "omega error" in told[0][0]
+    assert unmet == again
+    assert "omega error" in unmet[0][0]
 
 
 def test_a_timestep_is_run_once_however_often_it_is_asked_for(path, runs):
@@ -201,8 +201,8 @@ def test_a_timestep_is_run_once_however_often_it_is_asked_for(path, runs):
 def test_a_timestep_asked_for_leaves_the_ladder_and_its_verdict(path, undisturbed):
     run(path)
     run(path, ALONE)
-    found = read(path)
-    ladder = replace(found, rows=[row for row in found.rows if row.timestep != 0.02])
+    results = read(path)
+    ladder = replace(results, rows=[row for row in results.rows if row.timestep != 0.02])
     assert differences(ladder, undisturbed) == []
 
 
@@ -284,9 +284,9 @@ def test_everything_is_made_again_if_that_is_asked_for(path, runs, undisturbed):
 def overrun(path: Path, reason: str) -> None:
     """Have one run of Heun's method, and so its verdict, end for a reason."""
     with open_store(path, create=True) as store:
-        found = store.read()
-        (verdict,) = (v for v in found.verdicts if v.key.engine == "Heun")
-        row = next(row for row in found.rows if row.key == verdict.key)
+        stored = store.read()
+        (verdict,) = (v for v in stored.verdicts if v.key.engine == "Heun")
+        row = next(row for row in stored.rows if row.key == verdict.key)
         store.put_row(replace(row, outcome="failed", reason=reason, errors=None))
         store.put_verdict(replace(verdict, verdict="failed", reason=reason))
 

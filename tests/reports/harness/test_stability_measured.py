@@ -77,8 +77,8 @@ samples = 2
 
 def across(scene: Scenario, engine: str, method: str, timestep: float, steps: int) -> np.ndarray:
     """ω across the axis at every step, rad/s, up to where the run ended."""
-    found = engines()[engine]
-    run = found.run(scene, found.method(method), timestep, np.arange(steps + 1, dtype=np.int64))
+    tested = engines()[engine]
+    run = tested.run(scene, tested.method(method), timestep, np.arange(steps + 1, dtype=np.int64))
     assert run.trajectory is not None, run.reason
     return np.hypot(*run.trajectory.omega_body[:, :2].T)
 
@@ -86,9 +86,9 @@ def across(scene: Scenario, engine: str, method: str, timestep: float, steps: in
 def log_amplification(scene: Scenario, engine: str, method: str, y: float) -> float:
     """ln of what a step multiplies the nudge by, at λ h = y."""
     timestep = y / stability_numbers(scene).gyration
-    found = across(scene, engine, method, timestep, STEPS)
-    assert len(found) == STEPS + 1
-    return math.log(found[-1] / found[0]) / STEPS
+    sweep = across(scene, engine, method, timestep, STEPS)
+    assert len(sweep) == STEPS + 1
+    return math.log(sweep[-1] / sweep[0]) / STEPS
 
 
 @pytest.mark.parametrize("y", COARSE)

@@ -27,15 +27,15 @@ def costs_of(*sessions: Clockwork) -> list[StepCost | None]:
 
 
 def cost_of(session: Clockwork) -> StepCost:
-    (found,) = costs_of(session)
-    assert found is not None
-    return found
+    (measured,) = costs_of(session)
+    assert measured is not None
+    return measured
 
 
 @pytest.mark.parametrize("takes", [1e-8, TAKES, 1e-3])
 def test_a_step_costs_what_it_takes(clock: Clock, takes: float) -> None:
-    found = cost_of(Clockwork(clock, steadily(takes)))
-    assert found.seconds_per_step == pytest.approx(takes, rel=TICK)
+    measured = cost_of(Clockwork(clock, steadily(takes)))
+    assert measured.seconds_per_step == pytest.approx(takes, rel=TICK)
     assert cost_of(Clockwork(clock, steadily(2 * takes))).seconds_per_step > takes * (1 + TICK)
 
 
@@ -55,23 +55,23 @@ def test_a_stretch_lasts_long_by_the_clock_however_coarse(clock: Clock, resoluti
 
 def test_the_first_steps_are_not_timed(clock: Clock) -> None:
     slow = Clockwork(clock, lambda steps, taken: steps * TAKES * (1 if taken else 1000))
-    found = cost_of(slow)
-    assert found.seconds_per_step + found.spread == pytest.approx(TAKES, rel=TICK)
+    measured = cost_of(slow)
+    assert measured.seconds_per_step + measured.spread == pytest.approx(TAKES, rel=TICK)
 
 
 def test_the_least_is_quoted_and_the_spread_beside_it(clock: Clock) -> None:
     noise = iter(np.tile([1.5, 1.0, 1.25], 100))
-    found = cost_of(Clockwork(clock, lambda steps, _: steps * TAKES * float(next(noise))))
-    assert found.seconds_per_step == pytest.approx(TAKES, rel=TICK)
-    assert found.spread == pytest.approx(0.5 * TAKES, rel=2 * TICK)
+    measured = cost_of(Clockwork(clock, lambda steps, _: steps * TAKES * float(next(noise))))
+    assert measured.seconds_per_step == pytest.approx(TAKES, rel=TICK)
+    assert measured.spread == pytest.approx(0.5 * TAKES, rel=2 * TICK)
 
 
 def test_the_wall_clocks_time_is_distinguished(clock: Clock) -> None:
     """Longer where something else had the processor, shorter where threads share the work."""
     for wall in (2.0, 0.5):
-        found = cost_of(Clockwork(clock, steadily(TAKES), wall=wall))
-        assert found.seconds_per_step == pytest.approx(TAKES, rel=TICK)
-        assert found.wall_seconds_per_step == pytest.approx(wall * TAKES, rel=TICK)
+        measured = cost_of(Clockwork(clock, steadily(TAKES), wall=wall))
+        assert measured.seconds_per_step == pytest.approx(TAKES, rel=TICK)
+        assert measured.wall_seconds_per_step == pytest.approx(wall * TAKES, rel=TICK)
 
 
 def test_methods_are_timed_in_turn_and_nothing_else_is_done_meanwhile(clock: Clock) -> None:
@@ -113,7 +113,7 @@ def test_a_method_that_takes_its_process_with_it_costs_its_own_figure() -> None:
     pairs = [(planted(kind), METHOD_OF_PLANTED) for kind in kinds]
     with LocalWorkers(jobs=1) as workers:
         costs, complaints = measure(workers, SCENE, pairs)
-    assert [found is not None for found in costs] == [True, False, True]
+    assert [measured is not None for measured in costs] == [True, False, True]
     (complaint,) = complaints
     assert complaint.startswith("Segfault Heun could not be timed: ")
 
@@ -121,7 +121,7 @@ def test_a_method_that_takes_its_process_with_it_costs_its_own_figure() -> None:
 def test_a_method_that_raises_costs_its_own_figure() -> None:
     pairs = [(planted(kind), METHOD_OF_PLANTED) for kind in (HeunSession, RaisingSession)]
     costs, complaints = measure(InProcess(), SCENE, pairs)
-    assert [found is not None for found in costs] == [True, False]
+    assert [measured is not None for measured in costs] == [True, False]
     (complaint,) = complaints
     assert complaint.startswith("Raising Heun could not be timed: ZeroDivisionError")
 
@@ -143,9 +143,9 @@ def test_engines_step_in_one_thread() -> None:
     pairs = [
         (engine, method) for engine, method in pairs if not engine.unsupported(scenario, method)
     ]
-    for (engine, method), found in zip(pairs, step_costs(scenario, pairs), strict=True):
-        assert found is not None, (engine.name, method.name)
-        assert found.seconds_per_step <= found.wall_seconds_per_step * (1 + TICK)
+    for (engine, method), measured in zip(pairs, step_costs(scenario, pairs), strict=True):
+        assert measured is not None, (engine.name, method.name)
+        assert measured.seconds_per_step <= measured.wall_seconds_per_step * (1 + TICK)
 
 
 @pytest.mark.parametrize("name", ["fast-top", "earth-wobble"])

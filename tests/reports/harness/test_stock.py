@@ -27,8 +27,8 @@ class HeunAsSold(type(planted(HeunSession))):
     stock_timestep = STOCK
 
 
-def study(path, *engines: Engine, text: str = BOX, **asked) -> Results:
-    choice = replace(Choice(engines, max_steps=BUDGET, timed=False), **asked)
+def study(path, *engines: Engine, text: str = BOX, **choices) -> Results:
+    choice = replace(Choice(engines, max_steps=BUDGET, timed=False), **choices)
     scenes = [loads(text, "box")]
     with open_store(path, create=True) as store:
         run_study(plan(scenes, choice, store), choice, store, InProcess(), lambda _: None)
@@ -40,26 +40,26 @@ def stock_rows(results: Results) -> dict[float, Row]:
 
 
 @pytest.fixture(scope="module")
-def found(tmp_path_factory) -> Results:
+def stock_results(tmp_path_factory) -> Results:
     return study(tmp_path_factory.mktemp("stock") / "r.sqlite", HeunAsSold())
 
 
-def test_an_engine_is_run_at_its_own_stock_timestep_and_at_one_for_all(found):
-    assert set(stock_rows(found)) == {STOCK, COMMON_TIMESTEP}
+def test_an_engine_is_run_at_its_own_stock_timestep_and_at_one_for_all(stock_results):
+    assert set(stock_rows(stock_results)) == {STOCK, COMMON_TIMESTEP}
 
 
-def test_such_a_run_has_errors_and_keeps_its_samples(found):
-    for row in stock_rows(found).values():
+def test_such_a_run_has_errors_and_keeps_its_samples(stock_results):
+    for row in stock_rows(stock_results).values():
         assert row.outcome == "ok"
         assert row.errors.omega > 0
         assert row.motion.t[-1] == pytest.approx(1.0, abs=row.timestep / 2)
 
 
-def test_the_verdict_is_that_of_the_ladder_alone(found, tmp_path, monkeypatch):
+def test_the_verdict_is_that_of_the_ladder_alone(stock_results, tmp_path, monkeypatch):
     monkeypatch.setattr("spincheck.reports.harness.study.stock_timesteps", lambda _: ())
     without = study(tmp_path / "r.sqlite", HeunAsSold())
     assert not stock_rows(without)
-    assert without.verdicts == found.verdicts
+    assert without.verdicts == stock_results.verdicts
 
 
 def test_a_blow_up_at_a_stock_timestep_leaves_the_verdict(tmp_path, monkeypatch):
@@ -82,7 +82,7 @@ def test_stock_runs_are_not_made_again(tmp_path, monkeypatch):
 
 
 def test_a_study_stopped_before_its_stock_runs_makes_them_alone(tmp_path, monkeypatch):
-    path, put_row, made = tmp_path / "r.sqlite", Store.put_row, []
+    path, put_row, stored = tmp_path / "r.sqlite", Store.put_row, []
 
     def stopping(store: Store, row: Row) -> None:
         if row.stock:
@@ -93,9 +93,9 @@ def test_a_study_stopped_before_its_stock_runs_makes_them_alone(tmp_path, monkey
         patch.setattr(Store, "put_row", stopping)
         with pytest.raises(KeyboardInterrupt):
             study(path, HeunAsSold())
-    monkeypatch.setattr(Store, "put_row", lambda s, row: (made.append(row), put_row(s, row)))
+    monkeypatch.setattr(Store, "put_row", lambda s, row: (stored.append(row), put_row(s, row)))
     study(path, HeunAsSold())
-    assert {row.timestep for row in made} == {STOCK, COMMON_TIMESTEP}
+    assert {row.timestep for row in stored} == {STOCK, COMMON_TIMESTEP}
 
 
 def test_an_engine_that_fails_at_every_timestep_is_not_asked_at_stock_ones(tmp_path):
@@ -120,12 +120,12 @@ def test_where_the_motion_is_too_fast_for_it_a_row_says_so_and_nothing_is_run(tm
 
 
 @pytest.mark.parametrize(
-    ("timestep", "rate", "horizon", "said"),
+    ("timestep", "rate", "horizon", "words"),
     [
         (1e-3, 1.0, 2 * STEP_BUDGET * 1e-3, "takes 2.62e+05 steps"),
         (1e-3, 1.0, 5e-3, "are 5 steps, too few to judge"),
         (2e-3, 2000.0, 1.0, "turns 4 rad a step"),
     ],
 )
-def test_what_makes_no_sense_is_reported_with_its_numbers(timestep, rate, horizon, said):
-    assert said in str(stock_rung(np.array([0.0, horizon]), timestep, rate))
+def test_what_makes_no_sense_is_reported_with_its_numbers(timestep, rate, horizon, words):
+    assert words in str(stock_rung(np.array([0.0, horizon]), timestep, rate))

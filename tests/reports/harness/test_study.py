@@ -161,8 +161,8 @@ class UpToHalfway(ExactMotion):
 
     def solve(self, times):
         whole = super().solve(times)
-        known = np.searchsorted(times, HALFWAY)
-        return replace(whole, trajectory=whole.trajectory.until(known), horizon=HALFWAY)
+        samples = np.searchsorted(times, HALFWAY)
+        return replace(whole, trajectory=whole.trajectory.until(samples), horizon=HALFWAY)
 
     def outline(self, times):
         return super().outline(times).until(np.searchsorted(times, HALFWAY))

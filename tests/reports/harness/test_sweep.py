@@ -56,12 +56,12 @@ def path(tmp_path):
 
 def sweep(
     path: Path,
-    asked=MAP,
+    definition=MAP,
     choice: Choice = FAULTLESS,
     scene=SCENE,
     executor: Executor | None = None,
 ) -> tuple[PointResult, ...]:
-    return sweep_of(path, asked, scene, choice, executor)
+    return sweep_of(path, definition, scene, choice, executor)
 
 
 def crashing(failure: CallFailed) -> Executor:
@@ -69,9 +69,9 @@ def crashing(failure: CallFailed) -> Executor:
     return FailingCalls(of_engine("Segfault", failure))
 
 
-def left(path: Path, asked=MAP, choice: Choice = FAULTLESS, scene=SCENE) -> int:
+def points_missing(path: Path, definition=MAP, choice: Choice = FAULTLESS, scene=SCENE) -> int:
     with open_store(path, create=True) as store:
-        return plan_sweep(asked, scene, choice, store).missing
+        return plan_sweep(definition, scene, choice, store).missing
 
 
 @pytest.fixture(scope="module")
@@ -104,26 +104,26 @@ def test_each_place_has_an_exact_motion_of_its_own(finished):
 
 
 def test_nothing_that_is_there_is_run_again(finished):
-    assert left(finished[0]) == 0
+    assert points_missing(finished[0]) == 0
 
 
 def test_what_is_read_back_is_what_was_put(finished):
     path, points = finished
     with open_store(path) as store:
-        (found,) = store.read().maps
-    assert (found.map, found.points) == (MAP, points)
-    assert found.scenario.text == SCENE.text
+        (stored_map,) = store.read().maps
+    assert (stored_map.map, stored_map.points) == (MAP, points)
+    assert stored_map.scenario.text == SCENE.text
 
 
 def test_a_finer_map_uses_the_points_it_shares(path):
     sweep(path)
     finer = replace(MAP, axes=(SPIN, replace(STEPS, values=(0.005, *STEPS.values))))
-    assert left(path, finer) == len(SPIN.values)
+    assert points_missing(path, finer) == len(SPIN.values)
 
 
 def test_with_its_axes_swapped_it_shares_them_all(path):
     sweep(path)
-    assert left(path, replace(MAP, axes=(STEPS, SPIN))) == 0
+    assert points_missing(path, replace(MAP, axes=(STEPS, SPIN))) == 0
 
 
 def test_another_engine_leaves_what_is_there(path):
@@ -139,7 +139,7 @@ def test_points_that_rest_on_something_else_are_dropped(path, monkeypatch, what)
     scene = loads(BOX.replace("2.5]", "2.6]"), "box") if what == "scene" else SCENE
     if what == "program":
         monkeypatch.setattr(fingerprints, "program", lambda: b"another")
-    assert left(path, scene=scene) == len(SPIN.values) * len(STEPS.values)
+    assert points_missing(path, scene=scene) == len(SPIN.values) * len(STEPS.values)
 
 
 class Stop(Exception):
@@ -150,8 +150,8 @@ def stop_after(path: Path, points: int) -> None:
     """Carry out a part of the map, then stop like a program that is told to."""
     stored: list[str] = []
 
-    def progress(said: str) -> None:
-        stored.append(said)
+    def progress(line: str) -> None:
+        stored.append(line)
         if len(stored) == points:
             raise Stop
 
@@ -162,7 +162,7 @@ def stop_after(path: Path, points: int) -> None:
 def test_stopped_at_any_point_it_goes_on_and_ends_the_same(path, finished):
     for points in (1, 3):
         stop_after(path, points)
-    assert left(path) == 2
+    assert points_missing(path) == 2
     assert sweep(path) == finished[1]
 
 
@@ -191,9 +191,9 @@ def test_a_crash_costs_its_own_point_and_the_others_are_as_ever(path, finished):
 @pytest.mark.parametrize("cause", ["crash", "time-out", "killed", "bug"])
 def test_a_method_that_is_lost_costs_its_own_point_and_says_why(path, finished, cause):
     points = sweep(path, MAP, CRASHING, executor=crashing(CallFailed("so it went", cause)))
-    lost = [p for p in points if p.key.engine == "Segfault"]
-    assert {(p.outcome, p.cause, p.reason) for p in lost} == {("failed", cause, "so it went")}
-    assert [(p.at, p.timestep) for p in lost] == [(p.at, p.at[1]) for p in finished[1]]
+    crashed = [p for p in points if p.key.engine == "Segfault"]
+    assert {(p.outcome, p.cause, p.reason) for p in crashed} == {("failed", cause, "so it went")}
+    assert [(p.at, p.timestep) for p in crashed] == [(p.at, p.at[1]) for p in finished[1]]
     assert tuple(p for p in points if p.key.engine == "Heun") == finished[1]
 
 
@@ -207,13 +207,13 @@ def test_a_point_that_somebody_killed_is_tried_again_by_the_next_sweep(path):
 def test_a_point_where_the_machine_refused_everything_is_tried_again(path):
     refused = CallFailed("no worker process could be started", "environment")
     sweep(path, executor=FailingCalls(lambda *_: refused))
-    assert left(path) == len(SPIN.values) * len(STEPS.values)
+    assert points_missing(path) == len(SPIN.values) * len(STEPS.values)
 
 
 def test_everything_is_tried_again_if_that_is_asked_for(finished):
     path, points = finished
-    assert left(path) == 0
-    assert left(path, choice=replace(FAULTLESS, again=True)) == len(points)
+    assert points_missing(path) == 0
+    assert points_missing(path, choice=replace(FAULTLESS, again=True)) == len(points)
 
 
 def test_the_largest_ensemble_is_planned_member_by_member(path, monkeypatch):
@@ -240,7 +240,7 @@ def test_one_that_was_stopped_is_tried_again_with_more_time(path, time_limit, ag
 
 def test_one_that_crashed_is_not(path):
     sweep(path, MAP, CRASHING, executor=crashing(CallFailed("it", "crash")))
-    assert left(path, MAP, CRASHING) == 0
+    assert points_missing(path, MAP, CRASHING) == 0
 
 
 def test_points_of_a_place_are_made_by_one_call(path):
@@ -267,9 +267,9 @@ def test_a_place_that_has_no_scene_is_one_point_and_not_the_end(path):
 
 
 def test_such_a_place_is_not_tried_again(path):
-    asked = Map("box", (Axis("body.inertia[2]", (9.0, 10.0), logarithmic=False), STEPS), None)
-    sweep(path, asked)
-    assert left(path, asked) == 0
+    definition = Map("box", (Axis("body.inertia[2]", (9.0, 10.0), logarithmic=False), STEPS), None)
+    sweep(path, definition)
+    assert points_missing(path, definition) == 0
 
 
 def test_a_timestep_longer_than_the_window_is_no_place_to_run(path):
@@ -324,18 +324,22 @@ def test_members_at_a_timestep_that_was_asked_for_have_it(path):
 def test_a_larger_ensemble_begins_with_the_same_members(path):
     first = sweep(path, ENSEMBLE)
     larger = replace(ENSEMBLE, members=5)
-    assert left(path, larger) == 2
+    assert points_missing(path, larger) == 2
     assert sweep(path, larger)[: len(first)] == first
 
 
 def test_ensembles_of_another_seed_or_timestep_are_others(path):
     sweep(path, ENSEMBLE)
-    assert left(path, replace(ENSEMBLE, seed=6)) == 3
-    assert left(path, replace(ENSEMBLE, timestep=0.02)) == 3
+    assert points_missing(path, replace(ENSEMBLE, seed=6)) == 3
+    assert points_missing(path, replace(ENSEMBLE, timestep=0.02)) == 3
 
 
 def test_ensembles_are_read_back_with_their_scene(path):
     points = sweep(path, ENSEMBLE)
     with open_store(path) as store:
-        (found,) = store.read().ensembles
-    assert (found.ensemble, found.points, found.scenario.text) == (ENSEMBLE, points, SCENE.text)
+        (ensemble,) = store.read().ensembles
+    assert (ensemble.ensemble, ensemble.points, ensemble.scenario.text) == (
+        ENSEMBLE,
+        points,
+        SCENE.text,
+    )

@@ -57,47 +57,47 @@ def ladder(
 ) -> RichardsonLadder:
     """Rungs whose angle and speed are off by `error_of_dt(dt)`, (n,)."""
     solution = Solution(EXACT, "made up", Errors(*[uncertainty] * 6), Errors(*[growth] * 6))
-    found = RichardsonLadder(SCENE, solution, order, order, PRECISION)
+    rungs_of = RichardsonLadder(SCENE, solution, order, order, PRECISION)
     for k in range(rungs):
         dt = COARSEST / 2**k
-        found.add(dt, turning(error_of_dt(dt)), round(TIMES[-1] / dt))
-    return found
+        rungs_of.add(dt, turning(error_of_dt(dt)), round(TIMES[-1] / dt))
+    return rungs_of
 
 
-def judged(error_of_dt: Callable[[float], float], order: int, signal: str = "omega", **known):
+def judged(error_of_dt: Callable[[float], float], order: int, signal: str = "omega", **noise):
     """Of rungs that are off by `error_of_dt(dt)` times a shape in time."""
-    return judge(ladder(lambda dt: error_of_dt(dt) * np.sin(TIMES), order, **known).signal(signal))
+    return judge(ladder(lambda dt: error_of_dt(dt) * np.sin(TIMES), order, **noise).signal(signal))
 
 
 @pytest.mark.parametrize("signal", TURNED)
 @pytest.mark.parametrize("order", [1, 2, 4])
 def test_a_method_of_its_declared_order_converges(signal, order):
-    found = judged(lambda dt: dt**order + dt ** (order + 1), order, signal)
-    assert found.word == "converges"
-    assert found.order == pytest.approx(order, abs=0.25)
+    judgement = judged(lambda dt: dt**order + dt ** (order + 1), order, signal)
+    assert judgement.word == "converges"
+    assert judgement.order == pytest.approx(order, abs=0.25)
 
 
 @pytest.mark.parametrize("order", [1, 2, 4])
 def test_an_asymptotic_limit_is_known_to_a_few_times_its_error(order):
-    found = judged(lambda dt: dt**order + dt ** (order + 1), order)
-    assert found.limit_error <= found.tolerance
-    assert found.extrapolation_tolerance <= 8 * found.limit_error
+    judgement = judged(lambda dt: dt**order + dt ** (order + 1), order)
+    assert judgement.limit_error <= judgement.tolerance
+    assert judgement.extrapolation_tolerance <= 8 * judgement.limit_error
 
 
 @pytest.mark.parametrize("signal", TURNED)
 @pytest.mark.parametrize("order", [1, 2, 4])
 def test_a_limit_that_is_not_the_exact_motion_disagrees(signal, order):
     offset = 10 * (COARSEST / 2**5) ** order
-    found = judged(lambda dt: offset + dt**order + dt ** (order + 1), order, signal)
-    assert found.word == "disagrees"
-    assert found.limit_error == pytest.approx(offset, rel=0.1)
-    assert f"{found.limit_error:.1e}" in found.reason
+    judgement = judged(lambda dt: offset + dt**order + dt ** (order + 1), order, signal)
+    assert judgement.word == "disagrees"
+    assert judgement.limit_error == pytest.approx(offset, rel=0.1)
+    assert f"{judgement.limit_error:.1e}" in judgement.reason
 
 
 def test_a_limit_far_off_disagrees_however_large_the_errors_are():
-    found = judged(lambda dt: 0.5 + 2 * dt, order=1, rungs=5)
-    assert found.tolerance > SHARP or found.extrapolation_tolerance < 0.5
-    assert found.word == "disagrees"
+    judgement = judged(lambda dt: 0.5 + 2 * dt, order=1, rungs=5)
+    assert judgement.tolerance > SHARP or judgement.extrapolation_tolerance < 0.5
+    assert judgement.word == "disagrees"
 
 
 def test_a_limit_that_is_exact_and_not_the_exact_motion_disagrees():
@@ -107,9 +107,9 @@ def test_a_limit_that_is_exact_and_not_the_exact_motion_disagrees():
 
 def test_a_limit_that_leaves_the_exact_motion_midway_says_when():
     late = np.where(TIMES > 3.0, 1e-3, 0.0)
-    found = judge(ladder(lambda dt: late + dt**2 * np.sin(TIMES), 2).signal("omega"))
-    assert found.word == "disagrees"
-    since = float(found.reason.partition("from t = ")[2].split()[0])
+    judgement = judge(ladder(lambda dt: late + dt**2 * np.sin(TIMES), 2).signal("omega"))
+    assert judgement.word == "disagrees"
+    since = float(judgement.reason.partition("from t = ")[2].split()[0])
     assert 3.0 < since <= TIMES[-1]
 
 
@@ -117,19 +117,19 @@ def test_a_damping_that_every_rung_is_through_with_is_not_taken_for_a_limit():
     """A wobble that first order damps at Ω (hΩ) / 2 a second, seen when all of it is gone."""
     fast = replace(EXACT, omega_body=100 * EXACT.omega_body, t=400 * EXACT.t)
     solution = Solution(fast, "made up", Errors(*[EPS] * 6), Errors(*[EPS] * 6))
-    found = RichardsonLadder(SCENE, solution, 1, 1, PRECISION)
-    lost = 1e-3 * 300 * np.outer(TIMES > 0, [1, 0, 0])
+    sequences = RichardsonLadder(SCENE, solution, 1, 1, PRECISION)
+    gap = 1e-3 * 300 * np.outer(TIMES > 0, [1, 0, 0])
     for k in range(8):
-        run = replace(fast, omega_body=fast.omega_body - lost * (1 + 1e-3 / 2**k))
-        found.add(1e-3 / 2**k, run, 1 << k)
-    assert judge(found.signal("omega")).word == "unresolved"
+        run = replace(fast, omega_body=fast.omega_body - gap * (1 + 1e-3 / 2**k))
+        sequences.add(1e-3 / 2**k, run, 1 << k)
+    assert judge(sequences.signal("omega")).word == "unresolved"
 
 
-@pytest.mark.parametrize(("declared", "shown"), [(4, 1), (4, 2), (2, 1)])
-def test_an_order_below_the_declared_one_disagrees(declared, shown):
-    found = judged(lambda dt: 0.1 * dt**shown, declared)
-    assert found.word == "disagrees"
-    assert f"order {shown}.00 over 4 rungs, though {declared} is declared" in found.reason
+@pytest.mark.parametrize(("declared", "seen_order"), [(4, 1), (4, 2), (2, 1)])
+def test_an_order_below_the_declared_one_disagrees(declared, seen_order):
+    judgement = judged(lambda dt: 0.1 * dt**seen_order, declared)
+    assert judgement.word == "disagrees"
+    assert f"order {seen_order}.00 over 4 rungs, though {declared} is declared" in judgement.reason
 
 
 def test_an_order_that_is_still_rising_is_no_shortfall():
@@ -137,51 +137,51 @@ def test_an_order_that_is_still_rising_is_no_shortfall():
 
 
 def test_an_order_above_the_declared_one_converges():
-    found = judged(lambda dt: dt**2, order=1)
-    assert found.word == "converges"
-    assert "or better" in found.reason
+    judgement = judged(lambda dt: dt**2, order=1)
+    assert judgement.word == "converges"
+    assert "or better" in judgement.reason
 
 
 def test_errors_that_grow_as_steps_shrink_disagree_and_are_reported():
-    found = judged(lambda dt: 1e-6 / dt, order=1)
-    assert found.word == "disagrees"
-    assert "errors grow as the timestep shrinks" in found.reason
+    judgement = judged(lambda dt: 1e-6 / dt, order=1)
+    assert judgement.word == "disagrees"
+    assert "errors grow as the timestep shrinks" in judgement.reason
 
 
 def test_rounding_that_grows_as_steps_shrink_is_no_disagreement():
-    found = judged(lambda dt: 1e-3 * dt**4 + 1e-16 * np.sin(1e6 / dt) / dt, order=4)
-    assert found.word == "converges"
+    judgement = judged(lambda dt: 1e-3 * dt**4 + 1e-16 * np.sin(1e6 / dt) / dt, order=4)
+    assert judgement.word == "converges"
 
 
 def test_a_ladder_too_coarse_to_tell_is_unresolved_and_says_what_would_resolve_it():
-    found = judged(lambda dt: 0.5 + 0.5 * np.sin(2000 * dt**0.5), order=1, rungs=4)
-    assert found.word == "unresolved"
-    assert found.needed_timestep < COARSEST / 2**3
-    assert f"{TIMES[-1] / found.needed_timestep:.1e} steps" in found.reason
+    judgement = judged(lambda dt: 0.5 + 0.5 * np.sin(2000 * dt**0.5), order=1, rungs=4)
+    assert judgement.word == "unresolved"
+    assert judgement.needed_timestep < COARSEST / 2**3
+    assert f"{TIMES[-1] / judgement.needed_timestep:.1e} steps" in judgement.reason
 
 
 def test_errors_that_are_all_too_large_are_not_said_to_be_at_round_off():
-    found = judged(lambda dt: 0.8 + 0.2 * np.sin(1 / dt), order=1, rungs=4)
-    assert "too large to show an order" in found.reason
-    assert "round-off" not in found.reason
+    judgement = judged(lambda dt: 0.8 + 0.2 * np.sin(1 / dt), order=1, rungs=4)
+    assert "too large to show an order" in judgement.reason
+    assert "round-off" not in judgement.reason
 
 
 def test_errors_at_round_off_throughout_converge_without_an_order():
-    found = judged(lambda dt: 2 * EPS * np.sign(np.sin(1 / dt)), order=4)
-    assert (found.word, found.order) == ("converges", None)
+    judgement = judged(lambda dt: 2 * EPS * np.sign(np.sin(1 / dt)), order=4)
+    assert (judgement.word, judgement.order) == ("converges", None)
 
 
 @pytest.mark.parametrize("floor", [1e-12, 1e-9])
 def test_rounding_above_its_bound_hides_neither_order_nor_limit(floor):
     """The finest rungs touch the floor; the order is that of the clean ones before."""
-    found = judged(lambda dt: dt**4 + floor * np.sin(1e6 / dt), order=4)
-    assert found.word == "converges"
-    assert found.order == pytest.approx(4, abs=0.25)
+    judgement = judged(lambda dt: dt**4 + floor * np.sin(1e6 / dt), order=4)
+    assert judgement.word == "converges"
+    assert judgement.order == pytest.approx(4, abs=0.25)
 
 
 def test_a_bound_of_rounding_that_is_far_too_wide_does_not_hide_a_clean_order():
-    found = judged(lambda dt: dt**4 + dt**5, order=4, growth=1e-4)
-    assert found.word == "converges"
+    judgement = judged(lambda dt: dt**4 + dt**5, order=4, growth=1e-4)
+    assert judgement.word == "converges"
 
 
 def test_a_blurred_limit_is_no_convergence():
@@ -190,24 +190,24 @@ def test_a_blurred_limit_is_no_convergence():
 
 @pytest.mark.parametrize("signal", SIGNALS)
 def test_every_signal_is_judged_by_itself(signal):
-    found = ladder(lambda dt: dt * np.sin(TIMES), 1)
-    assert judge(found.signal(signal)).word == "converges"
+    sequences = ladder(lambda dt: dt * np.sin(TIMES), 1)
+    assert judge(sequences.signal(signal)).word == "converges"
 
 
 @pytest.mark.parametrize("signal", ["com", "velocity"])
 def test_a_path_that_is_another_one_disagrees_in_that_signal_alone(signal):
     solution = Solution(EXACT, "made up", Errors(*[EPS] * 6), Errors(*[EPS] * 6))
-    found = RichardsonLadder(SCENE, solution, 1, 1, PRECISION)
+    sequences = RichardsonLadder(SCENE, solution, 1, 1, PRECISION)
     for k in range(8):
         dt = COARSEST / 2**k
         drift = np.outer(TIMES * (1 + dt), [1e-3, 0, 0])
         run = turning(dt * np.sin(TIMES), **{f"{signal}_world": drift})
-        found.add(dt, run, round(TIMES[-1] / dt))
-    words = {one: judge(found.signal(one)).word for one in SIGNALS}
+        sequences.add(dt, run, round(TIMES[-1] / dt))
+    words = {one: judge(sequences.signal(one)).word for one in SIGNALS}
     assert words[signal] == "disagrees"
     # What moves has energy too.
-    told = {one for one, word in words.items() if word == "disagrees"}
-    assert told <= {signal, "energy"}
+    disagreeing = {one for one, word in words.items() if word == "disagrees"}
+    assert disagreeing <= {signal, "energy"}
 
 
 @pytest.mark.parametrize("signal", TURNED)
@@ -216,21 +216,23 @@ def test_rungs_added_one_by_one_are_judged_as_all_at_once(signal):
         return (dt + dt**2) * np.sin(TIMES)
 
     whole = ladder(error, 1)
-    found = ladder(error, 1, rungs=4)
+    sequences = ladder(error, 1, rungs=4)
     for k in range(4, 8):
-        judge(found.signal(signal))
+        judge(sequences.signal(signal))
         dt = COARSEST / 2**k
-        found.add(dt, turning(error(dt)), round(TIMES[-1] / dt))
-    assert judge(found.signal(signal)) == judge(whole.signal(signal))
+        sequences.add(dt, turning(error(dt)), round(TIMES[-1] / dt))
+    assert judge(sequences.signal(signal)) == judge(whole.signal(signal))
 
 
-@pytest.mark.parametrize("given", ["growth", "uncertainty"])
-def test_where_rounding_or_the_reference_hides_the_limit_no_timestep_is_recommended(given):
-    noise = {"growth": 1e-3, "uncertainty": 2 * SHARP}[given]
-    found = judged(lambda dt: 0.3 * np.sin(1 / dt), 2, **{given: noise})
-    assert (found.word, found.needed_timestep) == ("unresolved", None)
-    assert "no finer one would resolve it" in found.reason
-    assert "and gets worse below it" in found.reason
+@pytest.mark.parametrize("source_of_noise", ["growth", "uncertainty"])
+def test_where_rounding_or_the_reference_hides_the_limit_no_timestep_is_recommended(
+    source_of_noise,
+):
+    noise = {"growth": 1e-3, "uncertainty": 2 * SHARP}[source_of_noise]
+    judgement = judged(lambda dt: 0.3 * np.sin(1 / dt), 2, **{source_of_noise: noise})
+    assert (judgement.word, judgement.needed_timestep) == ("unresolved", None)
+    assert "no finer one would resolve it" in judgement.reason
+    assert "and gets worse below it" in judgement.reason
 
 
 def test_errors_within_a_round_off_that_is_no_small_error_are_no_convergence():
@@ -250,7 +252,7 @@ def test_the_order_of_errors_that_grow_is_negative():
 
 def test_a_judgement_is_stored_with_its_numbers():
     sequence = ladder(lambda dt: dt * np.sin(TIMES), 1).signal("omega")
-    found: Judgement = judge(sequence)
-    record = found.of(sequence)
+    judgement: Judgement = judge(sequence)
+    record = judgement.of(sequence)
     assert (record.signal, record.verdict, record.declared_order) == ("omega", "converges", 1)
-    assert (record.limit_error, record.tolerance) == (found.limit_error, found.tolerance)
+    assert (record.limit_error, record.tolerance) == (judgement.limit_error, judgement.tolerance)

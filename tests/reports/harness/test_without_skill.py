@@ -103,13 +103,13 @@ def row(method: str, timestep: float):
 
 def test_an_implicit_rule_that_is_stable_and_lost_has_not_survived():
     """Its energy is conserved to a fifth, and its axis points the other way in the end."""
-    found = row("implicit", 1e-2)
-    assert (found.outcome, found.cause, found.without_skill) == ("ok", "lost", True)
-    assert found.errors is not None
-    assert found.errors.energy < 0.5
-    assert not found.survived
+    calm = row("implicit", 1e-2)
+    assert (calm.outcome, calm.cause, calm.without_skill) == ("ok", "lost", True)
+    assert calm.errors is not None
+    assert calm.errors.energy < 0.5
+    assert not calm.survived
 
 
 def test_the_same_rule_with_small_steps_survives():
-    found = row("implicit", 1e-4)
-    assert (found.outcome, found.cause, found.survived) == ("ok", "", True)
+    calm = row("implicit", 1e-4)
+    assert (calm.outcome, calm.cause, calm.survived) == ("ok", "", True)

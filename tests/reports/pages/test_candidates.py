@@ -32,15 +32,15 @@ from spincheck.scenarios import Errors, find, load
 
 
 def test_an_engine_as_shipped_is_no_candidate() -> None:
-    found = with_law(straight)
+    stored = with_law(straight)
     pair = ("mujoco", "Euler")
-    assert pair in labels_of(found)
-    shipped = {pair: replace(found.methods[pair], as_shipped=True)}
-    assert pair not in labels_of(replace(found, methods=found.methods | shipped))
+    assert pair in labels_of(stored)
+    shipped = {pair: replace(stored.methods[pair], as_shipped=True)}
+    assert pair not in labels_of(replace(stored, methods=stored.methods | shipped))
 
 
-def labels_of(found: Results) -> list[tuple[str, str]]:
-    return [(c.key.engine, c.key.method) for c in candidates(scene_of(found), {"omega": BETWEEN})]
+def labels_of(stored: Results) -> list[tuple[str, str]]:
+    return [(c.key.engine, c.key.method) for c in candidates(scene_of(stored), {"omega": BETWEEN})]
 
 
 LAWS = [straight, bending_up, bending_down]
@@ -54,31 +54,31 @@ def test_a_curve_that_bends_does_not_break_the_bound(law: Law, bound: float) -> 
 
 
 def test_the_tightest_of_several_bounds_decides() -> None:
-    found = with_law(straight)
-    both = chosen(found, "Euler", omega=1e-2, energy=1e-3)
-    assert both == replace(chosen(found, "Euler", energy=1e-3), decided_by="energy")
-    assert both.timestep < chosen(found, "Euler", omega=1e-2).timestep
+    stored = with_law(straight)
+    both = chosen(stored, "Euler", omega=1e-2, energy=1e-3)
+    assert both == replace(chosen(stored, "Euler", energy=1e-3), decided_by="energy")
+    assert both.timestep < chosen(stored, "Euler", omega=1e-2).timestep
 
 
 def test_the_cheapest_comes_first_and_what_is_out_of_reach_last() -> None:
-    found = candidates(scene_of(only_top(results())), {"omega": BETWEEN})
-    costs = [candidate.cost or math.inf for candidate in found]
+    choices = candidates(scene_of(only_top(results())), {"omega": BETWEEN})
+    costs = [candidate.cost or math.inf for candidate in choices]
     assert costs == sorted(costs)
-    assert found[0].key.method == "RK4"
-    assert {candidate.word for candidate in found} > {"diverges", "failed", "unsupported"}
-    assert len(found) == len(METHODS)
+    assert choices[0].key.method == "RK4"
+    assert {candidate.word for candidate in choices} > {"diverges", "failed", "unsupported"}
+    assert len(choices) == len(METHODS)
 
 
 def test_the_largest_stable_timestep_is_below_the_last_blow_up() -> None:
-    found = with_law(straight)
+    stored = with_law(straight)
     rows = [
         replace(row, outcome="diverged", errors=None)
         if row.key.method == "Euler" and row.timestep == TIMESTEPS[1]
         else row
-        for row in found.rows
+        for row in stored.rows
     ]
-    assert chosen(found, "Euler", omega=BETWEEN).largest_stable == TIMESTEPS[0]
-    after = chosen(replace(found, rows=rows), "Euler", omega=BETWEEN)
+    assert chosen(stored, "Euler", omega=BETWEEN).largest_stable == TIMESTEPS[0]
+    after = chosen(replace(stored, rows=rows), "Euler", omega=BETWEEN)
     assert after.largest_stable == TIMESTEPS[2]
 
 
@@ -86,15 +86,15 @@ def test_costs_within_the_spread_of_the_timings_are_called_alike() -> None:
     key = Key(TOP, "e", "m")
     best = Candidate(key, "measured", "", "omega", None, 1e-3, cost=1.0, spread=0.1)
     near, far = replace(best, cost=1.05), replace(best, cost=1.2)
-    lost = replace(best, timestep=None, cost=None)
-    assert as_cheap([best, near, far, lost]) == [near]
-    assert as_cheap([lost, lost]) == []
+    without_cost = replace(best, timestep=None, cost=None)
+    assert as_cheap([best, near, far, without_cost]) == [near]
+    assert as_cheap([without_cost, without_cost]) == []
 
 
 def of_the_library() -> Iterator[SceneRuns]:
     """Every scene with made-up runs, whose orders, sizes, bends and costs differ scene by scene."""
-    made = results()
-    stand_in = made.scenes[TOP].solution
+    stored = results()
+    stand_in = stored.scenes[TOP].solution
     for k, path in enumerate(find([])):
         scenario = load(path)
         random = np.random.default_rng(k)
@@ -106,16 +106,16 @@ def of_the_library() -> Iterator[SceneRuns]:
                 errors=row.errors and scaled(row.errors, size * (1 + bend * row.timestep)),
                 seconds_per_step=row.seconds_per_step and row.seconds_per_step * price,
             )
-            for row in made.rows
+            for row in stored.rows
             if row.key.scenario == TOP
         ]
         verdicts = [
             replace(verdict, key=replace(verdict.key, scenario=scenario.name))
-            for verdict in made.verdicts
+            for verdict in stored.verdicts
             if verdict.key.scenario == TOP
         ]
         scenes = {scenario.name: SceneResult(scenario, stand_in)}
-        yield scene_of(replace(made, scenes=scenes, rows=rows, verdicts=verdicts))
+        yield scene_of(replace(stored, scenes=scenes, rows=rows, verdicts=verdicts))
 
 
 def scaled(errors: Errors, factor: float) -> Errors:

@@ -36,8 +36,8 @@ def first(folder: Path) -> Page:
 
 def columns_of_levels(tables: list[list[list[str]]]) -> list[list[list[str]]]:
     """The tables that end in a column for each level."""
-    found = [table for table in tables if table and len(table[0]) > len(LEVELS)]
-    return [t for t in found if all("to " in cell for cell in t[0][-len(LEVELS) :])]
+    level_tables = [table for table in tables if table and len(table[0]) > len(LEVELS)]
+    return [t for t in level_tables if all("to " in cell for cell in t[0][-len(LEVELS) :])]
 
 
 def test_the_first_page_has_its_section(first: Page) -> None:
@@ -67,9 +67,9 @@ def test_plotly_accepts_the_profiles() -> None:
 
 
 def test_what_was_not_timed_has_no_profiles() -> None:
-    found = results()
-    rows = [replace(row, seconds_per_step=None) for row in found.rows]
-    assert cost_section(report_data(replace(found, rows=rows))).profiles is None
+    stored = results()
+    rows = [replace(row, seconds_per_step=None) for row in stored.rows]
+    assert cost_section(report_data(replace(stored, rows=rows))).profiles is None
 
 
 def test_the_first_page_has_reach_medians_and_ratios(first: Page, folder: Path) -> None:

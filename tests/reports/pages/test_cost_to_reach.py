@@ -21,60 +21,60 @@ from spincheck.reports.pages.analysis.work_precision import EPS
 def test_between_two_runs_the_cost_is_that_of_the_law(order: int) -> None:
     level = COARSEST_ERROR / 7.0
     timestep = COARSEST * (1 / 7.0) ** (1 / order)
-    found = reach(curve_of_law(law(order)), level)
-    assert found.word == "measured"
-    assert found.timestep == pytest.approx(timestep, rel=ROUNDING)
-    assert found.cost == pytest.approx(1e-6 / timestep, rel=ROUNDING)
+    reached = reach(curve_of_law(law(order)), level)
+    assert reached.word == "measured"
+    assert reached.timestep == pytest.approx(timestep, rel=ROUNDING)
+    assert reached.cost == pytest.approx(1e-6 / timestep, rel=ROUNDING)
 
 
 def test_interpolating_without_logarithms_would_be_noticed() -> None:
     level = COARSEST_ERROR / 7.0
     coarse, fine = COARSEST / 2 ** (1 / 4), COARSEST / 4 ** (1 / 4)
     linear = fine + (coarse - fine) * (1 / 7.0 - 1 / 4) / (1 / 2 - 1 / 4)
-    found = reach(curve_of_law(law(4)), level)
-    assert found.timestep != pytest.approx(linear, rel=ROUNDING)
+    reached = reach(curve_of_law(law(4)), level)
+    assert reached.timestep != pytest.approx(linear, rel=ROUNDING)
 
 
 @pytest.mark.parametrize("k", range(1, RUNGS))
 def test_the_error_of_a_run_takes_that_run_s_timestep(k: int) -> None:
     curve = curve_of_law(law(1))
-    found = reach(curve, curve.points[k].error)
-    assert found.timestep == pytest.approx(curve.points[k].timestep, rel=ROUNDING)
+    reached = reach(curve, curve.points[k].error)
+    assert reached.timestep == pytest.approx(curve.points[k].timestep, rel=ROUNDING)
 
 
 def test_what_the_coarsest_run_reaches_costs_that_at_most() -> None:
-    found = reach(curve_of_law(law(1)), 2 * COARSEST_ERROR)
-    assert (found.word, found.timestep) == ("at most", COARSEST)
+    reached = reach(curve_of_law(law(1)), 2 * COARSEST_ERROR)
+    assert (reached.word, reached.timestep) == ("at most", COARSEST)
 
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_below_the_finest_run_the_order_carries_on(order: int) -> None:
-    found = reach(curve_of_law(law(order)), COARSEST_ERROR / 1000**order)
-    assert found.word == "extrapolated"
-    assert found.timestep == pytest.approx(COARSEST / 1000, rel=ROUNDING)
+    reached = reach(curve_of_law(law(order)), COARSEST_ERROR / 1000**order)
+    assert reached.word == "extrapolated"
+    assert reached.timestep == pytest.approx(COARSEST / 1000, rel=ROUNDING)
 
 
 def test_what_is_extrapolated_states_its_floor() -> None:
     curve = curve_of_law(law(1), rounding=1e-13)
-    found = reach(curve, COARSEST_ERROR / 1000)
-    assert found.floor == pytest.approx(curve.uncertainty + 1e-13 / (COARSEST / 1000))
-    assert found.floor < found.level
-    assert f"{found.floor:.1e}" in found.reason
+    reached = reach(curve, COARSEST_ERROR / 1000)
+    assert reached.floor == pytest.approx(curve.uncertainty + 1e-13 / (COARSEST / 1000))
+    assert reached.floor < reached.level
+    assert f"{reached.floor:.1e}" in reached.reason
 
 
 def test_rounding_ends_extrapolation() -> None:
     level = COARSEST_ERROR / 1000
     rounding = level * COARSEST / 1000
     assert reach(curve_of_law(law(1), rounding=rounding / 2), level).word == "extrapolated"
-    found = reach(curve_of_law(law(1), rounding=rounding), level)
-    assert (found.word, found.cost) == ("round-off", None)
-    assert found.floor >= level
+    reached = reach(curve_of_law(law(1), rounding=rounding), level)
+    assert (reached.word, reached.cost) == ("round-off", None)
+    assert reached.floor >= level
 
 
 def test_errors_at_round_off_are_said_to_be() -> None:
-    found = reach(curve_of_errors(3e-14, 5e-14, 9e-14, rounding=1e-13), 1e-14)
-    assert (found.word, found.cost) == ("round-off", None)
-    assert found.floor == EPS + 1e-13 / COARSEST
+    reached = reach(curve_of_errors(3e-14, 5e-14, 9e-14, rounding=1e-13), 1e-14)
+    assert (reached.word, reached.cost) == ("round-off", None)
+    assert reached.floor == EPS + 1e-13 / COARSEST
 
 
 @pytest.mark.parametrize("word", ["disagrees", "unresolved", "diverges", "failed", "unsupported"])
@@ -86,8 +86,8 @@ def test_only_what_converges_is_extrapolated(word: str) -> None:
 
 
 def test_what_is_measured_counts_whatever_the_verdict() -> None:
-    found = reach(curve_of_law(law(1), verdict="disagrees"), COARSEST_ERROR / 7)
-    assert found.word == "measured"
+    reached = reach(curve_of_law(law(1), verdict="disagrees"), COARSEST_ERROR / 7)
+    assert reached.word == "measured"
 
 
 def test_a_method_without_runs_has_its_verdict_s_word() -> None:
@@ -102,8 +102,8 @@ def test_a_study_stopped_early_has_no_verdict() -> None:
 
 
 def test_what_was_not_timed_is_said_to_be() -> None:
-    found = reach(curve_of_law(law(1), seconds=None), COARSEST_ERROR / 7)
-    assert (found.word, found.cost) == ("not timed", None)
+    reached = reach(curve_of_law(law(1), seconds=None), COARSEST_ERROR / 7)
+    assert (reached.word, reached.cost) == ("not timed", None)
 
 
 def test_nothing_is_reached_below_the_reference() -> None:
@@ -113,19 +113,19 @@ def test_nothing_is_reached_below_the_reference() -> None:
 
 
 def test_an_error_relative_to_nothing_is_undefined() -> None:
-    found = reach(curve_of_errors(math.inf, math.inf, math.inf), 1e-3)
-    assert (found.word, found.cost) == ("undefined", None)
+    reached = reach(curve_of_errors(math.inf, math.inf, math.inf), 1e-3)
+    assert (reached.word, reached.cost) == ("undefined", None)
 
 
 def test_errors_that_do_not_shrink_show_no_order() -> None:
-    found = reach(curve_of_errors(1e-2, 1e-2, 1e-2, 1e-2), 1e-3)
-    assert (found.word, found.cost) == ("no order", None)
+    reached = reach(curve_of_errors(1e-2, 1e-2, 1e-2, 1e-2), 1e-3)
+    assert (reached.word, reached.cost) == ("no order", None)
 
 
 def test_an_accident_at_a_coarse_timestep_is_no_reach() -> None:
     accident = curve_of_errors(5e-2, 1e-9, 2e-2, 1e-2, 5e-3)
-    found = reach(accident, 7e-3)
-    assert COARSEST / 2**4 < found.timestep < COARSEST / 2**3
+    reached = reach(accident, 7e-3)
+    assert COARSEST / 2**4 < reached.timestep < COARSEST / 2**3
 
 
 def test_rounding_at_fine_timesteps_takes_nothing_from_coarse_ones() -> None:
@@ -147,6 +147,6 @@ def test_the_ratio_of_two_orders_is_that_of_their_laws() -> None:
     fourth = curve_of_law(law(4), seconds=4e-6, declared=4)
     n = 1000.0
     wanted = n / (4 * n**0.25)
-    found = order_ratio([dear, fourth, cheap], COARSEST_ERROR / n)
-    assert found == pytest.approx(wanted, rel=ROUNDING)
+    ratio = order_ratio([dear, fourth, cheap], COARSEST_ERROR / n)
+    assert ratio == pytest.approx(wanted, rel=ROUNDING)
     assert order_ratio([cheap, dear], COARSEST_ERROR / n) is None

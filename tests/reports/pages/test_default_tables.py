@@ -14,11 +14,11 @@ NONE = Errors(1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4)
 MOTOR, DAMPING = replace(NONE, omega=1.0), replace(NONE, omega=0.2)
 
 
-def told(*each: DefaultEffect, none: Errors | None = NONE):
+def table_of(*each: DefaultEffect, none: Errors | None = NONE):
     """What the page of a made-up scene says of these defaults."""
     measured = DefaultEffects(Key("made-up-top", "pybullet", "default"), STOCK[0], none, None, each)
     gathered = report_data(replace(results(), defaults=[measured]))
-    (one,) = (told for scene in gathered.scenes for told in default_tables(scene))
+    (one,) = (effects for scene in gathered.scenes for effects in default_tables(scene))
     return one
 
 
@@ -35,17 +35,19 @@ def told(*each: DefaultEffect, none: Errors | None = NONE):
 def test_the_sentence_says_which_default_does_most(alone, sentence):
     names = ("first", "second")
     each = (DefaultEffect(name, one, NONE) for name, one in zip(names, alone, strict=True))
-    assert told(*each).sentence == sentence
+    assert table_of(*each).sentence == sentence
 
 
 def test_an_error_that_is_negligible_is_no_effect_however_small_that_without_is():
     exact = replace(NONE, omega=0.0)
     tiny = replace(NONE, omega=NEGLIGIBLE / 2)
-    assert told(DefaultEffect("damping", tiny, exact), none=exact).sentence.startswith("None of")
+    assert table_of(DefaultEffect("damping", tiny, exact), none=exact).sentence.startswith(
+        "None of"
+    )
 
 
 def test_the_table_has_a_row_a_default_and_one_of_none_and_all():
-    table = told(DefaultEffect("damping", DAMPING, None)).table
+    table = table_of(DefaultEffect("damping", DAMPING, None)).table
     damping, ends = [[cell.text for cell in row] for row in table.rows]
     assert damping == ["damping", "5.73×10⁻³", "0.200", "1.00×10⁻⁴", "diverged", "—", "—"]
     assert ends[0] == "no default, and all"

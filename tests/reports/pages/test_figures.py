@@ -83,8 +83,8 @@ def test_no_figure_shows_an_error_below_the_reference(top: dict[str, Titled]) ->
 
 def test_an_error_shown_below_the_reference_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ladder_figures, "_claimed", lambda _, rows, __: np.full(len(rows), 1e-16))
-    shown = {titled for titled, _ in _errors_too_small(drawn(scene(TOP)))}
-    assert shown == set(LADDER)
+    titles = {titled for titled, _ in _errors_too_small(drawn(scene(TOP)))}
+    assert titles == set(LADDER)
 
 
 @pytest.mark.parametrize("figure", LADDER)
@@ -104,17 +104,17 @@ def test_no_line_has_more_samples_than_a_page_carries() -> None:
 
 
 def test_thinning_keeps_both_ends() -> None:
-    kept = thinned(2001)
-    assert len(kept) == MOST_SAMPLES
-    assert (kept[0], kept[-1]) == (0, 2000)
+    indices = thinned(2001)
+    assert len(indices) == MOST_SAMPLES
+    assert (indices[0], indices[-1]) == (0, 2000)
 
 
 def test_thinning_loses_no_peak() -> None:
     values = np.zeros(2001)
     values[1003] = 1.0
-    kept = thinned(len(values))
-    assert peaks(values, kept).max() == 1.0
-    assert values[kept].max() == 0.0
+    indices = thinned(len(values))
+    assert peaks(values, indices).max() == 1.0
+    assert values[indices].max() == 0.0
 
 
 def test_convergence_shows_the_error_of_every_finished_run(top: dict[str, Titled]) -> None:
@@ -170,18 +170,18 @@ def test_cost_is_seconds_a_simulated_second(top: dict[str, Titled]) -> None:
 
 
 def test_untimed_runs_have_no_cost_figure() -> None:
-    found = results()
-    untimed = [Row(**vars(row) | {"seconds_per_step": None}) for row in found.rows]
-    gathered = report_data(Results(**vars(found) | {"rows": untimed}))
+    stored = results()
+    untimed = [Row(**vars(row) | {"seconds_per_step": None}) for row in stored.rows]
+    gathered = report_data(Results(**vars(stored) | {"rows": untimed}))
     named = {name for scene in gathered.scenes for name in drawn(scene)}
     assert "convergence" in named
     assert "cost" not in named
 
 
 def test_turning_points_of_the_well_are_the_bounds_of_nutation(top: dict[str, Titled]) -> None:
-    found = scene(TOP).solved
-    assert found is not None
-    exact = {fact.name: fact.value for fact in facts(found.scenario)}
+    solved = scene(TOP).solved
+    assert solved is not None
+    exact = {fact.name: fact.value for fact in facts(solved.scenario)}
     dots = next(t for t in top["potential"].figure["data"] if t["mode"] == "markers")
     bounds = np.float32([exact["nutation from"], exact["nutation to"]])
     np.testing.assert_array_equal(values_of(dots["x"]), bounds)
@@ -199,14 +199,14 @@ def test_the_polhode_starts_at_the_scenes_own_rates_and_stays_on_the_ellipsoid(
     brick: dict[str, Titled],
 ) -> None:
     """Of a free body Σ I ω² stays; the made-up motion, which is another, is not drawn."""
-    found = scene(BRICK).solved
-    assert found is not None
+    solved = scene(BRICK).solved
+    assert solved is not None
     exact = next(t for t in brick["polhode"].figure["data"] if t.get("name") == "exact")
     tips = np.column_stack([values_of(exact[axis]) for axis in "xyz"])
-    moments = np.diag(found.scenario.body.inertia_com)
+    moments = np.diag(solved.scenario.body.inertia_com)
     slack = 8 * np.finfo(np.float32).eps
     np.testing.assert_allclose(tips**2 @ moments, 1.0, rtol=slack)
-    start = found.scenario.start.omega_body
+    start = solved.scenario.start.omega_body
     np.testing.assert_allclose(tips[0], start / np.sqrt(start**2 @ moments), rtol=slack)
 
 
@@ -261,20 +261,20 @@ def test_an_error_of_nothing_is_not_drawn() -> None:
 
 @pytest.mark.parametrize("size", [1e3, 1e35, 1e150])
 def test_a_run_that_blows_up_leaves_the_figures_readable(size: float) -> None:
-    found = results()
+    stored = results()
     k = next(
         k
-        for k, row in enumerate(found.rows)
+        for k, row in enumerate(stored.rows)
         if row.key.scenario == BRICK and row.outcome == "diverged"
     )
-    motion = found.rows[k].motion
+    motion = stored.rows[k].motion
     assert motion is not None
     omega = motion.omega_body * np.linspace(1.0, size, len(motion.t))[:, None]
     wild = replace(motion, omega_body=omega)
     rows = [
-        Row(**vars(row) | {"motion": wild}) if n == k else row for n, row in enumerate(found.rows)
+        Row(**vars(row) | {"motion": wild}) if n == k else row for n, row in enumerate(stored.rows)
     ]
-    gathered = report_data(Results(**vars(found) | {"rows": rows[: k + 1]}))
+    gathered = report_data(Results(**vars(stored) | {"rows": rows[: k + 1]}))
     brick = next(scene for scene in gathered.scenes if scene.name == BRICK)
     for titled in drawn(brick).values():
         for part in titled.parts:
@@ -285,12 +285,12 @@ def test_a_run_that_blows_up_leaves_the_figures_readable(size: float) -> None:
 
 
 def test_a_run_sampled_at_times_of_its_own_is_compared_with_the_exact_motion_at_those() -> None:
-    found = results()
-    motion = next(row.motion for row in found.rows if row.key.scenario == BRICK and row.motion)
+    stored = results()
+    motion = next(row.motion for row in stored.rows if row.key.scenario == BRICK and row.motion)
     shifted = replace(motion, t=motion.t * 1.001)
     rows = [Row(Key(BRICK, "mujoco", "Euler"), "1.0", 0.1, "ok", motion=shifted)]
-    gathered = report_data(Results(**vars(found) | {"rows": rows}))
-    scenario = found.scenes[BRICK].scenario
+    gathered = report_data(Results(**vars(stored) | {"rows": rows}))
+    scenario = stored.scenes[BRICK].scenario
     (run,) = next(scene for scene in gathered.scenes if scene.name == BRICK).compared
     np.testing.assert_array_equal(run.exact.t, shifted.t)
     exact = solve(scenario, shifted.t).trajectory
@@ -302,9 +302,9 @@ def test_blow_ups_do_not_squeeze_the_rest() -> None:
     assert high < 1e3
 
 
-def _errors_too_small(found: dict[str, Titled]) -> Iterator[tuple[str, float]]:
+def _errors_too_small(figures: dict[str, Titled]) -> Iterator[tuple[str, float]]:
     for name in LADDER:
-        for signal, part in zip(SIGNALS, found[name].parts, strict=True):
+        for signal, part in zip(SIGNALS, figures[name].parts, strict=True):
             # Values are drawn in single precision, and so is their limit.
             limit = np.float32(getattr(UNCERTAINTY, signal))
             for trace in part["data"]:

@@ -29,17 +29,17 @@ UNASKED = ("a force of 0.5 N at 0.1 m/s", "damping", "joint motor")
 
 def stocked(**changed) -> Results:
     """Two scenes and one not solved; the second rung is at the stock timestep of all engines."""
-    found = results(methods=TRIED)
+    stored = results(methods=TRIED)
     shipped = {("mujoco", "default"), ("pybullet", "default")}
     return replace(
-        found,
-        rows=[_at_stock(row) for row in found.rows],
+        stored,
+        rows=[_at_stock(row) for row in stored.rows],
         verdicts=[
-            replace(v, as_shipped=(v.key.engine, v.key.method) in shipped) for v in found.verdicts
+            replace(v, as_shipped=(v.key.engine, v.key.method) in shipped) for v in stored.verdicts
         ],
         methods={
             pair: replace(method, as_shipped=pair in shipped)
-            for pair, method in found.methods.items()
+            for pair, method in stored.methods.items()
         },
         **changed,
     )
@@ -69,8 +69,8 @@ def scene(gathered: ReportData, name: str = "made-up-top"):
 def cell(gathered: ReportData, method: str, engine: str = "mujoco") -> list:
     drawn = heat_map(gathered)
     columns = [(c["engine"], c["method"]) for c in drawn["columns"]]
-    found = next(s for s in drawn["scenes"] if s["name"] == "made-up-top")
-    return found["cells"][columns.index((engine, method))]
+    carried = next(s for s in drawn["scenes"] if s["name"] == "made-up-top")
+    return carried["cells"][columns.index((engine, method))]
 
 
 def test_the_defaults_are_reported_with_their_size_in_degrees(gathered):
@@ -162,19 +162,19 @@ def test_the_table_is_json_of_numbers_that_there_are(gathered):
 
 
 def test_the_best_choice_is_the_cheapest_within_the_bounds(gathered):
-    found = best_choice(scene(gathered))
-    assert found.within
-    assert found.runs.label == "mujoco RK4"
-    assert found.row.timestep == TIMESTEPS[0]
-    assert found.row.errors.attitude <= ATTITUDE_WITHIN
+    choice = best_choice(scene(gathered))
+    assert choice.within
+    assert choice.runs.label == "mujoco RK4"
+    assert choice.row.timestep == TIMESTEPS[0]
+    assert choice.row.errors.attitude <= ATTITUDE_WITHIN
 
 
 def test_where_nothing_is_within_the_bounds_it_is_the_most_accurate():
     coarse = stocked()
     rows = [r for r in coarse.rows if r.key.method != "RK4" and r.timestep >= TIMESTEPS[2]]
-    found = best_choice(scene(report_data(replace(coarse, rows=rows))))
-    assert not found.within
-    assert (found.runs.label, found.row.timestep) == ("mujoco Euler", TIMESTEPS[2])
+    choice = best_choice(scene(report_data(replace(coarse, rows=rows))))
+    assert not choice.within
+    assert (choice.runs.label, choice.row.timestep) == ("mujoco Euler", TIMESTEPS[2])
 
 
 def test_what_diverged_or_is_lost_is_never_the_best_choice():
@@ -183,8 +183,8 @@ def test_what_diverged_or_is_lost_is_never_the_best_choice():
     for row in best.rows:
         ended = {"outcome": "diverged", "errors": None} if row.timestep == TIMESTEPS[0] else {}
         rows.append(replace(row, without_skill=row.timestep == TIMESTEPS[1], **ended))
-    found = best_choice(scene(report_data(replace(best, rows=rows))))
-    assert found.row.timestep == TIMESTEPS[2]
+    choice = best_choice(scene(report_data(replace(best, rows=rows))))
+    assert choice.row.timestep == TIMESTEPS[2]
 
 
 def test_markdown_says_the_same_answer_first(gathered, tmp_path):

@@ -42,12 +42,12 @@ class Elsewhere(Engine):
 
 
 def put_results(store: Store) -> None:
-    made = results()
-    for found in made.scenes.values():
-        store.put_scene(found.scenario, found.solution)
-    for row in made.rows:
+    stored = results()
+    for scene_result in stored.scenes.values():
+        store.put_scene(scene_result.scenario, scene_result.solution)
+    for row in stored.rows:
         store.put_row(row)
-    for verdict in made.verdicts:
+    for verdict in stored.verdicts:
         store.put_verdict(verdict)
 
 

@@ -39,12 +39,12 @@ def turning_steadily(row: Row) -> Row:
 
 
 def gathered(*, as_shipped: bool = True):
-    found = at_stock(results(methods=(RIGHT, WRONG)))
+    stored = at_stock(results(methods=(RIGHT, WRONG)))
     methods = {
-        pair: replace(declared, as_shipped=as_shipped) for pair, declared in found.methods.items()
+        pair: replace(declared, as_shipped=as_shipped) for pair, declared in stored.methods.items()
     }
     return report_data(
-        replace(found, rows=[turning_steadily(row) for row in found.rows], methods=methods)
+        replace(stored, rows=[turning_steadily(row) for row in stored.rows], methods=methods)
     )
 
 

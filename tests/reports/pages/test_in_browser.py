@@ -68,22 +68,22 @@ def browser() -> Iterator[Browser]:
 
 @dataclass
 class Visit:
-    """A page that is open, the errors it told since, and what it asked for."""
+    """A page that is open, the errors it has logged since, and the addresses it has requested."""
 
     page: Page
-    said: list[str] = field(default_factory=list)
-    asked: list[str] = field(default_factory=list)
+    errors: list[str] = field(default_factory=list)
+    requests: list[str] = field(default_factory=list)
 
 
 @pytest.fixture
 def visit(browser: Browser) -> Iterator[Visit]:
     page = browser.new_page(viewport=DESK)
     page.set_default_timeout(PATIENCE)
-    found = Visit(page)
-    page.on("console", lambda m: found.said.append(m.text) if m.type == "error" else None)
-    page.on("pageerror", lambda error: found.said.append(str(error)))
-    page.on("request", lambda request: found.asked.append(request.url))
-    yield found
+    visited = Visit(page)
+    page.on("console", lambda m: visited.errors.append(m.text) if m.type == "error" else None)
+    page.on("pageerror", lambda error: visited.errors.append(str(error)))
+    page.on("request", lambda request: visited.requests.append(request.url))
+    yield visited
     page.close()
 
 
@@ -121,16 +121,16 @@ def test_every_page_draws_its_figures_fits_a_desk_and_a_phone_and_asks_for_nothi
                 too_wide.append(f"{path.name}: {width} of {window['width']}")
         page.set_viewport_size(DESK)
     assert too_wide == []
-    assert visit.said == []
-    assert [url for url in visit.asked if not url.startswith(("file:", "data:", "blob:"))] == []
+    assert visit.errors == []
+    assert [url for url in visit.requests if not url.startswith(("file:", "data:", "blob:"))] == []
 
 
 def test_what_a_page_says_and_asks_for_is_noticed(visit, folder):
     page = open_page(visit, folder)
     page.evaluate("console.error('wrong'); fetch('http://127.0.0.1:9/x').catch(() => 0)")
     page.wait_for_timeout(100)
-    assert any("wrong" in line for line in visit.said)
-    assert "http://127.0.0.1:9/x" in visit.asked
+    assert any("wrong" in line for line in visit.errors)
+    assert "http://127.0.0.1:9/x" in visit.requests
 
 
 def cell(page: Page, scene: str, column: str) -> str:
@@ -142,11 +142,11 @@ def cell(page: Page, scene: str, column: str) -> str:
 
 def rows(page: Page) -> dict[str, list[str]]:
     """The first table's rows of scenes in order, by name."""
-    found = page.evaluate(
+    table_rows = page.evaluate(
         "[...document.querySelectorAll('#heat tbody tr')].filter(r => r.cells.length > 1)"
         ".map(r => [...r.cells].map(c => c.innerText.trim()))"
     )
-    return {row[0]: row for row in found}
+    return {row[0]: row for row in table_rows}
 
 
 def test_the_first_screen_answers_what_the_default_gets_wrong_on_a_top(visit, folder):
@@ -194,10 +194,10 @@ def test_filters_leave_the_scenes_that_match(visit, folder, control, value, left
 def test_a_verdict_chosen_leaves_the_scenes_where_any_method_got_it(visit, folder):
     page = open_table(visit, folder)
     carried = json.loads(page.locator("#heat-data").text_content())["scenes"]
-    found = {s["name"]: {cell[0] for cell in s["cells"] if cell} for s in carried}
-    for word in set.union(*found.values()):
+    carried_pairs = {s["name"]: {cell[0] for cell in s["cells"] if cell} for s in carried}
+    for word in set.union(*carried_pairs.values()):
         page.locator("#verdict").select_option(word)
-        assert set(rows(page)) == {name for name, words in found.items() if word in words}
+        assert set(rows(page)) == {name for name, words in carried_pairs.items() if word in words}
 
 
 def test_the_engine_chosen_alone_has_columns(visit, folder):

@@ -28,8 +28,8 @@ def drawn(inertia, com=(0.0, 0.0, 0.0), mass=2.0):
 
 @pytest.mark.parametrize("R", [np.eye(3), TURN], ids=["along the axes", "turned"])
 def test_an_ellipsoids_own_semi_axes_come_back(R):
-    found = solid_squares(2.0, R @ tensor(AXES) @ R.T)
-    assert np.abs(found - R @ np.diag(AXES**2) @ R.T).max() <= 8 * EPS * AXES.max() ** 2
+    squares = solid_squares(2.0, R @ tensor(AXES) @ R.T)
+    assert np.abs(squares - R @ np.diag(AXES**2) @ R.T).max() <= 8 * EPS * AXES.max() ** 2
 
 
 @pytest.mark.parametrize(
@@ -42,8 +42,8 @@ def test_what_no_body_has_is_none(mass, inertia):
 
 
 def test_a_flat_body_has_one_without_thickness():
-    found = solid_squares(1.0, np.diag([1.0, 2.0, 3.0]))
-    assert np.linalg.eigvalsh(found)[0] == pytest.approx(0.0, abs=16 * EPS * 10)
+    squares = solid_squares(1.0, np.diag([1.0, 2.0, 3.0]))
+    assert np.linalg.eigvalsh(squares)[0] == pytest.approx(0.0, abs=16 * EPS * 10)
 
 
 def test_each_view_shows_the_two_axes_that_it_names():

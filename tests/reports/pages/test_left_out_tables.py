@@ -23,12 +23,12 @@ BY_PASS = PassCosts(
 )
 
 
-@pytest.mark.parametrize("found", [WHOLE, BY_PASS], ids=["as a whole", "pass by pass"])
-def test_it_comes_back_from_the_result_file(tmp_path, found):
+@pytest.mark.parametrize("cost", [WHOLE, BY_PASS], ids=["as a whole", "pass by pass"])
+def test_it_comes_back_from_the_result_file(tmp_path, cost):
     with open_store(tmp_path / "results.sqlite", create=True) as store:
-        store.put_left_out(found)
+        store.put_left_out(cost)
         results = store.read()
-    assert [*results.effects, *results.passes] == [found]
+    assert [*results.effects, *results.passes] == [cost]
 
 
 def test_the_ratio_is_reported_with_its_spread_and_what_it_did_to_the_motion():

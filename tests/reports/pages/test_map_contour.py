@@ -11,8 +11,8 @@ X, Y = np.linspace(-2.0, 2.0, 9), np.linspace(-1.0, 1.0, 6)
 def test_a_plane_s_line_is_straight_and_exact():
     """2x − 3y + 0.1 is linear, and so is the interpolation."""
     (curve,) = zero_lines(X, Y, 2 * X - 3 * Y[:, None] + 0.1)
-    off = 2 * curve[:, 0] - 3 * curve[:, 1] + 0.1
-    assert np.abs(off).max() < 16 * EPS * 8  # of terms up to 8
+    distance = 2 * curve[:, 0] - 3 * curve[:, 1] + 0.1
+    assert np.abs(distance).max() < 16 * EPS * 8  # of terms up to 8
     assert np.abs(2 * curve[:, 0] + 3 * curve[:, 1]).max() > 1
 
 
@@ -41,9 +41,9 @@ def test_two_curves_are_two():
 def test_a_saddle_is_cut_twice_and_the_cuts_do_not_cross(sign):
     """(x − 0.1)(y − 0.1) on one cell: the middle has the sign of −−, so these corners hang on."""
     corners = np.array([-1.0, 1.0])
-    found = zero_lines(corners, corners, sign * ((corners - 0.1) * (corners[:, None] - 0.1)))
-    assert len(found) == 2
-    for curve in found:
+    lines = zero_lines(corners, corners, sign * ((corners - 0.1) * (corners[:, None] - 0.1)))
+    assert len(lines) == 2
+    for curve in lines:
         # Each cuts off a corner where one coordinate is positive and the other negative.
         assert np.sign(curve.mean(axis=0)).prod() == -1
 

@@ -34,8 +34,8 @@ SINGLE = 2 * float(np.finfo(np.float32).eps)
 STOCK = 0.002
 
 
-def grid(found: MapResult | None = None) -> Grid:
-    return Grid(found or map_result(), dict(METHODS), {"mujoco": STOCK})
+def grid(result: MapResult | None = None) -> Grid:
+    return Grid(result or map_result(), dict(METHODS), {"mujoco": STOCK})
 
 
 @pytest.fixture(scope="module")
@@ -60,11 +60,11 @@ def test_there_is_a_panel_a_method(figure: Figure) -> None:
 
 
 def test_colour_is_the_error_of_omega_and_never_below_the_reference(figure: Figure) -> None:
-    found = heatmap(figure, 2)
+    trace = heatmap(figure, 2)
     timesteps = np.array(grid().axes[1].values)
     wanted = np.log10(np.maximum(timesteps**4, UNCERTAINTY))
-    np.testing.assert_allclose(found, np.tile(wanted[:, None], 9), rtol=SINGLE)
-    assert found.min() > np.log10(timesteps.min() ** 4) + 0.5
+    np.testing.assert_allclose(trace, np.tile(wanted[:, None], 9), rtol=SINGLE)
+    assert trace.min() > np.log10(timesteps.min() ** 4) + 0.5
 
 
 def test_rows_go_up_with_the_second_axis(figure: Figure) -> None:
@@ -136,10 +136,10 @@ def test_units_are_those_of_the_scene_file(path: str, title: str) -> None:
     assert axis_title(parse_axis(f"{path}=1:2")) == title
 
 
-def bound_line(found: MapResult, pair: tuple[str, str], label: str) -> np.ndarray:
+def bound_line(result: MapResult, pair: tuple[str, str], label: str) -> np.ndarray:
     """Points of a line, in the axes' own units."""
-    made = grid(found)
-    (curve,) = {b.label: curves for b, curves in drawn_bounds(made, pair)}[label]
+    axes_grid = grid(result)
+    (curve,) = {b.label: curves for b, curves in drawn_bounds(axes_grid, pair)}[label]
     return np.asarray(10**curve)
 
 
@@ -210,9 +210,9 @@ def test_a_place_without_a_scene_is_signed_in_every_panel() -> None:
         first, key=key, outcome="invalid", cause="scene", reason="no", errors=None, timestep=0.0
     )
     rest = tuple(p for p in whole.points if p.at != first.at)
-    made = grid(MapResult(whole.map, whole.scenario, (invalid, *rest)))
-    assert all(made.points[pair][0, 0] is invalid for pair in METHODS)
-    assert ("invalid", "scene") in marks(made.result.points)
+    drawn = grid(MapResult(whole.map, whole.scenario, (invalid, *rest)))
+    assert all(drawn.points[pair][0, 0] is invalid for pair in METHODS)
+    assert ("invalid", "scene") in marks(drawn.result.points)
 
 
 def test_a_map_that_is_not_complete_is_drawn() -> None:

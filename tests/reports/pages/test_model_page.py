@@ -17,8 +17,10 @@ BOX = '<collision><geometry><box size="0.4 0.2 0.1"/></geometry></collision>'
 
 
 def page(folder: Path, text: str, name: str = "robot.urdf") -> str:
-    found = inspect_model(read_model(written(folder, text, name)), InProcess(), asked_engines())
-    return write_model_page(found, folder / "out", "a-page").read_text(encoding="utf-8")
+    inspection = inspect_model(
+        read_model(written(folder, text, name)), InProcess(), asked_engines()
+    )
+    return write_model_page(inspection, folder / "out", "a-page").read_text(encoding="utf-8")
 
 
 def cards(html: str) -> list[str]:
@@ -100,9 +102,9 @@ def test_nothing_in_a_file_commands_a_terminal(tmp_path):
 
 def test_a_page_needs_its_style_sheets_alone(tmp_path):
     html = page(tmp_path, arm(inside=BOX))
-    asked = re.findall(r'(?:href|src)="([^"]*)"', html)
-    assert asked == ["../assets/style.css", "../assets/model.css"]
-    assert all((tmp_path / "out/models" / name).is_file() for name in asked)
+    targets = re.findall(r'(?:href|src)="([^"]*)"', html)
+    assert targets == ["../assets/style.css", "../assets/model.css"]
+    assert all((tmp_path / "out/models" / name).is_file() for name in targets)
 
 
 def test_pages_of_files_of_one_name_differ():

@@ -36,9 +36,9 @@ def top() -> SceneRuns:
 
 @pytest.fixture(scope="module")
 def data(top: SceneRuns) -> dict[str, Any]:
-    found = motion_data(top)
-    assert found is not None
-    return found
+    carried = motion_data(top)
+    assert carried is not None
+    return carried
 
 
 def decoded(text: str, kind: str) -> FloatArray:
@@ -112,16 +112,16 @@ def test_a_page_carries_so_many_samples_and_no_more(data: dict[str, Any]) -> Non
 
 @pytest.mark.parametrize(("name", "shape"), [(TOP, "ellipsoid"), (BRICK, "box")])
 def test_the_solid_drawn_has_the_moments_of_the_body(name: str, shape: str) -> None:
-    found = scene(name).solved
-    assert found is not None
-    body = drawn_body(found)
+    solved = scene(name).solved
+    assert solved is not None
+    body = drawn_body(solved)
     squares = body.half_sides**2
     parts = {"box": BOX, "ellipsoid": ELLIPSOID}[shape]
-    moments = found.scenario.body.mass / parts * (squares.sum() - squares)
+    moments = solved.scenario.body.mass / parts * (squares.sum() - squares)
     assert body.shape == shape
     # A disc without thickness is drawn with some.
     slack = 1e-3 if name == TOP else 8 * np.finfo(float).eps
-    np.testing.assert_allclose(moments, np.diag(found.scenario.body.inertia_com), rtol=slack)
+    np.testing.assert_allclose(moments, np.diag(solved.scenario.body.inertia_com), rtol=slack)
 
 
 def test_tilt_is_reported_from_gravity_or_from_angular_momentum() -> None:

@@ -47,26 +47,26 @@ BELOW = COARSEST_ERROR / 1000
 def test_a_profile_counts_the_scenes_within_a_factor(
     method: str, factor: float, scenes: int
 ) -> None:
-    found = profile(three_scenes(), "omega", BELOW)
-    assert found.fraction(("e", method), factor) == scenes / 3
+    curve = profile(three_scenes(), "omega", BELOW)
+    assert curve.fraction(("e", method), factor) == scenes / 3
 
 
 def test_a_scene_that_nobody_reaches_still_counts() -> None:
-    lost = [curve_of_law(law(1), engine="e", method=m, verdict="unresolved") for m in "ab"]
-    found = profile([*three_scenes(), lost], "omega", BELOW)
-    assert found.fraction(("e", "b"), math.inf) == 3 / 4
+    unresolved = [curve_of_law(law(1), engine="e", method=m, verdict="unresolved") for m in "ab"]
+    curve = profile([*three_scenes(), unresolved], "omega", BELOW)
+    assert curve.fraction(("e", "b"), math.inf) == 3 / 4
 
 
 def test_a_tally_tells_what_is_extrapolated() -> None:
-    found = tally(three_scenes(), ("e", "a"), BELOW)
-    assert (found.reached, found.extrapolated) == (2, 2)
+    counts = tally(three_scenes(), ("e", "a"), BELOW)
+    assert (counts.reached, counts.extrapolated) == (2, 2)
     measured = tally(three_scenes(), ("e", "a"), COARSEST_ERROR / 7)
     assert (measured.reached, measured.extrapolated) == (3, 0)
 
 
 def test_a_median_counts_what_is_out_of_reach_as_infinite() -> None:
-    found = tally(three_scenes(), ("e", "a"), BELOW)
-    assert found.median_cost == pytest.approx(3e-6 / (COARSEST / 1000), rel=ROUNDING)
+    counts = tally(three_scenes(), ("e", "a"), BELOW)
+    assert counts.median_cost == pytest.approx(3e-6 / (COARSEST / 1000), rel=ROUNDING)
     assert tally(three_scenes()[1:], ("e", "a"), BELOW).median_cost == math.inf
 
 
@@ -74,16 +74,16 @@ def test_a_median_leaves_out_what_a_method_cannot_simulate() -> None:
     cannot = [
         curve_of_law(law(1), engine="e", method="a", verdict="unsupported", points=(), stable=())
     ]
-    found = tally([*three_scenes()[:1], cannot, cannot], ("e", "a"), BELOW)
-    assert found.median_cost == pytest.approx(1e-6 / (COARSEST / 1000), rel=ROUNDING)
+    counts = tally([*three_scenes()[:1], cannot, cannot], ("e", "a"), BELOW)
+    assert counts.median_cost == pytest.approx(1e-6 / (COARSEST / 1000), rel=ROUNDING)
 
 
 def test_ratios_of_orders_are_over_the_scenes_where_both_reach() -> None:
     fourth = {"method": "c", "declared": 4}
     scenes = [[*scene, curve_of_law(law(4), 4e-6, **fourth)] for scene in three_scenes()[:2]]
-    found = order_ratios([*scenes, three_scenes()[2]], BELOW)
-    assert found.scenes == 2
-    assert found.median == pytest.approx(1000 / (4 * 1000**0.25), rel=ROUNDING)
+    ratios = order_ratios([*scenes, three_scenes()[2]], BELOW)
+    assert ratios.scenes == 2
+    assert ratios.median == pytest.approx(1000 / (4 * 1000**0.25), rel=ROUNDING)
 
 
 def test_a_profile_s_curve_ends_at_the_scenes_reached() -> None:

@@ -36,8 +36,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def pages(folder: Path) -> dict[str, Page]:
-    found = [folder / "index.html", *sorted((folder / "scenes").glob("*.html"))]
-    return {path.stem: read_page(path) for path in found}
+    paths = [folder / "index.html", *sorted((folder / "scenes").glob("*.html"))]
+    return {path.stem: read_page(path) for path in paths}
 
 
 def verdicts() -> list[Verdict]:
@@ -84,10 +84,10 @@ def test_reasons_of_what_does_not_converge_are_on_both_pages(
 
 def test_the_headline_counts_what_is_there(pages: dict[str, Page]) -> None:
     headline = next(p.text for p in pages["index"].all("p") if "Of " in p.text)
-    found = [v.verdict for v in verdicts()]
-    assert f"3 scenes × {len(METHODS)} methods. Of {len(found)} pairs" in headline
-    assert f"{found.count('converges')} converge to the exact motion" in headline
-    assert f"{found.count('failed')} failed" in headline
+    verdict_words = [v.verdict for v in verdicts()]
+    assert f"3 scenes × {len(METHODS)} methods. Of {len(verdict_words)} pairs" in headline
+    assert f"{verdict_words.count('converges')} converge to the exact motion" in headline
+    assert f"{verdict_words.count('failed')} failed" in headline
 
 
 def test_pages_are_well_formed(pages: dict[str, Page]) -> None:
@@ -227,10 +227,10 @@ def test_markdown_tables_are_rectangular(folder: Path) -> None:
 
 
 def test_a_window_cut_by_chaos_is_reported(tmp_path: Path) -> None:
-    found = results()
-    top = found.scenes["made-up-top"]
+    stored = results()
+    top = stored.scenes["made-up-top"]
     chaotic = SceneResult(top.scenario, replace(top.solution, horizon=1.234))
-    render(replace(found, scenes=found.scenes | {"made-up-top": chaotic}), tmp_path)
+    render(replace(stored, scenes=stored.scenes | {"made-up-top": chaotic}), tmp_path)
     for suffix in ("html", "md"):
         text = (tmp_path / "scenes" / f"made-up-top.{suffix}").read_text(encoding="utf-8")
         assert "chaotic" in text
@@ -296,10 +296,10 @@ def _value(text: str) -> float:
 
 
 def test_what_engines_do_as_shipped_is_distinguished() -> None:
-    made = results()
-    verdicts = [replace(v, as_shipped=True) for v in made.verdicts if v.verdict == "disagrees"]
+    stored = results()
+    verdicts = [replace(v, as_shipped=True) for v in stored.verdicts if v.verdict == "disagrees"]
     assert verdicts
-    gathered = report_data(replace(made, verdicts=verdicts))
+    gathered = report_data(replace(stored, verdicts=verdicts))
     assert complaints(gathered, ("disagrees",)).rows == ()
     assert len(complaints(gathered, ("disagrees",), as_shipped=True).rows) == len(verdicts)
     assert f"0 of {len(verdicts)} pairs converge" in headline(gathered)

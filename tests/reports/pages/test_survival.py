@@ -28,9 +28,9 @@ def runs(*outcomes: str) -> list[Row]:
 
 
 def largest(*outcomes: str) -> float | None:
-    found = survival(runs(*outcomes), PACE)
-    assert found is not None
-    return found.timestep
+    survived = survival(runs(*outcomes), PACE)
+    assert survived is not None
+    return survived.timestep
 
 
 @pytest.mark.parametrize("end", ["diverged", "failed", "lost", "unsupported"])
@@ -39,15 +39,15 @@ def test_the_largest_is_the_one_below_the_finest_that_does_not_survive(end):
 
 
 def test_a_finest_run_that_does_not_survive_leaves_none():
-    found = survival(runs("ok", "ok", "diverged"), PACE)
-    assert (found.timestep, found.turn, found.at_least) == (None, None, False)
-    assert in_words(found)[0] == "none tried"
+    survived = survival(runs("ok", "ok", "diverged"), PACE)
+    assert (survived.timestep, survived.turn, survived.at_least) == (None, None, False)
+    assert in_words(survived)[0] == "none tried"
 
 
 def test_where_all_survive_the_largest_is_a_lower_bound():
-    found = survival(runs("ok", "ok"), PACE)
-    assert (found.timestep, found.at_least) == (1.0, True)
-    assert in_words(found) == ("≥ 1.00", "≥ 5.00")
+    survived = survival(runs("ok", "ok"), PACE)
+    assert (survived.timestep, survived.at_least) == (1.0, True)
+    assert in_words(survived) == ("≥ 1.00", "≥ 5.00")
 
 
 def test_the_turn_is_that_of_the_fastest_rate():
@@ -66,10 +66,10 @@ def test_what_cannot_be_simulated_neither_survives_nor_fails():
 
 def hardened() -> Results:
     """The made-up results, one of the two scenes tagged as hard."""
-    found = results()
-    scene = found.scenes["made-up-top"]
+    stored = results()
+    scene = stored.scenes["made-up-top"]
     hard = loads(TOP.replace('tags = ["heavy"', 'tags = ["hard"'), "made-up-top")
-    return replace(found, scenes=found.scenes | {"made-up-top": replace(scene, scenario=hard)})
+    return replace(stored, scenes=stored.scenes | {"made-up-top": replace(scene, scenario=hard)})
 
 
 def test_hard_scenes_are_those_that_are_tagged_so():
@@ -86,12 +86,12 @@ def test_hard_scenes_are_counted_separately():
 
 
 def test_where_all_scenes_are_hard_nothing_is_left_out():
-    found = hardened()
+    stored = hardened()
     alone = replace(
-        found,
-        scenes={"made-up-top": found.scenes["made-up-top"]},
-        rows=[row for row in found.rows if row.key.scenario == "made-up-top"],
-        verdicts=[v for v in found.verdicts if v.key.scenario == "made-up-top"],
+        stored,
+        scenes={"made-up-top": stored.scenes["made-up-top"]},
+        rows=[row for row in stored.rows if row.key.scenario == "made-up-top"],
+        verdicts=[v for v in stored.verdicts if v.key.scenario == "made-up-top"],
     )
     gathered = report_data(alone)
     assert gathered.plain.scenes == gathered.scenes != ()
@@ -99,8 +99,8 @@ def test_where_all_scenes_are_hard_nothing_is_left_out():
 
 
 def test_each_method_has_a_line_that_counts_what_it_survives():
-    made = survivors_table(report_data(hardened()))
-    lines = {(row[0].text, row[1].text): [cell.text for cell in row[2:]] for row in made.rows}
+    listed = survivors_table(report_data(hardened()))
+    lines = {(row[0].text, row[1].text): [cell.text for cell in row[2:]] for row in listed.rows}
     assert lines["mujoco", "Euler"][:-1] == ["1", "1", "1", "1", "1", "1"]
     assert lines["pybullet", "multibody"][:-1] == ["1", "0", "0", "0", "0", "0"]
     assert lines["elsewhere", "plain"][0] == "0"

@@ -95,10 +95,10 @@ def test_a_file_of_sweeps_alone_shows_no_empty_tables(folder: Path, pages: dict[
 
 def test_a_sweep_keeps_what_adapters_declare(tmp_path: Path) -> None:
     """Or a report would know no order and no clamp, and draw no lines for them."""
-    asked = Ensemble("disc", 1, seed=7, timestep=0.01)
+    definition = Ensemble("disc", 1, seed=7, timestep=0.01)
     engine = planted(HeunSession)
     with open_store(tmp_path / "results.sqlite", create=True) as store:
-        plan_sweep(asked, scene(), Choice((engine,), timed=False), store)
+        plan_sweep(definition, scene(), Choice((engine,), timed=False), store)
         declared = store.read().methods
     assert declared == {(engine.name, method.name): method for method in engine.methods}
 
@@ -107,8 +107,8 @@ def test_the_command_makes_the_same_axes_again() -> None:
     page = map_pages(swept())[0]
     words = shlex.split(page.command)
     assert words[:3] == ["spincheck", "map", "disc"]
-    made = tuple(parse_axis(words[k + 1]) for k, word in enumerate(words) if word == "--vary")
-    assert made == swept().maps[0].map.axes
+    axes = tuple(parse_axis(words[k + 1]) for k, word in enumerate(words) if word == "--vary")
+    assert axes == swept().maps[0].map.axes
 
 
 @pytest.mark.parametrize("text", ["body.mass=0.1:0.3:7", "body.mass=1e-3:2.5e7:20:log"])
@@ -118,8 +118,8 @@ def test_an_axis_is_written_as_it_was_typed(text: str) -> None:
 
 
 def test_a_fixed_timestep_is_in_the_command_and_in_words() -> None:
-    found = swept().maps[0]
-    fixed = replace(found, map=replace(found.map, timestep=0.0025))
+    swept_map = swept().maps[0]
+    fixed = replace(swept_map, map=replace(swept_map.map, timestep=0.0025))
     page = map_pages(replace(swept(), maps=[fixed]))[0]
     assert page.command.endswith("--timestep 0.0025")
 
@@ -203,17 +203,19 @@ def test_the_distribution_ends_at_what_finished() -> None:
 
 
 def test_an_ensemble_of_which_none_finished_has_tables_and_no_figure() -> None:
-    found = ensemble_result()
-    lost = tuple(replace(p, outcome="failed", cause="crash", errors=None) for p in found.points)
-    (page,) = ensemble_pages(replace(swept(), ensembles=[replace(found, points=lost)]))
+    ensemble = ensemble_result()
+    crashed = tuple(
+        replace(p, outcome="failed", cause="crash", errors=None) for p in ensemble.points
+    )
+    (page,) = ensemble_pages(replace(swept(), ensembles=[replace(ensemble, points=crashed)]))
     assert page.figure is None
     assert {cell.text for row in page.quantiles[0][1].rows for cell in row} >= {"0 %", "—"}
 
 
 def test_the_scene_is_linked_only_where_it_has_a_page(tmp_path: Path) -> None:
-    known = results()
+    stored = results()
     name = "made-up-brick"
     of_brick = map_result(name=name)
-    render(replace(known, maps=[of_brick, *swept().maps], methods=METHODS), tmp_path)
+    render(replace(stored, maps=[of_brick, *swept().maps], methods=METHODS), tmp_path)
     assert f"../scenes/{name}.html" in read_page(tmp_path / f"maps/{name}-1.html").attribute("href")
     assert "../scenes/disc.html" not in read_page(tmp_path / "maps/disc-1.html").attribute("href")

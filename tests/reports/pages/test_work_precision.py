@@ -31,12 +31,12 @@ def test_cost_is_seconds_a_simulated_second(top: SceneRuns) -> None:
 
 
 def test_every_run_that_ended_well_is_a_point_and_no_other_is(top: SceneRuns) -> None:
-    found = {curve.label: len(curve.points) for curve in curves(top, "energy")}
+    points_of = {curve.label: len(curve.points) for curve in curves(top, "energy")}
     finished = {"converges", "disagrees", "unresolved"}
     wanted = {
         f"{m.engine} {m.method}": len(TIMESTEPS) if m.verdict in finished else 0 for m in METHODS
     }
-    assert found == wanted
+    assert points_of == wanted
 
 
 @pytest.mark.parametrize("signal", SIGNALS)
@@ -47,8 +47,8 @@ def test_no_error_is_below_what_the_reference_is_good_for(top: SceneRuns, signal
 
 def test_some_runs_would_claim_less_than_the_reference_is_good_for(top: SceneRuns) -> None:
     tight = replace(UNCERTAINTY, attitude=1e-6)
-    found = replace(top.solved, solution=replace(top.solved.solution, uncertainty=tight))
-    raised = curves(replace(top, solved=found), "attitude")
+    tightened = replace(top.solved, solution=replace(top.solved.solution, uncertainty=tight))
+    raised = curves(replace(top, solved=tightened), "attitude")
     assert min(p.error for curve in raised for p in curve.points) == tight.attitude
     assert min(p.error for curve in curves(top, "attitude") for p in curve.points) < tight.attitude
 

@@ -10,8 +10,8 @@ def report(folder, *names: str) -> set[str]:
     for name in names:
         written.write(name, name)
     written.finish()
-    found = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
-    return found - {LIST}
+    paths = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+    return paths - {LIST}
 
 
 def test_pages_of_an_earlier_report_go(tmp_path):

@@ -41,15 +41,15 @@ def environment_of(path: Path) -> dict[str, str]:
 
 
 def test_a_killed_runs_results_are_in_its_log(path, tmp_path):
-    left = killed(path, tmp_path / "killed.sqlite")
-    assert LATER.items() <= environment_of(left).items()
-    with open_store(left) as store:
+    killed_file = killed(path, tmp_path / "killed.sqlite")
+    assert LATER.items() <= environment_of(killed_file).items()
+    with open_store(killed_file) as store:
         assert not store.log_missing
 
 
 def test_a_file_copied_without_its_log_is_read_and_known(path, tmp_path):
-    left = killed(path, tmp_path / "killed.sqlite")
-    alone = shutil.copy(left, tmp_path / "alone.sqlite")
+    killed_file = killed(path, tmp_path / "killed.sqlite")
+    alone = shutil.copy(killed_file, tmp_path / "alone.sqlite")
     assert not LATER.items() <= environment_of(alone).items()
     with open_store(alone) as store:
         assert store.log_missing
@@ -74,21 +74,21 @@ def test_a_first_run_that_was_killed_leaves_a_result_file(tmp_path):
 @pytest.mark.parametrize("which", ["another", "an older one", "another that was killed"])
 def test_a_file_beside_the_log_of_another_is_reported_and_kept(path, tmp_path, which, write):
     older = shutil.copy(path, tmp_path / "older.sqlite")
-    left = killed(path, tmp_path / "killed.sqlite")
+    killed_file = killed(path, tmp_path / "killed.sqlite")
     if which == "an older one":
-        shutil.copy(older, left)
+        shutil.copy(older, killed_file)
     else:
         other = small_result_file.write(tmp_path / "other.sqlite")
         if which == "another that was killed":
             other = killed(other, tmp_path / "other-killed.sqlite")
-        shutil.copy(other, left)
-    before = left.read_bytes(), log_of(left).read_bytes()
+        shutil.copy(other, killed_file)
+    before = killed_file.read_bytes(), log_of(killed_file).read_bytes()
     with (
         pytest.raises(ResultFileError, match=r"killed.sqlite-wal', belongs to another result file"),
-        open_store(left, create=write),
+        open_store(killed_file, create=write),
     ):
         pass
-    assert (left.read_bytes(), log_of(left).read_bytes()) == before
+    assert (killed_file.read_bytes(), log_of(killed_file).read_bytes()) == before
 
 
 def remove(path: Path) -> dict[str, str]:
@@ -145,11 +145,11 @@ def test_what_is_forgotten_is_gone_and_nothing_else(path):
     key = small_result_file.KEY
     with open_store(path, create=True) as store:
         store.forget([key])
-        found = store.read()
-        assert (found.rows, found.verdicts, found.effects) == ([], [], [])
+        results = store.read()
+        assert (results.rows, results.verdicts, results.effects) == ([], [], [])
         assert store.timed_on(processor()) == set()
-        assert found.scenes
-        assert found.maps[0].points
+        assert results.scenes
+        assert results.maps[0].points
 
 
 def test_a_record_is_of_the_size_that_it_may_have(path, monkeypatch):

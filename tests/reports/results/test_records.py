@@ -47,13 +47,13 @@ def test_in_csv_its_errors_are_empty(diverged):
 def test_it_is_on_no_pareto_front_and_reaches_no_error():
     # Cheaper than all others, and of the best order: it would be first everywhere.
     tried = (MadeUp("mujoco", "Euler", 1), MadeUp("mujoco", "RK4", 4, "diverges", "blew up"))
-    found = results(methods=tried)
+    stored = results(methods=tried)
     rows = [
         replace(r, seconds_per_step=1e-9) if r.key.method == "RK4" and r.timestep else r
-        for r in found.rows
+        for r in stored.rows
     ]
     scene = next(
-        s for s in report_data(replace(found, rows=rows)).scenes if s.name == "made-up-top"
+        s for s in report_data(replace(stored, rows=rows)).scenes if s.name == "made-up-top"
     )
     drawn = curves(scene, "omega")
     assert {curve.method for curve, _ in front(drawn)} == {"Euler"}

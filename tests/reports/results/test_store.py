@@ -79,8 +79,8 @@ def test_a_row_comes_back_to_the_last_bit(path, row):
 
 def test_a_verdict_comes_back(path):
     signal = SignalVerdict("attitude", "converges", "order 4.00", 4, 4.0, 1e-9, 2e-9)
-    found = ("attitude", 4.0, 1e-9, 2e-9, (signal,))
-    verdict = Verdict(KEY, "converges", "order 4.00", *found, unmet=("a promise",))
+    record = ("attitude", 4.0, 1e-9, 2e-9, (signal,))
+    verdict = Verdict(KEY, "converges", "order 4.00", *record, unmet=("a promise",))
     with open_store(path, create=True) as store:
         store.put_verdict(verdict)
         assert store.read().verdicts == [verdict]
@@ -111,11 +111,11 @@ def test_a_cost_reaches_every_row_of_its_method(path, row):
         store.put_cost(KEY, "a processor", StepCost(3e-6, 1e-7, 4e-6))
         store.put_row(row)
         store.put_row(replace(row, timestep=0.002))
-        known = [
+        values = [
             (r.seconds_per_step, r.seconds_spread, r.wall_seconds_per_step)
             for r in store.read().rows
         ]
-    assert known == 2 * [(3e-6, 1e-7, 4e-6)]
+    assert values == 2 * [(3e-6, 1e-7, 4e-6)]
 
 
 def test_costs_of_another_processor_are_dropped(path):
@@ -157,8 +157,8 @@ def test_a_verdict_drops_the_samples_that_are_spent(path, row):
         store.put_row(row)
         store.put_row(fine)
         store.put_verdict(Verdict(KEY, "converges", ""), discardable=[row.timestep])
-        kept = [r.timestep for r in store.rows_of(KEY) if r.motion is not None]
-    assert kept == [fine.timestep]
+        timesteps = [r.timestep for r in store.rows_of(KEY) if r.motion is not None]
+    assert timesteps == [fine.timestep]
 
 
 def test_of_several_verdicts_the_ladders_is_read(path):

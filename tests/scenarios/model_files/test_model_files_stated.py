@@ -16,23 +16,23 @@ def stated(folder, text, name="arm", file="robot.urdf"):
 
 def test_a_urdfs_tensor_is_turned_by_rpy_into_the_links_frame(tmp_path):
     turned = f'<origin xyz="1 2 3" rpy="{QUARTER} 0 0"/>'
-    found = stated(tmp_path, robot(link("arm", inertial("2", diagonal(1, 2, 2.5), turned))))
-    assert found.mass == 2
-    assert found.com.tolist() == [1, 2, 3]
-    assert np.abs(found.inertia - np.diag([1, 2.5, 2])).max() <= 8 * EPS
-    assert found.unturned.tolist() == np.diag([1, 2, 2.5]).tolist()
+    bodies = stated(tmp_path, robot(link("arm", inertial("2", diagonal(1, 2, 2.5), turned))))
+    assert bodies.mass == 2
+    assert bodies.com.tolist() == [1, 2, 3]
+    assert np.abs(bodies.inertia - np.diag([1, 2.5, 2])).max() <= 8 * EPS
+    assert bodies.unturned.tolist() == np.diag([1, 2, 2.5]).tolist()
 
 
 def test_rpy_turns_about_fixed_axes_roll_first(tmp_path):
     turned = f'<origin rpy="{QUARTER} {QUARTER} 0"/>'
-    found = stated(tmp_path, robot(link("arm", inertial("2", diagonal(1, 2, 2.5), turned))))
+    bodies = stated(tmp_path, robot(link("arm", inertial("2", diagonal(1, 2, 2.5), turned))))
     # Roll takes y to z, pitch takes that to x: the moment 2 ends up along x, 1 along z.
-    assert np.abs(found.inertia - np.diag([2, 2.5, 1])).max() <= 8 * EPS
+    assert np.abs(bodies.inertia - np.diag([2, 2.5, 1])).max() <= 8 * EPS
 
 
 def test_products_of_inertia_are_the_tensors_entries(tmp_path):
-    found = stated(tmp_path, robot(link("arm", inertial(origin=""))))
-    assert found.inertia.tolist() == [[0.03, 0.001, 0], [0.001, 0.04, 0], [0, 0, 0.05]]
+    bodies = stated(tmp_path, robot(link("arm", inertial(origin=""))))
+    assert bodies.inertia.tolist() == [[0.03, 0.001, 0], [0.001, 0.04, 0], [0, 0, 0.05]]
     assert 'ixy="0.001"' in TENSOR
 
 
@@ -50,8 +50,8 @@ def test_products_of_inertia_are_the_tensors_entries(tmp_path):
 )
 def test_an_mjcfs_tensor_is_turned_in_each_of_its_ways(tmp_path, rotation, moments):
     text = body(f'<inertial mass="1" diaginertia="1 2 2.5" {rotation}/>')
-    found = stated(tmp_path, text, file="robot.xml")
-    assert np.abs(found.inertia - np.diag(moments)).max() <= 8 * EPS
+    bodies = stated(tmp_path, text, file="robot.xml")
+    assert np.abs(bodies.inertia - np.diag(moments)).max() <= 8 * EPS
 
 
 def test_an_mjcfs_angles_and_sequence_are_its_compilers(tmp_path):
@@ -59,14 +59,14 @@ def test_an_mjcfs_angles_and_sequence_are_its_compilers(tmp_path):
     text = body(
         f'<inertial mass="1" diaginertia="1 2 2.5" euler="{QUARTER} {QUARTER} 0"/>', compiler
     )
-    found = stated(tmp_path, text, file="robot.xml")
-    assert np.abs(found.inertia - np.diag([2, 2.5, 1])).max() <= 8 * EPS
+    bodies = stated(tmp_path, text, file="robot.xml")
+    assert np.abs(bodies.inertia - np.diag([2, 2.5, 1])).max() <= 8 * EPS
 
 
 def test_an_mjcfs_full_tensor_is_in_its_own_order(tmp_path):
     text = body('<inertial mass="1" fullinertia="3 4 5 0.1 0.2 0.3"/>')
-    found = stated(tmp_path, text, file="robot.xml")
-    assert found.inertia.tolist() == [[3, 0.1, 0.2], [0.1, 4, 0.3], [0.2, 0.3, 5]]
+    bodies = stated(tmp_path, text, file="robot.xml")
+    assert bodies.inertia.tolist() == [[3, 0.1, 0.2], [0.1, 4, 0.3], [0.2, 0.3, 5]]
 
 
 def test_what_an_mjcf_has_from_shapes_it_does_not_state(tmp_path):
@@ -130,10 +130,12 @@ PROBLEMS = {
 
 @pytest.mark.parametrize("kind", PROBLEMS)
 def test_what_a_file_has_wrong_is_reported(tmp_path, kind):
-    given, told = PROBLEMS[kind]
-    (found,) = problems(read_model(written(tmp_path, robot(link("a", inertial(*given))))).links[0])
-    assert (found.kind, found.text) == (kind, told)
-    assert found.impossible == (kind != "placeholder")
+    inertial_arguments, words = PROBLEMS[kind]
+    (problem,) = problems(
+        read_model(written(tmp_path, robot(link("a", inertial(*inertial_arguments))))).links[0]
+    )
+    assert (problem.kind, problem.text) == (kind, words)
+    assert problem.impossible == (kind != "placeholder")
 
 
 @pytest.mark.parametrize(
@@ -154,8 +156,8 @@ def test_what_a_body_can_have_is_not(tmp_path, mass, tensor):
 def test_a_violation_in_the_last_digits_is_shown_with_them(tmp_path):
     tensor = diagonal(0.001, 0.001, 0.002000001)
     (arm,) = read_model(written(tmp_path, robot(link("a", inertial("1", tensor))))).links
-    (found,) = problems(arm)
-    assert found.text == "0.001 + 0.001 < 0.002000001: no body has it"
+    (problem,) = problems(arm)
+    assert problem.text == "0.001 + 0.001 < 0.002000001: no body has it"
 
 
 def shaped(moments, shape):
@@ -170,10 +172,10 @@ MOST = tuple(2 * (a**2 + b**2) for a, b in ((0.2, 0.3), (0.1, 0.3), (0.1, 0.2)))
 
 def test_mass_that_spreads_further_than_the_shapes_is_doubted(tmp_path):
     twice = tuple(4 * moment for moment in MOST)
-    (found,) = problems(read_model(written(tmp_path, shaped(twice, BOX))).links[0])
-    assert found.kind == "radius of gyration"
-    assert not found.impossible
-    assert "within its shapes" in found.text
+    (problem,) = problems(read_model(written(tmp_path, shaped(twice, BOX))).links[0])
+    assert problem.kind == "radius of gyration"
+    assert not problem.impossible
+    assert "within its shapes" in problem.text
 
 
 @pytest.mark.parametrize("shape", [BOX, BOX.replace("collision", "visual")])

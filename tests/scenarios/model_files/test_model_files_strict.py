@@ -31,18 +31,18 @@ def refusal(path):
 )
 def test_a_number_that_engines_read_differently_is_refused(tmp_path, number, why):
     path = written(tmp_path, arm(mass=number))
-    told = f"FILE:3: 'value' of <mass> must be decimal numbers, got '{number}'{why}"
-    assert refusal(path) == told
+    message = f"FILE:3: 'value' of <mass> must be decimal numbers, got '{number}'{why}"
+    assert refusal(path) == message
 
 
 def test_a_vector_of_another_length_is_refused(tmp_path):
     text = arm().replace('rpy="0 0 0.5"', 'rpy="0 0.5"')
-    told = "FILE:3: 'rpy' of <origin> must be 3 numbers, got '0 0.5'"
-    assert refusal(written(tmp_path, text)) == told
+    message = "FILE:3: 'rpy' of <origin> must be 3 numbers, got '0 0.5'"
+    assert refusal(written(tmp_path, text)) == message
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("", "FILE:1: not well-formed XML: no element found"),
         ("<robot><link></robot>", "FILE:1: not well-formed XML: mismatched tag"),
@@ -65,31 +65,31 @@ def test_a_vector_of_another_length_is_refused(tmp_path):
         ),
     ],
 )
-def test_what_is_no_model_is_refused(tmp_path, text, told):
-    assert refusal(written(tmp_path, text)) == told
+def test_what_is_no_model_is_refused(tmp_path, text, message):
+    assert refusal(written(tmp_path, text)) == message
 
 
 def test_a_dtd_is_refused(tmp_path):
     bomb = '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]>\n'
-    told = (
+    message = (
         "FILE:1: a DTD (<!DOCTYPE …>) is refused: it can make a small file huge or read other "
         "files; remove it"
     )
-    assert refusal(written(tmp_path, robot(link("a"), head=bomb))) == told
+    assert refusal(written(tmp_path, robot(link("a"), head=bomb))) == message
 
 
 def test_elements_nested_without_end_are_refused(tmp_path):
     deep = "<a>" * MAX_DEPTH + "</a>" * MAX_DEPTH
-    told = f"FILE:2: elements are nested more than {MAX_DEPTH} deep"
-    assert refusal(written(tmp_path, robot(deep))) == told
+    message = f"FILE:2: elements are nested more than {MAX_DEPTH} deep"
+    assert refusal(written(tmp_path, robot(deep))) == message
 
 
 def test_a_file_larger_than_any_model_is_refused(tmp_path):
     path = tmp_path / "huge.urdf"
     with path.open("wb") as file:
         file.truncate(MAX_BYTES + 1)
-    told = f"FILE: too large for a model, the limit is {MAX_BYTES} bytes"
-    assert refusal(path) == told
+    message = f"FILE: too large for a model, the limit is {MAX_BYTES} bytes"
+    assert refusal(path) == message
 
 
 def test_a_pipe_is_not_waited_for(tmp_path):
@@ -99,8 +99,8 @@ def test_a_pipe_is_not_waited_for(tmp_path):
 
 
 def test_a_file_that_is_not_there_is_reported(tmp_path):
-    told = "FILE: cannot be read: No such file or directory"
-    assert refusal(tmp_path / "none.urdf") == told
+    message = "FILE: cannot be read: No such file or directory"
+    assert refusal(tmp_path / "none.urdf") == message
 
 
 def test_a_version_of_xml_that_there_is_not_is_read_as_engines_read_it(tmp_path):
@@ -152,7 +152,7 @@ def test_a_prefix_that_is_declared_is_not(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         (
             robot(link("a"), link("a")),
@@ -198,29 +198,29 @@ def test_a_prefix_that_is_declared_is_not(tmp_path):
         "half a tensor",
     ],
 )
-def test_what_makes_no_tree_of_bodies_is_refused(tmp_path, text, told):
-    assert refusal(written(tmp_path, text)) == told
+def test_what_makes_no_tree_of_bodies_is_refused(tmp_path, text, message):
+    assert refusal(written(tmp_path, text)) == message
 
 
 @pytest.mark.parametrize("target", ["/etc/passwd", "../outside.xml", "none.xml"])
 def test_an_include_stays_inside_the_models_folder(tmp_path, target):
     written(tmp_path, "<mujoco/>", "outside.xml")
     text = f'<mujoco>\n<include file="{target}"/></mujoco>'
-    told = (
+    message = (
         f"FILE:2: <include> of '{target}': there is no such file inside the model's folder or one "
         "given by '--package-path'"
     )
-    assert refusal(written(tmp_path, text, "inner/robot.xml")) == told
+    assert refusal(written(tmp_path, text, "inner/robot.xml")) == message
 
 
 @pytest.mark.parametrize("tag", ["model", "hfield"])
 def test_other_files_that_mujoco_reads_are_inside_it_too(tmp_path, tag):
     text = body("", f'<asset><{tag} name="m" file="/etc/passwd"/></asset>')
-    told = (
+    message = (
         f"FILE:1: <{tag}> of '/etc/passwd': there is no such file inside the model's folder or one "
         "given by '--package-path'"
     )
-    assert refusal(written(tmp_path, text, "robot.xml")) == told
+    assert refusal(written(tmp_path, text, "robot.xml")) == message
 
 
 def test_a_link_of_the_file_system_leads_no_further(tmp_path):
@@ -238,8 +238,8 @@ def test_a_file_that_includes_itself_is_refused(tmp_path):
 
 def test_bodies_without_number_are_refused(tmp_path):
     text = body('<replicate count="1e8"><body/></replicate>')
-    told = "FILE:1: 'count' of <replicate> must be at most 10000, got 100000000"
-    assert refusal(written(tmp_path, text, "robot.xml")) == told
+    message = "FILE:1: 'count' of <replicate> must be at most 10000, got 100000000"
+    assert refusal(written(tmp_path, text, "robot.xml")) == message
 
 
 def test_replicates_within_replicates_are_counted_together(tmp_path):
@@ -249,8 +249,8 @@ def test_replicates_within_replicates_are_counted_together(tmp_path):
 
 def test_a_rotation_that_is_given_twice_is_refused(tmp_path):
     text = body('<inertial mass="1" diaginertia="1 1 1" quat="1 0 0 0" euler="0 0 0"/>')
-    told = "FILE:1: <inertial> gives its rotation twice: 'quat' and 'euler'"
-    assert refusal(written(tmp_path, text, "robot.xml")) == told
+    message = "FILE:1: <inertial> gives its rotation twice: 'quat' and 'euler'"
+    assert refusal(written(tmp_path, text, "robot.xml")) == message
 
 
 def test_the_tensors_numbers_are_read_as_strictly_as_the_mass(tmp_path):

@@ -54,14 +54,14 @@ def here(tmp_path_factory) -> tuple[PointResult, ...]:
 
 @pytest.mark.processes
 def test_the_points_of_a_sweep_are_those_of_this_process_to_the_last_bit(tmp_path, scheduler, here):
-    there = DaskCluster(scheduler.scheduler_address)
-    assert sweep(tmp_path / "there.sqlite", there) == here
+    cluster = DaskCluster(scheduler.scheduler_address)
+    assert sweep(tmp_path / "there.sqlite", cluster) == here
 
 
 @pytest.mark.processes
 def test_so_are_the_results_of_a_study(tmp_path, scheduler):
-    there = DaskCluster(scheduler.scheduler_address)
-    made_there = study(tmp_path / "there.sqlite", [SCENE], FAULTLESS, there)
+    cluster = DaskCluster(scheduler.scheduler_address)
+    made_there = study(tmp_path / "there.sqlite", [SCENE], FAULTLESS, cluster)
     made_here = study(tmp_path / "here.sqlite", [SCENE], FAULTLESS)
     assert differences(made_there, made_here) == []
 
@@ -70,9 +70,9 @@ def test_so_are_the_results_of_a_study(tmp_path, scheduler):
 def test_a_cluster_that_goes_away_ends_the_sweep_and_keeps_what_was_finished(tmp_path, here):
     path = tmp_path / "there.sqlite"
     with cluster_of_threads(1) as local:
-        there = DaskCluster(local.scheduler_address)
+        cluster = DaskCluster(local.scheduler_address)
         with pytest.raises(ClusterError, match="is gone"):
-            sweep(path, there, progress=lambda _: local.close())
+            sweep(path, cluster, progress=lambda _: local.close())
     with open_store(path) as store:
         assert 1 <= len(store.sweeps.points(MAP)) < len(here)
     assert sweep(path) == here
@@ -96,23 +96,23 @@ def scheduler_with_processes():
 def test_a_worker_killed_in_the_midst_loses_nothing_and_makes_nothing_twice(
     tmp_path, scheduler_with_processes, here
 ):
-    told: list[str] = []
+    lines: list[str] = []
 
-    def kill_one(said: str) -> None:
-        told.append(said)
-        if len(told) == 3:
+    def kill_one(line: str) -> None:
+        lines.append(line)
+        if len(lines) == 3:
             os.kill(worker_processes(scheduler_with_processes).pop(), signal.SIGKILL)
 
-    there = DaskCluster(scheduler_with_processes.scheduler_address)
-    assert sweep(tmp_path / "there.sqlite", there, kill_one) == here
-    assert len(set(told)) == len(told) == len(here)
+    cluster = DaskCluster(scheduler_with_processes.scheduler_address)
+    assert sweep(tmp_path / "there.sqlite", cluster, kill_one) == here
+    assert len(set(lines)) == len(lines) == len(here)
 
 
 @pytest.mark.processes
 def test_a_call_that_crashes_costs_no_worker_of_the_cluster(scheduler_with_processes):
     before = worker_processes(scheduler_with_processes)
-    with DaskCluster(scheduler_with_processes.scheduler_address) as there:
-        failed = there.call(calls.crash).value
+    with DaskCluster(scheduler_with_processes.scheduler_address) as cluster:
+        failed = cluster.call(calls.crash).value
     assert (failed.cause, "SIGSEGV" in failed.reason) == ("crash", True)
     assert worker_processes(scheduler_with_processes) == before
 
@@ -144,9 +144,9 @@ def test_where_no_scheduler_answers_it_is_reported():
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    with pytest.raises(ClusterError, match=f"no scheduler answers at 127.0.0.1:{port}") as told:
+    with pytest.raises(ClusterError, match=f"no scheduler answers at 127.0.0.1:{port}") as failed:
         DaskCluster(f"127.0.0.1:{port}")
-    assert not told.value.bad_address
+    assert not failed.value.bad_address
 
 
 def test_a_scheduler_that_is_silent_is_waited_for_no_longer_than_the_limit(monkeypatch):
@@ -162,9 +162,9 @@ def test_a_scheduler_that_is_silent_is_waited_for_no_longer_than_the_limit(monke
 
 @pytest.mark.parametrize("address", ["", "localhost", "nonsense://here:1"])
 def test_what_is_no_address_is_bad_input(address):
-    with pytest.raises(ClusterError, match="must be a scheduler's address") as told:
+    with pytest.raises(ClusterError, match="must be a scheduler's address") as failed:
         DaskCluster(address)
-    assert told.value.bad_address
+    assert failed.value.bad_address
 
 
 def test_without_the_package_it_says_what_to_install(monkeypatch):

@@ -77,18 +77,18 @@ def inspected(executor, engines: list[Asked], path, packages) -> Inspection | st
 
 def survey() -> tuple[dict[str, list[Inspection]], dict[str, list[str]]]:
     """Every package's inspections, and its files that are refused."""
-    found: dict[str, list[Inspection]] = {}
+    inspections_of: dict[str, list[Inspection]] = {}
     refused: dict[str, list[str]] = {}
     engines = asked_engines(ENGINES)
     with LocalWorkers(JOBS, READ_LIMIT) as executor:
         for package in PACKAGES:
             tasks = [partial(inspected, executor, engines, *model) for model in models(package)]
             results = list(executor.each(tasks))
-            found[package] = [one for one in results if isinstance(one, Inspection)]
+            inspections_of[package] = [one for one in results if isinstance(one, Inspection)]
             words = [one for one in results if isinstance(one, str)]
             refused[package] = sorted(w for w in words if not any(part in w for part in PARTS))
-            print(f"{package}: {len(found[package])} models", file=sys.stderr)
-    return found, refused
+            print(f"{package}: {len(inspections_of[package])} models", file=sys.stderr)
+    return inspections_of, refused
 
 
 def table(heads: list[str], rows: list[list[object]]) -> str:
@@ -96,9 +96,9 @@ def table(heads: list[str], rows: list[list[object]]) -> str:
     return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
 
 
-def stated_table(found: dict[str, list[Inspection]], refused: dict[str, list[str]]) -> str:
+def stated_table(inspections_of: dict[str, list[Inspection]], refused: dict[str, list[str]]) -> str:
     rows = []
-    for package, inspections in found.items():
+    for package, inspections in inspections_of.items():
         links = [link for one in inspections for link in one.links]
         kinds = Counter(p.kind for link in links for p in link.problems)
         bad = [i for i in inspections if any(p.impossible for li in i.links for p in li.problems)]
@@ -146,11 +146,11 @@ HELD_HEADS = [
 ]
 
 
-def held_rows(found: dict[str, list[Inspection]], form: str) -> list[list[object]]:
+def held_rows(inspections_of: dict[str, list[Inspection]], form: str) -> list[list[object]]:
     """One row a configuration."""
     by_column: dict[tuple[str, str, str], list[Held]] = {}
     refusals: Counter[tuple[str, str, str]] = Counter()
-    for one in (i for inspections in found.values() for i in inspections):
+    for one in (i for inspections in inspections_of.values() for i in inspections):
         if one.model.format != form:
             continue
         for link in one.links:
@@ -172,11 +172,11 @@ def _titled(engine: str, version: str, configuration: str) -> tuple[str, str, st
 
 def _counted(held: list[Held]) -> list[int]:
     compared = [h for h in held if h.difference is not None and h.expected.is_physical]
-    off = [sum(h.difference.worst > limit for h in compared) for limit in LIMITS]
+    unlike = [sum(h.difference.worst > limit for h in compared) for limit in LIMITS]
     return [
         len(compared),
         sum(bool(h.fused) for h in compared),
-        *off,
+        *unlike,
         sum(_is_far(h) for h in compared),
         sum("axes turned" in h.cause and "moments kept" in h.cause for h in compared),
         sum(bool(h.fused) and h.agrees is False for h in compared),
@@ -184,13 +184,13 @@ def _counted(held: list[Held]) -> list[int]:
 
 
 def _is_far(held: Held) -> bool:
-    stated, got = held.expected.inertia.trace(), held.body.inertia_com.trace()
-    return bool(got * TEN_TIMES <= stated or got >= TEN_TIMES * stated)
+    stated, held_trace = held.expected.inertia.trace(), held.body.inertia_com.trace()
+    return bool(held_trace * TEN_TIMES <= stated or held_trace >= TEN_TIMES * stated)
 
 
-def cause_table(found: dict[str, list[Inspection]]) -> str:
+def cause_table(inspections_of: dict[str, list[Inspection]]) -> str:
     counts: dict[str, Counter[str]] = {}
-    for one in (i for inspections in found.values() for i in inspections):
+    for one in (i for inspections in inspections_of.values() for i in inspections):
         for link in one.links:
             for held in link.held:
                 column = f"{held.engine} {held.configuration}"
@@ -205,10 +205,10 @@ def cause_table(found: dict[str, list[Inspection]]) -> str:
     return table(["links held otherwise", *columns], rows)
 
 
-def heavy_table(found: dict[str, list[Inspection]]) -> str:
+def heavy_table(inspections_of: dict[str, list[Inspection]]) -> str:
     """What the links of a robot weigh together, where engines add most."""
     rows = []
-    for one in (i for inspections in found.values() for i in inspections):
+    for one in (i for inspections in inspections_of.values() for i in inspections):
         stated = sum(li.link.stated.mass for li in one.links if li.link.stated is not None)
         by_engine: Counter[str] = Counter()
         for link in one.links:
@@ -220,12 +220,15 @@ def heavy_table(found: dict[str, list[Inspection]]) -> str:
     rows.sort(key=lambda row: row[0], reverse=True)
     return table(
         ["model", "kg in the file", "kg in PyBullet"],
-        [["/".join(path.parts[-2:]), f"{kg:.4g}", f"{got:.4g}"] for _, path, kg, got in rows[:5]],
+        [
+            ["/".join(path.parts[-2:]), f"{kg:.4g}", f"{held_kg:.4g}"]
+            for _, path, kg, held_kg in rows[:5]
+        ],
     )
 
 
 def written(
-    found: dict[str, list[Inspection]],
+    inspections_of: dict[str, list[Inspection]],
     refused: dict[str, list[str]],
     seconds: float,
 ) -> str:
@@ -233,15 +236,15 @@ def written(
     return "\n\n".join(
         [
             BEGIN,
-            stated_table(found, refused),
+            stated_table(inspections_of, refused),
             "What engines hold of the URDF files' links that have an inertia:",
-            table(HELD_HEADS, held_rows(found, "urdf")),
+            table(HELD_HEADS, held_rows(inspections_of, "urdf")),
             "Of the MJCF files':",
-            table(HELD_HEADS, held_rows(found, "mjcf")),
+            table(HELD_HEADS, held_rows(inspections_of, "mjcf")),
             "By cause, all links:",
-            cause_table(found),
+            cause_table(inspections_of),
             "The robots that gain most by links that state nothing:",
-            heavy_table(found),
+            heavy_table(inspections_of),
             "Refused, because engines or parsers do not read them alike:",
             files,
             f"Made in {seconds:.0f} s of CPU time.",
@@ -252,13 +255,13 @@ def written(
 
 def main() -> None:
     """Write the tables."""
-    found, refused = survey()
+    inspections_of, refused = survey()
     used = psutil.Process().cpu_times()
     seconds = used.user + used.system + used.children_user + used.children_system
     text = DOCUMENT.read_text(encoding="utf-8")
     before, _, rest = text.partition(BEGIN)
     _, _, after = rest.partition(END)
-    tables = written(found, refused, seconds)
+    tables = written(inspections_of, refused, seconds)
     DOCUMENT.write_text(before + tables + after, encoding="utf-8")
     print(f"{DOCUMENT} has the tables", file=sys.stderr)
 

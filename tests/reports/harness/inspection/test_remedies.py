@@ -24,7 +24,7 @@ def inspected(folder, text):
     return inspect_model(read_model(written(folder, text)), InProcess(), asked_engines())
 
 
-def told(inspection, who):
+def remedies_of(inspection, who):
     return [one for one in remedies(inspection) if who in one.who]
 
 
@@ -41,17 +41,19 @@ def kinds(inspection, who):
 def test_a_link_that_states_nothing_gets_a_line(tmp_path):
     who = "pybullet inertia-from-file"
     before = inspected(tmp_path, arm())
-    (remedy,) = told(before, who)
+    (remedy,) = remedies_of(before, who)
     assert (remedy.links, kinds(before, who)["base"]) == (("base",), "nothing stated")
     text = arm().replace(link("base"), link("base", remedy.line))
     after = inspected(tmp_path, text)
     assert kinds(after, who) == {"base": "", "arm": ""}
-    assert told(after, who) == []
+    assert remedies_of(after, who) == []
 
 
 def test_where_a_flag_mends_it_the_flag_is_reported(tmp_path):
     (remedy,) = (
-        one for one in told(inspected(tmp_path, arm()), "pybullet default") if "flag" in one.text
+        one
+        for one in remedies_of(inspected(tmp_path, arm()), "pybullet default")
+        if "flag" in one.text
     )
     assert remedy.text == "load it with flags=pybullet.URDF_USE_INERTIA_FROM_FILE"
     assert kinds(inspected(tmp_path, arm()), "pybullet inertia-from-file")["arm"] == ""
@@ -59,7 +61,7 @@ def test_where_a_flag_mends_it_the_flag_is_reported(tmp_path):
 
 def test_an_option_has_mujoco_take_links_without_a_tensor(tmp_path):
     text = arm(diagonal(0, 0, 0))
-    (remedy,) = told(inspected(tmp_path, text), "mujoco as-is")
+    (remedy,) = remedies_of(inspected(tmp_path, text), "mujoco as-is")
     assert remedy.links == ("arm",)
     after = inspected(tmp_path, text.replace('name="made-up">', f'name="made-up">{remedy.line}'))
     assert ("mujoco", "as-is") not in after.refusals
@@ -67,20 +69,20 @@ def test_an_option_has_mujoco_take_links_without_a_tensor(tmp_path):
 
 @pytest.mark.parametrize("moments", [(0.3, 0.1, 0.9), (-0.1, 0.3, 0.3)])
 def test_a_tensor_that_no_body_has_is_to_be_corrected(tmp_path, moments):
-    found = inspected(tmp_path, arm(diagonal(*moments)))
-    assert [(one.text, one.links) for one in told(found, "mujoco as-is")] == [
+    inspection = inspected(tmp_path, arm(diagonal(*moments)))
+    assert [(one.text, one.links) for one in remedies_of(inspection, "mujoco as-is")] == [
         ("correct the tensors that no body has", ("arm",))
     ]
     assert ("correct their tensors in the file: no body has them", ("arm",)) in [
-        (one.text, one.links) for one in told(found, "pybullet inertia-from-file")
+        (one.text, one.links) for one in remedies_of(inspection, "pybullet inertia-from-file")
     ]
 
 
 def test_a_remedy_for_several_configurations_is_reported_once(tmp_path):
-    found = inspected(tmp_path, arm(diagonal(0.3, 0.1, 0.9)))
-    lines = [(one.text, one.links) for one in remedies(found)]
+    inspection = inspected(tmp_path, arm(diagonal(0.3, 0.1, 0.9)))
+    lines = [(one.text, one.links) for one in remedies(inspection)]
     assert len(lines) == len(set(lines))
-    assert ("mujoco as-is", "mujoco unfused") in [one.who for one in remedies(found)]
+    assert ("mujoco as-is", "mujoco unfused") in [one.who for one in remedies(inspection)]
 
 
 def test_the_line_without_a_rotation_states_the_same_tensor(tmp_path):

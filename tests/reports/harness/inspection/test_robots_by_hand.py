@@ -17,8 +17,8 @@ PRINTED = 5e-3
 def held(file, link):
     """By configuration, and what the file has wrong."""
     model = read_model(ROBOTS / file, (("robots", ROBOTS),))
-    found = inspect_model(model, InProcess(), asked_engines())
-    (one,) = (li for li in found.links if li.link.name == link)
+    inspection = inspect_model(model, InProcess(), asked_engines())
+    (one,) = (li for li in inspection.links if li.link.name == link)
     return {h.configuration: h for h in one.held}, [p.kind for p in one.problems]
 
 
