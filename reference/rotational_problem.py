@@ -3,7 +3,7 @@
 from mpmath import mp, mpf
 
 from ..scenarios import Scenario
-from ..scenarios.exact import DIGITS, ZERO, Vector, conjugate, exact, product, rotate
+from ..scenarios.exact import DIGITS, ZERO, Vector, conjugate, product, rotate, vector
 from ..scenarios.principal import from_matrix, principal_axes
 from .problem import Problem
 
@@ -23,9 +23,9 @@ def rotational_problem(scenario: Scenario) -> Problem:
             q_world_axes=product(start.q_exact, conjugate(q_axes_body)),
             omega_axes=rotate(q_axes_body, start.omega_body_exact),
             lever_axes=rotate(q_axes_body, _lever_body(scenario)),
-            gravity_world=_vector(scenario.gravity_world),
-            torque_axes=rotate(q_axes_body, _vector(scenario.torque_body)),
-            torque_world=_vector(scenario.torque_world),
+            gravity_world=vector(scenario.gravity_world),
+            torque_axes=rotate(q_axes_body, vector(scenario.torque_body)),
+            torque_world=vector(scenario.torque_world),
             drag=mpf(scenario.drag),
             q_axes_body=q_axes_body,
         )
@@ -38,8 +38,3 @@ def _lever_body(scenario: Scenario) -> Vector:
     x, y, z = scenario.body.com_exact
     mass = scenario.body.mass_exact
     return (mass * x, mass * y, mass * z)
-
-
-def _vector(values: object) -> Vector:
-    x, y, z = exact(values)  # type: ignore[arg-type]
-    return (x, y, z)

@@ -8,10 +8,11 @@ from .agreement import (
     errors_between,
     radius_of_gyration,
 )
-from .body import Body, FloatArray
+from .body import Body
 from .catalogue import LIBRARY, find, scenario_files
 from .document import Document, Effects, Expect, Known, Published, Window
 from .errors import Misfit, ScenarioError, did_you_mean, printable
+from .float_array import FloatArray
 from .load import is_scenario, is_scene_name, load, load_each, loads
 from .mechanics import angular_momentum_world, energy, energy_base, kinetic_energy, potential_energy
 from .scales import check_scales

@@ -6,7 +6,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from .body import FloatArray
+from .float_array import FloatArray
 from .mechanics import RECENT, angular_momentum_world, energy, energy_base
 from .scenario import Scenario
 from .trajectory import Trajectory

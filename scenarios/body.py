@@ -6,11 +6,9 @@ from functools import cached_property
 
 import numpy as np
 from mpmath import mp, mpf
-from numpy.typing import NDArray
 
-from .exact import DIGITS, ZERO, Tensor, Vector, add, exact, steiner
-
-FloatArray = NDArray[np.float64]
+from .exact import DIGITS, ZERO, Tensor, Vector, add, exact, steiner, vector
+from .float_array import FloatArray, read_only
 
 #: Decimals such as 0.1 + 0.2 ≥ 0.3 must pass the triangle inequality after rounding to double.
 TRIANGLE_SLACK = 4 * np.finfo(float).eps
@@ -59,12 +57,12 @@ class Body:
     @cached_property
     def com(self) -> FloatArray:
         """Centre of mass from the body's origin, m, body axes, (3,)."""
-        return _readonly(self.com_exact)
+        return read_only(self.com_exact)
 
     @cached_property
     def inertia_com(self) -> FloatArray:
         """Inertia tensor about the centre of mass, kg m², body axes, (3, 3)."""
-        return _readonly(self.inertia_com_exact)
+        return read_only(self.inertia_com_exact)
 
     @cached_property
     def inertia_origin_exact(self) -> Tensor:
@@ -74,7 +72,7 @@ class Body:
     @cached_property
     def inertia_origin(self) -> FloatArray:
         """Inertia tensor about the body's origin, kg m², body axes, (3, 3)."""
-        return _readonly(self.inertia_origin_exact)
+        return read_only(self.inertia_origin_exact)
 
     @cached_property
     def principal_moments(self) -> FloatArray:
@@ -85,19 +83,19 @@ class Body:
                 moments = sorted(tensor[i][i] for i in range(3))
             else:
                 moments = sorted(mp.eigsy(mp.matrix(tensor), eigvals_only=True))
-        return _readonly(moments)
+        return read_only(moments)
 
 
 def body_about_com(mass: float, com: Sequence[float], inertia: Sequence[Sequence[float]]) -> Body:
     """A body whose tensor is given about its centre of mass."""
-    return Body(mpf(mass), _vector(com), _tensor(inertia))
+    return Body(mpf(mass), vector(com), _tensor(inertia))
 
 
 def body_about_origin(
     mass: float, com: Sequence[float], inertia: Sequence[Sequence[float]]
 ) -> Body:
     """A body whose tensor is given about its origin."""
-    arm = _vector(com)
+    arm = vector(com)
     return Body(mpf(mass), arm, add(_tensor(inertia), steiner(mpf(mass), arm), sign=-1))
 
 
@@ -117,20 +115,9 @@ def body_of_particles(particles: Sequence[Sequence[float]]) -> Body:
     return Body(mass, com, inertia)
 
 
-def _vector(values: Sequence[float]) -> Vector:
-    x, y, z = exact(values)
-    return (x, y, z)
-
-
 def _tensor(rows: Sequence[Sequence[float]]) -> Tensor:
-    first, second, third = (_vector(row) for row in rows)
+    first, second, third = (vector(row) for row in rows)
     return (first, second, third)
-
-
-def _readonly(values: Sequence[object]) -> FloatArray:
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array
 
 
 def _triple(moments: FloatArray) -> str:

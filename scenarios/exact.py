@@ -4,7 +4,7 @@ The reference solves these values; engines are given their rounding to double. N
 rounded twice, so what separates a run from the exact motion is the engine.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from mpmath import mp, mpf
@@ -22,6 +22,12 @@ ZERO: Vector = (mpf(0), mpf(0), mpf(0))
 def exact(values: Sequence[float]) -> tuple[mpf, ...]:
     """Doubles as exact extended-precision numbers."""
     return tuple(mpf(value) for value in values)
+
+
+def vector(values: Iterable[float]) -> Vector:
+    """Three doubles as exact extended-precision numbers."""
+    x, y, z = map(mpf, values)
+    return (x, y, z)
 
 
 def dot(a: Sequence[mpf], b: Sequence[mpf]) -> mpf:

@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from .body import FloatArray
+from .float_array import FloatArray
 from .rotation import cross
 from .scenario import Scenario
 from .trajectory import Trajectory

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .body import FloatArray
+from .float_array import FloatArray
 
 
 def matrices(q_wxyz: FloatArray) -> FloatArray:

@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from .body import Body, FloatArray
+from .body import Body
+from .float_array import FloatArray
 from .scenario import Scenario
 from .vary import own_tables, rewritten
 

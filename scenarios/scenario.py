@@ -9,8 +9,9 @@ import numpy as np
 from mpmath import mp
 
 from . import exact
-from .body import Body, FloatArray
+from .body import Body
 from .document import Document, Effects, Expect, Known, Published, StartTable, Window
+from .float_array import FloatArray, read_only
 
 #: Every effect a scene can call for; solvers and engines declare which of them they simulate.
 EFFECTS = ("gravity", "pivot", "drag", "torque_body", "torque_world")
@@ -35,12 +36,12 @@ class Start:
     @cached_property
     def q_world_body_wxyz(self) -> FloatArray:
         """Attitude, unit quaternion w, x, y, z, (4,)."""
-        return _readonly(self.q_exact)
+        return read_only(self.q_exact)
 
     @cached_property
     def omega_body(self) -> FloatArray:
         """Angular velocity, rad/s, body axes, (3,)."""
-        return _readonly(self.omega_body_exact)
+        return read_only(self.omega_body_exact)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +130,7 @@ class Scenario:
     def gravity_world(self) -> FloatArray:
         """Gravitational acceleration, m/s², (3,); zeros where there is none."""
         gravity = self.effects.gravity
-        return _readonly(gravity.acceleration if gravity else exact.ZERO)
+        return read_only(gravity.acceleration if gravity else exact.ZERO)
 
     @property
     def drag(self) -> float:
@@ -140,18 +141,18 @@ class Scenario:
     def torque_body(self) -> FloatArray:
         """Torque constant in body axes, N m, (3,); zeros where there is none."""
         torque = self.effects.torque
-        return _readonly(torque.body if torque and torque.body else exact.ZERO)
+        return read_only(torque.body if torque and torque.body else exact.ZERO)
 
     @cached_property
     def torque_world(self) -> FloatArray:
         """Torque constant in world axes, N m, (3,); zeros where there is none."""
         torque = self.effects.torque
-        return _readonly(torque.world if torque and torque.world else exact.ZERO)
+        return read_only(torque.world if torque and torque.world else exact.ZERO)
 
     @cached_property
     def times(self) -> FloatArray:
         """The window's sample times, s, (samples,)."""
-        return _readonly(np.linspace(0.0, self.window.duration, self.window.samples))
+        return read_only(np.linspace(0.0, self.window.duration, self.window.samples))
 
 
 #: How many scenes that were unpickled are kept: more than are run at a time.
@@ -186,8 +187,8 @@ def _start(table: StartTable) -> Start:
     return Start(
         q_exact=q,
         omega_body_exact=_omega_body(table, q),
-        position_world=_readonly(table.position or exact.ZERO),
-        velocity_world=_readonly(table.velocity or exact.ZERO),
+        position_world=read_only(table.position or exact.ZERO),
+        velocity_world=read_only(table.velocity or exact.ZERO),
     )
 
 
@@ -211,9 +212,3 @@ def _omega_body(table: StartTable, q_world_body: exact.Quaternion) -> exact.Vect
         return (x, y, z)
     with mp.workdps(exact.DIGITS):
         return exact.rotate(exact.conjugate(q_world_body), (x, y, z))
-
-
-def _readonly(values: object) -> FloatArray:
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from .body import FloatArray
+from .float_array import FloatArray, read_only
 from .rotation import matrices, turned
 
 
@@ -41,9 +41,7 @@ class Trajectory:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            array = np.array(getattr(self, field.name), dtype=float)
-            array.setflags(write=False)
-            object.__setattr__(self, field.name, array)
+            object.__setattr__(self, field.name, read_only(getattr(self, field.name)))
         if self.t.ndim != 1:
             raise ValueError(f"'t' must have one dimension, got {self.t.ndim}.")
         n = len(self.t)

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from .body import FloatArray
+from .float_array import FloatArray
 from .load import loads
 from .scenario import Scenario
 from .write import to_toml

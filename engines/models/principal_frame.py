@@ -4,11 +4,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
-import numpy as np
 from mpmath import mp, mpf
 
 from ...scenarios import Body, FloatArray
 from ...scenarios.exact import DIGITS, Quaternion, Tensor, Vector, product
+from ...scenarios.float_array import read_only
 from ...scenarios.principal import principal_axes
 
 #: Bodies whose frame is kept: every run of a scene asks for it.
@@ -48,9 +48,9 @@ def principal_frame(body: Body, thickness: float = 0.0) -> PrincipalFrame:
     with mp.workdps(DIGITS):
         rpy = _roll_pitch_yaw(R_body_axes)
         return PrincipalFrame(
-            _readonly(_within_triangle(moments, thickness)),
-            _readonly(_quaternion(rpy)),
-            _readonly(rpy),
+            read_only(_within_triangle(moments, thickness)),
+            read_only(_quaternion(rpy)),
+            read_only(rpy),
         )
 
 
@@ -75,9 +75,3 @@ def _quaternion(rpy: Vector) -> Quaternion:
     (cr, cp, cy), (sr, sp, sy) = ([f(angle / 2) for angle in rpy] for f in (mp.cos, mp.sin))
     zero = mpf(0)
     return product(product((cy, zero, zero, sy), (cp, zero, sp, zero)), (cr, sr, zero, zero))
-
-
-def _readonly(values: object) -> FloatArray:
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array

@@ -37,6 +37,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """See that the settings can be used, before anything is collected."""
+    _asked_steps(config)
+
+
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
     """Collect TOML files whose first key is `spincheck`; touch no other."""
     if file_path.suffix != ".toml" or not _may_be_scenario(file_path):
@@ -64,12 +69,14 @@ class ScenarioFile(pytest.File):
         from ...scenarios import ScenarioError, load
         from ..harness.expectations import unknown_expectations
 
+        if wrong := _unknown_engines(self.config):
+            raise self.CollectError(wrong)
         try:
             self.scenario: Scenario = load(self.path)
         except ScenarioError as error:
             raise self.CollectError(str(error)) from None
-        if wrong := unknown_expectations([self.scenario]):
-            raise self.CollectError("\n".join(wrong))
+        if unknown := unknown_expectations([self.scenario]):
+            raise self.CollectError("\n".join(unknown))
         yield ReferenceItem.from_parent(self, name="reference")
         expected = {(expect.engine, expect.method) for expect in self.scenario.expect}
         for engine in engines().values():
@@ -195,18 +202,36 @@ def _max_steps(config: pytest.Config) -> int:
     """Steps that a run of a ladder may take."""
     from ..harness.ladder import MAX_STEPS
 
-    asked = config.getini(_MAX_STEPS)
-    if not asked:
-        return MAX_STEPS
-    if not (asked.isdecimal() and int(asked)):
-        raise pytest.UsageError(f"'{_MAX_STEPS}' must be a whole number from 1 on, got '{asked}'")
-    return min(int(asked), MAX_STEPS)
+    return min(_asked_steps(config) or MAX_STEPS, MAX_STEPS)
+
+
+def _asked_steps(config: pytest.Config) -> int | None:
+    """The setting of the same; None where it is left out."""
+    setting = config.getini(_MAX_STEPS)
+    if not setting:
+        return None
+    if not (setting.isdecimal() and int(setting)):
+        raise pytest.UsageError(f"'{_MAX_STEPS}' must be a whole number from 1 on, got '{setting}'")
+    return int(setting)
 
 
 def _is_asked_for(config: pytest.Config, engine: str) -> bool:
     """Whether items are made for an engine."""
-    asked = config.getini(_ENGINES)
-    return not asked or engine in asked
+    names = config.getini(_ENGINES)
+    return not names or engine in names
+
+
+def _unknown_engines(config: pytest.Config) -> str:
+    """The complaint of an engine in the settings that there is not; empty if there is none."""
+    from ...engines import engines, missing
+    from ...scenarios import did_you_mean
+
+    names = [*engines(), *(absent.name for absent in missing())]
+    for name in config.getini(_ENGINES):
+        if name not in names:
+            one_of = f"'{_ENGINES}' must be of {', '.join(names)}, got '{name}'"
+            return one_of + did_you_mean(name, names)
+    return ""
 
 
 _WORKER: "pytest.StashKey[LocalWorkers]" = pytest.StashKey()

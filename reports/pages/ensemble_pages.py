@@ -1,7 +1,6 @@
 """The page of an ensemble: what was scattered, how to do it again, distributions and tables."""
 
 import shlex
-from collections import Counter
 from dataclasses import dataclass
 
 from ..results.store import Results
@@ -13,8 +12,8 @@ from .ensemble_tables import quantile_tables, worst_table
 from .figures.ensemble_figure import distribution
 from .figures.figures import Titled
 from .links import ensemble_page
-from .map_pages import TYPED_DIGITS, methods_of, timestep_in_words
 from .map_tables import ends_table
+from .sweep_pages import methods_of, numbered, timestep_in_words, timestep_option
 from .tables import Table
 
 CAPTION = (
@@ -50,22 +49,13 @@ class EnsemblePage:
 
 def ensemble_pages(results: Results) -> list[EnsemblePage]:
     """One an ensemble that has any members."""
-    seen: Counter[str] = Counter()
-    pages = []
-    for result in results.ensembles:
-        if any(point.key.engine for point in result.points):
-            seen[result.ensemble.scenario] += 1
-            name = f"{result.ensemble.scenario}-{seen[result.ensemble.scenario]}"
-            pages.append(_page(name, result, results))
-    return pages
+    return [_page(name, result, results) for name, result in numbered(results.ensembles)]
 
 
 def command(ensemble: Ensemble) -> str:
     """What makes this ensemble, as typed in a shell."""
     words = ["spincheck", "run", ensemble.scenario, "--ensemble", str(ensemble.members)]
-    words += ["--seed", str(ensemble.seed)]
-    if ensemble.timestep is not None:
-        words += ["--timestep", f"{ensemble.timestep:.{TYPED_DIGITS}g}"]
+    words += ["--seed", str(ensemble.seed), *timestep_option(ensemble.timestep)]
     return shlex.join(words)
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..body import FloatArray
+from ..float_array import FloatArray
 from .model_file import IDENTITY, Folders, Link, Pose, Stated
 from .quantities import numbers, vector
 from .xml_tree import Element, read_xml, shown

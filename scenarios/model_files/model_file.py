@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..body import FloatArray
+from ..float_array import FloatArray
 
 Format = Literal["urdf", "mjcf"]
 

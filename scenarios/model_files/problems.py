@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..body import FloatArray
+from ..float_array import FloatArray
 from .model_file import Link, Stated
 
 Kind = Literal[

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..body import FloatArray
+from ..float_array import FloatArray
 from .model_file import IDENTITY, Link, Pose, Shape, Stated
 from .quantities import number, vector
 from .xml_tree import Element, shown

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import command_line
 import pytest
-import small_result_file
 from forging import columns, forge
 from mutated_scenes import LEAST, written
 from spincheck.reports.cli import executing, running
@@ -38,11 +37,6 @@ DAMAGE = {
     "huge": 1e308,
     "negative": -1,
 }
-
-
-@pytest.fixture(scope="module")
-def good(tmp_path_factory):
-    return small_result_file.write(tmp_path_factory.mktemp("good") / "good.sqlite")
 
 
 def read_by(command: list[str], path: Path) -> str:

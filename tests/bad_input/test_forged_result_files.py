@@ -34,11 +34,6 @@ COMMANDS = ("\x1b[2J", "\x9b31m", "\u202e", "\x07", "\r")
 HOSTILE = f"evil{''.join(COMMANDS)}"
 
 
-@pytest.fixture(scope="module")
-def good(tmp_path_factory):
-    return small_result_file.write(tmp_path_factory.mktemp("good") / "good.sqlite")
-
-
 @pytest.fixture
 def path(good, tmp_path, monkeypatch):
     """A copy to be forged, in the folder that commands write to."""

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.engines.precision import FEWEST, single_precision
 from spincheck.engines.read_back import State
-from spincheck.scenarios import find, load
 
 ANGLES = np.linspace(0.0, 3.0, 200)
 TURNING = np.column_stack([np.cos(ANGLES), 0.6 * np.sin(ANGLES), 0 * ANGLES, 0.8 * np.sin(ANGLES)])
@@ -38,8 +38,7 @@ def test_too_few_samples_say_nothing() -> None:
 
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])
 def test_engines_of_double_precision_are_not_taken_for_others(name: str) -> None:
-    engine, (path,) = engines()[name], find(["fast-top"])
-    scenario = load(path)
+    engine, scenario = engines()[name], library_scene("fast-top")
     for method in engine.methods:
         run = engine.run(scenario, method, 2.0**-11, np.arange(0, 1024, 8))
         assert "24 bits" not in run.reason, method.name

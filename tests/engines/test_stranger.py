@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from library_scenes import library_scene
 from spincheck.engines import discovery
 from spincheck.engines.contract import CHECKS, Check, contract_tests
 from spincheck.reports.harness.choice import Choice
@@ -15,7 +16,6 @@ from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_study
 from spincheck.reports.pages.render import render
 from spincheck.reports.results.store import open_store
-from spincheck.scenarios import find, load
 
 STRANGER = Path(__file__).parent / "stranger"
 #: What a package may raise, and not only that it lacks another.
@@ -52,7 +52,7 @@ def test_it_is_short() -> None:
 
 
 def test_it_appears_in_a_report(installed: None, tmp_path: Path) -> None:
-    scene = load(find(["tennis-racket"])[0])
+    scene = library_scene("tennis-racket")
     choice = Choice((discovery.engines()["toy"],), (), (0.01,), timed=False)
     with open_store(tmp_path / "toy.sqlite", create=True) as store:
         run_study(plan([scene], choice, store), choice, store, InProcess(), lambda _: None)

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import pytest
+from library_scenes import library_scene
 from spincheck.reference import compiled, solve
-from spincheck.scenarios import find, load
 
 #: One of each way in which motions are found: every closed form, and the ODE under every effect.
 SCENES = ["hammer", "earth-wobble", "fast-top", "book-with-drag", "kovalevskaya", "spacecraft"]
@@ -20,7 +20,7 @@ def test_scenes_find_their_kernels_compiled() -> None:
     assert compiled.is_compiled()
     before = machine_code()
     for name in SCENES:
-        scenario = load(find([name])[0])
+        scenario = library_scene(name)
         solve(scenario, scenario.times[:3])
     assert machine_code() == before
 

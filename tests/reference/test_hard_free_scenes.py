@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 from closed_form_checks import GOAL, apart, one_ulp_heavier
 from extended_motion import ExtendedMotion
+from library_scenes import library_scene
 from mpmath import mp, mpf
 from spincheck.reference.closed_forms import closed_form
 from spincheck.reference.problem import Problem
 from spincheck.reference.rotational_problem import rotational_problem
-from spincheck.scenarios import FloatArray, find, load
+from spincheck.scenarios import FloatArray
 from textbook_periods import free_body
 
 SCENES = (
@@ -36,8 +37,7 @@ BEYOND = mpf("1.001")
 
 
 def problem_of(name: str) -> Problem:
-    (path,) = find([name])
-    return rotational_problem(load(path))
+    return rotational_problem(library_scene(name))
 
 
 def nearest_pole(problem: Problem) -> mpf:
@@ -52,9 +52,8 @@ def nearest_pole(problem: Problem) -> mpf:
 
 
 def sample_times(name: str) -> FloatArray:
-    (path,) = find([name])
     reach = FURTHEST * float(nearest_pole(problem_of(name)))
-    return np.linspace(0.0, min(load(path).window.duration, reach), SAMPLES)
+    return np.linspace(0.0, min(library_scene(name).window.duration, reach), SAMPLES)
 
 
 def true_states(problem: Problem, times: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from library_scenes import library_scene
 from mpmath import mp, mpf
 from spincheck.reference import solve
 from spincheck.reference.heavy_symmetric_top import (
@@ -17,7 +18,6 @@ from spincheck.reference.heavy_symmetric_top import (
 )
 from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.reference.symmetry import equal
-from spincheck.scenarios import find, load
 from spincheck.scenarios.exact import DIGITS
 
 EPS = float(np.finfo(float).eps)
@@ -25,14 +25,9 @@ EPS = float(np.finfo(float).eps)
 NUDGE = mpf(10) ** -9
 
 
-def scene(name: str):
-    (path,) = find([name])
-    return load(path)
-
-
 def start(name: str, spun_by: mpf = 0) -> HeavySymmetricTop:
     """The top of a scene at t = 0, its body turning faster by so much of its rate."""
-    problem = rotational_problem(scene(name))
+    problem = rotational_problem(library_scene(name))
     with mp.workdps(DIGITS):
         omega = tuple(w * (1 + spun_by) for w in problem.omega_axes)
         top = heavy_symmetric_top(replace(problem, omega_axes=omega))
@@ -65,7 +60,7 @@ def test_a_top_goes_exactly_through_a_pole(name, pole, bound):
 
 @pytest.mark.parametrize("name", ["through-the-upright", "through-the-hanging"])
 def test_with_another_spin_it_would_pass_beside(name):
-    problem = rotational_problem(scene(name))
+    problem = rotational_problem(library_scene(name))
     w1, w2, w3 = problem.omega_axes
     with mp.workdps(DIGITS):
         top = heavy_symmetric_top(replace(problem, omega_axes=(w1, w2, w3 * (1 + NUDGE))))
@@ -133,7 +128,7 @@ def test_an_axis_let_go_at_rest_rises_no_higher(name):
 
 
 def test_a_chaotic_top_outlives_its_reference():
-    scenario = scene("chaos-beyond-the-horizon")
+    scenario = library_scene("chaos-beyond-the-horizon")
     solution = solve(scenario, scenario.times)
     assert solution.horizon is not None
     # By then one ulp in the start decides everything: no double says more.

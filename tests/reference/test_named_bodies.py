@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from library_scenes import library_scene
 from spincheck.reference import facts, solve
-from spincheck.scenarios import Scenario, find, load
+from spincheck.scenarios import Scenario
 
 DAY = 86400.0
 #: d, of Toutatis: rotation about its long axis and precession of that, and their uncertainty
@@ -13,11 +14,6 @@ ROTATION, PRECESSION, OBSERVED = 5.38, 7.40, 0.03
 EULER, EULER_KNOWN = 304.0, 2.0
 #: Relative, of a moment: what a digit misread would do.
 MISREAD = 0.1
-
-
-def scene(name: str) -> Scenario:
-    (path,) = find([name])
-    return load(path)
 
 
 def tumbling_period(scenario: Scenario) -> float:
@@ -40,23 +36,23 @@ def mean_precession_period(scenario: Scenario, first_moment: float = 1.0) -> flo
 
 
 def test_toutatis_turns_about_its_long_axis_as_observed() -> None:
-    assert abs(tumbling_period(scene("toutatis")) / DAY - ROTATION) <= OBSERVED
+    assert abs(tumbling_period(library_scene("toutatis")) / DAY - ROTATION) <= OBSERVED
 
 
 def test_the_long_axis_of_toutatis_precesses_as_observed() -> None:
-    toutatis = scene("toutatis")
+    toutatis = library_scene("toutatis")
     assert abs(mean_precession_period(toutatis) / DAY - PRECESSION) <= OBSERVED
     misread = mean_precession_period(toutatis, first_moment=1 + MISREAD)
     assert abs(misread / DAY - PRECESSION) > OBSERVED
 
 
 def test_the_pole_of_a_rigid_earth_goes_round_in_eulers_period() -> None:
-    assert abs(tumbling_period(scene("earth-polar-motion")) / DAY - EULER) <= EULER_KNOWN
+    assert abs(tumbling_period(library_scene("earth-polar-motion")) / DAY - EULER) <= EULER_KNOWN
 
 
 def test_the_wobble_of_the_earth_is_all_but_a_circle() -> None:
     """A and B differ in the fifth digit, which makes the path of the pole an ellipse by 0.4 %."""
-    scenario = scene("earth-polar-motion")
+    scenario = library_scene("earth-polar-motion")
     low, middle, high = scenario.body.principal_moments
     omega = solve(scenario, scenario.times).trajectory.omega_body
     ratio = np.abs(omega[:, 1]).max() / np.abs(omega[:, 0]).max()

@@ -6,6 +6,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 from legendre_motion import DIGITS, free_symmetric_body
+from library_scenes import library_scene
 from mpmath import mp, mpf
 from spincheck.reference import solve
 from spincheck.reference.closed_forms import ClosedForm, closed_form
@@ -13,7 +14,6 @@ from spincheck.reference.problem import Problem
 from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.reference.solve import CHECKED_TURN, ROUNDING
 from spincheck.reference.taylor import IntegrationError, integrate
-from spincheck.scenarios import find, load
 from taylor_problems import distance
 from top_scenes import ASYMMETRIC, HEAVY, TOP, scene
 
@@ -86,7 +86,7 @@ class TestBesideASeparatrix:
 
 def test_a_chaotic_motion_is_refused_where_none_of_it_is_known():
     with pytest.raises(IntegrationError, match="not known any more at 1000"):
-        solve(load(find(["chaos-beyond-the-horizon"])[0]), np.array([1000.0]))
+        solve(library_scene("chaos-beyond-the-horizon"), np.array([1000.0]))
 
 
 @pytest.mark.parametrize("speed", [1e-9, 1.0])

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from library_scenes import library_scene
 from scipy.special import ellipk
 from spincheck.reference.cross_check import cross_check
 from spincheck.reference.rotational_problem import rotational_problem
@@ -13,7 +14,6 @@ from spincheck.reference.stability import (
     separatrix_distance,
     tumbling_period,
 )
-from spincheck.scenarios import find, load
 from top_scenes import ASYMMETRIC, scene
 
 EPS = np.finfo(float).eps
@@ -70,8 +70,7 @@ def test_near_an_extreme_axis_the_period_is_that_of_small_wobbles(axis):
 
 def test_the_period_is_that_of_the_jacobi_functions():
     """DETEST problem B5 (Hull et al., 1972): y = (sn, cn, dn)(t | 0.51)."""
-    (path,) = find(["detest-b5"])
-    problem = rotational_problem(load(path))
+    problem = rotational_problem(library_scene("detest-b5"))
     period = tumbling_period(problem.moments, problem.omega_axes)
     assert period == pytest.approx(4 * ellipk(0.51), rel=ROUNDED)
     assert period != pytest.approx(4 * ellipk(0.51**2), rel=1e6 * ROUNDED)

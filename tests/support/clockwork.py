@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+from scene_texts import sphere_text
 from spincheck.engines import BodyReading, Engine, EngineError, Method, Session, State, session
 from spincheck.reports.harness import step_cost as cost
 from spincheck.scenarios import Scenario, loads
@@ -12,23 +13,7 @@ from spincheck.scenarios import Scenario, loads
 #: s; how long a look at the clock takes, and what it can tell apart.
 LOOK, RESOLUTION = 2.0**-24, 2.0**-22
 METHOD = Method("turn", 1, 1, "turns", frozenset())
-SCENE = loads(
-    """
-spincheck = 1
-title = "A sphere"
-source = "made up"
-[body]
-mass = 1.0
-inertia = [1.0, 1.0, 1.0]
-[start]
-euler_zyz_deg = [0.0, 0.0, 0.0]
-omega_body = [0.0, 0.0, 1.0]
-[window]
-duration = 1.0
-samples = 11
-""",
-    "sphere",
-)
+SCENE = loads(sphere_text(), "sphere")
 
 
 @dataclass

@@ -1,4 +1,4 @@
-"""Texts of scenario files: as small as one can be, with ways to change it, and a fast top."""
+"""Texts of scenario files: as small as one can be, with ways to change it; a fast top; a sphere."""
 
 from spincheck.scenarios import Scenario, loads
 
@@ -34,6 +34,28 @@ acceleration = [0.0, 0.0, -9.81]
 [window]
 duration = 5.0
 samples = 101
+"""
+
+
+def sphere_text(
+    omega_body: tuple[float, float, float] = (0.0, 0.0, 1.0),
+    duration: float = 1.0,
+    samples: int = 11,
+    tilt_deg: float = 0.0,
+) -> str:
+    """A free sphere of 1 kg and 1 kg m²: it turns steadily at `omega_body`, rad/s."""
+    return f"""spincheck = 1
+title = "A spinning sphere"
+source = "made up"
+[body]
+mass = 1.0
+inertia = [1.0, 1.0, 1.0]
+[start]
+euler_zyz_deg = [0.0, {tilt_deg}, 0.0]
+omega_body = {list(omega_body)}
+[window]
+duration = {duration}
+samples = {samples}
 """
 
 

@@ -44,12 +44,12 @@ def written(folder: Path, text: str, name: str = "robot.urdf") -> Path:
     return path
 
 
-def arm_with_a_tool() -> str:
+def arm_with_a_tool(tensor=TENSOR) -> str:
     """A robot whose tool no joint moves, so that readers fuse it with the arm."""
     return robot(
         link("base"),
-        link("arm", inertial()),
-        link("tool", inertial()),
+        link("arm", inertial(tensor=tensor)),
+        link("tool", inertial(tensor=tensor)),
         joint("base", "arm"),
         joint("arm", "tool", "fixed"),
     )

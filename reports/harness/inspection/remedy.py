@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from ....engines.inspection import Kind
 from ....engines.model_reader import model_readers
-from ....scenarios import FloatArray
+from ....engines.models.text import decimals
 from ....scenarios.model_files import Stated
 from .findings import listed
 from .records import Held, InspectedLink, Inspection
@@ -73,13 +73,9 @@ def inertial_line(stated: Stated) -> str:
     }
     written = " ".join(f'{key}="{float(value)!r}"' for key, value in entries.items())
     return (
-        f'<inertial><origin xyz="{_decimals(stated.com)}"/>'
+        f'<inertial><origin xyz="{decimals(stated.com)}"/>'
         f'<mass value="{float(stated.mass)!r}"/><inertia {written}/></inertial>'
     )
-
-
-def _decimals(values: FloatArray) -> str:
-    return " ".join(repr(float(value)) for value in values)
 
 
 def _of_kind(engine: str, configuration: str, kind: Kind) -> Iterator[tuple[str, str]]:

@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from kinds_of_engines import OPTIONAL, why_missing
+from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.engines.child.process import end_idle
 from spincheck.reference import solve
-from spincheck.scenarios import errors_between, find, load
+from spincheck.scenarios import errors_between
 
 PAGE = Path(__file__).parents[3] / "docs" / "engines-more.md"
 ROWS = re.findall(
@@ -31,7 +32,7 @@ def _nobody_left():
 def test_the_error_on_the_fast_top_is_the_pages(name: str, method: str, printed: str) -> None:
     if reason := why_missing(name):
         pytest.skip(reason)
-    engine, scenario = engines()[name], load(find(["fast-top"])[0])
+    engine, scenario = engines()[name], library_scene("fast-top")
     steps = np.arange(round(scenario.window.duration / TIMESTEP) + 1)
     run = engine.run(scenario, engine.method(method), TIMESTEP, steps)
     assert run.trajectory is not None

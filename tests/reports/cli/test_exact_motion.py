@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from library_scenes import library_scene
 from scipy.spatial.transform import Rotation
 from spincheck.reports.cli.exact_motion import describe
-from spincheck.scenarios import find, load
 from spincheck.scenarios.exact import omega_body_from_zyz_rates
 
-TOP = load(find(["fast-top"])[0])
-UPRIGHT = load(find(["asleep-at-the-threshold"])[0])
+TOP = library_scene("fast-top")
+UPRIGHT = library_scene("asleep-at-the-threshold")
 #: Of a few trigonometric functions each.
 ROUNDING = 16 * float(np.finfo(float).eps)
 

@@ -4,12 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.import_links import import_scenes
 from spincheck.reports.cli.running import _engines_for
 from spincheck.reports.cli.terminal import Complaint
-from spincheck.scenarios import ScenarioError, find, load
+from spincheck.scenarios import ScenarioError, load
 from spincheck.scenarios.model_files import read_model
 from typer.testing import CliRunner
 from users_models import arm, diagonal, inertial, joint, link, robot, written
@@ -127,7 +128,7 @@ def test_a_run_asks_engines_of_users_files_where_a_scene_names_one(tmp_path):
     _, (line, _) = imported(tmp_path, arm())
     of_file = {name for name, engine in engines().items() if engine.of_file}
     assert of_file <= set(_engines_for([load(line)]))
-    assert not of_file & set(_engines_for([load(find(["fast-top"])[0])]))
+    assert not of_file & set(_engines_for([library_scene("fast-top")]))
 
 
 def test_an_engine_of_users_files_that_is_asked_for_in_vain_is_reported(tmp_path):

@@ -11,7 +11,7 @@ from spincheck.reports.harness.executors import CallFailed, InProcess, LocalWork
 from spincheck.reports.harness.executors.executor import Answer
 from spincheck.reports.harness.inspection import inspect as harness
 from typer.testing import CliRunner
-from users_models import arm, body, diagonal, inertial, joint, link, robot, written
+from users_models import arm, arm_with_a_tool, body, diagonal, written
 
 pytest.importorskip("pybullet")
 ROUND = diagonal(0.002, 0.002, 0.003)
@@ -123,14 +123,7 @@ def test_an_impossible_tensor_is_reported_of_file_and_engines(tmp_path):
 
 
 def test_fused_links_are_compared_with_the_sum_of_their_parts(tmp_path):
-    tool = inertial("2", ROUND)
-    text = robot(
-        link("base"),
-        link("arm", tool),
-        link("tool", tool),
-        joint("base", "arm"),
-        joint("arm", "tool", "fixed"),
-    )
+    text = arm_with_a_tool(ROUND)
     record = records(written(tmp_path, text), "--engine", "mujoco")
     whole = held_of(record, "arm", "as-is")
     assert (whole["agrees"], whole["fused"], whole["mass"]) == (True, ["tool"], 4)
@@ -140,14 +133,7 @@ def test_fused_links_are_compared_with_the_sum_of_their_parts(tmp_path):
 
 def test_a_sum_that_an_engine_gets_wrong_is_reported(tmp_path, monkeypatch):
     """Planted: the engine adds the parts' tensors without their distance."""
-    tool = inertial("2", ROUND)
-    text = robot(
-        link("base"),
-        link("arm", tool),
-        link("tool", tool),
-        joint("base", "arm"),
-        joint("arm", "tool", "fixed"),
-    )
+    text = arm_with_a_tool(ROUND)
     read = harness.read_held
 
     def lossy(engine, model, configuration):

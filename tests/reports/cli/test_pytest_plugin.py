@@ -2,23 +2,12 @@
 
 import pytest
 from _pytest.pytester import SysModulesSnapshot
+from scene_texts import sphere_text
+from spincheck.engines import engines
 
 pytest_plugins = ["pytester"]
 
-SPHERE = """
-spincheck = 1
-title = "A spinning sphere"
-source = "made up"
-[body]
-mass = 1.0
-inertia = [1.0, 1.0, 1.0]
-[start]
-euler_zyz_deg = [0.0, 30.0, 0.0]
-omega_body = [0.0, 1.0, 2.0]
-[window]
-duration = 1.0
-samples = 5
-"""
+SPHERE = sphere_text((0.0, 1.0, 2.0), samples=5, tilt_deg=30.0)
 PUBLISHED = """
 [[published]]
 t = 1.0
@@ -138,3 +127,32 @@ def test_a_broken_file_is_one_message(run):
     result.assert_outcomes(errors=1)
     result.stdout.fnmatch_lines(["*omga_body: unknown key; did you mean 'omega_body'*"])
     result.stdout.no_fnmatch_line("*Traceback*")
+
+
+def test_items_are_of_the_engines_in_the_settings_alone(run):
+    result = run("--collect-only", "-q", "-o", "spincheck_engines=mujoco", sphere=SPHERE)
+    methods = [m.name for m in engines()["mujoco"].methods if not m.as_shipped]
+    items = [line for line in result.outlines if "::" in line]
+    assert items == ["sphere.toml::reference", *(f"sphere.toml::mujoco-{m}" for m in methods)]
+
+
+def test_an_engine_in_the_settings_that_there_is_not_is_one_message(run):
+    result = run("-o", "spincheck_engines=mujco", sphere=SPHERE)
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines(["*'spincheck_engines' must be of *; did you mean 'mujoco'*"])
+    result.stdout.no_fnmatch_line("*Traceback*")
+
+
+def test_ladders_end_at_the_steps_in_the_settings(run):
+    """With so few steps there is no ladder, and the method that passes otherwise is skipped."""
+    result = run("-k", "mujoco-RK4", "-o", "spincheck_max_steps=8", sphere=SPHERE)
+    assert {"skipped": 1}.items() <= result.parseoutcomes().items()
+    result.stdout.fnmatch_lines(["*unresolved: *"])
+
+
+@pytest.mark.parametrize("setting", ["0", "-1", "1.5", "many"])
+def test_steps_that_are_no_number_are_one_message(run, setting):
+    result = run("-o", f"spincheck_max_steps={setting}", sphere=SPHERE)
+    assert result.ret == pytest.ExitCode.USAGE_ERROR
+    wanted = f"*'spincheck_max_steps' must be a whole number from 1 on, got '{setting}'"
+    result.stderr.fnmatch_lines([wanted])

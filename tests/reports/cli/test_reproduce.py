@@ -9,13 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.reference import solve
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.reproduce import reproduction
 from spincheck.reports.cli.terminal import Complaint
 from spincheck.reports.harness.ladder import single
-from spincheck.scenarios import errors_between, find, load
+from spincheck.scenarios import errors_between
 from typer.testing import CliRunner
 
 TIMESTEP = 2e-3
@@ -37,7 +38,7 @@ RUNS = [
 def test_the_file_alone_finds_the_error_that_the_harness_finds(
     scene: str, engine: str, method: str, tmp_path: Path
 ) -> None:
-    scenario, chosen = load(find([scene])[0]), engines()[engine]
+    scenario, chosen = library_scene(scene), engines()[engine]
     file = tmp_path / "run.py"
     text = reproduction(scenario, chosen, chosen.method(method), TIMESTEP)
     assert "spincheck." not in text.replace("by spincheck ", "")
@@ -61,7 +62,7 @@ def test_the_file_alone_finds_the_error_that_the_harness_finds(
 
 
 def test_an_engine_without_a_script_is_reported() -> None:
-    scenario, engine = load(find(["fast-top"])[0]), engines()["mujoco-urdf"]
+    scenario, engine = library_scene("fast-top"), engines()["mujoco-urdf"]
     with pytest.raises(Complaint, match="mujoco-urdf has none"):
         reproduction(scenario, engine, engine.methods[0], TIMESTEP)
 
@@ -77,7 +78,7 @@ def exact_motion(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_exact_motion_as_csv_and_as_json_are_the_same_to_the_last_bit(
     exact_motion: Path,
 ) -> None:
-    scenario = load(find(["hammer"])[0])
+    scenario = library_scene("hammer")
     exact = solve(scenario, scenario.times).trajectory
     columns = json.loads((exact_motion / "truth.json").read_text(encoding="utf-8"))["columns"]
     assert np.array_equal(columns["omega_body"], exact.omega_body)

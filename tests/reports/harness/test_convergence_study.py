@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scene_texts import sphere_text
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Engine, Method, Run
 from spincheck.reports.harness.convergence_study import ConvergenceStudy
@@ -14,20 +15,6 @@ from spincheck.reports.harness.ladder_judge import GOAL, RUNGS_OF_A_LIMIT
 from spincheck.reports.harness.study import prepare
 from spincheck.scenarios import Scenario, Trajectory, loads
 
-SCENE = """
-spincheck = 1
-title = "A sphere"
-source = "made up"
-[body]
-mass = 1.0
-inertia = [1.0, 1.0, 1.0]
-[start]
-euler_zyz_deg = [0.0, 0.0, 0.0]
-omega_body = [0.0, 0.0, {speed}]
-[window]
-duration = 4.0
-samples = 41
-"""
 METHOD = Method("made-up", 1, 1, "made up", frozenset())
 
 
@@ -48,7 +35,7 @@ def study(
     max_steps: int = MAX_STEPS,
     engine: Engine | None = None,
 ) -> ConvergenceStudy:
-    scene = loads(SCENE.format(speed=speed, duration=duration), "sphere")
+    scene = loads(sphere_text((0.0, 0.0, speed), duration, samples=41), "sphere")
     prepared = prepare(scene, [], max_steps)
     return ConvergenceStudy(scene, MadeUp(), METHOD, prepared.solution, prepared.ladder)
 

@@ -5,13 +5,14 @@ from collections.abc import Collection
 import pytest
 from clockwork import METHOD, SCENE, Clock, Clockwork, Works, clock, steadily
 from kinds_of_engines import required_engines
+from library_scenes import library_scene
 from spincheck.engines import Engine, EngineError, Method
 from spincheck.reports.harness import effects_cost
 from spincheck.reports.harness import step_cost as cost
 from spincheck.reports.harness.effects_cost import effects_costs, first_pass_costs, pass_costs
 from spincheck.reports.results.cost_records import EffectsCost, PassCosts
 from spincheck.reports.results.records import Key
-from spincheck.scenarios import Scenario, find, load
+from spincheck.scenarios import Scenario
 
 __all__ = ["clock"]
 
@@ -195,7 +196,7 @@ REAL = [
 
 @pytest.mark.parametrize(("engine", "method"), REAL)
 def test_real_engines_move_alike_with_and_without_what_is_left_out(engine, method) -> None:
-    scenario = load(find(["tiring-top"])[0])
+    scenario = library_scene("tiring-top")
     measured_cost = effects_cost.effects_cost(scenario, engine, method)
     if method.as_shipped or engine.unsupported(scenario, method):
         assert measured_cost is None
@@ -211,7 +212,7 @@ def test_real_engines_move_alike_with_and_without_what_is_left_out(engine, metho
 
 @pytest.mark.parametrize("engine", required_engines(), ids=lambda engine: engine.name)
 def test_real_engines_are_timed_for_all_that_they_leave_out(engine) -> None:
-    scenario = load(find(["fast-top"])[0])
+    scenario = library_scene("fast-top")
     able = [m for m in engine.methods if not engine.unsupported(scenario, m)]
     by_method = effects_costs(scenario, engine, able)
     sets = [one.left_out for one in by_method]

@@ -2,16 +2,16 @@
 
 import re
 
+from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.reports.harness.ladder import MAX_STEPS
 from spincheck.reports.harness.study import convergence_study_of, prepare
-from spincheck.scenarios import find, load
 from studies import verdict_of
 
 
 def test_what_would_tell_is_finer_than_the_ladder_where_one_signal_alone_is_out_of_reach():
     """Of Toutatis under Euler ω would soon be told; the attitude, off by half a turn, would not."""
-    scene = load(find(["toutatis"])[0])
+    scene = library_scene("toutatis")
     engine = engines()["mujoco"]
     prepared = prepare(scene, [], MAX_STEPS)
     study = convergence_study_of(scene, engine, engine.method("Euler"), prepared)

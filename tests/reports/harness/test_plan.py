@@ -3,15 +3,15 @@
 from dataclasses import replace
 
 import pytest
+from library_scenes import library_scene
 from planted import Planted
 from spincheck.reports.cli.running import scenes_of
 from spincheck.reports.harness.choice import QUICK_STEPS, Choice
 from spincheck.reports.harness.ladder import MAX_STEPS
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.results.store import open_store
-from spincheck.scenarios import find, load
 
-HARD, PLAIN = (load(find([name])[0]) for name in ("toutatis", "tennis-racket"))
+HARD, PLAIN = (library_scene(name) for name in ("toutatis", "tennis-racket"))
 NAMED = Choice((Planted(),))
 LIBRARY = replace(NAMED, hard_in_passing=True)
 

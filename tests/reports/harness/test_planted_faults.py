@@ -3,6 +3,7 @@
 import planted_faults
 import pytest
 from box import BOX
+from library_scenes import library_scene
 from planted import (
     DampedInSecretSession,
     ExplodingSession,
@@ -18,7 +19,7 @@ from planted import (
 )
 from planted_faults import HeavierOnceLoaded, engine_of
 from spincheck.reports.harness.choice import Choice
-from spincheck.scenarios import find, load, loads
+from spincheck.scenarios import loads
 from studies import study
 
 #: Steps of a ladder.
@@ -114,13 +115,13 @@ def test_twice_the_mass_of_a_free_body_shows_in_no_motion(rows):
 
 @pytest.mark.parametrize("name", ["nutation-loops", "hammer"])
 def test_gravity_turned_round_is_reported_of_tops_and_of_what_is_thrown(tmp_path, name):
-    (row,) = rows_of(tmp_path, [UpsideDown()], load(find([name])[0]), 1e-3).values()
+    (row,) = rows_of(tmp_path, [UpsideDown()], library_scene(name), 1e-3).values()
     assert row.cause == "law"
     assert "as if gravity were turned round" in row.reason
 
 
 def test_a_mass_that_changes_once_it_was_read_back_is_reported_of_a_heavy_top(tmp_path):
-    top = load(find(["nutation-loops"])[0])
+    top = library_scene("nutation-loops")
     (row,) = rows_of(tmp_path, [HeavierOnceLoaded()], top, 1e-3).values()
     assert (row.outcome, row.cause) == ("ok", "law")
     assert "I dω/dt" in row.reason

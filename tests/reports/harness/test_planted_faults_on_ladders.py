@@ -2,28 +2,23 @@
 
 import pytest
 from faulty_mujoco import FaultyMuJoCo, PlantedFault
+from library_scenes import library_scene
 from spincheck.engines import Method
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.study import convergence_study_of, prepare, run_rungs
 from spincheck.reports.results.records import Verdict
-from spincheck.scenarios import Scenario, find, load
 
 #: Of the longest run: short ladders are to tell as well.
 MOST_STEPS = 1 << 13
 
 
-def scene(name: str) -> Scenario:
-    (path,) = find([name])
-    return load(path)
-
-
 def verdict_of(name: str, method: str, fault: PlantedFault | None, **declared: int) -> Verdict:
     engine = FaultyMuJoCo(fault)
-    prepared = prepare(scene(name), [], MOST_STEPS)
+    prepared = prepare(library_scene(name), [], MOST_STEPS)
     used: Method = engine.method(method)
     for key, value in declared.items():
         object.__setattr__(used := Method(**vars(used)), key, value)
-    study = convergence_study_of(scene(name), engine, used, prepared)
+    study = convergence_study_of(library_scene(name), engine, used, prepared)
     for _ in run_rungs(study, InProcess()):
         pass
     return study.verdict()

@@ -1,8 +1,8 @@
 """Which effects a scene can test: those without which its motion is another."""
 
 import pytest
+from library_scenes import library_scene
 from spincheck.reports.harness.power import powerless
-from spincheck.scenarios import find, load
 
 #: A scene of the library for every effect that can be taken away.
 WITH_POWER = {
@@ -15,11 +15,11 @@ WITH_POWER = {
 
 @pytest.mark.parametrize("effect", WITH_POWER)
 def test_the_library_can_test_every_effect(effect: str) -> None:
-    scenario = load(*find([WITH_POWER[effect]]))
+    scenario = library_scene(WITH_POWER[effect])
     assert effect in scenario.called_for
     assert list(powerless(scenario)) == []
 
 
 def test_a_sleeping_top_cannot_test_gravity() -> None:
-    (sentence,) = powerless(load(*find(["asleep-at-the-threshold"])))
+    (sentence,) = powerless(library_scene("asleep-at-the-threshold"))
     assert "cannot tell whether there is gravity" in sentence

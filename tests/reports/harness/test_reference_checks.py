@@ -3,10 +3,11 @@
 from dataclasses import replace
 
 import pytest
+from library_scenes import library_scene
 from spincheck.reference import Solution, solve
 from spincheck.reports.harness import reference_checks
 from spincheck.reports.harness.reference_checks import complaints
-from spincheck.scenarios import FloatArray, Scenario, find, load, loads
+from spincheck.scenarios import FloatArray, Scenario, loads
 
 #: Well conditioned; beside a saddle; rotation that no rounding may disturb; ill-conditioned; long.
 SCENES = (
@@ -19,14 +20,9 @@ SCENES = (
 )
 
 
-def scene(name: str) -> Scenario:
-    (path,) = find([name])
-    return load(path)
-
-
 @pytest.mark.parametrize("name", SCENES)
 def test_nothing_is_wrong_with_the_exact_motion(name: str) -> None:
-    assert list(complaints(scene(name))) == []
+    assert list(complaints(library_scene(name))) == []
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -43,10 +39,12 @@ def test_an_exact_motion_that_turns_too_fast_is_complained_of(
         return replace(solution, trajectory=motion)
 
     monkeypatch.setattr(reference_checks, "solve", faster)
-    words = list(complaints(scene(name)))
+    words = list(complaints(library_scene(name)))
     assert any("second method" in complaint for complaint in words)
 
 
 def test_a_printed_value_that_the_exact_motion_misses_is_complained_of() -> None:
-    text = scene("detest-b5").text.replace("[[published]]\nt = 20.0", "[[published]]\nt = 19.9")
+    text = library_scene("detest-b5").text.replace(
+        "[[published]]\nt = 20.0", "[[published]]\nt = 19.9"
+    )
     assert any("printed" in complaint for complaint in complaints(loads(text, "late")))

@@ -5,6 +5,7 @@ import os
 import numpy as np
 import pytest
 from clockwork import METHOD, SCENE, Clock, Clockwork, Works, clock, steadily
+from library_scenes import library_scene
 from planted import METHOD as METHOD_OF_PLANTED
 from planted import HeunSession, RaisingSession, SegfaultSession, planted
 from spincheck.engines import EngineError, engines
@@ -12,7 +13,6 @@ from spincheck.reports.harness import step_cost as cost
 from spincheck.reports.harness.executors import InProcess, LocalWorkers
 from spincheck.reports.harness.step_cost import measure, step_costs
 from spincheck.reports.results.cost_records import StepCost
-from spincheck.scenarios import find, load
 
 __all__ = ["clock"]
 
@@ -138,7 +138,7 @@ def test_worker_processes_start_no_threads() -> None:
 
 def test_engines_step_in_one_thread() -> None:
     """Threads that share the work take more CPU time than there is on the wall."""
-    scenario = load(find(["fast-top"])[0])
+    scenario = library_scene("fast-top")
     pairs = [(engine, method) for engine in engines().values() for method in engine.methods]
     pairs = [
         (engine, method) for engine, method in pairs if not engine.unsupported(scenario, method)
@@ -150,6 +150,6 @@ def test_engines_step_in_one_thread() -> None:
 
 @pytest.mark.parametrize("name", ["fast-top", "earth-wobble"])
 def test_steps_are_timed_that_turn_every_body_alike(name: str) -> None:
-    scenario = load(find([name])[0])
+    scenario = library_scene(name)
     speed = float(np.linalg.norm(scenario.start.omega_body))
     assert speed * cost.timed_timestep(scenario) == pytest.approx(cost.TIMED_TURN)

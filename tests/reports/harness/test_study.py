@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from box import BOX
+from library_scenes import library_scene
 from planted import (
     AbortSession,
     ChattySession,
@@ -27,7 +28,7 @@ from spincheck.reports.harness import study as study_module
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import LocalWorkers
 from spincheck.reports.results.store import Results
-from spincheck.scenarios import find, load, loads
+from spincheck.scenarios import loads
 from studies import study as study_of
 
 #: Steps; Heun's method in Python takes some 30 µs each.
@@ -212,7 +213,7 @@ def test_a_timestep_asked_for_is_run_alone(tmp_path):
     ("name", "signal"), [("nutation-loops", "angular_momentum"), ("hammer", "com")]
 )
 def test_gravity_with_its_sign_flipped_disagrees(tmp_path, name, signal):
-    scene = load(find([name])[0])
+    scene = library_scene(name)
     choice = Choice((UpsideDown(),), max_steps=1 << 16, timed=False)
     (verdict,) = study_of(tmp_path / "results.sqlite", [scene], choice).verdicts
     assert (verdict.verdict, verdict.signal) == ("disagrees", signal)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scene_texts import sphere_text
 from scipy.spatial.transform import Rotation
 from spincheck.reference import Solution
 from spincheck.reports.harness.observed_order import observed_order
@@ -12,23 +13,7 @@ from spincheck.reports.harness.richardson import SIGNALS, RichardsonLadder
 from spincheck.reports.harness.verdict import SHARP, Judgement, judge
 from spincheck.scenarios import Errors, Trajectory, loads
 
-SCENE = loads(
-    """
-spincheck = 1
-title = "A sphere"
-source = "made up"
-[body]
-mass = 1.0
-inertia = [1.0, 1.0, 1.0]
-[start]
-euler_zyz_deg = [0.0, 0.0, 0.0]
-omega_body = [0.0, 0.0, 3.0]
-[window]
-duration = 5.0
-samples = 51
-""",
-    "sphere",
-)
+SCENE = loads(sphere_text((0.0, 0.0, 3.0), duration=5.0, samples=51), "sphere")
 TIMES = SCENE.times
 EPS = float(np.finfo(float).eps)
 SPIN = 3.0

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from library_scenes import library_scene
 from scene_texts import FAST_TOP
 from scipy.spatial.transform import Rotation
 from spincheck.engines import engines
@@ -12,10 +13,10 @@ from spincheck.reports.harness.comparison import row_of
 from spincheck.reports.harness.ladder import single
 from spincheck.reports.harness.without_skill import no_better_than_rest
 from spincheck.reports.results.records import Key
-from spincheck.scenarios import Trajectory, find, load, loads
+from spincheck.scenarios import Trajectory, loads
 
-HEAVY, FREE = loads(FAST_TOP, "top"), load(find(["tennis-racket"])[0])
-THROWN = load(find(["hammer"])[0])
+HEAVY, FREE = loads(FAST_TOP, "top"), library_scene("tennis-racket")
+THROWN = library_scene("hammer")
 
 
 def exact_motion_of(scenario) -> Trajectory:

@@ -16,17 +16,9 @@ from spincheck.reports.pages.analysis.wording import number
 from spincheck.reports.pages.analysis.work_precision import SIGNALS, Signal, curves, front
 from spincheck.reports.pages.cost_section import PROFILED, cost_section
 from spincheck.reports.pages.figures.ladder_figures import work_precision
-from spincheck.reports.pages.render import render
 
 TOP = "made-up-top"
 LABELS = [f"{method.engine} {method.method}" for method in METHODS]
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("report")
-    render(results(), folder)
-    return folder
 
 
 @pytest.fixture(scope="module")

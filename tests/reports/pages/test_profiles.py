@@ -21,11 +21,6 @@ from spincheck.reports.pages.cost_tables import (
 from spincheck.reports.pages.figures.profile_figure import profile_figures
 
 
-@pytest.fixture(scope="module")
-def top() -> SceneRuns:
-    return {scene.name: scene for scene in report_data(results()).scenes}["made-up-top"]
-
-
 def three_scenes() -> list[list[Curve]]:
     """Method a costs 1, 3 and ∞ times the cheapest, method b 2, 1 and 1."""
     a, b = {"engine": "e", "method": "a"}, {"engine": "e", "method": "b"}

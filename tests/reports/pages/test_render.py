@@ -28,13 +28,6 @@ AA = 4.5
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("report")
-    render(results(), folder)
-    return folder
-
-
-@pytest.fixture(scope="module")
 def pages(folder: Path) -> dict[str, Page]:
     paths = [folder / "index.html", *sorted((folder / "scenes").glob("*.html"))]
     return {path.stem: read_page(path) for path in paths}

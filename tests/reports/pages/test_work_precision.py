@@ -20,11 +20,6 @@ from spincheck.reports.pages.analysis.work_precision import (
 )
 
 
-@pytest.fixture(scope="module")
-def top() -> SceneRuns:
-    return {scene.name: scene for scene in report_data(results()).scenes}["made-up-top"]
-
-
 def test_cost_is_seconds_a_simulated_second(top: SceneRuns) -> None:
     euler = next(curve for curve in curves(top, "omega") if curve.label == "mujoco Euler")
     assert [point.cost for point in euler.points] == [SECONDS_PER_STEP / dt for dt in TIMESTEPS]

@@ -9,13 +9,14 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 from forging import forge
+from library_scenes import library_scene
 from spincheck.reference import Solution
 from spincheck.reports.results.cost_records import StepCost
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
 from spincheck.reports.results.records import Key, Row, SignalVerdict, Verdict
 from spincheck.reports.results.result_file import FORMAT, ResultFileError
 from spincheck.reports.results.store import open_store
-from spincheck.scenarios import Errors, Trajectory, find, load
+from spincheck.scenarios import Errors, Trajectory
 
 KEY = Key("tennis-racket", "mujoco", "RK4")
 ERRORS = Errors(1e-9, 2e-9, 3e-9, 4e-9, 5e-9, 6e-9)
@@ -56,7 +57,7 @@ def path(tmp_path):
 @pytest.fixture
 def solved(path):
     """The file has the scene, without which a run is none."""
-    scenario = load(find([KEY.scenario])[0])
+    scenario = library_scene(KEY.scenario)
     with open_store(path, create=True) as store:
         store.put_scene(scenario, Solution(motion(), "by hand", ERRORS, ERRORS, 12.5))
 
@@ -95,7 +96,7 @@ def test_what_each_default_does_comes_back(path):
 
 
 def test_a_scene_comes_back_with_its_exact_motion(path):
-    scenario = load(find(["tennis-racket"])[0])
+    scenario = library_scene("tennis-racket")
     solution = Solution(motion(), "by hand", ERRORS, ERRORS, 12.5)
     with open_store(path, create=True) as store:
         store.put_scene(scenario, solution)
