@@ -12,7 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from ...scenarios import EFFECTS, FloatArray, Scenario
 from ..engine import Engine, Method
-from ..read_back import BodyReading, EngineError, State
+from ..matrix_session import MatrixReading, MatrixSession
+from ..read_back import BodyReading
 from ..session import Session
 
 ALL_EFFECTS = frozenset(EFFECTS)
@@ -48,7 +49,7 @@ class Dart(Engine):
 
 
 @final
-class DartSession(Session):
+class DartSession(MatrixSession):
     """One body in a world of its own; its frame is the scene's body frame."""
 
     def __init__(self, scenario: Scenario, as_shipped: bool, timestep: float) -> None:
@@ -79,14 +80,11 @@ class DartSession(Session):
         com, inertia = np.array(held.getLocalCOM()), np.array(held.getMoment())
         return BodyReading(float(held.getMass()), com, inertia)
 
-    def read_state(self) -> State:
+    def read_matrix(self) -> MatrixReading:
         """The state now."""
         body = self._body
-        R_world_body = np.array(body.getWorldTransform().rotation())
-        if not np.isfinite(R_world_body).all():
-            raise EngineError("the state is no longer finite", "not-finite")
-        return State(
-            Rotation.from_matrix(R_world_body).as_quat(scalar_first=True),
+        return MatrixReading(
+            np.array(body.getWorldTransform().rotation()),
             np.array(body.getSpatialVelocity()[:TURNING]),
             np.array(body.getCOM()),
             np.array(body.getCOMLinearVelocity()),

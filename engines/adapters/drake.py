@@ -8,11 +8,11 @@ from importlib.metadata import version
 from typing import Any, final
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ...scenarios import EFFECTS, FloatArray, Scenario
 from ..engine import Engine, Method
-from ..read_back import BodyReading, EngineError, State
+from ..matrix_session import MatrixReading, MatrixSession
+from ..read_back import BodyReading, EngineError
 from ..session import Session
 
 ALL_EFFECTS = frozenset(EFFECTS)
@@ -58,7 +58,7 @@ class Drake(Engine):
 
 
 @final
-class DrakeSession(Session):
+class DrakeSession(MatrixSession):
     """One body in a plant of its own; its frame is the scene's body frame.
 
     Raises
@@ -96,15 +96,13 @@ class DrakeSession(Session):
         about_com = about_origin.ShiftToCenterOfMass(mass, com).CopyToFullMatrix3()
         return BodyReading(float(mass), com, np.array(about_com))
 
-    def read_state(self) -> State:
+    def read_matrix(self) -> MatrixReading:
         """The state now."""
         body, context = self._body, self._context
         pose, moving = body.EvalPoseInWorld(context), body.EvalSpatialVelocityInWorld(context)
         R_world_body, omega_world = np.array(pose.rotation().matrix()), moving.rotational()
-        if not (np.isfinite(R_world_body).all() and np.isfinite(omega_world).all()):
-            raise EngineError("the state is no longer finite", "not-finite")
-        return State(
-            Rotation.from_matrix(R_world_body).as_quat(scalar_first=True),
+        return MatrixReading(
+            R_world_body,
             R_world_body.T @ omega_world,
             np.asarray(pose @ body.CalcCenterOfMassInBodyFrame(context)),
             np.array(body.CalcCenterOfMassTranslationalVelocityInWorld(context)),

@@ -13,8 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from ...scenarios import EFFECTS, FloatArray, Scenario
 from ..engine import Engine, Method
+from ..matrix_session import MatrixReading, MatrixSession
 from ..native_output import native_output
-from ..read_back import BodyReading, EngineError, State
+from ..read_back import BodyReading, EngineError
 from ..session import Session
 
 ALL_EFFECTS = frozenset(EFFECTS)
@@ -79,7 +80,7 @@ class Exudyn(Engine):
 
 
 @final
-class ExudynSession(Session):
+class ExudynSession(MatrixSession):
     """One body; of a body with a pivot, what is stepped is its rotation about that.
 
     Explicit solvers eliminate constraints wrongly where the com is off the node: so the node is at
@@ -112,15 +113,12 @@ class ExudynSession(Session):
             com = com + self._scenario.body.com
         return BodyReading(mass, com, inertia)
 
-    def read_state(self) -> State:
+    def read_matrix(self) -> MatrixReading:
         """The state now."""
         of_node, of_marker = self._system.GetNodeOutput, self._system.GetMarkerOutput
         names = self._variables
-        R = np.array(of_node(self._node, names.RotationMatrix)).reshape(3, 3)
-        if not np.isfinite(R).all():
-            raise EngineError("the state is no longer finite", "not-finite")
-        return State(
-            Rotation.from_matrix(R).as_quat(scalar_first=True),
+        return MatrixReading(
+            np.array(of_node(self._node, names.RotationMatrix)).reshape(3, 3),
             np.array(of_node(self._node, names.AngularVelocityLocal)),
             np.array(of_marker(self._com, names.Position)),
             np.array(of_marker(self._com, names.Velocity)),

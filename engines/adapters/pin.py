@@ -4,6 +4,7 @@ What is judged is its forward dynamics (articulated-body algorithm), stepped as 
 by a Runge-Kutta rule. How each effect was measured: docs/engines-more.md.
 """
 
+import math
 from importlib import import_module
 from importlib.metadata import version
 from typing import Any, final
@@ -17,6 +18,8 @@ from ..read_back import BodyReading, EngineError, State
 from ..session import Session
 
 ALL_EFFECTS = frozenset(EFFECTS)
+#: Effects that are given to `aba` as a force; the others are in the model.
+PUSHES = frozenset({"drag", "torque_body", "torque_world"})
 #: Of the classical Runge-Kutta rule (Hairer, Nørsett & Wanner I, II.1): where stages stand in the
 #: step, and a sixth of what they weigh.
 STAGES = ((0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0))
@@ -64,6 +67,7 @@ class PinocchioSession(Session):
         self._pin: Any = import_module("pinocchio")
         pin, body = self._pin, scenario.body
         self._scenario, self._timestep = scenario, timestep
+        self._is_pushed = bool(scenario.called_for & PUSHES)
         self._step = self._runge_kutta if method == "RK4" else self._semi_implicit
         self._model = pin.Model()
         joint = pin.JointModelSpherical() if scenario.has_pivot else pin.JointModelFreeFlyer()
@@ -131,22 +135,37 @@ class PinocchioSession(Session):
     def _runge_kutta(self) -> None:
         """Of place, quaternion and velocity, which are numbers like any other."""
         h, q, v = self._timestep, self._q, self._v
-        q_rate, v_rate = np.zeros_like(q), np.zeros_like(v)
-        q_gain, v_gain = np.zeros_like(q), np.zeros_like(v)
+        q_rate, v_rate = np.zeros(len(q)), np.zeros(len(v))
+        q_gain, v_gain = np.zeros(len(q)), np.zeros(len(v))
         for at, weight in STAGES:
             stage_q, stage_v = _normalised(q + at * h * q_rate), v + at * h * v_rate
-            q_rate = _rate(stage_q, stage_v)
+            q_rate = self._rate(stage_q, stage_v)
             v_rate = self._acceleration(stage_q, stage_v)
             q_gain += weight * q_rate
             v_gain += weight * v_rate
         self._q, self._v = _normalised(q + h / 6 * q_gain), v + h / 6 * v_gain
 
+    def _rate(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """How coordinates change: of the quaternion half its product with ω."""
+        # As Python's floats: numpy's cost several times as much one by one.
+        (x, y, z, w), (a, b, c) = q[-4:].tolist(), v[-3:].tolist()
+        turning = (
+            w * a + y * c - z * b,
+            w * b + z * a - x * c,
+            w * c + x * b - y * a,
+            -x * a - y * b - z * c,
+        )
+        is_held = len(q) == len(turning)
+        moving = () if is_held else self._pin.Quaternion(q[-4:]).matrix() @ v[:-3]
+        return np.array([*moving, *(part / 2 for part in turning)])
+
     def _acceleration(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        scenario = self._scenario
-        push = np.zeros_like(v)
-        push[-3:] = scenario.torque_body - scenario.drag * v[-3:]
-        if scenario.torque_world.any():
-            push[-3:] += _matrix(q).T @ scenario.torque_world
+        push = np.zeros(len(v))
+        if self._is_pushed:
+            scenario = self._scenario
+            R_world_body = self._pin.Quaternion(q[-4:]).matrix()
+            push[-3:] = scenario.torque_body - scenario.drag * v[-3:]
+            push[-3:] += R_world_body.T @ scenario.torque_world
         return np.asarray(self._pin.aba(self._model, self._data, q, v, push))
 
 
@@ -157,29 +176,12 @@ def _start(scenario: Scenario) -> tuple[FloatArray, FloatArray]:
     q = np.array((x, y, z, w))
     if scenario.has_pivot:
         return q, np.array(start.omega_body)
-    R_world_body = _matrix(q)
+    R_world_body = Rotation.from_quat(q).as_matrix()
     origin_velocity = R_world_body.T @ start.velocity_world - np.cross(start.omega_body, com)
     origin = start.position_world - R_world_body @ com
     return np.array([*origin, *q]), np.array([*origin_velocity, *start.omega_body])
 
 
-def _matrix(q: FloatArray) -> FloatArray:
-    return np.asarray(Rotation.from_quat(q[-4:]).as_matrix())
-
-
-def _rate(q: FloatArray, v: FloatArray) -> FloatArray:
-    """How coordinates change: of the quaternion half its product with ω."""
-    (x, y, z, w), (a, b, c) = q[-4:], v[-3:]
-    turning = (
-        w * a + y * c - z * b,
-        w * b + z * a - x * c,
-        w * c + x * b - y * a,
-        -x * a - y * b - z * c,
-    )
-    moving = _matrix(q) @ v[:-3] if len(q) > len(turning) else ()
-    return np.array([*moving, *(part / 2 for part in turning)])
-
-
 def _normalised(q: FloatArray) -> FloatArray:
-    q[-4:] /= np.linalg.norm(q[-4:])
+    q[-4:] /= math.sqrt(q[-4:] @ q[-4:])
     return q
