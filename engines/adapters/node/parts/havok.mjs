@@ -1,5 +1,5 @@
 // Havok's calls with their result codes looked at, a ball joint, and the gravity that a body feels.
-const HERE = [0, 0, 0], X = [1, 0, 0], Y = [0, 1, 0], ROUNDED = 2 ** -22;
+const HERE = [0, 0, 0], X = [1, 0, 0], Y = [0, 1, 0];
 
 // Each call of the module gives a code, [code, value] or [code, value, …]: here the value or values, or it throws.
 export const checked = (module) => new Proxy(module, { get: (_, name) => {
@@ -27,15 +27,19 @@ export function jointAt(H, arm, world, body) {
   return joint;
 }
 
-// Of the world's gravity Havok tells nothing: another body feels it, one that moves, for below 0.1 m/s it takes 3 % off.
+// Of the world's gravity Havok tells nothing: other bodies feel it, which move, for below 0.1 m/s it takes 3 % off.
+// Along what a body moves by, its gain is rounded: each component is felt by one that moves across it.
 export function gravityFelt(H, world, timestep) {
-  const probe = H.HP_Body_Create();
-  H.HP_Body_SetMotionType(probe, H.MotionType.DYNAMIC);
-  H.HP_Body_SetMassProperties(probe, [HERE, 1, [1, 1, 1], [0, 0, 0, 1]]);
-  H.HP_Body_SetLinearDamping(probe, 0);
-  H.HP_World_AddBody(world, probe, false);
-  H.HP_Body_SetLinearVelocity(probe, X);
+  const [alongX, alongY] = [X, Y].map((velocity) => {
+    const probe = H.HP_Body_Create();
+    H.HP_Body_SetMotionType(probe, H.MotionType.DYNAMIC);
+    H.HP_Body_SetMassProperties(probe, [HERE, 1, [1, 1, 1], [0, 0, 0, 1]]);
+    H.HP_Body_SetLinearDamping(probe, 0);
+    H.HP_World_AddBody(world, probe, false);
+    H.HP_Body_SetLinearVelocity(probe, velocity);
+    return probe;
+  });
   H.HP_World_Step(world, timestep);
-  const gained = H.HP_Body_GetLinearVelocity(probe).map((v, i) => v - X[i]);
-  return gained.map((gain) => (Math.abs(gain) > ROUNDED ? gain / timestep : 0));
+  const [, y, z] = H.HP_Body_GetLinearVelocity(alongX), [x] = H.HP_Body_GetLinearVelocity(alongY);
+  return [x, y, z].map((gain) => gain / timestep);
 }
