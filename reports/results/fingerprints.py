@@ -19,10 +19,14 @@ _DECIDING = "harness"
 
 
 def digests(scenario: Scenario, engines: Sequence[Engine]) -> dict[str, str]:
-    """By engine name, of its version and adapter; under "", of the scene and of this program."""
+    """By engine name, of its version and adapter; under "", of the scene and of this program.
+
+    Of an engine at another version it is also of its folder's name, which ends with its Python's.
+    """
     return {"": _digest(scenario.text.encode(), program())} | {
         engine.name: _digest(
             engine.version.encode(),
+            Path(engine.site).name.encode(),
             _adapter(type(engine)),
             *(path.read_bytes() for path in engine.sources),
         )
