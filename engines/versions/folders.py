@@ -72,7 +72,7 @@ def install(name: str, requirements: Sequence[str]) -> Path:
 
     def fill(target: Path) -> None:
         command = [*_pip(sys.executable), "--no-deps", "--target", str(target), *requirements]
-        _call(name, requirements, command)
+        _call(_not_there(name, requirements), command)
 
     return _made(folder_of(name), fill)
 
@@ -91,15 +91,15 @@ def install_for(python: str, name: str, requirements: Sequence[str], code: Seque
         If there is no such Python, or pip cannot; with its last words.
     """
     _check(name)
-    tag = _call(name, (python,), [python, "-c", _TAG]).strip()
+    tag = _call(f"'{python}' cannot be used", [python, "-c", _TAG]).strip()
     if not _TAGGED.fullmatch(tag):
         raise VersionError(f"'{python}' is no Python 3: it printed '{tag[:40]}'")
 
     def fill(target: Path) -> None:
-        _call(name, (python,), [python, "-m", "venv", str(target)])
+        _call(f"'{python}' makes no environment", [python, "-m", "venv", str(target)])
         needed = [*RUNS_WITH, *requirements]
         # Only what is not copied knows where it is.
-        _call(name, needed, [*_pip(str(interpreter_of(target))), *needed])
+        _call(_not_there(name, needed), [*_pip(str(interpreter_of(target))), *needed])
         package = next(target.glob("lib/python3*/site-packages")) / "spincheck"
         package.mkdir()
         for folder in code:
@@ -142,23 +142,25 @@ def _made(folder: Path, fill: Callable[[Path], None]) -> Path:
     return folder
 
 
-def _call(name: str, wanted: Sequence[str], command: Sequence[str]) -> str:
-    """What a command prints."""
+def _not_there(name: str, wanted: Sequence[str]) -> str:
+    return f"{name} is not installed, and pip cannot install {' '.join(wanted)}"
+
+
+def _call(failing: str, command: Sequence[str]) -> str:
+    """What a command prints; `failing` says what it means if it cannot."""
     try:
         done = subprocess.run(
             command, capture_output=True, text=True, timeout=_PATIENCE, check=False
         )
     except subprocess.TimeoutExpired:
-        raise VersionError(f"{name}: '{command[0]}' did not finish within {_PATIENCE} s") from None
+        words = f"'{command[0]}' did not finish within {_PATIENCE} s"
+        raise VersionError(f"{failing}: {words}") from None
     except OSError as error:
         raise VersionError(f"'{command[0]}' cannot be started: {error.strerror}") from None
     if done.returncode:
         errors = [line for line in done.stderr.splitlines() if line.startswith("ERROR")]
         last = (errors or done.stderr.splitlines() or ["it said nothing"])[-1]
-        raise VersionError(
-            f"{name} is not installed, and pip cannot install {' '.join(wanted)}: "
-            f"{last.removeprefix('ERROR: ')}"
-        )
+        raise VersionError(f"{failing}: {last.removeprefix('ERROR: ')}")
     return done.stdout
 
 

@@ -72,6 +72,7 @@ def test_what_is_no_version_is_reported(name: str, words: str) -> None:
     {
         "no-such-python": "'no-such-python' cannot be started",
         "echo": "'echo' is no Python 3: it printed",
+        "false": "'false' cannot be used: it said nothing",
     }.items(),
 )
 def test_another_interpreter_that_is_none_is_reported(python: str, words: str) -> None:
