@@ -3,14 +3,16 @@
 import importlib
 import pkgutil
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from inspect import isabstract
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from ..scenarios.model_files import ModelFile
 from ..scenarios.model_files.model_file import Format
 from . import adapters
+from .inspection.cause import Kind
 from .read_back import BodyReading
 
 #: The module of an adapter's package that has its reader.
@@ -35,12 +37,50 @@ class Configuration:
     remedy: str = ""
 
 
+@dataclass(frozen=True)
+class Advice:
+    """What to do in an engine's own terms.
+
+    Attributes
+    ----------
+    line : of XML to put into the file; empty where the advice is something else
+    is_mended : whether a newer version needs it no longer
+    """
+
+    text: str
+    line: str = ""
+    is_mended: bool = False
+
+
+@dataclass(frozen=True)
+class RefusalAdvice:
+    """What makes an engine take a file that it refuses.
+
+    Attributes
+    ----------
+    phrases : any of them in the engine's reason tells this refusal
+    concerns : links with a tensor that no body has, or those that move without mass or tensor
+    """
+
+    phrases: tuple[str, ...]
+    concerns: Literal["impossible", "massless"]
+    advice: Advice
+
+
 class ModelReader(ABC):
-    """An engine's reader of model files."""
+    """An engine's reader of model files.
+
+    Attributes
+    ----------
+    advice : by what it has done to a link: what mends it, or has to be known besides
+    refusals : those with known advice
+    """
 
     name: ClassVar[str]
     formats: ClassVar[frozenset[Format]]
     configurations: ClassVar[tuple[Configuration, ...]]
+    advice: ClassVar[Mapping[Kind, Advice]] = {}
+    refusals: ClassVar[tuple[RefusalAdvice, ...]] = ()
 
     @property
     @abstractmethod

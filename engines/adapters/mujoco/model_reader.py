@@ -3,6 +3,7 @@
 import contextlib
 import tempfile
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, final
 
 import mujoco
@@ -11,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from ....scenarios.model_files import ModelFile, Shape
 from ....scenarios.model_files.mjcf import unnamed
-from ...model_reader import Configuration, ModelReader
+from ...model_reader import Advice, Configuration, ModelReader, RefusalAdvice
 from ...models.users_urdf import with_meshes
 from ...read_back import BodyReading, EngineError
 
@@ -33,6 +34,30 @@ class MuJoCoModelReader(ModelReader):
     configurations = (
         Configuration("as-is", "compiled with the file's own settings"),
         Configuration("unfused", "shapes stripped off a URDF, fusestatic = false"),
+    )
+    advice = MappingProxyType(
+        {
+            "sum": Advice(
+                "keep links from being fused",
+                '<mujoco><compiler fusestatic="false"/></mujoco>',
+                is_mended=True,
+            )
+        }
+    )
+    refusals = (
+        RefusalAdvice(
+            ("A + B >= C", "positive eigenvalues"),
+            "impossible",
+            Advice("correct the tensors that no body has"),
+        ),
+        RefusalAdvice(
+            ("mjMINVAL",),
+            "massless",
+            Advice(
+                "give links that move a mass and a tensor; this option gives them small ones",
+                '<mujoco><compiler boundmass="1e-6" boundinertia="1e-9"/></mujoco>',
+            ),
+        ),
     )
 
     @property

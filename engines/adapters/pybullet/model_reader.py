@@ -4,6 +4,7 @@ import re
 import tempfile
 from importlib.metadata import version
 from pathlib import Path
+from types import MappingProxyType
 from typing import final
 
 import numpy as np
@@ -11,7 +12,7 @@ import pybullet as p
 from scipy.spatial.transform import Rotation
 
 from ....scenarios.model_files import ModelFile, Shape
-from ...model_reader import Configuration, ModelReader
+from ...model_reader import Advice, Configuration, ModelReader
 from ...models.users_urdf import with_meshes
 from ...native_output import native_output
 from ...read_back import BodyReading, EngineError
@@ -42,6 +43,9 @@ class PyBulletModelReader(ModelReader):
             "load it with flags=pybullet.URDF_USE_INERTIA_FROM_FILE",
         ),
         Configuration(FROM_FILE, "loadURDF with URDF_USE_INERTIA_FROM_FILE"),
+    )
+    advice = MappingProxyType(
+        {"nothing stated": Advice("PyBullet holds a root without mass still")}
     )
 
     @property

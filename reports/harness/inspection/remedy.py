@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from ....engines.inspection import Kind
-from ....engines.model_reader import model_readers
+from ....engines.model_reader import ModelReader, model_readers
 from ....engines.models.text import decimals
 from ....scenarios.model_files import Stated
 from .findings import listed
@@ -79,45 +79,47 @@ def inertial_line(stated: Stated) -> str:
 
 
 def _of_kind(engine: str, configuration: str, kind: Kind) -> Iterator[tuple[str, str]]:
-    base, at, _ = engine.partition("@")
+    """What mends it in any engine, with what this one has to add."""
+    reader, is_versioned = _reader(engine), "@" in engine
+    own = reader.advice.get(kind)
+    newer = ", or use a newer version" if is_versioned else ""
     if kind == "made up":
-        for configured in model_readers()[base].configurations:
+        for configured in reader.configurations:
             if configured.name == configuration and configured.remedy:
                 yield configured.remedy, ""
     elif kind == "nothing stated":
-        held_still = "; PyBullet holds a root without mass still" if base == "pybullet" else ""
-        yield f"state that they have no mass{held_still}", NO_INERTIA
+        yield f"state that they have no mass{f'; {own.text}' if own else ''}", NO_INERTIA
     elif kind == "no tensor":
         yield "state their tensors: the file has a mass alone", ""
     elif kind == "zero":
         yield "correct their tensors in the file: no body has them", ""
     elif kind == "rotation lost":
-        newer = ", or use a newer version" if at else ""
         yield f"write the tensor along the link's axes, without 'rpy'{newer}", ""
-    elif kind == "sum" and base == "mujoco":
-        newer = ", or use a newer version" if at else ""
-        line = '<mujoco><compiler fusestatic="false"/></mujoco>'
-        yield f"keep links from being fused{newer}", line
+    elif own:
+        yield f"{own.text}{newer if own.is_mended else ''}", own.line
 
 
 def _of_refusals(inspection: Inspection) -> Iterator[Remedy]:
     """What makes an engine take a file that it refuses."""
-    impossible = [
-        link.link.name for link in inspection.links if any(p.impossible for p in link.problems)
-    ]
-    massless = [
-        link.link.name
-        for link in inspection.links
-        if link.link.moves and (link.link.stated is None or not link.link.stated.is_physical)
-    ]
+    concerned = {
+        "impossible": [
+            link.link.name for link in inspection.links if any(p.impossible for p in link.problems)
+        ],
+        "massless": [
+            link.link.name
+            for link in inspection.links
+            if link.link.moves and (link.link.stated is None or not link.link.stated.is_physical)
+        ],
+    }
     for (engine, configuration), reason in inspection.refusals.items():
-        who = (f"{engine} {configuration}",)
-        if "A + B >= C" in reason or "positive eigenvalues" in reason:
-            yield Remedy(who, tuple(impossible), "correct the tensors that no body has")
-        elif "mjMINVAL" in reason:
-            yield Remedy(
-                who,
-                tuple(massless),
-                "give links that move a mass and a tensor; this option gives them small ones",
-                '<mujoco><compiler boundmass="1e-6" boundinertia="1e-9"/></mujoco>',
-            )
+        for known in _reader(engine).refusals:
+            if any(phrase in reason for phrase in known.phrases):
+                links = tuple(concerned[known.concerns])
+                who = (f"{engine} {configuration}",)
+                yield Remedy(who, links, known.advice.text, known.advice.line)
+                break
+
+
+def _reader(engine: str) -> ModelReader:
+    """Of an engine, at whichever version."""
+    return model_readers()[engine.partition("@")[0]]

@@ -1,9 +1,14 @@
 """What is told to do does it: each remedy is applied to its file, and the file inspected again."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from spincheck.engines.model_reader import Advice, RefusalAdvice
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.inspection import asked_engines, inspect_model
+from spincheck.reports.harness.inspection import remedy as remedy_module
+from spincheck.reports.harness.inspection.records import Inspection
 from spincheck.reports.harness.inspection.remedy import inertial_line, remedies
 from spincheck.scenarios.model_files import read_model
 from users_models import (
@@ -101,3 +106,13 @@ def test_links_that_are_kept_apart_are_not_fused(tmp_path):
     option = '<mujoco><compiler fusestatic="false"/></mujoco>'
     after = inspected(tmp_path, text.replace('name="made-up">', f'name="made-up">{option}'))
     assert all(not held.fused for one in after.links for held in one.held)
+
+
+def test_an_engine_of_any_name_brings_its_own_advice(tmp_path, monkeypatch):
+    refusals = (RefusalAdvice(("too light",), "massless", Advice("weigh them down")),)
+    reader = SimpleNamespace(advice={}, refusals=refusals)
+    monkeypatch.setattr(remedy_module, "model_readers", lambda: {"stranger": reader})
+    model = read_model(written(tmp_path, arm()))
+    refused = {("stranger@2.0", "as-is"): "a link is too light"}
+    (remedy,) = remedies(Inspection(model, (), refused))
+    assert (remedy.who, remedy.text) == (("stranger@2.0 as-is",), "weigh them down")
