@@ -58,10 +58,10 @@ class Kill:
     faults: tuple[str, ...]
 
 
-def start(path: Path, *options: str) -> subprocess.Popen[str]:
+def start(path: Path, *options: str, jobs: int = 2) -> subprocess.Popen[str]:
     """`spincheck run` in a process group of its own."""
     return subprocess.Popen(
-        [COMMAND, "run", *STUDY, "--jobs", "2", "--out", path, *options],
+        [COMMAND, "run", *STUDY, "--jobs", str(jobs), "--out", path, *options],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -80,7 +80,7 @@ def hear_signals() -> None:
 
 def finish(path: Path, *options: str) -> str:
     """Run to the end; returns stderr."""
-    run = start(path, *options)
+    run = start(path, *options, jobs=1)
     _, err = run.communicate()
     assert run.returncode == 0, err
     return err

@@ -48,11 +48,11 @@ def test_a_killed_worker_is_replaced_and_its_run_made_again(tmp_path, undisturbe
 
 def test_a_second_run_into_the_same_file_is_refused(tmp_path, undisturbed):
     path = tmp_path / "results.sqlite"
-    first = start(path, "--quick")
+    first = start(path, "--quick", jobs=1)
     wait_for_rows(first, path, 1)
     # Stopped, so that it cannot end before the second has begun.
     first.send_signal(signal.SIGSTOP)
-    second = start(path, "--quick")
+    second = start(path, "--quick", jobs=1)
     _, err = second.communicate()
     first.send_signal(signal.SIGCONT)
     assert second.returncode == 2
