@@ -233,31 +233,44 @@ def _order_words(window: _BestWindow) -> str:
 
 
 def _unresolved(window: _BestWindow, limit: str) -> tuple[str, float | None]:
-    """Why it is unresolved, and the timestep that would resolve it, s, if there is one."""
+    """Why it is unresolved, and the timestep that would resolve it, s, if there is one.
+
+    Roundings of many steps are taken to add up as a random walk does, unless the ladder shows more.
+    """
     sequence = window.sequence
-    bounds = sequence.roundoff_bounds
     finest, errors = float(sequence.timesteps[-1]), sequence.errors
     least = int(np.argmin(errors))
     needed = _needed_timestep(window)
-    rounding = float(bounds[-1]) * finest / needed
-    if rounding + sequence.uncertainty <= SHARP and window.extrapolation > window.noise_floor:
+    a_step = float(sequence.roundoff_bounds[-1]) * finest / sequence.duration
+
+    def rounding(timestep: float) -> float:
+        return math.sqrt(sequence.duration / timestep) * a_step
+
+    can_be_sharp = rounding(needed) + sequence.uncertainty <= SHARP
+    if can_be_sharp and window.extrapolation > window.noise_floor and not _at_roundoff(sequence):
         steps = sequence.duration / needed
         return (
             f"not in the asymptotic range: {_order_words(window)}; {limit}; "
             f"a timestep of {needed:.1e} s would resolve it, {steps:.1e} steps",
             needed,
         )
-    a_step = float(bounds[-1]) * finest / sequence.duration
-    floor = math.sqrt(sequence.duration / sequence.timesteps[least]) * a_step
     at = float(sequence.timesteps[least])
     is_last = least == len(errors) - 1
     worse = "" if is_last else f" and gets worse below it, {errors[-1]:.1e} at {finest:.1e} s"
     return (
         f"round-off × conditioning bounds the error from below: it comes down to "
         f"{errors[least]:.1e} at a timestep of {at:.1e} s{worse}; no finer one would resolve it: "
-        f"a step's rounding moves the motion by {a_step:.1e}, all of them by {floor:.1e}; {limit}",
+        f"a step's rounding moves the motion by {a_step:.1e}, all of them by {rounding(at):.1e}; "
+        f"{limit}",
         None,
     )
+
+
+def _at_roundoff(sequence: SignalSequence) -> bool:
+    """Whether errors no longer shrink, at a size that rounding at every step explains."""
+    coarse, fine = sequence.errors[-2:]
+    shrinks = coarse >= 2**SETTLING_ORDER * fine
+    return bool(not shrinks and fine <= sequence.roundoff_bounds[-1] + sequence.uncertainty)
 
 
 def _needed_timestep(window: _BestWindow) -> float:

@@ -6,6 +6,8 @@ from mutated_scenes import LEAST, Raw, changed, leaves, with_entries, written
 from spincheck.reference import IntegrationError, solve
 from spincheck.scenarios import Scenario, ScenarioError, loads
 
+pytestmark = pytest.mark.slow
+
 SIZES = ("0", "-1.0", "1e25", "1e150", "1e300", "1e308", "-1e308", "1e-150", "1e-300", "5e-324")
 #: Numbers that set the motion; those of [[published]] and [[expect]] are only compared with.
 MOVING = {

@@ -23,6 +23,8 @@ from spincheck.reports.results.sweep_records import MAX_MEMBERS, SweepPoint
 from spincheck.scenarios import Trajectory
 from spincheck.scenarios.errors import is_control
 
+pytestmark = pytest.mark.slow
+
 #: Never read by a report: what results rest on, and which run wrote last.
 NOT_READ = ("fingerprints", "file")
 BLOBS = ("truth", "motion")

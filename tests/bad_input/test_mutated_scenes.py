@@ -24,6 +24,8 @@ from mutated_scenes import (
 )
 from spincheck.scenarios import ScenarioError, loads
 
+pytestmark = pytest.mark.slow
+
 NAME = "made"
 #: No key takes any of these.
 NEVER = {

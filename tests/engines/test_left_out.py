@@ -11,6 +11,8 @@ from spincheck.engines.adapters.pybullet.engine import PyBullet
 from spincheck.engines.models.mjcf import switched_off
 from spincheck.scenarios import Scenario, find, load
 
+pytestmark = pytest.mark.slow
+
 TIMESTEP = 1e-3
 STEPS = 100
 LIBRARY = [load(path) for path in find([])]

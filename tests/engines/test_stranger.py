@@ -17,6 +17,8 @@ from spincheck.reports.harness.study import run_study
 from spincheck.reports.pages.render import render
 from spincheck.reports.results.store import open_store
 
+pytestmark = pytest.mark.slow
+
 STRANGER = Path(__file__).parent / "stranger"
 #: What a package may raise, and not only that it lacks another.
 RAISES = ["raise RuntimeError('built for numpy 1')", "1 / 0", "import sys; sys.exit(3)"]

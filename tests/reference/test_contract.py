@@ -39,6 +39,8 @@ from spincheck.scenarios import Errors, Trajectory, errors_between
 from spincheck.scenarios.exact import DIGITS, normalised, product
 from spincheck.scenarios.fastest_rate import fastest_rate
 
+pytestmark = pytest.mark.slow
+
 EPS = float(np.finfo(float).eps)
 #: Relative, and in rad: a fault that nobody would see and every check must.
 SLIP = 1e-11

@@ -8,12 +8,15 @@ with a fault, and must notice.
 from functools import cache
 
 import numpy as np
+import pytest
 from contract_references import few
 from contract_scenes import every_scene, solved, states
 from spincheck.reference.motion import motion
 from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.scenarios import Scenario, Trajectory
 from spincheck.scenarios.fastest_rate import fastest_rate
+
+pytestmark = pytest.mark.slow
 
 EPS = float(np.finfo(float).eps)
 #: Ulp: of four squares, and of a product of two quaternions.

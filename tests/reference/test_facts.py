@@ -8,6 +8,8 @@ from spincheck.reference.facts import facts
 from spincheck.scenarios import find, load
 from top_scenes import ASYMMETRIC, GRAVITY, HEAVY, TOP, scene
 
+pytestmark = pytest.mark.slow
+
 #: Facts are worked out in extended precision or by a handful of operations on doubles.
 ROUNDED = 16 * np.finfo(float).eps
 

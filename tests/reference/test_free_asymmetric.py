@@ -24,6 +24,8 @@ from spincheck.scenarios.exact import product
 from taylor_problems import problem
 from textbook_periods import DIGITS, free_body
 
+pytestmark = pytest.mark.slow
+
 TILTED = (1.0, 0.2, -0.3, 0.4)
 GENERIC = problem((1.0, 2.0, 3.0), (0.3, 0.5, 1.0), TILTED)
 #: ω circulates about the third axis; 1 − m down to 2e-14, moments equal to 1e-14.

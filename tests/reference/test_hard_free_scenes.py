@@ -18,6 +18,8 @@ from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.scenarios import FloatArray
 from textbook_periods import free_body
 
+pytestmark = pytest.mark.slow
+
 SCENES = (
     "separatrix-below-by-1e-14",
     "separatrix-exactly",

@@ -24,6 +24,8 @@ from spincheck.reference.taylor import FINE_ORDERS, integrate
 from taylor_problems import problem
 from textbook_periods import heavy_top
 
+pytestmark = pytest.mark.slow
+
 LOOP = top((0.0, 0.4, 3.0), tilted(0.5))
 MOTIONS = {
     "loops": LOOP,

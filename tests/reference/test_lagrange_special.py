@@ -10,6 +10,8 @@ from spincheck.reference.lagrange import lagrange
 from spincheck.reference.problem import Problem
 from spincheck.reference.taylor import integrate
 
+pytestmark = pytest.mark.slow
+
 LATER = np.array([0.0, 1.0, 1e3, 1e9])
 #: |B| = sin β/2 of a top that has fallen far from upright.
 FALLEN = 0.9

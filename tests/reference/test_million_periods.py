@@ -19,6 +19,8 @@ from spincheck.reference.theta_quotients import ClosedForm
 from spincheck.scenarios.exact import DIGITS, exact, normalised
 from taylor_problems import TILTED, distance, problem, q_and_omega, truncation
 
+pytestmark = pytest.mark.slow
+
 EPS = float(np.finfo(float).eps)
 #: To half an ulp each: the argument, numerator, denominator and their quotient, the phase and its
 #: product, two products of quaternions, and the constants; 1.0e-15 in all.

@@ -17,6 +17,8 @@ from spincheck.reference.taylor import IntegrationError, integrate
 from taylor_problems import distance
 from top_scenes import ASYMMETRIC, HEAVY, TOP, scene
 
+pytestmark = pytest.mark.slow
+
 START = "euler_zyz_deg = [10, 50, 20]\nomega_body = [0.4, 0.3, 1.1]"
 FREE = ""
 #: The stated error may miss the true one by this factor at the most.

@@ -11,6 +11,8 @@ from spincheck.reference.closed_forms import closed_form
 from spincheck.reference.problem import Problem
 from taylor_problems import problem
 
+pytestmark = pytest.mark.slow
+
 #: A disturbance ε has grown to at most this times ε, in three seconds at a radian or so a second;
 GROWTH = 30.0
 TIMES = np.linspace(0.0, 3.0, 31)

@@ -15,6 +15,8 @@ from spincheck.reference.taylor import TRUTH_ORDERS, integrate_double_double
 from spincheck.scenarios.exact import rotate
 from taylor_problems import distance, problem, q_and_omega, truncation
 
+pytestmark = pytest.mark.slow
+
 DIGITS = 40
 ORDER = 36
 STEPS = 8

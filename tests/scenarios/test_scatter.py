@@ -6,6 +6,8 @@ from scipy.spatial.transform import Rotation
 from spincheck.scenarios import find, load, loads
 from spincheck.scenarios.scatter import SCATTER, member
 
+pytestmark = pytest.mark.slow
+
 EPS = np.finfo(float).eps
 FREE = """
 spincheck = 1

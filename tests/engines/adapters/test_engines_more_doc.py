@@ -12,6 +12,8 @@ from spincheck.engines.child.process import end_idle
 from spincheck.reference import solve
 from spincheck.scenarios import errors_between
 
+pytestmark = pytest.mark.slow
+
 PAGE = Path(__file__).parents[3] / "docs" / "engines-more.md"
 ROWS = re.findall(
     r"^\| `([\w-]+)` \| (\w+) \| ([\d.e+-]+) / .* \|$", PAGE.read_text(encoding="utf-8"), re.M

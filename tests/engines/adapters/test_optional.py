@@ -15,6 +15,8 @@ from spincheck.engines.child.process import end_idle
 from spincheck.engines.contract.checks import CHECKS, Check
 from spincheck.engines.contract.scenes import SCENES, scene
 
+pytestmark = pytest.mark.slow
+
 TIMESTEP = 2.0**-10
 #: A body that feels no gyroscopic torque where it starts: ω is along L.
 START_ON_AXIS = """

@@ -8,6 +8,8 @@ from scenes import SCENES
 from spincheck.engines import Run
 from spincheck.engines.adapters.pybullet import PyBullet, worlds
 
+pytestmark = pytest.mark.slow
+
 ENGINE = PyBullet()
 STEPS = np.arange(0, 200, 7)
 TIMESTEP = 1e-4

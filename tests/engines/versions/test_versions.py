@@ -19,6 +19,8 @@ from spincheck.reports.harness.version_changes import OverVersions, VersionChang
 from spincheck.reports.pages.version_page import write_version_page
 from spincheck.scenarios import Scenario
 
+pytestmark = pytest.mark.slow
+
 TIMESTEP = 1e-3
 
 

@@ -9,6 +9,8 @@ from spincheck.reports.results.records import Verdict
 from spincheck.scenarios import Expect, Scenario, find, load, loads
 from studies import verdict_of
 
+pytestmark = pytest.mark.slow
+
 pytest_plugins = ["pytester"]
 DISAGREES = 1
 #: Steps of a ladder, which is not run here.

@@ -10,6 +10,8 @@ from spincheck.reports.cli.pictures import WHAT, plot, view
 from spincheck.reports.cli.terminal import BAD_INPUT, Complaint
 from spincheck.reports.results.store import Results
 
+pytestmark = pytest.mark.slow
+
 NO_FILE = Path("there-is-none.sqlite")
 
 

@@ -21,6 +21,8 @@ from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.store import Results
 from spincheck.scenarios import Errors
 
+pytestmark = pytest.mark.slow
+
 NO_FILE = Path("there-is-none.sqlite")
 
 

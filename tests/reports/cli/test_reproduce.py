@@ -19,6 +19,8 @@ from spincheck.reports.harness.ladder import single
 from spincheck.scenarios import errors_between
 from typer.testing import CliRunner
 
+pytestmark = pytest.mark.slow
+
 TIMESTEP = 2e-3
 #: The file prints four digits.
 PRINTED = 1e-3

@@ -20,6 +20,8 @@ from spincheck.reports.results.store import open_store
 from spincheck.scenarios import loads
 from studies import study
 
+pytestmark = pytest.mark.slow
+
 #: Rungs of a ladder as short as one may be.
 SHORT = 1 << 7
 

@@ -23,6 +23,8 @@ from spincheck.reports.results.store import Results, Store, open_store
 from spincheck.scenarios import loads
 from studies import study as study_of
 
+pytestmark = pytest.mark.slow
+
 PROMISE = """
 [[expect]]
 engine = "Heun"

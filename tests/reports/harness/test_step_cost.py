@@ -14,6 +14,8 @@ from spincheck.reports.harness.executors import InProcess, LocalWorkers
 from spincheck.reports.harness.step_cost import measure, step_costs
 from spincheck.reports.results.cost_records import StepCost
 
+pytestmark = pytest.mark.slow
+
 __all__ = ["clock"]
 
 #: s a step.

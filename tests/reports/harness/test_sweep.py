@@ -38,6 +38,8 @@ from spincheck.scenarios import loads
 from spincheck.scenarios.scatter import member
 from studies import sweep as sweep_of
 
+pytestmark = pytest.mark.slow
+
 SCENE = loads(BOX, "box")
 SPIN = Axis("start.omega_body[1]", (0.5, 2.0), logarithmic=True)
 STEPS = Axis("timestep", (0.01, 0.02, 0.04), logarithmic=True)

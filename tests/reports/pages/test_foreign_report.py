@@ -13,6 +13,8 @@ from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.results.store import Store, open_store
 from spincheck.scenarios import EFFECTS, Scenario
 
+pytestmark = pytest.mark.slow
+
 #: Makes a report where no engine is installed.
 RENDER = """
 import sys

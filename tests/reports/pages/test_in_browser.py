@@ -25,7 +25,10 @@ from browser import chromium, launched
 from playwright.sync_api import Browser, Page, expect
 
 CHROMIUM = chromium()
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+pytestmark = [
+    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
+    pytest.mark.slow,
+]
 
 SCENES = ("fast-top", "hammer", "reaction-wheel")
 METHODS = ("default", "RK4", "multibody")

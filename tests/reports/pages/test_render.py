@@ -21,6 +21,8 @@ from spincheck.reports.pages.templating import TEMPLATES
 from spincheck.reports.results.records import Verdict
 from spincheck.reports.results.store import SceneResult
 
+pytestmark = pytest.mark.slow
+
 #: Bytes; what a page may weigh.
 HEAVIEST_PAGE = 2e5
 #: WCAG 2.1, 1.4.3: contrast of text.

@@ -27,6 +27,8 @@ from spincheck.scenarios import loads
 from studies import study
 from studies import sweep as sweep_of
 
+pytestmark = pytest.mark.slow
+
 distributed = pytest.importorskip("distributed")
 
 SCENE = loads(BOX, "box")
