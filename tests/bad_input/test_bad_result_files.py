@@ -20,6 +20,8 @@ from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.results.result_file import APPLICATION_ID, FORMAT
 from typer.testing import CliRunner
 
+pytestmark = pytest.mark.slow
+
 #: Bytes of a file that fit on a full disk: an empty result file has less, a full one more.
 FULL = 100_000
 #: A file is cut at this many places, and damaged at as many.

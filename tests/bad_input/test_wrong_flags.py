@@ -17,6 +17,8 @@ from spincheck.reports.cli.terminal import BAD_INPUT, NOT_RUN, Complaint
 from typer.models import OptionInfo
 from typer.testing import CliRunner
 
+pytestmark = pytest.mark.slow
+
 
 @dataclass(frozen=True)
 class Parameter:

@@ -9,6 +9,8 @@ from spincheck.engines.contract import CHECKS, Check, ContractBroken, checks
 from spincheck.scenarios import Scenario
 from stranger.toy_engine import Toy, ToySession
 
+pytestmark = pytest.mark.slow
+
 RANDOM = np.random.default_rng(3)
 
 

@@ -10,6 +10,8 @@ from spincheck.engines import engines
 from spincheck.engines.first_steps import equation_residuals, starting_with
 from spincheck.scenarios import loads
 
+pytestmark = pytest.mark.slow
+
 EPS = float(np.finfo(float).eps)
 
 

@@ -22,6 +22,8 @@ from spincheck.reports.harness.choice import Choice
 from spincheck.scenarios import loads
 from studies import study
 
+pytestmark = pytest.mark.slow
+
 #: Steps of a ladder.
 BUDGET = 1 << 11
 #: s; the faults are told of a run by itself, no ladder.

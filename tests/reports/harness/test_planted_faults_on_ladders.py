@@ -8,6 +8,8 @@ from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.study import convergence_study_of, prepare, run_rungs
 from spincheck.reports.results.records import Verdict
 
+pytestmark = pytest.mark.slow
+
 #: Of the longest run: short ladders are to tell as well.
 MOST_STEPS = 1 << 13
 

@@ -9,6 +9,8 @@ from spincheck.reports.harness import reference_checks
 from spincheck.reports.harness.reference_checks import complaints
 from spincheck.scenarios import FloatArray, Scenario, loads
 
+pytestmark = pytest.mark.slow
+
 #: Well conditioned; beside a saddle; rotation that no rounding may disturb; ill-conditioned; long.
 SCENES = (
     "book-with-drag",
