@@ -5,13 +5,13 @@ import signal
 import subprocess
 import sys
 import threading
-from pathlib import Path
 
 import command_line
 import pytest
+from scene_texts import sphere_text
 from spincheck.reports.cli import stopping
 
-SPHERE = Path(__file__).with_name("test_pytest_plugin.py").read_text().split('"""')[3]
+SPHERE = sphere_text((0.0, 1.0, 2.0), samples=5, tilt_deg=30.0)
 
 
 @pytest.fixture
