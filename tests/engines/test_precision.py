@@ -36,6 +36,7 @@ def test_too_few_samples_say_nothing() -> None:
     assert single_precision(states(rounded)) == ""
 
 
+@pytest.mark.needs_pybullet
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])
 def test_engines_of_double_precision_are_not_taken_for_others(name: str) -> None:
     engine, scenario = engines()[name], library_scene("fast-top")

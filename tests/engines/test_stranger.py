@@ -78,7 +78,7 @@ def test_a_package_that_raises_on_import_costs_only_its_own_engine(
     monkeypatch.syspath_prepend(str(tmp_path))
     forget()
     try:
-        assert {"mujoco", "pybullet"} <= set(discovery.engines())
+        assert "mujoco" in discovery.engines()
         (broken,) = [one for one in discovery.missing() if one.name == "broken_engine"]
         assert "importing it failed" in broken.reason
     finally:

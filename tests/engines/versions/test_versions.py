@@ -111,6 +111,7 @@ def test_orders_that_differ_are_data() -> None:
     assert [order(version) for version in ("2.3.7", "3.17.0", "4.0.0")] == [2, 2, 4]
 
 
+@pytest.mark.needs_pybullet
 def test_a_version_needs_what_it_was_built_with() -> None:
     pybullet = engines()["pybullet"]
     requirements = [pybullet.at_version(v).requirements for v in ("3.2.6", "3.2.7")]  # type: ignore[union-attr]

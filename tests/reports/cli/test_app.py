@@ -70,7 +70,7 @@ def test_engines_lists_methods_with_their_orders(spincheck):
     _, out, _ = spincheck("engines", "--json")
     orders = {(e["engine"], e["method"]): e["order"] for e in json.loads(out)["engines"]}
     assert orders[("mujoco", "RK4")] == 4
-    assert orders[("pybullet", "multibody")] == 1
+    assert orders[("mujoco", "Euler")] == 1
 
 
 def test_reference_prints_states_at_the_times_asked_for(spincheck, sphere):

@@ -139,6 +139,7 @@ def test_an_engine_of_users_files_that_is_asked_for_in_vain_is_reported(tmp_path
     )
 
 
+@pytest.mark.needs_pybullet
 def test_pytest_has_an_item_a_link_and_engine(pytester):
     path = written(pytester.path, arm())
     import_scenes(path, pytester.path / "scenes", ())

@@ -67,11 +67,13 @@ LIBRARY = [
 ]
 
 
+@pytest.mark.needs_pybullet
 @pytest.mark.parametrize(("scene", "expected"), LIBRARY)
 def test_what_the_library_says_of_blow_ups_holds(scene: Scenario, expected: Expect) -> None:
     assert judged(scene, expected.engine, expected.method, expected.timestep).agrees
 
 
+@pytest.mark.needs_pybullet
 @pytest.mark.parametrize("case", BLOW_UPS, ids=lambda case: f"{case[0]}-{case[1]}")
 def test_a_blow_up_that_is_known_passes(case):
     verdict = judged(loads(top(*case), "top"), *case[:3])
@@ -79,6 +81,7 @@ def test_a_blow_up_that_is_known_passes(case):
     assert verdict.verdict == "diverges"
 
 
+@pytest.mark.needs_pybullet
 @pytest.mark.parametrize("case", NO_BLOW_UPS, ids=lambda case: f"{case[0]}-{case[1]}")
 def test_one_that_does_not_happen_is_reported_and_fails(case):
     verdict = judged(loads(top(*case), "top"), *case[:3])

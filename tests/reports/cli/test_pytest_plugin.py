@@ -66,6 +66,7 @@ omega = {bound}
 """
 
 
+@pytest.mark.needs_pybullet
 def test_an_engine_as_shipped_is_no_item_unless_the_scene_expects_something_of_it(run):
     promised = SPHERE.replace("A spinning", "A promised") + SHIPPED_PROMISE.format(bound=1.0)
     result = run("--collect-only", "-q", sphere=SPHERE, promised=promised)
@@ -73,13 +74,19 @@ def test_an_engine_as_shipped_is_no_item_unless_the_scene_expects_something_of_i
     assert collected == ["promised.toml::pybullet-default"]
 
 
-@pytest.mark.parametrize(("bound", "outcome"), [(1.0, "passed"), (1e-12, "failed")])
+@pytest.mark.needs_pybullet
+@pytest.mark.parametrize(
+    ("bound", "outcome"),
+    [(1.0, "passed"), (1e-12, "failed")],
+    ids=["pybullet passes", "pybullet fails"],
+)
 def test_of_an_engine_as_shipped_the_expectation_is_judged_and_not_the_motion(run, bound, outcome):
     text = SPHERE + SHIPPED_PROMISE.format(bound=bound)
     result = run("-k", "pybullet-default", sphere=text)
     assert {outcome: 1}.items() <= result.parseoutcomes().items()
 
 
+@pytest.mark.needs_pybullet
 def test_a_good_scene_passes_on_both_engines_and_skips_with_the_reason(run):
     wanted = "reference or mujoco or pybullet"  # whatever else is installed
     result = run("-k", wanted, sphere=SPHERE)

@@ -36,6 +36,7 @@ RUNS = [
 ]
 
 
+@pytest.mark.needs_pybullet
 @pytest.mark.parametrize(("scene", "engine", "method"), RUNS)
 def test_the_file_alone_finds_the_error_that_the_harness_finds(
     scene: str, engine: str, method: str, tmp_path: Path

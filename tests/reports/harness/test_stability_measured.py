@@ -91,6 +91,7 @@ def log_amplification(scene: Scenario, engine: str, method: str, y: float) -> fl
     return math.log(sweep[-1] / sweep[0]) / STEPS
 
 
+@pytest.mark.needs_pybullet
 @pytest.mark.parametrize("y", COARSE)
 @pytest.mark.parametrize(("engine", "method", "effects"), EXPLICIT)
 def test_these_are_explicit_euler_in_free_precession(engine, method, effects, y):
@@ -98,6 +99,7 @@ def test_these_are_explicit_euler_in_free_precession(engine, method, effects, y)
     assert measured == pytest.approx(euler_log_amplification(y), abs=ROUNDED)
 
 
+@pytest.mark.needs_pybullet
 @pytest.mark.parametrize("y", COARSE)
 @pytest.mark.parametrize(("engine", "method", "effects"), IMPLICIT)
 def test_these_are_implicit_euler_in_free_precession(engine, method, effects, y):
@@ -125,6 +127,7 @@ def test_runge_kutta_s_limit_divides_growth_from_decay(effects):
     assert log_amplification(scene, "mujoco", "RK4", above) > ROUNDED
 
 
+@pytest.mark.needs_pybullet
 @pytest.mark.parametrize(
     ("engine", "method", "limit"),
     [

@@ -203,6 +203,7 @@ def test_a_verdict_chosen_leaves_the_scenes_where_any_method_got_it(visit, folde
         assert set(rows(page)) == {name for name, words in carried_pairs.items() if word in words}
 
 
+@pytest.mark.needs_pybullet
 def test_the_engine_chosen_alone_has_columns(visit, folder):
     page = open_table(visit, folder)
     page.locator("#engine").select_option("pybullet")
