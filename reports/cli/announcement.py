@@ -1,4 +1,4 @@
-"""What a run says before it starts: its engines, and roughly how long it takes."""
+"""The line printed before a run: its engines, and roughly how long it takes."""
 
 from collections.abc import Iterable
 
@@ -7,14 +7,14 @@ from ..harness.choice import QUICK_STEPS, Choice
 from ..harness.plan import Plan
 from ..pages.analysis.wording import plural
 
-#: Steps of all the runs of a verdict, typically: of short ladders, and of whole ones.
+#: Typical number of steps of all runs of one verdict: on short ladders, and on whole ones.
 STEPS_QUICK, STEPS = 35_000, 150_000
-#: s, that a verdict takes besides its steps, and the timing of a method on a scene.
+#: s, that a verdict takes besides its steps; s, that the timing of a method on a scene takes.
 OVERHEAD, TIMING = 0.5, 1.0
 
 
 def announcement(left: Plan, choice: Choice, jobs: int) -> str:
-    """Engines, what is to be made of them, and an estimate; empty for a verdict at the most."""
+    """Engines, number of verdicts to be made, estimated time; empty for one verdict at most."""
     pairs = [pair for scene in left.scenes for pair in scene.to_run]
     if len(pairs) < 2:
         return ""
@@ -36,5 +36,5 @@ def _seconds(engines: Iterable[Engine], choice: Choice) -> float:
 
 
 def _rounded(seconds: float) -> str:
-    """To what is worth telling."""
+    """The estimate in words: seconds, minutes or hours, rounded."""
     return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"

@@ -79,7 +79,7 @@ def spincheck(
 
 def main() -> None:
     """Run the command line; every complaint is one message and an exit code."""
-    # A title's Greek letters, or a file's name of bytes, where the terminal has no such letters.
+    # Greek letters of a title, or bytes of a file's name, that the terminal's encoding lacks.
     open_closed_streams()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
@@ -96,7 +96,7 @@ def main() -> None:
 
 
 def _run_and_flush() -> None:
-    """Run the command line; a `Complaint` where the system does not let it do its work."""
+    """Run the command line; errors of the operating system become a `Complaint`."""
     try:
         try:
             app()
@@ -120,7 +120,7 @@ def run(
     out: Annotated[Path, typer.Option(help="The result file; added to.")] = RESULT_FILE,
     quick: Annotated[
         bool,
-        typer.Option("--quick", help="Short ladders, untimed; none of hard scenes unless named."),
+        typer.Option("--quick", help="Short ladders, without timing; hard scenes only if named."),
     ] = False,
     time_limit: TimeLimit = None,
     python: Python = "",
@@ -128,7 +128,10 @@ def run(
     seed: Seed = 0,
     dask: Dask = None,
     strict: Annotated[
-        bool, typer.Option("--strict", help="Exit with 1 for what is only unproven, too.")
+        bool,
+        typer.Option(
+            "--strict", help="Exit with 1 also if a verdict is 'unresolved' or 'diverges'."
+        ),
     ] = False,
     again: Again = False,
     verbose: Annotated[
@@ -235,8 +238,8 @@ def recommend(
 ) -> None:
     """Find the cheapest method and timestep that stay within bounds, and check it by a run.
 
-    It rests on the timed runs that the result file has of the scene, and runs the scene where it
-    has none. An engine as shipped, with its damping and clamps, is never recommended.
+    It uses the timed runs of the scene in the result file, and runs the scene if there are none.
+    An engine as shipped, with its damping and clamps, is never recommended.
     """
     from .named_scenes import one_scene
     from .recommend import exit_code

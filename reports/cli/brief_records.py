@@ -26,7 +26,7 @@ def run_lines(rows: Sequence[Row]) -> Iterator[str]:
 
 
 def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """A line a verdict, and below what is not as it should be the reason."""
+    """One line a verdict, and below each that is not `converges` its reason."""
     yield f"{'scene':{SCENE}} {'method':{METHOD}} {'verdict':11} {'order':>5} {'limit':>8}"
     for verdict in verdicts:
         key = verdict.key

@@ -21,7 +21,7 @@ def choose(
     timesteps: Sequence[float],
     python: str = "",
 ) -> Choice:
-    """The part of the grid that was asked for.
+    """The engines, methods and timesteps that were asked for.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def choose(
 
 
 def limited(choice: Choice, time_limit: float | None) -> Choice:
-    """The same with a time limit, s, where one was chosen.
+    """The choice with a time limit, s, if one was given.
 
     Raises
     ------
@@ -91,7 +91,7 @@ def _engine(name: str, python: str) -> Engine:
 
 
 def _at_version(name: str, python: str) -> Engine:
-    """An engine@version, among the engines from now on."""
+    """The engine of a name such as mujoco@3.1.6; from now on in the list of engines."""
     from ...engines.versions import VersionError, versioned
 
     try:
@@ -103,7 +103,7 @@ def _at_version(name: str, python: str) -> Engine:
 
 
 def _child(command: str) -> Engine:
-    """The engine that a command starts, under its own name from now on."""
+    """The engine that a command starts; from now on in the list of engines, under its own name."""
     from ...engines.child import ProtocolError, child_engine
 
     try:

@@ -27,7 +27,7 @@ def exit_code(changes: Sequence[Change]) -> int:
 
 
 def changes_as_json(changes: Sequence[Change]) -> dict[str, Any]:
-    """Every single change, and by which rule a number has changed."""
+    """All changes, one by one, and the factors above which a number counts as changed."""
     return {
         "regressions": sum(change.regression for change in changes),
         "error_factor": ERROR_FACTOR,
@@ -37,7 +37,7 @@ def changes_as_json(changes: Sequence[Change]) -> dict[str, Any]:
 
 
 def print_changes(changes: Sequence[Change]) -> None:
-    """Print what changed, of a method's errors on a scene the one that changed most."""
+    """Print the changes; of a method's errors on a scene only the one that changed most."""
     if not changes:
         print("nothing changed")
         return
@@ -47,7 +47,7 @@ def print_changes(changes: Sequence[Change]) -> None:
 
 
 def _grouped(changes: Sequence[Change]) -> list[list[Change]]:
-    """Errors of a method on a scene that went the same way together, all else by itself."""
+    """Groups of changes: a method's errors on a scene that all grew or all shrank; others alone."""
     groups: dict[object, list[Change]] = {}
     for number, change in enumerate(changes):
         errors = (change.direction, change.scenario, change.engine, change.method)
@@ -75,7 +75,7 @@ def _line(group: Sequence[Change]) -> dict[str, object]:
 
 
 def _ratio(change: Change) -> float:
-    """How many times larger or smaller an error is than it was; 0 of anything else."""
+    """By what factor an error changed, at least 1; 0 for any other kind of change."""
     if not isinstance(change.old, float) or not isinstance(change.new, float):
         return 0.0
     low, high = sorted((change.old, change.new))

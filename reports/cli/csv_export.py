@@ -11,9 +11,10 @@ FORMULA = ("=", "+", "-", "@", "\t", "\n")
 def csv_text(records: Sequence[Mapping[str, object]]) -> str:
     """One line a record under one line of names; numbers read back to the last bit.
 
-    What is not there is empty. A table inside a record has a column for each of its entries, as in
-    ``drifts.energy``; a list is joined by semicolons. A text that a spreadsheet would take for a
-    formula begins with an apostrophe (https://owasp.org/www-community/attacks/CSV_Injection).
+    A missing value is an empty cell. A table inside a record has a column for each of its entries,
+    as in ``drifts.energy``; a list is joined by semicolons. A text that a spreadsheet would take
+    for a formula begins with an apostrophe
+    (https://owasp.org/www-community/attacks/CSV_Injection).
     """
     flat = [dict(_flattened(record)) for record in records]
     names = list(dict.fromkeys(name for record in flat for name in record))

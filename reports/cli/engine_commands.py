@@ -11,7 +11,7 @@ from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, tab
 
 app = typer.Typer()
 
-#: s that an answer may take, where nothing large is asked.
+#: s that an answer of a child may take by default.
 ANSWER_LIMIT = 10.0
 
 
@@ -30,7 +30,7 @@ def list_engines(
 ) -> None:
     """List engines, their methods, orders of accuracy and effects.
 
-    Versions come by 'spincheck run --engine mujoco@3.1.6', each into a folder of its own.
+    'spincheck run --engine mujoco@3.1.6' installs that version, into a folder of its own.
     """
     from ...engines import engines, missing
 
@@ -108,7 +108,7 @@ def reproduce(
 ) -> None:
     """Write one run as a Python file that needs the engine and numpy alone.
 
-    It builds the model, steps it, and prints its error against exact values that stand in it.
+    The file builds the model, steps it, and prints its error against the exact values it contains.
     """
     from .choosing import check_timesteps, choose
     from .named_scenes import one_scene
@@ -128,7 +128,7 @@ def reproduce(
 
 
 def _scenes() -> list[Any]:
-    """Of the library, one plain scene for each set of effects that it has."""
+    """One plain scene of the library for each set of effects that occurs in it."""
     from .named_scenes import scenes_to_run
 
     first: dict[frozenset[str], Any] = {}

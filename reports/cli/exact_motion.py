@@ -81,7 +81,7 @@ _ERRORS = ("uncertainty", "conditioning")
 
 
 def _shown(value: Any) -> str:
-    """Numbers to the digits a reader can use; `--json` has them all."""
+    """Numbers rounded for reading; `--json` has all digits."""
     if isinstance(value, list | tuple):
         return "  ".join(_shown(item) for item in value)
     return f"{value:.10g}" if isinstance(value, float) else str(value)

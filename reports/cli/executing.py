@@ -12,12 +12,12 @@ from .terminal import BAD_INPUT, NOT_RUN, Complaint
 
 @dataclass(frozen=True)
 class Where:
-    """What runs are made on.
+    """Where runs are made.
 
     Attributes
     ----------
     jobs : worker processes on this computer
-    cluster : a Dask scheduler's address, in their stead
+    cluster : a Dask scheduler's address; used instead of worker processes if not empty
     """
 
     jobs: int
@@ -26,7 +26,7 @@ class Where:
 
 @contextmanager
 def executor_for(where: Where, time_limit: float | None) -> Iterator[Executor]:
-    """Open it, and close it in the end.
+    """Open the executor, and close it at the end.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def executor_for(where: Where, time_limit: float | None) -> Iterator[Executor]:
 
 
 def check_temporary_folder() -> None:
-    """See that there is one: engines read their models from files, and print into others.
+    """Check that there is a temporary folder: engines read models and write output there.
 
     Raises
     ------

@@ -16,7 +16,7 @@ _OTHERS = "Others"
 
 
 class GroupedCommands(TyperGroup):
-    """Lists commands under the headings of `GROUPS`; one that is in none comes last."""
+    """Lists commands under the headings of `GROUPS`; commands in no group come last."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write a section a group."""
@@ -34,6 +34,6 @@ class GroupedCommands(TyperGroup):
 
     def _summary(self, ctx: Any, name: str) -> str:
         command = self.get_command(ctx, name)
-        assert command is not None, "only commands that there are are listed"
+        assert command is not None, "every command listed exists"
         text: str = command.get_short_help_str(limit=66)
         return text

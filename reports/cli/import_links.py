@@ -10,7 +10,7 @@ from .terminal import BAD_INPUT, Complaint
 
 
 def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
-    """Write the scenes; returns a line for each, and one for each reason to leave links out.
+    """Write the scenes; returns one line for each, and one for each reason why links were left out.
 
     Parameters
     ----------
@@ -19,8 +19,8 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
     Raises
     ------
     Complaint
-        If the file cannot be read, has no such link, none of its links makes a scene, or a scene
-        is there already.
+        If the file cannot be read or has no such link, if no link makes a scene, or if a scene's
+        file exists already.
     """
     try:
         scenes = list(link_scenes(read_model(file), out.absolute()))
@@ -50,7 +50,7 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
 
 
 def _left_out(scenes: Sequence[LinkScene]) -> Iterator[str]:
-    """A line for each reason, with all the links it holds for."""
+    """One line for each reason, with the links it applies to."""
     by_reason: dict[str, list[str]] = {}
     for scene in scenes:
         if scene.left_out:

@@ -36,7 +36,7 @@ LEGEND = (
 def models(
     files: Sequence[Path], packages: tuple[tuple[str, Path], ...]
 ) -> tuple[list[ModelFile], list[str]]:
-    """The files that can be read, and what is wrong with the others."""
+    """The models of the files that can be read, and the complaints about the others."""
     read, wrong = [], []
     for file in files:
         try:
@@ -66,7 +66,7 @@ def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator
 
 
 def write_pages(inspected: Sequence[Inspection], out: Path) -> Iterator[Path]:
-    """A page of each model.
+    """Write a page for each model.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def write_pages(inspected: Sequence[Inspection], out: Path) -> Iterator[Path]:
 
 
 def print_inspection(inspection: Inspection) -> None:
-    """Table, differences worst first, what the file has wrong, and what to do."""
+    """Print the table, the differences (worst first), faults of the file, and remedies."""
     model = inspection.model
     stated = sum(map(is_stated, inspection.links))
     _print(
@@ -127,7 +127,7 @@ def _row(link: InspectedLink, heads: Sequence[tuple[str, str]]) -> dict[str, obj
 
 
 def _heading(engine: str, configuration: str) -> str:
-    """In lines as narrow as the cells."""
+    """The heading, broken into lines as narrow as the cells."""
     return f"{engine.replace('@', ' @')} {configuration.replace('-from', '- from')}".replace(
         " ", "\n"
     )
@@ -146,7 +146,7 @@ def _print_list(heading: str, lines: Iterable[object]) -> None:
 
 
 def _print(text: str, first: str = "", rest: str = "") -> None:
-    """A paragraph, wrapped on a terminal alone."""
+    """Print a paragraph; wrapped on a terminal only."""
     width = terminal_width()
     text = printable(text)
     if width is None:

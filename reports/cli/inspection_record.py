@@ -9,7 +9,7 @@ from ..harness.inspection.findings import added_masses, stated_mass
 
 
 def record(inspection: Inspection) -> dict[str, Any]:
-    """As the contract of `--json` has it."""
+    """An inspection as a JSON object."""
     return {
         "file": str(inspection.model.path),
         "links": [_link_record(link) for link in inspection.links],

@@ -1,4 +1,4 @@
-"""The scenes that a user named: found, read and complained of."""
+"""Finds and reads the scenes that a user named, and collects what is wrong with them."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -33,16 +33,16 @@ def one_scene(name: str) -> Scenario:
 
 
 def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Scenario]:
-    """All the scenes named (nothing named: the library); raises if any of them is wrong.
+    """All the scenes named, or the library if none is named.
 
     Parameters
     ----------
-    expectations : whether to complain of those of an engine or method that does not exist
+    expectations : whether to check that expectations name engines and methods that exist
 
     Raises
     ------
     Complaint
-        If there is no such scene, or any of the files is wrong: what is wrong with every one.
+        If there is no such scene, or any of the files is wrong; the message names all that are.
     """
     scenarios, wrong = load_each(_files(names))
     complain(wrong)
@@ -52,7 +52,7 @@ def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Sc
 
 
 def listed(names: Sequence[str]) -> tuple[list[dict[str, object]], list[str]]:
-    """A record for each of the scenes named, and what is wrong with files that give none."""
+    """A record for each scene named, and the complaints about files that cannot be read."""
     rows: list[dict[str, object]] = []
     scenarios, wrong = load_each(_files(names))
     for scenario in scenarios:
@@ -72,13 +72,13 @@ def listed(names: Sequence[str]) -> tuple[list[dict[str, object]], list[str]]:
 
 @dataclass(frozen=True)
 class Checked:
-    """What a check of files found, in words.
+    """The result of a check of scene files, in words.
 
     Attributes
     ----------
-    lines : one for each file that is right
-    wrong : what is wrong with others
-    untrue : published values that the exact motion does not have
+    lines : one for each file without an error
+    wrong : one for each error in a file
+    untrue : published values that differ from the exact motion
     powerless : effects whose absence a scene cannot detect
     """
 
@@ -89,7 +89,7 @@ class Checked:
 
 
 def checked(files: Iterable[Path]) -> Checked:
-    """Check files, folders gone through, and the scenes in them."""
+    """Check scene files; of folders, all the scenes in them."""
     from ..harness.power import powerless
     from ..harness.reference_checks import published_that_do_not_hold
 
@@ -98,7 +98,7 @@ def checked(files: Iterable[Path]) -> Checked:
         try:
             scenarios, complaints = load_each(_in_it(file))
         except ScenarioError as error:
-            # Two of one name.
+            # Two scenes of one name.
             scenarios, complaints = [], [str(error)]
         result.wrong.extend(complaints)
         for scenario in scenarios:
@@ -122,7 +122,7 @@ def _in_it(file: Path) -> list[Path]:
 
 
 def complain(wrong: Sequence[str]) -> None:
-    """Raise a `Complaint` if anything is wrong, with all that is."""
+    """Raise one `Complaint` with everything that is wrong, if anything is."""
     if wrong:
         raise Complaint("\n".join(wrong), BAD_INPUT)
 

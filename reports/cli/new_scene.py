@@ -41,7 +41,7 @@ def new_scene(name: str) -> Path:
     Raises
     ------
     Complaint
-        If that is no name of a scene, or the file is there already.
+        If the name is not valid for a scene, or the file exists already.
     """
     name = name.removesuffix(".toml")
     if not is_scene_name(name):

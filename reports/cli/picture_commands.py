@@ -19,7 +19,7 @@ def view(
     jobs: Jobs = CORES,
     out: Annotated[Path, typer.Option(help="The folder to write.")] = VIEW_FOLDER,
 ) -> None:
-    """Make a scene's page on the spot: short ladders and stock timesteps, untimed.
+    """Run one scene on short ladders and at stock timesteps, without timing, and write its page.
 
     Example: spincheck view my-top.toml
     """
@@ -45,12 +45,12 @@ def plot(
     engine: Engines = None,
     method: Methods = None,
 ) -> None:
-    """Draw one figure of a scene, or film its motion, as a file; takes matplotlib.
+    """Draw one figure of a scene, or film its motion, as a file; needs matplotlib.
 
-    The exact motion, and beside it the engines and methods that are named, as far as the result
-    file has runs of them; convergence and work-precision of every method.
+    It shows the exact motion, and the engines and methods that are named if the result file has
+    runs of them; convergence and work-precision show every method.
 
-    A film is slow enough to be followed; .gif always works, .mp4 takes ffmpeg.
+    A film is slowed down until it can be followed; .gif always works, .mp4 needs ffmpeg.
 
     Example: spincheck plot fast-top --what motion --engine mujoco --method default -o top.gif
     """

@@ -32,7 +32,7 @@ WHAT: dict[str, tuple[str, int | None]] = {
 }
 #: The motion itself, as a film.
 MOTION = "motion"
-#: Those that are of runs alone.
+#: Figures that show runs only, and not the exact motion.
 OF_RUNS = ("convergence", "work-precision")
 
 
@@ -111,7 +111,7 @@ def _film(scene: SceneRuns, runs: tuple[Compared, ...], out: Path) -> None:
 
 
 def _scene_runs(scenario: Scenario, results: Path) -> SceneRuns:
-    """The scene with the runs that a result file has of it, or with none."""
+    """The scene with its runs in a result file; without runs if there is no file."""
     stored = running.read(results) if results.exists() else None
     if stored is not None and scenario.name in stored.scenes:
         scene = stored.scenes[scenario.name]
@@ -126,7 +126,7 @@ def _scene_runs(scenario: Scenario, results: Path) -> SceneRuns:
 def _chosen(
     scene: SceneRuns, engine_names: Sequence[str], methods: Sequence[str]
 ) -> tuple[Compared, ...]:
-    """Runs of what was named, each at its engine's own stock timestep; of nothing named none."""
+    """The runs of what was named, each at its engine's stock timestep; none if nothing was."""
     first = {run.runs.label: run for run in reversed(scene.compared)}
     return tuple(
         run

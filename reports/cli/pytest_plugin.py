@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     from ..harness.executors import LocalWorkers
     from ..harness.study import Prepared
 
-#: A scenario's first key stands this near the file's beginning, after comments at most.
+#: Bytes of a file's beginning in which a scenario's first key must be.
 _HEAD = 1 << 14
 #: The settings of which engines are tested, and of how many steps a run of a ladder may take.
 _ENGINES, _MAX_STEPS = "spincheck_engines", "spincheck_max_steps"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add the settings of what is tested of a scene."""
+    """Add the settings of the plugin to pytest's configuration file."""
     parser.addini(
         _ENGINES, "engines that spincheck's scenes are run on; all there are if left out", "args"
     )
@@ -38,7 +38,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """See that the settings can be used, before anything is collected."""
+    """Check the settings, before anything is collected."""
     _asked_steps(config)
 
 
@@ -113,7 +113,7 @@ class ScenarioFile(pytest.File):
 
         timesteps = sorted({expect.timestep for expect in self.scenario.expect})
         prepared = prepare(self.scenario, timesteps, _max_steps(self.config))
-        # How long a step may be is no test.
+        # Timesteps above the ladder are for the report only.
         return replace(prepared, ladder=replace(prepared.ladder, above=()))
 
 
@@ -123,7 +123,7 @@ class SceneItem(pytest.Item):
     parent: ScenarioFile
 
     def reportinfo(self) -> tuple[Path, None, str]:
-        """Say where the item comes from."""
+        """File, line (none) and name of the item, for pytest's report."""
         return self.path, None, f"{self.path.stem}::{self.name}"
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
@@ -206,7 +206,7 @@ def _max_steps(config: pytest.Config) -> int:
 
 
 def _asked_steps(config: pytest.Config) -> int | None:
-    """The setting of the same; None where it is left out."""
+    """The setting of the number of steps; None if it is left out."""
     setting = config.getini(_MAX_STEPS)
     if not setting:
         return None
@@ -222,7 +222,7 @@ def _is_asked_for(config: pytest.Config, engine: str) -> bool:
 
 
 def _unknown_engines(config: pytest.Config) -> str:
-    """The complaint of an engine in the settings that there is not; empty if there is none."""
+    """The complaint about an unknown engine in the settings; empty if all are known."""
     from ...engines import engines, missing
     from ...scenarios import did_you_mean
 
@@ -248,7 +248,7 @@ def _worker(config: pytest.Config) -> "LocalWorkers":
 
 def _may_be_scenario(path: Path) -> bool:
     try:
-        # A pipe would be waited for.
+        # Reading from a pipe would block.
         if not path.is_file():
             return False
         with path.open("rb") as file:

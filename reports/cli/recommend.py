@@ -1,8 +1,9 @@
 """What the command `recommend` does: the cheapest method and timestep that stay within bounds.
 
-It rests on the runs and times that a result file has of the scene, as the report's tables do; where
-it has none the scene is run and timed now. What comes out as the cheapest is then run at exactly
-its timestep; a check that misses a bound is one more run to interpolate between.
+The runs and times come from a result file, as in the report's tables; if it has none of the scene,
+the scene is run and timed now. The cheapest choice is then run at exactly its timestep. If that
+check misses a bound, its run is added to those that are interpolated between, and the choice is
+made again.
 """
 
 import math
@@ -28,21 +29,21 @@ from .named_scenes import one_scene
 from .stopping import saying
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say
 
-#: Checks before it is given up: each that misses is taken into account by the next.
+#: Checks before it is given up.
 CHECKS = 4
 
 
 @dataclass(frozen=True, eq=False)
 class Recommendation:
-    """What came out.
+    """The result of `recommend`.
 
     Attributes
     ----------
-    candidates : every method, the cheapest first, those out of reach last
+    candidates : every method, the cheapest first, those that cannot reach the bounds last
     checks : runs at exactly a recommended timestep; the last one is of the first candidate
-    unchecked : why there was no check; empty where there was
+    unchecked : why the choice was not checked; empty if it was
     command : runs the first candidate again; empty where no method reaches the bounds
-    source : the result file that it rests on; empty where the scene was run for it
+    source : the result file used; empty if the scene was run now
     """
 
     scenario: str
@@ -68,7 +69,7 @@ class Recommendation:
 def recommend(
     scene: str, bounds: Bounds, engine_names: Sequence[str], jobs: int, stored: Path
 ) -> Recommendation:
-    """Choose from a scene's ladders, and check the choice; of engines as shipped there is none.
+    """Choose from a scene's ladders, and check the choice; engines as shipped are not considered.
 
     Parameters
     ----------
@@ -119,9 +120,9 @@ def _check_bounds(bounds: Bounds) -> None:
 
 
 def _methods(engine_names: Sequence[str]) -> list[str]:
-    """Names of the methods of the engines named (none named: all), but those as shipped.
+    """Names of the methods of the engines named (none named: all), except those as shipped.
 
-    For engines that are not installed the run raises.
+    Engines that are not installed are reported by the run.
     """
     chosen = [e for name, e in engines().items() if name in engine_names or not engine_names]
     offered = [method.name for e in chosen for method in e.methods if not method.as_shipped]
@@ -132,7 +133,7 @@ def _methods(engine_names: Sequence[str]) -> list[str]:
 
 
 def _timed_runs(scene: str, engine_names: Sequence[str], stored: Path) -> Results | None:
-    """What the file has of the scene and of engines that are here; None without timed runs."""
+    """The file's results of the scene, of engines installed here; None without timed runs."""
     if not stored.exists():
         return None
     scenario, results = one_scene(scene), running.read(stored)
@@ -158,7 +159,7 @@ def _timed_runs(scene: str, engine_names: Sequence[str], stored: Path) -> Result
 
 
 def _checked(scene: str, bounds: Bounds, results: Results, folder: Path) -> Recommendation:
-    """Choose and check until a check keeps the bounds, or there is nothing left to choose."""
+    """Choose and check, until a check keeps the bounds or no candidate is left."""
     checks: list[Row] = []
     while True:
         (tried,) = report_data(results).scenes
@@ -196,7 +197,7 @@ def _run_again(scenario: Scenario, key: Key, timestep: float, out: Path) -> Row:
 
 
 def _with_run(results: Results, run: Row) -> Results:
-    """The results with one more run, at the price of its method's other runs."""
+    """The results with one more run; its cost a step is that of its method's other runs."""
     alike = next(row for row in reversed(results.rows) if row.key == run.key)
     priced = replace(
         run,
@@ -210,6 +211,6 @@ def _with_run(results: Results, run: Row) -> Results:
 
 def _command(scene: str, best: Candidate) -> str:
     parts = ["spincheck", "run", scene, "--engine", best.key.engine, "--method", best.key.method]
-    # In a file of its own: what a file knows of a scene is replaced when the scene is run.
+    # In another file: running a scene replaces what a file holds of it.
     parts += ["--timestep", repr(best.timestep), "--out", "recommended.sqlite", "--json"]
     return shlex.join(parts)

@@ -10,7 +10,7 @@ from .terminal import table
 
 
 def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
-    """The same with the names that scripts rely on."""
+    """A recommendation as a JSON object; scripts rely on its names."""
     methods = [_method(candidate) for candidate in recommendation.candidates]
     return {
         "scenario": recommendation.scenario,

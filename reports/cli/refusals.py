@@ -1,4 +1,4 @@
-"""What the system does not let a command do, each as one message in place of a traceback."""
+"""Errors of the operating system, each as one message instead of a traceback."""
 
 import errno
 from pathlib import Path
@@ -6,12 +6,12 @@ from pathlib import Path
 from .stopping import STDOUT, print_nowhere
 from .terminal import BAD_INPUT, NOT_RUN, Complaint
 
-#: What the system says where that which is printed cannot go.
+#: Error numbers of an output that cannot be written.
 _OF_OUTPUT = (errno.ENOSPC, errno.EPIPE, errno.EBADF, errno.EIO, errno.EFBIG, errno.EDQUOT)
 
 
 def refusal(error: Exception) -> Complaint | None:
-    """What to say of a command that the system has ended with an error; None of any other error."""
+    """The message for an error of the operating system; None for any other error."""
     from ..harness.executors import cause_of
 
     if isinstance(error, OSError) and error.filename is not None:
@@ -27,7 +27,7 @@ def refusal(error: Exception) -> Complaint | None:
 
 
 def unusable(place: Path | str, error: OSError, purpose: str = "used") -> Complaint:
-    """A file or folder that cannot be written, or used at all."""
+    """The complaint about a file or folder that cannot be written or used."""
     from ...scenarios import printable
 
     where = printable(str(place))

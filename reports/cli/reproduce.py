@@ -65,12 +65,13 @@ print(f"largest      {{worst_omega:14.3e}}   {{worst_attitude:22.3e}}")
 
 
 def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: float) -> str:
-    """The file.
+    """The text of the Python file.
 
     Raises
     ------
     Complaint
-        If this engine has none, cannot simulate the scene so, or the motion is not known.
+        If the engine has no script, cannot simulate the scene with this method, or the exact motion
+        is not known so far.
     """
     script = engine.script(scenario, method, timestep)
     if not script:
@@ -86,7 +87,7 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
     except IntegrationError as error:
         raise Complaint(f"{scenario.name}: {error}", NOT_RUN) from None
     head = _HEAD.format(
-        # It stands in a docstring.
+        # The title goes into a docstring.
         title=printable(scenario.title).replace("\\", "/").replace('"', "'"),
         engine=engine.name,
         engine_version=engine.version,

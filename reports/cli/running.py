@@ -34,10 +34,10 @@ def run(
     again: bool = False,
     python: str = "",
 ) -> Results:
-    """Run what was named and read back what was found of it.
+    """Run what was named, and read its results back.
 
-    Where nothing is named that is the whole library, its hard scenes in passing; a quick run leaves
-    those out.
+    If nothing is named, that is the whole library, its hard scenes on short ladders; a quick run
+    leaves the hard scenes out.
 
     What the file holds already is not run again, unless asked for (`again`).
 
@@ -73,12 +73,12 @@ def run(
 
 
 def gone_on_with(out: Path) -> str:
-    """What to say of a result file whose run is stopped."""
+    """The message of a run that is stopped."""
     return f"what was finished is in {printable(str(out))}, and the same command goes on from there"
 
 
 def _engines_for(scenarios: Sequence[Scenario]) -> list[str]:
-    """Every engine there is; those of users' files where a scene names one."""
+    """All engines; those that load users' files only if a scene names one."""
     return [
         name
         for name, engine in engines().items()
@@ -87,12 +87,12 @@ def _engines_for(scenarios: Sequence[Scenario]) -> list[str]:
 
 
 def _check_all_apply(choice: Choice, scenarios: Sequence[Scenario]) -> None:
-    """See that every engine that was asked for has something to do.
+    """Check that every engine asked for applies to some scene.
 
     Raises
     ------
     Complaint
-        If one has not.
+        If one does not.
     """
     for engine in choice.engines:
         if not any(engine.applies_to(scenario) for scenario in scenarios):
@@ -110,7 +110,7 @@ def scenes_of(names: Sequence[str], *, quick: bool) -> list[Scenario]:
 
 
 def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) -> Results:
-    """Leave out what a result file holds besides."""
+    """The results of what was asked for: a result file may hold more."""
     pairs = [(engine.name, method.name) for engine, method in choice.pairs()]
     scenes = {scenario.name: scenario for scenario in scenarios}
 
@@ -161,7 +161,7 @@ def tell_untrue(results: Results) -> None:
 
 
 def unproven_in_words(results: Results) -> str:
-    """How many verdicts say neither that a method agrees nor that it does not; empty if none."""
+    """How many verdicts are `unresolved` or `diverges`; empty if none is."""
     count = sum(verdict.is_unproven for verdict in results.verdicts)
     if not count:
         return ""
@@ -176,7 +176,7 @@ def exit_code(results: Results, *, strict: bool = False) -> int:
 
     Parameters
     ----------
-    strict : whether what is only unproven does not agree
+    strict : whether unproven verdicts (`unresolved`, `diverges`) count as disagreement
     """
     if results.rows and all(row.outcome == "failed" for row in results.rows):
         return NOT_RUN

@@ -16,7 +16,7 @@ EXPORTED_TIMESTEP = 0.002
 
 
 def scene_as_json(scenario: Scenario) -> dict[str, Any]:
-    """A scene as it was understood: SI units, body and world axes as the names say."""
+    """A scene as it was read: SI units; names tell body and world axes."""
     body, start = scenario.body, scenario.start
     return {
         "scene": scenario.name,

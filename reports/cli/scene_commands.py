@@ -56,7 +56,7 @@ def new(name: Annotated[str, typer.Argument(metavar="NAME", help="Of the scene."
 
 @app.command(epilog="Example: spincheck show fast-top")
 def show(scenario: Scene, as_json: AsJson = False) -> None:
-    """Show a scene as it was understood."""
+    """Show a scene as it was read, with defaults and units resolved."""
     from .scene import scene_as_json
 
     scene = _scenario(scenario)
@@ -72,7 +72,7 @@ def show(scenario: Scene, as_json: AsJson = False) -> None:
 def check(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Files or folders.")],
 ) -> None:
-    """Check scenario files: the format, published values, and what a scene cannot tell."""
+    """Check scenario files: format, published values, and effects whose absence would not show."""
     from .named_scenes import checked, complain
 
     result = checked(files)

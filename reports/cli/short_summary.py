@@ -1,4 +1,4 @@
-"""What a run found, on at most twenty lines of eighty columns: the answer first."""
+"""The results of a run on at most twenty lines of eighty columns: the answer first."""
 
 import math
 import textwrap
@@ -21,10 +21,10 @@ from ..results.store import Results
 WIDTH = 80
 #: Lines that one reason may take, and scenes whose best choice is printed one by one.
 REASON_LINES, SCENES_TOLD = 3, 3
-#: Methods whose errors are printed: the least wrong of engines as shipped, and each engine's most
-#: accurate method; of these so many at the least.
+#: Methods whose errors are printed, at most: engines as shipped, smallest errors first, then each
+#: engine's most accurate method, at least `OTHERS` of them.
 METHODS_SHOWN, OTHERS = 8, 3
-#: degrees; above it they are printed as whole numbers.
+#: degrees; larger angles are printed as whole numbers.
 LEAST_WHOLE = 9.5
 #: Order in which verdicts are counted: what fails a run first.
 _WORDS: tuple[VerdictWord, ...] = (
@@ -42,7 +42,7 @@ def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str
 
     Parameters
     ----------
-    timesteps : s, those that were asked for: their errors are printed instead of the stock ones'
+    timesteps : s, those asked for; their errors are printed instead of those at stock timesteps
     """
     report = report_data(results)
     lines = [*_counts(results.verdicts), *_first_failure(results.verdicts)]
@@ -65,7 +65,7 @@ def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
 
 
 def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """What fails the run first and why, and how many more there are."""
+    """The first failing verdict with its reason, and how many more fail."""
     wrong = [verdict for verdict in verdicts if not verdict.agrees]
     if not wrong:
         return
@@ -82,7 +82,7 @@ def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
 
 
 def _at_stock(report: ReportData) -> Iterator[str]:
-    """How far off engines are in attitude at their stock timesteps, in median and at worst."""
+    """Attitude errors at stock timesteps, method by method: median and worst."""
     steps = stock_timesteps(report)
     shipped = as_shipped(report)
     errors_of = {
@@ -108,7 +108,7 @@ def _at_stock(report: ReportData) -> Iterator[str]:
 
 
 def _best(report: ReportData) -> Iterator[str]:
-    """The cheapest accurate run of few scenes; of many, which method it most often is."""
+    """Of few scenes, the cheapest accurate run of each; of many, the method most often best."""
     choices = {scene.name: best_choice(scene) for scene in report.scenes if scene.solved}
     best = {name: choice for name, choice in choices.items() if choice is not None}
     if not best:

@@ -5,7 +5,7 @@ import signal
 
 def main() -> None:
     """Run the command line."""
-    # Until it hears of signals itself. Who was to ignore them, as by nohup, goes on doing so.
+    # Until the program handles signals itself. If they are ignored, as by nohup, they stay so.
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     from .app import main as command_line

@@ -1,11 +1,15 @@
-"""What stops the program from outside: Ctrl-C, SIGTERM, a terminal that closes.
+"""Ends the program on Ctrl-C, SIGTERM, or a terminal that closes (SIGHUP).
 
-The first such signal is an exception, wherever the program is, so that what it holds is put away.
-It ends within a second all the same: at once where a module is being imported, which an exception
-leaves half done; and by a thread that waits for it where Python does not hear of the signal, which
-it does between two steps of its own, or where it takes longer to end. A second signal ends it at
-once. Nothing is lost by that: workers end with their parent (`worker_process`), and a result file
-is whole at any moment (`result_file`).
+The first such signal raises an exception wherever the program is, so that files and processes are
+closed. The program ends within a second in any case:
+
+- while a module is being imported, it ends at once: an exception would leave the module half done;
+- Python handles signals only between two of its own instructions: if native code runs for too long,
+  or closing takes too long, a thread ends the program;
+- a second signal ends it at once.
+
+Nothing is lost by that: workers end with their parent (`worker_process`), and a result file is
+complete at any moment (`result_file`).
 """
 
 import os
@@ -17,25 +21,24 @@ from contextlib import contextmanager, suppress
 from types import FrameType
 
 STDIN, STDOUT, STDERR = 0, 1, 2
-#: s, in which Python has to hear of a signal, and in which everything has to be put away then.
+#: s, in which Python must handle a signal; s, in which everything must be closed after that.
 HEARING, ENDING = 0.4, 0.4
 #: Windows has no SIGHUP.
 _HANGUP: signal.Signals | None = getattr(signal, "SIGHUP", None)
 _STOPPING = tuple(n for n in (signal.SIGINT, signal.SIGTERM, _HANGUP) if n is not None)
-#: Exit codes of what a signal ended, as shells have it: this and the signal's number.
+#: A program ended by a signal exits with this plus the signal's number, as in shells.
 _BY_SIGNAL = 128
-#: Where Python runs what imports modules.
+#: The module of Python that imports modules: seen in a stack while one is being imported.
 _IMPORTING = "<frozen importlib._bootstrap>"
 #: Brings back the cursor, which a progress bar hides, and clears the line that it is on.
 _CURSOR_AND_EMPTY_LINE = "\x1b[?25h\r\x1b[K"
-#: The last words' second half, while there is something to say there; who says it first knows best
-#: what the command was asked for.
+#: Second half of the message that tells of the stop; set by the command that runs.
 _besides: list[str] = []
 _last_words = threading.Lock()
 
 
 class Stopped(BaseException):
-    """The program is to end; nobody but the command line catches it."""
+    """The program is to end; only the command line catches it."""
 
     def __init__(self, number: int) -> None:
         super().__init__(f"stopped by {signal.Signals(number).name}")
@@ -45,30 +48,30 @@ class Stopped(BaseException):
 
 @contextmanager
 def saying(besides: str) -> Iterator[None]:
-    """Have the program say this besides, if it is stopped in here."""
+    """Add this to the message if the program is stopped inside the block."""
     _besides.append(besides)
     try:
         yield
     finally:
-        # Not where it is stopped: its last words are still to come.
+        # Not if it is stopped: the message is still to be printed.
         if not isinstance(sys.exception(), Stopped):
             _besides.remove(besides)
 
 
 def say_last_words(number: int) -> None:
-    """Tell, once, by what the program was stopped; whoever is the first says it."""
+    """Print, once, which signal stopped the program."""
     if not _last_words.acquire(blocking=False):
         return
     last_words = "; ".join([f"spincheck: {Stopped(number)}", *_besides[:1]])
-    # Not by `print`, whose lock somebody may hold; on a terminal that has closed by nobody.
+    # Not by `print`, whose lock another thread may hold; not on a terminal that has closed.
     with suppress(OSError):
         bar_away = _CURSOR_AND_EMPTY_LINE if os.isatty(STDERR) else ""
         os.write(STDERR, f"{bar_away}{last_words}\n".encode(errors="backslashreplace"))
 
 
 def raise_when_stopped() -> None:
-    """From now on the signals raise `Stopped`, but those that were to be ignored, as by nohup."""
-    # Asked now: `isatty` is false of a terminal that has closed.
+    """From now on the signals raise `Stopped`, except those that are ignored, as by nohup."""
+    # Asked now: `isatty` is false once the terminal has closed.
     terminals = [descriptor for descriptor in (STDOUT, STDERR) if os.isatty(descriptor)]
 
     heard = threading.Event()
@@ -99,11 +102,11 @@ def _imports(frame: FrameType | None) -> bool:
 
 
 def _watch(obeyed: list[signal.Signals], heard: threading.Event) -> None:
-    """Have a thread end the program where a signal is not heard, or ending takes too long."""
+    """Start a thread that ends the program if a signal is not handled in time."""
     try:
         wakes, woken = os.pipe()
     except OSError:
-        # Without a descriptor to spare, a signal waits for the end of a query.
+        # If no descriptor is free, a signal is handled only when the current query ends.
         return
     os.set_blocking(woken, False)
     signal.set_wakeup_fd(woken, warn_on_full_buffer=False)
@@ -113,7 +116,7 @@ def _watch(obeyed: list[signal.Signals], heard: threading.Event) -> None:
         while number not in obeyed:
             (number,) = os.read(wakes, 1)
         if heard.wait(HEARING):
-            # Ends with the program, as a rule long before.
+            # A daemon: it ends with the program.
             threading.Event().wait(ENDING)
         say_last_words(number)
         os._exit(_BY_SIGNAL + number)
@@ -126,7 +129,7 @@ def _leave(number: int, _: FrameType | None) -> None:
 
 
 def print_nowhere(*descriptors: int) -> None:
-    """Point streams at the null device: nobody reads them, and writing would raise."""
+    """Redirect streams to the null device: their reader is gone, and writing would raise."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for descriptor in descriptors:
         os.dup2(nowhere, descriptor)
@@ -134,15 +137,15 @@ def print_nowhere(*descriptors: int) -> None:
 
 
 def open_closed_streams() -> None:
-    """Read from nowhere, and print nowhere, where a standard stream was closed from the start.
+    """Open the null device for each standard stream that was closed when the program started.
 
-    The first file that is opened would take its number, and what is printed would go there.
+    Otherwise the first file opened would take its descriptor, and output would go into that file.
     """
     for descriptor in (STDIN, STDOUT, STDERR):
         try:
             os.fstat(descriptor)
         except OSError:
-            # Takes the least number that is free.
+            # Opening takes the lowest free descriptor.
             os.open(os.devnull, os.O_RDWR)
     if sys.stdout is None:
         sys.stdout = os.fdopen(STDOUT, "w", closefd=False)

@@ -11,7 +11,7 @@ from .terminal import table
 
 
 def print_results(results: Results) -> None:
-    """Print the verdicts, scenes down and methods across, then why any is not `converges`."""
+    """Print a table of verdicts, scenes × methods, then the reason of each but `converges`."""
     methods = {
         (v.key.engine, v.key.method): ", as shipped" if v.as_shipped else ""
         for v in results.verdicts

@@ -85,7 +85,7 @@ def print_member(
     member: Annotated[int, typer.Option(min=0, help="Its number, from 0 on.")],
     seed: Seed = 0,
 ) -> None:
-    """Print one member of an ensemble as a scenario file, to be looked at and run."""
+    """Print one member of an ensemble as a scenario file, to be read and run."""
     from .sweep_running import member_text
 
     print(member_text(scenario, seed, member), end="")
@@ -108,8 +108,8 @@ def run_members(
     ----------
     asked : engines, methods, timesteps
     time_limit : s, that a call may take, if one was chosen
-    again : whether members that are there already are run again
-    where, out : what it runs on, and the result file
+    again : whether members that the file holds already are run again
+    where, out : where runs are made, and the result file
     """
     from .sweep_running import choose_for_sweep, exit_code, run_ensemble
     from .sweep_summary import print_sweep, sweep_as_json

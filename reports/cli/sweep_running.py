@@ -27,9 +27,9 @@ from .running import gone_on_with
 from .stopping import saying
 from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress, say
 
-#: Lines of progress of a sweep, where there is no terminal to draw a bar on.
+#: Lines of progress that a sweep prints if there is no terminal to draw a bar on.
 PROGRESS_LINES = 50
-#: A varied window may be shorter than the timestep at some points, which then say so.
+#: The path of the window: if it is varied, the timestep is checked point by point.
 _DURATION = "window.duration"
 
 
@@ -40,7 +40,7 @@ def run_map(
     where: Where,
     out: Path,
 ) -> MapResult:
-    """Run what is missing of a map, and read all of it.
+    """Run the points that a map still lacks, and read the whole map.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def run_map(
     Raises
     ------
     Complaint
-        If something asked for cannot be used, or it was stopped.
+        If an argument cannot be used, or the run was stopped.
     """
     base = one_scene(scene)
     asked = _map(base, ranges, choice)
@@ -67,11 +67,11 @@ def run_ensemble(
     where: Where,
     out: Path,
 ) -> EnsembleResult:
-    """Run what is missing of an ensemble, and read all of it; parameters and errors as `run_map`.
+    """Run the members that an ensemble still lacks, and read it; see also `run_map`.
 
     Parameters
     ----------
-    members, seed : how many, and of which stream of random numbers
+    members, seed : number of members, and the seed of their random numbers
     """
     base = one_scene(scene)
     check_timesteps([base], choice)
@@ -190,7 +190,7 @@ def _carried_out(
     where: Where,
     out: Path,
 ) -> tuple[PointResult, ...]:
-    """The points of the methods chosen, once all are there."""
+    """Run what is missing, and return the points of the methods chosen."""
     try:
         with saying(gone_on_with(out)), open_store(out, create=True) as store:
             left = plan_sweep(asked, base, choice, store)

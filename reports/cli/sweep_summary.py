@@ -11,12 +11,12 @@ import numpy as np
 from ..results.sweep_records import EnsembleResult, MapResult, PointResult, sweep_points
 from .terminal import table
 
-#: Of the ω errors of the runs that came to their end.
+#: Quantiles that are printed of the ω errors of the runs that finished.
 QUANTILES = {"median": 0.5, "90 %": 0.9, "99 %": 0.99}
 
 
 def print_sweep(sweep: MapResult | EnsembleResult) -> None:
-    """Print how each method fared, and where it was worst."""
+    """Print one line for each method, and its worst point."""
     names = _names(sweep)
     print(f"{sweep.scenario.name}: {_sweep_in_words(sweep)}")
     table([_line(method, points, names) for method, points in _by_method(sweep.points).items()])
@@ -37,7 +37,7 @@ def point_record(point: PointResult, names: Sequence[str]) -> dict[str, Any]:
 
     Parameters
     ----------
-    names : of what it is at
+    names : of the numbers that are varied
     """
     errors = point.errors
     return {
@@ -95,7 +95,7 @@ def _line(method: str, points: Sequence[PointResult], names: Sequence[str]) -> d
 
 
 def _quantile(ascending: Sequence[float], share: float) -> float | None:
-    """The least value that this share of them do not exceed: one that occurred, be others inf."""
+    """The smallest of the values that this fraction of them does not exceed; values may be inf."""
     if not ascending:
         return None
     return float(np.quantile(ascending, share, method="inverted_cdf"))
@@ -106,7 +106,7 @@ def _place(point: PointResult, names: Sequence[str]) -> str:
 
 
 def flat_records(sweep: MapResult | EnsembleResult) -> list[dict[str, Any]]:
-    """Points for a table: one column for what they are at, as JSON, for sweeps have it differ."""
+    """Points as flat records: their coordinates are one column of JSON, as they differ by sweep."""
     asked = f"seed {sweep.ensemble.seed}" if isinstance(sweep, EnsembleResult) else "map"
     names = _names(sweep)
     records = [point_record(point, names) for point in sweep.points]

@@ -10,7 +10,7 @@ from typing import Any
 
 from .stopping import STDERR, print_nowhere
 
-#: Exit codes: everything agrees, something does not, bad input or usage, could not be run at all.
+#: Exit codes: everything agrees; something does not; bad input or usage; nothing could be run.
 AGREES, DISAGREES, BAD_INPUT, NOT_RUN = 0, 1, 2, 3
 
 
@@ -23,20 +23,20 @@ class Complaint(Exception):
 
 
 def say(text: str) -> None:
-    """Print beside the results, on stderr; what would command a terminal is shown instead."""
+    """Print a message on stderr; control characters are printed as escapes."""
     from ...scenarios import printable
 
     try:
         print("\n".join(printable(line) for line in text.split("\n")), file=sys.stderr, flush=True)
     except OSError:
-        # A full disk or a closed pipe: a lost message is no reason to stop.
+        # On a full disk or a closed pipe the message is lost; that does not end the program.
         print_nowhere(STDERR)
 
 
 def to_json(value: Any) -> str:
     """JSON with numbers that read back to the last bit; inf and nan, which it lacks, as null.
 
-    What would command a terminal is an escape of JSON's own.
+    Control characters are escaped, as JSON does.
     """
     text = json.dumps(_finite(value), indent=1, ensure_ascii=False, allow_nan=False)
     return "\n".join(map(_escaped, text.split("\n")))
@@ -66,7 +66,7 @@ def table(rows: Sequence[Mapping[str, object]]) -> None:
 
     if not rows:
         return
-    # Where it is too wide for the terminal, cells are broken: an ellipsis would hide what differs.
+    # If the table is too wide for the terminal, cells are wrapped: an ellipsis would hide digits.
     grid = Table(*(Column(heading, overflow="fold") for heading in rows[0]), box=box.SIMPLE)
     for row in rows:
         grid.add_row(*(cell(value) for value in row.values()))
@@ -98,11 +98,11 @@ def cell(value: object) -> str:
 def progress(total: int, lines: int | None = None) -> Iterator[Callable[[str], None]]:
     """A bar on a terminal, plain lines elsewhere; each call counts as one of `total`.
 
-    Both tell how long the rest takes if it goes on as it went so far.
+    Both show the time left, extrapolated from the time taken so far.
 
     Parameters
     ----------
-    lines : of these at most so many are printed, evenly spaced; all of them if None
+    lines : at most so many of the plain lines are printed, evenly spaced; all of them if None
     """
     if not sys.stderr.isatty():
         done, begun = 0, time.monotonic()

@@ -21,7 +21,7 @@ def list_installed(remove: list[str], as_json: bool) -> None:
     Raises
     ------
     Complaint
-        If one to remove is not there.
+        If a version to remove is not installed.
     """
     from ...engines.versions import VersionError, installed
     from ...engines.versions import remove as remove_version
@@ -57,7 +57,7 @@ def versions(
     out: Annotated[Path, typer.Option(help="The folder of the page.")] = REPORT_FOLDER,
     as_json: AsJson = False,
 ) -> None:
-    """Say what changed from version to version of an engine: motion, errors, verdicts, speed.
+    """Compare versions of an engine: motions, errors, verdicts, speed.
 
     Example: spincheck versions mujoco 3.1.6 3.6.0 3.10.0 4.0.0 tennis-racket fast-top
 

@@ -19,13 +19,13 @@ class Choice:
 
     Attributes
     ----------
-    timesteps : s; the ladder is run where there are none
-    max_steps : a ladder ends before a run would take more
+    timesteps : s; if empty, the ladder is run
+    max_steps : a ladder ends before a run would take more steps
     timed : whether steps are timed
-    hard_in_passing : whether hard scenes are taken as in a quick study, as long as a run is that of
-        the whole library: what survives them shows in few steps
-    time_limit : s, that a run may take; the workers' own if None
-    again : whether what is there already is run again
+    hard_in_passing : whether hard scenes get short ladders without timing, as in a quick study:
+        which methods survive shows in few steps
+    time_limit : s, that a run may take; the workers' own limit if None
+    again : whether stored runs are made again
     """
 
     engines: tuple[Engine, ...]
@@ -38,12 +38,12 @@ class Choice:
     again: bool = False
 
     def max_steps_on(self, scenario: Scenario) -> int:
-        """How long a run of a scene's ladder may be."""
+        """The largest number of steps of a run of a scene's ladder."""
         in_passing = self.hard_in_passing and scenario.hard
         return min(self.max_steps, QUICK_STEPS) if in_passing else self.max_steps
 
     def times(self, scenario: Scenario) -> bool:
-        """Whether a scene's steps are timed."""
+        """Whether steps are timed on a scene."""
         return self.timed and not (self.hard_in_passing and scenario.hard)
 
     def pairs(self) -> list[EngineMethod]:

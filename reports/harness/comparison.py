@@ -12,7 +12,7 @@ from .executors import CallFailed
 from .ladder import Rung
 from .without_skill import no_better_than_rest
 
-#: Energy beyond this many times its base is a blow-up, however finite.
+#: An energy error of more than this many times the base is a blow-up.
 ABSURD_ENERGY = 10.0
 
 
@@ -45,7 +45,7 @@ def row_of(
     exact = solution.trajectory.until(len(motion.t))
     absurd = _first_absurd(scenario, motion, exact)
     if absurd is not None:
-        # The run's own reason is kept as well: it may be the cause.
+        # The run's own reason is kept too: it may tell the cause.
         reasons = (f"the energy exceeds {ABSURD_ENERGY:g} times its base", row.reason)
         reason = "; ".join(filter(None, reasons))
         stopped_at = float(motion.t[absurd])
@@ -53,7 +53,7 @@ def row_of(
     elif row.outcome == "ok" and (no_skill := no_better_than_rest(scenario, motion, exact)):
         reason = "; ".join(filter(None, (row.reason, no_skill)))
         row = replace(row, cause=row.cause or "lost", reason=reason, without_skill=True)
-    # A run that stopped early has no errors: those up to there may be arbitrarily small.
+    # A run that stopped early has no errors: those up to that time may be arbitrarily small.
     errors = errors_between(scenario, motion, exact) if row.outcome == "ok" else None
     return replace(row, errors=errors, drifts=drifts(scenario, motion), motion=motion)
 
@@ -76,7 +76,7 @@ def unmet_expectations(expected: Expect, row: Row) -> list[str]:
 
 
 def _first_absurd(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> int | None:
-    """Index of the first sample whose energy is off by more than `ABSURD_ENERGY` times its base."""
+    """Index of the first sample whose energy error exceeds `ABSURD_ENERGY` times its base."""
     excess = np.abs(energy(scenario, motion) - energy(scenario, exact))
     beyond = np.flatnonzero(excess > ABSURD_ENERGY * energy_base(scenario, exact))
     return int(beyond[0]) if len(beyond) else None

@@ -1,4 +1,4 @@
-"""What each default of an engine does to a motion: as shipped, one default at a time."""
+"""Measures what each default of an engine does to a motion, one default at a time."""
 
 from collections.abc import Collection
 
@@ -20,7 +20,7 @@ from .ladder import Rung
 def take_defaults_away(study: ConvergenceStudy, executor: Executor, store: Store) -> None:
     """Store what each default does to the motion, at the coarsest stock timestep that can be run.
 
-    Of an engine's methods as shipped the first has all of its defaults; the others are not asked.
+    Only an engine's first method as shipped is run: it has all of its defaults.
     """
     scenario, engine, method = study.scenario, study.engine, study.method
     first = next(other for other in engine.methods if other.as_shipped)
@@ -40,7 +40,7 @@ def take_defaults_away(study: ConvergenceStudy, executor: Executor, store: Store
 def default_effects(
     scenario: Scenario, engine: Engine, method: Method, rung: Rung, solution: Solution
 ) -> DefaultEffects | None:
-    """Run a method as shipped with every default alone, and without each; None if it has none.
+    """Run a method as shipped with each default alone, and with all but one; None if it has none.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def _errors(
     solution: Solution,
     defaults: Collection[str],
 ) -> Errors | None:
-    """Of a run with these defaults; None where it did not come to its end."""
+    """Errors of a run with these defaults; None if it did not finish."""
     bounds = Bounds(rung.timestep, method.max_rotation_per_step, engine.slack, np.inf)
     try:
         with engine.open_with_defaults(scenario, method, rung.timestep, defaults) as session:

@@ -1,4 +1,4 @@
-"""What the effects and passes that a scene does not call for would have cost, and changed."""
+"""Measures the cost and the effect of the passes that a scene does not call for."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -14,20 +14,20 @@ from ..results.cost_records import EffectsCost, PassCost, PassCosts, Ratio
 from ..results.records import Key
 from .step_cost import TimingSample, interleaved, timed_timestep
 
-#: Angle turned a step at the start where motions are compared, rad: fine enough for any method.
+#: Angle turned in a step at the start, rad, where motions are compared: small for any method.
 COMPARED_TURN = 0.05
-#: Steps that the window is given at most for that.
+#: Largest number of steps of that comparison.
 MOST_STEPS = 1 << 13
-#: Times at which the two motions are compared.
+#: Number of times at which the two motions are compared.
 COMPARED = 64
-#: Equal sessions, where passes are timed one by one: what they differ by is noise.
+#: Number of equal sessions timed beside the passes: their differences are the noise.
 CONTROLS = 3
 
 
 def effects_costs(
     scenario: Scenario, engine: Engine, methods: Sequence[Method]
 ) -> list[EffectsCost]:
-    """Time every distinct set of what an engine leaves out of a scene, by its first method."""
+    """Time every distinct set of passes left out of a scene, by one method each."""
     first: dict[tuple[str, ...], Method] = {}
     for method in _able(scenario, engine, methods):
         first.setdefault(engine.left_out(scenario, method), method)
@@ -38,7 +38,7 @@ def effects_costs(
 def first_pass_costs(
     scenario: Scenario, engine: Engine, methods: Sequence[Method]
 ) -> list[PassCosts]:
-    """Time pass by pass what the first method leaves out that can simulate the scene."""
+    """Time each pass left out, by the first method that can simulate the scene."""
     costs = (pass_costs(scenario, engine, m) for m in _able(scenario, engine, methods)[:1])
     return [one for one in costs if one is not None]
 
@@ -50,7 +50,7 @@ def _able(scenario: Scenario, engine: Engine, methods: Sequence[Method]) -> list
 def effects_cost(scenario: Scenario, engine: Engine, method: Method) -> EffectsCost | None:
     """Time a method with and without what it leaves out, and compare the motions.
 
-    None where nothing is left out, or where one of the two does not load or step.
+    None if nothing is left out, or if one of the two does not load or step.
     """
     left_out = engine.left_out(scenario, method)
     if not left_out or engine.unsupported(scenario, method):
@@ -79,7 +79,7 @@ def effects_cost(scenario: Scenario, engine: Engine, method: Method) -> EffectsC
 
 
 def pass_costs(scenario: Scenario, engine: Engine, method: Method) -> PassCosts | None:
-    """Time a method with each pass that it leaves out by itself, and without each.
+    """Time a method with each pass that it leaves out alone, and with all passes but that one.
 
     None where nothing is left out.
     """
@@ -119,7 +119,7 @@ def _unpruned(
     engine: Engine, scenario: Scenario, method: Method, timestep: float, left_in: Sequence[str]
 ) -> Session:
     session = engine.open_unpruned(scenario, method, timestep, left_in)
-    assert session is not None, "what leaves something out can leave it in"
+    assert session is not None, "an engine that leaves passes out can also leave them in"
     return session
 
 
@@ -133,7 +133,7 @@ def _compared_steps(scenario: Scenario) -> int:
 def _difference(
     scenario: Scenario, engine: Engine, method: Method, steps: int
 ) -> tuple[float, float]:
-    """Until when the two motions were compared, s, and the largest difference."""
+    """The time, s, up to which the two motions were compared, and the largest difference."""
     timestep = scenario.window.duration / steps
     left_out = engine.left_out(scenario, method)
     largest = 0.0

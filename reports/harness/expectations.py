@@ -8,7 +8,7 @@ from ...scenarios.locate import line_of
 
 
 def unknown_expectations(scenarios: Iterable[Scenario]) -> list[str]:
-    """One complaint for each expectation of an engine or method that does not exist."""
+    """One complaint for each expectation that names an unknown engine or method."""
     return [complaint for scenario in scenarios for complaint in _unknown(scenario)]
 
 

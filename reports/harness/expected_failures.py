@@ -10,7 +10,7 @@ from ..results.records import Verdict
 def compared_with_expected_failures(
     expected: Iterable[Known], verdict: Verdict, *, cut_short: bool = False
 ) -> Verdict:
-    """Mark a verdict that is an expected failure; add an unmet expectation if it converges.
+    """Mark a verdict as an expected failure; if it converges, add an unmet expectation.
 
     An unresolved ladder neither confirms nor refutes an expected failure, nor does one that
     converges to a coarse tolerance because it was cut short.

@@ -1,6 +1,6 @@
 """A checksum for each record of a result file, which detects accidental changes.
 
-It is no signature: whoever means to forge a record computes its checksum anew.
+It is no signature: whoever forges a record can compute its checksum.
 """
 
 import json
@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from hashlib import sha256
 from typing import Any
 
-#: Its column, in every table.
+#: The name of its column, in every table.
 CHECKSUM = "checksum"
 
 

@@ -19,9 +19,9 @@ T = TypeVar("T")
 
 #: Characters; the two axes of a map have some 40 000.
 LONGEST_JSON = 1 << 20
-#: Of a run's times and counts, SI.
+#: Largest of a run's times and counts, SI.
 LARGEST = 1e150
-#: Characters of what is wrong with a record.
+#: Characters of a complaint about a record.
 SHOWN = 200
 
 
@@ -46,7 +46,7 @@ def scene_name(record: sqlite3.Row) -> str:
     Raises
     ------
     ValueError
-        If no scene can have it: a page is named after it.
+        If it is not a valid name of a scene: pages are named after scenes.
     """
     name = text_of(record["scenario"])
     if not is_scene_name(name):
@@ -55,12 +55,12 @@ def scene_name(record: sqlite3.Row) -> str:
 
 
 def from_json(text: Any, kind: type[T]) -> T:
-    """What a column holds as JSON, its texts printable.
+    """The JSON in a column, with control characters of its texts escaped.
 
     Raises
     ------
     ValueError
-        If it is no JSON, too long, or of another kind.
+        If it is not JSON, too long, or of another type.
     """
     if len(text_of(text)) > LONGEST_JSON:
         raise ValueError(f"JSON of more than {LONGEST_JSON} characters")
@@ -71,7 +71,7 @@ def from_json(text: Any, kind: type[T]) -> T:
 
 
 def _shown(value: Any) -> Any:
-    """The value with its texts as `shown`: JSON has escapes of its own, which hid them so far."""
+    """The value with control characters of its texts escaped, which JSON's own escapes hid."""
     if isinstance(value, str):
         return shown(value)
     if isinstance(value, dict):
@@ -80,7 +80,7 @@ def _shown(value: Any) -> Any:
 
 
 def text_of(value: Any) -> str:
-    """The value, if it is a text.
+    """The value, which must be a text.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def text_of(value: Any) -> str:
 
 
 def typed(record: T) -> T:
-    """The record, if the values in it are of the types that its class declares.
+    """The record, after a check that its values are of the types that its class declares.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def typed(record: T) -> T:
     kind: type = type(record)
     for name, declared in _declared(kind).items():
         value = getattr(record, name)
-        # A trajectory sees to itself as it is made.
+        # A trajectory checks its own arrays when it is constructed.
         if not isinstance(value, Trajectory | None):
             check(name, value, declared)
         if isinstance(record, Row | PointResult) and isinstance(value, float | int):
@@ -116,13 +116,13 @@ def _declared(kind: type) -> dict[str, Any]:
 
 
 def _check_size(name: str, value: float) -> None:
-    """Nothing a run is recorded with is negative, or so large that its square overflows."""
+    """Check that a number of a run is not negative, nor so large that its square overflows."""
     if not 0 <= value <= LARGEST and value != math.inf:
         raise ValueError(f"{name}: must be from 0 to {LARGEST:g}, got {value!r}")
 
 
 def check(name: str, value: Any, declared: Any) -> None:
-    """See that a value is of a declared type.
+    """Check that a value is of a declared type.
 
     Raises
     ------

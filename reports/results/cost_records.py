@@ -11,10 +11,10 @@ class StepCost:
 
     Attributes
     ----------
-    seconds_per_step : CPU seconds, of all threads: the least over the repeats
-    spread : the largest of them less the least
-    wall_seconds_per_step : the least by the clock on the wall: shorter only if threads share the
-        work, longer where something else had the processor
+    seconds_per_step : CPU seconds of all threads; the minimum over the repeats
+    spread : maximum minus minimum over the repeats, CPU seconds
+    wall_seconds_per_step : the minimum of the wall time; shorter than the CPU time only if threads
+        share the work, longer if another program had the processor
     """
 
     seconds_per_step: float
@@ -24,11 +24,11 @@ class StepCost:
 
 @dataclass(frozen=True)
 class Ratio:
-    """How one time a step compares with another: of rounds timed in turn, the ratios' median.
+    """The ratio of two times a step: the median over rounds timed in turn.
 
     Attributes
     ----------
-    spread : distance of the quartiles
+    spread : interquartile range
     """
 
     median: float
@@ -42,11 +42,11 @@ class EffectsCost:
     Attributes
     ----------
     left_out : what is pruned, by the engine's own names
-    pruned, unpruned : CPU seconds a step, the least over the rounds
+    pruned, unpruned : CPU seconds a step, the minimum over the rounds
     ratio : unpruned over pruned
     timestep : s, at which the motions were compared
     compared_until : s; the whole window, unless one of the two diverged
-    difference : the largest of any number read, in its SI unit; 0 if identical to the last bit
+    difference : the largest difference of any number read, in its SI unit; 0 if identical
     """
 
     key: Key
@@ -60,12 +60,12 @@ class EffectsCost:
 
     @property
     def sentence(self) -> str:
-        """What to say of it."""
+        """The result in words, for reports."""
         return f"{(self.ratio.median - 1):+.0%} a step; {self.same_motion}"
 
     @property
     def same_motion(self) -> str:
-        """Whether leaving things out changed the motion."""
+        """In words, whether leaving things out changed the motion."""
         if self.difference == 0:
             return "the motion is identical to the last bit"
         return f"the motion differs by {self.difference:.1e}"
@@ -77,8 +77,8 @@ class PassCost:
 
     Attributes
     ----------
-    added : by leaving in nothing else
-    saved : by leaving it out of everything else that the engine does by default
+    added : when it alone is left in
+    saved : when it alone is left out, and all other passes are left in
     """
 
     name: str
@@ -93,7 +93,7 @@ class PassCosts:
     Attributes
     ----------
     pruned : CPU seconds a step with none of them
-    noise : what equal sessions differ by, in the same units as `added` and `saved`
+    noise : by how much equal sessions differ, in the unit of `added` and `saved`
     """
 
     key: Key

@@ -1,7 +1,7 @@
 """A connection to a result file that several threads share; records go in and out by their names.
 
-Every record has a checksum (`checksum`), and of every text that goes in or comes out the control
-characters are escapes, so that nothing in a result file commands a terminal.
+Every record has a checksum (`checksum`). Control characters of texts are escaped on the way in and
+out, so that nothing in a result file controls a terminal.
 """
 
 import sqlite3
@@ -20,7 +20,7 @@ class Database:
 
     Parameters
     ----------
-    check : called before every commit; raises where what is written would be lost
+    check : called before every commit; raises if the file was removed or replaced
     """
 
     def __init__(
@@ -34,7 +34,7 @@ class Database:
 
     @contextmanager
     def transaction(self) -> Iterator[sqlite3.Connection]:
-        """All of what is written in here, or none of it."""
+        """Write everything in this block, or nothing of it."""
         with self._one_at_a_time, self._connection:
             yield self._connection
             # Stands in the log with every transaction (`result_file`).
@@ -49,7 +49,7 @@ class Database:
         Raises
         ------
         ResultFileError
-            If one is not as it was written.
+            If a record was changed after it was written.
         """
         query = f"SELECT * FROM {table} WHERE {where} ORDER BY {order}"
         with self._one_at_a_time:
@@ -64,7 +64,7 @@ class Database:
 
 
 def put(connection: sqlite3.Connection, table: str, record: Mapping[str, Any]) -> None:
-    """Write a record, in place of one of the same key."""
+    """Write a record; it replaces one with the same key."""
     written = {n: shown(value) if isinstance(value, str) else value for n, value in record.items()}
     written[CHECKSUM] = checksum(table, written)
     columns = ", ".join(f'"{name}"' for name in written)
@@ -73,7 +73,7 @@ def put(connection: sqlite3.Connection, table: str, record: Mapping[str, Any]) -
 
 
 def shown(text: str) -> str:
-    """A text with escapes in place of control characters, but for tabs and ends of lines."""
+    """The text with control characters escaped, except tabs and line ends."""
     if text.isprintable():
         return text
     lines = ("\t".join(map(printable, line.split("\t"))) for line in text.split("\n"))

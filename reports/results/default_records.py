@@ -12,9 +12,9 @@ class DefaultEffect:
 
     Attributes
     ----------
-    name : by the engine's own name
-    alone : errors with it and no other default; None where the run did not come to its end
-    without : errors with all defaults but this; None likewise
+    name : the engine's own name of it
+    alone : errors with it and no other default; None if the run did not finish
+    without : errors with all defaults but this; None if the run did not finish
     """
 
     name: str
@@ -29,7 +29,7 @@ class DefaultEffects:
     Attributes
     ----------
     timestep : s
-    none, all : errors with none and with all of the defaults; None where the run did not end
+    none, all : errors with none and with all of the defaults; None if the run did not finish
     """
 
     key: Key

@@ -32,7 +32,7 @@ def environment(engines: Iterable[Engine], max_steps: int | None = None) -> dict
 
 
 def processor() -> str:
-    """The processor's name; Linux alone keeps it where the standard library does not look."""
+    """The processor's name; on Linux, where the standard library has none, from /proc/cpuinfo."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -13,15 +13,15 @@ from ...engines import Engine
 from ...engines import adapters as adapters_package
 from ...scenarios import Scenario
 
-#: The folder here that decides which runs are made and what they are found to be; the others keep
-#: or show it.
+#: The folder of `reports` whose sources decide about results; the others only store or show them.
 _DECIDING = "harness"
 
 
 def digests(scenario: Scenario, engines: Sequence[Engine]) -> dict[str, str]:
-    """By engine name, of its version and adapter; under "", of the scene and of this program.
+    """Digests by engine name, of its version and adapter; under "", of scene and program.
 
-    Of an engine at another version it is also of its folder's name, which ends with its Python's.
+    The digest of an engine at another version includes the name of its folder, which ends with the
+    Python that it runs under.
     """
     return {"": _digest(scenario.text.encode(), program())} | {
         engine.name: _digest(
@@ -36,14 +36,14 @@ def digests(scenario: Scenario, engines: Sequence[Engine]) -> dict[str, str]:
 
 @cache
 def program() -> bytes:
-    """The version, and the sources themselves: who changes them does not always count it up."""
+    """Digest of the program: its version and its sources, which may change without the version."""
     packages = [Path(package.__path__[0]) for package in (scenarios, reference, engines_package)]
     adapters = Path(adapters_package.__path__[0])
     sources = [
         path
         for folder in (*packages, Path(__file__).parents[1] / _DECIDING)
         for path in sorted(folder.rglob("*.py"))
-        # An adapter decides on its own engine's results alone.
+        # An adapter decides about the results of its own engine only.
         if not path.is_relative_to(adapters)
     ]
     parts = (path.read_bytes() for path in sources)

@@ -1,7 +1,7 @@
 """Motions as stored in a result file: compressed archives of arrays, unpacked with care.
 
-An archive from a stranger may unpack to any size, so that what it declares is held against what a
-motion can be before a byte of it is unpacked, and no more than was declared is.
+A foreign archive may unpack to any size. So the sizes that it declares are checked against what a
+motion can have before anything is unpacked, and no more bytes than declared are unpacked.
 """
 
 import io
@@ -14,7 +14,7 @@ import numpy as np
 from ...scenarios import FloatArray, Trajectory
 from ...scenarios.document import MAX_SAMPLES
 
-#: Of an array in an archive: magic, shape and type (numpy.lib.format).
+#: Bytes of an array's header: magic, shape and type (numpy.lib.format).
 HEADER = 1 << 10
 _NAMES = tuple(field.name for field in fields(Trajectory))
 #: Components of the widest array, the quaternions.
@@ -36,9 +36,9 @@ def unpack(blob: bytes) -> Trajectory:
     Raises
     ------
     ValueError
-        If it is none, or larger than a motion can be.
+        If it is not an archive of a motion, or larger than one can be.
     zipfile.BadZipFile
-        If it is damaged, which its checksums (CRC-32) tell.
+        If it is damaged, by its checksums (CRC-32).
     """
     with zipfile.ZipFile(io.BytesIO(blob)) as archive:
         members = archive.infolist()
@@ -56,7 +56,7 @@ def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> FloatArray:
     if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         raise ValueError("the archive is compressed otherwise than a motion is")
     with archive.open(member) as packed:
-        # One byte more than was declared would be too many.
+        # One byte more than declared is an error.
         content = packed.read(member.file_size + 1)
     stream = io.BytesIO(content)
     if np.lib.format.read_magic(stream) != (1, 0):

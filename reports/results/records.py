@@ -1,4 +1,4 @@
-"""What a study finds: one row a run, one verdict a method and scene."""
+"""The results of a study: one row a run, one verdict a method and scene."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -49,11 +49,11 @@ class Row:
     uncertainty : the reference's, in ω, relative
     seconds_per_step, seconds_spread : CPU seconds, least over the repeats, and (max − min) of them;
         None where it was not timed
-    wall_seconds_per_step : likewise the least by the clock on the wall
-    motion : the samples; None where there are none, and where a finer run of the method has them
+    wall_seconds_per_step : the least wall time; None where it was not timed
+    motion : the samples; None if there are none, or only those of a finer run are kept
     printed : what the engine wrote to the terminal
-    stock : whether the timestep is one of those that an engine is run at whatever the scene: its
-        own stock timestep, and 1 ms
+    stock : whether the timestep is one at which an engine is run on every scene: its own stock
+        timestep, and 1 ms
     unasked : of an engine as shipped, what acted though the scene does not call for it, by the
         engine's names
     """
@@ -84,7 +84,7 @@ class Row:
 
     @property
     def made(self) -> bool:
-        """Whether there was a run at all: a stock timestep may make no sense of a scene."""
+        """Whether the run was made: a stock timestep may be too coarse or too fine for a scene."""
         return self.cause != "timestep"
 
     @property
@@ -95,13 +95,13 @@ class Row:
 
 @dataclass(frozen=True)
 class SignalVerdict:
-    """What a ladder says of a method in one signal.
+    """The verdict on a ladder in one signal.
 
     Attributes
     ----------
     declared_order, order : of accuracy; the observed one is None where no errors show it
     limit_error : distance of the Richardson-extrapolated motion from the exact one
-    tolerance : what that may be
+    tolerance : the largest that this distance may be
     """
 
     signal: Signal
@@ -115,15 +115,15 @@ class SignalVerdict:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a ladder says of a method on a scene: the worst of what it says of each signal.
+    """The verdict on a method on a scene: that of the signal with the worst verdict.
 
     Attributes
     ----------
-    signal : the one that decided
-    order, limit_error, tolerance : of that signal, as `SignalVerdict` has them
-    signals : all of them; none where no ladder was judged
+    signal : the signal with the worst verdict
+    order, limit_error, tolerance : of that signal, as in `SignalVerdict`
+    signals : the verdicts on all signals; empty if no ladder was judged
     unmet : expectations in the scene's file that this method did not meet, in words
-    as_shipped : of the engine with all its defaults, which need not simulate the scene
+    as_shipped : whether the method is the engine with all its defaults
     is_expected_failure : whether it is an expected failure of the scene's file
     """
 
@@ -148,6 +148,6 @@ class Verdict:
 
     @property
     def is_unproven(self) -> bool:
-        """Whether a clean method was neither found to converge nor to be wrong."""
+        """Whether a method, not as shipped, is shown neither to converge nor to be wrong."""
         open_ended = self.verdict in ("unresolved", "diverges")
         return open_ended and not (self.as_shipped or self.is_expected_failure)

@@ -1,14 +1,14 @@
 """Creates, opens, checks and locks a result file.
 
-Written ahead (WAL), so that a report can be made while a study runs and a process killed at any
-instruction leaves a whole file. `synchronous` is NORMAL: no commit waits for the disk, which a
-killed process does not miss, since what it wrote is with the operating system; only a power cut
-takes the last runs, never the file's wholeness (https://www.sqlite.org/pragma.html, synchronous),
-and the next study makes them again.
+SQLite's write-ahead log (WAL) is used, so that a report can be made while a study runs, and a
+process killed at any instruction leaves an intact file. `synchronous` is NORMAL: commits do not
+wait for the disk. A killed process loses nothing by that, since the operating system has what it
+wrote; a power cut may lose the last runs, which the next study makes again, but does not damage the
+file (https://www.sqlite.org/pragma.html, synchronous).
 
-A result file comes from anyone. Before anything is read from it its schema is compared with ours,
-word for word, so that it is tables of data and no view, trigger or expression of somebody else's
-is ever evaluated (https://www.sqlite.org/security.html).
+A result file may come from anyone. Before anything is read from it, its schema is compared with
+ours word for word, so that no foreign view, trigger or expression is ever evaluated
+(https://www.sqlite.org/security.html).
 """
 
 import errno
@@ -25,10 +25,10 @@ from typing import NamedTuple
 
 from ...scenarios import printable
 
-#: "spin" in ASCII: tells a result file from any other SQLite database.
+#: "spin" in ASCII: distinguishes a result file from other SQLite databases.
 APPLICATION_ID = 0x7370696E
 FORMAT = 12
-#: Bytes of a record; the motion of the longest window, 10⁶ samples, has 112 MB.
+#: Bytes of a record, at most; the motion of the longest window, 10⁶ samples, has 112 MB.
 LARGEST_RECORD = 1 << 28
 
 _SCHEMA = """
@@ -47,7 +47,8 @@ _IN_WORDS = {
 }
 #: An SQLite error code's lowest byte is its kind.
 _KIND = 0xFF
-#: Where Windows locks, beyond what a result file ever holds: a lock there keeps readers out.
+#: The byte that is locked on Windows, beyond the end of any result file: a lock within the file
+#: would keep readers out.
 _BEYOND = 1 << 62
 
 
@@ -60,8 +61,8 @@ class OpenFile(NamedTuple):
 
     Attributes
     ----------
-    check : raises `ResultFileError` where what is written would be lost
-    log_missing : whether it was being written when it was copied, and the copy is not all of it
+    check : raises `ResultFileError` if the file was removed or replaced
+    log_missing : whether it is a copy without its log, made while a run was writing
     """
 
     connection: sqlite3.Connection
@@ -71,7 +72,7 @@ class OpenFile(NamedTuple):
 
 @contextmanager
 def opened(path: Path, schema: str, *, writing: bool) -> Iterator[OpenFile]:
-    """Open a result file to read it, or to write it and begin it where there is none.
+    """Open a result file for reading, or for writing; a new one is created if there is none.
 
     Raises
     ------
@@ -95,7 +96,7 @@ def opened(path: Path, schema: str, *, writing: bool) -> Iterator[OpenFile]:
 
 
 def _is_there(path: Path, purpose: str) -> bool:
-    """Whether there is a file to open; a pipe, which would be waited for, is not one."""
+    """Whether there is a file to open; pipes, which would block, are refused."""
     try:
         mode = path.stat().st_mode
     except FileNotFoundError:
@@ -110,7 +111,7 @@ def _is_there(path: Path, purpose: str) -> bool:
 
 @contextmanager
 def _to_read(path: Path, schema: str) -> Iterator[OpenFile]:
-    # Before it is opened, which begins an empty one.
+    # Before it is opened: opening creates an empty file.
     log_missing = not _has_log(path)
     with _connected(path, "mode=ro") as connection:
         connection.execute("PRAGMA query_only = ON")
@@ -126,7 +127,7 @@ def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
             _check(connection, schema)
         else:
             _begin(connection, schema)
-        # Before there is a log, so that the file itself says that there is one, and which.
+        # Before there is a log, so that the file records that it has one, and which.
         session = "UPDATE file SET session = ?, whole = 0"
         connection.execute("PRAGMA journal_mode = DELETE")
         with connection:
@@ -137,7 +138,7 @@ def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
             yield OpenFile(connection, check, log_missing=False)
             check()
         except sqlite3.DatabaseError:
-            # SQLite's own message does not say that the file is gone.
+            # SQLite's own message does not tell that the file was removed.
             check()
             raise
         finally:
@@ -163,9 +164,9 @@ def _connected(path: Path, options: str) -> Iterator[sqlite3.Connection]:
 
 
 def _check_log(path: Path) -> None:
-    """See that the log beside a file is its own, not one that a killed run of another has left.
+    """Check that the log beside a file is its own, not one left by a killed run of another file.
 
-    SQLite would write what it holds into whatever file now has the name.
+    SQLite would apply the log to whatever file now has the name.
     """
     if not (_has_log(path) and path.exists()):
         return
@@ -179,12 +180,12 @@ def _check_log(path: Path) -> None:
 
 
 def _session(path: Path, options: str) -> str | None:
-    """Which run wrote last; None where that cannot be told."""
+    """The name of the run that wrote last; None if it cannot be read."""
     try:
         with _connected(path, options) as connection:
             return str(connection.execute("SELECT max(session) FROM file").fetchone()[0])
     except sqlite3.OperationalError as error:
-        # No result file, which is told later; anything else, such as a lock, at once.
+        # That it is not a result file is reported later; other errors, such as a lock, at once.
         if getattr(error, "sqlite_errorcode", 0) & _KIND != sqlite3.SQLITE_ERROR:
             raise
     except sqlite3.DatabaseError:
@@ -204,10 +205,10 @@ def _has_log(path: Path) -> bool:
 
 @contextmanager
 def _alone(path: Path) -> Iterator[Callable[[], None]]:
-    """Hold the file as its only writer; the system lets go of it when this process ends.
+    """Lock the file as its only writer; the system releases the lock when this process ends.
 
-    The lock is not one of those by which SQLite lets readers and a writer take turns. What is
-    yielded raises where the file has been removed or replaced since.
+    The lock is independent of those by which SQLite coordinates readers and a writer. Yields a
+    function that raises if the file has been removed or replaced since.
     """
     try:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
@@ -250,8 +251,8 @@ def _check_still_there(path: Path, descriptor: int) -> None:
 
 
 def _begin(connection: sqlite3.Connection, schema: str) -> None:
-    """In one transaction, so that a file is begun or empty, whenever this is interrupted."""
-    # Can be chosen before there is anything in the file, and has no effect later.
+    """Create the tables, in one transaction: if interrupted, the file stays empty."""
+    # Has an effect only while the file is empty.
     connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
     connection.executescript(
         f"BEGIN; PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {FORMAT};"
@@ -270,7 +271,7 @@ def _check(connection: sqlite3.Connection, schema: str) -> None:
         raise ResultFileError(
             f"its schema is not that of a result file: '{printable(name, 100)}' differs"
         )
-    # Damage is told here, rather than stumbled upon in the middle of a report.
+    # Damage is reported here, not in the middle of a report.
     first_damage = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
     if first_damage != "ok":
         raise ResultFileError(f"damaged: {printable(first_damage)}")
@@ -283,7 +284,7 @@ def _objects(connection: sqlite3.Connection) -> frozenset[tuple[str, ...]]:
 
 
 def _text(content: bytes) -> str:
-    """A text that may not even be one."""
+    """Text of the schema, decoded; it may not be valid UTF-8."""
     return content.decode(errors="backslashreplace")
 
 

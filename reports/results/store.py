@@ -1,7 +1,7 @@
-"""What a result file holds: each run is written as it ends, so that a study can be gone on with.
+"""The contents of a result file. Each run is written as it ends, so that a study can be continued.
 
-It holds what is true now: before a study goes on, whatever rests on another text of a scene,
-another engine or another spincheck is dropped (`Store.keep_matching`).
+Before a study continues, results of another text of a scene, another engine or another spincheck
+are dropped (`Store.keep_matching`).
 """
 
 import sqlite3
@@ -88,7 +88,7 @@ class Results:
     Attributes
     ----------
     methods : what each engine's adapter declared of its methods, in the order it lists them
-    stock_timesteps : s, likewise of engines that have one
+    stock_timesteps : s, of the engines that have one
     """
 
     environment: dict[str, str]
@@ -109,7 +109,7 @@ class Store:
 
     Attributes
     ----------
-    log_missing : whether it is a copy, made while a run was writing it, of a part of the results
+    log_missing : whether it is an incomplete copy, made while a run was writing
     """
 
     def __init__(self, file: OpenFile) -> None:
@@ -133,11 +133,11 @@ class Store:
                     put(connection, "methods", table_records.of_method(engine, method))
 
     def keep_matching(self, scenario: str, digests: dict[str, str]) -> int:
-        """Drop what is known of a scene but rests on something else; returns how many verdicts.
+        """Drop results of a scene whose digests differ; returns how many verdicts were dropped.
 
         Parameters
         ----------
-        digests : of what results rest on now, by engine; of scene and program under ""
+        digests : by engine name, of the engine; under "", of the scene and the program
         """
         dropped = 0
         with self._database.transaction() as connection:
@@ -150,7 +150,7 @@ class Store:
         return dropped
 
     def _drop(self, connection: sqlite3.Connection, scenario: str, engine: str) -> int:
-        """Drop what an engine did on a scene, or with no engine the scene and all of them."""
+        """Drop results of an engine on a scene; with no engine, the scene and all its results."""
         tables = _OF_ENGINES if engine else _OF_SCENES
         where = _ONE_ENGINE if engine else "scenario = ?"
         names = (scenario, engine) if engine else (scenario,)
@@ -161,7 +161,7 @@ class Store:
         return dropped["verdicts"]
 
     def forget(self, keys: Iterable[Key]) -> None:
-        """Drop what a study has found of some methods on their scenes; sweeps keep their points."""
+        """Drop the results of some methods on their scenes; points of sweeps are kept."""
         with self._database.transaction() as connection:
             for key in keys:
                 for table in _OF_STUDIES:
@@ -171,12 +171,12 @@ class Store:
         """Record a scene and its exact motion."""
         with self._database.transaction() as connection:
             put(connection, "scenes", table_records.of_scene(scenario, solution))
-            # Such a row says that the scene could not be solved, which was an accident then.
+            # That row says that the scene could not be solved, which is now outdated.
             unsolved = "DELETE FROM rows WHERE scenario = ? AND timestep = ?"
             connection.execute(unsolved, (scenario.name, UNSOLVED))
 
     def put_row(self, row: Row) -> None:
-        """Record a run, with its samples: the verdict may have to be reached by another process."""
+        """Store a run with its samples: another process may have to reach the verdict."""
         with self._database.transaction() as connection:
             put(connection, "rows", table_records.of_row(row))
 
@@ -187,12 +187,12 @@ class Store:
         step_limit: int | None = None,
         discardable: Sequence[float] = (),
     ) -> None:
-        """Record a verdict, and drop the samples it no longer takes.
+        """Store a verdict, and drop the samples that are no longer needed.
 
         Parameters
         ----------
         timesteps : s, those that were asked for; none for a verdict on a ladder
-        step_limit : of a ladder that ended there with more to find out; else None
+        step_limit : of a ladder that this limit cut short; else None
         discardable : timesteps, s, of the runs whose samples are dropped
         """
         record = table_records.of_verdict(verdict)
@@ -206,22 +206,22 @@ class Store:
             )
 
     def put_cost(self, key: Key, processor: str, cost: StepCost | None) -> None:
-        """Record what a step of a method costs on a scene; None where it cannot be timed."""
+        """Store the cost of a step of a method on a scene; None if it cannot be timed."""
         with self._database.transaction() as connection:
             put(connection, "costs", table_records.of_cost(key, processor, cost))
 
     def put_left_out(self, cost: EffectsCost | PassCosts) -> None:
-        """Record what a method leaves out of a scene saves."""
+        """Store how much time is saved by what a method leaves out on a scene."""
         with self._database.transaction() as connection:
             put(connection, "left_out", table_records.of_left_out(cost))
 
     def put_default_effects(self, effects: DefaultEffects) -> None:
-        """Record what each default of a method as shipped does to the motion of a scene."""
+        """Store what each default of a method as shipped does to the motion of a scene."""
         with self._database.transaction() as connection:
             put(connection, "default_effects", table_records.of_default_effects(effects))
 
     def settled(self, scenario: str, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
-        """The verdicts there are on what is asked of a scene; not those a lesser limit cut short.
+        """The stored verdicts on a scene; without those that a smaller step limit cut short.
 
         Parameters
         ----------
@@ -233,7 +233,7 @@ class Store:
         return [table_records.verdict(record) for record in records]
 
     def rows_of(self, key: Key) -> list[Row]:
-        """The runs there are of a method on a scene."""
+        """The stored runs of a method on a scene."""
         return [table_records.row(r) for r in self._select("rows", _ONE_METHOD, _names(key))]
 
     def failed_rows(self, scenario: str) -> list[Row]:
@@ -242,18 +242,18 @@ class Store:
         return [table_records.row(record) for record in records]
 
     def timed_on(self, processor: str) -> set[Key]:
-        """The methods whose steps were timed; what was timed elsewhere is dropped."""
+        """The methods whose steps were timed; times of another processor are dropped."""
         with self._database.transaction() as connection:
             connection.execute("DELETE FROM costs WHERE processor != ?", (processor,))
         return {table_records.key(record) for record in self._select("costs")}
 
     def read(self, timesteps: Sequence[float] = ()) -> Results:
-        """Everything in the file, and of several verdicts on a method one.
+        """Everything in the file, with one verdict for each method and scene.
 
         Parameters
         ----------
-        timesteps : s, whose verdict is wanted; with none it is the ladder's, or the latest of the
-            others where there is none
+        timesteps : s, of the verdicts that are wanted; if empty, the verdict on the ladder, or the
+            latest of the others if there is none
 
         Raises
         ------
@@ -311,7 +311,7 @@ def _asked(timesteps: Sequence[float]) -> str:
 
 @contextmanager
 def open_store(path: Path, *, create: bool = False) -> Iterator[Store]:
-    """Open a result file to read it, or with `create` to write it, begun where there is none.
+    """Open a result file for reading; with `create` for writing, and create it if there is none.
 
     Raises
     ------

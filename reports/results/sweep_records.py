@@ -17,8 +17,8 @@ from .records import Key
 MAX_MEMBERS = 1_000_000
 #: As many bits as numpy asks of a seed (`numpy.random.SeedSequence`).
 MAX_SEED = (1 << 128) - 1
-#: Besides how a run can end: the varied numbers make no scene, or the run would take more steps
-#: than a point may. Neither is run.
+#: Outcomes of points that are not run: the varied numbers make no valid scene, or the run would
+#: take more steps than a point may.
 PointOutcome = Outcome | Literal["invalid", "skipped"]
 
 
@@ -40,12 +40,12 @@ class Map:
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Scattered starts and bodies; a member is the same however many there are.
+    """Scattered starts and bodies; a member does not depend on how many there are.
 
     Attributes
     ----------
     scenario : the scene's name
-    timestep : s, of every run; None where it is chosen member by member, as in a map
+    timestep : s, of every run; None if it is chosen for each member, as in a map
     """
 
     scenario: str
@@ -61,10 +61,10 @@ class PointResult:
     Attributes
     ----------
     at : the axes' values in the order of the axes; of an ensemble the member's number
-    key : scene, engine and method; engine and method are empty where the point is invalid, which
-        it is for all methods at once
+    key : scene, engine and method; engine and method are empty if the point is invalid, since it
+        is then invalid for all methods
     timestep : s; 0 where the point is invalid before it is known
-    cause : the kind of reason, in a word or two, the same for all points of that kind
+    cause : the kind of reason, in a word or two
     reason : why, where the outcome is not ok
     stopped_at : s, when it diverged or failed
     errors : up to where it stopped; None without samples
@@ -85,7 +85,7 @@ class PointResult:
 
 @dataclass(frozen=True, eq=False)
 class MapResult:
-    """A map with the scene that is varied, and the points that are there, in the axes' order."""
+    """A map with the scene that is varied, and its stored points, in the order of the axes."""
 
     map: Map
     scenario: Scenario
@@ -94,7 +94,7 @@ class MapResult:
 
 @dataclass(frozen=True, eq=False)
 class EnsembleResult:
-    """An ensemble with the scene that is scattered, and the members that are there."""
+    """An ensemble with the scene that is scattered, and its stored members."""
 
     ensemble: Ensemble
     scenario: Scenario
@@ -110,7 +110,7 @@ class SweepPoint:
     at : the axes' values in the order of the axes; of an ensemble the member's number
     numbers : what is varied, by path, in the order of the axes; none for a member
     member : seed and number; None of a map
-    timestep : s; None where it is chosen from the scene there
+    timestep : s; None if it is chosen from the scene at the point
     """
 
     at: tuple[float, ...]
@@ -120,7 +120,7 @@ class SweepPoint:
 
     @property
     def identity(self) -> str:
-        """The same for the same scene and timestep, whichever sweep asks for it; JSON."""
+        """JSON that identifies scene and timestep, whichever sweep the point belongs to."""
         parts: dict[str, float] = dict(self.numbers)
         if self.member is not None:
             parts["seed"], parts["member"] = self.member
@@ -139,7 +139,7 @@ class SweepPoint:
 
 
 def sweep_points(sweep: Map | Ensemble) -> Iterator[SweepPoint]:
-    """All of them: of a map the second axis varies within the first."""
+    """All points of a sweep; of a map, the second axis varies fastest."""
     if isinstance(sweep, Ensemble):
         for number in range(sweep.members):
             yield SweepPoint((float(number),), (), (sweep.seed, number), sweep.timestep)
@@ -156,11 +156,11 @@ def count_points(sweep: Map | Ensemble) -> int:
 
 
 def sweep_point(sweep: Map | Ensemble, parts: Mapping[str, Any]) -> SweepPoint | None:
-    """The point of a sweep with an identity, or None if the sweep has none such.
+    """The point of a sweep that has an identity; None if the sweep has no such point.
 
     Parameters
     ----------
-    parts : of the identity
+    parts : the identity, parsed
     """
     if isinstance(sweep, Ensemble):
         number = parts.get("member")

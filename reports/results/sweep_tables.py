@@ -1,4 +1,4 @@
-"""Sweeps in a result file: what was asked for, and every point as soon as it is there."""
+"""Sweeps in a result file: their definitions, and every point as soon as it is run."""
 
 import json
 import math
@@ -57,7 +57,7 @@ _STORED = ("place", "engine", "method", "cause", "reason")
 
 
 class StoredPoint(NamedTuple):
-    """What tells whether a point has to be run: its identity, the method, and how it ended."""
+    """A stored result in short: the point's identity, the method, and how the run ended."""
 
     identity: str
     engine: str
@@ -73,7 +73,7 @@ class SweepTables:
         self._database = database
 
     def put(self, asked: Map | Ensemble, scenario: Scenario) -> None:
-        """Record what is asked for."""
+        """Store the definition of a sweep."""
         record = {
             "scenario": scenario.name,
             "kind": type(asked).__name__,
@@ -90,12 +90,12 @@ class SweepTables:
                 put(connection, "points", _record(point, result))
 
     def stored(self, scenario: str) -> Iterator[StoredPoint]:
-        """What there is of a scene's points, whichever sweep asked for it."""
+        """The stored results of a scene's points, of all sweeps."""
         for record in self._database.select("points", "scenario = ?", (scenario,)):
             yield StoredPoint(*(record[name] for name in _STORED))
 
     def points(self, asked: Map | Ensemble) -> tuple[PointResult, ...]:
-        """The results there are, in the order of the sweep's points."""
+        """The stored results of a sweep, in the order of its points."""
         return _results(asked, self._database.select("points", "scenario = ?", (asked.scenario,)))
 
     def read(self) -> tuple[list[MapResult], list[EnsembleResult]]:
@@ -117,7 +117,7 @@ class SweepTables:
 def _results(asked: Map | Ensemble, records: Iterable[sqlite3.Row]) -> tuple[PointResult, ...]:
     """The results of a sweep among those of its scene, in the order of its points.
 
-    It goes through what is there, not through all that was asked for: little may have been run.
+    It loops over the stored results, not over all points of the sweep: few may have been run.
     """
     results: dict[SweepPoint, list[PointResult]] = defaultdict(list)
     for record in records:
@@ -141,7 +141,7 @@ def _record(point: SweepPoint, result: PointResult) -> dict[str, Any]:
 
 @as_result_file_error
 def _point(asked: Map | Ensemble, record: sqlite3.Row) -> SweepPoint | None:
-    """The point of a sweep that a record is about; None if it is another sweep's."""
+    """The point of a sweep that a record belongs to; None if it belongs to another sweep only."""
     return sweep_point(asked, from_json(record["place"], dict))
 
 

@@ -78,7 +78,7 @@ def of_verdict(verdict: Verdict) -> dict[str, Any]:
 
 
 def of_cost(key: Key, processor: str, cost: StepCost | None) -> dict[str, Any]:
-    """What a step costs, for the table `costs`; None where it cannot be timed."""
+    """The cost of a step, for the table `costs`; None if it cannot be timed."""
     return {
         **asdict(key),
         "processor": processor,
@@ -160,7 +160,7 @@ def verdict(record: sqlite3.Row) -> Verdict:
 
 @as_result_file_error
 def method(record: sqlite3.Row) -> tuple[Pair, Method]:
-    """A record of the table `methods`, and whose it is."""
+    """A record of the table `methods`: its engine and method, and what was declared of them."""
     declared = {name: record[name] for name in _PLAIN_METHOD}
     restored = Method(
         name=record["method"],
@@ -173,7 +173,7 @@ def method(record: sqlite3.Row) -> tuple[Pair, Method]:
 
 @as_result_file_error
 def stock_timestep(record: sqlite3.Row) -> tuple[str, float] | None:
-    """Of the engine of a record of the table `methods`, s; None where it has none."""
+    """The engine of a record of the table `methods`, and its stock timestep, s, if it has one."""
     timestep = record["stock_timestep"]
     check("stock_timestep", timestep, float | None)
     if timestep is None:
@@ -185,7 +185,7 @@ def stock_timestep(record: sqlite3.Row) -> tuple[str, float] | None:
 
 @as_result_file_error
 def key(record: sqlite3.Row) -> Key:
-    """What a record of `rows`, `costs` or `verdicts` is about."""
+    """Scene, engine and method of a record of `rows`, `costs` or `verdicts`."""
     restored = point_key(record)
     if not (restored.engine and restored.method):
         raise ValueError("names no engine or no method")
@@ -193,7 +193,7 @@ def key(record: sqlite3.Row) -> Key:
 
 
 def point_key(record: sqlite3.Row) -> Key:
-    """What a record of `points` is about; engine and method may be empty."""
+    """Scene, engine and method of a record of `points`; engine and method may be empty."""
     return typed(Key(scene_name(record), record["engine"], record["method"]))
 
 

@@ -1,7 +1,7 @@
 """Makes calls on a Dask cluster, each in a process of its own there: a crash costs one call.
 
-A cluster's worker that dies takes no result with it: Dask gives its calls to another one, and what
-comes back comes back once (https://distributed.dask.org/en/stable/resilience.html).
+If a worker of the cluster dies, no result is lost: Dask gives its calls to another worker, and each
+result is returned once (https://distributed.dask.org/en/stable/resilience.html).
 """
 
 import asyncio
@@ -24,9 +24,9 @@ from .worker_slot import TIME_LIMIT, WorkerSlot
 P = ParamSpec("P")
 T = TypeVar("T")
 
-#: s; a scheduler that is there answers in a fraction of one.
+#: s, to wait for a scheduler; one that runs answers in a fraction of a second.
 CONNECT_LIMIT = 5.0
-#: Calls under way for each thread of the cluster: one runs, the next is on its way.
+#: Calls submitted for each thread of the cluster: one runs, the next is being sent.
 CALLS_PER_THREAD = 2
 
 _of_this_thread = threading.local()
@@ -37,7 +37,7 @@ class ClusterError(Exception):
 
     Attributes
     ----------
-    bad_address : whether what was given is no address at all
+    bad_address : whether the address itself is malformed
     """
 
     def __init__(self, reason: str, *, bad_address: bool = False) -> None:
@@ -103,18 +103,18 @@ class DaskCluster(Executor):
         return self._here
 
     def stop(self) -> None:
-        """Let go of the cluster, which drops what is under way."""
+        """Disconnect from the cluster, which drops the calls under way."""
         self._stopped = True
         self._client.close()
         self._here.stop()
 
     def close(self) -> None:
-        """Let go of the cluster, which goes on without us."""
+        """Disconnect from the cluster, which keeps running."""
         self._client.close()
         self._here.close()
 
     def _check_alike(self) -> None:
-        """Check that the cluster's workers run this very program."""
+        """Check that the cluster's workers run the same program."""
         try:
             versions = self._client.run(program_and_numpy)
         except Exception as error:
@@ -132,7 +132,7 @@ class DaskCluster(Executor):
 
 
 def isolated(call: Callable[[], Any], time_limit: float) -> Answer[Any]:
-    """Make a call on a cluster's worker, in a process beside it that ends with this thread."""
+    """Make a call on a cluster's worker, in a process of its own that ends with this thread."""
     slots: dict[float, WorkerSlot] = _of_this_thread.__dict__.setdefault("slots", {})
     if time_limit not in slots:
         # Of another run; this one has a process of its own.
@@ -145,7 +145,7 @@ def isolated(call: Callable[[], Any], time_limit: float) -> Answer[Any]:
 
 
 def program_and_numpy() -> tuple[bytes, str]:
-    """What a result may depend on, besides its scene and its engine: spincheck and numpy."""
+    """What results depend on besides scene and engine: digest of spincheck, version of numpy."""
     return program(), np.__version__
 
 
@@ -161,7 +161,7 @@ def _connected(address: str) -> Any:
         ) from None
     try:
         with _quiet():
-            # Before there is a client: one that cannot connect takes long to go away.
+            # Before a client is made: closing one that cannot connect takes long.
             asyncio.run(_greet(address))
             return Client(address, timeout=CONNECT_LIMIT, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, TimeoutError):

@@ -1,4 +1,4 @@
-"""The interface of everything that makes calls; what runs anything is handed one of them."""
+"""The interface of executors: each makes calls, in this process, in workers or on a cluster."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
@@ -12,7 +12,7 @@ from ....engines import Cause
 P = ParamSpec("P")
 T = TypeVar("T")
 
-#: Tasks that wait for a thread, for each that runs: enough that none is idle.
+#: Tasks waiting for a thread, per task running: enough to keep all threads busy.
 QUEUED_PER_THREAD = 1
 
 
@@ -32,12 +32,12 @@ class CallFailed:
 
 @dataclass(frozen=True, eq=False)
 class Answer(Generic[T]):
-    """What came of a call.
+    """The result of a call.
 
     Attributes
     ----------
     value : what it returned, or why it returned nothing
-    printed : what it wrote to stdout and stderr, from Python or C; the end of it if that is long
+    printed : what it wrote to stdout and stderr, from Python or C; only the end if it is long
     """
 
     value: T | CallFailed
@@ -45,7 +45,7 @@ class Answer(Generic[T]):
 
 
 class ExecutorStopped(Exception):
-    """The executor was stopped; the call under way, or one made later, has no result."""
+    """The executor was stopped: the call under way, or made later, has no result."""
 
 
 class Executor(ABC):
@@ -86,7 +86,7 @@ class Executor(ABC):
 
     @abstractmethod
     def stop(self) -> None:
-        """End what is under way at once. From any thread."""
+        """End all calls under way at once. From any thread."""
 
     @abstractmethod
     def close(self) -> None:
@@ -94,17 +94,17 @@ class Executor(ABC):
 
     @abstractmethod
     def alone(self) -> "Executor":
-        """One that makes one call at a time on this computer, for timing; it ends with this one.
+        """An executor of one call at a time on this computer, for timing; it ends with this one.
 
-        No other call may be under way meanwhile.
+        No other call may be made in the meantime.
         """
 
     @final
     def each(self, tasks: Iterable[Callable[[], T]]) -> Iterator[T]:
-        """Run tasks, begun in their order, and yield what they return as they end.
+        """Run tasks in threads, started in their order, and yield what they return as they end.
 
-        A task is a loop of this process that makes calls; `width` of them run at once, in threads.
-        Tasks are taken from the iterable as threads become free. An exception stops all others.
+        A task runs in this process and makes calls; `width` tasks run at once. Tasks are taken from
+        the iterable as threads become free. An exception in one stops all others.
         """
         if self.width == 1:
             yield from (task() for task in tasks)

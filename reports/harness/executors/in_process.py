@@ -19,7 +19,7 @@ class InProcess(Executor):
         self._stopped = False
 
     def call(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Answer[T]:
-        """Call it here."""
+        """Call the function in this process."""
         if self._stopped:
             raise ExecutorStopped
         try:
@@ -28,12 +28,12 @@ class InProcess(Executor):
             return Answer(CallFailed(f"{type(error).__name__}: {error}", cause_of(error)))
 
     def alone(self) -> Executor:
-        """The same: nothing runs beside its one call."""
+        """Itself: it makes one call at a time."""
         return self
 
     def stop(self) -> None:
-        """Make no further call; one that is under way ends by itself."""
+        """Make no further calls; a call under way runs to its end."""
         self._stopped = True
 
     def close(self) -> None:
-        """There is nothing to free."""
+        """Nothing to free."""

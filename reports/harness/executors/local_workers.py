@@ -38,11 +38,11 @@ class LocalWorkers(Executor):
     def call_at(
         self, site: str, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
     ) -> Answer[T]:
-        """In a worker of this thread's that finds modules in that folder first."""
+        """Call a function in a worker of this thread that imports modules from `site` first."""
         return self._slot(site).call(partial(function, *args, **kwargs))
 
     def alone(self) -> Executor:
-        """The first of its workers; the others are idle meanwhile."""
+        """The first of its workers; the others are idle in the meantime."""
         alone = LocalWorkers(1, self._time_limit)
         with self._changing:
             idle = [slot for slot in self._slots if not slot.site]

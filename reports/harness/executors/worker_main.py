@@ -1,7 +1,7 @@
 """What a worker process runs: it takes calls and sends answers until its parent is gone.
 
-Started by `worker_process` as a program by itself. It imports nothing but the standard library, so
-that it is there at once; what a call needs is imported with the call.
+Started by `worker_process` as a program of its own. It imports only the standard library, so that
+it starts at once; what a call needs is imported by the call.
 """
 
 import ctypes
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 #: Length of the message that follows, bytes.
 LENGTH = struct.Struct("<Q")
-#: <stdio.h>, _IONBF: nothing that was printed before a crash is lost in a buffer.
+#: <stdio.h>, _IONBF: no buffer, so that nothing printed before a crash is lost.
 UNBUFFERED = 2
 #: <sys/prctl.h>, Linux: choose the signal to be sent when the parent is gone.
 PR_SET_PDEATHSIG = 1
-#: Of the machine's memory, what one worker may hold (RLIMIT_DATA of getrlimit(2)).
+#: Fraction of the machine's memory that one worker may hold (RLIMIT_DATA of getrlimit(2)).
 MEMORY_SHARE = 0.5
-#: Errors of the operating system that are the machine's fault and pass.
+#: Errors of the operating system that are not the engine's fault and may pass.
 PASSING = frozenset(
     getattr(errno, name)
     for name in (
@@ -35,7 +35,7 @@ PASSING = frozenset(
     )
     if hasattr(errno, name)
 )
-#: What Python says where the system has no thread to spare.
+#: What Python says if the system cannot start another thread.
 NO_THREAD = "can't start new thread"
 
 
@@ -44,10 +44,10 @@ def serve(mark: bytes, parent: int) -> None:
 
     Parameters
     ----------
-    mark : is printed when a call has answered
+    mark : printed at the end of each call
     parent : its process id
     """
-    # Ctrl-C is the parent's to decide on, should it reach this process after all.
+    # The parent decides about Ctrl-C, should it reach this process.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _die_with(parent)
     _bound_memory()
@@ -64,7 +64,7 @@ def serve(mark: bytes, parent: int) -> None:
 
 
 def send(stream: IO[bytes], message: bytes) -> None:
-    """Write a message and its length, whole."""
+    """Write a message, preceded by its length."""
     parts = memoryview(LENGTH.pack(len(message)) + message)
     while parts:
         parts = parts[stream.write(parts) :]
@@ -76,7 +76,7 @@ def receive(stream: IO[bytes]) -> bytes:
     Raises
     ------
     EOFError
-        If the stream ends before it does.
+        If the stream ends before the message does.
     """
     (length,) = LENGTH.unpack(_read(stream, LENGTH.size))
     return _read(stream, length)
@@ -93,18 +93,18 @@ def _read(stream: IO[bytes], length: int) -> bytes:
 
 
 def _answer(request: bytes) -> bytes:
-    """Whether a call has returned, what it returned or raised, and the cause, pickled."""
+    """Pickled: whether a call returned, what it returned or raised, and the cause of a failure."""
     try:
         call = pickle.loads(request)
         return pickle.dumps((True, call(), ""))
-    # A call that exits is a call that failed, not the end of the worker.
+    # `sys.exit` in a call is a failed call, not the end of the worker.
     except (Exception, SystemExit) as error:
         return pickle.dumps((False, f"{type(error).__name__}: {error}", cause_of(error)))
 
 
 def cause_of(error: BaseException) -> "Cause":
-    """The cause, one word, of a call that raised: the machine's, if that is what it rests on."""
-    # An engine's error knows by itself whether its child was killed.
+    """The cause, one word, of a call that raised: `environment` if the machine is to blame."""
+    # An `EngineError` carries its cause: its child may have been killed.
     if getattr(error, "cause", "") == "killed":
         return "killed"
     at: BaseException | None = error
@@ -116,13 +116,13 @@ def cause_of(error: BaseException) -> "Cause":
 
 
 def _is_passing(error: BaseException) -> bool:
-    """Whether an error is the machine's, and may be gone the next time."""
+    """Whether the machine is to blame for an error, which may pass."""
     if getattr(error, "cause", "") == "environment":
         return True
     if isinstance(error, OSError):
         return error.errno in PASSING
     if isinstance(error, ImportError):
-        # Of a library that could not be opened the loader says why in words.
+        # If a library cannot be opened, the loader tells the reason in words only.
         return any(os.strerror(number) in str(error) for number in PASSING)
     if isinstance(error, MemoryError):
         return _is_memory_limited()
@@ -130,7 +130,7 @@ def _is_passing(error: BaseException) -> bool:
 
 
 def _is_memory_limited() -> bool:
-    """Whether somebody else allows this process less memory than `MEMORY_SHARE`."""
+    """Whether a limit from outside allows this process less memory than `MEMORY_SHARE`."""
     if sys.platform == "win32":
         return False
     import resource
@@ -144,7 +144,8 @@ def _pipes_of_its_own() -> tuple[IO[bytes], IO[bytes], int]:
 
     Returns
     -------
-    Calls, answers, and what is printed: the same as standard error, which a call may close.
+    The streams of calls, of answers, and of output: a copy of standard error, as a call may close
+    the original.
     """
     calls, answers = os.fdopen(os.dup(0), "rb", 0), os.fdopen(os.dup(1), "wb", 0)
     nothing = os.open(os.devnull, os.O_RDONLY)
@@ -155,10 +156,10 @@ def _pipes_of_its_own() -> tuple[IO[bytes], IO[bytes], int]:
 
 
 def _die_with(parent: int) -> None:
-    """Have the system kill this process as soon as its parent's thread is gone, whatever it does.
+    """Have the system kill this process as soon as the thread that started it ends.
 
-    See prctl(2), on Linux: the parent is the thread that started this process. Elsewhere it ends
-    when its standard input does, once its call has returned.
+    On Linux, by prctl(2). Elsewhere the process ends when its standard input does, after the call
+    under way.
     """
     if sys.platform != "linux":
         return
@@ -168,7 +169,7 @@ def _die_with(parent: int) -> None:
 
 
 def _bound_memory() -> None:
-    """Refuse an engine that leaks more memory than `MEMORY_SHARE`, before others have none."""
+    """Limit the memory of this process, so that an engine that leaks does not take all of it."""
     if sys.platform == "win32":
         return
     import resource
@@ -186,7 +187,7 @@ def _own_bound() -> int:
 
 
 def _print_at_once() -> None:
-    """Have both streams, Python's and C's, write each byte as soon as it is printed."""
+    """Switch off the output buffers of Python and C, so that nothing is lost in a crash."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(write_through=True)

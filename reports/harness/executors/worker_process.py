@@ -1,10 +1,9 @@
 """One worker: a process of its own, and the three pipes to it.
 
-Calls come by its standard input and answers go by its standard output, each as a length and a
-pickle; all that is printed goes by its standard error. It is started like any program and knows of
-the program that started it only where modules are found: no `__main__` is imported twice, and a
-process that may have no children of `multiprocessing`'s, such as a worker of a cluster, may have
-this one.
+Calls are sent to its standard input, answers come from its standard output, each as a length and a
+pickle; everything printed comes from its standard error. It is started like any program, and gets
+from its parent only the paths of modules. So `__main__` is not imported twice, and processes that
+may not have children of `multiprocessing`, such as workers of a cluster, may have this one.
 """
 
 import json
@@ -28,19 +27,19 @@ from ....engines.versions.folders import interpreter_of
 from . import worker_main
 from .worker_main import receive, send
 
-#: Bytes of what a call printed that are kept, from its end.
+#: Bytes kept of what a call printed, counted from the end.
 KEPT_OUTPUT = 4096
-#: Bytes read at once of what is printed: as many as a pipe holds (pipe(7), Linux).
+#: Bytes of output read at once: as many as a pipe holds (pipe(7), Linux).
 PIPE_SIZE = 1 << 16
-#: s that are waited for the end of what a call printed, once it has answered.
+#: s, to wait for the rest of the output after a call has answered.
 OUTPUT_WAIT = 5.0
-#: What libraries start threads by. Engines step in one; others would spin beside it.
+#: Environment variables of thread pools. Engines step in one thread; idle pools would only spin.
 THREAD_COUNTS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
 ONE_THREAD = dict.fromkeys(THREAD_COUNTS, "1")
 
 
 class WorkerProcess:
-    """The parent's side of it. On Linux it lives no longer than the thread that starts it.
+    """The parent's side of a worker. On Linux the process ends with the thread that starts it.
 
     Raises
     ------
@@ -50,7 +49,7 @@ class WorkerProcess:
 
     def __init__(self, site: str = "") -> None:
         self._mark = secrets.token_bytes(16)
-        # -P: no module of the current folder is taken for one of Python's own. A process group of
+        # -P: modules of the current folder do not shadow Python's own. A process group of
         # its own: Ctrl-C is for the program that the user sees, which ends its workers.
         program: str = sys.executable
         started: dict[str, Any] = {"process_group": 0, "env": os.environ | ONE_THREAD}
@@ -88,11 +87,11 @@ class WorkerProcess:
 
     @property
     def alive(self) -> bool:
-        """Whether the process is there."""
+        """Whether the process runs."""
         return self._process.poll() is None
 
     def give(self, call: bytes) -> None:
-        """Let it make a pickled call.
+        """Send it a pickled call.
 
         Raises
         ------
@@ -104,7 +103,7 @@ class WorkerProcess:
         send(_raw(self._process.stdin), call)
 
     def has_answered(self, seconds: float) -> bool:
-        """Wait until it has answered or is gone, so long at most."""
+        """Wait, at most so many seconds, until it has answered or ended."""
         try:
             self._answer = self._answers.get(timeout=seconds)
         except Empty:
@@ -112,7 +111,7 @@ class WorkerProcess:
         return True
 
     def take(self) -> tuple[bool, Any, Cause]:
-        """What the call returned, after True, or what it raised, in words, after False; its cause.
+        """The answer: (True, value, cause) if the call returned, else (False, error, cause).
 
         Raises
         ------
@@ -126,7 +125,7 @@ class WorkerProcess:
         return answer
 
     def printed(self) -> str:
-        """What the call has printed, or the end of it."""
+        """What the call has printed; only the end if it is long."""
         return self._printed.replace(self._mark, b"").decode(errors="replace")
 
     def cpu_seconds(self) -> float:
@@ -138,11 +137,11 @@ class WorkerProcess:
         return is_stopped(self._of_system)
 
     def kill(self) -> None:
-        """Kill it, from whichever thread; `end` is still to be called."""
+        """Kill the process, from any thread; `end` must still be called."""
         self._kill_group()
 
     def end(self) -> int:
-        """Kill it and free its pipes; returns the exit code, its own if it had died before."""
+        """Kill the process and close its pipes; returns its exit code."""
         self._kill_group()
         code = self._process.wait()
         for listener in getattr(self, "_listeners", []):
@@ -160,7 +159,7 @@ class WorkerProcess:
                 os.killpg(self._process.pid, signal.SIGKILL)
 
     def _take_answers(self) -> None:
-        """A thread: put answers into the queue until the process is gone, then None."""
+        """Run in a thread: put answers into the queue until the process ends, then None."""
         stream = _raw(self._process.stdout)
         try:
             while True:
@@ -169,7 +168,7 @@ class WorkerProcess:
             self._answers.put(None)
 
     def _take_output(self) -> None:
-        """A thread: take what is printed, however much, and keep the end of it."""
+        """Run in a thread: read all output and keep the end of it."""
         descriptor = _raw(self._process.stderr).fileno()
         while heard := os.read(descriptor, PIPE_SIZE):
             self._printed = (self._printed + heard)[-KEPT_OUTPUT - len(self._mark) :]
@@ -179,10 +178,10 @@ class WorkerProcess:
 
 
 def _on_windows() -> tuple[str, dict[str, Any]]:
-    """The interpreter and what it is started with.
+    """The interpreter and the environment to start it with, on Windows.
 
-    In a virtual environment `sys.executable` only launches another process, whose CPU time would
-    not be seen; that one is started instead, in the way of `multiprocessing.popen_spawn_win32`.
+    In a virtual environment `sys.executable` only launches the real interpreter, whose CPU time
+    would not be counted; so that is started, as in `multiprocessing.popen_spawn_win32`.
     """
     program = getattr(sys, "_base_executable", sys.executable)
     environment = os.environ | ONE_THREAD

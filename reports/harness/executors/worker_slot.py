@@ -12,15 +12,15 @@ from ....scenarios import printable
 from .executor import Answer, CallFailed, ExecutorStopped
 from .worker_process import WorkerProcess
 
-#: CPU seconds that a call may take; a run of the longest ladder takes a few.
+#: CPU seconds that a call may take; the longest run of a ladder takes a few.
 TIME_LIMIT = 120.0
-#: A call whose worker was killed from outside is made this often in all.
+#: Times that a call is tried whose worker is killed from outside.
 ATTEMPTS = 2
 #: Characters of a worker's last line that go into the reason of its death.
 LAST_LINE = 200
-#: Begins the reason of a call whose worker is gone.
+#: First words of the reason of a call whose worker has died.
 _WORKER = "the worker process"
-#: Begins the reason of a call that was stopped; its time limit follows.
+#: First words of the reason of a call that exceeded its time limit, which follows.
 _OVERDUE = "did not finish within "
 
 
@@ -92,7 +92,7 @@ class WorkerSlot:
         return Answer(value if returned else CallFailed(value, cause), worker.printed())
 
     def _ready(self) -> WorkerProcess:
-        """The process, or a new one in its place if it has died."""
+        """The process; a new one if it has died."""
         with self._changing:
             if self._stopped:
                 raise ExecutorStopped
@@ -128,8 +128,8 @@ def is_environmental(cause: str) -> bool:
 def may_succeed_if_repeated(cause: str, reason: str, time_limit: float | None) -> bool:
     """Whether a call that failed may succeed if it is made again.
 
-    So may one that the machine is to blame for, and one that was stopped after less CPU time than
-    the limit, s, that is asked for now.
+    That is so if the machine is to blame, or if it was stopped after less CPU time than the limit
+    that applies now, s.
     """
     if is_environmental(cause):
         return True
@@ -138,6 +138,6 @@ def may_succeed_if_repeated(cause: str, reason: str, time_limit: float | None) -
 
 
 def _last_line(printed: str) -> str:
-    """The last line that a worker printed, to go on with the reason of its death."""
+    """The last line that a worker printed, to be added to the reason of its death."""
     lines = printed.strip().splitlines()
     return f"; it last printed: {printable(lines[-1][-LAST_LINE:])}" if lines else ""

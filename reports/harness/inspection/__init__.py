@@ -1,4 +1,4 @@
-"""Users' own models: what each engine holds of them, against what their file states."""
+"""Compares users' models as engines hold them with what their files state."""
 
 from .inspect import Asked, CannotInspectError, asked_engines, inspect_model
 from .records import Held, InspectedLink, Inspection

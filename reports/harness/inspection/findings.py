@@ -1,4 +1,4 @@
-"""What an inspection found, in lines to read: worst first, alike ones in one."""
+"""The findings of an inspection as lines: worst first, alike findings merged."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -7,18 +7,18 @@ from .records import Held, InspectedLink, Inspection
 
 #: Links that a line names.
 MOST_NAMES = 3
-#: What a cell says where an engine holds what the file states, and where there is nothing to say.
+#: Cells of the table where an engine holds what the file states, and where nothing is compared.
 FINE, NOTHING = "ok", "–"
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that is so for some links.
+    """One statement about some links.
 
     Attributes
     ----------
-    who : engine and configuration; empty of the file itself
-    names : of the links; none where it is so for the file as a whole
+    who : engine and configuration; empty if it is about the file itself
+    names : of the links; empty if it is about the whole file
     """
 
     who: str
@@ -31,13 +31,13 @@ class Finding:
 
 
 def listed(names: Sequence[str]) -> str:
-    """The first of them, and how many more there are."""
+    """The first names, and how many more there are."""
     more = len(names) - MOST_NAMES
     return ", ".join(names[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
 def differences(inspection: Inspection) -> list[Finding]:
-    """Refusals, then by `badness`."""
+    """Findings about engines: refusals first, then the others by `badness`."""
     refused = [
         Finding(f"{engine} {configuration}", (), reason)
         for (engine, configuration), reason in inspection.refusals.items()
@@ -56,13 +56,13 @@ def differences(inspection: Inspection) -> list[Finding]:
 
 
 def stated_mass(inspection: Inspection) -> float:
-    """What the file's links weigh together, kg."""
+    """Total mass of the file's links, kg."""
     stated = (link.link.stated for link in inspection.links)
     return sum(one.mass for one in stated if one is not None)
 
 
 def added_masses(inspection: Inspection) -> dict[str, float]:
-    """By configuration, the kg of bodies that the file states nothing of, where there are any."""
+    """By configuration, the total mass, kg, of bodies for which the file states nothing."""
     added: dict[str, float] = {}
     for link in inspection.links:
         for held in link.held:
@@ -73,7 +73,7 @@ def added_masses(inspection: Inspection) -> dict[str, float]:
 
 
 def weight_in_words(inspection: Inspection) -> str:
-    """What the robot weighs, and in whose world it weighs more; empty where it does nowhere."""
+    """The robot's mass, and the engines that give it more; empty if none does."""
     stated = stated_mass(inspection)
     by_mass: dict[str, list[str]] = {}
     for who, added in added_masses(inspection).items():
@@ -85,7 +85,7 @@ def weight_in_words(inspection: Inspection) -> str:
 
 
 def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
-    """What the file states that no body can have, or what is doubtful about it."""
+    """Findings about the file: impossible or doubtful numbers."""
     linked_problems = [
         (problem, link)
         for link in inspection.links
@@ -96,7 +96,7 @@ def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
 
 
 def worst_links(inspection: Inspection) -> list[InspectedLink]:
-    """Links that state a body and have something wrong, the worst motion first."""
+    """Links with a stated body and something wrong, the largest attitude error first."""
     wrong = [
         link
         for link in inspection.links
@@ -110,7 +110,7 @@ def worst_links(inspection: Inspection) -> list[InspectedLink]:
 def badness(held: Held) -> tuple[float, float]:
     """Attitude apart at the latest time, degrees, and the size of the difference.
 
-    A body out of nothing is worse than any that is held wrongly.
+    A body for which the file states nothing counts as worse than any that is held wrongly.
     """
     if held.agrees is not False:
         return (0.0, 0.0)
@@ -141,7 +141,7 @@ def _apart(held: Held) -> str:
 
 
 def cell_text(held: Held) -> str:
-    """What one configuration has made of one link, in the width of a column."""
+    """The text of a cell: how one configuration holds one link."""
     if held.kind == "refused":
         return "refused"
     if held.agrees is None:

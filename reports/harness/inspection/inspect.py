@@ -1,4 +1,4 @@
-"""Inspects a model: each engine reads its file in a child; what it holds is compared with it."""
+"""Inspects a model: each engine reads the file in a worker, and its bodies are compared with it."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from .records import Held, InspectedLink, Inspection
 
 #: CPU s for one engine to read one file, meshes included; the largest take a few.
 READ_LIMIT = 60.0
-#: Links of a URDF that engines take for the world itself.
+#: Names of URDF links that engines take for the world itself.
 WORLD = "world"
 
 Bodies = dict[str, BodyReading]
@@ -34,7 +34,7 @@ class Asked:
     Attributes
     ----------
     name : as users type it, "mujoco" or "mujoco@3.3.7"
-    site : the folder it is installed in; empty for the one that is installed here
+    site : the folder it is installed in; empty for the version installed in this environment
     """
 
     name: str
@@ -44,9 +44,9 @@ class Asked:
 
 
 def asked_engines(names: Sequence[str] = ()) -> list[Asked]:
-    """The engines of those names; all that are installed if there are none.
+    """The engines of those names; all that are installed if no name is given.
 
-    An engine@version is installed unless it is there.
+    An engine@version is installed first if necessary.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def asked_engines(names: Sequence[str] = ()) -> list[Asked]:
 
 
 def inspect_model(model: ModelFile, executor: Executor, engines: Sequence[Asked]) -> Inspection:
-    """What every configuration of some engines holds of a model.
+    """Read a model with every configuration of some engines, and compare.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def _compared(
     configuration: Configuration,
     faults: dict[str, tuple[Problem, ...]],
 ) -> Iterator[tuple[Link, Held]]:
-    """Every link of the file beside what one configuration has made of it."""
+    """Compare every link of the file with the body that one configuration holds."""
     gone = frozenset(link.name for link in model.links) - set(bodies)
     hosts = _hosts(model, gone)
     for link in model.links:
@@ -179,7 +179,7 @@ def _held(
 
 
 def _hosts(model: ModelFile, gone: frozenset[str]) -> dict[str, str]:
-    """The link that each link that is gone is fused with; empty for the world."""
+    """For each link without a body of its own, the link it is fused with; empty for the world."""
     parents = {link.name: link.parent for link in model.links}
     hosts = {}
     for name in gone:

@@ -1,4 +1,4 @@
-"""The effect of a wrong tensor: exact motions of both bodies from one start, compared."""
+"""The effect of a wrong tensor: exact motions of both bodies from the same start, compared."""
 
 from dataclasses import replace
 from functools import cache
@@ -36,11 +36,11 @@ def attitude_apart_deg(stated: FloatArray, held: FloatArray) -> dict[float, floa
 
     Parameters
     ----------
-    stated, held : tensors about the com in the link's axes, (3, 3); their size has no part in it
+    stated, held : tensors about the com in the link's axes, (3, 3); a common factor has no effect
 
     Returns
     -------
-    None where one of them is a tensor that no body has, which has no motion
+    None if one of them is a tensor that no body can have
     """
     apart = attitude_apart(stated, held, np.array(TIMES))
     if apart is None:

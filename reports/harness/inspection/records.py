@@ -1,4 +1,4 @@
-"""What an inspection finds: a link of a file × a configuration of an engine."""
+"""The records of an inspection: links of a file × configurations of engines."""
 
 from dataclasses import dataclass
 
@@ -12,14 +12,14 @@ TIMES = (1.0, 3.0)
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """What one engine holds of one link.
+    """One link as one engine holds it.
 
     Attributes
     ----------
-    body : None if it holds nothing: it refused the file, or fused the link with another
-    agrees : whether that is what the file states; None where there is nothing to compare
-    cause : in words, what it holds and why; empty where it agrees
-    kind : the same in a word
+    body : None if there is none: the engine refused the file, or fused the link with another
+    agrees : whether it is what the file states; None if there is nothing to compare
+    cause : in words, how it differs and why; empty if it agrees
+    kind : the cause in a word
     fused : links whose mass the engine has added to this one
     expected : the exact sum of the parts, which `difference` is taken from; None as `stated`
     attitude_apart_deg : by the time in s, between the file's body and the engine's, tumbling from
@@ -41,7 +41,7 @@ class Held:
 
 @dataclass(frozen=True, eq=False)
 class InspectedLink:
-    """One link, what its file has wrong, and what the engines hold."""
+    """One link, the faults of its numbers in the file, and the bodies that the engines hold."""
 
     link: Link
     problems: tuple[Problem, ...]
@@ -49,7 +49,7 @@ class InspectedLink:
 
     @property
     def is_well(self) -> bool:
-        """Whether the file states something possible and every engine holds it."""
+        """Whether the numbers in the file are possible and every engine holds them."""
         impossible = any(problem.impossible for problem in self.problems)
         return not impossible and all(held.agrees is not False for held in self.held)
 
@@ -69,5 +69,5 @@ class Inspection:
 
     @property
     def is_well(self) -> bool:
-        """Whether nothing is wrong with the file, nor with what the engines hold of it."""
+        """Whether neither the file nor any engine's bodies have a fault."""
         return not self.refusals and all(link.is_well for link in self.links)

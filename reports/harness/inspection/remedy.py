@@ -1,4 +1,4 @@
-"""What to do where an engine holds another body than the file states: a flag, an option, a line."""
+"""Remedies where an engine holds another body than the file states: a flag, an option, a line."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ from ....scenarios.model_files import Stated
 from .findings import listed
 from .records import Held, InspectedLink, Inspection
 
-#: Written into `<inertial>`: what a frame without a mass has.
+#: The `<inertial>` of a frame without a mass.
 NO_INERTIA = (
     '<inertial><mass value="0"/>'
     '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
@@ -38,7 +38,7 @@ class Remedy:
 
 
 def remedies(inspection: Inspection) -> list[Remedy]:
-    """Those of refusals first, then in the order of the table's columns; each once."""
+    """All remedies, each once: of refusals first, then in the order of the table's columns."""
     wrong: dict[tuple[str, str, Kind], list[str]] = {}
     for link in inspection.links:
         for held in link.held:
@@ -59,14 +59,14 @@ def remedies(inspection: Inspection) -> list[Remedy]:
 
 
 def line_without_rotation(link: InspectedLink, held: Held) -> str:
-    """The link's inertial in its own axes, as XML, where an engine loses the turn; else empty."""
+    """The link's `<inertial>` without a rotation, if an engine loses the rotation; else empty."""
     if held.kind != "rotation lost" or link.link.stated is None:
         return ""
     return inertial_line(link.link.stated)
 
 
 def inertial_line(stated: Stated) -> str:
-    """What a file states of a link, without a rotation: every reader takes this alike."""
+    """The `<inertial>` of a link without a rotation, which every reader reads alike."""
     tensor = stated.inertia
     entries = {
         f"i{a}{b}": tensor[i, j] for i, a in enumerate("xyz") for j, b in enumerate("xyz") if i <= j
@@ -100,7 +100,7 @@ def _of_kind(engine: str, configuration: str, kind: Kind) -> Iterator[tuple[str,
 
 
 def _of_refusals(inspection: Inspection) -> Iterator[Remedy]:
-    """What makes an engine take a file that it refuses."""
+    """What makes an engine accept a file that it refuses."""
     concerned = {
         "impossible": [
             link.link.name for link in inspection.links if any(p.impossible for p in link.problems)
