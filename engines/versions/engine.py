@@ -70,6 +70,10 @@ class VersionedEngine(Engine):
         """As the adapter tells them."""
         return self._adapter().differences(scenario, method, body, state)
 
+    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
+        """As the adapter writes it."""
+        return engines()[self._base].script(scenario, method, timestep)
+
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """Of this version."""
         return self._adapter().left_out(scenario, method)

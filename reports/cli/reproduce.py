@@ -5,7 +5,7 @@ from importlib.metadata import version
 import numpy as np
 from numpy.typing import NDArray
 
-from ...engines import Engine, Method
+from ...engines import Engine, Method, engines
 from ...reference import IntegrationError, Solution, solve
 from ...scenarios import Scenario, printable
 from ..harness.ladder import single
@@ -75,7 +75,7 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
     """
     script = engine.script(scenario, method, timestep)
     if not script:
-        raise Complaint(f"'--engine' must be one with a script, {engine.name} has none", BAD_INPUT)
+        raise Complaint(_without_script(scenario, engine), BAD_INPUT)
     if reason := engine.unsupported(scenario, method):
         raise Complaint(reason, BAD_INPUT)
     try:
@@ -89,13 +89,22 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
     head = _HEAD.format(
         # The title goes into a docstring.
         title=printable(scenario.title).replace("\\", "/").replace('"', "'"),
-        engine=engine.name,
+        engine=engine.name.partition("@")[0],
         engine_version=engine.version,
         method=method.name,
         timestep=timestep,
         version=version("spincheck"),
     )
     return head + script + _tail(solution, steps)
+
+
+def _without_script(scenario: Scenario, engine: Engine) -> str:
+    """That an engine has none, and which have."""
+    able = [one.name for one in engines().values() if one.script(scenario, one.methods[0], 1.0)]
+    return (
+        f"'--engine' must be one of {', '.join(able)}, which write scripts of themselves, "
+        f"got '{engine.name}'"
+    )
 
 
 def _tail(solution: Solution, steps: NDArray[np.int64]) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from library_scenes import library_scene
 from spincheck.engines import engines
+from spincheck.engines.versions import VersionedEngine
 from spincheck.reference import solve
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.reproduce import reproduction
@@ -66,8 +67,18 @@ def test_the_file_alone_finds_the_error_that_the_harness_finds(
 
 def test_an_engine_without_a_script_is_reported() -> None:
     scenario, engine = library_scene("fast-top"), engines()["mujoco-urdf"]
-    with pytest.raises(Complaint, match="mujoco-urdf has none"):
+    with pytest.raises(Complaint, match=r"one of mujoco, pybullet, .* got 'mujoco-urdf'"):
         reproduction(scenario, engine, engine.methods[0], TIMESTEP)
+
+
+def test_an_engine_at_a_version_has_the_script_of_its_adapter() -> None:
+    """It has to run there: flags that a version lacks are none."""
+    scenario, newest = library_scene("fast-top"), engines()["mujoco"]
+    old = VersionedEngine("mujoco", "3.3.0", newest.methods, Path("nowhere"))
+    text = reproduction(scenario, old, old.method("RK4"), TIMESTEP)
+    assert "mujoco 3.3.0, RK4" in text
+    assert "<flag" not in text
+    assert {"SPRING", "DAMPER", "PASSIVE"} <= set(re.findall("[A-Z]+", text))
 
 
 @pytest.fixture(scope="module")
