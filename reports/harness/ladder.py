@@ -10,22 +10,22 @@ from numpy.typing import NDArray
 
 from ...scenarios import FloatArray, Window
 
-#: Angle turned in the coarsest step, rad. A user who thinks of the motion would not step further.
+#: Angle turned in the coarsest step, rad: a timestep that resolves the motion at all.
 COARSEST_TURN = 0.2
 #: Above the ladder timesteps are doubled up to this angle, rad: half a turn, beyond which samples
 #: cannot tell a rotation from its opposite.
 LARGEST_TURN = math.pi
-#: In fewer steps than this nothing has time to blow up.
+#: Fewest steps of a run above the ladder: in fewer, an instability has no time to grow.
 LEAST_STEPS = 10
 #: A ladder ends before a run would take more steps than this.
 MAX_STEPS = 1 << 20
-#: After fewer rungs than this no ladder is ended for what it shows.
+#: A ladder is not ended early after fewer rungs than this.
 MIN_RUNGS = 6
-#: For so many, runs may take some times the steps asked for: three make a verdict, and one more
-#: shows whether it stands.
+#: For so many rungs, runs may take more steps than the limit: three make a verdict, and one more
+#: confirms it.
 LEAST_RUNGS = 4
 EXCESS = 4
-#: Beyond it a step's number is no longer a double, and its time no longer k · dt.
+#: Largest step count: beyond it a step's number is no longer exact as a double.
 MOST_STEPS = 2.0**53
 
 
@@ -37,7 +37,7 @@ class Rung:
     ----------
     timestep : s
     sample_steps : (n,) step counts of the samples, the first of them 0
-    every : of the samples of the ladder it belongs to, each so many-th is one of its own
+    every : this rung is sampled at every n-th sample of its ladder; n
     """
 
     timestep: float
@@ -50,7 +50,7 @@ class Rung:
         return int(self.sample_steps[-1])
 
     def until(self, samples: int) -> "Rung":
-        """The same up to a sample of the ladder's."""
+        """The rung, cut after so many samples of its ladder."""
         return replace(self, sample_steps=self.sample_steps[: math.ceil(samples / self.every)])
 
 
@@ -60,12 +60,12 @@ class Ladder:
 
     Attributes
     ----------
-    rungs : coarse to fine, all sampled at the same times; empty where the first would take too
-        many steps, or there is no time to sample at
-    above : coarser ones, each twice the one before, from the first rung's neighbour on; they are
-        for finding out how long a step may be, and take no part in a verdict
+    rungs : coarse to fine, all sampled at the same times; empty if the first would take too many
+        steps, or there are no sample times
+    above : coarser timesteps, each twice the one before, starting at twice the first rung's; they
+        show the largest stable timestep, and take no part in a verdict
     times : (n,) s, at which all rungs are sampled
-    least_steps : how many the first rung takes, whether it is there or not
+    least_steps : number of steps of the first rung, even if the ladder is empty
     """
 
     rungs: tuple[Rung, ...]
@@ -74,7 +74,7 @@ class Ladder:
     least_steps: float
 
     def until(self, samples: int) -> "Ladder":
-        """The same with the first samples only, as far as the exact motion is known."""
+        """The ladder with the first samples only, as far as the exact motion is known."""
         if samples < 2:
             return Ladder((), (), self.times[:samples], least_steps=0.0)
         parts = (self.rungs, self.above)
@@ -88,13 +88,13 @@ def ladder(window: Window, fastest_rate: float, samples: int, max_steps: int = M
 
     The coarsest turns the body by at most `COARSEST_TURN` where it is fastest, and fits a whole
     number of times between two samples. Halving is exact in binary, so that all rungs share their
-    sample times to the last bit. Where samples stand so close that a step from each to the next
-    leaves no room for a ladder, only every second, fourth, … of them is taken.
+    sample times to the last bit. If samples are so close that even one step between them leaves no
+    room for a ladder, only every second, fourth, … sample is used.
 
     Parameters
     ----------
     fastest_rate : the fastest rate, rad/s
-    samples : of the window, those at which the exact motion is known
+    samples : number of samples of the window at which the exact motion is known
     max_steps : a ladder of `LEAST_RUNGS` or more ends before a run would take more, a shorter one
         before it would take `EXCESS` times as many
     """
@@ -119,7 +119,7 @@ def ladder(window: Window, fastest_rate: float, samples: int, max_steps: int = M
 
 
 def _thinned(intervals: int, turn: float) -> int:
-    """Of how many samples one is taken, a power of two, where one turns the body by `turn` rad."""
+    """One of how many samples is used, a power of two, if the body turns `turn` rad between two."""
     every = 1
     while (
         intervals // every * 2 ** (MIN_RUNGS - 1) > MAX_STEPS and 2 * every * turn <= COARSEST_TURN
@@ -129,7 +129,7 @@ def _thinned(intervals: int, turn: float) -> int:
 
 
 def _above(coarsest: float, counts: NDArray[np.int64], fastest_rate: float) -> Iterator[Rung]:
-    """Doubled timesteps, each with those of the samples that it meets at a whole step."""
+    """Doubled timesteps, each with the samples that lie at whole steps of it."""
     per_interval = int(counts[1])
     for k in count(1):
         timestep = coarsest * 2**k
@@ -144,7 +144,7 @@ def _above(coarsest: float, counts: NDArray[np.int64], fastest_rate: float) -> I
 
 
 def single(timestep: float, times: NDArray[np.float64]) -> Rung:
-    """A rung with a timestep somebody asked for: samples at the whole steps nearest to `times`.
+    """A rung with a given timestep, sampled at the whole steps nearest to `times`.
 
     Raises
     ------

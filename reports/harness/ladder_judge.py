@@ -1,4 +1,4 @@
-"""The judgement on a method's ladder as it grows: each signal by itself, and the worst of them."""
+"""Judges a method's ladder as it grows: each signal by itself; the worst counts."""
 
 import math
 from dataclasses import dataclass, field
@@ -13,12 +13,12 @@ from .observed_order import ASYMPTOTIC
 from .richardson import SIGNALS, RichardsonLadder, SignalSequence
 from .verdict import SHARP, Judgement, judge
 
-#: A ladder goes on until every limit is known to this, relative or in rad, or steps run out; that
-#: of a method of high order, which gets there in a few rungs, further; that of an engine as
-#: shipped, whose accuracy nobody pays for, until it is sharp enough to judge.
+#: A ladder continues until every limit is known to `GOAL`, relative or in rad, or the steps run out;
+#: to `FINE_GOAL` for methods of `HIGH_ORDER`, which need few rungs for it; to `SHARP`, enough for a
+#: judgement, for engines as shipped.
 GOAL, FINE_GOAL = 1e-4, 1e-9
 HIGH_ORDER = 4
-#: Rungs an extrapolated limit with an error estimate takes.
+#: Rungs needed for an extrapolated limit with an error estimate.
 RUNGS_OF_A_LIMIT = 3
 
 
@@ -31,7 +31,7 @@ class SignalJudgement:
 
     @property
     def severity(self) -> tuple[int, float, float]:
-        """Sort key, worst last; of two unresolved ones, that which needs the finer timestep."""
+        """Sort key, worst last; of two unresolved ones, the one that needs the finer timestep."""
         judgement = self.judgement
         rank = ("converges", "unresolved", "disagrees").index(judgement.word)
         excess = (judgement.limit_error or 0.0) / (judgement.tolerance or math.inf)
@@ -40,13 +40,13 @@ class SignalJudgement:
 
 @dataclass(eq=False)
 class LadderJudge:
-    """Takes the rows of a ladder, coarse to fine, and judges those below the last that ended early.
+    """Takes the rows of a ladder, coarse to fine, and judges those finer than the last failed one.
 
     Attributes
     ----------
     solution : the exact motion at the ladder's sample times
-    blown_up_below : rows that ended well before a finer one did not, where there are enough of them
-        to tell that it is finer timesteps that do harm
+    blown_up_below : rows that finished before a finer one did not, if there are enough of them to
+        show that finer timesteps are worse
     """
 
     scenario: Scenario
@@ -75,12 +75,12 @@ class LadderJudge:
 
     @property
     def finished(self) -> int:
-        """Rungs that are judged."""
+        """Number of rungs that are judged."""
         return len(self._ladder) if self._ladder else 0
 
     @property
     def signals(self) -> list[SignalJudgement]:
-        """Every signal's judgement, made once a rung; none before there are enough rungs."""
+        """Every signal's judgement, computed once a rung; empty while there are too few rungs."""
         if self._judged is None:
             self._judged = []
             if self._ladder is not None and self.finished >= RUNGS_OF_A_LIMIT:
@@ -90,7 +90,7 @@ class LadderJudge:
 
     @property
     def worst(self) -> SignalJudgement:
-        """What the verdict rests on; there must be enough rungs."""
+        """The judgement that the verdict is based on; there must be enough rungs."""
         return max(self.signals, key=lambda one: one.severity)
 
     def records(self) -> tuple[SignalVerdict, ...]:
@@ -99,7 +99,7 @@ class LadderJudge:
 
     @property
     def is_known(self) -> bool:
-        """Whether some signal disagrees, or every one is judged and its limit known to the goal."""
+        """Whether some signal disagrees, or every signal's limit is known to the goal."""
         if not self.signals:
             return False
         words = {one.judgement.word for one in self.signals}
@@ -112,7 +112,7 @@ class LadderJudge:
         )
 
     def is_out_of_reach(self, finest: float) -> bool:
-        """Whether an error would be too large even at the finest timestep, s, by declared orders.
+        """Whether, by declared orders, an error would be too large even at the finest timestep, s.
 
         Only the error of the runs is used: the extrapolated limit becomes reliable later than that.
         """

@@ -4,11 +4,11 @@ import numpy as np
 
 from ...scenarios import FloatArray
 
-#: An order is read off errors at least this many times the reference's own uncertainty.
+#: An order is fitted to errors at least this many times the reference's uncertainty.
 ABOVE_UNCERTAINTY = 100.0
 #: Larger errors are not in the asymptotic range: on the unit sphere of directions they saturate.
 ASYMPTOTIC = 0.1
-#: Rungs an order is fitted to.
+#: Number of rungs that an order is fitted to.
 FITTED_RUNGS = 3
 #: Orders that differ by less than this are taken as equal.
 ORDER_SLACK = 0.25
@@ -21,11 +21,11 @@ def observed_order(
 ) -> float | None:
     """Signed least-squares slope of log error against log dt over the best window of usable rungs.
 
-    Usable are errors in the asymptotic range and above round-off and the reference's uncertainty;
-    of fewer than two there is no slope. Of the windows of `FITTED_RUNGS` neighbours the finest is
-    taken whose errors lie on a line to within `ORDER_SLACK`, one that falls before one that is
-    level, or where none does the one nearest to it: rounding bends the finest. All arrays are (n,),
-    coarse to fine.
+    Usable errors are in the asymptotic range and above round-off and the reference's uncertainty;
+    fewer than two have no slope. Windows are `FITTED_RUNGS` neighbouring rungs. The finest window
+    is taken whose errors lie on a line to within `ORDER_SLACK`; windows with falling errors are
+    preferred to level ones. If none is so straight, the straightest is taken: rounding bends the
+    finest. All arrays are (n,), coarse to fine.
     """
     usable = (
         (errors > ABOVE_UNCERTAINTY * uncertainty)

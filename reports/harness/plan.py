@@ -1,4 +1,4 @@
-"""Which results of a study are in the result file, and which are to be made."""
+"""Determines which results of a study are in the result file, and which must be made."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,13 +14,13 @@ from .executors import may_succeed_if_repeated
 
 @dataclass(frozen=True, eq=False)
 class SceneLeft:
-    """A scene, and what is missing of it.
+    """A scene, and which of its results are missing.
 
     Attributes
     ----------
     to_run : methods without a verdict
-    to_time : whether some method's steps are yet to be timed
-    by_pass : whether what it leaves out is to be timed pass by pass, which one scene is enough for
+    to_time : whether some method's steps must be timed
+    by_pass : whether passes left out are timed one by one; done on one scene of a study
     """
 
     scenario: Scenario
@@ -31,13 +31,13 @@ class SceneLeft:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What is left of a study.
+    """What a study still has to do.
 
     Attributes
     ----------
-    scenes : in the order asked for, those that are complete left out
-    there : verdicts that are in the file
-    dropped : verdicts that rested on something that has changed since
+    scenes : the incomplete ones, in the order asked for
+    there : number of verdicts in the file
+    dropped : number of verdicts dropped because scene, engine or program has changed
     """
 
     scenes: list[SceneLeft]
@@ -46,11 +46,11 @@ class Plan:
 
     @property
     def total(self) -> int:
-        """How many verdicts and timings are to be made."""
+        """Number of verdicts and timings to be made."""
         return sum(len(scene.to_run) + scene.to_time for scene in self.scenes)
 
     def __str__(self) -> str:
-        """How many stored results are used again, in words; empty where there are none."""
+        """In words, how many stored results are used again; empty if none."""
         verdicts = self.there + sum(len(scene.to_run) for scene in self.scenes)
         counts = [f"{self.there} of {verdicts} results are there already"] if self.there else []
         if self.dropped:
@@ -59,7 +59,7 @@ class Plan:
 
 
 def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
-    """Drop what is out of date, and see what is missing."""
+    """Drop results that are out of date, and determine what is missing."""
     if choice.again:
         store.forget(key for scenario in scenarios for key in choice.methods_on(scenario))
     dropped = sum(store.keep_matching(s.name, digests(s, choice.engines)) for s in scenarios)
@@ -85,7 +85,7 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
 
 
 def settled_verdicts(scenario: Scenario, choice: Choice, store: Store) -> list[Verdict]:
-    """The verdicts there are on a scene; not those that rest on a run that may be repeated."""
+    """The stored verdicts on a scene, except those based on a failed run that may be repeated."""
     to_repeat = {
         row.key
         for row in store.failed_rows(scenario.name)
@@ -106,7 +106,7 @@ def _untimed(
 
 
 def _scene_for_passes(scenarios: Sequence[Scenario]) -> Scenario | None:
-    """A heavy top where there is one: it leaves out the most that a top can."""
+    """The scene on which passes are timed: a heavy top if there is one, which leaves out most."""
     heavy = (scenario for scenario in scenarios if scenario.called_for == {"gravity", "pivot"})
     return next(heavy, next(iter(scenarios), None))
 

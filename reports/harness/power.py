@@ -6,7 +6,7 @@ from ...reference import IntegrationError, solve
 from ...scenarios import Errors, Scenario, errors_between
 from ...scenarios.scenario import build
 
-#: Tables of effects that can be taken away; without its pivot a scene is another.
+#: Tables of effects that can be removed; without its pivot a scene is a different one.
 REMOVABLE = ("gravity", "drag", "torque")
 
 

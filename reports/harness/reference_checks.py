@@ -25,7 +25,7 @@ TELLING = 1e-2
 
 
 def complaints(scenario: Scenario) -> Iterator[str]:
-    """What is wrong with a scene's reference, one sentence each; none if it passes."""
+    """Complaints about a scene's reference, one sentence each; none if it passes."""
     solution = solve(scenario, scenario.times)
     yield from drifting(scenario, solution)
     yield from _cross_check(scenario, solution)
@@ -41,7 +41,7 @@ def drifting(scenario: Scenario, solution: Solution) -> Iterator[str]:
 
 
 def _cross_check(scenario: Scenario, solution: Solution) -> Iterator[str]:
-    """Compare with DOP853; the span is halved as long as DOP853's own error is too large."""
+    """Compare with DOP853; the span is halved until DOP853's own error is small enough."""
     times = times_within_reach(scenario, solution.trajectory)
     while True:
         if len(times) < len(solution.trajectory.t) or times[-1] < solution.trajectory.t[-1]:
@@ -65,13 +65,13 @@ def _bounds(solution: Solution, other: CrossCheck) -> dict[str, float]:
 
 @dataclass(frozen=True, eq=False)
 class PublishedValue:
-    """A quantity that somebody else printed, beside the reference's.
+    """A published value, beside the reference's.
 
     Attributes
     ----------
     quantity : as the scenario file names it
-    printed, ours : of as many components, SI, NaN where none was printed; a quaternion of ours has
-        the sign of the printed one
+    printed, ours : components, SI, NaN where none was printed; our quaternion has the sign of the
+        printed one
     """
 
     published: Published
@@ -81,12 +81,12 @@ class PublishedValue:
 
     @property
     def difference(self) -> float:
-        """The largest of the components'."""
+        """The largest difference of a component."""
         return float(np.nanmax(np.abs(self.ours - self.printed)))
 
     @property
     def holds(self) -> bool:
-        """Whether that is within the tolerance of the digits printed."""
+        """Whether the difference is within the tolerance of the digits printed."""
         return self.difference <= self.published.tolerance
 
 

@@ -1,6 +1,6 @@
-"""How a ladder of halved timesteps approaches the exact motion, in every signal.
+"""Richardson extrapolation of a ladder of halved timesteps, in every signal.
 
-Whatever takes time in proportion to a motion's length is computed once, when its rung is added; a
+Everything whose cost is proportional to a motion's length is computed once, when a rung is added; a
 judgement then reads a few numbers a rung.
 """
 
@@ -21,24 +21,23 @@ SIGNALS: tuple[Signal, ...] = get_args(Signal)
 #: Safety factors of the grid convergence index (Roache, Annu. Rev. Fluid Mech. 29 (1997) 123): over
 #: rungs that shrink as they should, and over others.
 SAFE, CAUTIOUS = 1.25, 3.0
-#: A method of order p commits Ω (hΩ)^p a second at a rate Ω: where that comes to more than one
-#: within the time, its leading error term need not be seen and no limit is claimed to be wrong.
+#: At a rate Ω a method of order p makes an error of Ω (hΩ)^p a second. Where that exceeds one
+#: within the time, the leading error term may be invisible, and no limit is called wrong.
 WHOLE = 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class Refinement:
-    """What two neighbouring rungs show of all signals, each array (6,), the one before at hand.
+    """What two neighbouring rungs, and the one before, show; arrays (6,), one entry a signal.
 
     Attributes
     ----------
     difference : distance between the two motions
-    orders : those they are extrapolated with
+    orders : used for the extrapolation
     limit_error : distance of their Richardson limit from the exact motion
-    limit_change : of that limit from the one that the coarser rung and the one before it have
-    excess : the largest ratio, over the samples, of the limit's distance from the exact motion to
-        its tolerance, both by the largest so far; over the samples within the asymptotic range, and
-        where that tolerance is
+    limit_change : distance of that limit from the limit of the two coarser rungs
+    excess : the largest ratio, over the samples in the asymptotic range, of the limit's distance
+        from the exact motion to its tolerance; both are running maxima
     since : s, the first sample at which that ratio is reached
     """
 
@@ -56,13 +55,13 @@ class SignalSequence:
 
     Attributes
     ----------
-    timesteps, errors, roundoff_bounds : s; distance from the exact motion; what rounding at every
-        step may come to; (n,)
+    timesteps, errors, roundoff_bounds : s; distance from the exact motion; largest effect of
+        rounding at every step; (n,)
     differences : between neighbouring rungs, (n − 1,)
-    orders, limit_errors, limit_changes, excess, since : as `Refinement` has them, (n − 2,); one
-        for each rung from the third on
+    orders, limit_errors, limit_changes, excess, since : as in `Refinement`, (n − 2,), one for each
+        rung from the third on
     declared_order : of accuracy
-    uncertainty : the reference's, and what the start and the body as the engine holds them may do
+    uncertainty : of the reference, plus that of start and body as the engine holds them
     duration : s, of the window
     rate : rad/s, the fastest of the motion
     """
@@ -92,7 +91,7 @@ class RichardsonLadder:
     Parameters
     ----------
     solution : the exact motion at the ladder's sample times
-    order, attitude_order : declared, of ω and of the attitude; the other signals are made of both
+    order, attitude_order : declared, of ω and of the attitude; other signals depend on both
     precision : relative, to which body and start are held by the engine
     ulp : relative, of the engine's floating-point numbers
     """
@@ -119,7 +118,7 @@ class RichardsonLadder:
         self._rate = fastest_rate(scenario, exact.omega_body)
         self._p = float(self.declared.min())
         rates = np.maximum(np.linalg.norm(exact.omega_body, axis=1), swing_rate(scenario))
-        # ∫ Ω^(p+1) dt, of which h^p is what a method may have committed by then.
+        # ∫ Ω^(p+1) dt: times h^p, the error that a method of order p may have made by then.
         self._committed = np.cumsum(rates ** (self._p + 1) * np.gradient(exact.t))
         self.timesteps: list[float] = []
         self._errors: list[FloatArray] = []
@@ -191,7 +190,7 @@ class RichardsonLadder:
         )
 
     def _extrapolation_orders(self) -> FloatArray:
-        """The declared orders, or whole ones above them that two refinements in a row show."""
+        """The declared orders, or higher whole numbers if two refinements in a row show them."""
         if len(self._differences) < 3:
             return self.declared
         with np.errstate(divide="ignore", invalid="ignore"):

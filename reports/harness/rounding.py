@@ -9,10 +9,10 @@ EPS = float(np.finfo(float).eps)
 
 
 def ulp_growth(scenario: Scenario, solution: Solution) -> Errors:
-    """What one ulp in each number of a state does to each signal by the end, in units of errors.
+    """The change of each signal by the end, if one ulp changes in each number of a state.
 
-    The rotation's is its conditioning; the flight of a free body, which engines integrate in a
-    frame whose origin need not be the com, is added.
+    For the rotation that is its conditioning. For a free body the flight is added, which engines
+    may integrate for an origin other than the com.
     """
     growth = solution.conditioning
     if scenario.has_pivot:

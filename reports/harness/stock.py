@@ -1,6 +1,6 @@
 """Runs at stock timesteps: the engine's default, and one that is the same for all engines.
 
-They are made and stored besides a method's ladder, and take no part in its verdict.
+They are made and stored in addition to a method's ladder, and take no part in its verdict.
 """
 
 import math
@@ -11,9 +11,9 @@ from ...reference import Solution
 from ...scenarios import FloatArray
 from .ladder import LARGEST_TURN, LEAST_STEPS, Rung, single
 
-#: s; every engine is run at it besides its own, so that they can be compared at one timestep.
+#: s; every engine is run at this timestep too, so that all can be compared at one.
 COMMON_TIMESTEP = 1e-3
-#: A run of more steps is not made: a second of MuJoCo's, a few of PyBullet's.
+#: A run of more steps is not made: it would take about 1 s in MuJoCo, a few in PyBullet.
 STEP_BUDGET = 1 << 17
 
 
@@ -23,8 +23,8 @@ class StockRun:
 
     Attributes
     ----------
-    rung, solution : None where a run makes no sense
-    refusal : why it does not, with the numbers; else empty
+    rung, solution : None if the run is not made
+    refusal : why it is not made, with the numbers; else empty
     """
 
     timestep: float
@@ -56,7 +56,7 @@ def stock_rung(times: FloatArray, timestep: float, rate: float) -> Rung | str:
 
 
 def _refusal(timestep: float, rate: float, horizon: float) -> str:
-    """Why a run with such a timestep is not made; empty if it is made."""
+    """Why a run with this timestep is not made; empty if it is made."""
     turn, steps = timestep * rate, horizon / timestep
     if turn > LARGEST_TURN:
         return (

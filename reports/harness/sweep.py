@@ -1,8 +1,8 @@
-"""Runs what is missing of a sweep, point by point, on whatever executor it is handed.
+"""Runs what is missing of a sweep, point by point, on an executor.
 
-One call runs all methods at a point, so that its scene is solved once. Where that call fails, the
-scene is solved alone, to tell the reference from the engines, and then each method is run alone:
-a crash costs one method's result.
+One call runs all methods at a point, so that its scene is solved once. If that call fails, the
+scene is solved alone, to find out whether the reference or an engine failed, and then each method
+is run alone: a crash costs one method's result.
 """
 
 import json
@@ -42,13 +42,13 @@ class PointLeft:
 
 @dataclass(frozen=True, eq=False)
 class SweepPlan:
-    """What is left of a sweep.
+    """What a sweep still has to do.
 
     Attributes
     ----------
     pairs : the methods asked for
-    stored : by a point's identity, engine and method of the results that are there
-    total, complete : points asked for, and those that lack nothing
+    stored : engine and method of the stored results, by the point's identity
+    total, complete : number of points asked for, and of complete ones
     """
 
     sweep: Map | Ensemble
@@ -59,24 +59,24 @@ class SweepPlan:
 
     @property
     def missing(self) -> int:
-        """Points that lack something."""
+        """Number of incomplete points."""
         return self.total - self.complete
 
     def left(self) -> Iterator[PointLeft]:
-        """Those points, one by one: a sweep may have more than fit into memory."""
+        """The incomplete points, one by one: a sweep may have more than fit into memory."""
         for point in sweep_points(self.sweep):
             if to_run := _to_run(self.pairs, self.stored.get(point.identity, ())):
                 yield PointLeft(point, to_run)
 
     def __str__(self) -> str:
-        """What is used again, in words; empty where that is nothing."""
+        """In words, how many stored points are used again; empty if none."""
         if not self.complete:
             return ""
         return f"{self.complete} of {self.total} points are there already"
 
 
 def plan_sweep(sweep: Map | Ensemble, base: Scenario, choice: Choice, store: Store) -> SweepPlan:
-    """Record what is asked for, drop what is out of date, and see what is missing."""
+    """Store the definition, drop results that are out of date, and determine what is missing."""
     store.keep_matching(base.name, digests(base, choice.engines))
     store.put_environment(environment(choice.engines))
     store.put_methods(choice.engines)
@@ -103,7 +103,7 @@ def _to_run(pairs: Sequence[EngineMethod], there: Collection[Pair]) -> list[Engi
 def run_sweep(
     plan: SweepPlan, base: Scenario, store: Store, executor: Executor, progress: Progress
 ) -> None:
-    """Run what is left, and store the results of every point as soon as they are there."""
+    """Run the missing points, and store the results of each as soon as it is run."""
     tasks = (partial(study_point, left, base, store, executor) for left in plan.left())
     for point in executor.each(tasks):
         progress(str(point))

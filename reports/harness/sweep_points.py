@@ -9,7 +9,7 @@ from ...scenarios.vary import varied
 from ..results.sweep_records import SweepPoint
 from .ladder import Rung, single
 
-#: Angle turned a step where no timestep is asked for, rad, at the start's fastest rate.
+#: Angle turned in a step if no timestep is asked for, rad, at the fastest rate at the start.
 STEP_TURN = 0.02
 
 
@@ -19,7 +19,7 @@ def scene_at(point: SweepPoint, base: Scenario) -> Scenario:
     Raises
     ------
     ScenarioError
-        If the numbers make none.
+        If the numbers make no valid scene.
     """
     return member(base, *point.member) if point.member else varied(base, dict(point.numbers))
 

@@ -14,14 +14,14 @@ from .executors import CallFailed, cause_of, is_environmental
 from .ladder import Rung
 from .sweep_points import rung_at, scene_at
 
-#: A run of more steps than this is skipped: a second of MuJoCo's, a few of PyBullet's.
+#: A run of more steps is not made: it would take about 1 s in MuJoCo, a few in PyBullet.
 STEP_BUDGET = 1 << 17
 
 
 def run_point(
     base: Scenario, point: SweepPoint, pairs: Sequence[EngineMethod]
 ) -> list[PointResult]:
-    """One result a method; one in all where the point has no scene.
+    """One result for each method; a single one if the point's numbers make no valid scene.
 
     Parameters
     ----------
@@ -57,12 +57,12 @@ def failed_point(
 
 
 def _scene_and_rung(base: Scenario, point: SweepPoint) -> tuple[Scenario, Rung] | PointResult:
-    """The scene of a point and its run, or the result that says there is none."""
+    """The scene of a point and its rung, or the result that says why there is none."""
     try:
         scenario = scene_at(point, base)
         return scenario, rung_at(point, scenario)
     except ScenarioError as error:
-        # Without the line, which is of a file that nobody has.
+        # Without the line number: the varied file exists in memory only.
         reason = "; ".join(line.partition(": ")[2] for line in str(error).splitlines())
     except ValueError as error:
         reason = str(error)

@@ -1,11 +1,11 @@
 """Judges a method on its ladder, signal by signal: whether it converges to the exact motion.
 
 Verification as numerical analysts do it: the motion is extrapolated to dt → 0 with the order of
-accuracy (L. F. Richardson, Phil. Trans. R. Soc. A 210 (1911) 307), what the limit is known to is
+accuracy (L. F. Richardson, Phil. Trans. R. Soc. A 210 (1911) 307), the uncertainty of the limit is
 its grid convergence index (P. J. Roache, Annu. Rev. Fluid Mech. 29 (1997) 123), and the limit's
-error is held against that and the uncertainties of reference, input and round-off together (ASME
-V&V 20-2009). Of many rungs the window that is known best is taken (L. Eça and M. Hoekstra, J.
-Comput. Phys. 262 (2014) 104).
+error is compared with the sum of that and the uncertainties of reference, input and round-off (ASME
+V&V 20-2009). Of many rungs the window with the smallest tolerance is used (L. Eça and M. Hoekstra,
+J. Comput. Phys. 262 (2014) 104).
 """
 
 import math
@@ -48,10 +48,11 @@ class Judgement:
     word, reason : the verdict and why, in words
     order : observed order of accuracy, signed; None where no errors show one
     limit_error : distance of the Richardson-extrapolated motion from the exact one
-    tolerance : what that may be: the grid convergence index of the limit and the uncertainties of
-        reference, input and round-off
-    extrapolation_tolerance : the first of these alone: what finer rungs would make less
-    needed_timestep : s, what would resolve the ladder, where it is unresolved and round-off lets it
+    tolerance : the largest that this distance may be: the sum of the limit's grid convergence index
+        and the uncertainties of reference, input and round-off
+    extrapolation_tolerance : the grid convergence index alone, which finer rungs would reduce
+    needed_timestep : s, a timestep that would resolve an unresolved ladder; None if round-off
+        prevents it
     """
 
     word: VerdictWord
@@ -63,7 +64,7 @@ class Judgement:
     needed_timestep: float | None = None
 
     def of(self, sequence: SignalSequence) -> SignalVerdict:
-        """The same as a record."""
+        """The judgement as a record to store."""
         return SignalVerdict(
             sequence.signal,
             self.word,
@@ -77,7 +78,7 @@ class Judgement:
 
 @dataclass(frozen=True, eq=False)
 class _BestWindow:
-    """The window of a sequence whose limit is known best.
+    """The window of a sequence with the smallest tolerance.
 
     Attributes
     ----------
@@ -119,10 +120,10 @@ def judge(sequence: SignalSequence) -> Judgement:
 
 
 def _best_window(sequence: SignalSequence) -> _BestWindow:
-    """Where the tolerance is least."""
+    """The window with the smallest tolerance."""
     extrapolation, is_clean = _convergence_indices(sequence)
     changes, rounding = sequence.limit_changes, sequence.roundoff_bounds[2:]
-    # Rounding shows in the limit's change; where the rungs are clean it cannot be much more.
+    # Rounding shows in the limit's change; over clean rungs it cannot be much larger than that.
     rounding = np.where(is_clean, np.minimum(rounding, CAUTIOUS * changes), rounding)
     noise_floor = rounding + sequence.uncertainty
     best = int(np.argmin(extrapolation + noise_floor))
@@ -142,8 +143,8 @@ def _convergence_indices(sequence: SignalSequence) -> tuple[FloatArray, NDArray[
     """Grid convergence index of each limit, and whether its rungs shrink as they should.
 
     In the asymptotic range a limit's error shrinks by 2^(p+1) a rung, so that its last change is
-    2^(p+1) − 1 times what is left; elsewhere no more is left than the change itself, or than those
-    next to it where it is rounding that they show.
+    2^(p+1) − 1 times the remaining error. Elsewhere the remaining error is taken to be the change
+    itself, or the largest of the neighbouring changes if they show rounding.
     """
     changes, p = sequence.limit_changes, sequence.orders
     before = np.concatenate([[0.0], changes[:-1]])
@@ -164,7 +165,7 @@ def _convergence_indices(sequence: SignalSequence) -> tuple[FloatArray, NDArray[
 
 
 def _weigh(window: _BestWindow) -> tuple[VerdictWord, str, float | None]:
-    """Verdict, reason and the timestep that would resolve it, s."""
+    """Verdict, reason, and the timestep that would resolve the ladder, s."""
     sequence = window.sequence
     limit = (
         f"Richardson-extrapolated error {max(window.limit_error, sequence.uncertainty):.1e}, "
@@ -182,14 +183,14 @@ def _weigh(window: _BestWindow) -> tuple[VerdictWord, str, float | None]:
 
 
 def _elsewhere(sequence: SignalSequence) -> str:
-    """Since when the limit is wrong, in words; empty unless the last two limits both are."""
+    """In words, from when on the limit is wrong; empty unless the last two limits both are."""
     if len(sequence.excess) < 2 or not (sequence.excess[-2:] > DISTINCT).all():
         return ""
     return f"from t = {sequence.since[-1]:.3g} s on"
 
 
 def _growing(sequence: SignalSequence) -> str:
-    """Say so if errors grow towards the finest rungs, far above round-off."""
+    """The reason if errors grow towards the finest rungs, far above round-off; else empty."""
     errors = sequence.errors[-SHOWN_OVER:]
     noise_floor = sequence.roundoff_bounds[-1] + sequence.uncertainty
     grows = len(errors) == SHOWN_OVER and bool((errors[1:] >= GROWTH * errors[:-1]).all())
@@ -203,7 +204,7 @@ def _growing(sequence: SignalSequence) -> str:
 
 
 def _shortfall(sequence: SignalSequence) -> str:
-    """Say so if clean rungs show an order that is not the declared one but less."""
+    """The reason if clean rungs show a lower order than the declared one; else empty."""
     errors = sequence.errors
     noise_floor = sequence.roundoff_bounds + sequence.uncertainty
     usable = (errors < ASYMPTOTIC) & (errors > ABOVE_UNCERTAINTY * noise_floor)
@@ -281,7 +282,7 @@ def _needed_timestep(window: _BestWindow) -> float:
     # Three rungs are read, so the finest must lie below the point where the range begins.
     finest = float(sequence.timesteps[-1])
     by_ladder = finest * min(by_error, by_limit) / 2 ** (FITTED_RUNGS - 1)
-    # Beyond it a method may have damped away whatever moves at the fastest rate.
+    # At larger timesteps a method may have damped away the fastest motion.
     rate = sequence.rate
     in_range = 1 / (rate * (rate * sequence.duration) ** (1 / order)) if rate else finest
     return float(min(by_ladder, in_range / 2 ** (FITTED_RUNGS - 1)))

@@ -1,4 +1,4 @@
-"""What changed from one version of an engine to the next: motions, errors, verdicts, speed.
+"""Compares versions of an engine: motions, errors, verdicts, speed.
 
 A newer version is worse if a run no longer comes to its end, the verdict on a method falls
 (`RANKS`), an error at the timestep asked for grew by a fifth or more, or a step takes longer by a
@@ -17,16 +17,16 @@ from ..results.records import VerdictWord
 from .executors import Executor
 from .version_runs import SolvedScene, VersionRun, solved, version_runs
 
-#: A free body, a heavy top, and one that is slowed, where nothing else is asked for.
+#: The default scenes: a free body, a heavy top, and a body slowed by drag.
 SCENES = ("tennis-racket", "fast-top", "book-with-drag")
 EPS = float(np.finfo(float).eps)
-#: Roundings a step that two compilations of the same formulas may differ by.
+#: Roundings a step by which two compilations of the same formulas may differ.
 ROUNDINGS = 16
-#: An error or a time has changed if it did by this factor: the noise of times is less.
+#: An error or a time counts as changed from this factor on: the noise of times is smaller.
 NOTABLE = 1.2
 #: Errors that are told by another name.
 SIGNALS = {"omega": "ω", "angular_momentum": "L"}
-#: How good a verdict is; of one that cannot simulate a scene the outcome tells.
+#: Verdicts from bad to good; that a method cannot simulate a scene shows in the outcome.
 RANKS: dict[VerdictWord, int] = {
     "converges": 3,
     "unresolved": 2,
@@ -44,12 +44,12 @@ class VersionChange:
     Attributes
     ----------
     outcomes, verdicts : of the older and the newer
-    equal : whether they are one motion, "to the last bit" or "to round-off"; else empty
+    equal : "to the last bit" or "to round-off" if the two motions are equal; else empty
     errors : by signal, of the older and the newer, where they changed notably
-    ratio : of the newer's time a step to the older's, median of rounds in turn; None if not timed
+    ratio : time a step of the newer over that of the older, median of rounds; None if not timed
     is_worse : whether the newer is
-    what : all of it in words; empty where nothing changed
-    is_round_off : whether nothing changed but that
+    what : all changes in words; empty if nothing changed
+    is_round_off : whether nothing changed but round-off
     """
 
     scenario: str
@@ -72,7 +72,7 @@ class VersionChange:
 
 @dataclass(frozen=True, eq=False)
 class OverVersions:
-    """A method on a scene, in all versions, and what changed between neighbours."""
+    """A method on a scene in all versions, and the changes between neighbouring versions."""
 
     scenario: str
     method: str
@@ -104,7 +104,7 @@ def _change(
     equal = _equal(scene, older, newer)
     errors = {} if equal else _notable(scene, older, newer)
     ratios = [new / old for old, new in zip(older.seconds, newer.seconds, strict=False)]
-    # In every round: a single slow one may be the machine's.
+    # In every round: a single slow round may be due to the machine.
     is_slower = bool(ratios) and min(ratios) > NOTABLE
     is_faster = bool(ratios) and max(ratios) < 1 / NOTABLE
     ratio = float(np.median(ratios)) if ratios else None
@@ -148,7 +148,7 @@ def _in_words(
 
 
 def _equal(scene: SolvedScene, older: VersionRun, newer: VersionRun) -> str:
-    """How equal two motions are, in words; empty where they differ, or one has no end."""
+    """In words, how equal two motions are; empty if they differ, or one is incomplete."""
     if older.motion is None or newer.motion is None:
         return ""
     first, second = (
@@ -179,5 +179,5 @@ def _notable(
 
 
 def _round_off(scene: SolvedScene) -> float:
-    """Of a run, relative."""
+    """Bound on the round-off of a run, relative."""
     return ROUNDINGS * EPS * scene.rung.steps

@@ -1,4 +1,4 @@
-"""What one version of an engine does to a scene: a run, a ladder's verdict, the time of a step."""
+"""Runs one version of an engine on a scene: a run, a verdict on a ladder, the time of a step."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,9 +26,9 @@ class VersionRun:
     Attributes
     ----------
     outcome, reason : of the run at the timestep asked for
-    motion, errors : of that run; None where it has no end
+    motion, errors : of that run; None if it did not finish
     verdict : of a short ladder
-    seconds : CPU, that a step took, round by round; empty where it could not be timed
+    seconds : CPU seconds a step, round by round; empty if it could not be timed
     """
 
     version: str
@@ -96,7 +96,7 @@ def _run(
 
 
 def _verdict(engine: Engine, method: Method, scene: SolvedScene, executor: Executor) -> Verdict:
-    """By the orders that this version declares."""
+    """The verdict on a short ladder, with the orders that this version declares."""
     own = engine.method(method.name)
     study = convergence_study_of(scene.scenario, engine, own, scene.prepared)
     for _ in run_rungs(study, executor):

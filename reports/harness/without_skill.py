@@ -23,7 +23,7 @@ from ...scenarios import FloatArray, Scenario, Trajectory, angular_momentum_worl
 
 
 def no_better_than_rest(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> str:
-    """In which signals a run is no better than no motion, by how much, since when; else empty.
+    """In words, the signals in which a run is no better than no motion; empty if there is none.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def _signals(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Itera
 def _of_path(name: str, run: FloatArray, exact: FloatArray, times: FloatArray) -> Iterator[str]:
     """Whether a signal that is zero at rest is no better than rest; vectors are (n, 3)."""
     if not exact.any():
-        # Relative to an exact zero, round-off alone would be infinite.
+        # Relative to an exact value of zero, round-off alone would be infinite.
         return
     size = min(_rms(run), _rms(exact))
     error = run - exact
