@@ -5,6 +5,7 @@ import json
 import zlib
 from typing import Any
 
+from .differences import Differences
 from .tables import Table
 
 
@@ -15,7 +16,7 @@ class PageData:
         self._items: list[Any] = []
 
     def add(self, item: Any) -> int:
-        """Take an item that JSON can hold; returns its number."""
+        """Take an item that JSON can hold, with arrays as `Differences`; returns its number."""
         self._items.append(item)
         return len(self._items) - 1
 
@@ -28,9 +29,24 @@ class PageData:
         return self.add({"headings": table.headings, "rows": rows})
 
     def encoded(self) -> str:
-        """All of it as JSON, deflated (zlib, RFC 1950), in base64."""
-        text = json.dumps(self._items, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-        return base64.b64encode(zlib.compress(text.encode("utf-8"), 9)).decode("ascii")
+        """All of it as JSON, a NUL and bytes of arrays: deflated (zlib, RFC 1950), in base64."""
+        arrays = bytearray()
+
+        def placed(array: Differences) -> dict[str, Any]:
+            place = {"at": len(arrays), "length": len(array.values)}
+            arrays.extend(planes := array.planes())
+            return place | {
+                "width": len(planes) // max(len(array.values), 1),
+                "step": array.step,
+                "order": array.order,
+                "gaps": array.gaps,
+            }
+
+        text = json.dumps(
+            self._items, ensure_ascii=False, allow_nan=False, separators=(",", ":"), default=placed
+        )
+        packed = zlib.compress(text.encode("utf-8") + b"\0" + arrays, 9)
+        return base64.b64encode(packed).decode("ascii")
 
 
 def _trimmed(texts: list[str]) -> list[str]:

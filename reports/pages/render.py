@@ -35,6 +35,7 @@ PLOTLY = "plotly.js"
 ASSETS = (
     "style.css",
     "scene.css",
+    "packed.js",
     "figures.js",
     "overview.js",
     "motion.js",
@@ -74,7 +75,7 @@ def render(results: Results, folder: Path) -> Path:
     shared["sweeps"] = sweeps = sweep_section(results)
     write_sweeps(environment, written, sweeps, results.scenes)
     shared["hard"] = _hard_cases(gathered, environment)
-    html = environment.get_template("index.html").render(root="", **shared)
+    html = environment.get_template("index.html").render(root="", packed=PageData(), **shared)
     index = written.write("index.html", html)
     contents = [_scene(scene) for scene in gathered.scenes]
     _write_scenes(environment, written, gathered.scenes, contents)
@@ -101,6 +102,7 @@ def _write_scenes(
             "figures": figures(scene),
             "motions": motion_data(scene),
             "shown_at_first": shown_at_first(scene),
+            "methods_drawn": [(runs.label, runs.style) for runs in scene.methods if runs.drawn],
         }
         html = page.render(root="../", **drawn, **content, **around)
         written.write(f"scenes/{scene.name}.html", html)

@@ -12,6 +12,7 @@ from .analysis.wording import NOTHING, count
 from .ensemble_pages import EnsemblePage, ensemble_pages
 from .map_pages import MapPage, map_pages
 from .map_tables import percent
+from .page_data import PageData
 from .tables import Cell, Table, figure, table
 from .written import ReportFolder
 
@@ -56,7 +57,10 @@ def write_sweeps(
         for page in pages:
             for ending in ("html", "md"):
                 text = environment.get_template(f"{kind}.{ending}").render(
-                    root="../", page=page, has_scene=page.scene in solved_scenes
+                    root="../",
+                    page=page,
+                    packed=PageData(),
+                    has_scene=page.scene in solved_scenes,
                 )
                 written.write(f"{kind}s/{page.name}.{ending}", text)
 

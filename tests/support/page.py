@@ -9,6 +9,9 @@ from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from spincheck.scenarios import FloatArray
+
 #: Elements without an end tag.
 VOID = {"meta", "link", "br", "hr", "img", "input"}
 
@@ -45,8 +48,27 @@ class Page:
         scripts = [e for e in self.all("script") if e.attributes.get("id") == "packed"]
         if not scripts:
             return []
-        items: list[Any] = json.loads(zlib.decompress(base64.b64decode(scripts[0].text)))
+        items: list[Any] = json.loads(self._data[: self._data.index(0)])
         return items
+
+    @cached_property
+    def _data(self) -> bytes:
+        """JSON, a NUL, and arrays."""
+        (packed,) = (e for e in self.all("script") if e.attributes.get("id") == "packed")
+        return zlib.decompress(base64.b64decode(packed.text))
+
+    def restored(self, place: dict[str, Any]) -> FloatArray:
+        """An array, as the page's script restores it."""
+        at = self._data.index(0) + 1 + place["at"]
+        length, width = place["length"], place["width"]
+        planes = np.frombuffer(self._data[at : at + length * width], dtype=np.uint8)
+        zigzag = 256 ** np.arange(width) @ planes.reshape(width, length).astype(np.int64)
+        values = np.where(zigzag % 2, -(zigzag + 1) // 2, zigzag // 2).astype(float)
+        for _ in range(place["order"]):
+            values = np.cumsum(values)
+        values *= place["step"]
+        values[place["gaps"]] = np.nan
+        return np.asarray(values)
 
     @property
     def motions(self) -> dict[str, Any]:

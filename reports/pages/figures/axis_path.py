@@ -7,7 +7,7 @@ from ..analysis.report_data import SceneRuns
 from . import solid
 from .dense_motion import dense_motion
 from .drawn_body import axis_body
-from .plot import Figure, Panel, Range, exact_look, layout, line, padded, start_dot
+from .plot import Figure, Panel, Range, layout, padded, start_dot
 
 HEIGHT = 400
 #: Degrees of azimuth unrolled at first; more is there to be dragged into view.
@@ -16,8 +16,6 @@ ONE_TURN = 360.0
 MARGIN = 1.1
 #: A smaller path, in radians, is drawn as the point it is.
 NARROWEST = 1e-6
-#: Degrees; where the azimuth jumps by more between samples, the axis has passed the vertical.
-JUMP = 90.0
 #: Degrees; a tilt that changes less is steady, and is framed with this room on either side.
 STEADY, STEADY_ROOM = 1e-6, 0.5
 
@@ -39,10 +37,9 @@ def axis_path(scene: SceneRuns) -> list[Figure]:
 def _on_sphere(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
     traces = [
         *solid.surface(np.ones(3), ("x", "y", "up")),
-        solid.curve(exact, exact_look()),
         solid.dot(exact[0]),
     ]
-    overlay = {"kind": "axis", "matrix": R_upright_world.tolist()}
+    overlay = {"kind": "axis", "exact": "beginning", "matrix": R_upright_world.tolist()}
     view = solid.view(np.ones(3), exact.mean(axis=0))
     return {"data": traces, "layout": {"height": HEIGHT, "scene": view}, "overlays": [overlay]}
 
@@ -57,11 +54,13 @@ def _from_above(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
         y_range=(-widest, widest),
         equal_scales=True,
     )
-    traces = [
-        line(exact[:, 0], exact[:, 1], 1, **exact_look()),
-        start_dot(exact[0, 0], exact[0, 1], 1),
-    ]
-    overlay = {"kind": "axis", "panel": 1, "matrix": R_upright_world[:2].tolist()}
+    traces = [start_dot(exact[0, 0], exact[0, 1], 1)]
+    overlay = {
+        "kind": "axis",
+        "exact": "beginning",
+        "panel": 1,
+        "matrix": R_upright_world[:2].tolist(),
+    }
     laid_out = layout([[panel]], height=HEIGHT)
     return {"data": traces, "layout": laid_out, "overlays": [overlay]}
 
@@ -80,19 +79,15 @@ def _unrolled_figure(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
         x_range=_first_turn(azimuth),
         y_range=(high, low),
     )
-    traces = [
-        line(_broken(azimuth), tilt, 1, **exact_look()),
-        start_dot(azimuth[0], tilt[0], 1),
-    ]
-    overlay = {"kind": "axis_unrolled", "panel": 1, "matrix": R_upright_world.tolist()}
+    traces = [start_dot(azimuth[0], tilt[0], 1)]
+    overlay = {
+        "kind": "axis_unrolled",
+        "exact": "beginning",
+        "panel": 1,
+        "matrix": R_upright_world.tolist(),
+    }
     laid_out = layout([[panel]], height=HEIGHT)
     return {"data": traces, "layout": laid_out, "overlays": [overlay]}
-
-
-def _broken(azimuth: FloatArray) -> FloatArray:
-    """With a gap at every jump."""
-    jumps = np.abs(np.diff(azimuth, prepend=azimuth[:1])) > JUMP
-    return np.where(jumps, np.nan, azimuth)
 
 
 def _first_turn(azimuth: FloatArray) -> Range:

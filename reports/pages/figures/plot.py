@@ -160,11 +160,6 @@ def thinned(n: int, most: int = MOST_SAMPLES) -> NDArray[np.intp]:
     return np.unique(np.linspace(0, n - 1, min(n, most)).astype(np.intp))
 
 
-def peaks(values: FloatArray, kept: NDArray[np.intp]) -> FloatArray:
-    """At every sample that is kept the largest value up to the next one: no peak is lost."""
-    return np.asarray(np.maximum.reduceat(values, kept))
-
-
 def claimed(errors: FloatArray, floor: float) -> FloatArray:
     """Errors as they may be drawn: none below the reference's uncertainty, gaps for inf."""
     raised = np.maximum(errors, floor)

@@ -11,7 +11,7 @@ from ..analysis.report_data import SceneRuns
 from . import solid
 from .axis_path import frame_about
 from .dense_motion import dense_motion
-from .plot import Figure, Panel, exact_look, layout, line, start_dot
+from .plot import Figure, Panel, layout, start_dot
 
 HEIGHT = 460
 #: Room around the herpolhode, as a factor.
@@ -64,12 +64,12 @@ def _on_ellipsoid(picture: Poinsot, exact: Trajectory) -> Figure:
     tips = picture.on_ellipsoid(exact)
     traces = [
         *solid.surface(semi_axes, ("1", "2", "3")),
-        solid.curve(tips, exact_look()),
         solid.dot(tips[0]),
     ]
     matrix = picture.R_axes_body.as_matrix() / picture.root_energy
     overlay = {
         "kind": "omega_body",
+        "exact": "beginning",
         "matrix": matrix.tolist(),
         "within": OFF_THE_ELLIPSOID * float(semi_axes.max()),
     }
@@ -81,11 +81,13 @@ def _in_space(picture: Poinsot, exact: Trajectory) -> Figure:
     flat = picture.in_space(exact)
     fastest = float(np.linalg.norm(exact.omega_body, axis=1).max())
     widest = MARGIN * max(float(np.abs(flat).max()), NARROWEST * fastest)
-    traces = [
-        line(flat[:, 0], flat[:, 1], 1, **exact_look()),
-        start_dot(flat[0, 0], flat[0, 1], 1),
-    ]
-    overlay = {"kind": "omega_world", "panel": 1, "matrix": picture.R_level_world[:2].tolist()}
+    traces = [start_dot(flat[0, 0], flat[0, 1], 1)]
+    overlay = {
+        "kind": "omega_world",
+        "exact": "beginning",
+        "panel": 1,
+        "matrix": picture.R_level_world[:2].tolist(),
+    }
     return {
         "data": traces,
         "layout": layout([[_panel(widest)]], height=HEIGHT),

@@ -17,7 +17,7 @@ from .plot import INK, REFERENCE_WIDTH, Figure, Panel, Range, layout, line
 
 #: The well is drawn this far beyond the turning points, in widths of it; no narrower than this.
 BEYOND, NARROWEST = 0.6, math.radians(1.0)
-POINTS = 400
+POINTS = 160
 #: The part above E′ is cut at this many depths of the well, where the well is at least so deep as
 #: a part of what is drawn: steady precession has no depth.
 ABOVE, SHALLOW = 1.2, 0.05

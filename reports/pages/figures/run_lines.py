@@ -8,12 +8,15 @@ import numpy as np
 from ....reference import ExactMotion
 from ....scenarios import FloatArray, Trajectory
 from ..analysis.report_data import Compared, SceneRuns
+from .dense_motion import dense_motion
 from .drawn_body import DrawnBody, drawn_body
 from .plot import Figure, Trace, exact_look, line, method_style
 from .solid import curve
 
 #: Of the exact motion over the whole window.
 SAMPLES = 4000
+#: rad; where the azimuth jumps by more between samples, the axis has passed the vertical.
+JUMP = np.pi / 2
 
 Lines = Callable[[Trajectory, dict[str, Any], DrawnBody], FloatArray]
 
@@ -26,24 +29,33 @@ def with_runs(figure: Figure, scene: SceneRuns, runs: Iterable[Compared]) -> Fig
 
 
 def _drawn(overlay: dict[str, Any], scene: SceneRuns, runs: list[Compared]) -> Iterator[Trace]:
-    assert scene.solved is not None, "figures are of solved scenes"
-    body, panel = drawn_body(scene.solved), overlay.get("panel", 1)
-    if overlay.get("exact"):
-        end = float(scene.solved.solution.trajectory.t[-1])
-        exact = ExactMotion(scene.solved.scenario).outline(np.linspace(0.0, end, SAMPLES))
-        yield line(exact.t, MOTIONS[overlay["kind"]](exact, overlay, body), panel, **exact_look())
+    if "exact" in overlay:
+        exact = _exact(scene) if overlay["exact"] == "exact" else dense_motion(scene)
+        yield _line(overlay, scene, exact, exact_look())
     for run in runs:
         style = method_style(run.runs.label, run.runs.style)
         if overlay["kind"] in ERRORS:
-            yield line(run.motion.t, ERRORS[overlay["kind"]](run), panel, **style)
-            continue
-        values = MOTIONS[overlay["kind"]](run.motion, overlay, body)
-        if values.ndim == 1:
-            yield line(run.motion.t, values, panel, **style)
-        elif "panel" in overlay:
-            yield line(values[:, 0], values[:, 1], panel, **style)
+            errors = ERRORS[overlay["kind"]](run)
+            yield line(run.motion.t, errors, overlay["panel"], **style)
         else:
-            yield curve(values, style)
+            yield _line(overlay, scene, run.motion, style)
+
+
+def _line(
+    overlay: dict[str, Any], scene: SceneRuns, motion: Trajectory, style: dict[str, Any]
+) -> Trace:
+    assert scene.solved is not None, "figures are of solved scenes"
+    values = MOTIONS[overlay["kind"]](motion, overlay, drawn_body(scene.solved))
+    if "panel" not in overlay:
+        return curve(values, style)
+    x, y = (motion.t, values) if values.ndim == 1 else values.T
+    return line(x, y, overlay["panel"], **style)
+
+
+def _exact(scene: SceneRuns) -> Trajectory:
+    assert scene.solved is not None, "figures are of solved scenes"
+    end = float(scene.solved.solution.trajectory.t[-1])
+    return ExactMotion(scene.solved.scenario).outline(np.linspace(0.0, end, SAMPLES))
 
 
 def _tilt(motion: Trajectory, _: dict[str, Any], body: DrawnBody) -> FloatArray:
@@ -73,7 +85,8 @@ def _axis(motion: Trajectory, overlay: dict[str, Any], body: DrawnBody) -> Float
 def _unrolled(motion: Trajectory, overlay: dict[str, Any], body: DrawnBody) -> FloatArray:
     x, y, up = _axis(motion, overlay, body).T
     azimuth, tilt = np.unwrap(np.arctan2(y, x)), np.arctan2(np.hypot(x, y), up)
-    return np.asarray(np.degrees(np.column_stack([azimuth, tilt])))
+    jumps = np.abs(np.diff(azimuth, prepend=azimuth[:1])) > JUMP
+    return np.asarray(np.degrees(np.column_stack([np.where(jumps, np.nan, azimuth), tilt])))
 
 
 MOTIONS: dict[str, Lines] = {

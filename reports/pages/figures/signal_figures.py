@@ -46,7 +46,7 @@ def tilt_figure(scene: SceneRuns) -> Figure:
         ),
     ]
     overlays = [
-        {"kind": "tilt", "panel": 1, "exact": True},
+        {"kind": "tilt", "panel": 1, "exact": "exact"},
         {"kind": "attitude_error", "panel": 2, "noticed": True},
     ]
     figure: Figure = {"data": [], "layout": layout([panels], height=500), "overlays": overlays}
@@ -88,7 +88,7 @@ def _component(solved: SceneResult, k: int) -> Figure:
         y_range=(float(omega.min()) - room, float(omega.max()) + room),
         x_range=_window(solved),
     )
-    overlays = [{"kind": "omega", "component": k, "panel": 1, "exact": True}]
+    overlays = [{"kind": "omega", "component": k, "panel": 1, "exact": "exact"}]
     return {"data": [], "layout": layout([[panel]], height=HEIGHT), "overlays": overlays}
 
 

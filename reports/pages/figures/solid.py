@@ -8,7 +8,7 @@ from ....scenarios import FloatArray
 from .plot import INK, WIRE, Trace, packed
 
 #: Lines that show a surface: circles of latitude, half circles of longitude, points on each.
-LATITUDES, LONGITUDES, POINTS = 5, 8, 37
+LATITUDES, LONGITUDES, POINTS = 5, 8, 25
 #: Axes stick out of the surface by this factor; the eye is this far away, in sides of the scene.
 STICK_OUT = 1.18
 #: The scene ends here, behind the names of the axes.

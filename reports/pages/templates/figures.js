@@ -1,18 +1,24 @@
 // Draws every figure of the page, in the page's colours; chips switch methods on and off.
-(async () => {
+(() => {
   "use strict";
-  const packed = typeof spincheck === "undefined" ? null : await spincheck.packed;
-  const motions = packed?.motions;
+  const { items, motions } = spincheck;
   const plots = [...document.querySelectorAll(".plot")].map((div) => ({
     div,
     scope: scopeOf(div),
-    spec: "packed" in div.dataset
-      ? packed.items[div.dataset.packed] : JSON.parse(div.nextElementSibling.textContent),
+    spec: items[div.dataset.packed],
   }));
   // Methods that are switched off, by the part of the page that their chips are for.
   const hidden = new Map();
   // Which of a method's stock timesteps is drawn: its engine's own, or the one of all engines.
   let common = false;
+  // A copy of the page's switches of methods for each of its parts.
+  const switches = document.getElementById("switches");
+  for (const place of document.querySelectorAll("[data-shown]")) {
+    place.prepend(switches.content.cloneNode(true));
+    const shown = JSON.parse(place.dataset.shown);
+    for (const chip of place.querySelectorAll("[data-method]"))
+      chip.setAttribute("aria-pressed", String("every" in place.dataset || shown.includes(chip.dataset.method)));
+  }
   const config = {
     responsive: true,
     displaylogo: false,
@@ -26,20 +32,13 @@
   // A figure is drawn when the reader comes near it, px, the others once the page is idle, ms: to
   // read Plotly takes a second, in which a page does not answer.
   const NEAR = 400, IDLE = 3000;
-  let plotly = null;
-  const withPlotly = () => (plotly ??= unpackPlotly());
 
-  // Plotly's source, deflated (RFC 1950) in base64, is run from memory.
-  async function unpackPlotly() {
-    const raw = Uint8Array.from(atob(packedPlotly), (letter) => letter.charCodeAt(0));
-    const stream = new Blob([raw]).stream().pipeThrough(new DecompressionStream("deflate"));
-    const source = new Blob([await new Response(stream).blob()], { type: "text/javascript" });
+  // Plotly's source is run from memory.
+  function loadPlotly() {
+    if (typeof Plotly !== "undefined") return;
     const script = document.createElement("script");
-    script.src = URL.createObjectURL(source);
-    const loaded = new Promise((resolve) => script.addEventListener("load", resolve));
+    script.textContent = spincheck.source(packedPlotly);
     document.head.append(script);
-    await loaded;
-    URL.revokeObjectURL(script.src);
   }
 
   function scopeOf(element) {
@@ -125,7 +124,7 @@
         return [line, dot];
       });
       if (!overlay.exact) return lines;
-      const at = made(motions.exact, null, overlay, motions.body);
+      const at = made(motions[overlay.exact], null, overlay, motions.body);
       const exact = { ...common, ...at, name: "exact", hoverinfo: "skip", line: { color: "ink", width: 5 } };
       return [exact, ...lines];
     });
@@ -144,7 +143,7 @@
 
   // One at a time, so that the page answers in between.
   async function draw(chosen) {
-    await withPlotly();
+    loadPlotly();
     for (const plot of chosen) {
       drawOne(plot);
       await new Promise((resolve) => setTimeout(resolve));
@@ -194,7 +193,7 @@
 
   // Folded tables are made when they are asked for.
   function filled(place) {
-    const { headings, rows } = packed.items[place.dataset.table];
+    const { headings, rows } = items[place.dataset.table];
     const made = (tag, text = "", parent = null, kind = "") => {
       const element = document.createElement(tag);
       element.textContent = text;
@@ -229,7 +228,8 @@
   // Paper is white whatever the screen is.
   addEventListener("beforeprint", () => {
     document.documentElement.dataset.paper = "";
-    if (typeof Plotly !== "undefined") plots.forEach(drawOne);
+    loadPlotly();
+    plots.forEach(drawOne);
   });
   addEventListener("afterprint", () => {
     delete document.documentElement.dataset.paper;

@@ -1,30 +1,18 @@
-// What a page carries, unpacked: figures, folded tables, and motions with what is drawn of them:
-// states at any time, the tilt of the axis, its path, ω in the body and in space, errors.
-const spincheck = (() => {
+// The motions that a page carries, and what is drawn of them: states at any time, the tilt of the
+// axis, its path, ω in the body and in space, errors.
+Object.assign(spincheck, (() => {
   "use strict";
-  const FULL = 32767;
-  // As in motion_data.py: decades of errors, in steps; the last number is a gap.
-  const LOWEST_DECADE = -20, DECADES = 30, GAP = 4095;
   // Between two samples a smooth line has so many points.
   const SMOOTH = 4;
-
-  function bytes(text) {
-    const raw = atob(text);
-    const out = new Uint8Array(raw.length);
-    for (let k = 0; k < raw.length; k++) out[k] = raw.charCodeAt(k);
-    return out.buffer;
-  }
-
-  function errors(text) {
-    return Array.from(new Uint16Array(bytes(text)), (step) =>
-      step === GAP ? NaN : 10 ** (LOWEST_DECADE + (DECADES * step) / (GAP - 1)));
-  }
+  // rad; what the rates at two samples add to an even turn between them, if it is no more.
+  const UNEVEN = 1;
 
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const cross = (a, b) => [
     a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
   const times = (matrix, v) => matrix.map((row) => dot(row, v));
   const norm = (v) => Math.sqrt(dot(v, v));
+  const norm4 = (q) => Math.hypot(...q);
   const mixed = (a, b, part) => a.map((value, k) => value + part * (b[k] - value));
 
   function product(a, b) {
@@ -43,38 +31,43 @@ const spincheck = (() => {
       [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]];
   }
 
-  // The attitude a part of the way from a to b. Of the rotations that lead there, which differ by
-  // whole turns, the one is taken that ω asks for: a fast body turns more than once in between.
-  function between(a, b, omega, seconds, part) {
+  function turned(v) {
+    const angle = norm(v), s = angle > 1e-12 ? Math.sin(angle / 2) / angle : 0.5;
+    return [Math.cos(angle / 2), s * v[0], s * v[1], s * v[2]];
+  }
+
+  // The rotation vector from a to b. Of the rotations that lead there, which differ by whole turns,
+  // the one is taken that ω asks for: a fast body turns more than once in between.
+  function turnBetween(a, b, wanted) {
     let turn = product([a[0], -a[1], -a[2], -a[3]], b);
     if (turn[0] < 0) turn = turn.map((value) => -value);
     const sine = Math.hypot(turn[1], turn[2], turn[3]);
-    const wanted = omega.map((rate) => rate * seconds);
-    let axis, angle;
-    if (sine > 1e-9) {
-      axis = [turn[1] / sine, turn[2] / sine, turn[3] / sine];
-      angle = 2 * Math.atan2(sine, turn[0]);
-    } else {
-      const size = norm(wanted) || 1;
-      axis = wanted.map((value) => value / size);
-      angle = 0;
-    }
-    angle += 2 * Math.PI * Math.round((dot(wanted, axis) - angle) / (2 * Math.PI));
-    const half = (part * angle) / 2, s = Math.sin(half);
-    return product(a, [Math.cos(half), s * axis[0], s * axis[1], s * axis[2]]);
+    if (sine < 1e-9 && norm(wanted) < Math.PI) return turn.slice(1).map((value) => 2 * value);
+    const axis = sine > 1e-9
+      ? turn.slice(1).map((value) => value / sine) : wanted.map((rate) => rate / norm(wanted));
+    const angle = 2 * Math.atan2(sine, turn[0]);
+    const whole = 2 * Math.PI * Math.round((dot(wanted, axis) - angle) / (2 * Math.PI));
+    return axis.map((value) => value * (angle + whole));
+  }
+
+  // The attitude a part of the way from a to b, which has ω before and after as its rates there: an
+  // even turn, and what the rates differ from it as a cubic.
+  function between(a, b, before, after, seconds, part) {
+    const turn = turnBetween(a, b, before.map((rate, k) => (seconds * (rate + after[k])) / 2));
+    const excess = (omega) => omega.map((rate, k) => seconds * rate - turn[k]);
+    const [e0, e1] = [excess(before), excess(after)], rest = 1 - part;
+    const even = product(a, turned(turn.map((value) => part * value)));
+    if (Math.max(norm(e0), norm(e1)) > UNEVEN) return even;
+    const cubic = e0.map((value, k) => part * rest * (rest * value - part * e1[k]));
+    return product(even, turned(cubic));
   }
 
   class Motion {
-    // Of the exact motion single precision, of a run 16 bits.
-    constructor(spec, t, Values, whole) {
+    constructor({ t, q, omega_body }) {
+      const rows = (columns) => this.t.map((_, k) => columns.map((column) => column[k]));
       this.t = t;
-      const q = new Values(bytes(spec.q)), w = new Values(bytes(spec.omega_body));
-      this.q = t.map((_, k) => {
-        const one = Array.from(q.subarray(4 * k, 4 * k + 4)), size = Math.hypot(...one);
-        return one.map((value) => value / size);
-      });
-      this.omega = t.map((_, k) =>
-        Array.from(w.subarray(3 * k, 3 * k + 3), (value) => (value / whole) * spec.largest));
+      this.q = rows(q.map(spincheck.restored)).map((one) => one.map((value) => value / norm4(one)));
+      this.omega = rows(omega_body.map(spincheck.restored));
     }
 
     get end() { return this.t[this.t.length - 1]; }
@@ -89,9 +82,8 @@ const spincheck = (() => {
         if (this.t[middle] <= time) low = middle; else high = middle;
       }
       const seconds = this.t[high] - this.t[low], part = (time - this.t[low]) / seconds;
-      const mean = mixed(this.omega[low], this.omega[high], 0.5);
       return {
-        q: between(this.q[low], this.q[high], mean, seconds, part),
+        q: between(this.q[low], this.q[high], this.omega[low], this.omega[high], seconds, part),
         omega: mixed(this.omega[low], this.omega[high], part),
       };
     }
@@ -141,26 +133,18 @@ const spincheck = (() => {
     }
   }
 
-  // The items of the page, by number.
-  async function unpacked() {
-    const element = document.getElementById("packed");
-    if (!element) return null;
-    const deflated = new Blob([bytes(element.textContent.trim())]).stream();
-    const items = await new Response(deflated.pipeThrough(new DecompressionStream("deflate"))).json();
-    const motions = "motions" in element.dataset ? decoded(items[element.dataset.motions]) : null;
-    return { items, motions };
-  }
-
   function decoded(data) {
-    const bases = data.times.map((text) => Array.from(new Float32Array(bytes(text))));
-    data.exact = new Motion(data.exact, bases[data.exact.t], Float32Array, 1);
+    const motion = (spec) => new Motion({ ...spec, t: spincheck.restored(spec.t) });
+    data.exact = motion(data.exact);
+    // The geometry of a motion of many turns is drawn of its first ones, closely.
+    data.beginning = data.beginning ? motion(data.beginning) : data.exact;
     for (const run of data.runs) {
-      run.t = bases[run.t];
       // A run that nobody could tell from the exact motion is drawn as that.
-      run.motion = run.q ? new Motion(run, run.t, Int16Array, FULL) : data.exact;
-      run.attitude = errors(run.attitude);
-      run.omega = errors(run.omega);
-      run.end = run.t[run.t.length - 1];
+      run.motion = run.q ? motion(run) : data.exact;
+      run.t = spincheck.restored(run.t);
+      for (const name of ["attitude", "omega"])
+        run[name] = spincheck.restored(run[name]).map((decades) => 10 ** decades);
+      run.end = run.t.at(-1);
     }
     return data;
   }
@@ -194,12 +178,14 @@ const spincheck = (() => {
     axis_unrolled(motion, run, overlay, body) {
       const points = motion.path(body.axis).points.map((p) => times(overlay.matrix, p));
       let before = 0, turns = 0;
-      const x = points.map((p, k) => {
+      const azimuths = points.map((p, k) => {
         const azimuth = degrees(Math.atan2(p[1], p[0]));
         if (k) turns -= Math.round((azimuth - before) / 360);
         before = azimuth;
         return azimuth + 360 * turns;
       });
+      // Where it jumps, the axis has passed the vertical.
+      const x = azimuths.map((value, k) => (k && Math.abs(value - azimuths[k - 1]) > 90 ? NaN : value));
       return { x, y: points.map((p) => degrees(Math.atan2(Math.hypot(p[0], p[1]), p[2]))) };
     },
   };
@@ -207,5 +193,7 @@ const spincheck = (() => {
   const flat = (points) => ({ x: column(points, 0), y: column(points, 1) });
   const solid = (points) => ({ ...flat(points), z: column(points, 2) });
 
-  return { packed: unpacked(), lines: LINES, dot, cross, times, norm, matrixOf };
-})();
+  const place = document.getElementById("packed")?.dataset.motions;
+  const motions = place === undefined ? null : decoded(spincheck.items[place]);
+  return { motions, lines: LINES, dot, cross, times, norm, matrixOf };
+})());

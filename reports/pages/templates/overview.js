@@ -1,7 +1,7 @@
 // The first screen's table: draws, colours, filters and sorts the runs that the page carries.
 (() => {
   "use strict";
-  const data = JSON.parse(document.getElementById("heat-data").textContent);
+  const data = spincheck.items[document.getElementById("packed").dataset.heat];
   const table = document.getElementById("heat");
   const detail = document.getElementById("detail");
   const SIGNALS = [

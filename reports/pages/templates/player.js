@@ -1,19 +1,20 @@
 // Plays the exact motion beside that of a run: bodies drawn as the solid of their inertia, ω and L,
 // the path of the axis. Turned by dragging or with the arrow keys.
-spincheck.packed.then((packed) => {
+(() => {
   "use strict";
   const root = document.querySelector(".player");
-  const data = root && packed?.motions;
+  const data = spincheck.motions;
   if (!data) return;
   const { dot, cross, times, norm, matrixOf } = spincheck;
   const { body, exact, runs } = data;
   // A turn a frame beyond which a body seems to stand still or to turn backwards.
   const TURN_A_FRAME = 0.5, FRAMES = 60, WHOLE_WINDOW = 12;
   const SECTORS = 16, BELTS = 8;
+  const SUPERSCRIPT = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
   const [left, right] = [...root.querySelectorAll("canvas")];
   const find = (name) => root.querySelector(`[data-${name}]`);
-  const [choice, play, scrub, clock, speeds, told] =
-    ["run", "play", "time", "clock", "speed", "told"].map(find);
+  const [choice, play, scrub, clock, speeds, difference] =
+    ["run", "play", "time", "clock", "speed", "difference"].map(find);
   const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   const plus = (a, b, factor = 1) => a.map((value, k) => value + factor * b[k]);
   const unit = (v) => v.map((value) => value / (norm(v) || 1));
@@ -167,14 +168,25 @@ spincheck.packed.then((packed) => {
 
   const significant = (value) => Number(value.toPrecision(3)).toString();
 
-  function off() {
+  // At the time shown, between samples of the run on a line.
+  function attitudeError() {
     if (!run) return "";
     if (time >= run.end && run.outcome !== "ok")
       return `${run.outcome} at ${significant(run.stopped_at ?? run.end)} s`;
-    let k = run.t.findIndex((t) => t > time);
-    k = Math.max(0, (k < 0 ? run.t.length : k) - 1);
-    const angle = (run.attitude[k] * 180) / Math.PI;
-    return `attitude off by ${angle >= 0.01 ? `${significant(angle)}°` : `${angle.toExponential(1)}°`}`;
+    const after = run.t.findIndex((t) => t > time), last = run.t.length - 1;
+    const k = after < 0 ? last : Math.max(after - 1, 0), next = Math.min(k + 1, last);
+    const part = next > k ? (time - run.t[k]) / (run.t[next] - run.t[k]) : 0;
+    const error = run.attitude[k] + part * (run.attitude[next] - run.attitude[k]);
+    if (Number.isNaN(error)) return "";
+    // What is rounded to the uncertainty is not above it.
+    const bound = error < run.uncertainty * 1.01 ? "≤ " : "";
+    return `attitude error ${bound}${degrees((error * 180) / Math.PI)}`;
+  }
+
+  function degrees(angle) {
+    if (angle >= 0.01) return `${Number(angle.toPrecision(2))}°`;
+    const [mantissa, exponent] = angle.toExponential(1).split("e");
+    return `${mantissa}×10${[...exponent].map((c) => SUPERSCRIPT[c] ?? "").join("")}°`;
   }
 
   function draw() {
@@ -183,7 +195,7 @@ spincheck.packed.then((packed) => {
     scrub.value = time / data.duration;
     clock.textContent = `${significant(time)} of ${significant(data.duration)} s`;
     scrub.setAttribute("aria-valuetext", clock.textContent);
-    told.textContent = off();
+    difference.textContent = attitudeError();
   }
 
   function frame(now) {
@@ -250,4 +262,4 @@ spincheck.packed.then((packed) => {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
   offered();
   draw();
-});
+})();

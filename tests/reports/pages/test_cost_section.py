@@ -40,6 +40,7 @@ def test_the_first_page_has_its_section(first: Page) -> None:
 def test_the_first_page_draws_its_profiles(first: Page) -> None:
     assert "profiles" in first.attribute("id")
     assert {Path(src).name for src in first.attribute("src")} == {
+        "packed.js",
         "overview.js",
         "plotly.js",
         "figures.js",

@@ -21,8 +21,17 @@ from spincheck.reports.pages.figures import ladder_figures
 from spincheck.reports.pages.figures.dense_motion import MOST as MOST_DENSE
 from spincheck.reports.pages.figures.figures import Titled, figures
 from spincheck.reports.pages.figures.ladder_figures import cost
-from spincheck.reports.pages.figures.plot import MOST_SAMPLES, claimed, error_range, peaks, thinned
+from spincheck.reports.pages.figures.plot import (
+    MOST_SAMPLES,
+    Figure,
+    Trace,
+    claimed,
+    error_range,
+    thinned,
+)
+from spincheck.reports.pages.figures.run_lines import with_runs
 from spincheck.reports.pages.motion_data import motion_data
+from spincheck.reports.pages.page_data import PageData
 from spincheck.reports.pages.templating import TEMPLATES
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.store import Results
@@ -109,14 +118,6 @@ def test_thinning_keeps_both_ends() -> None:
     assert (indices[0], indices[-1]) == (0, 2000)
 
 
-def test_thinning_loses_no_peak() -> None:
-    values = np.zeros(2001)
-    values[1003] = 1.0
-    indices = thinned(len(values))
-    assert peaks(values, indices).max() == 1.0
-    assert values[indices].max() == 0.0
-
-
 def test_convergence_shows_the_error_of_every_finished_run(top: dict[str, Titled]) -> None:
     euler = next(
         trace
@@ -187,12 +188,16 @@ def test_turning_points_of_the_well_are_the_bounds_of_nutation(top: dict[str, Ti
     np.testing.assert_array_equal(values_of(dots["x"]), bounds)
 
 
+def exact_line(figure: Figure, drawn_scene: SceneRuns) -> Trace:
+    """The exact motion, where the page's script would draw it."""
+    (exact,) = (t for t in with_runs(figure, drawn_scene, ())["data"] if t.get("name") == "exact")
+    return exact
+
+
 def test_the_axis_stays_on_the_sphere(top: dict[str, Titled]) -> None:
-    curves = [t for t in top["axis"].figure["data"] if t.get("name") == "exact"]
-    assert curves
-    for curve in curves:
-        radius = np.sqrt(sum(values_of(curve[axis]) ** 2 for axis in "xyz"))
-        np.testing.assert_allclose(radius, 1.0, atol=4 * np.finfo(np.float32).eps)
+    curve = exact_line(top["axis"].figure, scene(TOP))
+    radius = np.sqrt(sum(values_of(curve[axis]) ** 2 for axis in "xyz"))
+    np.testing.assert_allclose(radius, 1.0, atol=4 * np.finfo(np.float32).eps)
 
 
 def test_the_polhode_starts_at_the_scenes_own_rates_and_stays_on_the_ellipsoid(
@@ -201,7 +206,7 @@ def test_the_polhode_starts_at_the_scenes_own_rates_and_stays_on_the_ellipsoid(
     """Of a free body Σ I ω² stays; the made-up motion, which is another, is not drawn."""
     solved = scene(BRICK).solved
     assert solved is not None
-    exact = next(t for t in brick["polhode"].figure["data"] if t.get("name") == "exact")
+    exact = exact_line(brick["polhode"].figure, scene(BRICK))
     tips = np.column_stack([values_of(exact[axis]) for axis in "xyz"])
     moments = np.diag(solved.scenario.body.inertia_com)
     slack = 8 * np.finfo(np.float32).eps
@@ -281,7 +286,9 @@ def test_a_run_that_blows_up_leaves_the_figures_readable(size: float) -> None:
             for trace in part["data"]:
                 assert not np.isinf(values_of(trace["y"])).any()
             json.dumps(part, allow_nan=False)
-    json.dumps(motion_data(brick), allow_nan=False)
+    page = PageData()
+    page.add(motion_data(brick))
+    assert page.encoded()
 
 
 def test_a_run_sampled_at_times_of_its_own_is_compared_with_the_exact_motion_at_those() -> None:

@@ -1,6 +1,6 @@
 """Every page of a real report, in a real browser: it draws, answers, fits, and loads nothing."""
 
-import json
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -22,6 +22,7 @@ from spincheck.scenarios.model_files import read_model
 
 pytest.importorskip("playwright", reason="playwright is not installed")
 from browser import chromium, launched
+from page import read_page
 from playwright.sync_api import Browser, Page, expect
 
 CHROMIUM = chromium()
@@ -196,8 +197,8 @@ def test_filters_leave_the_scenes_that_match(visit, folder, control, value, left
 
 def test_a_verdict_chosen_leaves_the_scenes_where_any_method_got_it(visit, folder):
     page = open_table(visit, folder)
-    carried = json.loads(page.locator("#heat-data").text_content())["scenes"]
-    carried_pairs = {s["name"]: {cell[0] for cell in s["cells"] if cell} for s in carried}
+    carried = page.evaluate("spincheck.items[document.querySelector('#packed').dataset.heat]")
+    carried_pairs = {s["name"]: {cell[0] for cell in s["cells"] if cell} for s in carried["scenes"]}
     for word in set.union(*carried_pairs.values()):
         page.locator("#verdict").select_option(word)
         assert set(rows(page)) == {name for name, words in carried_pairs.items() if word in words}
@@ -275,6 +276,26 @@ def test_scrubbing_to_the_end_shows_its_time(visit, folder):
     expect(clock).to_have_text("5 of 5 s")
 
 
+def test_the_error_shown_is_that_of_the_time_shown(visit, folder):
+    page = open_page(visit, folder, "scenes/fast-top.html")
+    page.locator("[data-run]").select_option(label="mujoco default at 2 ms")
+    error, time = page.locator("[data-difference]"), page.locator("[data-time]")
+    expect(error).to_have_text(re.compile("^attitude error ≤ [0-9.]+×10⁻"))
+    time.fill("1")
+    # The worst moment of this run is its last: what the page's first sentence says.
+    expect(page.locator(".headline")).to_contain_text("MuJoCo default at 2 ms is off by 13.2°")
+    expect(error).to_have_text("attitude error 13°")
+
+
+def test_the_script_restores_the_arrays_that_the_page_carries(visit, folder):
+    page = open_page(visit, folder, "scenes/fast-top.html")
+    written = read_page(folder / "scenes" / "fast-top.html")
+    exact = written.motions["exact"]
+    ours = [written.restored(component).tolist() for component in exact["omega_body"]]
+    theirs = page.evaluate("spincheck.motions.exact.omega")
+    assert [list(row) for row in zip(*ours, strict=True)] == theirs
+
+
 def test_another_run_is_drawn_beside_the_same_exact_motion(visit, folder):
     page = open_page(visit, folder, "scenes/fast-top.html")
     expect(page.locator("[data-run] option").first).to_be_attached()
@@ -290,7 +311,6 @@ def test_a_folded_table_is_there_when_it_is_asked_for(visit, folder):
     page = open_page(visit, folder, "scenes/fast-top.html")
     runs = page.locator("#runs details.method").first
     expect(runs.locator("td")).to_have_count(0)
-    page.evaluate("spincheck.packed")
     runs.locator("summary").first.click()
     expect(runs.locator("td").first).to_be_visible()
 

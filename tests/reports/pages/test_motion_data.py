@@ -1,23 +1,23 @@
 """The motions on a scene's page: those of the result file, to what a picture takes."""
 
-import base64
 import math
 from typing import Any
 
 import numpy as np
 import pytest
 from made_up import METHODS, STOCK, UNCERTAINTY, at_stock, results
-from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
+from numpy.typing import NDArray
+from spincheck.reports.pages.analysis.report_data import Compared, SceneRuns, report_data
+from spincheck.reports.pages.differences import Differences
 from spincheck.reports.pages.figures.drawn_body import BOX, ELLIPSOID, drawn_body
 from spincheck.reports.pages.motion_data import (
-    DECADES_A_STEP,
+    DECADES_STEP,
     EXACT_SAMPLES,
-    FULL,
-    GAP,
     INVISIBLE,
-    LOWEST_DECADE,
     NOTICEABLE,
+    RUN_OMEGA_STEP,
     RUN_SAMPLES,
+    RUN_STEP,
     motion_data,
 )
 from spincheck.scenarios import FloatArray
@@ -41,13 +41,30 @@ def data(top: SceneRuns) -> dict[str, Any]:
     return carried
 
 
-def decoded(text: str, kind: str) -> FloatArray:
-    return np.frombuffer(base64.b64decode(text), dtype=kind).astype(float)
+#: Besides the samples that are spread: the largest errors of attitude and ω, the first above 1°.
+SINGLED_OUT = 3
 
 
-def errors(text: str) -> FloatArray:
-    steps = decoded(text, "<u2")
-    return np.where(steps == GAP, np.nan, 10 ** (LOWEST_DECADE + DECADES_A_STEP * steps))
+def restored(array: Differences) -> FloatArray:
+    values = array.values.astype(float)
+    for _ in range(array.order):
+        values = np.cumsum(values)
+    values *= array.step
+    values[list(array.gaps)] = np.nan
+    return values
+
+
+def rows(columns: list[Differences]) -> FloatArray:
+    return np.column_stack([restored(column) for column in columns])
+
+
+def samples(compared: Compared, run: dict[str, Any]) -> NDArray[np.intp]:
+    """Which samples of a run are on the page."""
+    return np.searchsorted(compared.motion.t, restored(run["t"]) - compared.row.timestep / 4)
+
+
+def errors(array: Differences) -> FloatArray:
+    return np.asarray(10 ** restored(array))
 
 
 def test_every_run_at_a_stock_timestep_is_there(top: SceneRuns, data: dict[str, Any]) -> None:
@@ -57,19 +74,29 @@ def test_every_run_at_a_stock_timestep_is_there(top: SceneRuns, data: dict[str, 
 
 
 def test_attitudes_and_rates_are_those_of_the_run(top: SceneRuns, data: dict[str, Any]) -> None:
-    """To half a step of 16 bits; the samples are those kept."""
+    """To half a step; of the two quaternions of an attitude either."""
     drawn = [(c, r) for c, r in zip(top.compared, data["runs"], strict=True) if "q" in r]
     assert drawn
     for compared, run in drawn:
-        t = decoded(data["times"][run["t"]], "<f4")
-        at = np.searchsorted(compared.motion.t, t - 1e-6)
-        q = decoded(run["q"], "<i2").reshape(-1, 4) / FULL
-        omega = decoded(run["omega_body"], "<i2").reshape(-1, 3) / FULL * run["largest"]
-        half = 0.5 / FULL
-        np.testing.assert_allclose(q, compared.motion.q_world_body_wxyz[at], atol=1.01 * half)
+        at = samples(compared, run)
+        q, exact_q = rows(run["q"]), compared.motion.q_world_body_wxyz[at]
+        sign = np.sign(np.sum(q * exact_q, axis=1, keepdims=True))
+        np.testing.assert_allclose(sign * q, exact_q, atol=0.51 * RUN_STEP)
+        step = RUN_OMEGA_STEP * data["fastest"]
         np.testing.assert_allclose(
-            omega, compared.motion.omega_body[at], atol=1.01 * half * run["largest"]
+            rows(run["omega_body"]), compared.motion.omega_body[at], atol=0.51 * step
         )
+
+
+def test_errors_are_those_at_the_samples_that_are_drawn(
+    top: SceneRuns, data: dict[str, Any]
+) -> None:
+    """To half a step of their logarithms; below the reference's uncertainty, that."""
+    half = 10 ** (0.51 * DECADES_STEP)
+    for compared, run in zip(top.compared, data["runs"], strict=True):
+        claimed = np.maximum(compared.series.attitude, UNCERTAINTY.attitude)
+        ratio = errors(run["attitude"]) / claimed[samples(compared, run)]
+        assert 1 / half < ratio.min() <= ratio.max() < half
 
 
 def test_a_run_that_looks_like_the_exact_motion_is_drawn_as_that(
@@ -83,12 +110,12 @@ def test_a_run_that_looks_like_the_exact_motion_is_drawn_as_that(
 def test_the_largest_error_survives_the_thinning(top: SceneRuns, data: dict[str, Any]) -> None:
     for compared, run in zip(top.compared, data["runs"], strict=True):
         largest = max(float(compared.series.attitude.max()), UNCERTAINTY.attitude)
-        half = 10 ** (DECADES_A_STEP / 2)
+        half = 10 ** (0.51 * DECADES_STEP)
         assert largest / half < np.nanmax(errors(run["attitude"])) < largest * half
 
 
 def test_no_error_is_carried_below_the_reference(data: dict[str, Any]) -> None:
-    half = 10 ** (DECADES_A_STEP / 2)
+    half = 10 ** (0.51 * DECADES_STEP)
     for run in data["runs"]:
         assert np.nanmin(errors(run["attitude"])) > UNCERTAINTY.attitude / half
         assert np.nanmin(errors(run["omega"])) > UNCERTAINTY.omega / half
@@ -105,9 +132,9 @@ def test_where_a_run_goes_wrong_is_its_first_sample_beyond_a_degree(
 
 
 def test_a_page_carries_so_many_samples_and_no_more(data: dict[str, Any]) -> None:
-    assert len(decoded(data["exact"]["omega_body"], "<f4")) <= 3 * EXACT_SAMPLES
+    assert len(restored(data["exact"]["t"])) <= EXACT_SAMPLES
     for run in data["runs"]:
-        assert len(decoded(run["attitude"], "<u2")) <= RUN_SAMPLES
+        assert len(restored(run["attitude"])) <= RUN_SAMPLES + SINGLED_OUT
 
 
 @pytest.mark.parametrize(("name", "shape"), [(TOP, "ellipsoid"), (BRICK, "box")])
