@@ -122,8 +122,11 @@ def judge(sequence: SignalSequence) -> Judgement:
 def _best_window(sequence: SignalSequence) -> _BestWindow:
     """The window with the smallest tolerance."""
     extrapolation, is_clean = _convergence_indices(sequence)
-    changes, rounding = sequence.limit_changes, sequence.roundoff_bounds[2:]
-    # Rounding shows in the limit's change; over clean rungs it cannot be much larger than that.
+    changes, bounds = sequence.limit_changes, sequence.roundoff_bounds[2:]
+    # The bound adds all roundings in one direction; a random walk is what they come to. It shows in
+    # the limit's change, and over clean rungs it cannot be much larger than that.
+    steps = sequence.duration / sequence.timesteps[2:]
+    rounding = np.minimum(bounds, CAUTIOUS * bounds / np.sqrt(steps))
     rounding = np.where(is_clean, np.minimum(rounding, CAUTIOUS * changes), rounding)
     noise_floor = rounding + sequence.uncertainty
     best = int(np.argmin(extrapolation + noise_floor))
@@ -142,9 +145,10 @@ def _best_window(sequence: SignalSequence) -> _BestWindow:
 def _convergence_indices(sequence: SignalSequence) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Grid convergence index of each limit, and whether its rungs shrink as they should.
 
-    In the asymptotic range a limit's error shrinks by 2^(p+1) a rung, so that its last change is
-    2^(p+1) − 1 times the remaining error. Elsewhere the remaining error is taken to be the change
-    itself, or the largest of the neighbouring changes if they show rounding.
+    In the asymptotic range a limit's error shrinks by 2^(p+1) a rung at least, p the declared
+    order, so that its last change is 2^(p+1) − 1 times the remaining error. Elsewhere the remaining
+    error is taken to be the change itself, or the largest of the neighbouring changes if they show
+    rounding.
     """
     changes, p = sequence.limit_changes, sequence.orders
     before = np.concatenate([[0.0], changes[:-1]])
@@ -155,9 +159,10 @@ def _convergence_indices(sequence: SignalSequence) -> tuple[FloatArray, NDArray[
     # The next term is of order p + 1, or of p + 2 where the method is symmetric.
     is_clean = (shrinking >= p + 1 - 2 * ORDER_SLACK) & (shrinking <= p + 2 + 2 * ORDER_SLACK)
     is_clean &= np.abs(seen - p) <= ORDER_SLACK
-    # A change may be small by accident.
-    held = np.maximum(changes, before / 2 ** (p + 1))
-    clean_index = SAFE / (2 ** (p + 1 - 2 * ORDER_SLACK) - 1) * held
+    # A change may be small by accident, and an order above the declared one need not last.
+    least = sequence.declared_order + 1
+    held = np.maximum(changes, before / 2**least)
+    clean_index = SAFE / (2 ** (least - 2 * ORDER_SLACK) - 1) * held
     stalls = np.maximum(after, np.where(changes > before / 2, before, 0.0)) > changes / 2
     around = np.where(stalls, np.maximum(before, after), np.maximum(before, after) / 4)
     index = np.where(is_clean, clean_index, CAUTIOUS * np.maximum(changes, around))
@@ -247,7 +252,7 @@ def _unresolved(window: _BestWindow, limit: str) -> tuple[str, float | None]:
     def rounding(timestep: float) -> float:
         return math.sqrt(sequence.duration / timestep) * a_step
 
-    can_be_sharp = rounding(needed) + sequence.uncertainty <= SHARP
+    can_be_sharp = CAUTIOUS * rounding(needed) + sequence.uncertainty <= SHARP
     if can_be_sharp and window.extrapolation > window.noise_floor and not _at_roundoff(sequence):
         steps = sequence.duration / needed
         return (

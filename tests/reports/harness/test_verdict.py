@@ -220,6 +220,30 @@ def test_where_rounding_or_the_reference_hides_the_limit_no_timestep_is_recommen
     assert "and gets worse below it" in judgement.reason
 
 
+def test_the_timestep_recommended_above_round_off_resolves_the_ladder():
+    """All in one direction, the roundings of its steps would come to more than may be unknown."""
+    growth = 2e-5
+
+    def judged_with(rungs: int) -> Judgement:
+        return judged(lambda dt: np.tanh(1e6 * dt**4), 4, rungs=rungs, growth=growth)
+
+    judgement = judged_with(4)
+    assert judgement.word == "unresolved"
+    assert growth * TIMES[-1] / judgement.needed_timestep > SHARP
+    rungs = 1 + int(np.ceil(np.log2(COARSEST / judgement.needed_timestep)))
+    assert judged_with(rungs).word == "converges"
+
+
+def test_an_order_above_the_declared_one_makes_no_limit_surer_than_declared():
+    """It need not last."""
+
+    def declared(order: int) -> Judgement:
+        return judged(lambda dt: dt**2 + dt**3, order)
+
+    assert declared(1).limit_error == declared(2).limit_error
+    assert declared(1).extrapolation_tolerance > declared(2).extrapolation_tolerance
+
+
 def test_errors_within_a_round_off_that_is_no_small_error_are_no_convergence():
     assert judged(lambda dt: 0.5 + 0.1 * np.sin(1 / dt), 2, growth=1e-2).word == "unresolved"
 
