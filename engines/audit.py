@@ -11,12 +11,12 @@ from .session import Session
 
 @dataclass(frozen=True)
 class Audit:
-    """What acted, and how that differs from the scene.
+    """The effects that acted, and how they differ from the scene.
 
     Attributes
     ----------
-    active : as `Session.active` has it
-    differs : in words, empty where exactly what the scene calls for acted
+    active : as returned by `Session.active`
+    differs : in words; empty if exactly what the scene calls for acted
     """
 
     active: frozenset[str] = frozenset()
@@ -29,7 +29,7 @@ def audit(session: Session, scenario: Scenario, sampled: Sampled) -> Audit:
     Raises
     ------
     EngineError
-        If the machine is to blame that it cannot be audited.
+        If it cannot be audited and the machine is to blame.
     """
     if sampled.outcome == "failed":
         return Audit()
@@ -38,7 +38,7 @@ def audit(session: Session, scenario: Scenario, sampled: Sampled) -> Audit:
     except EngineError as error:
         if error.cause in ENVIRONMENTAL:
             raise
-        # A run that blew up may have taken the engine with it.
+        # After a blow-up the engine may not be usable any more.
         return Audit(differs=f"cannot be audited: {error}" if sampled.outcome == "ok" else "")
     return Audit(active, _differs(active, scenario.called_for) if sampled.outcome == "ok" else "")
 

@@ -29,12 +29,12 @@ def engines() -> dict[str, Engine]:
 
 
 def add(engine: Engine) -> None:
-    """Have an engine among them, for as long as this process lives.
+    """Add an engine to the list, until this process ends.
 
     Raises
     ------
     ValueError
-        If there is another one of its name.
+        If another engine has the same name.
     """
     if engines().setdefault(engine.name, engine) is not engine:
         raise ValueError(f"'{engine.name}' is another engine's name; rename one.")
@@ -100,6 +100,6 @@ def _not_installed(engine: Engine) -> Missing:
 
 
 def _discovered_by(module: ModuleType) -> Iterable[Engine | Missing]:
-    """What a module finds that is no class, by its function `discovered`."""
+    """Engines that a module finds by its function `discovered`."""
     discovered: Callable[[], Iterable[Engine | Missing]] = vars(module).get("discovered", tuple)
     return discovered()

@@ -100,7 +100,7 @@ class Engine(ABC):
 
     @property
     def slack(self) -> float:
-        """Relative, to which body and start must read back as they were given."""
+        """Relative tolerance of body and start when they are read back."""
         return READ_BACK_SLACK_SINGLE if self.single_precision else READ_BACK_SLACK
 
     @property
@@ -110,16 +110,16 @@ class Engine(ABC):
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """Files that its results rest on, besides its adapter."""
+        """Files that its results depend on, besides its adapter."""
         return ()
 
     @property
     def site(self) -> str:
-        """A folder in which its worker finds modules first; empty if none."""
+        """A folder from which its worker imports modules first; empty if none."""
         return ""
 
     def at_version(self, version: str) -> Release | None:  # noqa: ARG002
-        """Another version of the engine; None where there is no way to have one."""
+        """Another version of the engine; None if other versions are not supported."""
         return None
 
     @abstractmethod
@@ -154,13 +154,13 @@ class Engine(ABC):
         return None
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
-        """What a method as shipped does unasked that alters motions, by the engine's names."""
+        """The defaults of a method as shipped that alter motions, by the engine's names."""
         return ()
 
     def open_with_defaults(
         self, scenario: Scenario, method: Method, timestep: float, defaults: Collection[str]
     ) -> Session:
-        """As `open`, with these alone of a method's defaults.
+        """As `open`, with only these of a method's defaults.
 
         Parameters
         ----------
@@ -175,11 +175,11 @@ class Engine(ABC):
         body: BodyReading,
         state: State,
     ) -> list[Difference]:
-        """What a freshly loaded model has otherwise than the scene."""
+        """Differences between a freshly loaded model and the scene."""
         return differences(scenario, body, state, self.slack)
 
     def applies_to(self, scenario: Scenario) -> bool:  # noqa: ARG002
-        """Whether there is anything in a scene that it could load."""
+        """Whether the engine can load anything of the scene."""
         return True
 
     @final
@@ -204,7 +204,7 @@ class Engine(ABC):
 
     @final
     def equation_residuals(self, scenario: Scenario, method: Method) -> str:
-        """What the engine's first steps do otherwise than the scene's equations; empty if nothing.
+        """In words, how the engine's first steps differ from the scene's equations; else empty.
 
         Empty also for an engine as shipped, which need not obey them, and where the engine raises
         an `EngineError` before these steps are done.

@@ -1,4 +1,4 @@
-"""A scene's equations of motion, as what an engine's states gain is held against them.
+"""A scene's equations of motion, with which the gains of an engine's states are compared.
 
 Euler's about the pivot, or the com where there is none, and Newton's (Goldstein, Classical
 Mechanics, eq. 5.39 and 1.23).
@@ -14,7 +14,7 @@ from ..scenarios.fastest_rate import swing_rate
 from ..scenarios.rotation import cross, matrices, rotation_vectors
 from .read_back import State
 
-#: Of an exact gain, by Runge and Kutta's classical rule: a step of at most so many rad.
+#: rad, largest step of the classical Runge–Kutta rule that computes an exact gain.
 FINE_TURN = 0.05
 
 
@@ -24,8 +24,8 @@ class Equations:
 
     Attributes
     ----------
-    gyroscopic : whether the body feels ω × I ω, I about its com; that of the com's own going round
-        a pivot it feels in either case
+    gyroscopic : whether ω × I ω acts, I about the com; the part due to the com's motion round a
+        pivot acts in any case
     """
 
     scenario: Scenario
@@ -33,13 +33,13 @@ class Equations:
 
     @cached_property
     def inertia(self) -> FloatArray:
-        """About the pivot, or the com where there is none, body axes, (3, 3)."""
+        """Tensor about the pivot, or the com without one, kg m², body axes, (3, 3)."""
         body = self.scenario.body
         return body.inertia_origin if self.scenario.has_pivot else body.inertia_com
 
     @cached_property
     def inverse(self) -> FloatArray:
-        """Its inverse."""
+        """Inverse of the tensor, (3, 3)."""
         return np.asarray(np.linalg.inv(self.inertia), dtype=float)
 
     @cached_property
@@ -49,13 +49,13 @@ class Equations:
 
     @cached_property
     def reach(self) -> float:
-        """m, what the com's place is measured against: its arm, or else the radius of gyration."""
+        """m, scale of the com's position: its arm, or the radius of gyration if that is zero."""
         body = self.scenario.body
         return self.arm or float(np.sqrt(body.principal_moments[-1] / body.mass))
 
     @cached_property
     def rate(self) -> float:
-        """The fastest of anything in the scene's start, 1/s: turning, swinging, slowing."""
+        """The fastest rate at the start, 1/s: of rotation, swing or damping."""
         scenario = self.scenario
         moments = np.linalg.eigvalsh(self.inertia)
         least = float(moments[0])
@@ -128,7 +128,7 @@ class Equations:
 
 @dataclass(frozen=True, eq=False)
 class Gain:
-    """What a state gained a second beyond what it should have, and what that is measured against.
+    """The gain of a state per second in excess of the exact gain, and its scale.
 
     Attributes
     ----------
@@ -137,7 +137,7 @@ class Gain:
     excess : (4, 3): of the attitude rad/s in body axes, of I ω N m in body axes; of a free body's
         velocity m/s² and position m/s, in world axes; of a body on a pivot how far velocity (m/s)
         and com (m) are from where ω and attitude put them
-    wanted : what excess is beyond, (4, 3)
+    wanted : the exact gain, (4, 3)
     """
 
     before: State
@@ -169,7 +169,7 @@ def gain_between(equations: Equations, before: State, after: State, span: float)
 
 
 def gain_sizes(equations: Equations, gain: Gain) -> FloatArray:
-    """What the gains are made up of, cancelled or not, (4,)."""
+    """Sizes of the terms that the gains are sums of, (4,)."""
     omega = gain.before.omega_body
     R = matrices(gain.before.q_world_body_wxyz[None])[0]
     L = float(np.linalg.norm(equations.inertia @ omega))
@@ -183,7 +183,7 @@ def gain_sizes(equations: Equations, gain: Gain) -> FloatArray:
 
 
 def rounded(equations: Equations, gain: Gain, epsilon: float) -> FloatArray:
-    """What one rounding of the states read makes of a gain, (4,)."""
+    """The change of a gain by one rounding of the states read, (4,)."""
     speed = float(np.linalg.norm(gain.before.omega_body)) + equations.rate
     fast = float(np.linalg.norm(gain.before.velocity_world)) + equations.reach * speed
     far = float(np.linalg.norm(gain.before.com_world)) + equations.reach

@@ -2,7 +2,7 @@
 
 To first order a change of the model by θ adds B θ to what the states gain, B known from the scene.
 θ is fitted to the gains from several starts at once, by least squares; a change explains them if
-nothing but noise is left. Of several that do the one with the fewest numbers is told.
+nothing but noise is left. Of several explanations, the one with the fewest numbers is reported.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -14,15 +14,15 @@ from ..scenarios import FloatArray
 from ..scenarios.rotation import cross, matrices
 from .equations import Equations, Gain
 
-#: Stands for a size of nothing; its inverse can be squared.
+#: Replaces a size of zero; its inverse can be squared.
 NO_SIZE = 1e-100
-#: Of what is seen, so much may be left unexplained: the fit is linear in θ, the model need not be.
+#: Fraction that may be left unexplained: the fit is linear in θ, the model need not be.
 LINEAR, LINEAR_AT_MOST = 1e-2, 0.2
-#: A fitted number that is this near to a whole one is that one.
+#: A fitted number this close to a whole number is rounded to it.
 WHOLE = 1e-2
-#: A number that makes less difference than this, relative to the others, makes none.
+#: A number with a smaller effect than this, relative to the others, is ignored.
 RANK = 1e-6
-#: Also told where the motion without it is compared as a whole: `first_steps`.
+#: Also used in `first_steps`, where the motion without that torque is compared as a whole.
 NO_GYROSCOPIC_TORQUE = "there were no gyroscopic torque"
 #: Two changes are distinguished if what they leave unexplained differs by this factor.
 ALIKE = 4.0
@@ -35,7 +35,7 @@ class _Change:
     Attributes
     ----------
     effects : what each of its m numbers adds to the gains from n starts, (n, 4, 3, m)
-    words : of the numbers found, (m,); empty where they make no sense
+    words : describes the numbers fitted, (m,); empty if they are impossible
     """
 
     effects: FloatArray
@@ -43,7 +43,7 @@ class _Change:
 
 
 def explanation(equations: Equations, gains: Sequence[Gain], noise: FloatArray) -> str:
-    """What the engine seems to have in it instead; empty where no single change explains it.
+    """In words, the change of the model that explains the gains; empty if no single one does.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def explanation(equations: Equations, gains: Sequence[Gain], noise: FloatArray) 
     candidates = []
     for change in _changes(equations, gains):
         matrix = (weights[..., None] * change.effects).reshape(len(seen), -1)
-        # Of numbers that make no difference, such as a free body's scale, none is changed.
+        # Numbers without an effect, such as the scale of a free body's tensor, are not changed.
         theta, _, count, _ = np.linalg.lstsq(matrix, seen, rcond=RANK)
         left = (seen - matrix @ theta).reshape(weights.shape[0], 4, 3)
         size = float(np.linalg.norm(excess / np.maximum(_sizes(gains), NO_SIZE)))
@@ -66,13 +66,13 @@ def explanation(equations: Equations, gains: Sequence[Gain], noise: FloatArray) 
     if not candidates:
         return ""
     fewest = [one for one in candidates if one[0] == min(candidates)[0]]
-    # Some are the same change by another name; the first of them is told.
+    # Some changes are equivalent; the first of them is reported.
     best = min(rest for _, rest, _ in fewest)
     return next(words for _, rest, words in fewest if rest <= max(1.0, ALIKE * best))
 
 
 def _sizes(gains: Sequence[Gain]) -> FloatArray:
-    """Of what is wanted, (n, 4, 1)."""
+    """Sizes of the exact gains, (n, 4, 1)."""
     return np.array([np.linalg.norm(gain.wanted, axis=1) for gain in gains])[..., None]
 
 
@@ -128,7 +128,7 @@ def _body_changes(equations: Equations, effect: Callable[..., FloatArray]) -> It
 
 
 class _Start:
-    """What changes of a model add to a gain; all of them (4, 3)."""
+    """The contributions of changes of a model to a gain, each (4, 3)."""
 
     def __init__(self, equations: Equations, gain: Gain) -> None:
         self.equations, self.gain = equations, gain
@@ -142,22 +142,22 @@ class _Start:
         self.is_rate = np.array([1, 1, not pivot, not pivot], dtype=float)[:, None]
 
     def torque(self, torque_body: FloatArray) -> FloatArray:
-        """A torque more."""
+        """Of an additional torque."""
         return np.array([np.zeros(3), torque_body, np.zeros(3), np.zeros(3)])
 
     def of_tensor(self, tensor: FloatArray) -> FloatArray:
-        """The torque that a tensor more comes to."""
+        """Of an additional tensor: the torque that it causes."""
         return -tensor @ self.omega_rate - cross(self.omega, tensor @ self.omega)
 
     def gravity(self, gravity_world: FloatArray) -> FloatArray:
-        """A gravity more."""
+        """Of additional gravity."""
         if not self.equations.scenario.has_pivot:
             return np.array([np.zeros(3), np.zeros(3), gravity_world, np.zeros(3)])
         body = self.equations.scenario.body
         return self.torque(body.mass * cross(body.com, gravity_world @ self.R))
 
     def scaled_omega(self) -> FloatArray:
-        """A larger reading of ω: what drives it is larger, and the body turns less than it says."""
+        """Of a reading of ω that is too large: its gain is larger, and the body turns less."""
         outer = self.equations.fall_body(self.R) + self.equations.push_body(self.R)
         added = self.torque(outer + self.gyroscopic)
         added[0] = -self.omega
@@ -166,7 +166,7 @@ class _Start:
         return added
 
     def scaled_velocity(self) -> FloatArray:
-        """A larger reading of the com's velocity."""
+        """Of a reading of the com's velocity that is too large."""
         added = np.zeros((4, 3))
         if self.equations.scenario.has_pivot:
             added[2] = self.gain.wanted[2]

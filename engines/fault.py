@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from typing import Literal
 
-#: What each means, how it is found, and what cannot be: docs/outcomes.md.
+#: What each cause means and how it is detected: docs/outcomes.md.
 Cause = Literal[
     "",
-    # Of runs that diverged: the motion went wrong at some time.
+    # Of runs that diverged: the motion became wrong at some time.
     "not-finite",
     "not-unit",
     "reset",
@@ -15,7 +15,7 @@ Cause = Literal[
     "pivot",
     "energy",
     "warning",
-    # Of runs that failed: what came of them is no motion of the scene, whatever the timestep.
+    # Of runs that failed: the result is no motion of the scene, at any timestep.
     "read-back",
     "model",
     "clock",
@@ -34,7 +34,7 @@ Cause = Literal[
     "effects",
     "body",
     "timestep",
-    # Of runs that came to their end.
+    # Of runs that finished.
     "lost",
     "law",
 ]
@@ -49,7 +49,7 @@ WRONG_AT_ANY_TIMESTEP: frozenset[Cause] = ENVIRONMENTAL | frozenset(
 
 @dataclass(frozen=True)
 class Fault:
-    """The first of a row of states that is bad.
+    """The first bad state of several.
 
     Attributes
     ----------

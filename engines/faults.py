@@ -12,19 +12,19 @@ from .fault import Fault
 from .read_back import State
 from .turn_faults import Reading, turn_faults
 
-#: Of so many states one is asked whether the pivot holds, the last among them.
+#: Every n-th state, and the last, is checked for whether the pivot holds; n.
 PIVOT_EVERY = 8
 
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
-    """What a state must keep to.
+    """Bounds that every state must keep.
 
     Attributes
     ----------
     timestep : s
     most_turn : rad a step, beyond which the engine clamps the rotation
-    round_off : of a state that is read, relative
+    round_off : relative, of a state that is read
     decay : 1/s, the fastest rate at which drag slows the body
     arm : m, body axes, from the pivot to the com, (3,); None where nothing holds the body
     by_angles : whether the attitude is stepped as roll, pitch and yaw
@@ -39,9 +39,9 @@ class Bounds:
 
 
 def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
-    """The first bad state for each way in which one can be bad."""
+    """The first bad state for each kind of fault."""
     states, timestep = reading.states, bounds.timestep
-    # The sum shows whether anything is not finite, much faster than a search for it.
+    # The sum is not finite if any number is not, and much faster than a search.
     if not np.isfinite(sum(float(column.sum()) for column in columns(states))):
         finite = np.hstack([np.isfinite(column) for column in columns(states)])
         if not finite.all():
@@ -65,7 +65,7 @@ def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
 
 
 def clamped_turn(speed: float, timestep: float, most: float) -> str:
-    """The message if the body turns further in a step than the engine's clamp; else empty.
+    """The message if the body turns further in a step than the engine allows; else empty.
 
     Parameters
     ----------
@@ -80,19 +80,19 @@ def clamped_turn(speed: float, timestep: float, most: float) -> str:
 
 
 def columns(states: State) -> list[FloatArray]:
-    """The arrays of a state, one a quantity."""
+    """The arrays of a state, one for each quantity."""
     return [getattr(states, field.name) for field in fields(State)]
 
 
 def _pivot_faults(states: State, arm_body: FloatArray) -> Iterator[Fault]:
-    """A pivot that is further from the world's origin than the com is from the pivot is none."""
+    """The first state whose pivot is further off the world's origin than the com is from it."""
     arm = float(np.linalg.norm(arm_body))
 
     def drift_of(rows: slice) -> FloatArray:
         arm_world = matrices(states.q_world_body_wxyz[rows]) @ arm_body
         return norms(states.com_world[rows] - arm_world)
 
-    # One that has given way does not hold again.
+    # A pivot that has given way stays so.
     if arm > 0 and (drift_of(slice(None, None, -PIVOT_EVERY)) > arm).any():
         drift = drift_of(slice(None))
         first = _first(drift > arm)

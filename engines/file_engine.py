@@ -11,19 +11,19 @@ from .inspection import AGREES, cause, difference
 from .models.users_link import users_link
 from .read_back import BodyReading, Difference, EngineError, State
 
-#: What `read_back.differences` calls the numbers of a body.
+#: Names of a body's numbers in `read_back.differences`.
 OF_BODY = frozenset({"mass", "com", "inertia_com"})
 
 
 class FileEngine(Engine):
     """For scenes that name a link of a model file, and for no others.
 
-    A body agrees with the scene's as it does for `inspect`: engines diagonalise tensors loosely.
+    Bodies are compared with the tolerance of `inspect`, as engines diagonalise tensors loosely.
 
     Attributes
     ----------
-    formats : of the files that it reads
-    made_up : by method, where it takes tensors from instead of the file
+    formats : file formats that it reads
+    made_up : by method, the source of tensors that are not taken from the file
     """
 
     of_file = True
@@ -32,7 +32,7 @@ class FileEngine(Engine):
     made_up: ClassVar[dict[str, str]] = {}
 
     def applies_to(self, scenario: Scenario) -> bool:
-        """Whether a scene names a link of a file of its formats; one that is lost is a failure."""
+        """Whether a scene names a link of a file in its formats; a missing file is a failed run."""
         if scenario.document.body.model is None:
             return False
         try:
@@ -43,14 +43,14 @@ class FileEngine(Engine):
     def differences(
         self, scenario: Scenario, method: str, body: BodyReading, state: State
     ) -> list[Difference]:
-        """As of any engine; those of the body in the words of `inspect`."""
+        """Differences from the scene; those of the body in the words of `inspect`."""
         differing = super().differences(scenario, method, body, state)
         others = [one for one in differing if one.what not in OF_BODY]
         if len(others) == len(differing):
             return differing
         link = users_link(scenario).link
-        assert link.stated is not None, "a link that states nothing is refused"
-        # The scene's numbers are what is simulated; the file tells what they would be unturned.
+        assert link.stated is not None, "a link without an inertia is refused"
+        # Compared with the scene's numbers; the file is needed for those without the rotation.
         numbers = scenario.body
         stated = replace(
             link.stated, mass=numbers.mass, com=numbers.com, inertia=numbers.inertia_com
@@ -69,10 +69,10 @@ class _OtherBody(Difference):
 
     @property
     def complaint(self) -> str:
-        """In words, without numbers that the words have."""
+        """The message of a run that fails because of it."""
         return f"holds another body than the file states: {self.why}"
 
     @property
     def remark(self) -> str:
-        """The same."""
+        """The message of a run that goes on in spite of it."""
         return self.complaint

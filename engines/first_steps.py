@@ -1,15 +1,16 @@
 """Checks that an engine's first steps obey the scene's equations of motion.
 
-A model can read back right and move like another: moments used in another order, gravity with its
-sign turned, a damping nobody asked for, no gyroscopic torque, a clock that runs at another rate. At
-an ordinary timestep that drowns in what a step is off by anyway; at a very small one it stands out.
-So the scene is opened with such steps, and what attitude, ω, com and velocity gain is compared with
-the exact gain. It is opened again with steps of a half and a quarter: what a method's own error
-comes to is extrapolated away, and what two extrapolations differ by is their noise.
+A model can read back correctly and still move wrongly: moments in another order, gravity with the
+opposite sign, an additional damping, no gyroscopic torque, a clock at another rate. At ordinary
+timesteps such faults are hidden by the method's own error; at very small ones they are not. So the
+scene is opened with a very small timestep, and the gains of attitude, ω, com and velocity over the
+first steps are compared with the exact gains. This is repeated with a half and a quarter of the
+timestep: the method's error is extrapolated away, and the difference of two extrapolations is the
+noise.
 
-A body that turns about a principal axis feels no gyroscopic torque. So the same is done from two
-other starts, whose ω lies askew in the body. Together they tell which change of the model would
-explain all that is seen. A constraint takes some steps to settle; they are let pass.
+A body that turns about a principal axis has no gyroscopic torque. So the same is done from two
+other starts with ω askew to the body's axes. Together they determine which change of the model
+explains all gains. A constraint needs some steps to settle; these are skipped.
 """
 
 import math
@@ -25,23 +26,23 @@ from .explanations import NO_GYROSCOPIC_TORQUE, explanation
 from .read_back import State
 from .session import Session
 
-#: Of the longest, that are let pass, and as many that are compared. Bullet takes back a fifth of a
-#: constraint's error a step: 0.8^64 is 6e-7 of it.
+#: Number of the longest steps that are skipped, and of those compared. Bullet removes a fifth of a
+#: constraint's error in a step: 0.8^64 = 6e-7 of it is left.
 STEPS = 64
 #: How many steps a longest one is divided into.
 HALVINGS = (1, 2, 4)
-#: An excess is real if it is so many times its noise, and so many roundings of the states: one a
-#: step of the shortest, as they may all go the same way.
+#: An excess counts if it exceeds so many times its noise, and so many roundings of the states: one
+#: for each of the shortest steps, as all may have the same sign.
 ABOVE_NOISE, ABOVE_ROUNDING = 8.0, float(STEPS * HALVINGS[-1])
-#: Part of a gain's size that a constraint's solver may leave, and its tolerance need not show.
+#: Fraction of a gain's size that a constraint's solver may leave as an error.
 NEGLIGIBLE = 2e-6
 #: Directions of ω in the body, beside the scene's own: askew to every axis of a body that is drawn
 #: along its axes.
 ASKEW = ((0.62, 0.55, 0.56), (-0.48, 0.71, 0.52))
-#: ω that is another one no time after the start is off by this part, at the least, beyond what the
-#: body turns meanwhile.
+#: ω has jumped at the start if it changed by more than this fraction, beyond what the rotation of
+#: the body explains.
 LEAP = 1e-3
-#: Printed of a number, and as many more as it takes to see a difference.
+#: Digits printed of a number; more if they are needed to show a difference.
 DIGITS = 3
 
 Open = Callable[[Scenario, float], Session]
@@ -49,7 +50,7 @@ Open = Callable[[Scenario, float], Session]
 
 @dataclass(frozen=True, eq=False)
 class _Turned:
-    """What was read from one start: at the start, in the middle and at the end, by timestep.
+    """The states read from one start: at the start, in the middle and at the end, by timestep.
 
     Attributes
     ----------
@@ -62,12 +63,12 @@ class _Turned:
 
 @dataclass(frozen=True, eq=False)
 class _Felt:
-    """Of one start: the gain with the shortest steps, its excess extrapolated.
+    """Result from one start: the gain with the shortest steps, and its extrapolated excess.
 
     Attributes
     ----------
     noise : of the excess, (4,)
-    is_held : by a pivot
+    is_held : whether there is a pivot
     """
 
     gain: Gain
@@ -83,8 +84,8 @@ def equation_residuals(
     Parameters
     ----------
     open_at : opens a scene with a timestep, s
-    epsilon : of the engine's floating-point numbers
-    negligible : part of a gain's size that need not be told
+    epsilon : relative rounding of the engine's floating-point numbers
+    negligible : fraction of a gain's size below which nothing is reported
     """
     equations = Equations(scenario)
     turned = [_turned(open_at, scenario, equations, epsilon)]
@@ -122,7 +123,7 @@ def _askew(scenario: Scenario, rate: float) -> Iterator[Scenario]:
 
 
 def _turned(open_at: Open, start: Scenario, equations: Equations, epsilon: float) -> _Turned:
-    """Take the steps from one start, with each of the timesteps."""
+    """Take the first steps from one start, with each of the timesteps."""
     longest = _longest_step(start, equations.rate, epsilon)
     states = []
     for halving in HALVINGS:
@@ -136,7 +137,7 @@ def _turned(open_at: Open, start: Scenario, equations: Equations, epsilon: float
 
 
 def _felt(turned: _Turned, equations: Equations, epsilon: float, negligible: float) -> _Felt:
-    """What states gain beyond these equations."""
+    """The gains of states in excess of these equations."""
     gains = [
         gain_between(equations, before, after, turned.span) for _, before, after in turned.states
     ]
@@ -152,8 +153,8 @@ def _felt(turned: _Turned, equations: Equations, epsilon: float, negligible: flo
 def _longest_step(scenario: Scenario, rate: float, epsilon: float) -> float:
     """A power of two, s, so that times are exact.
 
-    What rounding makes of a gain goes with 1/h, and what is left of extrapolation with h²; but
-    where a constraint holds the body its position is rounded and becomes an acceleration, with
+    The rounding error of a gain is proportional to 1/h, the error left by extrapolation to h². If a
+    constraint holds the body, the rounding of its position causes an acceleration proportional to
     1/h².
     """
     balance = np.cbrt(epsilon) if scenario.has_pivot else np.cbrt(12 * epsilon) / STEPS
@@ -165,7 +166,7 @@ def _leap(turned: _Turned, equations: Equations) -> str:
     for start, soon, _ in turned.states:
         size = float(np.linalg.norm(start.omega_body))
         exact = equations.after(start, turned.span)
-        # From rest anything is a leap; what ω gains there is compared besides.
+        # From rest any ω would be a jump; its gain is compared below.
         apart = [np.linalg.norm(soon.omega_body - other.omega_body) for other in (start, exact)]
         if size and min(apart) > (LEAP + equations.rate * turned.span) * size:
             reads, soon_reads = _numbers(start.omega_body), _numbers(soon.omega_body)

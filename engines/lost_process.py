@@ -1,8 +1,8 @@
 """Whether a process that died or does not answer failed by its own fault or by the machine's.
 
-The limit is on CPU time, so that a busy machine fails no engine. Wall time tells what waits for
-ever; time in which this process was stopped itself (Ctrl-Z, a laptop that was closed) is not
-counted.
+The limit is on CPU time, so that no engine fails because the machine is busy. Wall time detects a
+process that waits for ever; time in which this process itself was stopped (Ctrl-Z, a closed laptop)
+is not counted.
 """
 
 import signal
@@ -14,19 +14,20 @@ import psutil
 
 from .fault import Cause
 
-#: What ends a process that does something wrong itself; any other signal comes from outside.
+#: Signals caused by faults of the process itself; any other signal comes from outside.
 _OWN_SIGNALS = frozenset(
     getattr(signal, name).value
     for name in ("SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS", "SIGTRAP", "SIGSYS")
     if hasattr(signal, name)
 )
-#: Says of a process that somebody else ended it.
+#: Words for a process that was killed by another.
 KILLED = "was killed from outside"
 #: s between two readings of the CPU time of a call.
 POLL = 0.5
-#: What uses less than this share of the limit, of CPU time, while that goes by on the wall, hangs.
+#: A process hangs if it uses less CPU time than this fraction of the limit while the limit passes
+#: on the wall.
 IDLE = 0.01
-#: Wall time that a call may take, in time limits, however busy the machine is.
+#: Wall time that a call may take, in multiples of its limit, however busy the machine is.
 MOST_WALL = 20.0
 
 
@@ -34,21 +35,21 @@ class Watched(Protocol):
     """A process whose answer is waited for."""
 
     def has_answered(self, seconds: float) -> bool:
-        """Wait until it has answered or is gone, so long at most."""
+        """Wait, at most so many seconds, until it has answered or ended."""
 
     def cpu_seconds(self) -> float:
         """CPU time it has used so far, s; 0 once it is gone."""
 
     def is_stopped(self) -> bool:
-        """Whether somebody has stopped it (SIGSTOP), so that it can do nothing."""
+        """Whether it is stopped (SIGSTOP)."""
 
 
 class Overdue(NamedTuple):
-    """Why an answer is waited for no longer.
+    """Why waiting for an answer was given up.
 
     Attributes
     ----------
-    words : to go on with "within "
+    words : to be appended to "within "
     """
 
     words: str
@@ -56,14 +57,14 @@ class Overdue(NamedTuple):
 
 
 def wait_for_answer(process: Watched, limit: float) -> Overdue | None:
-    """Wait until a process has answered or is gone; None then, and otherwise why it is given up.
+    """Wait until a process has answered or ended; returns None, or why waiting was given up.
 
     Parameters
     ----------
     limit : CPU seconds that it may take
     """
     wall, begun = 0.0, None
-    # When it was last seen to get on, and the CPU time that it had used by then.
+    # When it was last seen to make progress, and the CPU time used by then.
     stirred, used_then = 0.0, 0.0
     poll = min(POLL, limit)
     while True:
@@ -72,7 +73,7 @@ def wait_for_answer(process: Watched, limit: float) -> Overdue | None:
             return None
         wall += min(time.monotonic() - before, 2 * poll)
         used = process.cpu_seconds()
-        # Not before the first wait: to read it takes longer than most calls.
+        # Not before the first wait: reading CPU times takes longer than most calls.
         begun = used if begun is None else begun
         used -= begun
         if used - used_then >= IDLE * limit:
@@ -93,7 +94,7 @@ def _idle(process: Watched, limit: float, used: float) -> Overdue:
 
 
 def death(exit_code: int) -> tuple[str, Cause]:
-    """How a process ended that was still to answer, in words and as a cause.
+    """How a process ended before it answered, in words and as a cause.
 
     Parameters
     ----------

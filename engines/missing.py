@@ -1,4 +1,4 @@
-"""An engine that spincheck knows and that is not there."""
+"""An engine that spincheck knows but cannot use here."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What an engine holds of a user's own model: every engine reads the file in its own way."""
+"""The interface by which engines read users' model files."""
 
 import importlib
 import pkgutil
@@ -27,8 +27,8 @@ class Configuration:
     ----------
     name : as users type and read it
     summary : what is set, in one line
-    made_up : where it takes tensors from instead of the file; empty if it takes the file's
-    remedy : what to do where it holds another tensor than the file's; empty if nothing is known
+    made_up : the source of tensors that are not taken from the file; else empty
+    remedy : what to do if it holds another tensor than the file's; empty if nothing is known
     """
 
     name: str
@@ -91,7 +91,7 @@ class ModelReader(ABC):
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
         """The bodies that the engine has after it has read the file, by the links' names.
 
-        A link that it has no body for, because it is fused with another, is not there.
+        A link that was fused with another has no body and is left out.
 
         Raises
         ------

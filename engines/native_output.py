@@ -13,16 +13,16 @@ STDOUT, STDERR = 1, 2
 
 @dataclass
 class Printed:
-    """The text caught so far, the two streams one after the other."""
+    """The text captured so far, of the two streams one after the other."""
 
     text: str = ""
 
 
 @contextmanager
 def native_output() -> Iterator[Printed]:
-    """Keep what is printed in here, by Python or by C, off the terminal; it is in the result after.
+    """Capture what Python or C prints inside the block; afterwards it is in the result.
 
-    Not for threads: the descriptors belong to the whole process.
+    Not thread-safe: the descriptors belong to the whole process.
     """
     printed = Printed()
     with ExitStack() as undo:
@@ -36,7 +36,7 @@ def native_output() -> Iterator[Printed]:
 
 @contextmanager
 def _caught(descriptor: int) -> Iterator[int]:
-    """Send one descriptor to a temporary file, whose own descriptor is returned."""
+    """Redirect one descriptor to a temporary file, whose descriptor is returned."""
     _flush()
     kept = os.dup(descriptor)
     with tempfile.TemporaryFile() as file:
@@ -49,7 +49,7 @@ def _caught(descriptor: int) -> Iterator[int]:
 
 
 def _flush() -> None:
-    """Empty Python's buffers and C's: what is left in them comes out at a later owner's expense."""
+    """Flush the buffers of Python and C; otherwise their contents would be captured later."""
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
     ctypes.CDLL(None).fflush(None)

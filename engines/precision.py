@@ -9,16 +9,16 @@ from .read_back import State
 #: Relative spacing of single-precision numbers.
 EPS_SINGLE = float(np.finfo(np.float32).eps)
 #: Root mean square of the norm's rounding, in `EPS_SINGLE`: rounding four components to 24 bits
-#: gives about an eighth. Below the first it is double precision, beyond the second something else.
+#: gives about an eighth. Smaller values mean double precision, larger ones another cause.
 LEAST, MOST = 1 / 64, 4.0
-#: Samples it takes.
+#: Number of samples needed.
 FEWEST = 16
-#: Rounding is as large in the first quarter of a run as in all of it; a norm that drifts is not.
+#: Rounding is as large in the first quarter of a run as in all of it; a drift of the norm is not.
 SHARE_AT_FIRST = 0.5
 
 
 def single_precision(states: State) -> str:
-    """In words, that attitudes have unit norm to 24 bits only; empty where it is more, or fewer.
+    """In words, that attitudes have unit norm to 24 bits only; else empty.
 
     Parameters
     ----------

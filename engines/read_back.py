@@ -9,8 +9,8 @@ from ..scenarios import FloatArray, Scenario
 from ..scenarios.rotation import cross, matrices, norms, rotation_vectors
 from .fault import Cause
 
-#: A model or state that was set must read back to this, relative to its size. Text with 17 digits
-#: and a few products of rotations lose some ulp; a dropped frame or a default loses everything.
+#: Relative tolerance of a model or state that is read back. Text with 17 digits and a few products
+#: of rotations lose some ulp; a dropped frame or a default value is far larger.
 READ_BACK_SLACK = 1e-12
 #: The same for engines in single precision.
 READ_BACK_SLACK_SINGLE = 1e-5
@@ -22,7 +22,7 @@ class EngineError(Exception):
     Parameters
     ----------
     reason : in words
-    cause : in a word, where the engine or its adapter knows one
+    cause : in a word, if the engine or its adapter knows one
     """
 
     def __init__(self, reason: str, cause: Cause = "") -> None:
@@ -31,7 +31,7 @@ class EngineError(Exception):
 
 
 class UnsupportedError(EngineError):
-    """The engine is known to get this body wrong, without saying so: the run is not made."""
+    """The engine is known to simulate this body wrongly without an error: the run is not made."""
 
     def __init__(self, reason: str, cause: Cause = "body") -> None:
         super().__init__(reason, cause)
@@ -53,7 +53,7 @@ class BodyReading:
 class State:
     """What is read at a sample: attitude (4,), ω (3,) rad/s, com (3,) m, its velocity (3,) m/s.
 
-    Of n samples: the same, one a row, (n, 4) and (n, 3).
+    For n samples, one a row: (n, 4) and (n, 3).
     """
 
     q_world_body_wxyz: FloatArray
@@ -64,7 +64,7 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Difference:
-    """A quantity that an engine holds otherwise than the scene has it.
+    """A quantity whose value in an engine differs from the scene's.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class Difference:
 
     @property
     def complaint(self) -> str:
-        """The message of a run that fails because of it, with every digit."""
+        """The message of a run that fails because of it, with all digits."""
         wanted, got = self.wanted.tolist(), self.got.tolist()
         return f"'{self.what}' must read back as {wanted}, got {got}"
 
@@ -125,7 +125,7 @@ def _pairs(
     speed = float(np.linalg.norm(start.omega_body))
     yield "mass", np.array(held.mass), np.array(body.mass), body.mass
     yield "com", held.com, body.com, arm
-    # Not of the tensor about the origin: beside a long arm it would hide any fault of this one.
+    # Not of the tensor about the origin: with a long arm that would hide faults of this one.
     yield "inertia_com", held.inertia_com, body.inertia_com, float(body.principal_moments[-1])
     yield "omega_body", state.omega_body, start.omega_body, speed
     yield "com_world", state.com_world, com_world, arm + float(np.linalg.norm(com_world))
@@ -134,7 +134,7 @@ def _pairs(
 
 
 def _rounded(values: FloatArray) -> str:
-    """A number or nested lists of them, to three digits, round-off left out."""
+    """A number or nested lists of numbers, to three digits, with round-off set to zero."""
     least = float(np.finfo(float).eps) * np.abs(values).max()
     shown = np.where(np.abs(values) > least, values, 0.0)
 

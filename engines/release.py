@@ -1,4 +1,4 @@
-"""Numbers of versions."""
+"""Compares versions by their numbers."""
 
 import re
 

@@ -14,28 +14,27 @@ from .run import Outcome
 from .session import Session
 from .turn_faults import Reading
 
-#: States read before they are looked at, all at once: a look takes as long as thousands of steps,
-#: at many states hardly longer than at few. A block has no fewer states than the first, takes no
-#: fewer steps than `BLOCK_STEPS`, and is as long as all blocks before it, up to a limit: a run that
-#: has gone wrong unnoticed is stepped on for no longer than it has gone so far, or a look would
-#: have taken as long, and for no more readings than the longest block.
+#: States are checked in blocks: a check takes as long as thousands of steps, and hardly longer for
+#: many states than for few. A block has at least `FIRST_BLOCK` states and `BLOCK_STEPS` steps, and
+#: is as long as all blocks before it, up to `BLOCK` states. So the steps taken after an undetected
+#: fault at most double the run, or cost no more than a check.
 FIRST_BLOCK = 1 << 4
 BLOCK_STEPS = 1 << 14
 BLOCK = 1 << 11
-#: A run of no more steps is read at every one of them: coarse ones are those that go wrong.
+#: A run of no more steps is read at every step: coarse timesteps are those that fail.
 READ_THROUGHOUT = 1 << 10
-#: Of any other, so many samples are read once more a step later, the first of them included.
+#: In longer runs, so many samples, the first included, are read once more one step later.
 READ_IN_PAIRS = 64
 
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
-    """The good samples of a run, and how it ended.
+    """The valid samples of a run, and how it ended.
 
     Attributes
     ----------
-    states : one a row; no rows where the first sample was bad
-    reason, cause : why there are no more, in words and in a word; empty where the outcome is ok
+    states : one a row; no rows if the first sample was bad
+    reason, cause : why there are no more, in words and in a word; empty if the outcome is ok
     """
 
     states: State
@@ -45,13 +44,13 @@ class Sampled:
 
     @property
     def count(self) -> int:
-        """How many good samples there are."""
+        """Number of valid samples."""
         return len(self.states.omega_body)
 
 
 @dataclass(frozen=True, eq=False)
 class _Block:
-    """The good states of a block, samples or not, and how it ended."""
+    """The valid states of a block, samples or not, and how it ended."""
 
     states: State
     outcome: Outcome = "ok"
@@ -76,10 +75,10 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
     for first, beyond in _blocks(steps):
         taken = int(steps[first - 1]) if first else 0
         new, end = _read(session, np.diff(steps[first:beyond], prepend=taken).tolist())
-        # The last state of the block before is looked at once more, beside the one after it.
+        # The last state of the previous block is checked again, together with the one after it.
         snapshots, first = last + new, first - len(last)
         if new:
-            # What has blown up may overflow here; it is found to be infinite then.
+            # After a blow-up this may overflow; the state is then detected as infinite.
             with np.errstate(all="ignore"):
                 states = session.states(snapshots)
                 start = start if first else _rows(states, slice(2))
@@ -95,7 +94,7 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
 
 
 def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
-    """Beginning and end of each block of these readings."""
+    """First and last reading of each block."""
     first = 0
     while first < len(steps):
         worth_a_look = int(np.searchsorted(steps, steps[first] + BLOCK_STEPS))
@@ -106,7 +105,7 @@ def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
 
 
 def steps_to_read(sample_steps: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The samples, and steps next to each other besides: a step at a time faults have a name."""
+    """The samples, and additional steps next to each other, as faults show best in single steps."""
     last = int(sample_steps[-1])
     if last <= READ_THROUGHOUT:
         return np.arange(last + 1)
@@ -115,7 +114,7 @@ def steps_to_read(sample_steps: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], _Block]:
-    """Snapshots of a block; fewer where the engine stopped, and how it ended then."""
+    """Snapshots of a block, fewer if the engine stopped; and how it ended."""
     snapshots: list[Any] = []
     nothing = _stacked([])
     try:
@@ -126,15 +125,15 @@ def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], _Block]:
             return snapshots, _Block(nothing, "diverged", str(error), error.cause or blown_up)
         return snapshots, _Block(nothing, "failed", str(error), error.cause or "refused")
     except (OSError, MemoryError):
-        # The machine's, perhaps; whoever made the call can tell.
+        # Possibly the machine's fault: decided by the caller.
         raise
-    except Exception as error:  # A bug in an adapter costs the rest of the run, not its beginning.
+    except Exception as error:  # After a bug in an adapter the samples so far are kept.
         return snapshots, _Block(nothing, "failed", f"{type(error).__name__}: {error}", "bug")
     return snapshots, _Block(nothing)
 
 
 def _blown_up(session: Session) -> Cause:
-    """The cause if an engine stopped at an invalid state; empty if that state is valid."""
+    """The cause if an engine stopped at an invalid state; empty if the state is valid."""
     try:
         session.check()
         state = session.read_state()
@@ -154,7 +153,7 @@ def _checked(
         try:
             session.check()
         except EngineError as error:
-            # At an unknown step of the block.
+            # At a step of the block that is not known.
             block_faults.insert(0, Fault(0, error.cause or "warning", str(error)))
     if not block_faults:
         return _Block(reading.states, end.outcome, end.reason, end.cause)
@@ -168,7 +167,7 @@ def _rows(states: State, kept: slice | NDArray[np.bool_]) -> State:
 
 
 def _stacked(parts: Sequence[State]) -> State:
-    """The rows of all parts."""
+    """The rows of all parts, stacked."""
     if not parts:
         return State(np.empty((0, 4)), *(np.empty((0, 3)) for _ in range(3)))
     together = zip(*(columns(part) for part in parts), strict=True)

@@ -1,4 +1,4 @@
-"""A scene loaded in an engine: what every adapter fills in."""
+"""The interface of a scene loaded in an engine, implemented by every adapter."""
 
 import time
 from abc import ABC, abstractmethod
@@ -15,9 +15,9 @@ from .read_back import BodyReading, State
 class Session(ABC):
     """A scene loaded in an engine: set to its start, ready to step.
 
-    An engine whose readings take as long as its steps gives them raw, as `snapshot`, turns them
-    into states many at a time, and may have a `record` of its own; for any other `read_state` and
-    `check` are enough.
+    `read_state` and `check` are enough for most engines. If reading takes as long as stepping, an
+    adapter can return raw readings (`snapshot`), convert many of them to states at once (`states`),
+    and have a `record` of its own.
 
     Raises
     ------
@@ -35,12 +35,12 @@ class Session(ABC):
 
     @abstractmethod
     def advance(self, steps: int) -> None:
-        """Take `steps` whole steps, natively: nothing but stepping happens in here."""
+        """Take `steps` whole steps, natively; do nothing else here, as this is what is timed."""
 
     def timed(self, steps: int) -> tuple[float, float]:
-        """Take whole steps; CPU and wall time that they took, s.
+        """Take whole steps; returns the CPU and wall time that they took, s.
 
-        An engine in another process measures there.
+        An engine in another process measures the times there.
         """
         wall, cpu = time.perf_counter(), time.process_time()
         self.advance(steps)
@@ -48,14 +48,14 @@ class Session(ABC):
 
     @abstractmethod
     def check(self) -> None:
-        """Raise `EngineError` if a step so far was not one: warning, reset, clamp, clock."""
+        """Raise `EngineError` if the engine warned, was reset, clamped, or its clock is wrong."""
 
     @abstractmethod
     def active(self) -> frozenset[str]:
         """What acts on the body, read back from the engine after the run.
 
-        Names out of `scenarios.EFFECTS`, plus a name for whatever else is switched on. A mechanism
-        that implements an effect (a constraint that is the pivot) counts as that effect.
+        Names out of `scenarios.EFFECTS`, and a description of anything else that is switched on. A
+        mechanism that implements an effect (a constraint as the pivot) counts as that effect.
         """
 
     @abstractmethod
@@ -63,20 +63,20 @@ class Session(ABC):
         """Free the engine's memory."""
 
     def snapshot(self) -> Any:
-        """What is read at a sample, in the engine's own terms.
+        """What is read at a sample, in the engine's own format.
 
-        Raises `EngineError` for trouble that the engine has reported by now.
+        Raises `EngineError` for trouble that the engine has reported so far.
         """
         self.check()
         return self.read_state()
 
     def record(self, strides: Sequence[int], keep: Callable[[Any], object]) -> None:
-        """Again and again take some steps, then keep a snapshot: what every run consists of.
+        """Repeatedly take some steps and keep a snapshot; a run consists of that.
 
         Parameters
         ----------
         strides : steps before each snapshot, 0 or more
-        keep : takes a snapshot as soon as it is made
+        keep : called with each snapshot
         """
         for steps in strides:
             if steps:
@@ -88,9 +88,9 @@ class Session(ABC):
         return State(**{name: np.array([getattr(s, name) for s in snapshots]) for name in _COLUMNS})
 
     def first_fault(self, snapshots: Sequence[Any], states: State) -> Fault | None:  # noqa: ARG002
-        """The first snapshot that is not a step's outcome; None if all are.
+        """The first snapshot with a fault; None if there is none.
 
-        Reports what `check` would have raised there, for the part that `snapshot` does not check.
+        A fault is what `check` would have raised there and `snapshot` does not check.
         """
         return None
 

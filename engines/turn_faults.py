@@ -1,14 +1,14 @@
 """Checks that the attitude turns at the rate of the ω that is read with it, one step at a time.
 
-Both are read before and after single steps. However coarse a step is, an honest one turns the body
-at a rate between the ω before and the ω after it, give or take as much again: explicit and implicit
-rules take one or the other, those of higher order something in between, a multistep rule goes
-beyond the one by half their difference; where drag stops the body within a step, the ω in between
-is another still, by as much as drag takes. Where ω does not change, what is left is how well the
-rule follows a rotation about a fixed axis: the coarsest there is, q (1, hω/2) normalised, and
-Cayley's rule alike turn by 2 atan(h|ω|/2), short of h|ω| by (h|ω|)³/12 at most. A rule that
-steps roll, pitch β and yaw instead is off by (h|ω|/cos β)²/2 at most, about any axis: by the second
-derivative of the rotation, where no angle changes faster than |ω|/cos β.
+Both are read before and after single steps. However coarse the step, a correct rule turns the body
+at a rate between the ω before and the ω after the step, with a margin of their difference: explicit
+and implicit rules use one or the other, rules of higher order a value in between, a multistep rule
+exceeds one of them by half their difference. If drag stops the body within a step, the ω in between
+may differ further, by as much as drag changes it. If ω is constant, the remaining error is that of
+a rotation about a fixed axis: the coarsest rules, q (1, hω/2) normalised and Cayley's, turn by
+2 atan(h|ω|/2), less than h|ω| by at most (h|ω|)³/12. A rule that steps roll, pitch β and yaw errs
+by at most (h|ω|/cos β)²/2 about any axis, by the second derivative of the rotation, as no angle
+changes faster than |ω|/cos β.
 """
 
 from collections.abc import Iterator
@@ -22,21 +22,21 @@ from ..scenarios.rotation import norms, rotation_vectors
 from .fault import Cause, Fault
 from .read_back import State
 
-#: rad. The direction of a turn is known below π; this margin keeps clear of it.
+#: rad, largest turn that is checked: near π the direction of a turn is ambiguous.
 FURTHEST = 3.0
-#: Of the x³ by which the coarsest rule for a turn by x about a fixed axis falls short.
+#: Coefficient of x³ in the error of the coarsest rule for a turn by x about a fixed axis.
 ATAN = 1 / 12
 
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """States as they were read, and what to compare them with.
+    """States that were read, and the first ones of the run.
 
     Attributes
     ----------
     states : n of them, one a row
-    steps : (n,) taken until each of them
-    start : the first two states of the run that were read, or fewer; rows as in `states`
+    steps : (n,) step counts of the states
+    start : the first two states read in the run, or fewer; rows as in `states`
     """
 
     states: State
@@ -47,7 +47,7 @@ class Reading:
 def turn_faults(
     reading: Reading, timestep: float, round_off: float, decay: float, by_angles: bool
 ) -> Iterator[Fault]:
-    """The first state whose attitude does not follow from the one a step before, and a reset.
+    """The first state whose attitude does not match ω over a step, and the first after a reset.
 
     Parameters
     ----------
@@ -77,10 +77,10 @@ def _turns(
     q_world_body = states.q_world_body_wxyz
     rate_body = rotation_vectors(q_world_body[pairs], q_world_body[pairs + 1]) / timestep
     before_body, after_body = states.omega_body[pairs], states.omega_body[pairs + 1]
-    said_body = (before_body + after_body) / 2
-    speeds = norms(said_body)
+    mean_omega_body = (before_body + after_body) / 2
+    speeds = norms(mean_omega_body)
     fastest = np.maximum(norms(before_body), norms(after_body))
-    # ω may turn back within a step; so it is its change there or next to it that counts.
+    # ω may return within a step, so its changes in the neighbouring steps are used too.
     own_change = norms(after_body - before_body)
     change = own_change.copy()
     np.maximum(change[1:], own_change[:-1], out=change[1:])
@@ -91,13 +91,13 @@ def _turns(
         w, x, y, z = q_world_body[pairs].T
         cos_pitch_squared = 1 - (2 * (w * y - x * z)) ** 2
         allowed += timestep / 2 * fastest**2 / cos_pitch_squared
-    bad = (norms(rate_body - said_body) > allowed) & (fastest * timestep < FURTHEST)
+    bad = (norms(rate_body - mean_omega_body) > allowed) & (fastest * timestep < FURTHEST)
     if not bad.any():
         return
     k = int(np.argmax(bad))
-    along = float(rate_body[k] @ said_body[k]) / speeds[k] if speeds[k] else 0.0
+    along = float(rate_body[k] @ mean_omega_body[k]) / speeds[k] if speeds[k] else 0.0
     aside = float(np.sqrt(max(0.0, float(rate_body[k] @ rate_body[k]) - along**2)))
-    # About ω's axis, give or take what ω changes: less than what is missing along it.
+    # The turn is about ω's axis if the part across it is smaller than the part missing along it.
     is_aside = along < 0 or aside > min(float(allowed[k]), abs(along - float(speeds[k])))
     cause = _cause(reading, int(pairs[k]), is_aside, is_short=along < speeds[k])
     turned = float(np.linalg.norm(rate_body[k])) * timestep
@@ -131,12 +131,12 @@ def _cause(reading: Reading, k: int, is_aside: bool, is_short: bool) -> Cause:
 def _resets(reading: Reading) -> Iterator[Fault]:
     """A state that is one of the first two to the last bit, after another one.
 
-    An engine that is set back shows its start, or the step after it, once more.
+    After a reset an engine shows its start, or the step after it, once more.
     """
     scalars = reading.states.q_world_body_wxyz[:, 0]
     for first in range(len(reading.start.omega_body)):
         likely = scalars == reading.start.q_world_body_wxyz[first, 0]
-        # In few blocks is there any: it is all that most have to be looked at for.
+        # Cheap test first: most blocks have no such state.
         if not (likely & (reading.steps > first)).any():
             continue
         is_first = _is_same(reading.states, reading.start, first)
@@ -161,6 +161,6 @@ def _same(states: State, i: int, j: int) -> bool:
 
 
 def _is_sound(states: State) -> NDArray[np.bool_]:
-    """Whether a state is finite and its attitude one, row by row."""
+    """Whether a state is finite and its quaternion of unit norm, row by row."""
     is_finite = np.isfinite(norms(states.omega_body))
     return is_finite & (np.abs(norms(states.q_world_body_wxyz) - 1) < 0.5)

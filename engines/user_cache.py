@@ -1,4 +1,4 @@
-"""Where this user's programs keep what can be made again."""
+"""The folder for files that can be made again."""
 
 import os
 import sys
@@ -6,7 +6,7 @@ from pathlib import Path
 
 
 def user_cache() -> Path:
-    """The folder `spincheck` of the user's cache, which may not be there yet.
+    """The folder `spincheck` of the user's cache; it may not exist yet.
 
     `$XDG_CACHE_HOME` or `~/.cache` (XDG Base Directory Specification); `~/Library/Caches` on macOS.
     """

@@ -18,9 +18,9 @@ from ..session import Session
 
 ALL_EFFECTS = frozenset(EFFECTS)
 TORQUES = frozenset({"torque_body", "torque_world"})
-#: Coordinates that turn the body; they are a joint's first.
+#: Number of coordinates that turn the body; they come first in a joint.
 TURNING = 3
-#: Of a torque that went through two rotations, relative.
+#: Relative rounding of a torque that was rotated twice.
 SLACK = 16 * float(np.finfo(float).eps)
 
 
@@ -57,7 +57,7 @@ class DartSession(MatrixSession):
         self._scenario = scenario
         self._world = dart.simulation.World("spincheck")
         self._world.setTimeStep(timestep)
-        # It takes no array that is read-only, as the scene's are.
+        # dartpy refuses read-only arrays, as the scene's are.
         self._world.setGravity(np.array(scenario.gravity_world))
         if not as_shipped:
             deactivation = self._world.getDeactivationOptions()
@@ -75,7 +75,7 @@ class DartSession(MatrixSession):
         self._world.addSkeleton(skeleton)
 
     def read_body(self) -> BodyReading:
-        """As the body node holds it, from the joint."""
+        """The body as its body node holds it; com from the joint."""
         held = self._body.getInertia()
         com, inertia = np.array(held.getLocalCOM()), np.array(held.getMoment())
         return BodyReading(float(held.getMass()), com, inertia)
@@ -91,7 +91,7 @@ class DartSession(MatrixSession):
         )
 
     def advance(self, steps: int) -> None:
-        """A torque is forgotten after each step, and given anew."""
+        """Step one by one: DART clears a torque after each step, so it is set again."""
         world, pushed = self._world, bool(self._scenario.called_for & TORQUES)
         for _ in range(steps):
             if pushed:
@@ -99,10 +99,10 @@ class DartSession(MatrixSession):
             world.step()
 
     def check(self) -> None:
-        """A state that is not finite raises when it is read."""
+        """Nothing to do: a state that is not finite raises when it is read."""
 
     def active(self) -> frozenset[str]:
-        """What acts, as world, joint and body node tell it."""
+        """What acts, as reported by world, joint and body node."""
         world, joint, scenario = self._world, self._joint, self._scenario
         gravity = np.array(world.getGravity()) * self._body.getGravityMode()
         right = np.array_equal(gravity, scenario.gravity_world)
@@ -128,7 +128,7 @@ class DartSession(MatrixSession):
         del self._body, self._joint, self._world
 
     def _push(self) -> FloatArray:
-        """Give the scene's torques; what the body node holds of them, N m, world axes."""
+        """Apply the scene's torques; returns what the body node then holds, N m, world axes."""
         body, scenario = self._body, self._scenario
         body.clearExternalForces()
         body.addExtTorque(np.array(scenario.torque_body), True)
@@ -136,7 +136,7 @@ class DartSession(MatrixSession):
         return np.array(body.getExternalForceGlobal()[:TURNING])
 
     def _torque(self) -> FloatArray:
-        """The same as the scene has it."""
+        """The torque that the scene has, N m, world axes."""
         R_world_body = np.array(self._body.getWorldTransform().rotation())
         return np.asarray(R_world_body @ self._scenario.torque_body + self._scenario.torque_world)
 

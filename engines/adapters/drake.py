@@ -17,11 +17,11 @@ from ..session import Session
 
 ALL_EFFECTS = frozenset(EFFECTS)
 TORQUES = frozenset({"torque_body", "torque_world"})
-#: Entries of a tensor in the order of its constructor.
+#: Entries of a tensor in the order of Drake's constructor.
 ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-#: Of a torque that went through a rotation, relative.
+#: Relative rounding of a torque that was rotated.
 SLACK = 16 * float(np.finfo(float).eps)
-#: Methods whose plant has steps of its own, instead of an integrator's.
+#: Methods in which the plant steps itself, without an integrator.
 DISCRETE = frozenset({"discrete", "default"})
 
 
@@ -53,7 +53,7 @@ class Drake(Engine):
         return version("drake")
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Build a diagram of the plant, and of a system that pushes it where something does."""
+        """Build a diagram of the plant and of a system that applies the scene's torques, if any."""
         return DrakeSession(scenario, method.name, timestep)
 
 
@@ -64,7 +64,7 @@ class DrakeSession(MatrixSession):
     Raises
     ------
     EngineError
-        Where the ball joint is singular, at a pitch of a right angle; in Drake's words.
+        If the ball joint is singular, at a pitch of 90°; with Drake's message.
     """
 
     def __init__(self, scenario: Scenario, method: str, timestep: float) -> None:
@@ -89,7 +89,7 @@ class DrakeSession(MatrixSession):
         self._taken, self._clock = 0, 0.0
 
     def read_body(self) -> BodyReading:
-        """As the plant's context holds it, from the joint."""
+        """The body as the plant's context holds it; com from the joint."""
         held = self._body.CalcSpatialInertiaInBodyFrame(self._context)
         mass, com = held.get_mass(), np.array(held.get_com())
         about_origin = held.CalcRotationalInertia()
@@ -109,10 +109,11 @@ class DrakeSession(MatrixSession):
         )
 
     def advance(self, steps: int) -> None:
-        """One native loop, up to the sum of steps that its own clock makes.
+        """One native loop, up to the time that Drake's own clock reaches by summing steps.
 
-        A plant's own steps are taken at multiples of the timestep, the first at 0: it stops between
-        two of them. Up to another time either would take a sliver of a step besides, or one less.
+        A discrete plant steps at multiples of the timestep, the first at 0, so it is advanced to a
+        time between two of them. With any other end time Drake would take a tiny extra step, or one
+        step less.
         """
         self._taken += steps
         until = (self._taken - 0.5) * self._timestep
@@ -128,7 +129,7 @@ class DrakeSession(MatrixSession):
             raise EngineError(f"Drake: {words}", "warning" if singular else "refused") from None
 
     def check(self) -> None:
-        """Count its steps."""
+        """Check that Drake took the right number of steps."""
         simulator = self._simulator
         if self._is_discrete:
             count = simulator.get_num_unrestricted_updates()
@@ -138,7 +139,7 @@ class DrakeSession(MatrixSession):
             raise EngineError(f"Drake took {count} steps, not {self._taken}", "clock")
 
     def active(self) -> frozenset[str]:
-        """What acts, as plant, joint and input port tell it."""
+        """What acts, as reported by plant, joint and input port."""
         plant, scenario = self._plant, self._scenario
         gravity = np.array(plant.gravity_field().gravity_vector())
         right = np.array_equal(gravity, scenario.gravity_world)
@@ -165,13 +166,13 @@ class DrakeSession(MatrixSession):
         del self._context, self._body, self._joint, self._plant, self._simulator
 
     def _felt_torque(self) -> FloatArray:
-        """What comes in at the plant's port, N m, world axes."""
+        """The torque at the plant's input port, N m, world axes."""
         port = self._plant.get_applied_spatial_force_input_port()
         forces = port.Eval(self._context) if port.HasValue(self._context) else []
         return sum((np.array(force.F_Bq_W.rotational()) for force in forces), np.zeros(3))
 
     def _torque(self) -> FloatArray:
-        """The same as the scene has it."""
+        """The torque that the scene has, N m, world axes."""
         R_world_body = self._body.EvalPoseInWorld(self._context).rotation().matrix()
         return np.asarray(R_world_body @ self._scenario.torque_body + self._scenario.torque_world)
 
@@ -179,7 +180,7 @@ class DrakeSession(MatrixSession):
 def _plant(
     drake: Any, builder: Any, scenario: Scenario, own_timestep: float, as_shipped: bool
 ) -> tuple[Any, Any, Any]:
-    """The plant, its body and the joint that this hangs on."""
+    """The plant, its body, and the body's joint."""
     if as_shipped:
         config = drake.MultibodyPlantConfig(time_step=own_timestep)
         plant, _ = drake.AddMultibodyPlant(config, builder)
@@ -202,7 +203,7 @@ def _plant(
 
 
 def _push(drake: Any, builder: Any, plant: Any, body: Any, scenario: Scenario) -> None:
-    """Wire a system that gives the scene's torques, where it has any, at each evaluation."""
+    """Connect a system that computes the scene's torques, if any, at each evaluation."""
     if not scenario.called_for & TORQUES:
         return
     force = drake.ExternallyAppliedSpatialForce()
@@ -244,5 +245,5 @@ def _set_start(drake: Any, joint: Any, context: Any, scenario: Scenario) -> None
 
 
 def _damping(joint: Any, scenario: Scenario) -> FloatArray:
-    """Of a joint whose first three velocities turn."""
+    """Damping of a joint whose first three velocities are rotations."""
     return np.array([scenario.drag] * 3 + [0.0] * (joint.num_velocities() - 3))

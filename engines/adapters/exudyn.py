@@ -22,12 +22,12 @@ ALL_EFFECTS = frozenset(EFFECTS)
 AS_SHIPPED = "GeneralizedAlpha"
 #: Integrators that solve for accelerations at the end of a step.
 IMPLICIT = frozenset({AS_SHIPPED, "TrapezoidalIndex2"})
-#: Coordinates of a node that are its place, and entries of a tensor in its order.
+#: Number of a node's coordinates that are its position; entries of a tensor in Exudyn's order.
 PLACE = range(3)
 ENTRIES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-#: Relative, and in units of the residual: its own are 1e-8 and 1e-10.
+#: Tolerances, relative and in units of the residual; Exudyn's defaults are 1e-8 and 1e-10.
 NEWTON_TOLERANCE = 1e-13
-#: By which a step may differ, relative, that ends at a time which is a sum of steps.
+#: Relative difference allowed of a step's length, as Exudyn sums up the time.
 CLOCK_SLACK = 1e-6
 
 
@@ -81,10 +81,10 @@ class Exudyn(Engine):
 
 @final
 class ExudynSession(MatrixSession):
-    """One body; of a body with a pivot, what is stepped is its rotation about that.
+    """One body; with a pivot, its rotation about the pivot is stepped.
 
-    Explicit solvers eliminate constraints wrongly where the com is off the node: so the node is at
-    the pivot, the tensor about it, and gravity a force on a marker at the com.
+    Explicit solvers eliminate constraints wrongly if the com is not at the node. So the node is at
+    the pivot, the tensor is taken about the pivot, and gravity is a force on a marker at the com.
     """
 
     def __init__(self, scenario: Scenario, solver: str, timestep: float) -> None:
@@ -101,7 +101,7 @@ class ExudynSession(MatrixSession):
         self._solver.InitializeSolver(self._system, self._settings)
 
     def read_body(self) -> BodyReading:
-        """As the object holds it, from the node; the com is where gravity pulls."""
+        """The body as the object holds it, from the node; its com is where gravity acts."""
         held = self._system.GetObject(self._body)
         com = np.array(self._system.GetMarker(self._com)["localPosition"])
         xx, yy, zz, yz, xz, xy = held["inertia"]
@@ -125,22 +125,22 @@ class ExudynSession(MatrixSession):
         )
 
     def advance(self, steps: int) -> None:
-        """One native loop; it ends by its clock, which begins anew so as to stay exact."""
+        """One native loop; Exudyn's clock starts at 0 in each call, so that it stays exact."""
         progress = self._solver.it
         progress.currentTime, progress.endTime = 0.0, steps * self._timestep
         if not self._solver.SolveSteps(self._system, self._settings):
             raise EngineError("Exudyn's solver gave up", "warning")
-        # It counts from 1; as shipped it halves a step that its solver fails on.
+        # It counts from 1; as shipped, a step is halved if the solver fails.
         taken, last = progress.currentStepIndex - 1, progress.currentStepSize
         if taken != steps or abs(last - self._timestep) > CLOCK_SLACK * self._timestep:
             words = f"Exudyn took {taken} steps, the last of {last!r} s"
             raise EngineError(f"{words}, not {steps} of {self._timestep!r} s", "clock")
 
     def check(self) -> None:
-        """After each step `advance` has looked."""
+        """Nothing to do: `advance` checks after each step."""
 
     def active(self) -> frozenset[str]:
-        """What is in the system: its loads and its objects, by strength."""
+        """What acts, from the loads and objects of the system and their strengths."""
         system, numbers = self._system, self._system.systemData
         acting = set()
         for number in range(numbers.NumberOfLoads()):
@@ -194,7 +194,7 @@ def _settings(exudyn: Any, solver: str, timestep: float) -> Any:
         # As Exudyn's own SolveDynamic sets them for this solver name.
         integration.generalizedAlpha.useIndex2Constraints = True
         integration.generalizedAlpha.useNewmark = True
-        # To round-off, and no Jacobian of an earlier step: a step depends on the state alone.
+        # Solved to round-off, with a new Jacobian: so a step depends on the state alone.
         integration.newton.relativeTolerance = NEWTON_TOLERANCE
         integration.newton.absoluteTolerance = NEWTON_TOLERANCE
         integration.newton.useModifiedNewton = False
@@ -203,7 +203,7 @@ def _settings(exudyn: Any, solver: str, timestep: float) -> Any:
 
 
 def _assembled(system: Any, scenario: Scenario) -> tuple[int, int, int]:
-    """The numbers of node, object, and marker at the com."""
+    """Build the body; returns the numbers of its node, object, and marker at the com."""
     items = import_module("exudyn.itemInterface")
     body, start = scenario.body, scenario.start
     attitude = Rotation.from_quat(start.q_world_body_wxyz, scalar_first=True)
@@ -230,7 +230,7 @@ def _assembled(system: Any, scenario: Scenario) -> tuple[int, int, int]:
 
 
 def _hold(system: Any, items: Any, node: int) -> None:
-    """Constrain the node's place."""
+    """Constrain the node's position."""
     ground = system.AddNode(items.NodePointGround())
     still = system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
     for coordinate in PLACE:
@@ -239,7 +239,7 @@ def _hold(system: Any, items: Any, node: int) -> None:
 
 
 def _load(system: Any, items: Any, scenario: Scenario, body: int, com: int) -> None:
-    """What pushes and slows the body: of a scene's effects those that it calls for."""
+    """Add the scene's torques, drag and gravity."""
     if scenario.gravity_world.any():
         weight = scenario.body.mass * scenario.gravity_world
         system.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[*weight]))
@@ -261,10 +261,10 @@ def _load(system: Any, items: Any, scenario: Scenario, body: int, com: int) -> N
 
 
 def _damping(drag: float) -> FloatArray:
-    """Of a connector between two bodies: N s/m, then N m s; (6, 6)."""
+    """Damping of a connector between two bodies: N s/m, then N m s; (6, 6)."""
     return np.diag([0.0, 0.0, 0.0, drag, drag, drag])
 
 
 def _of_point(mass: float, arm: FloatArray) -> FloatArray:
-    """The tensor of a point mass, kg m²."""
+    """The tensor of a point mass, kg m², (3, 3)."""
     return np.asarray(mass * (arm @ arm * np.eye(3) - np.outer(arm, arm)))

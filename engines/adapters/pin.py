@@ -20,8 +20,8 @@ from ..session import Session
 ALL_EFFECTS = frozenset(EFFECTS)
 #: Effects that are given to `aba` as a force; the others are in the model.
 PUSHES = frozenset({"drag", "torque_body", "torque_world"})
-#: Of the classical Runge-Kutta rule (Hairer, Nørsett & Wanner I, II.1): where stages stand in the
-#: step, and a sixth of what they weigh.
+#: The classical Runge-Kutta rule (Hairer, Nørsett & Wanner I, II.1): nodes of the stages, and their
+#: weights in sixths.
 STAGES = ((0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0))
 
 
@@ -79,7 +79,7 @@ class PinocchioSession(Session):
         self._q, self._v = _start(scenario)
 
     def read_body(self) -> BodyReading:
-        """As the model holds it, from the joint."""
+        """The body as the model holds it; com from the joint."""
         held = self._model.inertias[1]
         return BodyReading(float(held.mass), np.array(held.lever), np.array(held.inertia))
 
@@ -100,15 +100,15 @@ class PinocchioSession(Session):
         )
 
     def advance(self, steps: int) -> None:
-        """One step after another: there is no native loop."""
+        """Step one by one: Pinocchio has no native loop."""
         for _ in range(steps):
             self._step()
 
     def check(self) -> None:
-        """A state that is not finite raises when it is read."""
+        """Nothing to do: a state that is not finite raises when it is read."""
 
     def active(self) -> frozenset[str]:
-        """Gravity and pivot as the model has them; torques are what is given to `aba`."""
+        """Gravity and pivot as in the model; torques as passed to `aba`."""
         model, scenario = self._model, self._scenario
         gravity = np.array(model.gravity.vector)
         right = np.array_equal(gravity, [*scenario.gravity_world, 0.0, 0.0, 0.0])
@@ -133,7 +133,7 @@ class PinocchioSession(Session):
         self._q = self._pin.integrate(self._model, self._q, self._timestep * self._v)
 
     def _runge_kutta(self) -> None:
-        """Of place, quaternion and velocity, which are numbers like any other."""
+        """A Runge-Kutta step of position, quaternion (as plain numbers) and velocity."""
         h, q, v = self._timestep, self._q, self._v
         q_rate, v_rate = np.zeros(len(q)), np.zeros(len(v))
         q_gain, v_gain = np.zeros(len(q)), np.zeros(len(v))
@@ -146,7 +146,7 @@ class PinocchioSession(Session):
         self._q, self._v = _normalised(q + h / 6 * q_gain), v + h / 6 * v_gain
 
     def _rate(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """How coordinates change: of the quaternion half its product with ω."""
+        """Time derivative of the coordinates; of the quaternion, half its product with ω."""
         # As Python's floats: numpy's cost several times as much one by one.
         (x, y, z, w), (a, b, c) = q[-4:].tolist(), v[-3:].tolist()
         turning = (
@@ -170,7 +170,7 @@ class PinocchioSession(Session):
 
 
 def _start(scenario: Scenario) -> tuple[FloatArray, FloatArray]:
-    """Coordinates and velocities of the joint."""
+    """Coordinates and velocities of the joint at the start."""
     start, com = scenario.start, scenario.body.com
     w, x, y, z = start.q_world_body_wxyz
     q = np.array((x, y, z, w))

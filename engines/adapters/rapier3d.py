@@ -18,8 +18,7 @@ from ..read_back import BodyReading, EngineError, State
 from ..session import Session
 
 ALL_EFFECTS = frozenset(EFFECTS)
-#: rad: ANGULAR_MOTION_THRESHOLD of its sources; a body that is not set free of it turns no further
-#: a step.
+#: rad: ANGULAR_MOTION_THRESHOLD of its sources: by default a body turns no further in a step.
 MOST_ROTATION_A_STEP = pi / 4
 
 
@@ -67,7 +66,7 @@ class Rapier3DSession(Session):
         self._world.integration_parameters.dt = timestep
         handle = self._world.add_body(_described(rapier3d, scenario, as_shipped))
         self._body = self._world.rigid_bodies[handle]
-        # Until then its mass reads 0.
+        # Its mass reads 0 until it is recomputed.
         self._body.recompute_mass_properties_from_colliders(self._world.colliders)
         self._arm_body = np.zeros(3)
         if scenario.has_pivot:
@@ -96,9 +95,9 @@ class Rapier3DSession(Session):
         )
 
     def advance(self, steps: int) -> None:
-        """A torque that Rapier is given stays; one that turns is given anew each step.
+        """Step; Rapier keeps a torque, so one that changes is set again before each step.
 
-        A body whose numbers are not finite Rapier stops, and says so after that one step.
+        Rapier stops a body whose numbers are not finite, and reports it only after that step.
         """
         world = self._world
         for _ in range(steps):
@@ -109,10 +108,10 @@ class Rapier3DSession(Session):
                 raise EngineError("Rapier has quarantined the body: not finite", "not-finite")
 
     def check(self) -> None:
-        """After each step `advance` has looked."""
+        """Nothing to do: `advance` checks after each step."""
 
     def active(self) -> frozenset[str]:
-        """What acts, as the world and the body tell it."""
+        """What acts, as reported by the world and the body."""
         body, world, scenario = self._body, self._world, self._scenario
         self._push()
         held = _array(body.user_torque)
@@ -152,12 +151,12 @@ class Rapier3DSession(Session):
         return scenario.torque_world + turned - scenario.drag * _array(self._body.angvel)
 
 
-#: Of numbers that went through single precision, relative.
+#: Relative rounding of numbers in single precision.
 _SLACK = 8 * float(np.finfo(np.float32).eps)
 
 
 def _described(rapier3d: Any, scenario: Scenario, as_shipped: bool) -> Any:
-    """The body as Rapier wants to hear of it, with its start."""
+    """The description of the body and its start that Rapier takes."""
     body, start = scenario.body, scenario.start
     frame = principal_frame(body)
     attitude = Rotation.from_quat(start.q_world_body_wxyz, scalar_first=True)

@@ -16,9 +16,9 @@ from .process import ChildProcess, ProtocolError
 
 #: Steps of a run, and of a timed stretch.
 STEPS = 64
-#: Angle turned in each, rad; so small that no method blows up.
+#: Angle turned in each step, rad; so small that no method blows up.
 TURN = 1e-2
-#: What no method may do, not even one that is the engine as shipped.
+#: Causes that are faults in any method, even of an engine as shipped.
 BROKEN: frozenset[Cause] = frozenset(
     {"protocol", "crash", "killed", "time-out", "clock", "late", "frozen", "bug"}
 )
@@ -31,8 +31,8 @@ class Check:
     Attributes
     ----------
     what : in words
-    problem : why it breaks the protocol; empty where it does not
-    remark : what there is to know besides
+    problem : how it breaks the protocol; empty if it does not
+    remark : additional information
     """
 
     what: str

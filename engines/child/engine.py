@@ -1,4 +1,4 @@
-"""An engine that is a command: what it says it is, and its scenes."""
+"""An engine in another language, started by a command."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,9 +18,9 @@ class ChildEngine(Engine):
     Parameters
     ----------
     command : the program and its arguments
-    hello : what it said that it is; each process of it has to say the same
+    hello : its description of itself; each process of it must give the same
     limit : s of wall time that an answer may take
-    sources : files that its results rest on; those that the command names if None
+    sources : files that its results depend on; if None, the files named in the command
     """
 
     step_seconds = 15e-6
@@ -52,7 +52,7 @@ class ChildEngine(Engine):
         return tuple(path for path in map(Path, self.command) if path.is_file())
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> ChildSession:
-        """Hand the scene to a child that has none."""
+        """Open the scene in an idle child, or a new one."""
         try:
             child = taken(self.command, self._limit)
             try:
@@ -73,12 +73,12 @@ class ChildEngine(Engine):
 
 
 def child_engine(command: Sequence[str], limit: float = ANSWER_LIMIT) -> ChildEngine:
-    """The engine that a command is.
+    """The engine that a command starts.
 
     Raises
     ------
     ProtocolError
-        If it cannot be started, or does not say what it is.
+        If it cannot be started, or does not describe itself.
     """
     child = taken(tuple(command), limit)
     try:

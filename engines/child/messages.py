@@ -11,7 +11,7 @@ from ..engine import Method
 
 #: Characters of an answer that a complaint quotes.
 QUOTED = 80
-#: Methods an engine may have, and names it may list as active.
+#: Largest number of methods of an engine, and of names it may list as active.
 MOST_NAMES = 32
 
 
@@ -37,7 +37,7 @@ Known = Number | None
 Vector = tuple[Number, Number, Number]
 Quaternion = tuple[Number, Number, Number, Number]
 Order = Annotated[int, Field(ge=1, le=12)]
-#: A rotation may be off by so much in single precision, and by no more to be one.
+#: Tolerance of a quaternion's norm, wide enough for single precision.
 UNIT_SLACK = 1e-3
 
 
@@ -51,7 +51,7 @@ Rotation = Annotated[Quaternion, AfterValidator(_unit)]
 
 
 class Answer(BaseModel):
-    """Closed to unknown keys; a number is no string, and a string no number."""
+    """Base of all answers: unknown keys are refused, and types are strict."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
@@ -69,7 +69,7 @@ class MethodTable(Answer):
     as_shipped: bool = False
 
     def method(self) -> Method:
-        """The same for the harness."""
+        """The method as the harness uses it."""
         return Method(
             self.name,
             self.order,
@@ -83,7 +83,7 @@ class MethodTable(Answer):
 
 
 class Hello(Answer):
-    """What the engine is."""
+    """The engine's description of itself."""
 
     protocol: Literal[1]
     name: Name
@@ -107,7 +107,7 @@ class BodyTable(Answer):
     ----------
     com : m
     moments, frame : kg m² along principal axes, and these axes' attitude in the body's, w x y z
-    arm : m, where the body is held; null where it is not
+    arm : m, the point where the body is held; null if it is free
     """
 
     mass: Number
@@ -133,7 +133,7 @@ class StateRow(Answer):
 
 
 class Stepped(Answer):
-    """The same after steps; null where a number is not finite, which JSON cannot write."""
+    """The state after steps; null for numbers that are not finite, which JSON cannot write."""
 
     q: tuple[Known, Known, Known, Known]
     omega: tuple[Known, Known, Known]
@@ -149,7 +149,7 @@ class Opened(Answer):
 
 
 class Seconds(Answer):
-    """What steps took, measured around them alone."""
+    """CPU and wall time of steps, measured by the child around the steps only."""
 
     seconds: Positive
 

@@ -1,7 +1,7 @@
 """The child process: lines to its standard input, answers from a pipe of its own.
 
-What the engine prints is not in the way: standard output and error are read besides, and the end
-of it is quoted where the process dies.
+Output that the engine prints does not interfere: standard output and error are read separately, and
+the end of it is quoted if the process dies.
 """
 
 import atexit
@@ -24,20 +24,20 @@ from .messages import Answer, Hello, Misanswer, Refusal, parse
 
 #: Names the descriptor that a child writes its answers to.
 ANSWERS = "SPINCHECK_ANSWERS"
-#: s of CPU time that an answer may take; one of a few thousand steps takes a fraction of one.
+#: s of CPU time that an answer may take; a few thousand steps take a fraction of a second.
 ANSWER_LIMIT = 60.0
-#: s that a child has to end once its standard input has.
+#: s that a child has to end after its standard input is closed.
 END_LIMIT = 1.0
-#: Bytes of an answer, at the most; those that the protocol has are a few thousand long.
+#: Largest number of bytes of an answer; those of the protocol have a few thousand.
 LONGEST_ANSWER = 1 << 20
 #: Bytes read at once, as many as a pipe holds (pipe(7), Linux).
 PIPE_SIZE = 1 << 16
 #: Characters of what a child printed last that go into a reason.
 LAST_LINE = 200
-#: Bytes of what it printed that are kept, from its end.
+#: Bytes kept of what it printed, counted from the end.
 KEPT_OUTPUT = 4096
 
-#: What the system says of a command that is none; anything else is no fault of the command.
+#: Errors of the system if a command does not exist or cannot be run.
 NOT_A_PROGRAM = frozenset(
     {
         errno.ENOENT,
@@ -54,7 +54,7 @@ A = TypeVar("A", bound=Answer)
 
 
 class ProtocolError(EngineError):
-    """The child died, is mute, or answers what the protocol does not have: no more is asked."""
+    """The child died, does not answer, or breaks the protocol: it is not called again."""
 
 
 class ChildProcess:
@@ -67,12 +67,12 @@ class ChildProcess:
 
     Attributes
     ----------
-    hello : what it has said that it is; None before it was asked
+    hello : its description of itself; None before it was asked
 
     Raises
     ------
     ProtocolError
-        If the command is none.
+        If the command cannot be run.
     OSError
         If the system refuses to start it.
     """
@@ -120,7 +120,7 @@ class ChildProcess:
 
     @property
     def usable(self) -> bool:
-        """Whether it may be asked again."""
+        """Whether it may be called again."""
         return self._broken is None
 
     def ask(self, expected: type[A], do: str, /, **arguments: Any) -> A:
@@ -129,9 +129,9 @@ class ChildProcess:
         Raises
         ------
         EngineError
-            With the child's own words, where it answers that it cannot.
+            With the child's own message, if it answers with an error.
         ProtocolError
-            If it does not answer as the protocol has it; the child is killed then.
+            If the answer breaks the protocol; the child is then killed.
         """
         if self._broken is not None:
             raise self._broken
@@ -147,7 +147,7 @@ class ChildProcess:
         call = json.dumps({"id": self._number, "do": do} | arguments, allow_nan=False)
         if self._heard:
             raise ProtocolError(f"it spoke unasked, before '{do}'", "protocol")
-        with suppress(BrokenPipeError):  # It has died; how, is told below.
+        with suppress(BrokenPipeError):  # It has died; the message below says how.
             self._calls.write(call.encode() + b"\n")
         line = self._line(do)
         try:
@@ -159,7 +159,7 @@ class ChildProcess:
         return answer
 
     def _line(self, do: str) -> bytes:
-        """The next line, whatever the child prints meanwhile."""
+        """The next line of the answers; output that the child prints is read too."""
         self._asked = do
         if overdue := wait_for_answer(self, self._limit):
             raise ProtocolError(f"it did not answer '{do}' within {overdue.words}", overdue.cause)
@@ -167,12 +167,12 @@ class ChildProcess:
         return line
 
     def has_answered(self, seconds: float) -> bool:
-        """Wait for a line, so long at most, and read what the child prints meanwhile.
+        """Wait for a line, at most so many seconds, and read what the child prints.
 
         Raises
         ------
         ProtocolError
-            If it is gone, or its line is too long.
+            If it has died, or its line is too long.
         """
         until = time.monotonic() + seconds
         while b"\n" not in self._heard:
@@ -207,7 +207,7 @@ class ChildProcess:
             )
 
     def _ended(self, do: str) -> ProtocolError:
-        """How it ended, once it has closed its end of the pipe."""
+        """The error that tells how the child ended, after it has closed its pipe."""
         self._calls.close()
         try:
             code = self._process.wait(END_LIMIT)
@@ -222,7 +222,7 @@ class ChildProcess:
         return ProtocolError(f"it {how} instead of answering '{do}'{last}", cause)
 
     def end(self) -> bool:
-        """Let it end, or kill it; returns whether it ended by itself. May be called again."""
+        """Close its input, and kill it if it does not end; returns whether it ended by itself."""
         if self._streams.get_map() is None:
             return True
         self._streams.close()
@@ -243,13 +243,13 @@ _idle: dict[tuple[str, ...], list[ChildProcess]] = {}
 
 
 def taken(command: tuple[str, ...], limit: float) -> ChildProcess:
-    """A child that nobody else has, started where none is idle."""
+    """An idle child, or a new one."""
     idle = _idle.get(command)
     return idle.pop() if idle else ChildProcess(command, limit)
 
 
 def given_back(child: ChildProcess) -> None:
-    """Keep a child for the next scene; one that cannot be asked any more has ended."""
+    """Keep a child for the next scene; one that is not usable is dropped."""
     if child.usable:
         _idle.setdefault(tuple(child.command), []).append(child)
 

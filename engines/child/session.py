@@ -1,4 +1,4 @@
-"""A scene in a child: frames there and back."""
+"""A scene in a child process; converts between the scene's frames and the child's."""
 
 import time
 from collections.abc import Sequence
@@ -15,9 +15,9 @@ from ..session import Session
 from .messages import Active, Done, Opened, Seconds, StateRow, Stepped
 from .process import ChildProcess, given_back
 
-#: Steps a call: an answer has to come in time however long a run is.
+#: Largest number of steps a call, so that an answer comes within the time limit.
 MOST_STEPS_A_CALL = 1 << 12
-#: By which a child's clock may run ahead of ours, relative.
+#: Relative amount by which a child's clock may run ahead of ours.
 CLOCK_SLACK = 0.01
 
 
@@ -30,7 +30,7 @@ class ChildSession(Session):
     Raises
     ------
     EngineError
-        From any method: the child's own words, or how it broke the protocol.
+        From any method: with the child's message, or how it broke the protocol.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class ChildSession(Session):
         self._left = 0
 
     def read_body(self) -> BodyReading:
-        """As the child holds it, in the scene's body axes and from its origin."""
+        """The body as the child holds it, in the scene's body axes and from its origin."""
         held, to_body = self._held.body, self._body_from_axes
         axes = (to_body * _rotation(held.frame)).as_matrix()
         # The origin is where the body is held; of a free one, where the scene has it.
@@ -57,11 +57,11 @@ class ChildSession(Session):
         return State(*(column[0] for column in vars(self.states([self.snapshot()])).values()))
 
     def advance(self, steps: int) -> None:
-        """Steps that are taken before anything is read or timed."""
+        """Take steps, in calls of a limited number."""
         self._left += steps
 
     def timed(self, steps: int) -> tuple[float, float]:
-        """As the child measures it, around the steps alone."""
+        """CPU and wall time, s, as the child measures it around the steps only."""
         self.snapshot()
         begun = time.perf_counter()
         seconds = self._child.ask(Seconds, "time", steps=steps).seconds
@@ -72,7 +72,7 @@ class ChildSession(Session):
         return seconds, seconds
 
     def snapshot(self) -> list[float | None]:
-        """The state in the child's terms."""
+        """The state in the child's frames."""
         while self._left:
             steps = min(MOST_STEPS_A_CALL, self._left)
             self._state = self._child.ask(Stepped, "run", steps=steps)
@@ -81,7 +81,7 @@ class ChildSession(Session):
         return [*state.q, *state.omega, *state.com, *state.velocity]
 
     def states(self, snapshots: Sequence[Any]) -> State:
-        """The same in the scene's body axes."""
+        """The states of n snapshots, in the scene's body axes."""
         q_world_axes, omega_world, com_world, velocity_world = np.split(
             np.array(snapshots, dtype=float), (4, 7, 10), axis=1
         )
@@ -98,7 +98,7 @@ class ChildSession(Session):
         return frozenset(self._child.ask(Active, "active").active)
 
     def close(self) -> None:
-        """Let the child forget the scene, and keep it for another."""
+        """Close the scene in the child, and keep the child for another."""
         try:
             if self._child.usable:
                 self._child.ask(Done, "close")
@@ -107,7 +107,7 @@ class ChildSession(Session):
 
 
 def scene_for_child(scenario: Scenario) -> dict[str, object]:
-    """A scene in principal axes about the com, as the protocol has it; SI units."""
+    """The scene as the protocol defines it: principal axes about the com, SI units."""
     body, start = scenario.body, scenario.start
     frame = principal_frame(body)
     body_from_axes = _rotation(frame.q_body_axes_wxyz)

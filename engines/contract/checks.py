@@ -1,7 +1,7 @@
 """The requirements: each is a function of an engine and a method that raises if it is not met.
 
-Fewer are checked of a method as shipped: it may hold another body and apply other effects than the
-scene has, if it does so every time.
+A method as shipped has fewer requirements: it may hold another body and apply other effects than
+the scene has, but must do so every time.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -18,16 +18,16 @@ from .scenes import SCENES
 Check = Callable[[Engine, Method], None]
 
 TIMESTEP = 1e-3
-#: Neither a power of two, nor is the timestep it goes with.
+#: Number of steps, and timestep, neither of them a power of two.
 ODD_STEPS, ODD_TIMESTEP = 115, 1e-4
 #: s, and steps over it at which a method of this order is in its asymptotic range.
 SPAN = 0.25
 COARSEST = {1: 1024, 2: 128, 3: 128, 4: 16, 5: 32}
 #: How far an order may fall short of the declared one, as for the verdict of a ladder.
 ORDER_SLACK = 0.25
-#: Differences that an order is read off are this many roundings, at the least.
+#: Differences that an order is computed from are at least this many roundings.
 ABOVE_ROUND_OFF = 1000
-#: Used where all scenes would show the same: free and on a pivot, with torques that are renewed.
+#: For requirements that do not depend on the scene: free and on a pivot, with changing torques.
 FEW = ("free", "free-torque-body", "heavy-tilted", "everything")
 #: Samples of a run.
 SAMPLES = 8
@@ -38,7 +38,7 @@ class ContractBroken(AssertionError):
 
 
 def holds_the_scene_and_only_its_effects_act(engine: Engine, method: Method) -> None:
-    """Body and start read back as the scene has them, and its effects act, and nothing else."""
+    """Body and start read back as in the scene; its effects act, and nothing else."""
     if method.as_shipped:
         return
     for scene in _scenes(engine, method):
@@ -55,7 +55,7 @@ def begins_as_the_equations_of_motion_say(engine: Engine, method: Method) -> Non
 
 
 def is_of_the_declared_order(engine: Engine, method: Method) -> None:
-    """ω and attitude converge as declared or better on every scene, and no better on them all."""
+    """ω and attitude converge with the declared order or better on all scenes, just it on one."""
     if method.as_shipped:
         return
     seen: list[tuple[float, float]] = []
@@ -78,7 +78,7 @@ def is_of_the_declared_order(engine: Engine, method: Method) -> None:
 
 
 def repeats_to_the_last_bit(engine: Engine, method: Method) -> None:
-    """Two runs of a scene are one motion."""
+    """Two runs of a scene give the same motion, to the last bit."""
     for scene in _scenes(engine, method, FEW):
         with (
             engine.open(scene, method, TIMESTEP) as first,
@@ -90,7 +90,7 @@ def repeats_to_the_last_bit(engine: Engine, method: Method) -> None:
 
 
 def takes_many_steps_at_once_as_it_takes_them_one_by_one(engine: Engine, method: Method) -> None:
-    """A call of k steps is k calls, to the last bit, and both are steps that are all taken."""
+    """A call of k steps gives the same state as k calls of one step, to the last bit."""
     for scene in _scenes(engine, method, FEW):
         with (
             engine.open(scene, method, ODD_TIMESTEP) as at_once,
@@ -122,7 +122,7 @@ def is_not_disturbed_by_being_read(engine: Engine, method: Method) -> None:
 
 
 def shares_no_memory_between_sessions(engine: Engine, method: Method) -> None:
-    """Sessions stepped in turn move as each would by itself; what was read stays as it was."""
+    """Sessions stepped in turn move as each would alone; states that were read do not change."""
     scenes = list(_scenes(engine, method))
     chosen = [scenes[0], scenes[len(scenes) // 2], scenes[-1]]
     for one, other in pairwise([*chosen, chosen[0]]):
@@ -134,7 +134,7 @@ def shares_no_memory_between_sessions(engine: Engine, method: Method) -> None:
             kept = {name: np.array(column) for name, column in vars(before).items()}
             for _ in range(SAMPLES):
                 first.advance(1)
-                # More, so that the two are told apart on one scene too.
+                # More steps, so that the two differ on the same scene too.
                 second.advance(2)
             is_kept = all(np.array_equal(getattr(before, name), kept[name]) for name in kept)
             _require(is_kept, engine, method, one, "a state that was read changes with later steps")
@@ -147,7 +147,7 @@ def shares_no_memory_between_sessions(engine: Engine, method: Method) -> None:
 
 
 def records_what_it_reads(engine: Engine, method: Method) -> None:
-    """The snapshots of a run are the states that are read one by one."""
+    """The snapshots of a run equal the states that are read one by one."""
     for scene in _scenes(engine, method, FEW):
         snapshots: list[object] = []
         with (
@@ -167,7 +167,7 @@ def records_what_it_reads(engine: Engine, method: Method) -> None:
 
 
 def differs_from_every_other_method(engine: Engine, method: Method) -> None:
-    """On some scene, so that choosing it chooses something; as-shipped methods may be another."""
+    """On some scene its motion differs; a method as shipped may equal another."""
     if method.as_shipped:
         return
     for other in engine.methods:
@@ -192,7 +192,7 @@ CHECKS: tuple[Check, ...] = (
 
 
 def _scenes(engine: Engine, method: Method, names: Iterable[str] = SCENES) -> Iterator[Scenario]:
-    """Those that the method can simulate; that there are none breaks the contract too."""
+    """The scenes that the method can simulate; at least one, or the contract is broken."""
     able = [SCENES[name] for name in names if not engine.unsupported(SCENES[name], method)]
     _require(bool(able), engine, method, None, "it can simulate none of the contract's scenes")
     yield from able
@@ -231,7 +231,7 @@ def _observed_orders(engine: Engine, method: Method, scene: Scenario) -> tuple[f
 
 
 def _numbers(session: Session) -> FloatArray:
-    """All of a state, (13,)."""
+    """All numbers of a state, (13,)."""
     return np.concatenate([np.ravel(column) for column in vars(session.read_state()).values()])
 
 

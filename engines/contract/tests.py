@@ -12,8 +12,8 @@ def contract_tests(*names: str) -> Callable[..., None]:
 
     Parameters
     ----------
-    names : of engines; every engine that can be used here if there are none, but for those of
-        users' files, which the contract's scenes name none of
+    names : of engines; if none, every engine that can be used here, except those that load users'
+        files
 
     Raises
     ------

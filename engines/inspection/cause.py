@@ -10,8 +10,8 @@ from ...scenarios.model_files.problems import principal_moments
 from ..read_back import BodyReading
 from .difference import AGREES, Difference, moments_alike
 
-#: What an engine has done to a link: refused its file; put a body where the file states none, or a
-#: tensor where it states a mass alone; made a tensor up or set it to zero; lost the rotation of its
+#: What an engine did to a link: refused its file; added a body where the file states none, or a
+#: tensor where it states only a mass; made a tensor up or set it to zero; lost the rotation of its
 #: inertial frame, or the products of inertia; turned the axes; summed fused links wrongly; or any
 #: other difference.
 Kind = Literal[
@@ -32,7 +32,7 @@ NEAR_ONE = 0.1
 
 
 def held_of_nothing(body: BodyReading) -> str:
-    """An engine holds a body where the file has none."""
+    """The cause where an engine holds a body and the file has none."""
     return (
         f"held as {body.mass:.3g} kg, {_moments(body.inertia_com)} kg m²: the file states nothing"
     )
@@ -49,8 +49,8 @@ def cause(
 
     Parameters
     ----------
-    problems : what the file has wrong of the link
-    made_up : where the engine takes tensors from instead of the file; empty if it does not
+    problems : faults of the link's numbers in the file
+    made_up : the source of tensors that the engine does not take from the file; else empty
     """
     kind: Kind = "other"
     causes = []
@@ -113,7 +113,7 @@ def _close(one: FloatArray, other: FloatArray) -> bool:
 
 
 def _moments(inertia: FloatArray) -> str:
-    """One number where all three are alike."""
+    """The moments as text; one number if all three are equal."""
     moments = principal_moments(inertia)
     alike = moments[2] - moments[0] <= AGREES * abs(moments[2])
     return f"{moments[2]:.3g}" if alike else ", ".join(f"{moment:.3g}" for moment in moments)

@@ -9,8 +9,8 @@ from ...scenarios import FloatArray
 from ...scenarios.model_files import Stated
 from ..read_back import BodyReading
 
-#: Relative; an engine that holds a link within this holds the file's. Tensors that engines
-#: diagonalise loosely are off by 1e-12 to 1e-6: at 1e-12 a third of all links would be wrong.
+#: Relative tolerance within which an engine holds the file's link. Some engines diagonalise tensors
+#: with errors of 1e-12 to 1e-6: with a tolerance of 1e-12 a third of all links would be wrong.
 AGREES = 1e-5
 #: Half turns about each axis: principal axes have no sign.
 _SIGNS = [np.diag(signs) for signs in ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))]
@@ -25,7 +25,7 @@ class Difference:
     mass : relative
     com : distance, relative to the file's radius of gyration or |com|, whichever is larger
     inertia : norm of the difference of the tensors about the com, relative to the file's
-    axes_deg : the least rotation between the principal axes; 0 where both have all moments alike
+    axes_deg : the smallest rotation between the principal axes; 0 if both have three equal moments
     """
 
     mass: float

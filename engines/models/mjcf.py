@@ -21,11 +21,11 @@ START_KEY = "start"
 BODY_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 NO_FORCE = (0.0, 0.0, 0.0)
 
-#: Of so many scenes the start is kept, which takes long in extended precision.
+#: Number of scenes whose start is kept: computing it in extended precision takes long.
 RECENT = 64
 
-#: Flags that are on in MuJoCo by default and that no scene ever needs. The others that MuJoCo has
-#: (filterparent, nativeccd, multiccd) choose how contacts are found, where there are any.
+#: Flags that are on in MuJoCo by default and that no scene needs. The remaining ones (filterparent,
+#: nativeccd, multiccd) choose how contacts are found, if there are any.
 NEVER_CALLED_FOR = (
     "constraint",
     "equality",
@@ -55,8 +55,8 @@ def mjcf(
     ----------
     timestep : s
     integrator : as MuJoCo spells it; None for its default
-    left_in : passes that stay on as they are by default, though the scene has no use for them;
-        names out of `switched_off`
+    left_in : passes that stay on, as by default, though the scene does not need them; names out of
+        `switched_off`
     """
     root = ET.Element("mujoco", model=scenario.name)
     option = ET.SubElement(
@@ -79,7 +79,7 @@ def mjcf(
 
 
 def switched_off(scenario: Scenario) -> tuple[str, ...]:
-    """MuJoCo's names of the passes that the scene has no use for."""
+    """MuJoCo's names of the passes that the scene does not need."""
     effects = scenario.called_for
     joint_damping = "drag" in effects and scenario.has_pivot
     needed = {
@@ -121,7 +121,7 @@ def _add_body(world: ET.Element, scenario: Scenario) -> None:
         if scenario.drag:
             joint.set("damping", decimals([scenario.drag]))
     else:
-        # Aligned with the inertial frame, qpos and qvel would mean something else.
+        # Aligned with the inertial frame, qpos and qvel would be along other axes.
         ET.SubElement(element, "freejoint", name=JOINT, align="false")
     ET.SubElement(
         element,
@@ -136,7 +136,7 @@ def _add_body(world: ET.Element, scenario: Scenario) -> None:
 def _actuators(scenario: Scenario) -> Iterator[ET.Element]:
     """Torques that are no joint damping: constant ones, and the drag of a free body.
 
-    A free joint's damping would brake its translation too, hence three servos, one a body axis.
+    A free joint's damping would slow its translation too, hence three servos, one a body axis.
     """
     effects = scenario.called_for
     if "torque_body" in effects:
@@ -156,7 +156,7 @@ def _actuator(
     constant: float = 0.0,
     per_velocity: float = 0.0,
 ) -> ET.Element:
-    """A torque (constant + per_velocity · ω·axis) along `axis`, whatever the control signal is."""
+    """A torque (constant + per_velocity · ω·axis) along `axis`, independent of control signals."""
     # A free joint's gear begins with a force.
     gear = decimals(axis) if scenario.has_pivot else f"{decimals(NO_FORCE)} {decimals(axis)}"
     return ET.Element(

@@ -1,4 +1,4 @@
-"""The principal frame of a body, worked out here so that no engine's eigensolver decides it."""
+"""The principal frame of a body, independent of any engine's eigensolver."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -11,10 +11,10 @@ from ...scenarios.exact import DIGITS, Quaternion, Tensor, Vector, product
 from ...scenarios.float_array import read_only
 from ...scenarios.principal import principal_axes
 
-#: Bodies whose frame is kept: every run of a scene asks for it.
+#: Number of bodies whose frame is kept: every run of a scene needs it.
 KEPT = 64
 #: Below this cosine of the pitch, roll and yaw turn about one axis and only their sum is defined.
-#: Half the working digits: entries of the rotation are good to all of them.
+#: Half the working digits: entries of the rotation are accurate to all of them.
 GIMBAL_LOCK = mpf(10) ** (-DIGITS // 2)
 
 
@@ -40,9 +40,9 @@ def principal_frame(body: Body, thickness: float = 0.0) -> PrincipalFrame:
 
     Parameters
     ----------
-    thickness : the least by which the largest moment is to stay below the sum of the others,
-        relative to that sum. At 0 the doubles just obey the triangle inequality: of a flat body,
-        whose largest moment is the sum of the others, readers refuse one that is an ulp beyond.
+    thickness : the smallest relative amount by which the largest moment stays below the sum of the
+        others. At 0 the doubles just obey the triangle inequality; readers refuse a flat body whose
+        largest moment exceeds the sum of the others by an ulp.
     """
     moments, R_body_axes = principal_axes(body.inertia_com_exact)
     with mp.workdps(DIGITS):

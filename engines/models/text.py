@@ -1,4 +1,4 @@
-"""How numbers and XML are written into model files: every double comes back bit for bit."""
+"""Writes numbers and XML into model files; every double reads back bit for bit."""
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable

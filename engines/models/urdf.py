@@ -1,7 +1,7 @@
 """A scene's body as URDF: what PyBullet loads, and a second way into MuJoCo.
 
-URDF describes bodies and joints. Gravity, drag, torques, the timestep and the start are no part
-of it; the adapters that load it set them.
+URDF describes bodies and joints only. Gravity, drag, torques, the timestep and the start are set by
+the adapters that load it.
 """
 
 import xml.etree.ElementTree as ET
@@ -12,9 +12,9 @@ from ...scenarios import Scenario
 from .principal_frame import principal_frame
 from .text import decimals, xml_text
 
-#: The link that is the body, its frame the scene's body frame.
+#: Name of the body's link; its frame is the scene's body frame.
 BODY_LINK = "top"
-#: The name both readers know as the fixed world.
+#: The name that both readers take for the fixed world.
 WORLD_LINK = "world"
 PIVOT_JOINT = "pivot"
 
@@ -28,18 +28,17 @@ def urdf(
     """The scene's body, and its pivot where there is one, as a URDF document.
 
     A pivoted body hangs by a ``spherical`` joint at its own origin on a fixed link at the world's
-    origin. A free body is the only link. (A ``floating`` joint would not do: PyBullet makes a
-    fixed one of it. MuJoCo welds an only link to the world unless told to give it a free joint.)
+    origin. A free body is the only link. (PyBullet would turn a ``floating`` joint into a fixed
+    one; MuJoCo welds a single link to the world unless it is given a free joint.)
 
     The tensor is written as principal moments in a turned inertial frame: PyBullet diagonalises
     a full tensor itself, and only to 1e-10.
 
     Parameters
     ----------
-    thickness : as of `principal_frame`, for a reader that cannot take an entirely flat body
-    shape_radius : m, of a sphere about the com to collide with; none if zero
-    has_box : whether it is to have a box to collide with, which is the body's own shape in so far
-        as with a uniform density it has the body's tensor
+    thickness : as in `principal_frame`, for a reader that refuses an entirely flat body
+    shape_radius : m, of a collision sphere about the com; none if zero
+    has_box : whether to add a collision box: the uniform box with the body's tensor
     """
     robot = ET.Element("robot", name=scenario.name)
     if scenario.has_pivot:
@@ -93,5 +92,5 @@ def _add_pivot(robot: ET.Element) -> None:
     ET.SubElement(joint, "parent", link=WORLD_LINK)
     ET.SubElement(joint, "child", link=BODY_LINK)
     ET.SubElement(joint, "origin", xyz="0 0 0", rpy="0 0 0")
-    # A ball has no axis, but readers warn where none is given.
+    # A ball joint has no axis, but readers warn if none is given.
     ET.SubElement(joint, "axis", xyz="0 0 1")

@@ -1,4 +1,4 @@
-"""The link of a user's model that a scene is about, as its file has it."""
+"""Reads the link of a user's model that a scene names."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -9,13 +9,13 @@ from ...scenarios import Scenario
 from ...scenarios.model_files import Link, ModelFile, ModelFileError, read_model
 from ..read_back import EngineError, UnsupportedError
 
-#: Files that are kept: the runs of a ladder all ask for one.
+#: Number of files kept: all runs of a ladder need the same one.
 KEPT = 16
 
 
 @dataclass(frozen=True, eq=False)
 class UsersLink:
-    """A link, and the file that it is of."""
+    """A link, and its file."""
 
     model: ModelFile
     link: Link
@@ -27,7 +27,7 @@ def users_link(scenario: Scenario) -> UsersLink:
     Raises
     ------
     UnsupportedError
-        If it names none, or was not read from a file that the model's place is relative to.
+        If it names none, or the scene has no file, to which the model's path is relative.
     EngineError
         If the file cannot be read, is not the one that the scene was made of, or has no such link.
     """
@@ -51,5 +51,5 @@ def users_link(scenario: Scenario) -> UsersLink:
 
 @lru_cache(maxsize=KEPT)
 def _read(path: Path, digest: str) -> ModelFile:  # noqa: ARG001
-    """Read once as long as scenes want the same contents."""
+    """The file; cached by its digest."""
     return read_model(path)

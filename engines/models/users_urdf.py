@@ -1,4 +1,4 @@
-"""A user's URDF as it is handed to an engine: verbatim, but for meshes and what is only drawn."""
+"""Prepares a user's URDF for an engine: verbatim, except for meshes and visual parts."""
 
 import re
 from collections.abc import Callable, Iterable
@@ -10,7 +10,7 @@ _FILENAME = re.compile(rb"""\bfilename\s*=\s*(?:"[^"]*"|'[^']*')""")
 
 
 def with_meshes(model: ModelFile, usable: Callable[[Shape], bool]) -> tuple[bytes, dict[str, Path]]:
-    """The file with its meshes renamed, so that an engine finds those and no others.
+    """The file with its meshes renamed, so that an engine finds only those.
 
     Parameters
     ----------
@@ -18,9 +18,9 @@ def with_meshes(model: ModelFile, usable: Callable[[Shape], bool]) -> tuple[byte
 
     Returns
     -------
-    data : the file, without what is only drawn, and without collision shapes whose mesh is not
-        there, lies outside the model's folders, or is not to be read
-    meshes : the files by the names that the file has for them now
+    data : the file without visual parts, and without collision shapes whose mesh is missing, lies
+        outside the model's folders, or is not to be read
+    meshes : the mesh files, by their new names
     """
     edits, meshes = _edits(model, model.links, usable)
     return _edited(model.data, edits), meshes
@@ -33,7 +33,7 @@ def link_alone(
 
     Parameters
     ----------
-    usable : as of `with_meshes`; without it the link has no shapes
+    usable : as in `with_meshes`; if None, the link has no shapes
     """
     start, end = link.span
     edits, meshes = _edits(model, (link,), usable) if usable else ([], {})
@@ -46,7 +46,7 @@ def link_alone(
 def _edits(
     model: ModelFile, links: Iterable[Link], usable: Callable[[Shape], bool]
 ) -> tuple[list[tuple[tuple[int, int], bytes]], dict[str, Path]]:
-    """Which bytes of the file are replaced by what, and the meshes that are named instead."""
+    """Replacements, as spans of bytes and new contents, and the meshes by their new names."""
     edits: list[tuple[tuple[int, int], bytes]] = []
     meshes: dict[str, Path] = {}
     for link in links:

@@ -13,8 +13,8 @@ from .observed_order import ASYMPTOTIC
 from .richardson import SIGNALS, RichardsonLadder, SignalSequence
 from .verdict import SHARP, Judgement, judge
 
-#: A ladder continues until every limit is known to `GOAL`, relative or in rad, or the steps run out;
-#: to `FINE_GOAL` for methods of `HIGH_ORDER`, which need few rungs for it; to `SHARP`, enough for a
+#: A ladder continues until every limit is known to `GOAL`, relative or in rad, or steps run out; to
+#: `FINE_GOAL` for methods of `HIGH_ORDER`, which need few rungs for it; to `SHARP`, enough for a
 #: judgement, for engines as shipped.
 GOAL, FINE_GOAL = 1e-4, 1e-9
 HIGH_ORDER = 4

@@ -1,7 +1,7 @@
 """What acts on the body of a MuJoCo model, read back from the model as it was compiled.
 
-Forces in MuJoCo come out of the model, out of what was applied to its data, and out of callbacks
-of the process; all three are looked through.
+Forces in MuJoCo come from the model, from what was applied to its data, and from callbacks of the
+process; all three are checked.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -14,7 +14,7 @@ import numpy as np
 
 from ....scenarios import FloatArray, Scenario
 
-#: Parts of a model that no scene calls for; anything non-zero there is named.
+#: Parts of a model that no scene calls for; those with non-zero values are reported.
 FOREIGN: dict[str, Callable[[Any], Any]] = {
     "a second body": lambda m: m.nbody - 2,
     "a second joint": lambda m: m.njnt - 1,
@@ -37,7 +37,7 @@ FOREIGN: dict[str, Callable[[Any], Any]] = {
     "air": lambda m: [m.opt.density, m.opt.viscosity],
 }
 
-#: MuJoCo's flags in words; those it may gain in time go by its own names.
+#: MuJoCo's flags in words; flags of later versions are reported by MuJoCo's own names.
 FLAG_WORDS = {
     "constraint": "constraint solver",
     "equality": "equality constraint pass",
@@ -59,7 +59,7 @@ FLAG_WORDS = {
     "fwdinv": "inverse dynamics check",
     "sleep": "sleeping",
 }
-#: Flags that choose how contacts are found: nothing to choose once collision detection is off.
+#: Flags that choose how contacts are found; without effect once collision detection is off.
 CONTACT_CHOICES = frozenset({"filterparent", "nativeccd", "multiccd"})
 
 CALLBACKS = ("act_bias", "act_dyn", "act_gain", "contactfilter", "control", "passive", "sensor")
@@ -73,8 +73,8 @@ class EffectsReading:
     ----------
     pivot : whether a ball joint holds the body's origin at the world's origin
     gravity_world : m/s², (3,)
-    joint_damping, servo_drag : N m s, (3, 3), the D of the torque −D ω in body axes, as the joint
-        and as actuators give it
+    joint_damping, servo_drag : N m s, (3, 3), the D of the torque −D ω in body axes, of the joint
+        and of the actuators
     torque_body, torque_world : N m, (3,)
     other : whatever else the joint or an actuator does, in words
     """
@@ -89,9 +89,9 @@ class EffectsReading:
 
 
 def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
-    """Names of the effects that act, and a name in words for whatever else is switched on.
+    """Names of the effects that act, and descriptions of anything else that is switched on.
 
-    An effect that the scene calls for at another strength is named in words besides.
+    An effect whose strength differs from the scene's is described too.
     """
     effects = read_effects(model)
     drag = effects.joint_damping + effects.servo_drag
@@ -114,7 +114,7 @@ def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
 
 
 def _has(model: Any, part: Callable[[Any], Any]) -> bool:
-    """Whether a model has such a part; what a version of MuJoCo has no word for, it has not."""
+    """Whether a model has such a part; False if this version of MuJoCo does not know it."""
     try:
         return bool(np.any(part(model)))
     except AttributeError:
@@ -124,7 +124,7 @@ def _has(model: Any, part: Callable[[Any], Any]) -> bool:
 def _wrong_strengths(
     effects: EffectsReading, drag: FloatArray, scenario: Scenario
 ) -> Iterator[str]:
-    """Effects that act as strongly as the scene does not say, in words."""
+    """In words, the effects that act with another strength than the scene says."""
     pairs = {
         "gravity": (effects.gravity_world, scenario.gravity_world),
         "drag": (np.diag(drag), np.full(3, scenario.drag)),
@@ -132,7 +132,7 @@ def _wrong_strengths(
         "torque_world": (effects.torque_world, scenario.torque_world),
     }
     for name, (held, wanted) in pairs.items():
-        # One that is not called for, or not there, is named as such.
+        # Effects not called for, or missing, are reported elsewhere.
         if wanted.any() and held.any() and (held != wanted).any():
             yield f"{name} of {held.tolist()}, not {wanted.tolist()}"
 
@@ -155,7 +155,7 @@ def read_effects(model: Any) -> EffectsReading:
 
 
 def _joint(model: Any) -> tuple[bool, set[str]]:
-    """Whether the first joint is the pivot, and what it is where neither that nor free."""
+    """Whether the first joint is the pivot; in words, what it is if neither that nor free."""
     if model.njnt == 0:
         return False, {"a weld to the world"}
     kind = model.jnt_type[0]
@@ -169,7 +169,7 @@ def _joint(model: Any) -> tuple[bool, set[str]]:
 
 
 def _add_actuators(model: Any, reading: EffectsReading) -> list[str]:
-    """Add up constant torques and servos in the reading's arrays; return what is neither."""
+    """Add constant torques and servos to the reading's arrays; returns others, in words."""
     other = []
     for i in range(model.nu):
         gear = model.actuator_gear[i]
@@ -193,7 +193,7 @@ def _add_actuators(model: Any, reading: EffectsReading) -> list[str]:
 
 
 def _idle_passes(model: Any, effects: EffectsReading) -> frozenset[str]:
-    """Passes that are on though nothing in the scene needs them, in words."""
+    """In words, the passes that are on though nothing in the scene needs them."""
     has_damping = effects.joint_damping.any()
     needed = {"gravity"} | CONTACT_CHOICES
     needed |= {"damper", "eulerdamp"} if has_damping else set()
@@ -209,7 +209,8 @@ def _idle_passes(model: Any, effects: EffectsReading) -> frozenset[str]:
 def disable(model: Any, passes: Iterable[str]) -> None:
     """Switch passes off in a compiled model, by MuJoCo's names for its flags.
 
-    A flag of several passes goes off if all of them do; one that this version lacks has no pass.
+    A flag shared by several passes is set only if all of them are to be off; flags that this
+    version lacks are skipped.
     """
     bits, passes = _disabling(), set(passes)
     kept = {bit for name, bit in bits.items() if name not in passes}

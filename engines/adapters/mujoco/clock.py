@@ -1,8 +1,8 @@
-"""The clock that MuJoCo's Python package hangs into the library, and how to step without it.
+"""The clock that MuJoCo's Python package installs in the library, and how to step without it.
 
 From 3.3.1 on the package sets the callback `mjcb_time`, which the library reads some 31 times a
-step to fill `mjData.timer`. It is one pointer of the process, NULL where there is no clock; Python
-can replace it, but not take it away.
+step to fill `mjData.timer`. It is one pointer for the whole process, NULL without a clock; Python's
+API can replace it, but not remove it.
 """
 
 import ctypes
@@ -22,7 +22,7 @@ def _pointer() -> ctypes.c_void_p:
     return ctypes.c_void_p.in_dll(ctypes.CDLL(str(file)), "mjcb_time")
 
 
-# Older versions hang it in with the first of these only.
+# Older versions install it with the first of these only.
 mujoco.MjData(mujoco.MjModel.from_xml_string("<mujoco/>"))
 _hung = _pointer()
 #: The package's clock, as it was when this module was imported; None before 3.3.1.
@@ -30,7 +30,7 @@ SHIPPED = _hung.value
 
 
 def hang(clock: int | None) -> None:
-    """Have the library read this clock from now on, or none."""
+    """Have the library read this clock from now on; None for no clock."""
     _hung.value = clock
 
 

@@ -17,11 +17,11 @@ from .script import script
 from .session import MuJoCoSession, check_not_too_small, compiled, left_out
 
 ALL_EFFECTS = frozenset(EFFECTS)
-#: The version in which an integrator came (changelog).
+#: The version that introduced an integrator (changelog).
 SINCE = {"discrete": "3.13.0"}
-#: Compiled models that are kept: a ladder runs each at every timestep.
+#: Number of compiled models kept: a ladder uses each at every timestep.
 KEPT = 16
-#: s, of a model before it is given the run's.
+#: s, timestep of a compiled model before that of the run is set.
 ANY_TIMESTEP = 1e-3
 
 
@@ -59,7 +59,7 @@ class MuJoCo(Engine):
 
     @property
     def version(self) -> str:
-        """Of the library that runs, which is what counts."""
+        """Version of the library, which may differ from the package's."""
         return str(mujoco.mj_versionString())
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
@@ -83,13 +83,13 @@ class MuJoCo(Engine):
         timestep: float,
         left_in: Collection[str] | None = None,
     ) -> MuJoCoSession | None:
-        """The same with passes left on, to time what they cost."""
+        """As `open`, with passes left on, to time what they cost."""
         if not (names := self.left_out(scenario, method)):
             return None
         return _open(scenario, timestep, method.name, names if left_in is None else left_in)
 
     def at_version(self, version: str) -> Release:
-        """As its changelog has it."""
+        """Another version; its differences are from MuJoCo's changelog."""
         return release(version, self.methods)
 
 
@@ -108,14 +108,14 @@ def release(version: str, methods: tuple[Method, ...]) -> Release:
 def _open(
     scenario: Scenario, timestep: float, integrator: str | None, left_in: Collection[str]
 ) -> MuJoCoSession:
-    """Flags are set on the compiled model: older versions lack some, and refuse them in MJCF."""
+    """Open a session; flags are set after compiling, as older versions refuse some in MJCF."""
     check_not_too_small(scenario)
     if integrator is not None:
         _check_has(integrator)
     switched = switched_off(scenario)
     text = mjcf(scenario, timestep, integrator, left_in=switched)
     if not hasattr(getattr(mujoco, "MjsJoint", None), "align"):
-        # What the attribute asks for is what versions without it do.
+        # Versions without the attribute behave as if it were set.
         text = text.replace(' align="false"', "")
     model = compiled(lambda: mujoco.MjModel.from_xml_string(text))
     disable(model, (name for name in switched if name not in left_in))

@@ -17,7 +17,7 @@ from .engine import KEPT, MuJoCo, release
 from .model_reader import name_bodies, spec_of_mjcf
 from .session import MuJoCoSession, check_not_too_small, compiled
 
-#: Keeps a link's name from meeting another.
+#: Prefix that keeps the link's name from clashing with another.
 PREFIX = "cut-"
 
 
@@ -28,7 +28,7 @@ class MuJoCoFile(FileEngine):
     name = "mujoco-file"
     formats = frozenset({"urdf", "mjcf"})
     stock_timestep = MuJoCo.stock_timestep
-    # What the readers do to a body shows with any integrator; the most exact one hides least.
+    # Faults of the readers show with any integrator, best with the most accurate one.
     methods = (
         Method(
             "RK4",
@@ -41,11 +41,11 @@ class MuJoCoFile(FileEngine):
 
     @property
     def version(self) -> str:
-        """Of the library that runs, which is what counts."""
+        """Version of the library, which may differ from the package's."""
         return str(mujoco.mj_versionString())
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
-        """Read the link, give it a free joint, and set what no file says."""
+        """Read the link, give it a free joint, and set what the file does not contain."""
         check_not_too_small(scenario)
         model = copy(_model(users_link(scenario)))
         model.opt.timestep = timestep
@@ -55,7 +55,7 @@ class MuJoCoFile(FileEngine):
         return MuJoCoSession(scenario, model, *start_coordinates(scenario))
 
     def at_version(self, version: str) -> Release:
-        """As MuJoCo is from its generated models."""
+        """Another version, as of the `mujoco` engine."""
         return release(version, self.methods)
 
 
@@ -67,16 +67,16 @@ def _model(users: UsersLink) -> Any:
 
 
 def _of_urdf(users: UsersLink) -> Any:
-    """The link's element verbatim, but for its shapes: they have no part in a stated inertia."""
+    """The link's element verbatim without its shapes, which do not affect a stated inertia."""
     text, _ = link_alone(users.model, users.link)
     spec = mujoco.MjSpec.from_string(text.decode(errors="replace"))
-    # By default the reader fuses an only link with the world.
+    # By default the reader fuses a single link with the world.
     spec.compiler.fusestatic = False
     return _freed(spec, spec.body(users.link.name))
 
 
 def _of_mjcf(users: UsersLink) -> Any:
-    """The body with its file's compiler settings and defaults, without what hangs on it."""
+    """The body with its file's compiler settings and defaults, without its child bodies."""
     whole = spec_of_mjcf(users.model)
     name_bodies(whole)
     spec = mujoco.MjSpec()
@@ -93,6 +93,6 @@ def _of_mjcf(users: UsersLink) -> Any:
 def _freed(spec: Any, body: Any) -> Any:
     joint = body.add_freejoint()
     if hasattr(joint, "align"):
-        # Aligned with the inertial frame, qpos and qvel would mean something else.
+        # Aligned with the inertial frame, qpos and qvel would be along other axes.
         joint.align = False
     return spec

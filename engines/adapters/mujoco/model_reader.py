@@ -1,4 +1,4 @@
-"""What MuJoCo holds of a user's URDF or MJCF."""
+"""Reads a user's URDF or MJCF with MuJoCo's compiler."""
 
 import contextlib
 import tempfile
@@ -16,7 +16,7 @@ from ...model_reader import Advice, Configuration, ModelReader, RefusalAdvice
 from ...models.users_urdf import with_meshes
 from ...read_back import BodyReading, EngineError
 
-#: Meshes that MuJoCo reads.
+#: Endings of meshes that MuJoCo reads.
 MESHES = frozenset((".obj", ".stl", ".msh"))
 WORLD = 0
 
@@ -25,8 +25,7 @@ WORLD = 0
 class MuJoCoModelReader(ModelReader):
     """MuJoCo's compiler, as it is and with nothing fused.
 
-    Meshes are read where a link has no inertia but theirs; those of links that state one have no
-    part in it.
+    Meshes are read only for links whose inertia comes from them; they do not affect a stated one.
     """
 
     name = "mujoco"
@@ -62,7 +61,7 @@ class MuJoCoModelReader(ModelReader):
 
     @property
     def version(self) -> str:
-        """Of the library that runs, which is what counts."""
+        """Version of the library, which may differ from the package's."""
         return str(mujoco.mj_versionString())
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
@@ -103,7 +102,7 @@ def _urdf(model: ModelFile) -> Any:
 
 
 def spec_of_mjcf(model: ModelFile) -> Any:
-    """The file without what is only drawn, and without meshes that no inertia comes from."""
+    """The file without visual parts, and without meshes that no inertia comes from."""
     spec = mujoco.MjSpec.from_file(str(model.folders.own / model.path.name))
     explicit = spec.compiler.inertiafromgeom != mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     for geom in list(spec.geoms):
@@ -120,7 +119,7 @@ def spec_of_mjcf(model: ModelFile) -> Any:
 
 
 def _is_there(model: ModelFile, spec: Any, geom: Any) -> bool:
-    """Whether a geom's mesh needs no file, or one inside the model's folders."""
+    """Whether a geom has no mesh file, or one inside the model's folders."""
     mesh = spec.mesh(geom.meshname)
     if mesh is None or not mesh.file:
         return mesh is not None
@@ -128,14 +127,14 @@ def _is_there(model: ModelFile, spec: Any, geom: Any) -> bool:
 
 
 def name_bodies(spec: Any) -> None:
-    """Name those without a name by their order, as the file's reader does."""
+    """Give names to bodies without one, by their order, as the file's reader does."""
     nameless = [body for body in spec.bodies if not body.name]
     for number, body in enumerate(nameless, 1):
         body.name = unnamed(number)
 
 
 def _strip(spec: Any) -> None:
-    """Take away shapes and what moves: a body that cannot move may have no inertia."""
+    """Remove shapes and joints: MuJoCo accepts a body without inertia if it cannot move."""
     for part in (*spec.geoms, *spec.equalities, *spec.joints):
         spec.delete(part)
 

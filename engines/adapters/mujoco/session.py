@@ -18,17 +18,17 @@ from ...session import Session
 from . import clock
 from .audit import acting
 
-#: Of a free joint's qpos and qvel, the leading numbers that are the origin's position and velocity.
+#: How many leading numbers of a free joint's qpos and qvel are the origin's position and velocity.
 TRANSLATION = 3
-#: What is read at a sample, by MuJoCo's names of it: the clock, qpos and qvel.
+#: What is read at a sample, as MuJoCo's flag: time, qpos and qvel.
 READ = int(
     mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL
 )
-#: How it begins to say that a coordinate is beyond 1e10 (mjMAXVAL), if it is a number at all.
+#: First words of the warning that a coordinate is not a number or beyond 1e10 (mjMAXVAL).
 BLOWN_UP = "Nan, Inf or huge value"
-#: What it says where the system gives it no memory.
+#: The message if the system refuses memory.
 NO_MEMORY = "Could not allocate memory"
-#: These, and the steps taken, as the bytes of an array.
+#: A snapshot: these numbers and the steps taken, as the bytes of an array.
 Snapshot = bytes
 
 
@@ -41,7 +41,7 @@ class MuJoCoSession(Session):
     scenario : what is simulated, for the audit alone
     model : compiled, options and effects set
     qpos, qvel : the start, as `mjcf.start_coordinates` gives it
-    has_clock : whether MuJoCo reads the clock that its Python package hangs into it
+    has_clock : whether MuJoCo reads the clock that its Python package installs
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class MuJoCoSession(Session):
         self.data = mujoco.MjData(model)
         self.data.qpos[:] = qpos
         self.data.qvel[:] = qvel
-        # Filled anew for each snapshot: fetching MuJoCo's own arrays takes as long again.
+        # Reused for each snapshot: fetching MuJoCo's own arrays would double the time.
         self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
         self._read = self._reading[1:]
         self._body = model.nbody - 1
@@ -77,18 +77,18 @@ class MuJoCoSession(Session):
         )
 
     def read_state(self) -> State:
-        """As `states` has it."""
+        """The state now; see `states`."""
         return State(*(column[0] for column in vars(self.states([self._bytes()])).values()))
 
     def advance(self, steps: int) -> None:
         """One native loop."""
         with self._stepping():
-            # By name, the number of steps would take a fifth of a step longer to pass.
+            # Passing the number by keyword would cost a fifth of a step.
             mujoco.mj_step(self.model, self.data, steps)
         self._steps += steps
 
     def record(self, strides: Sequence[int], keep: Callable[[Snapshot], object]) -> None:
-        """As of any session, listening once and not anew for every sample."""
+        """As in `Session`; warnings are collected once for all samples, not for each."""
         step, model, data = mujoco.mj_step, self.model, self.data
         with self._stepping():
             for steps in strides:
@@ -99,7 +99,7 @@ class MuJoCoSession(Session):
 
     @contextmanager
     def _stepping(self) -> Iterator[None]:
-        """With its clock or none, and with MuJoCo's warnings taken."""
+        """Set or remove the clock, and collect MuJoCo's warnings, inside the block."""
         clock.hang(self._clock)
         with _hearing(self._warnings):
             try:
@@ -108,7 +108,7 @@ class MuJoCoSession(Session):
                 raise EngineError(f"MuJoCo stopped: {error}", "warning") from None
 
     def check(self) -> None:
-        """Any warning, or a clock that is not at the steps taken, is an error."""
+        """Raise on any warning, or if the clock does not match the steps taken."""
         snapshots = [self.snapshot()]
         if fault := self.first_fault(snapshots, self.states(snapshots)):
             raise EngineError(fault.reason, fault.cause)
@@ -116,7 +116,7 @@ class MuJoCoSession(Session):
             raise EngineError(f"MuJoCo counted {counted} kinds of warning", "warning")
 
     def snapshot(self) -> Snapshot:
-        """The state as MuJoCo holds it; what MuJoCo warned of ends the run."""
+        """The state as MuJoCo holds it; raises if MuJoCo has warned."""
         if self._warnings:
             warned = f"MuJoCo warned: {self._warnings[0]}"
             fault = self.first_fault([self._bytes()], self.read_state())
@@ -152,7 +152,7 @@ class MuJoCoSession(Session):
         timestep = self.model.opt.timestep
         steps, times = _rows(snapshots)[:, :2].T
         expected = steps * timestep
-        # The clock is a running sum: right to far less than half a step.
+        # The clock is a running sum; its rounding error is far below half a step.
         is_off = ~(np.abs(times - expected) < timestep / 2)
         if not is_off.any():
             return None
@@ -170,7 +170,7 @@ class MuJoCoSession(Session):
         return names_acting | {clock.CLOCK} if clock.is_hung() else names_acting
 
     def close(self) -> None:
-        """Drop model and data, which MuJoCo frees with the last reference; hang its clock back."""
+        """Drop model and data, which MuJoCo frees with the last reference; restore the clock."""
         clock.hang(clock.SHIPPED)
         del self.model, self.data
 
@@ -185,12 +185,12 @@ def _rows(snapshots: Sequence[Snapshot]) -> FloatArray:
 
 
 def left_out(scenario: Scenario) -> tuple[str, ...]:
-    """What a scene has no use for: passes by MuJoCo's names, and the clock where there is one."""
+    """What a scene does not need: passes, by MuJoCo's names, and the clock if there is one."""
     return (*switched_off(scenario), *([clock.CLOCK] if clock.SHIPPED else []))
 
 
 def check_not_too_small(scenario: Scenario) -> None:
-    """Raise `UnsupportedError` for a body that MuJoCo takes none of, whatever the unit."""
+    """Raise `UnsupportedError` for a body whose numbers are too small for MuJoCo."""
     least = min(scenario.body.mass, *scenario.body.principal_moments)
     if least <= mujoco.mjMINVAL:
         raise UnsupportedError(
@@ -205,12 +205,12 @@ def compiled(build: Callable[[], Any]) -> Any:
     Raises
     ------
     EngineError
-        With the compiler's message, where it refuses or warns.
+        With the compiler's message, if it refuses the model or warns.
     MemoryError
-        If there is none for it.
+        If there is not enough memory.
     """
     heard: list[str] = []
-    # An editable model's warnings come as Python's own.
+    # Warnings of an editable model (MjSpec) are Python warnings.
     with _hearing(heard), warnings.catch_warnings(record=True) as recorded:
         warnings.simplefilter("always")
         try:
@@ -227,7 +227,7 @@ def compiled(build: Callable[[], Any]) -> Any:
 
 @contextmanager
 def _hearing(heard: list[str]) -> Iterator[None]:
-    """Collect MuJoCo's warnings, which else go to the terminal and to MUJOCO_LOG.TXT."""
+    """Collect MuJoCo's warnings; by default they go to the terminal and to MUJOCO_LOG.TXT."""
     previous = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(heard.append)
     try:

@@ -1,7 +1,7 @@
 """MuJoCo from the scene's URDF instead of MJCF: the same body, read by MuJoCo's URDF reader.
 
-What differs from the MJCF adapter is MuJoCo's URDF reader alone, so a difference between the two
-is the reader's.
+Only the reader differs from the MJCF adapter, so any difference between the two is due to MuJoCo's
+URDF reader.
 """
 
 from collections.abc import Collection
@@ -21,8 +21,8 @@ from .clock import CLOCK
 from .engine import KEPT, MuJoCo
 from .session import MuJoCoSession, check_not_too_small, compiled, left_out
 
-#: The reader diagonalises the principal moments again, wrong by up to 12 ulp, and then refuses
-#: every third flat body for breaking the triangle inequality.
+#: The reader diagonalises the principal moments again, with errors of up to 12 ulp, and then
+#: refuses every third flat body because it breaks the triangle inequality.
 READER_ROUNDOFF = 64 * float(np.finfo(float).eps)
 
 
@@ -31,9 +31,9 @@ class MuJoCoURDF(Engine):
     """MuJoCo's URDF reader."""
 
     name = "mujoco-urdf"
-    # URDF has no word for it.
+    # URDF cannot express it.
     stock_timestep = MuJoCo.stock_timestep
-    # What the reader does to a body shows with any integrator; the most exact one hides least.
+    # Faults of the reader show with any integrator, best with the most accurate one.
     methods = (
         Method(
             "RK4",
@@ -46,11 +46,11 @@ class MuJoCoURDF(Engine):
 
     @property
     def version(self) -> str:
-        """Of the library that runs, which is what counts."""
+        """Version of the library, which may differ from the package's."""
         return str(mujoco.mj_versionString())
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
-        """Read the URDF, then set on the model what URDF cannot say."""
+        """Read the URDF, then set on the model what URDF cannot express."""
         return _open(scenario, method, timestep, left_in=())
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
@@ -64,7 +64,7 @@ class MuJoCoURDF(Engine):
         timestep: float,
         left_in: Collection[str] | None = None,
     ) -> MuJoCoSession:
-        """The same with passes left on, to time what they cost."""
+        """As `open`, with passes left on, to time what they cost."""
         kept = left_out(scenario) if left_in is None else left_in
         return _open(scenario, method, timestep, kept)
 
@@ -89,10 +89,10 @@ def _model(scenario: Scenario) -> Any:
 
 
 def _spec(text: str, has_pivot: bool) -> Any:
-    """The URDF as an editable model; a free body gets the joint that URDF has no word for."""
+    """The URDF as an editable model (MjSpec); a free body gets a free joint, which URDF lacks."""
     spec = mujoco.MjSpec.from_string(text)
     if not has_pivot:
-        # By default the reader fuses an only link with the world.
+        # By default the reader fuses a single link with the world.
         spec.compiler.fusestatic = False
         spec.body(BODY_LINK).add_freejoint(align=False)
     return spec

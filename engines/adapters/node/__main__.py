@@ -10,9 +10,9 @@ from .discovered import HERE, discovered, modules_folder
 
 
 def main() -> int:
-    """Install what is not there; returns the exit code.
+    """Install what is missing; returns the exit code.
 
-    3 where there is no npm; 1 where npm cannot install them, or one that is there does not start.
+    3 if npm is not installed; 1 if npm cannot install the packages, or an engine does not start.
     """
     npm = shutil.which("npm")
     modules = modules_folder()

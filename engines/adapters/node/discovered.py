@@ -1,4 +1,4 @@
-"""Which engines under node can be used here, without starting any that has said what it is."""
+"""Finds the engines under node; each is started only once to ask what it is, then remembered."""
 
 import shutil
 from collections.abc import Iterator
@@ -13,14 +13,14 @@ from ...read_back import EngineError
 from ...user_cache import user_cache
 
 HERE = Path(__file__).parent
-#: Not engines: what they import.
+#: The folder of modules that engines import.
 PARTS = tuple(sorted((HERE / "parts").glob("*.mjs")))
 LOCK = HERE / "package-lock.json"
 HOW = "python -m spincheck.engines.adapters.node"
 
 
 def discovered() -> Iterator[Engine | Missing]:
-    """Every engine that has a file here."""
+    """Every engine that has a file in this folder, or why it is missing."""
     files = sorted(HERE.glob("*.mjs"))
     if shutil.which("node") is None:
         yield from (Missing(path.stem, "node", "node is not installed") for path in files)
@@ -54,7 +54,7 @@ def _engine(path: Path, modules: Path) -> ChildEngine | Missing:
 
 
 def _said_before(path: Path, modules: Path) -> Hello | None:
-    """What an engine said of itself when it was first asked; None for one whose file is new."""
+    """The stored description of an engine from when it was first asked; None if its file is new."""
     try:
         return Hello.model_validate_json(_memory(path, modules).read_text(encoding="utf-8"))
     except (OSError, ValueError):

@@ -7,13 +7,13 @@ from .model import BASE, HUNG, Model
 #: rad/s and m/s: every velocity coordinate of a multibody is clamped at this. (Source:
 #: `m_maxCoordinateVelocity` of btMultiBody; measured.)
 DEFAULT_CLAMP = 100.0
-#: rad/s and m/s; out of reach.
+#: rad/s and m/s; larger than any velocity of a run.
 UNREACHED_VELOCITY = 1e100
 
 
 def take_away_motor(model: Model) -> None:
     """Remove the motor of a spherical joint, which holds the joint's velocity at zero."""
-    # Gains as single numbers: only so does a force of zero take the motor out of the solver.
+    # Gains as single numbers: otherwise a force of zero does not remove the motor from the solver.
     _set_motor(model, 0)
 
 
@@ -23,14 +23,14 @@ def idle_motor(model: Model) -> None:
 
 
 def take_away_damping(model: Model) -> None:
-    """Set linear and angular damping to 0; of a body with joints both are set at its base."""
+    """Set linear and angular damping to 0; for a body with joints, at its base."""
     p.changeDynamics(
         model.body, BASE, linearDamping=0, angularDamping=0, physicsClientId=model.client
     )
 
 
 def take_away_clamp(model: Model) -> None:
-    """Raise the clamp of the velocity coordinates out of reach."""
+    """Raise the clamp of the velocity coordinates beyond any velocity of a run."""
     p.changeDynamics(
         model.body, BASE, maxJointVelocity=UNREACHED_VELOCITY, physicsClientId=model.client
     )

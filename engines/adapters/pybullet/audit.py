@@ -1,8 +1,8 @@
 """What acts on a body in PyBullet: read back where its API reports it, measured where it does not.
 
-PyBullet reports neither damping nor applied torques. So after a run the body is set spinning, and
-set at rest, for one tiny step each without gravity: the gain of its angular momentum in that step
-is the torque that acts.
+PyBullet reports neither damping nor applied torques. So after a run one tiny step is taken without
+gravity, from rest and once more from a slow spin: the gain of angular momentum in that step is the
+torque that acts.
 """
 
 from dataclasses import dataclass
@@ -17,17 +17,17 @@ from ...read_back import BodyReading, State
 from .as_shipped import take_away_damping, take_away_motor
 from .model import BASE, HUNG, Model
 
-#: s. A gain of L over a step is rounded to EPS L / h a second, and off by h times whatever turns:
-#: least together where h is the root of EPS.
+#: s, timestep h of a probe. The torque, gain of L over h, has a rounding error of EPS L / h and a
+#: truncation error proportional to h: their sum is least at h = √EPS.
 PROBE_STEP = 2.0**-26
 #: rad/s, and m/s of a free body's com; slow, so that gyroscopic terms stay below both errors.
 PROBE_SPIN = 2.0**-7
-#: rad/s, above the default clamp: a coordinate of the body keeps that only where it is off.
+#: rad/s, above the default clamp: the body keeps this speed only if the clamp is off.
 PROBE_RUSH = 2.0**9
 #: m; PyBullet's default, `gUrdfDefaultCollisionMargin` of its source.
 EMPTY_MARGIN = 0.001
-#: Of roundings and of such terms there are a few each. PyBullet's default damping, 0.04 I ω, is a
-#: hundred thousand times as much.
+#: How many such errors add up, at most. PyBullet's default damping, 0.04 I ω, is a hundred thousand
+#: times as large.
 SLACK = 16 * PROBE_STEP
 
 
@@ -64,7 +64,7 @@ def _world(model: Model, scenario: Scenario) -> set[str]:
 
 
 def _holds(model: Model) -> set[str]:
-    """What the body hangs by: joints of its own, constraints of the world."""
+    """What holds the body, in words: its joints, and constraints of the world."""
     acting = set()
     for joint in range(p.getNumJoints(model.body, model.client)):
         kind = p.getJointInfo(model.body, joint, model.client)[2]
@@ -77,7 +77,7 @@ def _holds(model: Model) -> set[str]:
 
 
 def _extras(model: Model) -> set[str]:
-    """Shapes that can collide, and bodies that move."""
+    """In words, shapes that can collide, and other bodies that move."""
     acting = set()
     for index in range(p.getNumBodies(model.client)):
         body = p.getBodyUniqueId(index, model.client)
@@ -90,10 +90,10 @@ def _extras(model: Model) -> set[str]:
 
 
 def _has_shape(client: int, body: int, link: int) -> bool:
-    """Whether the bounding box is more than the margin that PyBullet puts around no shape at all.
+    """Whether the bounding box is larger than PyBullet's margin around an empty shape.
 
-    (Of the shapes themselves it tells nothing in maximal coordinates; the margin of a sphere is its
-    radius.)
+    (In maximal coordinates PyBullet does not report the shapes themselves; the margin of a sphere
+    is its radius.)
     """
     margin = p.getDynamicsInfo(body, link, client)[11]
     low, high = p.getAABB(body, link, client)
@@ -104,11 +104,11 @@ def _has_shape(client: int, body: int, link: int) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Probe:
-    """A body that is set to a motion, for a step that tells what acts on it.
+    """A body that is set to a motion and takes one step, to measure what acts on it.
 
     Attributes
     ----------
-    held : the body as PyBullet has it: whether that is the scene's, the read-back tells
+    held : the body as PyBullet holds it, already compared with the scene by the read-back
     push_world : N m, the scene's torques at the attitude of all probes, (3,)
     spin_world : rad/s, slow, (3,)
     """
@@ -122,7 +122,7 @@ class _Probe:
 
     @classmethod
     def of(cls, steps: Steps, model: Model, scenario: Scenario) -> "_Probe":
-        """Prepare for probing; gravity ends."""
+        """Prepare for probing; switches gravity off."""
         p.setGravity(0, 0, 0, physicsClientId=model.client)
         steps.set_timestep(PROBE_STEP)
         if scenario.has_pivot and model.link == BASE:
@@ -135,7 +135,7 @@ class _Probe:
     def after(self, omega_world: FloatArray) -> tuple[State, State]:
         """The states before and after a step from this ω.
 
-        A free body starts with a velocity besides, in m/s the same vector.
+        A free body also starts with a velocity: the same vector in m/s.
         """
         arm_world = self.model.R_world_body() @ self.model.com
         at_pivot = cross(omega_world, arm_world)
@@ -151,13 +151,13 @@ class _Probe:
         return force, (self._momentum(after) - self._momentum(before)) / PROBE_STEP
 
     def resistance(self) -> FloatArray:
-        """What spinning adds to the torque at rest, N m, (3,)."""
+        """The torque of the spinning body minus that at rest, N m, (3,)."""
         return self.gains(self.spin_world)[1] - self.gains(np.zeros(3))[1]
 
     def unlike(self) -> tuple[str, str, str]:
-        """How torque, resistance and force differ from the scene's, in words; empty if they do not.
+        """In words, how torque, resistance and force differ from the scene's; empty if they do not.
 
-        Gravity, which has ended, is no part of the force; nor has a pivot one.
+        Gravity is off and so not part of the force; a body on a pivot has no force to compare.
         """
         torque, force, resistance = "", "", ""
         _, at_rest = self.gains(np.zeros(3))
@@ -174,18 +174,18 @@ class _Probe:
 
     @property
     def noise(self) -> float:
-        """A torque no larger than this is felt where there is none, N m."""
+        """Noise of the measured torque, N m."""
         arm = float(np.linalg.norm(self.held.com))
         moments = np.linalg.eigvalsh(self.held.inertia_com)
         largest_moment = float(moments[-1]) + self.held.mass * arm**2
         push = float(np.linalg.norm(self.push_world))
-        # What a torque adds to ω in the step turns the body, and with it the L it had.
+        # What a torque adds to ω in the step also turns the body, and with it L.
         turned = (push + self.scenario.drag * PROBE_SPIN) * largest_moment / float(moments[0])
         return SLACK * (PROBE_SPIN * (largest_moment + turned) + push)
 
     def _momentum(self, state: State) -> FloatArray:
         """L about the pivot, or the com where there is none, world axes, kg m²/s, (3,)."""
-        # Of unit length to the last digit: a probe divides by a very short time.
+        # Normalised to the last digit, as differences are divided by a very short time.
         q_world_body = state.q_world_body_wxyz / np.linalg.norm(state.q_world_body_wxyz)
         R_world_body = matrices(q_world_body[None])[0]
         L_world = R_world_body @ (self.held.inertia_com @ state.omega_body)
@@ -195,7 +195,7 @@ class _Probe:
 
 
 def _felt(probe: _Probe) -> set[str]:
-    """Torques, drag and whatever slows the body, from what a step adds to the momenta."""
+    """In words and names, torques, drag and damping, from the momentum gained in a step."""
     torque, resistance, force = probe.unlike()
     acting = {words for words in (torque, resistance, force) if words}
     if acting:
@@ -206,14 +206,14 @@ def _felt(probe: _Probe) -> set[str]:
         acting |= probe.scenario.called_for & {"torque_body", "torque_world"}
     if not resistance:
         acting |= probe.scenario.called_for & {"drag"}
-    # Last: the attitude is another after so fast a step.
+    # Last, as so fast a step changes the attitude.
     return acting | ({"velocity clamp"} if _is_clamped(probe) else set())
 
 
 def _slowing_defaults(probe: _Probe) -> set[str]:
-    """Which of PyBullet's defaults are at work: what makes a difference when it is taken away."""
+    """The defaults of PyBullet that act: those whose removal makes a difference."""
     slowing = {"joint motor": take_away_motor} if probe.model.link == HUNG else {}
-    # Measured after the motor is off, whose torque hides it.
+    # Measured after the motor is removed, whose torque would hide it.
     slowing["damping"] = take_away_damping
     acting = set()
     for name, take_away in slowing.items():
@@ -225,7 +225,7 @@ def _slowing_defaults(probe: _Probe) -> set[str]:
 
 
 def _is_clamped(probe: _Probe) -> bool:
-    """Whether a fast body is slow a step later, though nothing slows it."""
+    """Whether a fast body is slower a step later, though nothing slows it."""
     before, after = probe.after(probe.spin_world * (PROBE_RUSH / PROBE_SPIN))
     speed = float(np.linalg.norm(before.omega_body))
     return bool(np.linalg.norm(after.omega_body) < speed / 2)

@@ -16,14 +16,14 @@ from ...release import numbers_of
 from ...session import Session
 
 with native_output():
-    # Bullet prints when it was built as soon as it is imported.
+    # On import, Bullet prints its build date.
     from .load import DEFAULTS, INERTIA, JOINT_MOTOR, BodyRepresentation, left_out
     from .script import script
     from .session import PyBulletSession
 
 ALL_EFFECTS = frozenset(EFFECTS)
 #: rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h, for every kind of body.
-#: Beyond it the attitude turns by this much a step while ω reads what it should.
+#: Beyond it the attitude turns only by this much a step, while ω still reads its full value.
 MOST_ROTATION_A_STEP = pi / 4
 
 REPRESENTATIONS = {
@@ -91,7 +91,7 @@ class PyBullet(Engine):
 
     @property
     def version(self) -> str:
-        """Of the installed package; the library does not tell its own."""
+        """Version of the installed package; the library does not report its own."""
         return installed_version()
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
@@ -103,7 +103,7 @@ class PyBullet(Engine):
         return script(scenario, REPRESENTATIONS[method.name], timestep)
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """A shape to collide with, and on a joint a motor without force."""
+        """The collision shape, and for a body on a joint the motor, which has no force."""
         return left_out(scenario, REPRESENTATIONS[method.name])
 
     def open_unpruned(
@@ -113,18 +113,18 @@ class PyBullet(Engine):
         timestep: float,
         left_in: Collection[str] | None = None,
     ) -> Session | None:
-        """The same with these, to time what they cost."""
+        """As `open`, with these, to time what they cost."""
         if not (names := self.left_out(scenario, method)):
             return None
         kept = names if left_in is None else left_in
         return PyBulletSession(scenario, REPRESENTATIONS[method.name], timestep, kept)
 
     def at_version(self, version: str) -> Release:
-        """Under the same methods."""
+        """Another version, with the same methods."""
         return release(version, self.methods)
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """Of a method as shipped; without a joint there is no motor."""
+        """The defaults of a method as shipped; the motor only if there is a joint."""
         left = REPRESENTATIONS[method.name].defaults - (
             frozenset() if scenario.has_pivot else {JOINT_MOTOR}
         )
@@ -139,7 +139,7 @@ class PyBullet(Engine):
 
 
 def release(version: str, methods: tuple[Method, ...]) -> Release:
-    """A version of PyBullet: 3.2.6 and older are built for numpy 1."""
+    """A version of PyBullet; 3.2.6 and older need numpy 1."""
     older = ("numpy==1.26.4",) if numbers_of(version) <= (3, 2, 6) else ()
     return Release((f"pybullet=={version}", *older), methods, PyBullet.name)
 

@@ -12,7 +12,7 @@ from .load import DEFAULTS, INERTIA, BodyRepresentation, OwnURDF
 from .model_reader import DEFAULT, FROM_FILE, MADE_UP, takes_mesh
 from .session import PyBulletSession
 
-#: By method: the defaults that are left as shipped.
+#: By method, the defaults that are kept.
 LEFT = {DEFAULT: frozenset(DEFAULTS), FROM_FILE: frozenset[str]()}
 
 
@@ -46,14 +46,14 @@ class PyBulletFile(FileEngine):
 
     @property
     def version(self) -> str:
-        """Of the installed package; the library does not tell its own."""
+        """Version of the installed package; the library does not report its own."""
         return installed_version()
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> PyBulletSession:
         """Load the link's element and set its start."""
         users = users_link(scenario)
         left = LEFT[method.name]
-        # Tensors are made up from shapes; else these would only collide.
+        # Shapes are needed only if PyBullet makes up tensors from them.
         shapes = takes_mesh if INERTIA in left else None
         text, meshes = link_alone(users.model, users.link, shapes)
         own = OwnURDF(text, tuple(meshes.items()))
@@ -61,5 +61,5 @@ class PyBulletFile(FileEngine):
         return PyBulletSession(scenario, representation, timestep)
 
     def at_version(self, version: str) -> Release:
-        """As PyBullet is from its generated models."""
+        """Another version, as of the `pybullet` engine."""
         return release(version, self.methods)

@@ -23,9 +23,9 @@ from ...read_back import EngineError, UnsupportedError
 from .as_shipped import idle_motor, take_away_clamp, take_away_damping, take_away_motor
 from .model import BASE, HUNG, Model
 
-#: Names of what is left out that would change no motion.
+#: Names of the parts left out; they would change no motion.
 SHAPE, MOTOR = "collision shape", "idle joint motor"
-#: What PyBullet does to the motion of a body unasked; the third is a joint's.
+#: Defaults of PyBullet that alter motions; the third is of bodies on a joint.
 INERTIA, DAMPING, JOINT_MOTOR, CLAMP = (
     "inertia of the shape",
     "damping",
@@ -33,15 +33,15 @@ INERTIA, DAMPING, JOINT_MOTOR, CLAMP = (
     "velocity clamp",
 )
 DEFAULTS = (INERTIA, DAMPING, JOINT_MOTOR, CLAMP)
-#: N. A constraint's default limit is an impulse of 500 N s a step; this is out of reach.
+#: N, limit of a constraint's force. The default is an impulse of 500 N s a step.
 UNREACHED_FORCE = 1e100
-#: SIMD_EPSILON of Bullet's LinearMath/btScalar.h: what is not above it is taken for zero, in SI.
+#: SIMD_EPSILON of Bullet's LinearMath/btScalar.h: values not above it are taken for zero.
 TAKEN_FOR_ZERO = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
 class OwnURDF:
-    """A user's URDF of one link, and the meshes that it names, to be laid beside it."""
+    """A user's URDF of one link, and its meshes, which are copied beside it."""
 
     data: bytes
     meshes: tuple[tuple[str, Path], ...]
@@ -54,8 +54,8 @@ class BodyRepresentation:
     Attributes
     ----------
     maximal : six coordinates a body (btRigidBody) instead of joint coordinates (btMultiBody)
-    hung : the pivot is a spherical joint; otherwise a point-to-point constraint
-    defaults : of `DEFAULTS`, those that are left as shipped
+    hung : whether the pivot is a spherical joint; otherwise a point-to-point constraint
+    defaults : those of `DEFAULTS` that are kept
     own : the file that is loaded; the scene's URDF if None
     """
 
@@ -66,7 +66,7 @@ class BodyRepresentation:
 
     @property
     def as_shipped(self) -> bool:
-        """Whether it is what a user gets, but for defaults taken away one by one."""
+        """Whether it is loaded as a user would, apart from defaults removed one by one."""
         return bool(self.defaults)
 
 
@@ -84,12 +84,12 @@ def load(
 
     Parameters
     ----------
-    left_in : what of `left_out` it is to have
+    left_in : the names of `left_out` that are kept
 
     Raises
     ------
     UnsupportedError
-        If PyBullet would leave out terms of so small a body.
+        If the body is so small that PyBullet would leave out terms.
     EngineError
         If PyBullet cannot load the body.
     OSError
@@ -116,7 +116,7 @@ def load(
     if CLAMP not in representation.defaults:
         take_away_clamp(model)
     if hung and JOINT_MOTOR not in representation.defaults:
-        # Taken away first, it would not come back.
+        # If it were removed first, it would not come back.
         idle_motor(model) if MOTOR in left_in else take_away_motor(model)
     if hung:
         model.set_joint_attitude(world_from_body)
@@ -152,16 +152,16 @@ def _load_urdf(
 ) -> int:
     """Load a model with its frame's origin at `position` (3,) m; PyBullet's number for it.
 
-    A world keeps a file it has read by its name: this one must not have read another. The pose is
-    given here, not set after: a rigid body keeps the inertia it was loaded with, in world axes,
-    until the end of its first step.
+    PyBullet caches files by name, so every file has a name of its own. The pose is given here and
+    not set later: a rigid body keeps the inertia, in world axes, that it was loaded with until the
+    end of its first step.
     """
     number = next(_numbers)
     file = Path(_folder(), f"{number}.urdf")
     try:
         file.write_bytes(model.data)
         if model.meshes:
-            # Of their own names too: meshes are kept as files are.
+            # Meshes too have names of their own, since they are cached as well.
             file = _beside_meshes(file, model.meshes)
         try:
             return int(
@@ -175,7 +175,7 @@ def _load_urdf(
                 )
             )
         except p.error as error:
-            # Raises where it is the system that does not let anybody open it.
+            # Raises the system's own error if the file cannot be opened.
             file.read_bytes()
             raise EngineError(f"PyBullet cannot load the body: {error}") from None
     finally:
@@ -185,7 +185,7 @@ def _load_urdf(
 
 
 def _beside_meshes(file: Path, meshes: tuple[tuple[str, Path], ...]) -> Path:
-    """The file in a folder of its own, where its meshes are."""
+    """The file in a folder of its own, together with its meshes."""
     folder = file.with_suffix("")
     folder.mkdir()
     for name, mesh in meshes:
@@ -198,7 +198,7 @@ _numbers = count()
 
 @cache
 def _folder() -> str:
-    """For files that PyBullet is to read; this process's own, and gone with it."""
+    """A folder for files that PyBullet reads; of this process, and removed with it."""
     folder = tempfile.TemporaryDirectory(prefix="spincheck-", ignore_cleanup_errors=True)
     atexit.register(folder.cleanup)
     return folder.name
@@ -212,9 +212,9 @@ def _model_of_link(client: int, body: int, link: int) -> Model:
 def _model_of_rigid_body(
     client: int, body: int, position: FloatArray, world_from_body: Rotation
 ) -> Model:
-    """As above, from where the body went: of a rigid body's inertial frame PyBullet tells nothing.
+    """The model of a rigid body, from the pose after loading: PyBullet does not report its frame.
 
-    (What `getDynamicsInfo` returns for it is memory that was never set.)
+    (For rigid bodies `getDynamicsInfo` returns uninitialised memory.)
     """
     com_world, q_world_principal_xyzw = p.getBasePositionAndOrientation(body, client)
     body_from_principal = world_from_body.inv() * Rotation.from_quat(q_world_principal_xyzw)
@@ -223,17 +223,17 @@ def _model_of_rigid_body(
 
 
 def set_free(scenario: Scenario) -> Scenario:
-    """The same body on its own: what holds it is not part of the URDF."""
+    """The scene's body without its pivot, which is then not part of the URDF."""
     return replace(scenario, document=scenario.document.model_copy(update={"effects": Effects()}))
 
 
 def _gyration_radius(scenario: Scenario) -> float:
-    """Of the body about its com, m: what could collide is about that large."""
+    """The body's radius of gyration about its com, m: about the size of a collision shape."""
     return float(np.sqrt(scenario.body.principal_moments[-1] / scenario.body.mass))
 
 
 def _check_not_lost(scenario: Scenario, representation: BodyRepresentation) -> None:
-    """Raise where Bullet would leave terms out: it compares with a constant, whatever the unit."""
+    """Raise if Bullet would leave out terms, which it does below an absolute constant."""
     mass, moments = scenario.body.mass, scenario.body.principal_moments
     if representation.maximal and np.prod(moments) <= TAKEN_FOR_ZERO:
         raise UnsupportedError(

@@ -1,4 +1,4 @@
-"""A body in a PyBullet world: what PyBullet holds, in the program's own frames."""
+"""A body in a PyBullet world, read in spincheck's frames."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -48,29 +48,29 @@ class Model:
         return BodyReading(mass, self.com, tensor)
 
     def read_state(self) -> State:
-        """Pose and velocities now."""
+        """The state now."""
         rows = np.concatenate(self.motion())[None]
         return State(*(column[0] for column in vars(self.states(rows)).values()))
 
     def motion(self) -> Motion:
         """Com, attitude of the principal axes as x, y, z, w, velocity, ω; world axes.
 
-        A link's are computed afresh: its cache is a step old.
+        Those of a link are computed anew: PyBullet's cached values are one step old.
         """
         if self.link == BASE:
             com_world, q_xyzw = p.getBasePositionAndOrientation(self.body, self.client)
             velocity_world, omega_world = p.getBaseVelocity(self.body, self.client)
             return com_world, q_xyzw, velocity_world, omega_world
-        # Velocity and forward kinematics too; by name, they would take longer to pass.
+        # computeLinkVelocity and computeForwardKinematics; keywords would take longer.
         state = p.getLinkState(self.body, self.link, 1, 1, self.client)
         return state[0], state[1], state[6], state[7]
 
     def states(self, rows: FloatArray) -> State:
-        """What was read, n times, in the program's own frames.
+        """States from n readings, in spincheck's frames.
 
         Parameters
         ----------
-        rows : the numbers of a motion, one after the other, (n, 13)
+        rows : the numbers of each reading, (n, 13)
         """
         com_world, q_wxyz = rows[:, :3], rows[:, (6, 3, 4, 5)]
         velocity_world, omega_world = rows[:, 7:10], rows[:, 10:]
@@ -91,7 +91,7 @@ class Model:
         return np.asarray(matrices((q_world_body / np.linalg.norm(q_world_body))[None])[0])
 
     def put_on_pivot(self) -> None:
-        """Take back what a constraint let the origin drift; the attitude stays, the motion ends."""
+        """Move the body's origin back to the pivot; the attitude stays, velocities become zero."""
         q_xyzw = self.motion()[1]
         com_world = self.R_world_body() @ self.com
         p.resetBasePositionAndOrientation(self.body, com_world, q_xyzw, self.client)

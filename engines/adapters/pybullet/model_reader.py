@@ -1,4 +1,4 @@
-"""What PyBullet holds of a user's URDF."""
+"""Reads a user's URDF with PyBullet."""
 
 import re
 import tempfile
@@ -18,12 +18,12 @@ from ...native_output import native_output
 from ...read_back import BodyReading, EngineError
 from .model import BASE
 
-#: Meshes that PyBullet makes collision shapes of.
+#: Endings of meshes that PyBullet makes collision shapes of.
 MESHES = frozenset((".obj", ".stl", ".dae"))
 #: The two ways to load a URDF, and where the first takes tensors from.
 DEFAULT, FROM_FILE = "default", "inertia-from-file"
 MADE_UP = "made up from the collision shapes"
-#: The head of what PyBullet prints: file and line of its source.
+#: First words of what PyBullet prints: file and line of its source.
 _HEAD = re.compile(r"b3(?:Warning|Error|Printf)\[[^\]]*\]:\n?")
 #: In bytes of the index of `getJointInfo`.
 LINK_NAME = 12
@@ -50,11 +50,11 @@ class PyBulletModelReader(ModelReader):
 
     @property
     def version(self) -> str:
-        """Of the distribution: the module tells only its API's."""
+        """Version of the installed package; the module reports only that of its API."""
         return version("pybullet")
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
-        """Load it into an empty world; only the default asks the collision shapes."""
+        """Load the file into an empty world; only the default needs collision shapes."""
         asks_shapes = configuration == DEFAULT
         flags = p.URDF_IGNORE_VISUAL_SHAPES
         if not asks_shapes:

@@ -20,9 +20,9 @@ from .load import CLAMP, BodyRepresentation, load
 from .model import BASE, Model
 from .worlds import give_back, take_world
 
-#: Steps a native call, some 20 ms: nothing can interrupt one.
+#: Largest number of steps in a native call, some 20 ms, as a call cannot be interrupted.
 MOST_STEPS_A_CALL = 2**14
-#: A velocity that was clamped comes back through a rotation, a few roundings off.
+#: A clamped velocity is read back through a rotation, with a few rounding errors.
 ROTATED = 8 * float(np.finfo(float).eps)
 #: Three numbers of the com, four of the attitude, three of its velocity, three of ω.
 MOTION = Struct("13d")
@@ -92,9 +92,9 @@ class PyBulletSession(Session):
             raise EngineError(NOT_COMPLETED, "warning")
 
     def record(self, strides: Sequence[int], keep: Callable[[bytes], object]) -> None:
-        """As of any session, without a call of ours between PyBullet's: each takes a tenth step."""
+        """As in `Session`, without other calls between PyBullet's: each takes a tenth of a step."""
         step, client, read = p.stepSimulation, self.client, self._reader()
-        # Steps that need nothing but the call, once PyBullet knows their number.
+        # Steps without torques to renew; PyBullet has been told their number.
         is_plain = self.at_once and not self._torques
         for steps in strides:
             if steps and is_plain and steps == self._substeps:
@@ -118,13 +118,13 @@ class PyBulletSession(Session):
             raise EngineError(fault.reason, fault.cause)
 
     def snapshot(self) -> bytes:
-        """The motion as PyBullet tells it: its numbers one after the other."""
+        """The numbers of the motion as PyBullet returns them, in one array of bytes."""
         return self._reader()()
 
     def _reader(self) -> Callable[[], bytes]:
         """A function that makes snapshots: `Model.motion`, packed, with all that is constant bound.
 
-        Nobody knows how long the solvers take over a motion that is not a number: it ends the run.
+        A state that is not finite ends the run: the solvers might not return from it.
         """
         body, link, client, pack = self.model.body, self.model.link, self.client, MOTION.pack
         pose, velocity, link_state = (
@@ -151,7 +151,7 @@ class PyBulletSession(Session):
         return of_base if link == BASE else of_link
 
     def states(self, snapshots: Sequence[bytes]) -> State:
-        """The same in the program's own frames."""
+        """The states of n snapshots, in spincheck's frames."""
         rows = np.frombuffer(bytearray().join(snapshots)).reshape(len(snapshots), -1)
         return self.model.states(rows)
 
@@ -168,11 +168,11 @@ class PyBulletSession(Session):
         return Fault(int(np.argmax(clamped.any(axis=1))), "clamp", reason)
 
     def active(self) -> frozenset[str]:
-        """What acts, read back and felt: see `pybullet_audit`."""
+        """What acts, read back and felt: see `audit`."""
         return what_acts(self, self.model, self._scenario)
 
     def close(self) -> None:
-        """Give the world back, or where something went wrong in it, drop it."""
+        """Return the world for reuse; if something went wrong in it, disconnect it."""
         try:
             is_sound = bool(np.isfinite(self.read_state().omega_body).all())
         except p.error:
@@ -206,8 +206,8 @@ def _open(
 def _torques(model: Model, scenario: Scenario) -> tuple[list[Callable[[], None]], bool]:
     """What to apply before a call, and whether that call may take many steps.
 
-    PyBullet keeps an applied torque for all steps of a call and clears it after. In world axes, or
-    on a joint, constant is what it stays; anything else has to be renewed every step.
+    PyBullet applies a torque in all steps of a call and clears it afterwards. A torque constant in
+    world axes, or on a joint, is right for all of them; any other must be set again every step.
     """
     torques: list[Callable[[], None]] = []
     at_once = True

@@ -1,13 +1,13 @@
-"""Empty PyBullet worlds, used again: to connect to a new one takes as long as thousands of steps.
+"""Reuses PyBullet worlds: connecting to a new one takes as long as thousands of steps.
 
-A world that is emptied moves what is loaded into it next as a new one does, to the last bit.
+Bodies move in an emptied world as in a new one, to the last bit.
 """
 
 import pybullet as p
 
 from ...read_back import EngineError
 
-#: s, and steps a call, of a world that nobody has set otherwise.
+#: Timestep, s, and steps a call, of a new world.
 DEFAULT_TIMESTEP, DEFAULT_SUBSTEPS = 1 / 240, 0
 
 _empty: list[int] = []
@@ -30,7 +30,7 @@ def take_world() -> int:
 
 
 def give_back(client: int) -> None:
-    """Empty a world, for whoever takes one next.
+    """Empty a world, for reuse.
 
     Constraints and bodies are removed one by one: a reset alone leaves them in PyBullet's lists.
     """
@@ -38,7 +38,7 @@ def give_back(client: int) -> None:
         p.removeConstraint(p.getConstraintUniqueId(index, client), client)
     for index in reversed(range(p.getNumBodies(client))):
         p.removeBody(p.getBodyUniqueId(index, client), client)
-    # By name: its first argument is another, and world 0 would be emptied instead.
+    # By keyword: the first positional argument is something else, and world 0 would be emptied.
     p.resetSimulation(physicsClientId=client)
     p.setPhysicsEngineParameter(
         fixedTimeStep=DEFAULT_TIMESTEP, numSubSteps=DEFAULT_SUBSTEPS, physicsClientId=client
