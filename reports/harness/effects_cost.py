@@ -19,7 +19,7 @@ COMPARED_TURN = 0.05
 #: Largest number of steps of that comparison.
 MOST_STEPS = 1 << 13
 #: Number of times at which the two motions are compared.
-COMPARED = 64
+COMPARED = 16
 #: Number of equal sessions timed beside the passes: their differences are the noise.
 CONTROLS = 3
 

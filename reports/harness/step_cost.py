@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 #: s of CPU time a timed stretch must last, at the least: so short that many a stretch falls between
 #: two ticks of the system's clock.
-STRETCH = 0.002
+STRETCH = 0.001
 #: And as many times the clock's resolution, as that is measured.
 RESOLUTIONS = 100
 #: Timed samples a method; the least is quoted, their spread is the noise.

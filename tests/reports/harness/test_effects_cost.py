@@ -87,7 +87,8 @@ def test_a_motion_that_is_another_by_an_ulp_is_reported(clock: Clock) -> None:
 
 def test_motions_are_compared_as_far_as_both_go(clock: Clock) -> None:
     opened: list[Clockwork] = []
-    gives_up_after = 50
+    undisturbed = measured(Works(lambda _: Clockwork(clock, steadily(TAKES)), tuple(PASSES)))
+    gives_up_after = round(SCENE.window.duration / undisturbed.timestep) // 2
 
     def make(left_in: Collection[str]) -> Clockwork:
         # The first two are timed, the next two compared.
