@@ -1,1 +1,1 @@
-"""The report, as HTML and Markdown."""
+"""Makes the report, as HTML and Markdown."""

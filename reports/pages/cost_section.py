@@ -1,4 +1,4 @@
-"""What the report says about the cost of accuracy: on its first page, and on each scene's."""
+"""The report's sections on the cost of accuracy: on the first page, and on each scene's."""
 
 from dataclasses import dataclass
 
@@ -15,9 +15,9 @@ from .tables import Table
 
 #: The error by which methods are compared over all scenes; every scene's page has all four.
 COMPARED: Signal = "omega"
-#: Errors with a profile each: of everyday use, and beyond what first order can do.
+#: Errors with a profile each: for everyday use, and beyond what first-order methods reach.
 PROFILED = (1e-3, 1e-6)
-#: How to read a cost that stands for an error.
+#: Explanation of the costs in the tables.
 LEGEND = (
     "CPU seconds of native stepping that one simulated second takes. No mark: interpolated "
     "between two runs. ≤: the ladder's coarsest run is within it already. ≈: extrapolated below "
@@ -45,7 +45,7 @@ class CostSection:
 
 
 def cost_section(gathered: ReportData) -> CostSection:
-    """What accuracy costs, over all scenes that were solved."""
+    """The cost of accuracy, over all scenes that were solved."""
     scenes = [curves(scene, COMPARED) for scene in gathered.scenes if scene.solved]
     drawn = trace_styles(gathered.pairs)
     timed = any(curve.seconds_per_step is not None for tried in scenes for curve in tried)

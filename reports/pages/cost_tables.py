@@ -1,4 +1,4 @@
-"""Tables of what accuracy costs: on a scene by method and error, and over all scenes."""
+"""Tables of the cost of accuracy: on a scene by method and error, and over all scenes."""
 
 from collections.abc import Sequence
 
@@ -10,16 +10,16 @@ from .analysis.wording import NOTHING, number
 from .analysis.work_precision import Signal, curve_of
 from .tables import Cell, Table, figure, table
 
-#: In a second.
+#: Microseconds in a second.
 MICROSECONDS = 1e6
-#: Before a cost that is not measured on both sides.
+#: Signs before a cost that is not interpolated between two runs.
 MARKS = {"measured": "", "at most": "≤ ", "extrapolated": "≈ "}
 
 
 def reach_table(scene: SceneRuns, signal: Signal) -> Table:
-    """CPU seconds a simulated second that each method takes to stay within each error.
+    """Table of CPU seconds a simulated second that each method needs to stay within each error.
 
-    The second lines, which HTML alone shows: the timestep, or what rounding may cause at it.
+    Second lines, shown in HTML only: the timestep, or the error that rounding may cause at it.
     """
     headings = ("engine", "method", "CPU a step, µs", "wall a step, µs", *_level_headings())
     rows = []
@@ -31,7 +31,7 @@ def reach_table(scene: SceneRuns, signal: Signal) -> Table:
 
 
 def reached_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
-    """On how many scenes each method reaches each error, and on how many by extrapolation only."""
+    """Table of the number of scenes on which each method reaches each error."""
     rows = []
     for pair in gathered.pairs:
         tallies = [tally(scenes, pair, level) for level in LEVELS]
@@ -40,7 +40,7 @@ def reached_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
 
 
 def median_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
-    """What each error costs each method: the median over the scenes that it can simulate."""
+    """Table of the median cost of each error, over the scenes that a method can simulate."""
     rows = []
     for pair in gathered.pairs:
         costs = [tally(scenes, pair, level).median_cost for level in LEVELS]
@@ -49,7 +49,7 @@ def median_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
 
 
 def ratio_table(scenes: Sequence[SceneCurves]) -> Table:
-    """How many times more the cheapest first-order method costs than the cheapest of order 4."""
+    """Table of the cost of the cheapest first-order method over that of the cheapest of order 4."""
     ratios = [order_ratios(scenes, level) for level in LEVELS]
     rows: list[list[Cell | str]] = [
         ["scenes where both reach it", *(figure(str(ratio.scenes)) for ratio in ratios)],
@@ -74,7 +74,7 @@ def _reach_cell(reached: Reach) -> Cell:
 
 
 def _step_costs(runs: MethodRuns) -> tuple[Cell, Cell]:
-    """CPU time, the least over the repeats and how far the largest is above; least on the wall."""
+    """Cells of the times a step: least CPU time, spread over the repeats, least wall time."""
     timed = [row for row in runs.rows if row.seconds_per_step is not None]
     if not timed:
         return figure(NOTHING), figure(NOTHING)

@@ -1,4 +1,4 @@
-"""What the page of a scene says of each default of an engine as shipped, one at a time."""
+"""Tables, on a scene's page, of the effect of each default of an engine as shipped."""
 
 import math
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from .analysis.report_data import SceneRuns
 from .analysis.wording import NOTHING, duration, limited
 from .tables import Cell, Table, figure, table
 
-#: An error of ω this many times that with no default, and this large, is an effect of the default.
+#: A default has an effect if the error of ω exceeds this many times that without, and this size.
 NOTICED, NEGLIGIBLE = 1.5, 1e-6
 
 
@@ -20,7 +20,7 @@ class DefaultsTable:
     Attributes
     ----------
     label : engine, method and timestep
-    sentence : which default does most
+    sentence : which default changes the motion most
     """
 
     label: str
@@ -29,7 +29,7 @@ class DefaultsTable:
 
 
 def default_tables(scene: SceneRuns) -> list[DefaultsTable]:
-    """One for each engine whose defaults were taken away one by one."""
+    """One table for each engine whose defaults were measured one by one."""
     return [
         DefaultsTable(
             f"{measured.key.engine} {measured.key.method} at {duration(measured.timestep)}",
@@ -55,7 +55,7 @@ def _table(scene: SceneRuns, measured: DefaultEffects) -> Table:
 
 
 def _sentence(measured: DefaultEffects) -> str:
-    """Which of them, alone, is more wrong in ω than none at all."""
+    """In words, the defaults that alone increase the error of ω, the largest first."""
     if measured.none is None:
         return "The run does not come to its end without any of them."
     least = max(NOTICED * measured.none.omega, NEGLIGIBLE)
@@ -75,7 +75,7 @@ def _size(errors: Errors | None) -> float:
 
 
 def _errors(scene: SceneRuns, errors: Errors | None) -> list[Cell]:
-    """In attitude, ω and energy, as they may be claimed."""
+    """Cells of the errors of attitude, ω and energy, at least the reference's uncertainty."""
     if errors is None:
         return [Cell("diverged", "diverged"), figure(NOTHING), figure(NOTHING)]
     assert scene.solved is not None, "defaults are measured of solved scenes"

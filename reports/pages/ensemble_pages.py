@@ -1,4 +1,4 @@
-"""The page of an ensemble: what was scattered, how to do it again, distributions and tables."""
+"""The page of an ensemble: definition, command, distributions of errors, tables."""
 
 import shlex
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ class EnsemblePage:
     ----------
     name : unique in a report; `link` leads to it from the overview
     figure : None where no member finished
-    shown : methods in the figure, by label
+    shown : labels and styles of the methods in the figure
     """
 
     name: str
@@ -48,12 +48,12 @@ class EnsemblePage:
 
 
 def ensemble_pages(results: Results) -> list[EnsemblePage]:
-    """One an ensemble that has any members."""
+    """A page for each ensemble that has any members."""
     return [_page(name, result, results) for name, result in numbered(results.ensembles)]
 
 
 def command(ensemble: Ensemble) -> str:
-    """What makes this ensemble, as typed in a shell."""
+    """The shell command that makes this ensemble."""
     words = ["spincheck", "run", ensemble.scenario, "--ensemble", str(ensemble.members)]
     words += ["--seed", str(ensemble.seed), *timestep_option(ensemble.timestep)]
     return shlex.join(words)

@@ -12,17 +12,17 @@ from .analysis.work_precision import Signal
 from .map_tables import percent
 from .tables import Cell, Table, figure, table
 
-#: Members told of each method: enough to see whether they are alike.
+#: Number of worst members shown of each method.
 WORST = 3
 
 
 def quantile_tables(members: Sequence[Members]) -> list[tuple[str, Table]]:
-    """For each error its title and its table."""
+    """Title and table of quantiles, for each error."""
     return [(SIGNALS[signal], _quantiles(members, signal)) for signal in SIGNAL_NAMES]
 
 
 def worst_table(ensemble: Ensemble, members: Sequence[Members]) -> Table:
-    """The worst members of each method, and what writes them as scene files."""
+    """The worst members of each method, with the commands that write them as scene files."""
     rows = (
         [Cell(engine, "name"), Cell(method, "name"), *_member(ensemble, point)]
         for of_method in members
@@ -33,7 +33,7 @@ def worst_table(ensemble: Ensemble, members: Sequence[Members]) -> Table:
 
 
 def member_command(ensemble: Ensemble, number_of_member: int) -> str:
-    """What writes a member as a scene file, as typed in a shell."""
+    """The shell command that writes a member as a scene file."""
     words = ["spincheck", "member", ensemble.scenario, "--member", str(number_of_member)]
     path = f"{ensemble.scenario}-{ensemble.seed}-{number_of_member}.toml"
     return f"{shlex.join([*words, '--seed', str(ensemble.seed)])} > {shlex.quote(path)}"

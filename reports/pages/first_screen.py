@@ -1,4 +1,4 @@
-"""What a reader came for, in three sentences: how wrong the defaults are, what to use, and why."""
+"""The report's answer in three sentences: how wrong the defaults are, what to use, and why."""
 
 import math
 from collections import Counter
@@ -13,13 +13,13 @@ from .analysis.timesteps import as_shipped, row_at, stock_timesteps
 from .analysis.wording import duration, plural, readable
 from .analysis.work_precision import cost
 
-#: A method is offered instead of a default if it can do so many of the scenes that any can.
+#: A method is recommended instead of a default if it can simulate this fraction of the scenes.
 COVERING = 0.9
-#: What is said of a default is so on at least so many of the scenes that it gets wrong.
+#: A cause is given for a default if it holds on at least this fraction of the scenes it gets wrong.
 COMMON = 0.1
-#: Engines whose defaults are told one by one, the least wrong; the others in a sentence.
+#: Number of engines whose defaults are described one by one, smallest errors first.
 LISTED = 2
-#: An error of ω, relative, that one default alone is told for.
+#: Relative error of ω from which on a single default is mentioned.
 NOTICED_OMEGA = 0.01
 
 
@@ -33,7 +33,7 @@ class Sentence:
 
 @dataclass(frozen=True, eq=False)
 class _AtStock:
-    """One method's runs at its engine's stock timestep, by scene; those that were made."""
+    """One method's runs at its engine's stock timestep, by scene, as far as they were made."""
 
     pair: Pair
     timestep: float
@@ -49,12 +49,12 @@ class _AtStock:
 
     @property
     def size(self) -> tuple[float, float]:
-        """Median and worst; of two middle ones the worse, so that infinity is no mean."""
+        """Median and worst error; of two middle ones the larger, as errors may be infinite."""
         errors = self.attitudes.values()
         return median_high(errors), max(errors)
 
     def __str__(self) -> str:
-        """How far off it is, in median and on the worst scene."""
+        """The errors in words: median, and worst with its scene."""
         errors = self.attitudes
         middle, _ = self.size
         ended = {name: error for name, error in errors.items() if error < math.inf}
@@ -79,7 +79,7 @@ def answer(gathered: ReportData, harmless: Collection[str] = frozenset()) -> tup
     steps = stock_timesteps(plain)
     tried = [_at_stock(plain, pair, steps[pair[0]]) for pair in plain.pairs if pair[0] in steps]
     there = {one.pair: one for one in tried if one.rows}
-    # Of an engine the first: what else is as shipped tells its defaults apart.
+    # The first of each engine: further methods as shipped lack some of the defaults.
     first = {pair[0]: there[pair] for pair in reversed(as_shipped(plain)) if pair in there}
     shipped = sorted(first.values(), key=lambda one: one.size)
     clean = [one for pair, one in there.items() if pair not in as_shipped(plain)]
@@ -101,7 +101,7 @@ def answer(gathered: ReportData, harmless: Collection[str] = frozenset()) -> tup
 
 
 def _others(shipped: Sequence[_AtStock]) -> list[str]:
-    """The other defaults in short: between which medians they lie, and which mostly blow up."""
+    """The other defaults in short: the range of their medians, and which mostly blow up."""
     ended = [one for one in shipped if one.size[0] < math.inf]
     unfinished = [one.pair[0] for one in shipped if one not in ended]
     sentences = []
@@ -116,7 +116,7 @@ def _others(shipped: Sequence[_AtStock]) -> list[str]:
 
 
 def _no_gyroscopic_torque(gathered: ReportData) -> list[str]:
-    """Which engines leave it out, and what comes of that; nothing where none does."""
+    """The engines that leave out the gyroscopic torque, and the effect; empty if none does."""
     lacking, tried = without_gyroscopic_torque(gathered)
     if not lacking:
         return []
@@ -161,7 +161,7 @@ def _instead(shipped: _AtStock, clean: Sequence[_AtStock]) -> str:
 
 
 def _why(shipped: _AtStock, scenes: Sequence[SceneRuns], harmless: Collection[str]) -> str:
-    """Whether it is the timestep, or what the engine does besides."""
+    """The reason of the errors: the timestep, or defaults of the engine."""
     verdicts = {
         scene.name: runs.verdict.verdict
         for scene in scenes
@@ -188,7 +188,7 @@ def _why(shipped: _AtStock, scenes: Sequence[SceneRuns], harmless: Collection[st
 
 
 def _by_each_default(pair: Pair, scenes: Sequence[SceneRuns]) -> str:
-    """On how many scenes each default by itself puts ω off, where that was measured."""
+    """On how many scenes each default alone causes an error of ω, if that was measured."""
     measured = [
         one
         for scene in scenes
@@ -207,7 +207,7 @@ def _by_each_default(pair: Pair, scenes: Sequence[SceneRuns]) -> str:
 
 
 def _acting(shipped: _AtStock, wrong: Sequence[str], harmless: Collection[str]) -> str:
-    """What acted unasked, by the engine's own account, on how many of the scenes."""
+    """What acted though not called for, as reported by the engine, and on how many scenes."""
     rows = [shipped.rows[name] for name in wrong if name in shipped.rows]
     counted = Counter(cause for row in rows for cause in dict.fromkeys(_unasked(row)))
     return ", ".join(
@@ -218,7 +218,7 @@ def _acting(shipped: _AtStock, wrong: Sequence[str], harmless: Collection[str]) 
 
 
 def _unasked(row: Row) -> Iterator[str]:
-    # Sizes that were measured differ from scene to scene; what has a name does not.
+    # Measured sizes differ between scenes; names do not, so only names are counted.
     yield from (name for name in row.unasked if not any(map(str.isdigit, name)))
     if row.cause == "clamp":
         yield "a velocity clamp"

@@ -1,4 +1,4 @@
-"""What survives the scenes that are tagged as hard: a matrix, and a line a method."""
+"""Which methods survive the scenes tagged `hard`: a matrix, and one line for each method."""
 
 from statistics import median
 
@@ -9,7 +9,7 @@ from .analysis.wording import NOTHING, number
 from .overview import Matrix, matrix_of
 from .tables import Cell, Table, figure, table
 
-#: rad a step, at which methods are compared: a rung of every ladder's beginning is in between.
+#: rad a step, at which methods are compared; every ladder has a rung between the two.
 TURNS = (0.01, 0.1, 1.0)
 
 
@@ -19,12 +19,12 @@ def hard_scenes(gathered: ReportData) -> tuple[SceneRuns, ...]:
 
 
 def survivors(gathered: ReportData) -> Matrix:
-    """Verdicts on hard scenes, and in each cell the largest timestep that survives."""
+    """Matrix of verdicts on hard scenes, with the largest surviving timestep in each cell."""
     return matrix_of(gathered, hard_scenes(gathered), _detail)
 
 
 def survivors_table(gathered: ReportData) -> Table:
-    """How many hard scenes each method survives, and at which timestep."""
+    """Table of how many hard scenes each method survives, and at which timestep."""
     headings = (
         "engine",
         "method",

@@ -1,4 +1,4 @@
-"""The first screen's table: how far off each method is on each scene, as data for its script."""
+"""Data of the first screen's table, for its script: the error of each method on each scene."""
 
 from typing import Any
 
@@ -13,11 +13,11 @@ from .links import method_anchor, scene_page
 from .overview import GROUPS, group_of
 from .tables import SIGNS
 
-#: Significant digits: cells show two, their details three.
+#: Significant digits that are carried; cells show two, their details three.
 DIGITS = 3
-#: As the script's switch has them.
+#: Names of the timesteps in the script's switch.
 SHOWN_SIGNALS = ("attitude", "omega", "angular_momentum", "energy")
-#: Characters of why a run did not end ok.
+#: Characters of the reason of a run that is not ok.
 REASON = 160
 
 
@@ -26,8 +26,8 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
 
     A cell is None where a method was not tried, else `[verdict, stock, 1 ms, finest]`, each of the
     three None, or `[timestep, cost, attitude, ω, L, energy]` of a run that ended ok, or
-    `[timestep, outcome, when, why]` of one that did not. An error below what the reference is good
-    for is that, with a minus sign.
+    `[timestep, outcome, when, why]` of one that did not. An error below the reference's uncertainty
+    is given as that uncertainty with a minus sign.
     """
     steps = stock_timesteps(gathered)
     shipped = as_shipped(gathered)
@@ -54,7 +54,7 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
 
 
 def _label(pair: Pair, shipped: list[Pair]) -> str:
-    """Below its group: a method by its name, an engine as shipped by the engine's."""
+    """Heading below the group's: a method's name, or the engine's if it is as shipped."""
     engine, method = pair
     if pair not in shipped:
         return method
@@ -118,5 +118,5 @@ def _best(scene: SceneRuns, steps: dict[str, float]) -> dict[str, Any] | None:
 
 
 def _rounded(value: float | None) -> float | None:
-    """To the digits shown; None for what JSON has no number for."""
+    """The number rounded to the digits carried; None for inf and NaN, which JSON lacks."""
     return float(f"{value:.{DIGITS}g}") if value is not None and np.isfinite(value) else None

@@ -1,4 +1,4 @@
-"""What the report says of effects and passes that a scene does not call for: cost, and harm."""
+"""Tables on effects and passes that a scene does not call for: cost, and change of the motion."""
 
 from collections.abc import Sequence
 
@@ -7,12 +7,12 @@ from ..results.records import Key
 from .analysis.wording import NOTHING, number
 from .tables import Cell, Table, figure, table
 
-#: What a table of passes tells apart from noise: this many times what two equal sessions differ by.
+#: A pass is listed if its cost exceeds this many times the difference between equal sessions.
 BEYOND_NOISE = 2.0
 
 
 def effects_table(effects: Sequence[EffectsCost]) -> Table:
-    """A scene a row, an engine a column: what a step would cost more with everything left in."""
+    """Table, scenes × engines, of how much more a step would cost with everything left in."""
     methods = sorted({(cost.key.engine, cost.key.method) for cost in effects})
     cells = {cost.key: _cell(cost) for cost in effects}
     scenes = sorted({cost.key.scenario for cost in effects})
@@ -26,13 +26,13 @@ def effects_table(effects: Sequence[EffectsCost]) -> Table:
 
 
 def harm_in_words(effects: Sequence[EffectsCost]) -> str:
-    """On how many scenes leaving things out changed the motion."""
+    """In words, on how many scenes leaving passes out changed the motion."""
     same = sum(cost.difference == 0 for cost in effects)
     return f"{same} of {len(effects)} motions are identical to the last bit"
 
 
 def passes_table(costs: PassCosts) -> Table:
-    """Each pass by itself, as percent of a pruned step."""
+    """Table of the cost of each pass, in percent of a pruned step."""
     least = BEYOND_NOISE * costs.noise
 
     def share(part: float) -> Cell:
@@ -45,7 +45,7 @@ def passes_table(costs: PassCosts) -> Table:
 
 
 def passes_tables(passes: Sequence[PassCosts]) -> list[tuple[str, Table]]:
-    """A table an engine, with its heading."""
+    """For each engine a heading and a table."""
     return [(f"{p.key.engine} {p.key.method} on {p.key.scenario}", passes_table(p)) for p in passes]
 
 

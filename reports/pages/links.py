@@ -1,4 +1,4 @@
-"""Names of pages and of places in them."""
+"""Names of pages and of anchors in them."""
 
 from urllib.parse import quote
 
@@ -19,12 +19,12 @@ def ensemble_page(name: str) -> str:
 
 
 def method_anchor(engine: str, method: str) -> str:
-    """The place of a method's verdict on a scene's page."""
+    """The anchor of a method's verdict on a scene's page."""
     return ":".join(("method", _plain(engine), _plain(method)))
 
 
 def _plain(text: str) -> str:
-    """ASCII letters, digits, - and _ as they are, anything else by its code point."""
+    """ASCII letters, digits, - and _ unchanged; other characters as their code points."""
     return "".join(
         c if c.isascii() and (c.isalnum() or c in "-_") else f".{ord(c):x}." for c in text
     )

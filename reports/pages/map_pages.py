@@ -1,4 +1,4 @@
-"""The page of a map: what was varied, how to do it again, the figure and its tables."""
+"""The page of a map: definition, command, figure and tables."""
 
 import shlex
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from .tables import Table
 CAPTION = (
     "Every cell is one run against the exact motion of its own scene. Colour: the largest error of "
     "ω, relative; signs on the bare page: runs that did not finish, or were not made. Lines are "
-    "drawn by theory, from the scene at t = 0 alone, and told below."
+    "drawn by theory, from the scene at t = 0 alone, and explained below."
 )
 
 
@@ -44,7 +44,7 @@ class MapPage:
 
 
 def map_pages(results: Results) -> list[MapPage]:
-    """One a map that has any points."""
+    """A page for each map that has any points."""
     return [
         _page(name, Grid(result, methods_of(result.points, results), results.stock_timesteps))
         for name, result in numbered(results.maps)
@@ -70,7 +70,7 @@ def _page(name: str, grid: Grid) -> MapPage:
 
 
 def command(result: MapResult) -> str:
-    """What makes this map, as typed in a shell."""
+    """The shell command that makes this map."""
     words = ["spincheck", "map", result.map.scenario]
     for axis in result.map.axes:
         words += ["--vary", vary_option(axis)]

@@ -1,4 +1,4 @@
-"""A map as tables: what survives at which turn a step, how runs ended, what the lines mean."""
+"""A map as tables: survival by turn a step, how runs ended, meaning of the lines."""
 
 import math
 from collections import Counter
@@ -13,9 +13,9 @@ from .analysis.wording import NOTHING, number
 from .figures.map_figure import legend_of_bounds
 from .tables import Cell, Table, figure, table
 
-#: rad a step: half decades around the turn that a method can resolve.
+#: rad a step, limits of the columns: half decades around the turn that a method can resolve.
 TURNS = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
-#: What was run to some end of its own.
+#: Outcomes of runs that were made.
 RUN = ("ok", "diverged", "failed")
 
 
@@ -46,7 +46,7 @@ def ends_table(points: Iterable[PointResult], pairs: Iterable[Pair]) -> Table:
 
 
 def bounds_table(grid: Grid) -> Table:
-    """Every line that is drawn: what it says, and who says so."""
+    """Table of the lines: meaning, and source."""
     rows = ((Cell(b.label, "name"), b.meaning, b.source) for b in legend_of_bounds(grid))
     return table(("line", "what it says", "source"), rows)
 
@@ -91,7 +91,7 @@ def _survived(points: list[PointResult]) -> Cell:
 
 
 def percent(part: int, whole: int) -> str:
-    """`97 %`: 0 and 100 are said of none and of all only."""
+    """`97 %`; 0 and 100 are printed only for none and all."""
     rounded = round(100 * part / whole)
     if part and not rounded:
         return "< 1 %"

@@ -1,10 +1,10 @@
-"""Markdown in and out: what users wrote, made safe to show."""
+"""Converts users' Markdown safely to HTML, and escapes text in Markdown."""
 
 import re
 
 from markdown_it import MarkdownIt
 
-#: Raw HTML is shown as text; images and links are left as written: a report loads nothing.
+#: Raw HTML is shown as text; images and links are shown as written, so that a report loads nothing.
 _READER = (
     MarkdownIt("commonmark", {"html": False})
     .enable("table")
@@ -14,12 +14,12 @@ _SPECIAL = re.compile(r"([\\`*_{}\[\]|#~])")
 
 
 def to_html(text: str) -> str:
-    """Markdown as HTML that holds no element of the writer's own making."""
+    """Markdown as HTML, without any HTML of the writer's."""
     return str(_READER.render(text))
 
 
 def escaped(text: str) -> str:
-    """Plain text for a line or a cell of Markdown: it looks the same and marks nothing up."""
+    """Plain text escaped for a line or a cell of Markdown."""
     one_line = " ".join(text.split())
     safe = one_line.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
     return _SPECIAL.sub(r"\\\1", safe)

@@ -1,4 +1,4 @@
-"""The page of a user's model: what engines hold of it, the worst links first, and what to do."""
+"""The page of a user's model: how engines hold its links, the worst first, and remedies."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -27,11 +27,11 @@ from .figures.time_curves import TimeCurves, time_curves
 from .tables import Cell, Table, figure, table
 from .templating import templates, write, write_styles
 
-#: Links with pictures; the table has all.
+#: Number of links with pictures; the table has all.
 MOST_SHOWN = 12
 #: Times at which curves are computed, s.
 TIMES = np.linspace(0.0, 3.0, 61)
-#: How the file's own body is drawn.
+#: Style of the file's own body.
 INK = "var(--ink)"
 FILES_OWN = "the file"
 Who = tuple[str, str]
@@ -39,7 +39,7 @@ Who = tuple[str, str]
 
 @dataclass(frozen=True, eq=False)
 class LinkCard:
-    """One link: numbers, pictures, what the file has wrong, and the line that mends it."""
+    """One link: numbers, pictures, faults of the file, and the line that corrects it."""
 
     name: str
     where: str
@@ -67,7 +67,7 @@ def write_model_page(inspection: Inspection, folder: Path, name: str) -> Path:
 
 
 def page_names(paths: Sequence[Path]) -> list[str]:
-    """A page's name for each file: the folder's and its own, in characters that files may have."""
+    """A page name for each file: folder and file name, in safe characters."""
     names: list[str] = []
     for path in paths:
         whole = f"{path.absolute().parent.name}-{path.stem}"
@@ -108,7 +108,7 @@ def _content(inspection: Inspection) -> dict[str, object]:
 
 
 def _configurations(inspection: Inspection, who: Sequence[Who]) -> Table:
-    """What each configuration is, and how many links it holds as the file states them."""
+    """Table of the configurations, and how many links each holds as the file states them."""
     readers = model_readers()
     rows = []
     for k, (engine, configuration) in enumerate(who):
@@ -179,7 +179,7 @@ def _solids(
 def _keys(
     stated: Stated | None, otherwise: Sequence[Held], drawn: dict[Who, TraceStyle]
 ) -> Iterator[tuple[str, TraceStyle | None]]:
-    """What stands for what in the pictures of a link; None for the file's own look."""
+    """Entries of the key to the pictures of a link; None for the file's own style."""
     if stated is not None:
         yield FILES_OWN, None
     for held in otherwise:
@@ -187,7 +187,7 @@ def _keys(
 
 
 def _curves(otherwise: Sequence[Held], drawn: dict[Who, TraceStyle]) -> TimeCurves | None:
-    """The attitude apart over time, of the bodies that have a motion."""
+    """Curves of the attitude difference over time, of the bodies that are possible."""
     curves: list[tuple[str, TraceStyle, FloatArray]] = []
     for held in otherwise:
         if held.attitude_apart_deg is None or held.expected is None or held.body is None:

@@ -121,7 +121,7 @@ def _run(run: Compared, scene: SceneRuns, fastest: float) -> dict[str, Any]:
     data: dict[str, Any] = {
         "label": run.runs.label,
         "name": run_name(run.row),
-        # Plotly takes some HTML for markup.
+        # Plotly interprets some HTML.
         "hover": escape(run_name(run.row), quote=False),
         "outcome": run.row.outcome,
         "stopped_at": run.row.stopped_at,

@@ -1,4 +1,4 @@
-"""The first page's contents: a headline, the matrix of verdicts, methods and complaints."""
+"""The first page: headline, matrix of verdicts, methods and complaints."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
@@ -12,7 +12,7 @@ from .analysis.wording import NOTHING, number, order, plural
 from .links import method_anchor, scene_page
 from .tables import VERDICTS, Cell, Table, figure, table, verdict_cell
 
-#: How the headline says each verdict, of one and of several.
+#: Words of the headline for each verdict, singular and plural.
 VERDICT_PHRASES: dict[VerdictWord, tuple[str, str]] = {
     "converges": ("converges to the exact motion", "converge to the exact motion"),
     "disagrees": ("settles on a wrong one", "settle on a wrong one"),
@@ -43,7 +43,7 @@ class Matrix:
 
 
 def headline(gathered: ReportData) -> str:
-    """What came out, counted; hard scenes and engines as shipped are counted apart."""
+    """Counts of verdicts in words; hard scenes and engines as shipped are counted separately."""
     plain = gathered.plain
     verdicts = [verdict for verdict in plain.verdicts if not verdict.as_shipped]
     shipped = [verdict for verdict in plain.verdicts if verdict.as_shipped]
@@ -72,7 +72,7 @@ def headline(gathered: ReportData) -> str:
 
 
 def counts(gathered: ReportData) -> list[Cell]:
-    """How many pairs got each verdict, those with none and engines as shipped left out."""
+    """How many pairs have each verdict; without engines as shipped."""
     counted = Counter(v.verdict for v in gathered.verdicts if not v.as_shipped)
     return [verdict_cell(word, str(counted[word])) for word in VERDICTS if counted[word]]
 
@@ -87,7 +87,7 @@ def matrix_of(
     shown: Sequence[SceneRuns],
     detail: Callable[[SceneRuns, MethodRuns], str],
 ) -> Matrix:
-    """Verdicts on the scenes shown, and beside each what is to be said of it."""
+    """Matrix of verdicts on some scenes, with a note in each cell."""
     engines = Counter(engine for engine, _ in gathered.pairs)
     groups = []
     for title in GROUPS:
@@ -103,7 +103,7 @@ def matrix_of(
 
 
 def group_of(scene: SceneRuns) -> str:
-    """Which of `GROUPS` a scene is of, by its effects."""
+    """The one of `GROUPS` that a scene belongs to, by its effects."""
     if scene.solved is None:
         return "Not solved"
     effects = scene.solved.scenario.called_for
@@ -115,7 +115,7 @@ def group_of(scene: SceneRuns) -> str:
 
 
 def methods_table(gathered: ReportData) -> Table:
-    """What each method did, over all scenes."""
+    """Table of the methods, with their results over all scenes."""
     headings = (
         "engine",
         "version",
@@ -148,7 +148,7 @@ def complaints(
 
 
 def environment_table(gathered: ReportData) -> Table:
-    """Where the results come from."""
+    """Table of machine and versions."""
     return table(("", "value"), [(name, value) for name, value in gathered.environment.items()])
 
 
@@ -238,7 +238,7 @@ def _complaint(scene: SceneRuns, runs: MethodRuns, verdict: Verdict) -> list[Cel
 
 
 def reason_of(verdict: Verdict) -> str:
-    """Why, and which expectations are unmet."""
+    """The reason of a verdict, and its unmet expectations."""
     return "; ".join([verdict.reason, *(f"expectation unmet: {line}" for line in verdict.unmet)])
 
 

@@ -1,4 +1,4 @@
-"""What a page's script reads: figures, motions and folded tables, compressed into one element."""
+"""Data for a page's script: figures, motions and folded tables, compressed in one element."""
 
 import base64
 import json

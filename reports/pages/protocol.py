@@ -1,4 +1,4 @@
-"""The protocol's numbers, for the report to print: read from the code that uses them."""
+"""The constants of the verdict's protocol, for the report: read from the code that uses them."""
 
 from ...engines.read_back import READ_BACK_SLACK, READ_BACK_SLACK_SINGLE
 from ...reference.solution import MAX_UNCERTAINTY
@@ -17,7 +17,7 @@ from .analysis.wording import count, number
 
 
 def constants() -> dict[str, str]:
-    """Name and printed value of every number that the protocol mentions."""
+    """Name and printed value of every constant in the text of the protocol."""
     return {
         "coarsest_turn": number(ladder.COARSEST_TURN),
         "largest_turn": number(ladder.LARGEST_TURN),

@@ -31,7 +31,7 @@ from .written import ReportFolder
 
 #: Plotly, deflated: `figures.js` unpacks it.
 PLOTLY = "plotly.js"
-#: Of ours; written as they are.
+#: Our own scripts, written as they are.
 ASSETS = (
     "style.css",
     "scene.css",
@@ -41,12 +41,12 @@ ASSETS = (
     "motion.js",
     "player.js",
 )
-#: Of the MJCF that a page shows, s; runs differ from it in these two alone.
+#: Timestep, s, and integrator of the MJCF that a page shows; runs differ only in these.
 SHOWN_TIMESTEP, SHOWN_INTEGRATOR = 0.002, "RK4"
-#: What calls for attention; what is merely a limit of the method, and what was never tried.
+#: Verdicts that need attention; verdicts that are limits of a method, or not tried.
 WRONG: tuple[VerdictWord, ...] = ("disagrees", "failed")
 LIMITS: tuple[tuple[VerdictWord, ...], ...] = (("diverges", "unresolved"), ("unsupported",))
-#: What is said of an engine as shipped.
+#: Verdicts listed for engines as shipped.
 SHIPPED: tuple[VerdictWord, ...] = ("disagrees", "failed", "diverges", "unresolved")
 
 
@@ -123,7 +123,7 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
         "matrix": overview.matrix(plain),
         "methods": overview.methods_table(plain),
         "costs": cost_section(plain),
-        # Whatever is wrong is said of hard scenes too.
+        # Complaints include hard scenes.
         "complaints": [overview.complaints(gathered, WRONG), *limits],
         "shipped": overview.complaints(plain, SHIPPED, as_shipped=True),
         "environment": overview.environment_table(gathered),
@@ -142,7 +142,7 @@ def _hard_cases(gathered: ReportData, environment: Environment) -> dict[str, Any
 
 
 def _scene(scene: SceneRuns) -> dict[str, Any]:
-    """Everything that the HTML page and the Markdown section of a scene both show."""
+    """The contents of a scene, for its HTML page and its Markdown page."""
     content: dict[str, Any] = {
         "scene": scene,
         "answer": scene_answer(scene),
@@ -167,7 +167,7 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
 
 
 def _models(scenario: Scenario) -> dict[str, str]:
-    """The scene as engines load it, by the names of the files beside its page."""
+    """The scene's model files, by the names of the files beside its page."""
     return {
         f"{scenario.name}.xml": mjcf(scenario, SHOWN_TIMESTEP, SHOWN_INTEGRATOR),
         f"{scenario.name}.urdf": urdf(scenario),

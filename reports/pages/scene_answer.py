@@ -1,4 +1,4 @@
-"""The first thing on a scene's page: what to use, and what the engines' own defaults give."""
+"""The top of a scene's page: what to use, and the errors of the engines' defaults."""
 
 import math
 import shlex
@@ -30,13 +30,13 @@ HEADINGS = (
 )
 
 
-#: Defaults of so many engines are told in words, and drawn before others are asked for.
+#: Number of engines whose defaults are described, and drawn at first.
 SHOWN_DEFAULTS = 2
 
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What a reader in a hurry takes away.
+    """The answer at the top of a scene's page.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Answer:
     best : None where no method converges on the scene
     command : runs the best choice again; empty without one
     defaults : engines as shipped at their stock timesteps, and the best choice
-    others : every other method at its engine's stock timestep and at the one of all engines
+    others : every other method at its engine's stock timestep and at 1 ms
     """
 
     sentence: str
@@ -57,7 +57,7 @@ class Answer:
 
 
 def scene_answer(scene: SceneRuns) -> Answer | None:
-    """None where the scene could not be solved."""
+    """The answer for a scene; None if it could not be solved."""
     if scene.solved is None:
         return None
     best = best_choice(scene)
@@ -93,7 +93,7 @@ def closest_defaults(scene: SceneRuns) -> list[tuple[MethodRuns, Row]]:
 
 
 def attitude_in_degrees(scene: SceneRuns, row: Row) -> str:
-    """The attitude error of a run as it may be claimed; `NOTHING` where it has none."""
+    """The attitude error of a run, at least the uncertainty; `NOTHING` if it has none."""
     if row.errors is None:
         return NOTHING
     limit = math.degrees(scene.uncertainty(row).attitude)
@@ -135,7 +135,7 @@ def _run_in_words(scene: SceneRuns, label: str, row: Row) -> str:
 
 
 def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
-    """What the best choice costs beside the default of the same engine, in words."""
+    """In words, the cost of the best choice relative to the default of the same engine."""
     for runs, row in defaults:
         usual = cost(row)
         if runs.engine == best.runs.engine and row.outcome == "ok" and usual and best.cost:

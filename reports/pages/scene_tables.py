@@ -42,7 +42,7 @@ def effects_table(scenario: Scenario) -> Table:
 
 
 def exact_motion_table(solved: SceneResult) -> Table:
-    """What the reference is good for, and how the motion grows a rounding error."""
+    """Table of the reference's uncertainty and conditioning."""
     growth = dict(solved.solution.conditioning)
     rows = [
         (Cell(SIGNALS[name], "name"), figure(number(value)), figure(number(growth[name])))
@@ -52,7 +52,7 @@ def exact_motion_table(solved: SceneResult) -> Table:
 
 
 def facts_table(solved: SceneResult) -> Table:
-    """What a physicist asks of the scene."""
+    """Table of derived numbers of the scene."""
     rows = [
         (fact.name, figure(observed(fact.value)), fact.unit, fact.meaning)
         for fact in facts(solved.scenario)
@@ -61,7 +61,7 @@ def facts_table(solved: SceneResult) -> Table:
 
 
 def verdict_table(scene: SceneRuns) -> Table:
-    """One row a method, each a place that links lead to."""
+    """Table of verdicts; each row is an anchor."""
     headings = (
         "engine",
         "method",
@@ -77,7 +77,7 @@ def verdict_table(scene: SceneRuns) -> Table:
 
 
 def signals_table(scene: SceneRuns) -> Table:
-    """One row a method and signal: what the ladder says of each."""
+    """Table of verdicts by method and signal."""
     headings = (
         "engine",
         "method",
@@ -106,7 +106,7 @@ def signals_table(scene: SceneRuns) -> Table:
 
 
 def published_table(scenario: Scenario) -> Table | None:
-    """What others printed of the scene beside the reference's; None where nobody did."""
+    """Table of published values beside the reference's; None without any."""
     rows: list[list[Cell | str]] = [
         [
             Cell(value.quantity, "name"),
@@ -125,7 +125,7 @@ def published_table(scenario: Scenario) -> Table | None:
 
 
 def drifts_table(scene: SceneRuns) -> Table | None:
-    """How far each method's finest run drifts from each conserved quantity; None without any."""
+    """Table of the drifts of each method's finest run; None without any."""
     assert scene.solved is not None, "conserved quantities are those of a scene"
     laws = [invariant.law for invariant in invariants(scene.solved.scenario)]
     shown = [(runs, runs.finest) for runs in scene.methods]
@@ -144,7 +144,7 @@ def drifts_table(scene: SceneRuns) -> Table | None:
 
 
 def observables_table(scene: SceneRuns) -> Table | None:
-    """Rates, bounds and periods read off each finest run, beside the exact ones."""
+    """Table of rates, bounds and periods measured on each finest run, beside the exact ones."""
     assert scene.solved is not None, "what is exact is known of a solved scene"
     scenario, exact_motion = scene.solved.scenario, scene.solved.solution.trajectory
     exact = observables(scenario, exact_motion)
@@ -194,7 +194,7 @@ def runs_tables(scene: SceneRuns) -> list[MethodTable]:
 
 
 def printed(scene: SceneRuns) -> list[tuple[str, str]]:
-    """What engines wrote to the terminal: each method's name and its words, once."""
+    """What engines wrote to the terminal: method and text, each text once."""
     outputs = [(runs.label, row.printed) for runs in scene.methods for row in runs.rows]
     return list(dict.fromkeys((label, text) for label, text in outputs if text.strip()))
 
@@ -228,13 +228,13 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
 
 
 def _besides(runs: MethodRuns) -> str:
-    """What an engine as shipped does though the scene does not call for it; else empty."""
+    """What acts in an engine as shipped though the scene does not call for it; else empty."""
     names = dict.fromkeys(name for row in runs.rows for name in row.unasked)
     return f"Active though the scene does not call for it: {', '.join(names)}." if names else ""
 
 
 def _summary(runs: MethodRuns) -> str:
-    """In a line: version, verdict, how many runs and how they ended."""
+    """One line: version, verdict, number of runs and how they ended."""
     ended = Counter(row.outcome for row in runs.rows if row.made)
     versions = dict.fromkeys(row.engine_version for row in runs.rows)
     outcomes = ", ".join(f"{amount} {outcome}" for outcome, amount in ended.items())

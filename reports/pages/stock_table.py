@@ -11,7 +11,7 @@ from .tables import SIGNS, Cell, Table, figure, table
 
 
 def stock_table(gathered: ReportData) -> Table:
-    """A line a scene: every method's attitude error in degrees, engines as shipped first."""
+    """One line for each scene: attitude errors of all methods in degrees, as shipped first."""
     steps, shipped = stock_timesteps(gathered), as_shipped(gathered)
     pairs = [*shipped, *(pair for pair in gathered.pairs if pair not in shipped)]
     headings = [
@@ -49,7 +49,7 @@ def _best(scene: SceneRuns) -> str:
 
 
 def _attitude(scene: SceneRuns, row: Row) -> str:
-    """In degrees, as it may be claimed; of a run without errors, how it ended."""
+    """The attitude error in degrees, at least the uncertainty; without one, how the run ended."""
     if row.errors is None:
         when = f" at {duration(row.stopped_at)}" if row.stopped_at else ""
         return f"{row.outcome}{when}" if row.made else "not run"

@@ -1,4 +1,4 @@
-"""Maps and ensembles in a report: their pages, and what the overview says of them."""
+"""Maps and ensembles in a report: their pages, and tables for the overview."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from .written import ReportFolder
 
 @dataclass(frozen=True, eq=False)
 class SweepSection:
-    """What there is; tables without rows where there is nothing."""
+    """Pages and tables of maps and ensembles; tables have no rows if there are none."""
 
     maps: tuple[MapPage, ...]
     ensembles: tuple[EnsemblePage, ...]

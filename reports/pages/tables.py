@@ -31,10 +31,10 @@ class Cell:
 
     Attributes
     ----------
-    kind : what it is ("number", a verdict, …), which the style sheet colours or aligns
+    kind : "number", a verdict, …: the class by which the style sheet colours or aligns it
     detail : a second, smaller line
-    link : where it leads, relative to the page; the HTML page alone uses it
-    note : what the HTML page shows when it is asked for
+    link : its target, relative to the page; HTML only
+    note : text that the HTML page shows on demand
     """
 
     text: str

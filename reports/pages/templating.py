@@ -17,7 +17,7 @@ TEMPLATES = Path(str(files(__package__))) / "templates"
 
 @cache
 def templates() -> Environment:
-    """What renders them; what is put into HTML is escaped."""
+    """The template environment; values in HTML are escaped."""
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
         autoescape=select_autoescape(["html"]),
@@ -44,5 +44,5 @@ def write_styles(folder: Path, *names: str) -> None:
 
 
 def write(path: Path, text: str) -> None:
-    """The same bytes on every system, with nothing in them that commands a terminal."""
+    """Write a page: the same bytes on every system, without control characters."""
     path.write_text(shown(text), encoding="utf-8", newline="\n")

@@ -46,7 +46,7 @@ def write_version_page(
 
 
 def _changes(changes: Sequence[VersionChange]) -> Table:
-    """Those in which anything changed: regressions first, what is round-off last."""
+    """The comparisons with a change: regressions first, round-off last."""
     shown = sorted((c for c in changes if c.what), key=lambda c: (not c.is_worse, c.is_round_off))
     headings = ("scene", "method", "from", "to", "what changed", "")
     return table(
@@ -87,7 +87,7 @@ def _error(run: VersionRun, _: OverVersions) -> Cell:
 
 
 def _time(run: VersionRun, one: OverVersions) -> Cell:
-    """Of a step, as a multiple of the oldest version's that was timed."""
+    """Time of a step, as a multiple of that of the oldest version timed."""
     first = next((other.seconds for other in one.runs if other.seconds), ())
     if not run.seconds:
         return figure(NONE)

@@ -1,10 +1,10 @@
-"""The files of a report: written into one folder, where those of an earlier one do not stay."""
+"""Writes the files of a report into a folder, and removes those of an earlier report."""
 
 from pathlib import Path
 
 from .templating import write
 
-#: Names what was written, one path a line, relative to the folder.
+#: The file that lists what was written, one relative path a line.
 LIST = "assets/files.txt"
 
 
@@ -22,7 +22,7 @@ class ReportFolder:
         self._written: list[str] = []
 
     def write(self, name: str, text: str) -> Path:
-        """Write a file, `/` between folders and name; returns where it is."""
+        """Write a file, given as a relative path with `/`; returns its path."""
         path = self._folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         write(path, text)
@@ -30,7 +30,7 @@ class ReportFolder:
         return path
 
     def finish(self) -> None:
-        """Remove what an earlier report wrote here and this one did not; nothing else."""
+        """Remove files that an earlier report wrote and this one did not; nothing else."""
         for name in self._earlier() - set(self._written):
             path = self._folder / name
             if _is_inside(path, self._folder):
@@ -45,5 +45,5 @@ class ReportFolder:
 
 
 def _is_inside(path: Path, folder: Path) -> bool:
-    """Whether it is a file below the folder: the list may be anybody's."""
+    """Whether a listed path is below the folder: the list is not trusted."""
     return path.is_file() and path.parent.resolve().is_relative_to(folder.resolve())

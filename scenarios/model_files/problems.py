@@ -46,10 +46,10 @@ def problems(link: Link) -> tuple[Problem, ...]:
     stated = link.stated
     if stated is None:
         return ()
-    problems_found = [*_of_mass(stated), *_of_tensor(stated)]
-    if not problems_found and stated.is_physical:
-        problems_found = [*_placeholder(stated), *_outside_its_shapes(link, stated)]
-    return tuple(problems_found)
+    reported = [*_of_mass(stated), *_of_tensor(stated)]
+    if not reported and stated.is_physical:
+        reported = [*_placeholder(stated), *_outside_its_shapes(link, stated)]
+    return tuple(reported)
 
 
 def principal_moments(inertia: FloatArray) -> FloatArray:

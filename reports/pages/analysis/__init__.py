@@ -1,1 +1,1 @@
-"""What results say of accuracy and cost, in numbers."""
+"""Numbers of accuracy and cost, computed from results."""

@@ -1,4 +1,4 @@
-"""What it takes each method of a scene to stay within several bounds at once."""
+"""The timestep and cost that each method of a scene needs to stay within several bounds."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -14,12 +14,12 @@ Bounds = Mapping[Signal, float]
 
 @dataclass(frozen=True)
 class Candidate:
-    """One method, and what it takes it to stay within every bound.
+    """One method, and the timestep and cost it needs to stay within every bound.
 
     Attributes
     ----------
-    word, reason : how that is known, or why it is out of reach; of the bound that decides
-    decided_by : the error that needs the smallest timestep, or cannot be reached
+    word, reason : how that is known, or why it is out of reach, for the deciding bound
+    decided_by : the error whose bound needs the smallest timestep, or cannot be reached
     largest_stable : s, the coarsest timestep from which all finer ones ended well
     timestep : s; None where out of reach
     cost : CPU seconds a simulated second at that timestep
@@ -42,9 +42,9 @@ class Candidate:
 
 
 def candidates(scene: SceneRuns, bounds: Bounds) -> list[Candidate]:
-    """What it takes each method to stay within all bounds, the cheapest first.
+    """Timestep and cost of each method for staying within all bounds, the cheapest first.
 
-    Engines as shipped are none: what they do besides the scene, a bound on errors does not tell.
+    Engines as shipped are left out, since they may simulate something else than the scene.
     """
     offered = [runs for runs in scene.methods if not (runs.declared and runs.declared.as_shipped)]
     offers = [_candidate(scene, runs, bounds) for runs in offered]
@@ -52,7 +52,7 @@ def candidates(scene: SceneRuns, bounds: Bounds) -> list[Candidate]:
 
 
 def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """The others that the spread of the timings cannot tell from the first."""
+    """The candidates whose cost differs from the first's by less than the spread of the timings."""
     best, *others = candidates
     if best.cost is None:
         return []

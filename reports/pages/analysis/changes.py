@@ -1,7 +1,7 @@
-"""What changed between two result files, and what of it is for the worse.
+"""Compares two result files: all changes, and which of them are regressions.
 
-A number that differs by rounding, by less than the reference is sure of, or by less than timings
-scatter, has not changed.
+A number that differs by less than rounding, the reference's uncertainty or the scatter of timings
+counts as unchanged.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -14,13 +14,13 @@ from ...harness.observed_order import ASYMPTOTIC
 from ...results.records import Key, Row, Verdict, VerdictWord
 from ...results.store import Results, SceneResult
 
-#: An error that is this many times what it was has changed: at the same timestep, an engine that
-#: computes the same makes the same error, to rounding.
+#: An error has changed if it did by this factor: at the same timestep, an engine that computes the
+#: same makes the same error, to rounding.
 ERROR_FACTOR = 1.1
-#: A cost that is this many times what it was, and differs by more than both spreads, has changed.
+#: A cost has changed if it did by this factor, and by more than both spreads.
 #: Of 497 methods timed three times on one processor, busy with other work, no two times were more
-#: than 1.18 apart, though up to 12 % of them by more than both spreads; of steps twice as dear,
-#: 99 % are told.
+#: than 1.18 apart, though up to 12 % of them by more than both spreads; of steps that cost
+#: twice as much, 99 % are detected.
 COST_FACTOR = 1.25
 #: From good to bad.
 VERDICTS: tuple[VerdictWord, ...] = (
@@ -39,14 +39,14 @@ Direction = Literal["worse", "better", "other"]
 
 @dataclass(frozen=True)
 class Change:
-    """One thing that is not as it was.
+    """One difference between two result files.
 
     Attributes
     ----------
-    name : which of its kind: the entry of the environment, the signal of an error, the expectation
-    old, new : what it was and is; None where it is not there
+    name : the entry of the environment, the signal of an error, or the expectation
+    old, new : the values in the two files; None if missing
     direction : for the worse or for the better, or neither
-    regression : whether it is for the worse and to be blamed on what was tested
+    regression : whether it is for the worse, and due to the engine or program under test
     scenario, engine, method, timestep : where; None where that does not apply; s
     """
 
@@ -63,7 +63,7 @@ class Change:
 
 
 def changes(old: Results, new: Results) -> list[Change]:
-    """Everything that changed, the whole before its parts."""
+    """All changes: of the environment and scenes first, then of methods, then of runs."""
     edited = {name for name in old.scenes.keys() & new.scenes.keys() if _edited(name, old, new)}
     differences = [*_environment(old.environment, new.environment), *_scenes(old, new, edited)]
     differences += _methods(old, new)
@@ -80,7 +80,7 @@ def changes(old: Results, new: Results) -> list[Change]:
 
 @dataclass(frozen=True, eq=False)
 class _OfKey:
-    """What one file says of a method on a scene."""
+    """The results of a method on a scene in one file."""
 
     verdict: Verdict | None
     rows: Mapping[float, Row]
@@ -105,7 +105,7 @@ def _environment(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[Cha
 
 
 def _edited(name: str, old: Results, new: Results) -> bool:
-    """Whether a scene describes another motion; who edits its title or a comment changes none."""
+    """Whether a scene's motion differs; its title and comments do not count."""
 
     def described(scenario: Scenario) -> object:
         document = scenario.document
@@ -142,7 +142,7 @@ def _verdict(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Cha
 
 
 def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
-    """Expectations that became unmet or met, identified by what was expected, not by the error."""
+    """Expectations that became unmet or met; compared by what was expected, not by the error."""
     if old is None or new is None:
         return
     unmet = [
@@ -177,14 +177,14 @@ def _errors(
 
 
 def _noise(scene: SceneResult, row: Row) -> dict[str, float]:
-    """What an error is good for: the reference's uncertainty, and an ulp a step as it grows."""
+    """The uncertainty of an error: the reference's, plus an ulp a step times its growth."""
     uncertainty, conditioning = dict(scene.solution.uncertainty), dict(scene.solution.conditioning)
     uncertainty["omega"] = max(uncertainty["omega"], row.uncertainty)
     return {name: bound + row.steps * conditioning[name] for name, bound in uncertainty.items()}
 
 
 def _grown(old: float, new: float, noise: float) -> Direction | None:
-    """Whether an error has changed; large ones say only that the timestep is too coarse."""
+    """Whether an error has changed; large ones, where the timestep is too coarse, do not count."""
     if old == new or min(old, new) >= ASYMPTOTIC or abs(new - old) <= noise:
         return None
     if max(old, new) <= ERROR_FACTOR * min(old, new):

@@ -1,7 +1,7 @@
-"""What it costs a method to stay within an error.
+"""The cost for a method to stay within an error.
 
-Interpolated between two runs, extrapolated below the finest, or why it cannot be reached: the
-rules, and which constant sets each, are in docs/cost.md.
+It is interpolated between two runs, or extrapolated below the finest; else there is a reason why it
+cannot be reached. The rules and their constants are in docs/cost.md.
 """
 
 import math
@@ -35,7 +35,7 @@ Barrier = Literal[
 
 @dataclass(frozen=True)
 class Reach:
-    """What it takes a method to stay within an error.
+    """The timestep and cost that a method needs to stay within an error.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Reach:
     word : how its cost is known, or why it is out of reach
     reason : the same in a sentence
     timestep : s, and `cost`, CPU seconds a simulated second; None where out of reach
-    floor : what rounding may cause at the timestep that it takes; None where runs are within it
+    floor : the error that rounding may cause at that timestep; None if runs are within the error
     """
 
     level: float
@@ -55,11 +55,10 @@ class Reach:
 
 
 def reach(curve: Curve, level: float) -> Reach:
-    """What it takes to stay within an error: interpolated, extrapolated, or why it cannot be.
+    """The timestep and cost to stay within an error: interpolated, extrapolated, or why not.
 
-    Where the curve of logarithms bends it is the smaller timestep: between two runs the error is at
-    most that of the finer one times (dt ratio)^p, if p is the steeper of the slopes on either side
-    of it.
+    The interpolated timestep is on the safe side: between two runs the error is taken to be that of
+    the finer one times (dt ratio)^p, p being the steeper of the slopes on either side of it.
     """
     if curve.points and level < curve.uncertainty:
         reason = f"the reference itself is known to {curve.uncertainty:.1e}"
@@ -82,7 +81,7 @@ def reach(curve: Curve, level: float) -> Reach:
 def _first_within(curve: Curve, level: float) -> int | None:
     """Index of the coarsest stable run within an error that no finer run exceeds.
 
-    A finer run may exceed it where rounding explains that: there only a coarser one can help.
+    A finer run may exceed it if rounding explains that: then only a coarser one can help.
     """
     errors = [point.error for point in curve.stable]
     exceeding = [
@@ -95,18 +94,18 @@ def _first_within(curve: Curve, level: float) -> int | None:
 
 
 def _below_finest(curve: Curve, level: float, order: float) -> float:
-    """The timestep of an error below all runs, from the finest that rounding does not explain."""
+    """The timestep of an error below all runs, extrapolated from the finest above round-off."""
     finest = above_round_off(curve)[-1]
     return float(finest.timestep * (level / finest.error) ** (1 / order))
 
 
 def above_round_off(curve: Curve) -> list[CurvePoint]:
-    """The stable runs whose errors rounding alone does not explain."""
+    """The stable runs whose errors are larger than rounding explains."""
     return [point for point in curve.stable if point.error > curve.floor(point.timestep)]
 
 
 def cheapest(tried: Sequence[Curve], level: float) -> tuple[Curve, Reach] | None:
-    """The method that reaches an error at the least cost, and how; None where none does."""
+    """The method that reaches an error at the least cost, and how; None if none does."""
     reached = [
         (curve, reached_level)
         for curve in tried
@@ -118,7 +117,7 @@ def cheapest(tried: Sequence[Curve], level: float) -> tuple[Curve, Reach] | None
 def order_ratio(tried: Sequence[Curve], level: float, low: int = 1, high: int = 4) -> float | None:
     """How many times more the cheapest method of one declared order costs than that of another.
 
-    None where either is out of reach.
+    None if either is out of reach.
     """
     costs = []
     for order in (low, high):
@@ -128,7 +127,7 @@ def order_ratio(tried: Sequence[Curve], level: float, low: int = 1, high: int = 
 
 
 def _below_the_ladder(curve: Curve, level: float) -> Reach:
-    """By the order that the method showed, unless it showed none or rounding comes first."""
+    """Extrapolate by the observed order, unless there is none or rounding prevents it."""
     if curve.verdict != "converges":
         return Reach(level, curve.verdict or "no verdict", curve.reason)
     if not curve.stable:
@@ -142,7 +141,7 @@ def _below_the_ladder(curve: Curve, level: float) -> Reach:
     order = observed_order(curve)
     if order is None or order < SETTLING_ORDER:
         return Reach(level, "no order", "no run is within it, and the errors show no order")
-    # The slope goes to a whole number as dt → 0: where it comes from above, that is the lesser.
+    # The slope tends to a whole number as dt → 0; if from above, that number is the smaller.
     timestep = _below_finest(curve, level, min(order, max(1, round(order))))
     floor = curve.floor(timestep)
     if floor >= level:

@@ -1,4 +1,4 @@
-"""What an ensemble says of a method: which members finished, and how large their errors are."""
+"""Statistics of a method over an ensemble: which members finished, and their errors."""
 
 from dataclasses import dataclass
 
@@ -10,8 +10,7 @@ from ...results.sweep_records import PointResult
 from .map_marks import is_coloured
 from .work_precision import Signal
 
-#: Fractions of the members whose errors are at most the ones told; by an order statistic each, so
-#: that every one of them is the error of some member.
+#: Quantiles that are shown, as order statistics: each is the error of some member.
 QUANTILES = (0.5, 0.9, 1.0)
 QUANTILE_NAMES = ("median", "90 %", "largest")
 
@@ -22,7 +21,7 @@ class Members:
 
     Attributes
     ----------
-    points : in the members' order; those without a scene are left out
+    points : in the members' order; members without a valid scene are left out
     """
 
     pair: Pair
@@ -30,11 +29,11 @@ class Members:
 
     @property
     def finished(self) -> tuple[PointResult, ...]:
-        """Those that came to the end of their windows."""
+        """The members whose runs finished."""
         return tuple(point for point in self.points if is_coloured(point))
 
     def errors(self, signal: Signal) -> FloatArray:
-        """Of the members that finished, ascending; in ω none below what the reference can tell."""
+        """Errors of finished members, ascending; in ω at least the reference's uncertainty."""
         errors = []
         for point in self.finished:
             assert point.errors is not None
@@ -43,14 +42,14 @@ class Members:
         return np.sort(np.array(errors, dtype=float))
 
     def quantiles(self, signal: Signal) -> tuple[float, ...] | None:
-        """At `QUANTILES`; None where no member finished."""
+        """The errors at `QUANTILES`; None if no member finished."""
         errors = self.errors(signal)
         if not len(errors):
             return None
         return tuple(np.quantile(errors, QUANTILES, method="inverted_cdf").tolist())
 
     def worst(self, count: int) -> tuple[PointResult, ...]:
-        """Those that did not finish, the earliest stopped first; then by the error of ω."""
+        """The worst members: those that did not finish, earliest first, then by the error of ω."""
         return tuple(sorted(self.points, key=_badness)[:count])
 
 

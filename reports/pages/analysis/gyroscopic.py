@@ -1,7 +1,7 @@
-"""Which engines turn a free body as if there were no gyroscopic torque, seen in their motions.
+"""Detects, from their motions, engines that lack the gyroscopic torque.
 
-Without ω × I ω nothing turns the angular velocity of a body that no torque acts on: it keeps its
-direction in space, however the body tumbles. A damping shortens ω and turns it as little.
+Without ω × I ω the angular velocity of a free body keeps its direction in space, however the body
+tumbles. A damping shortens ω but does not turn it either.
 """
 
 from dataclasses import dataclass
@@ -12,20 +12,20 @@ from ....scenarios import Trajectory
 from ...results.records import Pair
 from .report_data import Compared, ReportData
 
-#: rad; a scene tells if its exact ω turns by more, in space.
+#: rad; a scene is used if its exact ω turns by more in space.
 TELLING = 0.2
-#: A run whose ω turns by less than this part of it lacks the torque.
+#: A run lacks the torque if its ω turns by less than this fraction of that.
 STEADY = 0.02
 
 
 @dataclass(frozen=True)
 class NoGyroscopicTorque:
-    """An engine as shipped whose ω keeps its direction in space where it should not.
+    """An engine as shipped whose ω keeps its direction in space though the exact ω does not.
 
     Attributes
     ----------
-    scenes : names of those where that is seen
-    worst_scene, omega_error : where ω is furthest off, relative, and by how much
+    scenes : names of the scenes where that is so
+    worst_scene, omega_error : the scene with the largest relative error of ω, and that error
     """
 
     engine: str
@@ -37,7 +37,7 @@ class NoGyroscopicTorque:
 def without_gyroscopic_torque(
     gathered: ReportData,
 ) -> tuple[tuple[NoGyroscopicTorque, ...], int]:
-    """The engines as shipped that lack it on every scene that tells, and of how many engines."""
+    """The engines as shipped that lack it on every scene used, and the number of engines."""
     lacking: dict[Pair, dict[str, float]] = {}
     has_it: set[Pair] = set()
     for scene in gathered.scenes:
@@ -59,7 +59,7 @@ def without_gyroscopic_torque(
 
 
 def turned_in_space(motion: Trajectory) -> float:
-    """The largest angle between ω and what it was at the start, rad; 0 of a body at rest."""
+    """The largest angle between ω and ω at the start, in space, rad; 0 for a body at rest."""
     omega_world = motion.to_world(motion.omega_body)
     start = omega_world[0]
     across = np.linalg.norm(np.cross(omega_world, start), axis=1)

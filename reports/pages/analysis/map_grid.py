@@ -46,7 +46,7 @@ class Grid:
 
     Attributes
     ----------
-    found : as it was stored; the first axis runs across, the second up
+    result : the map as stored; the first axis runs across, the second up
     methods : what adapters declared of those that were run, in reading order; None where unknown
     stock_timesteps : of their engines that have one, s
     """
@@ -68,7 +68,7 @@ class Grid:
 
     @cached_property
     def points(self) -> dict[Pair, dict[Node, PointResult]]:
-        """By method and grid point; what is invalid for all methods is there for each."""
+        """By method and grid point; points invalid for all methods appear for each."""
         across, up = ({value: k for k, value in enumerate(axis.values)} for axis in self.axes)
         sorted_points: dict[Pair, dict[Node, PointResult]] = {pair: {} for pair in self.methods}
         for point in self.result.points:

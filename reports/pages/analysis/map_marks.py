@@ -1,7 +1,7 @@
 """Marks of the points of a map that have no error to colour them by.
 
-Colour is for the error of runs that finished; everything else is a sign on the bare page, so that
-neither a colour-blind reader nor a printer takes one for the other.
+Colour shows the error of runs that finished. Everything else is a sign on the bare page, so that it
+is distinguishable without colours.
 """
 
 from collections.abc import Iterable
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from ...results.sweep_records import PointOutcome, PointResult
 
-#: One outcome's signs, for its causes in order of their names; the last stands for all further.
+#: Signs for each outcome, for its causes in alphabetical order; the last for all further causes.
 SIGNS: dict[PointOutcome, tuple[str, ...]] = {
     "diverged": ("x-thin", "cross-thin", "asterisk", "y-up", "y-down"),
     "failed": ("square-open", "diamond-open", "triangle-up-open"),

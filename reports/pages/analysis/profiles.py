@@ -24,8 +24,8 @@ class Profile:
 
     Attributes
     ----------
-    scenes : all that count, reached or not
-    ratios : of every method, ascending: its cost over the cheapest, on each scene that it reaches
+    scenes : number of all scenes, reached or not
+    ratios : by method, ascending: its cost over the cheapest, on each scene that it reaches
     """
 
     signal: Signal
@@ -34,14 +34,14 @@ class Profile:
     ratios: dict[Pair, tuple[float, ...]]
 
     def fraction(self, pair: Pair, factor: float) -> float:
-        """Of the scenes, those that a method solves within a factor of the cheapest."""
+        """Fraction of the scenes that a method solves within a factor of the cheapest."""
         within = sum(ratio <= factor for ratio in self.ratios[pair])
         return within / self.scenes if self.scenes else 0.0
 
 
 @dataclass(frozen=True)
 class Tally:
-    """What one method does at one error, over all scenes.
+    """Results of one method at one error, over all scenes.
 
     Attributes
     ----------

@@ -17,13 +17,13 @@ from .trace_style import TraceStyle, trace_styles
 
 @dataclass(frozen=True, eq=False)
 class MethodRuns:
-    """What one method did on one scene.
+    """The runs of one method on one scene, and the verdict.
 
     Attributes
     ----------
     rows : coarse to fine
-    verdict : None where the study was stopped before there was one
-    declared : what the adapter said of the method when it ran; None where the file does not tell
+    verdict : None if the study was stopped before there was one
+    declared : what the adapter declared of the method when it ran; None if not in the file
     """
 
     engine: str
@@ -67,7 +67,7 @@ class SceneRuns:
 
     Attributes
     ----------
-    found : the scene and its exact motion; None where it could not be solved
+    solved : the scene and its exact motion; None if it could not be solved
     defaults : of engines as shipped, what each default does to the motion, where that was measured
     """
 
@@ -101,7 +101,7 @@ class SceneRuns:
         )
 
     def uncertainty(self, row: Row) -> Errors:
-        """What the reference of a run is good for; that of ω is recorded with the run."""
+        """Uncertainty of the reference of a run; that of ω is stored with the run."""
         assert self.solved is not None, "a run with errors has a reference"
         of_reference = self.solved.solution.uncertainty
         return replace(of_reference, omega=max(of_reference.omega, row.uncertainty))
@@ -133,7 +133,7 @@ class ReportData:
 
     @property
     def plain(self) -> "ReportData":
-        """Without the hard scenes, which are there to be survived; with them where no other is."""
+        """The plain scenes; the hard ones if there are no others."""
         plain = tuple(s for s in self.scenes if not (s.solved and s.solved.scenario.hard))
         return replace(self, scenes=plain or self.scenes)
 
@@ -184,7 +184,7 @@ def _compared(
 
 
 class _ExactMotions:
-    """The exact motion at runs' samples: as stored if they are the ladder's, else solved again."""
+    """The exact motion at a run's samples: stored if they are the ladder's, else solved again."""
 
     def __init__(self, scene: SceneResult) -> None:
         self._scene = scene

@@ -13,13 +13,13 @@ from .wording import NOTHING, number
 
 @dataclass(frozen=True)
 class Survival:
-    """How far up a method survives.
+    """The largest timestep that a method survives.
 
     Attributes
     ----------
-    timestep : s, the largest from which on down every run survived; None where the finest did not
-    turn : rad a step that it makes where the motion is fastest; likewise
-    at_least : whether no larger one was tried: all survived
+    timestep : s, the largest below which every run survived; None if the finest did not
+    turn : rad a step at that timestep where the motion is fastest; None if the finest did not
+    at_least : whether all runs survived, so that a larger timestep may too
     """
 
     timestep: float | None
@@ -38,7 +38,7 @@ class Survival:
 
 
 def survival(rows: Iterable[Row], fastest_rate: float | None) -> Survival | None:
-    """Of one method on one scene; None where it cannot simulate the scene, or was not run.
+    """The largest timestep that a method survives on a scene; None if it was not run there.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ from .work_precision import cost
 #: The engine's own stock timestep, the one that all engines share, and the finest that ended well.
 At = Literal["stock", "common", "finest"]
 AT: tuple[At, ...] = ("stock", "common", "finest")
-#: What a best choice stays within: attitude in rad, and ω relative to its largest.
+#: Bounds of a best choice: attitude in rad; ω, relative to its largest.
 ATTITUDE_WITHIN, OMEGA_WITHIN = math.radians(0.1), 1e-3
 
 
@@ -24,7 +24,7 @@ class BestChoice:
     Attributes
     ----------
     cost : CPU seconds a simulated second; None where nothing was timed
-    within : whether it is accurate enough; else it is the most accurate there is
+    within : whether it is accurate enough; if not, it is the most accurate run
     """
 
     runs: MethodRuns
@@ -80,7 +80,7 @@ def attitudes_at(gathered: ReportData, pair: Pair, timestep: float) -> dict[str,
 
 
 def leading(gathered: ReportData) -> list[Pair]:
-    """Of each engine its first method as shipped, and of the others the most accurate in median."""
+    """Each engine's first method as shipped, and the most accurate, in median, of the others."""
     steps, shipped = stock_timesteps(gathered), as_shipped(gathered)
     first = {engine: (engine, method) for engine, method in reversed(shipped)}
     middles = {
@@ -98,8 +98,8 @@ def leading(gathered: ReportData) -> list[Pair]:
 def best_choice(scene: SceneRuns) -> BestChoice | None:
     """The cheapest run within `ATTITUDE_WITHIN` and `OMEGA_WITHIN`, of methods that converge.
 
-    The most accurate where none is; None where no method converges. Engines as shipped are left
-    out, and so is what was not timed where anything was.
+    If there is none, the most accurate run; None if no method converges. Engines as shipped are
+    left out; so are untimed runs if any run was timed.
     """
     tried = [
         BestChoice(runs, row, cost(row), _within(scene, row))

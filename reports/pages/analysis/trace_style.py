@@ -1,6 +1,6 @@
 """How each method is drawn: the same colour, dash and marker on every page.
 
-No two methods have both dash and marker in common: hue is never the only difference.
+No two methods share both dash and marker, so colour is never the only difference.
 """
 
 from collections.abc import Iterable

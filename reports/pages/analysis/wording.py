@@ -1,10 +1,10 @@
-"""How the report prints numbers: three significant digits, powers of ten, nothing below a limit."""
+"""Formats numbers for the report: three significant digits, powers of ten, limited errors."""
 
 import math
 
 from ....scenarios import Errors
 
-#: What stands where there is no number.
+#: Printed where there is no number.
 NOTHING = "—"
 #: Numbers from 0.01 up to 1000 are printed without a power of ten.
 PLAIN_POWERS = range(-2, 3)
@@ -20,7 +20,7 @@ SIGNALS = {
 }
 ERROR_HEADINGS = {name: title.replace(",", " error,") for name, title in SIGNALS.items()}
 
-#: Steps a second of screens and simulators: their timesteps are said as fractions.
+#: Common step rates, 1/s: their timesteps are printed as fractions, such as 1/240 s.
 RATES = range(30, 1000, 30)
 UNITS = (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9))
 
@@ -60,7 +60,7 @@ def power_of_ten(exponent: int) -> str:
 
 
 def duration(seconds: float) -> str:
-    """A timestep as one says it: 2 ms, 1/240 s, 65.1 µs, 0.5 s."""
+    """A timestep: 2 ms, 1/240 s, 65.1 µs, 0.5 s."""
     per_second = round(1 / seconds) if seconds else 0
     if per_second in RATES and math.isclose(seconds * per_second, 1.0):
         return f"1/{per_second} s"
@@ -70,17 +70,17 @@ def duration(seconds: float) -> str:
 
 
 def observed(value: float) -> str:
-    """Five significant digits, for values that are to be compared with one another."""
+    """Five significant digits, for values that are compared with each other."""
     return number(value, COMPARED_DIGITS)
 
 
 def count(value: int) -> str:
-    """A whole number, its thousands apart."""
+    """A whole number with spaces between thousands."""
     return f"{value:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
 
 
 def limited(error: float | None, uncertainty: float) -> str:
-    """An error as it may be claimed: never below the uncertainty of the reference."""
+    """An error as printed: never below the uncertainty of the reference."""
     if error is None or not error <= uncertainty:
         return number(error)
     return f"≤ {number(uncertainty)}"

@@ -27,7 +27,7 @@ EPS = float(np.finfo(float).eps)
 class CurvePoint:
     """One finished run: timestep, s; CPU seconds a simulated second, None where not timed; error.
 
-    The error is never below what the reference is good for.
+    The error is at least the reference's uncertainty.
     """
 
     timestep: float
@@ -45,7 +45,7 @@ class Curve:
     stable : those of the ladder and above it that are below the last run that did not end ok
     seconds_per_step : CPU time of a step, s, None where it was not timed
     uncertainty : of the reference, in this error
-    rounding : what rounding alone may cause at a timestep of 1 s; in inverse proportion at others
+    rounding : error that rounding may cause at a timestep of 1 s; proportional to 1/timestep
     declared : the order of accuracy of ω that the adapter declares; None where it is not known
     verdict, reason, order : on the method and scene; None where there is none
     """
@@ -69,7 +69,7 @@ class Curve:
         return f"{self.engine} {self.method}"
 
     def floor(self, timestep: float) -> float:
-        """The least error that a run can show: each step is good for one ulp, as it grows."""
+        """The error of a run due to rounding: one ulp a step, times its growth."""
         return self.uncertainty + self.rounding / timestep
 
 
@@ -94,7 +94,7 @@ def curve_of(scene: SceneRuns, runs: MethodRuns, signal: Signal) -> Curve:
         stable=tuple(
             point
             for point, row in zip(points, finished, strict=True)
-            # A stock timestep may be next to one of the ladder's: no slope is read off such a pair.
+            # A stock timestep may be close to one of the ladder: such a pair gives no slope.
             if point.timestep < min(unfinished, default=math.inf) and not row.stock
         ),
         seconds_per_step=finished[-1].seconds_per_step if finished else None,
@@ -115,15 +115,15 @@ def cost(row: Row) -> float | None:
 
 
 def slope(coarse: CurvePoint, fine: CurvePoint) -> float:
-    """The order of accuracy that two runs show."""
+    """The order of accuracy between two runs."""
     return math.log(coarse.error / fine.error) / math.log(coarse.timestep / fine.timestep)
 
 
 def observed_order(curve: Curve) -> float | None:
     """Least-squares slope of log error against log timestep over the finest usable runs.
 
-    Usable are those that the verdict reads its order off: asymptotic, and above all floors. Where
-    this error has too few of them, the order is the one that the verdict rests on.
+    Usable runs are those used for the verdict's order: in the asymptotic range, and above round-off
+    and the reference's uncertainty. With too few of them, the order is that of the verdict.
     """
     timesteps = np.array([point.timestep for point in curve.stable])
     errors = np.array([point.error for point in curve.stable])

@@ -10,13 +10,13 @@ from .drawn_body import axis_body
 from .plot import Figure, Panel, Range, layout, padded, start_dot
 
 HEIGHT = 400
-#: Degrees of azimuth unrolled at first; more is there to be dragged into view.
+#: Degrees of azimuth shown at first; the rest can be dragged into view.
 ONE_TURN = 360.0
 #: Room around the path as seen from above, as a factor.
 MARGIN = 1.1
-#: A smaller path, in radians, is drawn as the point it is.
+#: rad; a smaller path is drawn as a point.
 NARROWEST = 1e-6
-#: Degrees; a tilt that changes less is steady, and is framed with this room on either side.
+#: Degrees; a tilt that changes less counts as steady, with this margin on both sides.
 STEADY, STEADY_ROOM = 1e-6, 0.5
 
 

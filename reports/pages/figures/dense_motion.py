@@ -1,4 +1,4 @@
-"""The exact motion as closely sampled as a smooth line takes, whatever a run was sampled at."""
+"""The exact motion, sampled closely enough for a smooth line."""
 
 import math
 
@@ -8,12 +8,12 @@ from ....reference import ExactMotion
 from ....scenarios import Trajectory
 from ..analysis.report_data import SceneRuns
 
-#: Samples of a path, and of a turn at the fastest rate.
+#: Largest number of samples of a path; samples a turn at the fastest rate.
 MOST, A_TURN = 500, 24
 
 
 def dense_motion(scene: SceneRuns) -> Trajectory:
-    """The exact motion of the window; of one of many turns, the first `MOST / A_TURN`."""
+    """The exact motion of the window; if it has more than `MOST / A_TURN` turns, only that many."""
     assert scene.solved is not None, "what is exact is known of a solved scene"
     end = float(scene.solved.solution.trajectory.t[-1])
     turns = scene.fastest_rate * end / (2 * math.pi)

@@ -13,7 +13,7 @@ from ...results.store import SceneResult
 
 #: Moments of a box of half sides h: I₁ = m (h₂² + h₃²)/3; of an ellipsoid: I₁ = m (h₂² + h₃²)/5.
 BOX, ELLIPSOID = 3.0, 5.0
-#: A flat body is drawn at least this thick, as a part of its widest half side.
+#: A flat body is drawn at least this thick, as a fraction of its largest half side.
 LEAST_THICKNESS = 0.03
 
 
@@ -28,7 +28,7 @@ class DrawnBody:
     R_body_axes : principal axes about the com to body axes, (3, 3)
     axis_body : unit vector of the axis whose path is drawn, (3,)
     up_world : the direction that the axis' tilt θ is measured from, unit, (3,)
-    up_means : the same in words
+    up_means : that direction in words
     """
 
     shape: Literal["box", "ellipsoid"]
@@ -59,7 +59,7 @@ def drawn_body(solved: SceneResult) -> DrawnBody:
 
 
 def axis_body(scenario: Scenario) -> FloatArray:
-    """From the pivot to the com; else the axis of symmetry, else that of the largest part of L."""
+    """Unit vector from pivot to com; else of the symmetry axis, else of the largest part of L."""
     length = float(np.linalg.norm(scenario.body.com))
     if scenario.has_pivot and length:
         return np.asarray(scenario.body.com / length, dtype=float)

@@ -11,9 +11,9 @@ from ..analysis.trace_style import TraceStyle
 from .plot import Figure, Panel, layout, line, method_style
 
 HEIGHT = 480
-#: Factors beside the outermost errors, and percent beside 0 and 100, so that curves are not cut.
+#: Margins: a factor beside the outermost errors, and percent beside 0 and 100.
 BESIDE, MARGIN = 2.0, 3.0
-#: Beyond this every error is as wrong as can be; a blow-up that finished would flatten the rest.
+#: Largest error drawn; a blow-up that finished would compress the rest of the axis.
 LARGEST = 1e2
 
 

@@ -1,4 +1,4 @@
-"""The figures of a scene, in the order they are read."""
+"""The figures of a scene, in reading order."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Titled:
     name : for links and tests
     title : one line above
     caption : what is drawn and what to look for
-    beside : more of them, side by side with the first where there is room
+    beside : further figures, side by side with the first if there is room
     """
 
     name: str
@@ -34,7 +34,7 @@ class Titled:
 
     @property
     def parts(self) -> tuple[Figure, ...]:
-        """All of them, in the order they are read."""
+        """The figure and those beside it, in reading order."""
         return (self.figure, *self.beside)
 
 

@@ -23,31 +23,31 @@ from ...results.store import SceneResult
 from .axis_path import frame_about
 from .drawn_body import DrawnBody, drawn_body
 
-#: Frames a second, and of a film at most so many.
+#: Frames a second; largest number of frames of a film.
 FRAMES_A_SECOND, MOST_FRAMES = 20, 120
-#: rad a frame, beyond which a body seems to stand still or to turn backwards.
+#: rad, largest turn between frames: beyond it a body seems to stand still or to turn backwards.
 TURN_A_FRAME = 0.5
-#: Inches of one body's picture and of the title above, and pixels an inch.
+#: Inches of one body's picture and of the title above; pixels an inch.
 SIZE, TITLE, PIXELS_AN_INCH = 3.4, 0.6, 100
-#: Of the exact path, between two frames.
+#: Points of the exact path between two frames.
 PATH_POINTS = 8
-#: ω and L are drawn so long, in parts of the picture: where they are parallel both are seen.
+#: Lengths of ω and L in the picture, different so that both are visible if parallel.
 OMEGA_LENGTH, MOMENTUM_LENGTH = 0.95, 0.65
 LIGHT = LightSource(azdeg=200, altdeg=65)
 #: Patches of an ellipsoid from pole to pole, and around.
 BELTS, SECTORS = 8, 16
-#: By the ending of the file.
+#: Writers by the ending of the file.
 WRITERS: dict[str, Any] = {".gif": PillowWriter, ".mp4": FFMpegWriter}
 BODY, STRIPE, OMEGA, MOMENTUM, PATH = "#8492a6", "#5f6d80", "#b3261e", "#0b6e4f", "#1b1f24"
 
 
 class NoWriterError(Exception):
-    """What would write such a film is not installed."""
+    """The program that writes such a film is not installed."""
 
 
 @dataclass(frozen=True, eq=False)
 class Filmed:
-    """A motion to be filmed, under a title."""
+    """A motion to be filmed, and its title."""
 
     title: str
     motion: Trajectory
@@ -105,7 +105,7 @@ def frame_times(solved: SceneResult) -> FloatArray:
 
 
 def state_at(motion: Trajectory, time: float) -> tuple[Rotation, FloatArray]:
-    """Attitude and ω (body axes, rad/s), between two samples turned evenly; at the end it stays."""
+    """Attitude and ω (body axes, rad/s), interpolated between samples; constant after the last."""
     last = len(motion.t) - 1
     k = min(max(int(np.searchsorted(motion.t, time)), 1), last)
     if not last or time >= motion.t[-1]:
@@ -118,7 +118,7 @@ def state_at(motion: Trajectory, time: float) -> tuple[Rotation, FloatArray]:
 
 
 class _Pane:
-    """One body in its picture; of what is moved seen from the com, or from the pivot."""
+    """One body in its picture, drawn about the com or the pivot."""
 
     def __init__(self, axes: Any, filmed: Filmed, body: DrawnBody, scenario: Scenario) -> None:
         self._axes, self._filmed = axes, filmed
@@ -162,7 +162,7 @@ class _Pane:
 
 
 def _tints(faces: int) -> list[str]:
-    """Of a box one colour; of an ellipsoid stripes, so that its spin is seen."""
+    """Colours of the faces: one for a box; stripes for an ellipsoid, to make its spin visible."""
     if faces < SECTORS:
         return [BODY] * faces
     return [STRIPE if (k % SECTORS // 2) % 2 else BODY for k in range(faces)]

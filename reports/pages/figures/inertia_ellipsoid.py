@@ -1,8 +1,8 @@
 """The solid ellipsoid with a body's mass, com and tensor, seen along the axes of its link.
 
 A uniform ellipsoid of semi-axes a has the second moments of mass m a² / 5 along them; those of a
-tensor I are (tr I / 2) E − I (Goldstein, Classical Mechanics, §5.3). A tensor that no body has has
-none: a second moment is negative.
+tensor I are (tr I / 2) E − I (Goldstein, Classical Mechanics, §5.3). A tensor that no body can have
+has no ellipsoid: one of its second moments is negative.
 """
 
 from collections.abc import Sequence
@@ -12,14 +12,14 @@ import numpy as np
 
 from ....scenarios import FloatArray
 
-#: Of a solid ellipsoid: a² = 5 × the second moment over the mass.
+#: For a solid ellipsoid, a² = 5 × second moment / mass.
 SOLID = 5.0
 #: Pairs of axes that a view shows, to the right and up, and the axis that it looks along.
 VIEWS = ((0, 1), (0, 2), (1, 2))
 AXES = "xyz"
 #: Width and height of a view; its margin.
 SIZE, MARGIN = 200.0, 26.0
-#: The least that anything is drawn with.
+#: Smallest size of anything drawn.
 LEAST = 1.5
 #: Lengths of scale bars, m: 1, 2 or 5 times a power of ten, at most this part of the width.
 BAR = 0.4
@@ -27,14 +27,13 @@ BAR = 0.4
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """What an ellipsoid is drawn from.
+    """The data that an ellipsoid is drawn from.
 
     Attributes
     ----------
-    name, colour, dash : of the configuration that holds it; of the file, of the page's own ink
+    name, colour, dash : of the configuration that holds it; the file's body has the text's colour
     com : m, (3,)
-    squares : the matrix whose ellipse in a plane is that part of it, m², (3, 3); None of a tensor
-        that no body has
+    squares : matrix of the squared semi-axes, m², (3, 3); None for a tensor that no body can have
     """
 
     name: str
@@ -67,7 +66,7 @@ class View:
     right, up : names of the axes
     origin : of the link's frame
     ellipses : the file's first; an impossible tensor is a point, with no radius
-    bar, bar_text : length of the scale bar, and the length that it stands for
+    bar, bar_text : length of the scale bar in the picture, and the length it represents
     """
 
     right: str
@@ -127,7 +126,7 @@ def _ellipse(
 
 
 def _reach(squares: FloatArray) -> FloatArray:
-    """How far an ellipsoid goes along each axis, m."""
+    """Half extents of an ellipsoid along the axes, m, (3,)."""
     return np.asarray(np.sqrt(np.maximum(np.diag(squares), 0.0)))
 
 

@@ -26,20 +26,20 @@ from .plot import (
 
 SIGNALS = {"omega": "ω error, relative", "attitude": "attitude error, rad"}
 HEADINGS = {"omega": "Angular velocity", "attitude": "Attitude"}
-#: A guide runs beside its curve: this factor below it, and over this factor of timesteps.
+#: A guide line is drawn this factor below its curve, over this factor of timesteps.
 GUIDE_BELOW, GUIDE_SPAN = 4.0, 8.0
-#: Enough that a guide ends close to where it is cut.
+#: Number of points of a guide line.
 GUIDE_POINTS = 25
 #: Room beside the outermost points of a log axis, as a factor.
 BESIDE = 1.5
 
-#: Broad enough to be seen behind the curves that touch it.
+#: Line width of the Pareto front, visible behind the curves that touch it.
 FRONT_WIDTH = 7.0
 
 #: The panel of errors, and below it the strip of the runs that have none.
 ERRORS, STRIP = ((0.0, 1.0), (0.26, 1.0)), ((0.0, 1.0), (0.0, 0.12))
 HEIGHT = 520
-#: Marks of runs without an error, and of what the timestep is that users get unasked.
+#: Markers of runs without an error, and of stock timesteps.
 ENDED = {"diverged": "x-thin-open", "failed": "triangle-down-open"}
 RING_SIZE, MARK_SIZE = 14, 9
 
@@ -111,7 +111,7 @@ def _finished(runs: MethodRuns) -> list[Row]:
 
 
 def _ended(scene: SceneRuns, abscissa: Abscissa) -> Iterator[Trace]:
-    """Runs without an error, each method on a line of its own in the strip."""
+    """Runs without an error, each method on its own line of the strip."""
     for k, runs in enumerate(scene.methods):
         height = 1 - (k + 0.5) / len(scene.methods)
         for outcome, symbol in ENDED.items():
@@ -140,7 +140,7 @@ def _ended(scene: SceneRuns, abscissa: Abscissa) -> Iterator[Trace]:
 
 
 def _front(scene: SceneRuns, signal: Signal) -> Trace:
-    """The Pareto front as steps: what no cheaper run is as accurate as."""
+    """The Pareto front as steps: the runs more accurate than all cheaper ones."""
     best = [point for _, point in front(curves(scene, signal))]
     return line(
         np.array([point.cost for point in best], dtype=float),
@@ -213,7 +213,7 @@ def _x_range(scene: SceneRuns, abscissa: Abscissa) -> Range:
 
 
 def _guides(scene: SceneRuns, signal: str) -> Iterator[Trace]:
-    """One dotted line an order declared, below the lowest curve that declares it."""
+    """One dotted line for each declared order, below the lowest curve of that order."""
     attribute = {"omega": "order", "attitude": "attitude_order"}[signal]
     orders = {getattr(runs.declared, attribute) for runs in scene.methods if runs.declared}
     for order in sorted(orders):

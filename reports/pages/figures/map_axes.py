@@ -1,4 +1,4 @@
-"""Panels of a map on common axes: where each stands, which carry numbers, where cells meet."""
+"""Layout of a map's panels on common axes: positions, ticks, and edges of cells."""
 
 import math
 from collections.abc import Iterator
@@ -18,12 +18,12 @@ ABOVE, BELOW, LEFT, RIGHT = 36, 62, 66, 92
 #: A line of the legend, px, and the entries that one holds.
 LEGEND_LINE, LEGEND_ACROSS = 20, 4
 GAP_ACROSS, GAP_DOWN = 0.022, 44
-#: px: a page's width is taken for this.
+#: px, the page width that is assumed.
 WIDTH = 1216
 
 
 def panels(grid: Grid, entries: int) -> dict[str, Any]:
-    """Layout of a panel for each method, over a legend of so many entries."""
+    """Layout with a panel for each method, above a legend of so many entries."""
     count = len(grid.methods)
     columns, below = columns_of(count), below_panels(entries)
     panel_titles = list(titles(grid, count, columns))
@@ -55,12 +55,12 @@ def panels(grid: Grid, entries: int) -> dict[str, Any]:
 
 
 def columns_of(count: int) -> int:
-    """How many of the panels stand side by side."""
+    """Number of panels side by side."""
     return min(ACROSS, count)
 
 
 def height_of(count: int, columns: int, below: int) -> int:
-    """Of a figure of that many panels, px."""
+    """Height of a figure of that many panels, px."""
     rows = math.ceil(count / columns)
     return ABOVE + below + rows * PANEL_HEIGHT + (rows - 1) * GAP_DOWN
 
@@ -98,7 +98,7 @@ def titles(grid: Grid, count: int, columns: int) -> Iterator[tuple[str, str]]:
 
 
 def shared(letter: str, axis: Axis, outer: bool) -> dict[str, Any]:
-    """What makes panels move as one; only the outer ones carry numbers."""
+    """Settings that link the panels' axes; only the outer ones show numbers."""
     outermost = edges(axis)
     return {
         "range": [float(outermost[0]), float(outermost[-1])],
@@ -110,11 +110,11 @@ def shared(letter: str, axis: Axis, outer: bool) -> dict[str, Any]:
 
 
 def _ticks(axis: Axis) -> dict[str, Any]:
-    """Powers of ten, of an axis whose coordinate is the exponent; else Plotly's own."""
+    """Ticks at powers of ten if the coordinate is an exponent; else Plotly's own."""
     if not axis.logarithmic:
         return {}
     low, high = math.log10(axis.values[0]), math.log10(axis.values[-1])
-    # One digit of each decade, or several where there are less than two decades.
+    # One tick for each decade, more if there are less than two decades.
     digits = (1,) if high - low >= 2 else (1, 2, 5)
     values = [
         (power + math.log10(digit), digit * 10.0**power)

@@ -1,4 +1,4 @@
-"""The lines drawn on a map of a method: where its numbers reach a limit, and its stock timestep."""
+"""The lines drawn on a method's map: stability limits from theory, and the stock timestep."""
 
 import math
 from collections.abc import Callable
@@ -15,7 +15,7 @@ from ....reference.stability_bounds import (
 )
 from ..analysis.wording import duration
 
-#: Its logarithm stands for a rate of zero, which no timestep makes reach a limit.
+#: Replaces a rate of zero before a logarithm is taken: no timestep reaches a limit then.
 LEAST = 1e-300
 
 
@@ -28,7 +28,7 @@ class Bound:
     label : a word beside it
     meaning : what is on either side
     source : of the formula
-    value : of the scene's numbers and the timestep, s: zero on the line, NaN without a meaning
+    value : function of the scene's numbers and the timestep, s: zero on the line, NaN if undefined
     dash : how it is drawn, by Plotly's names
     """
 
@@ -97,7 +97,7 @@ _PI_OVER = range(1, 9)
 
 
 def bounds_of(method: Method | None, stock_timestep: float | None = None) -> tuple[Bound, ...]:
-    """The lines that concern a method; of one that nobody declared, those of its scene alone.
+    """The lines that apply to a method; if its order is unknown, only those of the scene.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def bounds_of(method: Method | None, stock_timestep: float | None = None) -> tup
 
 
 def stock(timestep: float) -> Bound:
-    """Where an engine is used by those who choose no timestep, s."""
+    """The line of the engine's stock timestep, s."""
     timestep_text = duration(timestep)
     return Bound(
         f"stock {timestep_text}",
@@ -124,7 +124,7 @@ def stock(timestep: float) -> Bound:
 
 
 def clamp(most: float) -> Bound:
-    """Where an engine cuts a turn short: `most` rad a step."""
+    """The line where an engine limits the turn of a step to `most` rad."""
     parts = [k for k in _PI_OVER if math.isclose(math.pi / k, most)]
     angle_text = f"π/{parts[0]}" if parts else f"{most:.3g} rad"
     return Bound(

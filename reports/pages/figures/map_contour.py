@@ -1,7 +1,7 @@
 """Where a function known on a grid is zero: marching squares.
 
 W. E. Lorensen & H. E. Cline, Marching cubes, Computer Graphics 21, 163 (1987), in two dimensions.
-A cell whose signs alternate round it is cut twice; which way is decided by the mean of its corners.
+A cell with alternating signs at its corners is cut twice; their mean decides in which way.
 """
 
 from collections.abc import Iterator
@@ -45,7 +45,7 @@ def zero_lines(x: FloatArray, y: FloatArray, values: FloatArray) -> list[FloatAr
 def _cuts(
     row: int, column: int, positive: NDArray[np.bool_], middle: bool
 ) -> Iterator[tuple[Edge, Edge]]:
-    """Which edges of a cell the curve joins."""
+    """Pairs of a cell's edges that the curve joins."""
     top, bottom = (row, column, 0), (row + 1, column, 0)
     left, right = (row, column, 1), (row, column + 1, 1)
     (a, b), (c, d) = positive.tolist()

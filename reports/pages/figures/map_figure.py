@@ -23,12 +23,12 @@ from .plot import GROUND, INK, Figure, Trace, axis_suffix, packed
 #: Perceptually uniform, and the same to all kinds of colour vision (Nathaniel Smith & Stéfan van
 #: der Walt, matplotlib 2.0): equal ratios of errors look equally far apart.
 COLOURS = "Viridis"
-#: An error of one is as wrong as the motion is large: nothing worse is told apart.
+#: Upper end of the colour scale: an error of 1 is as large as the motion itself.
 NOTHING_RIGHT = 1.0
-#: Of the smaller side of a cell; and px, so that it is seen and does not hide its neighbours.
+#: Size of a sign, as a fraction of the smaller side of a cell, and its limits in px.
 SIGN_PART, SMALLEST_SIGN, LARGEST_SIGN = 0.62, 3.0, 8.0
-#: Places of a map whose points are told one by one where the pointer is; of more, a page would
-#: weigh many megabytes, and the pointer shows the error or the sign's meaning alone.
+#: Largest number of points with full hover texts; for more, the page would have many megabytes, and
+#: the pointer shows only the error or the meaning of the sign.
 MOST_HOVER_TEXTS = 1600
 LINE_WIDTH, CASING_WIDTH, LABEL_SIZE = 1.6, 4.0, 10
 
@@ -53,7 +53,7 @@ def map_figure(grid: Grid) -> Figure:
 
 
 def _least(grid: Grid) -> float:
-    """The power of ten below all errors and above what no reference can tell."""
+    """Lower end of the colour scale: a power of ten below all errors, not below the uncertainty."""
     errors = [_claimed(point) for point in grid.result.points if is_coloured(point)]
     positive = [error for error in errors if 0 < error < math.inf]
     return float(math.floor(math.log10(min(positive, default=1e-1))))
@@ -145,7 +145,7 @@ def _marker(mark: Mark, size: float) -> dict[str, Any]:
 
 
 def _hover_text(grid: Grid, point: PointResult) -> str:
-    """What a pointer on a place shows, under the method's name."""
+    """The hover text of a point, below the method's name."""
     if math.prod(grid.shape) > MOST_HOVER_TEXTS:
         return f"ω error {_claimed(point):.0e}" if is_coloured(point) else escape(_ended(point))
     at = (with_unit(axis, value) for axis, value in zip(grid.axes, point.at, strict=True))
@@ -170,7 +170,7 @@ def _ended(point: PointResult) -> str:
 
 
 def drawn_bounds(grid: Grid, pair: Pair) -> list[tuple[Bound, list[FloatArray]]]:
-    """The bounds that pass through a method's panel, as curves in the places of the axes."""
+    """The bounds that cross a method's panel, as curves in the coordinates of the axes."""
     across, up = (places(axis) for axis in grid.axes)
     bounds = []
     for bound in bounds_of(grid.methods[pair], grid.stock_timesteps.get(pair[0])):
@@ -191,7 +191,7 @@ def _bounds(grid: Grid, pair: Pair, k: int) -> tuple[list[Trace], list[dict[str,
 
 
 def _line(bound: Bound, curve: FloatArray, k: int) -> Iterator[Trace]:
-    """A line that is seen on every colour: in that of text, on a broader one in that of paper."""
+    """A line visible on every colour: in the text's colour, on a broader one in the page's."""
     for colour, width, dash in ((GROUND, CASING_WIDTH, "solid"), (INK, LINE_WIDTH, bound.dash)):
         yield {
             "type": "scatter",
@@ -223,7 +223,7 @@ def _label(label: Placed, k: int) -> dict[str, Any]:
 
 
 def _legend(grid: Grid, signs: dict[Any, Mark]) -> list[Trace]:
-    """An entry for every sign and every kind of line in any panel."""
+    """Legend entries for every sign and every kind of line in the panels."""
     nowhere: dict[str, Any] = {
         "type": "scatter",
         "x": [None],
@@ -245,7 +245,7 @@ def _legend(grid: Grid, signs: dict[Any, Mark]) -> list[Trace]:
 
 
 def legend_of_bounds(grid: Grid) -> Sequence[Bound]:
-    """Every line in any panel, once."""
+    """Legend entries of the lines, each once."""
     by_meaning: dict[str, Bound] = {}
     for pair in grid.methods:
         by_meaning |= {bound.meaning: bound for bound, _ in drawn_bounds(grid, pair)}

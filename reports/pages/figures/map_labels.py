@@ -1,4 +1,4 @@
-"""Where the words beside a map's lines go: on their lines, and away from each other."""
+"""Places the labels of a map's lines: on their lines, and away from each other."""
 
 import math
 from collections.abc import Sequence
@@ -6,19 +6,19 @@ from dataclasses import dataclass
 
 from ....scenarios import FloatArray
 
-#: Places tried along a line.
+#: Number of positions tried along a line.
 TRIED = 24
-#: A panel is this much wider than high, and a word this much wider than high.
+#: Ratio of width to height of a panel, and of a label.
 BREADTH = 1.3
-#: Of a panel: no word is put closer to its edge, or it would be cut.
+#: Margin, as a fraction of a panel: a label closer to its edge would be cut.
 MARGIN = 0.07
-#: A word further than this from every other is far enough.
+#: A label further than this from every other is far enough.
 FAR_ENOUGH = 0.3
 
 
 @dataclass(frozen=True)
 class Placed:
-    """A word in a panel, its middle in the panel's coordinates."""
+    """A label in a panel, and its centre in the panel's coordinates."""
 
     text: str
     x: float
@@ -28,11 +28,11 @@ class Placed:
 def place(
     labels: Sequence[tuple[str, Sequence[FloatArray]]], spans: Sequence[tuple[float, float]]
 ) -> list[Placed]:
-    """One place a word, each as far from those before it as its lines allow.
+    """Choose a position for each label, as far from the previous ones as its lines allow.
 
     Parameters
     ----------
-    labels : words, and the curves that each may stand on, (n, 2)
+    labels : texts, and the curves on which each may be placed, (n, 2)
     spans : lowest and highest x, and y, of the panel
     """
     taken: list[tuple[float, float]] = []
@@ -54,7 +54,7 @@ def _part(value: float, span: tuple[float, float]) -> float:
 
 
 def _room(at: tuple[float, float], taken: Sequence[tuple[float, float]]) -> tuple[bool, float]:
-    """Inside the margin first; then the distance to the nearest word, up to what is enough."""
+    """Sort key of a position: inside the margin first, then distance to the nearest label."""
     inside = all(MARGIN <= part <= 1 - MARGIN for part in at)
     nearest = min(
         (math.hypot(BREADTH * (at[0] - x) / 2, at[1] - y) for x, y in taken), default=FAR_ENOUGH

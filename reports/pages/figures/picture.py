@@ -18,7 +18,7 @@ from matplotlib.figure import Figure as Canvas
 from ....scenarios import FloatArray
 from .plot import GROUND, INK, WIRE, Figure, Trace, axis_suffix
 
-#: Inches, of one figure among those side by side, and pixels an inch of a PNG.
+#: Size, in inches, of one of several figures side by side; pixels an inch of a PNG.
 WIDTH, PIXELS_AN_INCH = 6.4, 150
 #: Inches, of an entry of the legend.
 LEGEND_WIDTH = 2.4
@@ -144,7 +144,7 @@ def _style(trace: Trace) -> dict[str, Any]:
 
 
 def _legend(canvas: Canvas, parts: Sequence[Figure]) -> None:
-    """Each method once, and the exact motion."""
+    """The legend: each method once, and the exact motion."""
     shown: dict[str, dict[str, Any]] = {}
     for part in parts:
         for trace in part["data"]:
@@ -162,5 +162,5 @@ def _values(packed: dict[str, str]) -> FloatArray:
 
 
 def _plain(text: str) -> str:
-    """Without Plotly's markup."""
+    """Text without Plotly's markup."""
     return re.sub(r"<[^>]*>", "", text)

@@ -1,7 +1,7 @@
 """Figures as Plotly's own JSON: panels, lines and floors, thinned to what a page can carry.
 
-Plain dictionaries, so that a page is made in milliseconds. Colours named INK and the like are
-put in by the page's script, which knows whether it is shown on light or on dark.
+Figures are plain dictionaries, so that a page is made in milliseconds. The page's script replaces
+INK and similar names by colours for a light or a dark page.
 """
 
 import base64
@@ -22,17 +22,17 @@ Figure = dict[str, Any]
 #: Lowest and highest value of an axis.
 Range = tuple[float, float]
 
-#: Samples a line is drawn with; more would not be seen, and pages grow with every one.
+#: Largest number of samples of a line; more would not be visible.
 MOST_SAMPLES = 400
-#: Stand for the colours of text, of wires and of the page, which the page's script puts in.
+#: Placeholders for the colours of text, of wire frames and of the page.
 INK, WIRE, GROUND = "ink", "wire", "ground"
-#: Errors beyond this are a blow-up, not a curve to read; axes end here.
+#: Axes of errors end here; larger errors are blow-ups.
 OFF_THE_CHART = 1e2
-#: Where a blow-up is cut: beyond this a browser loses its way.
+#: Values of a blow-up are cut here: browsers fail to draw larger ones.
 BEYOND_DRAWING = 1e30
 #: A log axis has at most this many labels.
 LOG_LABELS = 8
-#: Fraction of a panel left between it and the next, across and down.
+#: Gaps between panels, across and down, as fractions of a panel.
 GAP_ACROSS, GAP_DOWN = 0.085, 0.14
 REFERENCE_WIDTH, METHOD_WIDTH = 5.0, 1.6
 EPS = float(np.finfo(float).eps)
@@ -41,7 +41,7 @@ FLOOR_COLOUR = "rgba(128,128,128,0.22)"
 
 @dataclass(frozen=True)
 class Panel:
-    """One pair of axes. `floor` is the reference's uncertainty, shaded where it is given."""
+    """One pair of axes. `floor` is the reference's uncertainty, drawn as a shaded band."""
 
     x_title: str
     y_title: str
@@ -106,7 +106,7 @@ def line(x: FloatArray, y: FloatArray, k: int, **properties: Any) -> Trace:
 
 
 def exact_look() -> dict[str, Any]:
-    """How the exact motion is drawn: a thick line in the colour of text."""
+    """Style of the exact motion: a thick line in the colour of text."""
     return {
         "mode": "lines",
         "line": {"color": INK, "width": REFERENCE_WIDTH},
@@ -116,11 +116,11 @@ def exact_look() -> dict[str, Any]:
 
 
 def method_style(label: str, style: TraceStyle) -> dict[str, Any]:
-    """How a method's path is drawn: a thin line; `legendgroup` lets the page switch it off."""
+    """Style of a method's path: a thin line; by its `legendgroup` the page switches it off."""
     return {
         "mode": "lines",
         "line": {"color": style.colour, "width": METHOD_WIDTH, "dash": style.dash},
-        # Plotly takes some HTML for markup.
+        # Plotly interprets some HTML.
         "name": escape(label, quote=False),
         "legendgroup": label,
         "hoverinfo": "name",
@@ -149,7 +149,7 @@ def heading(text: str, x: float, y: float) -> dict[str, Any]:
 
 
 def packed(values: FloatArray) -> dict[str, str]:
-    """An array as Plotly reads it from base64: seven digits of each value, gaps for blow-ups."""
+    """An array in base64 for Plotly: single precision, gaps for blow-ups."""
     drawable = np.where(np.abs(values) < BEYOND_DRAWING, values, np.nan)
     single = np.ascontiguousarray(drawable, dtype="<f4")
     return {"dtype": "f4", "bdata": base64.b64encode(single.tobytes()).decode("ascii")}
@@ -161,15 +161,15 @@ def thinned(n: int, most: int = MOST_SAMPLES) -> NDArray[np.intp]:
 
 
 def claimed(errors: FloatArray, floor: float) -> FloatArray:
-    """Errors as they may be drawn: none below the reference's uncertainty, gaps for inf."""
+    """Errors as drawn: at least the reference's uncertainty, gaps for inf."""
     raised = np.maximum(errors, floor)
     return np.where(np.isfinite(raised), raised, np.nan)
 
 
 def error_range(curves: Sequence[FloatArray], floor: float) -> Range:
-    """From half the floor to just above the highest error worth reading."""
+    """Range of an error axis: from half the floor to just above the largest error."""
     if not 0 < floor < math.inf:
-        # A signal whose base is zero, such as L of a body at rest: no error of it can be claimed.
+        # A signal with a base of zero, such as L of a body at rest, has no relative error.
         return EPS, 1.0
     finite = [curve[np.isfinite(curve)] for curve in curves]
     highest = max((float(curve.max()) for curve in finite if len(curve)), default=floor)
@@ -177,7 +177,7 @@ def error_range(curves: Sequence[FloatArray], floor: float) -> Range:
 
 
 def padded(values: FloatArray, fraction: float = 0.08) -> Range:
-    """The range of some values with a margin; one of width nought is widened."""
+    """The range of some values with a margin; a range of zero width is widened."""
     low, high = float(values.min()), float(values.max())
     margin = (high - low or abs(high) or 1.0) * fraction
     return low - margin, high + margin
@@ -198,7 +198,7 @@ def _axis(title: str, logarithmic: bool, limits: Range | None) -> dict[str, Any]
         "exponentformat": "power",
     }
     if logarithmic:
-        # Plotly sets powers of ten a quarter larger than other labels.
+        # Plotly draws powers of ten a quarter larger than other labels.
         axis |= {"type": "log", "dtick": 1, "tickfont": {"size": 10}}
     if limits and logarithmic:
         low, high = (math.log10(limit) for limit in limits)

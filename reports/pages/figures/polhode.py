@@ -1,4 +1,4 @@
-"""Poinsot's picture of a body without a pivot: the tip of ω on an ellipsoid, and in space."""
+"""Poinsot's construction for a body without a pivot: the tip of ω on an ellipsoid, and in space."""
 
 from dataclasses import dataclass
 
@@ -16,15 +16,15 @@ from .plot import Figure, Panel, layout, start_dot
 HEIGHT = 460
 #: Room around the herpolhode, as a factor.
 MARGIN = 1.15
-#: In lengths of its longest semi-axis: how far from the ellipsoid's centre a run is followed.
+#: A run is drawn up to this distance from the ellipsoid's centre, in longest semi-axes.
 OFF_THE_ELLIPSOID = 1.5
-#: A herpolhode smaller than this, relative to the largest ω, is drawn as the point it is.
+#: A herpolhode smaller than this, relative to the largest ω, is drawn as a point.
 NARROWEST = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Poinsot:
-    """How a motion is put on the ellipsoid Σ Iₖ ωₖ² = 2T and on the plane across L.
+    """Maps a motion to the ellipsoid Σ Iₖ ωₖ² = 2T and to the plane across L.
 
     T is the largest rotational energy of the exact motion, L the exact one at the start
     (Landau & Lifshitz, Mechanics, §37; Goldstein §5.6).

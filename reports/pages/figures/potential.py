@@ -15,13 +15,13 @@ from ....reference.symmetry import is_undriven
 from ....scenarios import FloatArray, Scenario
 from .plot import INK, REFERENCE_WIDTH, Figure, Panel, Range, layout, line
 
-#: The well is drawn this far beyond the turning points, in widths of it; no narrower than this.
+#: The well is drawn this far beyond the turning points, in its widths; smallest width drawn.
 BEYOND, NARROWEST = 0.6, math.radians(1.0)
 POINTS = 160
-#: The part above E′ is cut at this many depths of the well, where the well is at least so deep as
-#: a part of what is drawn: steady precession has no depth.
+#: V_eff is drawn up to this many depths of the well above E′; the depth is taken to be at least
+#: this fraction of what is drawn, as steady precession has no depth.
 ABOVE, SHALLOW = 1.2, 0.05
-#: Room below the bottom, as a part of the height.
+#: Margin below the bottom, as a fraction of the height.
 BELOW = 0.12
 _ABOVE_LINE = {"yanchor": "bottom", "showarrow": False}
 

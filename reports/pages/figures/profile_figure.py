@@ -10,9 +10,9 @@ from ..analysis.trace_style import TraceStyle
 from ..analysis.wording import SIGNALS, number
 from .plot import Figure, Panel, Range, Trace, layout, line, method_style
 
-#: Room beside the largest factor of a log axis, as a factor: a curve's last step is seen to stay.
+#: Margin beside the largest factor of the log axis, as a factor.
 BESIDE = 1.5
-#: A little below none and above all, so that neither is drawn on the frame.
+#: Range of the fraction, slightly wider than 0 to 1, so that no curve is drawn on the frame.
 FRACTIONS: Range = (-0.03, 1.03)
 
 

@@ -1,4 +1,4 @@
-"""The lines of runs that a page's script draws from its motions, for pictures without a script."""
+"""The lines of runs in pictures; on pages a script draws them from the motions."""
 
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
@@ -13,7 +13,7 @@ from .drawn_body import DrawnBody, drawn_body
 from .plot import Figure, Trace, exact_look, line, method_style
 from .solid import curve
 
-#: Of the exact motion over the whole window.
+#: Number of samples of the exact motion over the window.
 SAMPLES = 4000
 #: rad; where the azimuth jumps by more between samples, the axis has passed the vertical.
 JUMP = np.pi / 2
@@ -22,7 +22,7 @@ Lines = Callable[[Trajectory, dict[str, Any], DrawnBody], FloatArray]
 
 
 def with_runs(figure: Figure, scene: SceneRuns, runs: Iterable[Compared]) -> Figure:
-    """The same with the exact motion and the runs where the figure leaves them to the script."""
+    """Add to a figure the exact motion and the runs, which on pages the script draws."""
     overlays = figure.get("overlays", [])
     drawn = [trace for overlay in overlays for trace in _drawn(overlay, scene, list(runs))]
     return {"data": [*figure["data"], *drawn], "layout": figure["layout"]}

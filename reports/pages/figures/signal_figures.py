@@ -15,9 +15,9 @@ from .drawn_body import drawn_body
 from .plot import Figure, Panel, Range, claimed, error_range, layout
 
 TILT, DIFFERENCE = ((0.0, 1.0), (0.52, 1.0)), ((0.0, 1.0), (0.0, 0.42))
-#: Degrees; a tilt that changes less is framed with this room.
+#: Degrees; a tilt that changes less is drawn with this margin.
 STEADY = 0.5
-#: Room above and below a component of ω, in parts of the largest ω.
+#: Margin above and below a component of ω, as a fraction of the largest ω.
 STEADY_RATE = 0.05
 AXES = ("₁", "₂", "₃")
 

@@ -9,12 +9,12 @@ from .plot import INK, WIRE, Trace, packed
 
 #: Lines that show a surface: circles of latitude, half circles of longitude, points on each.
 LATITUDES, LONGITUDES, POINTS = 5, 8, 25
-#: Axes stick out of the surface by this factor; the eye is this far away, in sides of the scene.
+#: Length of the axes relative to the surface; distance of the eye, in sides of the scene.
 STICK_OUT = 1.18
-#: The scene ends here, behind the names of the axes.
+#: Half side of the scene, including the names of the axes.
 EDGE = 1.3
 EYE_DISTANCE = 1.25
-#: The eye looks down on the curve by at least this much, as the vertical part of its direction.
+#: Smallest vertical part of the eye's direction: the curve is seen from above.
 LEAST_HEIGHT = 0.45
 
 

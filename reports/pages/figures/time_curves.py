@@ -1,4 +1,4 @@
-"""Angles over time as lines of a plain picture: no script draws it."""
+"""Angles over time as an SVG picture that needs no script."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,9 +8,9 @@ import numpy as np
 from ....scenarios import FloatArray
 from ..analysis.trace_style import TraceStyle
 
-#: Of the picture, and of the room for numbers at its left and bottom.
+#: Size of the picture; margins for numbers at its left and bottom.
 WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 320.0, 200.0, 40.0, 30.0, 10.0, 12.0
-#: Tops of the axis of angles, degrees: the least that is high enough.
+#: Possible upper ends of the axis of angles, degrees; the smallest sufficient one is used.
 TOPS = (1e-3, 1e-2, 0.1, 1.0, 5.0, 15.0, 45.0, 90.0, 180.0)
 
 
@@ -30,7 +30,7 @@ class TimeCurves:
 
     Attributes
     ----------
-    x_ticks, y_ticks : place, and what stands there
+    x_ticks, y_ticks : positions and labels
     """
 
     curves: tuple[Curve, ...]
