@@ -91,7 +91,7 @@ class Checked:
 def checked(files: Iterable[Path]) -> Checked:
     """Check scene files; of folders, all the scenes in them."""
     from ..harness.power import powerless
-    from ..harness.reference_checks import published_that_do_not_hold
+    from ..harness.published import published_that_do_not_hold
 
     result = Checked()
     for file in files:

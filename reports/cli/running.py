@@ -8,7 +8,7 @@ from ...engines import engines
 from ...scenarios import Scenario, printable
 from ..harness.choice import QUICK_STEPS, Choice
 from ..harness.plan import plan
-from ..harness.reference_checks import published_that_do_not_hold
+from ..harness.published import published_that_do_not_hold
 from ..harness.study import run_study
 from ..results.records import UNSOLVED, Key, Row
 from ..results.result_file import ResultFileError

@@ -1,22 +1,14 @@
 """Checks of the reference, scene by scene: invariants, a cross-check, published values."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 
 import numpy as np
 
-from ...reference import ExactMotion, Solution, drifts, solve
+from ...reference import Solution, drifts, solve
 from ...reference.allowed_drift import allowed_drifts
 from ...reference.cross_check import CrossCheck, cross_check, times_within_reach
-from ...scenarios import (
-    FloatArray,
-    Published,
-    Scenario,
-    Trajectory,
-    angular_momentum_world,
-    energy,
-    errors_between,
-)
+from ...scenarios import Scenario, errors_between
+from .published import published_that_do_not_hold
 
 EPS = float(np.finfo(float).eps)
 #: A cross-check whose own error may be this large, relative or in rad, is inconclusive; errors of
@@ -61,68 +53,3 @@ def _bounds(solution: Solution, other: CrossCheck) -> dict[str, float]:
     committed = other.steps * other.tolerance
     uncertainty = dict(solution.uncertainty)
     return {name: committed * ulp / EPS + uncertainty[name] for name, ulp in solution.conditioning}
-
-
-@dataclass(frozen=True, eq=False)
-class PublishedValue:
-    """A published value, beside the reference's.
-
-    Attributes
-    ----------
-    quantity : as the scenario file names it
-    printed, ours : components, SI, NaN where none was printed; our quaternion has the sign of the
-        printed one
-    """
-
-    published: Published
-    quantity: str
-    printed: FloatArray
-    ours: FloatArray
-
-    @property
-    def difference(self) -> float:
-        """The largest difference of a component."""
-        return float(np.nanmax(np.abs(self.ours - self.printed)))
-
-    @property
-    def holds(self) -> bool:
-        """Whether the difference is within the tolerance of the digits printed."""
-        return self.difference <= self.published.tolerance
-
-
-def published_values(scenario: Scenario) -> Iterator[PublishedValue]:
-    """Every quantity of a scene's `[[published]]`, beside the reference's at that time."""
-    exact = ExactMotion(scenario)
-    for published in scenario.published:
-        times = np.array([0.0, published.t]) if published.t > 0 else np.array([0.0])
-        at_time = exact.outline(times)
-        for name, printed in published.values().items():
-            ours = np.atleast_1d(_QUANTITIES[name](scenario, at_time)[-1])
-            wanted = np.atleast_1d(np.array(printed, dtype=float))
-            flipped = name == "quaternion_wxyz" and np.dot(ours, wanted) < 0
-            yield PublishedValue(published, name, wanted, -ours if flipped else ours)
-
-
-def published_that_do_not_hold(scenario: Scenario) -> Iterator[str]:
-    """Values that somebody else printed and the exact motion does not have, in words."""
-    for value in published_values(scenario):
-        if not value.holds:
-            yield (
-                f"{scenario.name}: {value.quantity} at t = {value.published.t:g} s is "
-                f"{value.difference:.2e} from the value printed in {value.published.source}, "
-                f"tolerance {value.published.tolerance:g}"
-            )
-
-
-def _omega_world(_: Scenario, motion: Trajectory) -> FloatArray:
-    return motion.to_world(motion.omega_body)
-
-
-_QUANTITIES: dict[str, Callable[[Scenario, Trajectory], FloatArray]] = {
-    "omega_body": lambda _, motion: motion.omega_body,
-    "omega_world": _omega_world,
-    "quaternion_wxyz": lambda _, motion: motion.q_world_body_wxyz,
-    "com_world": lambda _, motion: motion.com_world,
-    "L_world": angular_momentum_world,
-    "energy": energy,
-}

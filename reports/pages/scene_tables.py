@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from ...reference import facts, invariants
 from ...reference.observables import observables
 from ...scenarios import EFFECTS, FloatArray, Scenario, Trajectory
-from ..harness.reference_checks import published_values
+from ..harness.published import published_values
 from ..results.records import SIGNAL_NAMES, Row
 from ..results.store import SceneResult
 from .analysis.report_data import MethodRuns, SceneRuns

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
-from spincheck.reports.harness.reference_checks import published_values
+from spincheck.reports.harness.published import published_values
 from spincheck.scenarios import loads
 from spincheck.scenarios.document import Document, SomeComponents
 from spincheck.scenarios.format_page import EXAMPLES, format_page

@@ -1,0 +1,81 @@
+"""Published values of a scene, beside those of its exact motion."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...reference import ExactMotion
+from ...scenarios import (
+    FloatArray,
+    Published,
+    Scenario,
+    Trajectory,
+    angular_momentum_world,
+    energy,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class PublishedValue:
+    """A published value, beside the reference's.
+
+    Attributes
+    ----------
+    quantity : as the scenario file names it
+    printed, ours : components, SI, NaN where none was printed; our quaternion has the sign of the
+        printed one
+    """
+
+    published: Published
+    quantity: str
+    printed: FloatArray
+    ours: FloatArray
+
+    @property
+    def difference(self) -> float:
+        """The largest difference of a component."""
+        return float(np.nanmax(np.abs(self.ours - self.printed)))
+
+    @property
+    def holds(self) -> bool:
+        """Whether the difference is within the tolerance of the digits printed."""
+        return self.difference <= self.published.tolerance
+
+
+def published_values(scenario: Scenario) -> Iterator[PublishedValue]:
+    """Every quantity of a scene's `[[published]]`, beside the reference's at that time."""
+    exact = ExactMotion(scenario)
+    for published in scenario.published:
+        times = np.array([0.0, published.t]) if published.t > 0 else np.array([0.0])
+        at_time = exact.outline(times)
+        for name, printed in published.values().items():
+            ours = np.atleast_1d(_QUANTITIES[name](scenario, at_time)[-1])
+            wanted = np.atleast_1d(np.array(printed, dtype=float))
+            flipped = name == "quaternion_wxyz" and np.dot(ours, wanted) < 0
+            yield PublishedValue(published, name, wanted, -ours if flipped else ours)
+
+
+def published_that_do_not_hold(scenario: Scenario) -> Iterator[str]:
+    """Values that somebody else printed and the exact motion does not have, in words."""
+    for value in published_values(scenario):
+        if not value.holds:
+            yield (
+                f"{scenario.name}: {value.quantity} at t = {value.published.t:g} s is "
+                f"{value.difference:.2e} from the value printed in {value.published.source}, "
+                f"tolerance {value.published.tolerance:g}"
+            )
+
+
+def _omega_world(_: Scenario, motion: Trajectory) -> FloatArray:
+    return motion.to_world(motion.omega_body)
+
+
+_QUANTITIES: dict[str, Callable[[Scenario, Trajectory], FloatArray]] = {
+    "omega_body": lambda _, motion: motion.omega_body,
+    "omega_world": _omega_world,
+    "quaternion_wxyz": lambda _, motion: motion.q_world_body_wxyz,
+    "com_world": lambda _, motion: motion.com_world,
+    "L_world": angular_momentum_world,
+    "energy": energy,
+}
