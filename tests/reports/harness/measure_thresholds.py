@@ -12,6 +12,7 @@ ROOT = Path(__file__).parents[3]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 
 from faulty_mujoco import KINDS, FaultyMuJoCo, PlantedFault, applies  # noqa: E402
+from spincheck.reports.harness.choice import QUICK_STEPS  # noqa: E402
 from spincheck.reports.harness.executors import InProcess  # noqa: E402
 from spincheck.reports.harness.study import (  # noqa: E402
     Prepared,
@@ -25,7 +26,7 @@ SCENES = ("nutation-loops", "hammer")
 METHODS = {"Euler": "first order", "RK4": "fourth order"}
 #: Sizes tried.
 SIZES = (1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
-MOST_STEPS = 1 << 13
+MOST_STEPS = QUICK_STEPS
 #: How single precision is named.
 BITS = "the state is held in 24 bits"
 
