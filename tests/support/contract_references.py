@@ -34,8 +34,8 @@ SIXTY_DIGITS = (
     "sphere-about-its-pivot",
     "lopsided-body",
 )
-#: rad; this far in sixty digits takes a few seconds.
-SIXTY_DIGITS_TURN = 60.0
+#: rad; this far in sixty digits takes a second or two.
+SIXTY_DIGITS_TURN = 30.0
 #: Samples compared with many digits.
 FEW = 3
 
