@@ -35,7 +35,7 @@ def validation_message(details: list[ErrorDetails], text: str, where: str) -> st
         if (key := _without_entries(keys)) not in lines and len(lines) < MAX_COMPLAINTS:
             lines[key] = at(where, line_of(text, keys), _explain(detail, keys))
     if len(details) > MAX_COMPLAINTS:
-        return "\n".join([*lines.values(), f"{where}: and more is wrong"])
+        return "\n".join([*lines.values(), f"{where}: further errors are not listed"])
     return "\n".join(lines.values())
 
 

@@ -62,7 +62,7 @@ class BodyTable(Table):
         stated_keys = [key for key in origin if getattr(self, key) is not None]
         if stated_keys and len(stated_keys) < len(origin):
             missing = [key for key in origin if key not in stated_keys]
-            raise ValueError(f"{_names(stated_keys)} needs {_names(missing)} besides")
+            raise ValueError(f"{_names(stated_keys)} needs {_names(missing)} too")
         return self
 
     @model_validator(mode="after")

@@ -13,7 +13,7 @@ QUATERNION_NORM_SLACK = 1e-3
 
 def _line(text: str) -> str:
     if not text.strip():
-        raise ValueError(f"must say something, got {text!r}")
+        raise ValueError(f"must not be empty, got {text!r}")
     if any(is_control(c) for c in text):
         raise ValueError(f"must be one line without control characters, got {text!r}")
     return text

@@ -86,7 +86,7 @@ def _repeats_itself(child: ChildProcess, hello: Hello) -> Check:
         same = child.ask(Hello, "hello") == hello
     except EngineError as error:
         return Check(what, str(error))
-    return Check(what, "" if same else "it says something else than before")
+    return Check(what, "" if same else "it describes itself differently than before")
 
 
 def _answers_nonsense(child: ChildProcess) -> Check:

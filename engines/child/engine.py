@@ -68,7 +68,7 @@ class ChildEngine(Engine):
         if child.hello is None:
             child.hello = child.ask(Hello, "hello")
         if child.hello != self.hello:
-            words = "it says that it is another engine, version or set of methods than before"
+            words = "its engine, version or methods are not those it reported before"
             raise ProtocolError(words, "protocol")
 
 

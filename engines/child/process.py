@@ -146,7 +146,7 @@ class ChildProcess:
         self._number += 1
         call = json.dumps({"id": self._number, "do": do} | arguments, allow_nan=False)
         if self._heard:
-            raise ProtocolError(f"it spoke unasked, before '{do}'", "protocol")
+            raise ProtocolError(f"it sent a line unasked, before '{do}'", "protocol")
         with suppress(BrokenPipeError):  # It has died; the message below says how.
             self._calls.write(call.encode() + b"\n")
         line = self._line(do)
@@ -203,7 +203,7 @@ class ChildProcess:
         self._heard += part
         if len(self._heard) > LONGEST_ANSWER:
             raise ProtocolError(
-                f"its answer to '{do}' is beyond {LONGEST_ANSWER} bytes", "protocol"
+                f"its answer to '{do}' is longer than {LONGEST_ANSWER} bytes", "protocol"
             )
 
     def _ended(self, do: str) -> ProtocolError:

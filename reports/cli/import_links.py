@@ -36,7 +36,8 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
     paths = {out / f"{scene.name}.toml": scene for scene in wanted if scene.text}
     if there_already := [path for path in paths if path.exists()]:
         raise Complaint(
-            f"{there_already[0]}: a scene is there already; remove it, or give another '--out'",
+            f"{there_already[0]}: a scene of that name exists already; remove it, "
+            "or give another '--out'",
             BAD_INPUT,
         )
     try:

@@ -101,13 +101,13 @@ def print_inspection(inspection: Inspection) -> None:
     if not inspection.is_well:
         _print(LEGEND)
     print()
-    _print_list("What engines hold otherwise, the worst first:", differences(inspection))
+    _print_list("Bodies that engines hold differently, the worst first:", differences(inspection))
     _print_list("Impossible in the file:", problems_of(inspection, impossible=True))
     _print_list("Doubtful in the file:", problems_of(inspection, impossible=False))
     _print_list("What to do:", remedies(inspection))
     _print_list("Besides:", model.notes)
     if inspection.is_well:
-        print("All is well.\n")
+        print("No differences found.\n")
 
 
 def _has_something(link: InspectedLink) -> bool:

@@ -56,5 +56,5 @@ def new_scene(name: str) -> Path:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
     except FileExistsError:
-        raise Complaint(f"{path}: is there already; choose another name", BAD_INPUT) from None
+        raise Complaint(f"{path}: exists already; choose another name", BAD_INPUT) from None
     return path

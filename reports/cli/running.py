@@ -74,7 +74,7 @@ def run(
 
 def gone_on_with(out: Path) -> str:
     """The message of a run that is stopped."""
-    return f"what was finished is in {printable(str(out))}, and the same command goes on from there"
+    return f"finished results are in {printable(str(out))}; the same command continues from there"
 
 
 def _engines_for(scenarios: Sequence[Scenario]) -> list[str]:

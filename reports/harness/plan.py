@@ -52,7 +52,7 @@ class Plan:
     def __str__(self) -> str:
         """In words, how many stored results are used again; empty if none."""
         verdicts = self.there + sum(len(scene.to_run) for scene in self.scenes)
-        counts = [f"{self.there} of {verdicts} results are there already"] if self.there else []
+        counts = [f"{self.there} of {verdicts} results are stored already"] if self.there else []
         if self.dropped:
             counts.append(f"{self.dropped} of another scene, engine or spincheck were dropped")
         return "; ".join(counts)

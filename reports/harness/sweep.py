@@ -72,7 +72,7 @@ class SweepPlan:
         """In words, how many stored points are used again; empty if none."""
         if not self.complete:
             return ""
-        return f"{self.complete} of {self.total} points are there already"
+        return f"{self.complete} of {self.total} points are stored already"
 
 
 def plan_sweep(sweep: Map | Ensemble, base: Scenario, choice: Choice, store: Store) -> SweepPlan:

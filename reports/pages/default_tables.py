@@ -67,7 +67,9 @@ def _sentence(measured: DefaultEffects) -> str:
     text = f"The {effective[0]} alters ω most"
     if len(effective) > 1:
         text += f", then the {' and the '.join(effective[1:])}"
-    return text + (f"; the {' and the '.join(idle)} by nothing to speak of." if idle else ".")
+    if idle:
+        text += f"; the {' and the '.join(idle)} by no more than the timestep does"
+    return f"{text}."
 
 
 def _size(errors: Errors | None) -> float:

@@ -9,7 +9,7 @@ from .analysis.wording import NOTHING, number
 from .overview import Matrix, matrix_of
 from .tables import Cell, Table, figure, table
 
-#: rad a step, at which methods are compared; every ladder has a rung between the two.
+#: rad a step, at which methods are compared.
 TURNS = (0.01, 0.1, 1.0)
 
 

@@ -42,7 +42,7 @@ _IN_WORDS = {
     sqlite3.SQLITE_READONLY: "cannot be written: it is read-only",
     sqlite3.SQLITE_IOERR: "cannot be read or written: the disk fails or is full",
     sqlite3.SQLITE_CANTOPEN: "cannot be opened",
-    sqlite3.SQLITE_BUSY: "another program holds it",
+    sqlite3.SQLITE_BUSY: "another program has locked it",
     sqlite3.SQLITE_TOOBIG: "a record is larger than any that spincheck writes",
 }
 #: An SQLite error code's lowest byte is its kind.

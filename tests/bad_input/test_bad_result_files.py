@@ -164,7 +164,7 @@ def test_a_file_held_by_another_program_is_reported(good, elsewhere):
     shutil.copy(good, path)
     with closing(sqlite3.connect(path, isolation_level=None)) as other:
         other.execute("BEGIN EXCLUSIVE")
-        assert "another program holds it" in read_by(["rows"], path)
+        assert "another program has locked it" in read_by(["rows"], path)
 
 
 def test_a_log_without_its_file_is_no_result(good, elsewhere):

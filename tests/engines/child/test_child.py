@@ -56,7 +56,7 @@ FAULTS = {
     "crashes": ("crash", "was killed by SIGSEGV"),
     "hangs": ("time-out", "did not answer 'run' within 2 s"),
     "prints garbage": ("protocol", "its answer to 'run' is not JSON: 'Hello from the physics"),
-    "never ends a line": ("protocol", "is beyond 1048576 bytes"),
+    "never ends a line": ("protocol", "is longer than 1048576 bytes"),
     "closes its pipe": ("protocol", "closed its pipe"),
     "speaks unasked": ("protocol", "must have the call's 'id'"),
     "another's answer": ("protocol", "must have the call's 'id'"),
@@ -109,7 +109,7 @@ def test_a_child_that_is_another_each_time_is_not_opened() -> None:
     end_idle()
     run = ran(engine)
     assert (run.outcome, run.cause) == ("failed", "protocol")
-    assert "another engine, version or set of methods" in run.reason
+    assert "engine, version or methods are not those" in run.reason
 
 
 def test_a_child_that_died_leaves_the_next_run_a_new_one() -> None:

@@ -79,7 +79,7 @@ def test_a_name_that_is_near_to_nothing_is_reported_without_a_guess():
 def test_a_new_scene_is_a_scene_and_is_never_written_over(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert load(new_scene("my-top")).called_for == {"gravity", "pivot"}
-    with pytest.raises(Complaint, match="is there already"):
+    with pytest.raises(Complaint, match="exists already"):
         new_scene("my-top.toml")
     with pytest.raises(Complaint, match="'NAME' must be"):
         new_scene("../top")

@@ -81,7 +81,9 @@ def test_a_scene_that_is_there_is_not_written_over(tmp_path):
     Path(line).write_text("mine", encoding="utf-8")
     more = robot(link("base"), link("leg", inertial()), link("arm", inertial()))
     joints = joint("base", "leg") + joint("base", "arm")
-    with pytest.raises(Complaint, match=r"arm\.toml: a scene is there already; remove it, or"):
+    with pytest.raises(
+        Complaint, match=r"arm\.toml: a scene of that name exists already; remove it, or"
+    ):
         imported(tmp_path, more.replace("</robot>", f"{joints}</robot>"))
     assert Path(line).read_text(encoding="utf-8") == "mine"
     # Nor is anything else written then.
@@ -109,7 +111,7 @@ def test_an_origin_is_given_whole(tmp_path):
     kept = Path(line).read_text(encoding="utf-8").splitlines()
     text = "\n".join(li for li in kept if not li.startswith("sha256"))
     scene = written(tmp_path, text, "scenes/half.toml")
-    with pytest.raises(ScenarioError, match=r"\[body\]: 'link', 'model' needs 'sha256' besides"):
+    with pytest.raises(ScenarioError, match=r"\[body\]: 'link', 'model' needs 'sha256' too"):
         load(scene)
 
 

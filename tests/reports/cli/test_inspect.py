@@ -56,7 +56,7 @@ def test_a_faithful_engine_ends_with_exit_code_0(tmp_path):
     )
     ended = inspect(path)
     assert ended.exit_code == 0
-    assert ended.stdout.endswith("All is well.\n\n")
+    assert ended.stdout.endswith("No differences found.\n\n")
 
 
 def test_json_keeps_its_contract(tmp_path):
@@ -102,7 +102,7 @@ def test_what_a_robot_gains_by_links_that_state_nothing_is_reported_first(tmp_pa
     assert printed[1] == (
         "Its links weigh 2 kg together; 3 kg in pybullet default and pybullet inertia-from-file."
     )
-    first = printed[printed.index("What engines hold otherwise, the worst first:") + 1]
+    first = printed[printed.index("Bodies that engines hold differently, the worst first:") + 1]
     assert first.startswith("  pybullet default, base: held as 1 kg, ")
     assert records(path)["summary"]["mass"] == {
         "stated": 2.0,

@@ -66,8 +66,8 @@ def stop(run: subprocess.Popen[str], number: signal.Signals) -> list[str]:
 def stop_run(run: subprocess.Popen[str], path: Path, number: signal.Signals) -> None:
     messages = [line for line in stop(run, number) if line.startswith("spincheck: ")]
     assert messages == [
-        f"spincheck: stopped by {number.name}; what was finished is in {path}, "
-        "and the same command goes on from there"
+        f"spincheck: stopped by {number.name}; finished results are in {path}; "
+        "the same command continues from there"
     ]
 
 

@@ -61,7 +61,7 @@ def test_asked_again_it_answers_from_the_file(mapped):
         "map", SCENE, "--vary", SPIN, "--vary", STEPS, *ONE_METHOD, "--out", path, "--json"
     )
     assert again.stdout == done.stdout
-    assert again.stderr == f"{path}: 4 of 4 points are there already\n"
+    assert again.stderr == f"{path}: 4 of 4 points are stored already\n"
 
 
 def test_in_words_there_is_a_line_a_method_with_the_worst_point(mapped):
@@ -182,8 +182,8 @@ def test_ctrl_c_ends_it_with_130_and_the_same_command_goes_on(tmp_path):
     os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate()
     assert (process.returncode, out) == (130, "")
-    assert "the same command goes on from there" in err.splitlines()[-1]
-    assert "of 8 points are there already" in spincheck(*arguments).stderr
+    assert "the same command continues from there" in err.splitlines()[-1]
+    assert "of 8 points are stored already" in spincheck(*arguments).stderr
 
 
 @pytest.mark.parametrize(

@@ -26,8 +26,8 @@ def table_of(*each: DefaultEffect, none: Errors | None = NONE):
     ("alone", "sentence"),
     [
         ((DAMPING, MOTOR), "The second alters ω most, then the first."),
-        ((NONE, MOTOR), "The second alters ω most; the first by nothing to speak of."),
-        ((NONE, None), "The second alters ω most; the first by nothing to speak of."),
+        ((NONE, MOTOR), "The second alters ω most; the first by no more than the timestep does."),
+        ((NONE, None), "The second alters ω most; the first by no more than the timestep does."),
         ((NONE, NONE), "None of them alone alters the motion by more than the timestep does."),
     ],
     ids=["both", "one", "blown up", "none"],

@@ -61,5 +61,5 @@ def test_another_ending_is_no_film(tmp_path):
 
 def test_without_ffmpeg_there_is_no_mp4(tmp_path, monkeypatch):
     monkeypatch.setattr(film.FFMpegWriter, "isAvailable", lambda: False)
-    with pytest.raises(film.NoWriterError, match="takes ffmpeg"):
+    with pytest.raises(film.NoWriterError, match="needs ffmpeg"):
         film.write_film(FOUND, [], tmp_path / "top.mp4")
