@@ -1,4 +1,4 @@
-"""What docs/architecture.md and docs/glossary.md name is there."""
+"""Files and functions named in docs/architecture.md and docs/glossary.md exist."""
 
 import ast
 import re

@@ -1,4 +1,4 @@
-"""The workflow for GitHub Actions calls commands that there are, with options that they have."""
+"""The workflow for GitHub Actions calls existing commands with existing options."""
 
 import re
 import shlex

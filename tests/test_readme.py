@@ -1,4 +1,4 @@
-"""What the README shows works as it shows it."""
+"""Commands and examples in the README work as shown."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Every attack that SECURITY.md tells of has its tests."""
+"""Every attack listed in SECURITY.md has tests."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What docs/sweeps.md says is so."""
+"""Commands and numbers in docs/sweeps.md are right."""
 
 import re
 from pathlib import Path

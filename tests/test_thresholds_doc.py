@@ -1,4 +1,4 @@
-"""The table of the smallest faults that are detected is one, in docs and in every report."""
+"""The table of smallest detected faults is the same in docs and in every report."""
 
 from pathlib import Path
 

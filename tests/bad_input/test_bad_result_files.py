@@ -1,4 +1,4 @@
-"""Result files that are none, or were damaged, or cannot be written: one message, exit code 2."""
+"""Damaged, foreign and unwritable result files give one message and exit code 2."""
 
 import os
 import resource
@@ -42,7 +42,7 @@ DAMAGE = {
 
 
 def read_by(command: list[str], path: Path) -> str:
-    """What a command complains of when it is given a file; empty if of nothing."""
+    """The complaint of a command about a file; empty if there is none."""
     first = [str(path)] if command[0] != "compare" else [str(path), str(path)]
     result = CliRunner().invoke(app, [command[0], *first, *command[1:]])
     if isinstance(result.exception, Complaint):
@@ -57,7 +57,7 @@ def read_by(command: list[str], path: Path) -> str:
 
 @pytest.fixture
 def elsewhere(tmp_path, monkeypatch):
-    """Whatever a command writes it writes here."""
+    """A folder in which commands write their files."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -88,7 +88,7 @@ def test_a_page_overwritten_is_reported_or_holds_nothing(good, elsewhere, part):
 
 
 def is_read(path: Path) -> bool:
-    """Whether a file is read; otherwise it is complained of."""
+    """Whether a file can be read; if not, there must be a complaint."""
     refusal = None
     try:
         running.read(path)
@@ -101,7 +101,7 @@ def is_read(path: Path) -> bool:
 
 @pytest.mark.parametrize("value", DAMAGE.values(), ids=DAMAGE)
 def test_a_damaged_record_is_reported_never_stumbled_upon(good, elsewhere, value):
-    """What a reader lets pass, of whatever column, the report can be made of."""
+    """If the reader accepts a changed column, the report can be made."""
     path = elsewhere / "damaged.sqlite"
     passed = []
     for place in columns(good):

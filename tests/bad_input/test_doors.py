@@ -1,4 +1,4 @@
-"""A bad scene at every door: one complaint, exit code 2, no traceback, the others still named."""
+"""A bad scene in every command that reads scenes: one complaint, exit code 2, no traceback."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""Sizes that physics has not heard of: solved to a finite motion, or refused in one sentence."""
+"""Extremely large and small numbers: solved to a finite motion, or refused in one sentence."""
 
 import numpy as np
 import pytest

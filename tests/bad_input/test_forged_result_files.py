@@ -1,4 +1,4 @@
-"""Result files that somebody meant harm with: data is all that is ever read of them."""
+"""Malicious result files: nothing but data is read from them."""
 
 import io
 import json
@@ -109,7 +109,7 @@ def test_nothing_can_be_written_through_a_file_opened_to_be_read(path):
 
 @pytest.mark.parametrize("name", ["/tmp/evil", "../../evil", "a/b", "..", "-x", ""])
 def test_a_scene_in_what_a_sweep_asks_for_names_no_page(path, name):
-    """The name is the column's, which is checked; that in the JSON is nobody's."""
+    """The name is taken from the column, which is checked, and not from the JSON."""
     with closing(sqlite3.connect(path)) as connection, connection:
         for row, definition in connection.execute("SELECT rowid, asked FROM sweeps").fetchall():
             changed = json.dumps(json.loads(definition) | {"scenario": name})
@@ -160,7 +160,7 @@ def archive_of(arrays: dict[str, np.ndarray], **others: np.ndarray) -> bytes:
 
 
 def lying(blob: bytes) -> bytes:
-    """An archive whose largest member says that it is small."""
+    """An archive whose largest member declares a small size."""
     content = bytearray(blob)
     content = content.replace((BOMB + 128).to_bytes(4, "little"), (200).to_bytes(4, "little"))
     return bytes(content)

@@ -1,4 +1,4 @@
-"""Disks that are really full or really read-only: told, and gone on with once they are not."""
+"""Full and read-only disks, mounted for the test, are reported; later the run continues."""
 
 import errno
 import os

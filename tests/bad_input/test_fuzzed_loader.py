@@ -1,4 +1,4 @@
-"""Any bytes at all: the loader gives a scenario or a ScenarioError, and nothing else, soon.
+"""Random bytes: the loader returns a scenario or raises ScenarioError, in bounded time.
 
 `HYPOTHESIS_PROFILE=long` tries a thousand times as many.
 """

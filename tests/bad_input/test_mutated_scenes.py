@@ -54,7 +54,7 @@ TEXTS = {name: leaf for name, leaf in LEAVES.items() if isinstance(leaf.example,
 
 @cache
 def complaint_about(text: str) -> str:
-    """What the loader says of a text: one line, without anything that is not to be printed."""
+    """The loader's complaint about a text: one line without control characters."""
     with pytest.raises(ScenarioError) as raised:
         loads(text, NAME)
     message = str(raised.value)

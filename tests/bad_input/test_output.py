@@ -1,4 +1,4 @@
-"""Where output cannot go, and signals that come while Python does not listen."""
+"""Output that cannot be written, and signals that arrive while Python cannot handle them."""
 
 import errno
 import json
@@ -23,7 +23,7 @@ pytestmark = pytest.mark.processes
 SPINCHECK = (
     "import sys; from spincheck.reports.cli.app import main; sys.argv[0] = 'spincheck'; main()"
 )
-#: What goes on for ever once it says that it has begun, as a query of a stranger's file may.
+#: Programs that print "begun" and then run for ever: native code, an import, code that catches all.
 ENDLESS = {
     "a query": """
 import sqlite3

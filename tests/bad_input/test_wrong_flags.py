@@ -149,7 +149,7 @@ def test_an_argument_that_names_nothing_is_reported(command, value):
 
 
 def test_the_commands_are_found():
-    """The teeth: were nothing read from the application, nothing would be tested."""
+    """Teeth: if nothing were read from the application, nothing would be tested."""
     assert {"run", "report", "check", "recommend"} <= COMMANDS.keys()
     assert ("run", "--timestep", "nan") in CASES.values()
     assert ("recommend", "--omega", "inf") in CASES.values()

@@ -1,4 +1,4 @@
-"""The contract catches an engine that breaks a promise, by the check that is about it."""
+"""Each planted fault of an engine is detected by the check of the contract made for it."""
 
 from dataclasses import replace
 

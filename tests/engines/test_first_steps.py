@@ -1,4 +1,4 @@
-"""An engine with another scene in it begins otherwise than the scene; the contract has the rest."""
+"""The equation residuals detect and name an engine that simulates another scene."""
 
 import numpy as np
 import pytest

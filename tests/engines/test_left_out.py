@@ -1,4 +1,4 @@
-"""What a scene does not call for is left out, and nothing else: left in, it changes no motion."""
+"""Only what a scene does not call for is left out: leaving it in does not change the motion."""
 
 import numpy as np
 import pybullet as p
@@ -79,7 +79,7 @@ def test_left_in_it_is_seen_by_the_audit(engine: Engine, method: Method) -> None
         with session:
             session.advance(1)
             extra = session.active() - scene.called_for
-        # A motor without force is felt by nobody, and so it is with gravity that is nothing.
+        # A motor without force has no effect, nor has zero gravity.
         assert extra or name in ("idle joint motor", "gravity")
 
 

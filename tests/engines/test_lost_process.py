@@ -1,4 +1,4 @@
-"""How a process ended, or why it is given up: the engine's fault, or the machine's."""
+"""Whether the end of a process, or its timeout, is the engine's fault or the machine's."""
 
 import signal
 

@@ -1,4 +1,4 @@
-"""The loop that every run goes through: what it keeps of a run that ends before its time, and why.
+"""The sampling loop: the samples and the cause of runs that end early.
 
 The engines here are made up: a body that spins about z at one radian a second, and a fault.
 """
@@ -227,7 +227,7 @@ def test_what_goes_wrong_late_is_stepped_on_for_a_block_at_most() -> None:
 
 
 class CheckedAtTheEnd(Turning):
-    """What it checks is not in its snapshots: nobody knows when it went wrong."""
+    """Its check is not part of its snapshots, so the time of the fault is not known."""
 
     def snapshot(self) -> State:
         return self.read_state()

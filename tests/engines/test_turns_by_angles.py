@@ -1,4 +1,4 @@
-"""A first-order rule that steps roll, pitch and yaw is honest, and no other is excused for it."""
+"""A first-order rule that steps roll, pitch and yaw passes; other faults are still detected."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What is compiled ahead is all that any scene needs."""
+"""No scene needs a kernel that is not compiled ahead."""
 
 from pathlib import Path
 

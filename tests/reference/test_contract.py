@@ -1,8 +1,8 @@
-"""What is promised of the exact motion, for every scene of the library.
+"""Requirements on the exact motion, for every scene of the library.
 
-Finite; as certain as it says; conserving what is conserved; and continuous. Each check is also made
-of a motion with a fault in it, and must notice. For the equations of motion see
-`test_contract_equations`.
+It is finite, within its stated uncertainty, conserves what is conserved, and depends continuously
+on the scene. Each check is also made with a planted fault, and must fail. The equations of motion
+are checked in `test_contract_equations`.
 """
 
 from collections.abc import Iterator

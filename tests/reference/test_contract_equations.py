@@ -1,8 +1,8 @@
 """Every scene's exact motion is consistent, and obeys the equations of Newton and Euler.
 
 A derivative is the difference quotient of five samples close together, wherever along the motion:
-what has gone before does not matter, so that chaos is no excuse. Each check is made once more
-with a fault, and must notice.
+earlier errors do not matter, so that chaotic motions are checked too. Each check is repeated with a
+planted fault, and must fail.
 """
 
 from functools import cache

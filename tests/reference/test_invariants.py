@@ -1,4 +1,4 @@
-"""Every law holds along the motion of a scene it says it holds for, and notices what breaks it."""
+"""Every conservation law holds on the scenes it applies to, and detects motions that break it."""
 
 from functools import cache
 

@@ -1,4 +1,4 @@
-"""Machine code is kept, but never longer than the sources it was made from."""
+"""Machine code is cached, and recompiled when a source changes."""
 
 from pathlib import Path
 

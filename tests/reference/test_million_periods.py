@@ -1,4 +1,4 @@
-"""A million periods on, every closed form is as right as in its first.
+"""After a million periods every closed form is as accurate as in the first.
 
 The exact motion is the textbooks' way by Legendre's integrals in 120 digits (`legendre_motion`,
 `legendre_top`), with mpmath's functions; it shares no formula with the theta quotients but the

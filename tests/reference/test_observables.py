@@ -1,4 +1,4 @@
-"""What is read off a motion is the exact value, to the spline's accuracy, or is left out."""
+"""Observables equal the exact values to the spline's accuracy, or are left out."""
 
 import math
 from functools import cache

@@ -1,4 +1,4 @@
-"""`solve` at times far beyond what the ODE reaches: closed forms still answer, and say how well."""
+"""`solve` at times far beyond what the ODE reaches: closed forms still hold."""
 
 from dataclasses import replace
 from importlib import import_module

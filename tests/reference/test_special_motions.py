@@ -1,4 +1,4 @@
-"""Special motions are the limits of their neighbours: nothing jumps between closed forms."""
+"""Special motions are the limits of neighbouring ones: closed forms join continuously."""
 
 from dataclasses import replace
 

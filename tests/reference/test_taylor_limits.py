@@ -1,4 +1,4 @@
-"""What a step-size rule may trip over: rest, turning points, scales, long decay, overflow."""
+"""Difficult cases of the step-size rule: rest, turning points, scales, long decay, overflow."""
 
 from dataclasses import replace
 from typing import Any

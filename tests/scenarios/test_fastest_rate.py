@@ -1,4 +1,4 @@
-"""How fast a motion is, where it is not its spin that says so."""
+"""The fastest rate of motions where it is not the spin."""
 
 import numpy as np
 import pytest

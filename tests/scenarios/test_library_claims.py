@@ -1,4 +1,4 @@
-"""What the scenes say of themselves, where a simple formula can tell."""
+"""Statements in the scenes' descriptions, checked by simple formulas."""
 
 import numpy as np
 import pytest

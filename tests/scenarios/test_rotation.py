@@ -1,4 +1,4 @@
-"""Rotations of many vectors agree with scipy's, and let pass what is no number."""
+"""Rotations of many vectors agree with scipy's, and pass NaN on."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation

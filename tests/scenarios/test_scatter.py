@@ -1,4 +1,4 @@
-"""Members of an ensemble: reproducible one by one, valid, and scattered as is said."""
+"""Members of an ensemble: reproducible one by one, valid, and distributed as documented."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Numbers of a scene file varied by path: what is set is what was asked for, and nothing else."""
+"""Numbers of a scene file varied by path: exactly the number asked for is changed."""
 
 import tomllib
 

@@ -1,4 +1,4 @@
-"""What tests have workers call; of the standard library alone, so that a worker has it at once."""
+"""Functions for workers to call in tests; only the standard library is imported, to start fast."""
 
 import ctypes
 import errno

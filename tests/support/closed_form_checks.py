@@ -1,4 +1,4 @@
-"""What closed forms are measured by: sixty-digit motions at late times, and each other."""
+"""Compares closed forms with sixty-digit motions at late times."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Motions of library scenes by ways that share nothing with the method they are solved by."""
+"""Motions of library scenes by methods independent of the one they are solved by."""
 
 import importlib
 from dataclasses import fields

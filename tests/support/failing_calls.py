@@ -1,4 +1,4 @@
-"""An executor that calls in this process and has the calls fail that a test says."""
+"""An executor in this process in which calls chosen by a test fail."""
 
 from collections.abc import Callable
 from typing import Any
@@ -10,7 +10,7 @@ Fault = Callable[[Callable[..., Any], tuple[Any, ...]], CallFailed | None]
 
 
 class FailingCalls(Executor):
-    """Of a call that is to fail it says so; every other it makes, and counts.
+    """Returns a failure for the chosen calls; makes and counts all others.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Curves whose errors follow a law, so that every cost on them is known."""
+"""Made-up curves whose errors follow a law, so that all costs on them are known."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -182,7 +182,7 @@ for _kind in HeunSession.__subclasses__():
 
 
 class HeavierOnceLoaded(MuJoCo):
-    """MuJoCo, the mass of its body doubled behind everybody's back."""
+    """MuJoCo, with the body's mass doubled after loading."""
 
     name = "heavier"
     methods = tuple(method for method in MuJoCo.methods if method.name == "RK4")

@@ -1,4 +1,4 @@
-"""Result files that are perhaps just being written."""
+"""Reads result files while another process writes them."""
 
 import sqlite3
 import subprocess

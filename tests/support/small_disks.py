@@ -1,4 +1,4 @@
-"""Disks of a few kilobytes, mounted: really full, really read-only."""
+"""Mounts disks of a few kilobytes, to be filled or made read-only."""
 
 import shutil
 import subprocess

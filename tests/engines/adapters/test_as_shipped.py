@@ -1,4 +1,4 @@
-"""An engine with its defaults is run like any other, and what differs from the scene is told."""
+"""An engine as shipped is run like any other, and its differences from the scene are reported."""
 
 from dataclasses import replace
 

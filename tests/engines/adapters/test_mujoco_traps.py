@@ -1,4 +1,4 @@
-"""What MuJoCo does to a run when nobody asks: each trap, planted, is caught.
+"""MuJoCo's defaults that alter a run: each, planted, is detected.
 
 Resets, warnings, and what a state is read from. The traps are listed in docs/engines-mujoco.md.
 """

@@ -1,4 +1,4 @@
-"""What MuJoCo's compilers do to a body when nobody asks: each trap, planted, is caught."""
+"""Defaults of MuJoCo's compilers that alter a body: each, planted, is detected."""
 
 import xml.etree.ElementTree as ET
 

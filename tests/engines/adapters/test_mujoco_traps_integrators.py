@@ -1,4 +1,4 @@
-"""What MuJoCo's integrators are, beyond their names."""
+"""Properties of MuJoCo's integrators, measured."""
 
 import numpy as np
 import pytest

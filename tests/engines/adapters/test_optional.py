@@ -1,4 +1,4 @@
-"""Optional engines hold the scene they are told, and nothing else acts; each skips if not there."""
+"""Optional engines hold the scene, and nothing else acts; skipped if not installed."""
 
 import ast
 import sys

@@ -1,4 +1,4 @@
-"""PyBullet, beyond the contract: worlds that are given back, its clock, silence."""
+"""PyBullet, beyond the contract: reuse of worlds, its clock, no output."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""The audit tells torques, gravity and shapes that act from those that the scene calls for."""
+"""The audit detects torques, gravity and shapes that the scene does not call for."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""A pivot as a constraint: how well it is solved, and when it gives way."""
+"""A pivot as a constraint: accuracy of its solution, and when it gives way."""
 
 import numpy as np
 import pybullet as p

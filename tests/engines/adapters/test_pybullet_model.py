@@ -1,4 +1,4 @@
-"""PyBullet's own model of a body: what it reads, in which frames, what it leaves out."""
+"""PyBullet's model of a body: what it reads, in which frames, and what it ignores."""
 
 import itertools
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What native code prints is caught where Python's own redirection does not reach."""
+"""Output of native code is captured, which Python's own redirection does not do."""
 
 import ctypes
 import os

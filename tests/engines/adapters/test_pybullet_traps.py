@@ -1,4 +1,4 @@
-"""What PyBullet does to a top when nobody asks: each trap, planted, is caught; else, it is not.
+"""PyBullet's defaults that alter a motion: each, planted, is detected, and absent otherwise.
 
 The traps and their sources are listed in docs/engines-pybullet.md.
 """

@@ -22,7 +22,7 @@ def run(scene: str, method: str) -> Run:
 def bits(run_made: Run) -> tuple[object, ...]:
     motion = run_made.trajectory
     samples = None if motion is None else [column.tobytes() for column in vars(motion).values()]
-    # What acts is felt in a world that a clamped body has been through: nobody reads those digits.
+    # After a clamp, the torques measured in a world differ in digits that are not reported.
     active = run_made.active if run_made.outcome == "ok" else None
     return run_made.outcome, run_made.reason, active, samples
 

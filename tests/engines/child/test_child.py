@@ -1,4 +1,4 @@
-"""What a child does wrong costs its run, by name; what it does right is a run like any other."""
+"""Faults of a child engine fail its run with a cause; a faultless child gives ordinary runs."""
 
 import pickle
 import sys

@@ -1,4 +1,4 @@
-"""`spincheck conform`: a stranger's engine keeps the protocol, or hears where it does not."""
+"""`spincheck conform` reports whether an engine keeps the protocol, and where it does not."""
 
 import shutil
 import sys

@@ -1,4 +1,4 @@
-"""Versions of engines: installed once, found first by their workers, and told apart."""
+"""Versions of engines: installed once, imported first by their workers, and compared."""
 
 import pkgutil
 import subprocess

@@ -151,7 +151,7 @@ def test_an_engine_whose_package_is_missing_is_named_and_exits_with_3(tmp_path):
 
 
 def test_the_last_words_are_of_what_was_asked_for(monkeypatch, capfd):
-    """A command that keeps nothing may run another that does."""
+    """A command without a result file may run another that has one."""
     monkeypatch.setattr(stopping, "_last_words", threading.Lock())
 
     def stopped() -> None:

@@ -1,4 +1,4 @@
-"""What changed between two result files is told by name; what did not change is not."""
+"""Changes between two result files are reported by name, and nothing else is."""
 
 import json
 from dataclasses import replace
@@ -67,7 +67,7 @@ def row_of(results: Results) -> Row:
 
 
 def floor(results: Results) -> float:
-    """What an error in ω is good for, in both files together."""
+    """Uncertainty of an error in ω, of both files together."""
     solution, row = results.scenes[KEY.scenario].solution, row_of(results)
     return 2 * (solution.uncertainty.omega + row.steps * solution.conditioning.omega)
 

@@ -1,4 +1,4 @@
-"""What the command line says of itself, and of names that it does not know."""
+"""The command line's help, and its messages about unknown names."""
 
 import pytest
 from spincheck.reports.cli.app import app

@@ -1,4 +1,4 @@
-"""The command 'inspect', from a file to the words and the exit code, on the engines themselves."""
+"""The command 'inspect' on real engines: output and exit code."""
 
 import json
 from types import SimpleNamespace
@@ -32,7 +32,7 @@ KEYS = {
 
 @pytest.fixture(autouse=True)
 def in_process(monkeypatch):
-    """Without processes: that a reading is made in one is told by one test."""
+    """Read files in this process; one test checks that it is done in another."""
     monkeypatch.setattr(command, "LocalWorkers", lambda *_: InProcess())
 
 
@@ -212,7 +212,7 @@ def test_an_engine_that_cannot_read_the_format_is_reported(tmp_path):
 
 
 def test_a_version_is_asked_in_its_own_folder(tmp_path, monkeypatch):
-    """Without installing one: the folder and the version are told by who would."""
+    """Without an installation: folder and version are made up."""
     engine = SimpleNamespace(version="3.3.7", site="/where/3.3.7/is")
     monkeypatch.setattr(harness, "versioned", lambda name: engine)
     calls = []

@@ -1,4 +1,4 @@
-"""A run that a scene says blows up has to, on the real engines and as they are shipped too."""
+"""Runs that scenes expect to blow up do so on real engines, as shipped too."""
 
 import pytest
 from command_line import spincheck

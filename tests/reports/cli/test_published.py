@@ -1,4 +1,4 @@
-"""Published values that do not hold, and effects that a scene cannot tell, are said alike."""
+"""Wrong published values and effects without influence are reported alike by all commands."""
 
 from pathlib import Path
 

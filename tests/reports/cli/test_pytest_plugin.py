@@ -1,4 +1,4 @@
-"""Scenario files are test files, in a stranger's folder with only the package installed."""
+"""Scenario files are test files, in any folder, with only the package installed."""
 
 import pytest
 from _pytest.pytester import SysModulesSnapshot

@@ -1,4 +1,4 @@
-"""Recommendations: checked by a run, honest on failure, one message for bad input."""
+"""Recommendations: checked by a run; failures are reported; one message for bad input."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""Files for whoever has no spincheck: a run to paste into an issue, the exact motion."""
+"""Files that need no spincheck: a run to paste into an issue, and the exact motion."""
 
 import json
 import re

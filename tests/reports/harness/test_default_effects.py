@@ -1,4 +1,4 @@
-"""What each default of PyBullet does to a motion is told apart, one default at a time."""
+"""The effect of each default of PyBullet on a motion is measured, one default at a time."""
 
 import pytest
 from scenes import GRAVITY, PIVOT, SPUN_UP, TOP, scene

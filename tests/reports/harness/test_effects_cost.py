@@ -1,4 +1,4 @@
-"""What is left out is told at its price, and whether leaving it out changed the motion."""
+"""The cost of passes left out is measured, and whether leaving them out changes the motion."""
 
 from collections.abc import Collection
 

@@ -1,4 +1,4 @@
-"""What a scene's file says is known of a method is held to: neither a surprise, nor forgotten."""
+"""Expected failures in a scene's file pass while they occur, and are reported when gone."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""A ladder that is given up says what would tell, and that is beyond its last rung."""
+"""A ladder that is given up reports the timestep that would resolve it, below its last rung."""
 
 import re
 

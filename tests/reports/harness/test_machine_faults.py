@@ -1,4 +1,4 @@
-"""What the machine is to blame for is no verdict on an engine: the same command makes it again."""
+"""Faults of the machine give no verdict on an engine; the same command runs it again."""
 
 import errno
 import os

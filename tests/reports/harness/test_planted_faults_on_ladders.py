@@ -1,4 +1,4 @@
-"""A fault in MuJoCo, of whatever size or signal, is told by the verdict, and by its numbers."""
+"""Faults planted in MuJoCo are detected by the verdict, and described with their numbers."""
 
 import pytest
 from faulty_mujoco import FaultyMuJoCo, PlantedFault

@@ -1,4 +1,4 @@
-"""Which effects a scene can test: those without which its motion is another."""
+"""Which effects a scene can test: those whose absence changes its motion."""
 
 import pytest
 from library_scenes import library_scene

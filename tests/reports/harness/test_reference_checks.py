@@ -1,4 +1,4 @@
-"""The checks of the exact motion let a right one stand and say what is wrong with a faulty one."""
+"""The checks of the exact motion accept a right one and report what is wrong with a faulty one."""
 
 from dataclasses import replace
 

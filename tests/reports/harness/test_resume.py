@@ -1,4 +1,4 @@
-"""A study that was stopped, in whatever way, is gone on with and ends as if it had not been."""
+"""A study that was stopped in any way is continued, and ends with the same results."""
 
 import errno
 import os

@@ -1,4 +1,4 @@
-"""What a step costs is what it takes, by clocks of any resolution, whoever else is timed."""
+"""The cost of a step is measured correctly, by clocks of any resolution, with others timed too."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""Runs at stock timesteps: made besides the ladder, stored, told where they make no sense."""
+"""Runs at stock timesteps: made in addition to the ladder, stored, refused with a reason."""
 
 from dataclasses import replace
 

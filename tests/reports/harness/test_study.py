@@ -1,4 +1,4 @@
-"""A study of planted engines: what is wrong is told, and costs one row."""
+"""A study of engines with planted faults: each fault is reported and costs one row."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Sweeps: every point once, whatever engines do, and none again that is there."""
+"""Sweeps: every point is run once, whatever engines do, and stored points are not run again."""
 
 import sqlite3
 from contextlib import closing, suppress

@@ -86,7 +86,7 @@ def test_a_limit_far_off_disagrees_however_large_the_errors_are():
 
 
 def test_a_limit_that_is_exact_and_not_the_exact_motion_disagrees():
-    """As of a rule that makes no error in a parabola, and follows another one."""
+    """Such as a rule that is exact for parabolas, on a wrong parabola."""
     assert judged(lambda dt: 0.5 + EPS * np.sign(np.sin(1 / dt)), order=4).word == "disagrees"
 
 

@@ -1,4 +1,4 @@
-"""A calm run that has nothing to do with the scene's motion is lost; one that errs is not."""
+"""Runs no better than no motion have the cause `lost`; runs with ordinary errors do not."""
 
 from dataclasses import replace
 
@@ -35,7 +35,7 @@ def turned_aside(exact: Trajectory, angle: float) -> Trajectory:
 
 
 def still(exact: Trajectory) -> Trajectory:
-    """A body that never limit_increments."""
+    """A body that does not move."""
     return replace(
         exact,
         q_world_body_wxyz=np.tile(exact.q_world_body_wxyz[0], (len(exact.t), 1)),

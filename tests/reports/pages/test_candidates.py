@@ -1,4 +1,4 @@
-"""What each method needs for several bounds, and that it is what the tables of a report say."""
+"""What each method needs for several bounds; the tables of a report agree with it."""
 
 import math
 from collections.abc import Iterator

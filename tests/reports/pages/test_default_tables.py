@@ -1,4 +1,4 @@
-"""What each default does is told with a sentence and a table, from made-up measurements."""
+"""The sentence and the table on each default's effect, from made-up measurements."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The answer in three sentences, the table's data, and the best choice, from made-up runs."""
+"""The first screen's sentences, the table's data, and the best choice, from made-up runs."""
 
 import json
 import math

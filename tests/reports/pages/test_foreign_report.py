@@ -30,7 +30,7 @@ FANCY, PLAIN = "fancy<i>", "plain"
 
 
 class Elsewhere(Engine):
-    """An engine that is nowhere to be found."""
+    """An engine that is not installed here."""
 
     name = "elsewhere"
     version = "0.9"

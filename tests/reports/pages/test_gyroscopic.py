@@ -1,4 +1,4 @@
-"""Engines that leave out the gyroscopic torque are told by their motions, from made-up runs."""
+"""Engines without the gyroscopic torque are detected by their motions, from made-up runs."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What is left out of a scene: kept in the result file, and told in the report."""
+"""Costs of passes left out: stored in the result file, and shown in the report."""
 
 import pytest
 from spincheck.reports.pages.left_out_tables import (

@@ -1,4 +1,4 @@
-"""How large a timestep survives, read off made-up runs."""
+"""The largest surviving timestep, from made-up runs."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Errors against cost: which runs count, what they may claim, the order and the front they show."""
+"""Errors against cost: which runs count, lower limits of errors, orders, and the Pareto front."""
 
 import re
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""A report's folder holds what the last report made, and whatever somebody else put there."""
+"""A report's folder holds the files of the last report, and other files that were there."""
 
 import pytest
 from spincheck.reports.pages.written import LIST, ReportFolder

@@ -1,4 +1,4 @@
-"""A result is made anew where what it rests on is another."""
+"""Digests change when something changes that results depend on, and only then."""
 
 from pathlib import Path
 

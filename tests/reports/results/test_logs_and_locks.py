@@ -1,4 +1,4 @@
-"""What belongs together stays together: a file and its log, a run and its file; one writer."""
+"""A result file and its log, and a run and its file, stay together; only one run writes."""
 
 import errno
 import shutil

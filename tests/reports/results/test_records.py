@@ -1,4 +1,4 @@
-"""What a row may hold: a run that did not end ok has no errors, wherever it is shown."""
+"""A run that is not ok has no errors, in records and wherever it is shown."""
 
 import json
 from dataclasses import replace

@@ -126,7 +126,7 @@ def test_workers_with_another_program_are_refused(scheduler, monkeypatch):
 
 
 class Another:
-    """Tells the cluster's worker the exact motion, and whoever asks here something else."""
+    """Returns one digest of the program here, and another one on the cluster's worker."""
 
     def __init__(self, exact: tuple[bytes, str]) -> None:
         self.exact, self.asked = exact, 0

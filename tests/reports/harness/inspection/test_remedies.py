@@ -1,4 +1,4 @@
-"""What is told to do does it: each remedy is applied to its file, and the file inspected again."""
+"""Remedies work: each is applied to its file, and the file inspected again."""
 
 from types import SimpleNamespace
 
