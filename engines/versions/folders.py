@@ -13,9 +13,9 @@ from ..user_cache import user_cache
 
 #: Wheels are of one minor version of Python.
 _PYTHON = f"cp{sys.version_info.major}{sys.version_info.minor}"
-#: Of another Python, the same in its own words.
+#: Prints the same for another Python, run by that Python.
 _TAG = "import sys; print(f'cp{sys.version_info.major}{sys.version_info.minor}')"
-#: Of what `_python` may print, to be a tag.
+#: What that may print.
 _TAGGED = re.compile(r"cp3\d+")
 #: What a version may look like (PEP 440, without epochs and local versions).
 _VERSION = re.compile(r"\d+(\.\d+)*([a-z]+\d*)?(\.(post|dev)\d+)?")

@@ -31,7 +31,7 @@ SAMPLES_PER_PERIOD = 1_000
 MANY_PERIODS = 1_000
 #: Errors are measured after so many; DOP853's only after the former.
 PERIODS, LATER_PERIODS = 100, 10_000
-#: The least tolerance that scipy accepts, and the second method's (`second_method`).
+#: The least tolerance that scipy accepts, and the second method's (`cross_check`).
 TOLERANCES = (2.3e-14, 1e-13)
 TIGHTEST = f"DOP853 {TOLERANCES[0]:g}"
 #: Goals: samples a second of a closed form, and DOP853's time over that of the series.

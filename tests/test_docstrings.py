@@ -1,0 +1,59 @@
+"""Parameters and attributes that docstrings describe exist."""
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+SOURCES = sorted(
+    p for d in ("scenarios", "reference", "engines", "reports") for p in (ROOT / d).rglob("*.py")
+)
+SECTION = re.compile(r"^(?:Parameters|Attributes)\n-+\n(.*?)(?:\n\n|\Z)", re.DOTALL | re.MULTILINE)
+#: At the margin of a section: names, a colon, and what they are.
+ENTRY = re.compile(r"^([\w, *]+?) : ", re.MULTILINE)
+
+
+def described(docstring: str) -> Iterator[str]:
+    for section in SECTION.findall(docstring):
+        for names in ENTRY.findall(section):
+            yield from (name.strip("* ") for name in names.split(","))
+
+
+def names_of(node: ast.FunctionDef | ast.ClassDef) -> set[str]:
+    """Parameters of a function; of a class whatever it defines or its methods take and set."""
+    inside = list(ast.walk(node)) if isinstance(node, ast.ClassDef) else list(ast.walk(node.args))
+    names = {part.arg for part in inside if isinstance(part, ast.arg)}
+    names |= {part.id for part in inside if isinstance(part, ast.Name)}
+    names |= {part.attr for part in inside if isinstance(part, ast.Attribute)}
+    return names | {part.name for part in inside if isinstance(part, ast.FunctionDef)}
+
+
+def unknown(source: str) -> list[str]:
+    """Names that docstrings describe and that their function or class does not have."""
+    return [
+        f"{node.name}: {name}"
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.FunctionDef | ast.ClassDef)
+        for name in described(ast.get_docstring(node) or "")
+        if name not in names_of(node) and not inherits(node)
+    ]
+
+
+def inherits(node: ast.AST) -> bool:
+    """Whether a class may have what it describes from a base; protocols and tuples have not."""
+    return isinstance(node, ast.ClassDef) and any(
+        ast.unparse(base) not in ("NamedTuple", "Protocol", "ABC") for base in node.bases
+    )
+
+
+def test_what_docstrings_describe_is_there() -> None:
+    by_file = {str(path): unknown(path.read_text(encoding="utf-8")) for path in SOURCES}
+    assert {path: names for path, names in by_file.items() if names} == {}
+
+
+def test_a_stale_name_is_noticed() -> None:
+    source = (
+        'def f(a):\n    """Do.\n\n    Parameters\n    ----------\n    a, b : numbers\n    """\n'
+    )
+    assert unknown(source) == ["f: b"]
