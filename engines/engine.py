@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from ..scenarios import Scenario, Trajectory
 from .audit import audit
+from .bounds import Bounds
 from .fault import ENVIRONMENTAL, Cause
-from .faults import Bounds, clamped_turn
+from .faults import clamped_turn
 from .first_steps import NEGLIGIBLE, equation_residuals
 from .precision import single_precision
 from .read_back import (

@@ -1,41 +1,20 @@
 """Checks on the states of a run that hold for any engine and scene."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
 from ..scenarios import FloatArray, Trajectory
 from ..scenarios.rotation import matrices, norms
+from .bounds import Bounds
 from .fault import Fault
 from .read_back import State
 from .turn_faults import Reading, turn_faults
 
 #: Every n-th state, and the last, is checked for whether the pivot holds; n.
 PIVOT_EVERY = 8
-
-
-@dataclass(frozen=True, eq=False)
-class Bounds:
-    """Bounds that every state must keep.
-
-    Attributes
-    ----------
-    timestep : s
-    most_turn : rad a step, beyond which the engine clamps the rotation
-    round_off : relative, of a state that is read
-    decay : 1/s, the fastest rate at which drag slows the body
-    arm : m, body axes, from the pivot to the com, (3,); None where nothing holds the body
-    by_angles : whether the attitude is stepped as roll, pitch and yaw
-    """
-
-    timestep: float
-    most_turn: float
-    round_off: float
-    decay: float = 0.0
-    arm: FloatArray | None = None
-    by_angles: bool = False
 
 
 def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
@@ -60,8 +39,7 @@ def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
         yield Fault(_first(clamped), "clamp", clamped_turn(speed, timestep, bounds.most_turn))
     if bounds.arm is not None:
         yield from _pivot_faults(states, bounds.arm)
-    decay, by_angles = bounds.decay, bounds.by_angles
-    yield from turn_faults(reading, timestep, bounds.round_off, decay, by_angles)
+    yield from turn_faults(reading, bounds)
 
 
 def clamped_turn(speed: float, timestep: float, most: float) -> str:

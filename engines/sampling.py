@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .bounds import Bounds
 from .fault import WRONG_AT_ANY_TIMESTEP, Cause, Fault
-from .faults import Bounds, columns, faults
+from .faults import columns, faults
 from .read_back import EngineError, State
 from .run import Outcome
 from .session import Session

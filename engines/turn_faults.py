@@ -8,7 +8,9 @@ may differ further, by as much as drag changes it. If ω is constant, the remain
 a rotation about a fixed axis: the coarsest rules, q (1, hω/2) normalised and Cayley's, turn by
 2 atan(h|ω|/2), less than h|ω| by at most (h|ω|)³/12. A rule that steps roll, pitch β and yaw errs
 by at most (h|ω|/cos β)²/2 about any axis, by the second derivative of the rotation, as no angle
-changes faster than |ω|/cos β.
+changes faster than |ω|/cos β. A constraint that is the pivot and corrects a drift of the com within
+a step turns the body besides, and ω does not include it: by at most the drifts before and after the
+step over the distance of the com.
 """
 
 from collections.abc import Iterator
@@ -18,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scenarios import FloatArray
-from ..scenarios.rotation import norms, rotation_vectors
+from ..scenarios.rotation import matrices, norms, rotation_vectors
+from .bounds import Bounds
 from .fault import Cause, Fault
 from .read_back import State
 
@@ -44,36 +47,19 @@ class Reading:
     start: State
 
 
-def turn_faults(
-    reading: Reading, timestep: float, round_off: float, decay: float, by_angles: bool
-) -> Iterator[Fault]:
-    """The first state whose attitude does not match ω over a step, and the first after a reset.
-
-    Parameters
-    ----------
-    timestep : s
-    round_off : rad, of an attitude that is read
-    decay : 1/s, of ω by drag
-    by_angles : whether the attitude is stepped as roll, pitch and yaw
-    """
+def turn_faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
+    """The first state whose attitude does not match ω over a step, and the first after a reset."""
     with np.errstate(all="ignore"):
         yield from _resets(reading)
         pairs = np.flatnonzero(np.diff(reading.steps) == 1)
         is_sound = _is_sound(reading.states)
         pairs = pairs[is_sound[pairs] & is_sound[pairs + 1]]
         if len(pairs):
-            yield from _turns(reading, pairs, timestep, round_off, decay, by_angles)
+            yield from _turns(reading, pairs, bounds)
 
 
-def _turns(
-    reading: Reading,
-    pairs: NDArray[np.int64],
-    timestep: float,
-    round_off: float,
-    decay: float,
-    by_angles: bool,
-) -> Iterator[Fault]:
-    states = reading.states
+def _turns(reading: Reading, pairs: NDArray[np.int64], bounds: Bounds) -> Iterator[Fault]:
+    states, timestep = reading.states, bounds.timestep
     q_world_body = states.q_world_body_wxyz
     rate_body = rotation_vectors(q_world_body[pairs], q_world_body[pairs + 1]) / timestep
     before_body, after_body = states.omega_body[pairs], states.omega_body[pairs + 1]
@@ -85,13 +71,17 @@ def _turns(
     change = own_change.copy()
     np.maximum(change[1:], own_change[:-1], out=change[1:])
     np.maximum(change[:-1], own_change[1:], out=change[:-1])
-    change += decay * timestep * fastest
-    allowed = change + ATAN * timestep**2 * fastest**3 + round_off / timestep
-    if by_angles:
+    change += bounds.decay * timestep * fastest
+    allowed = change + ATAN * timestep**2 * fastest**3 + bounds.round_off / timestep
+    if bounds.by_angles:
         w, x, y, z = q_world_body[pairs].T
         cos_pitch_squared = 1 - (2 * (w * y - x * z)) ** 2
         allowed += timestep / 2 * fastest**2 / cos_pitch_squared
-    bad = (norms(rate_body - mean_omega_body) > allowed) & (fastest * timestep < FURTHEST)
+    off = norms(rate_body - mean_omega_body)
+    bad = (off > allowed) & (fastest * timestep < FURTHEST)
+    if bad.any() and bounds.arm is not None and bounds.arm.any():
+        allowed += _put_back(states, pairs, bounds.arm) / timestep
+        bad &= off > allowed
     if not bad.any():
         return
     k = int(np.argmax(bad))
@@ -106,6 +96,13 @@ def _turns(
         f"where ω makes {speeds[k] * timestep:.3g} rad"
     )
     yield Fault(int(pairs[k]) + 1, cause, reason)
+
+
+def _put_back(states: State, pairs: NDArray[np.int64], arm_body: FloatArray) -> FloatArray:
+    """The turn, rad, that a constraint may make in each step as it puts back the com; (n,)."""
+    arm_world = matrices(states.q_world_body_wxyz) @ arm_body
+    drift = norms(states.com_world - arm_world) / float(np.linalg.norm(arm_body))
+    return np.asarray(drift[pairs] + drift[pairs + 1])
 
 
 _WAYS: dict[Cause, str] = {

@@ -61,7 +61,7 @@ class Rapier3DSession(Session):
 
     def __init__(self, scenario: Scenario, as_shipped: bool, timestep: float) -> None:
         rapier3d: Any = import_module("rapier3d")
-        self._scenario = scenario
+        self._scenario, self._quarantined = scenario, False
         self._world = rapier3d.PhysicsWorld(gravity=_tuple(scenario.gravity_world))
         self._world.integration_parameters.dt = timestep
         handle = self._world.add_body(_described(rapier3d, scenario, as_shipped))
@@ -104,11 +104,13 @@ class Rapier3DSession(Session):
             if self._push_turns:
                 self._push()
             world.step()
-            if not world.quarantine.is_empty():
-                raise EngineError("Rapier has quarantined the body: not finite", "not-finite")
+            self._quarantined |= not world.quarantine.is_empty()
+            self.check()
 
     def check(self) -> None:
-        """Nothing to do: `advance` checks after each step."""
+        """Raise if any step so far was quarantined."""
+        if self._quarantined:
+            raise EngineError("Rapier has quarantined the body: not finite", "not-finite")
 
     def active(self) -> frozenset[str]:
         """What acts, as reported by the world and the body."""

@@ -5,7 +5,8 @@ from collections.abc import Collection
 import numpy as np
 
 from ...engines import Engine, EngineError, Method
-from ...engines.faults import Bounds, clamped_turn
+from ...engines.bounds import Bounds
+from ...engines.faults import clamped_turn
 from ...engines.sampling import sample
 from ...reference import Solution
 from ...scenarios import Errors, Scenario, Trajectory, errors_between

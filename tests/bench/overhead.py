@@ -17,7 +17,7 @@ from rich.console import Console
 from rich.table import Table
 from spincheck.engines import Engine, Method, Session, engines
 from spincheck.engines.adapters.mujoco.session import MuJoCoSession
-from spincheck.engines.faults import Bounds
+from spincheck.engines.bounds import Bounds
 from spincheck.engines.native_output import native_output
 from spincheck.engines.read_back import READ_BACK_SLACK
 from spincheck.engines.sampling import sample

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from spincheck.engines import State
-from spincheck.engines.faults import Bounds, faults
+from spincheck.engines.bounds import Bounds
+from spincheck.engines.faults import faults
 from spincheck.engines.turn_faults import Reading
 
 TIMESTEP = 1e-3

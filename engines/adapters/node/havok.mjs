@@ -4,7 +4,7 @@ import { acting, load, method, read, serve, stepped, version } from './parts/hos
 
 const wasmBinary = read('@babylonjs/havok/lib/esm/HavokPhysics.wasm');
 const H = checked(await (await load('@babylonjs/havok/lib/esm/HavokPhysics_es.js'))({ wasmBinary }));
-const RADIUS = 0.05, FAST = 1e6, HERE = [0, 0, 0];
+const RADIUS = 0.05, FAST = 1e9, HERE = [0, 0, 0];
 
 function open(scene, name, timestep) {
   const shipped = name === 'default', world = H.HP_World_Create(), body = H.HP_Body_Create();

@@ -2,7 +2,7 @@
 import { acting, load, method, serve, stepped, version } from './parts/host.mjs';
 
 const J = await (await load('jolt-physics/dist/jolt-physics.wasm-compat.js'))();
-const RADIUS = 0.05, FAST = 1e6;                 // m; m/s and rad/s, out of reach
+const RADIUS = 0.05, FAST = 1e9;                 // m; m/s and rad/s, out of reach
 const list = (v) => [v.GetX(), v.GetY(), v.GetZ()];
 const wxyz = (q) => [q.GetW(), q.GetX(), q.GetY(), q.GetZ()];
 

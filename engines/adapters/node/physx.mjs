@@ -8,7 +8,7 @@ Object.assign(globalThis, { process: undefined, window: globalThis, document: { 
 const P = await (await starting)({ wasmBinary });
 Object.assign(globalThis, { process: node, window: undefined, document: undefined });
 const GYROSCOPIC = 1 << 10;                      // PxRigidBodyFlag::eENABLE_GYROSCOPIC_FORCES, not in its enum
-const FAST = 1e6;                                // rad/s, out of reach
+const FAST = 1e9;                                // rad/s, out of reach
 const T = P.PxTopLevelFunctions.prototype, scale = new P.PxTolerancesScale();
 const foundation = T.CreateFoundation(P.PHYSICS_VERSION, new P.PxDefaultAllocator(), new P.PxDefaultErrorCallback());
 const physics = T.CreatePhysics(P.PHYSICS_VERSION, foundation, scale);

@@ -13,7 +13,8 @@ from pybullet_planted import (
 )
 from scenes import PIVOT, SCENES, SKEW_GRAVITY, scene
 from spincheck.engines import Method
-from spincheck.engines.faults import Bounds, faults
+from spincheck.engines.bounds import Bounds
+from spincheck.engines.faults import faults
 from spincheck.engines.turn_faults import Reading
 
 EPS = np.finfo(float).eps
