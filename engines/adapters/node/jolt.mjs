@@ -27,12 +27,12 @@ function open(scene, name, timestep) {
   if (!shipped) Object.assign(about, { mLinearDamping: 0, mAngularDamping: 0, mAllowSleeping: false,
     mMaxAngularVelocity: FAST, mMaxLinearVelocity: FAST, mApplyGyroscopicForce: true });
   const bodies = system.GetBodyInterface(), body = bodies.CreateBody(about), motion = body.GetMotionProperties();
+  // For moments of some 1e-6 kg m² and less it would take those of a sphere of radius 1 m.
+  if (!shipped) motion.SetInverseInertia(new J.Vec3(...scene.moments.map((I) => 1 / I)), J.Quat.prototype.sIdentity());
   bodies.AddBody(body.GetID(), J.EActivation_Activate);
   let arm = null;
   if (scene.arm) {
-    const joint = new J.PointConstraintSettings();
-    joint.mSpace = J.EConstraintSpace_LocalToBodyCOM;
-    joint.mPoint2 = new J.RVec3(...scene.arm);
+    const joint = Object.assign(new J.PointConstraintSettings(), { mSpace: J.EConstraintSpace_LocalToBodyCOM, mPoint2: new J.RVec3(...scene.arm) });
     const held = J.castObject(joint.Create(J.Body.prototype.sFixedToWorld, body), J.PointConstraint);
     system.AddConstraint(held);
     arm = list(held.GetLocalSpacePoint2());
