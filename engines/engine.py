@@ -47,6 +47,7 @@ class Method:
     as_shipped : the engine with all its defaults: how it differs from the scene is reported as a
         remark, and does not fail a run
     by_angles : whether the attitude of a held body is stepped as roll, pitch and yaw
+    damping : 1/s, at which it slows bodies that nothing slows
     """
 
     name: str
@@ -58,6 +59,7 @@ class Method:
     max_rotation_per_step: float = np.inf
     as_shipped: bool = False
     by_angles: bool = False
+    damping: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -259,7 +261,7 @@ class Engine(ABC):
                 if unlike and not method.as_shipped:
                     return ended("failed", unlike[0].complaint, "read-back")
                 arm = held[0].com if scenario.has_pivot else None
-                decay = scenario.drag / float(scenario.body.principal_moments[0])
+                decay = scenario.drag / float(scenario.body.principal_moments[0]) + method.damping
                 by_angles = method.by_angles and scenario.has_pivot
                 bounds = Bounds(timestep, most, self.slack, decay, arm, by_angles)
                 sampled = sample(session, sample_steps, bounds)

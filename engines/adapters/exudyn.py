@@ -25,6 +25,10 @@ IMPLICIT = frozenset({AS_SHIPPED, "TrapezoidalIndex2"})
 #: Number of a node's coordinates that are its position; entries of a tensor in Exudyn's order.
 PLACE = range(3)
 ENTRIES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+#: The node has the body's axes in another order. Exudyn composes rotation vectors with an arc cosine,
+#: which loses half the digits of a small one: from a start along the world's axes, rotations of less
+#: than 1.5e-8 rad a step were lost.
+R_BODY_NODE = np.roll(np.eye(3), 1, axis=0)
 #: Tolerances, relative and in units of the residual; Exudyn's defaults are 1e-8 and 1e-10.
 NEWTON_TOLERANCE = 1e-13
 #: Relative difference allowed of a step's length, as Exudyn sums up the time.
@@ -103,9 +107,10 @@ class ExudynSession(MatrixSession):
     def read_body(self) -> BodyReading:
         """The body as the object holds it, from the node; its com is where gravity acts."""
         held = self._system.GetObject(self._body)
-        com = np.array(self._system.GetMarker(self._com)["localPosition"])
+        com = R_BODY_NODE @ self._system.GetMarker(self._com)["localPosition"]
         xx, yy, zz, yz, xz, xy = held["inertia"]
-        inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        of_node = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        inertia = R_BODY_NODE @ of_node @ R_BODY_NODE.T
         mass = float(held["mass"])
         if self._scenario.has_pivot:
             inertia -= _of_point(mass, com)
@@ -117,9 +122,10 @@ class ExudynSession(MatrixSession):
         """The state now."""
         of_node, of_marker = self._system.GetNodeOutput, self._system.GetMarkerOutput
         names = self._variables
+        R_world_node = np.array(of_node(self._node, names.RotationMatrix)).reshape(3, 3)
         return MatrixReading(
-            np.array(of_node(self._node, names.RotationMatrix)).reshape(3, 3),
-            np.array(of_node(self._node, names.AngularVelocityLocal)),
+            R_world_node @ R_BODY_NODE.T,
+            R_BODY_NODE @ of_node(self._node, names.AngularVelocityLocal),
             np.array(of_marker(self._com, names.Position)),
             np.array(of_marker(self._com, names.Velocity)),
         )
@@ -168,7 +174,7 @@ class ExudynSession(MatrixSession):
         if held["loadType"] == "ForceVector":
             name, wanted = "gravity", scenario.body.mass * scenario.gravity_world
         elif held["bodyFixed"]:
-            name, wanted = "torque_body", scenario.torque_body
+            name, wanted = "torque_body", R_BODY_NODE.T @ scenario.torque_body
         else:
             name, wanted = "torque_world", scenario.torque_world
         return name if np.array_equal(vector, wanted) else f"a load of {vector.tolist()}"
@@ -206,16 +212,18 @@ def _assembled(system: Any, scenario: Scenario) -> tuple[int, int, int]:
     """Build the body; returns the numbers of its node, object, and marker at the com."""
     items = import_module("exudyn.itemInterface")
     body, start = scenario.body, scenario.start
-    attitude = Rotation.from_quat(start.q_world_body_wxyz, scalar_first=True)
+    world_from_body = Rotation.from_quat(start.q_world_body_wxyz, scalar_first=True)
+    attitude = world_from_body * Rotation.from_matrix(R_BODY_NODE)
     place, velocity, arm = start.position_world, start.velocity_world, np.zeros(3)
     inertia = np.array(body.inertia_com)
     if scenario.has_pivot:
-        place, velocity, arm = np.zeros(3), np.zeros(3), np.array(body.com)
-        inertia += _of_point(body.mass, arm)
+        place, velocity, arm = np.zeros(3), np.zeros(3), R_BODY_NODE.T @ body.com
+        inertia += _of_point(body.mass, np.array(body.com))
+    inertia = R_BODY_NODE.T @ inertia @ R_BODY_NODE
     node = system.AddNode(
         items.NodeRigidBodyRotVecLG(
             referenceCoordinates=[*place, *attitude.as_rotvec()],
-            initialVelocities=[*velocity, *start.omega_body],
+            initialVelocities=[*velocity, *(R_BODY_NODE.T @ start.omega_body)],
         )
     )
     entries = [float(inertia[row, column]) for row, column in ENTRIES]
@@ -244,7 +252,8 @@ def _load(system: Any, items: Any, scenario: Scenario, body: int, com: int) -> N
         weight = scenario.body.mass * scenario.gravity_world
         system.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[*weight]))
     whole = system.AddMarker(items.MarkerBodyRigid(bodyNumber=body))
-    for torque, turns in ((scenario.torque_body, True), (scenario.torque_world, False)):
+    torque_node = R_BODY_NODE.T @ scenario.torque_body
+    for torque, turns in ((torque_node, True), (scenario.torque_world, False)):
         if torque.any():
             system.AddLoad(
                 items.LoadTorqueVector(markerNumber=whole, loadVector=[*torque], bodyFixed=turns)

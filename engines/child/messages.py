@@ -67,6 +67,7 @@ class MethodTable(Answer):
     requires: Effects = []
     max_rotation_per_step: Positive | None = None
     as_shipped: bool = False
+    damping: Positive | None = None
 
     def method(self) -> Method:
         """The method as the harness uses it."""
@@ -79,6 +80,7 @@ class MethodTable(Answer):
             frozenset(self.requires),
             self.max_rotation_per_step or float("inf"),
             self.as_shipped,
+            damping=self.damping or 0.0,
         )
 
 

@@ -44,4 +44,4 @@ function open(scene, name, timestep) {
 
 serve({ name: 'cannon-es', version: version('cannon-es'), precision: 'double', stock_timestep: 1 / 60, open,
   methods: [method('point', 'symplectic Euler, a stiff point-to-point constraint'),
-    method('default', 'as shipped: with damping, a softer constraint', { as_shipped: true })] });
+    method('default', 'as shipped: with damping, a softer constraint', { as_shipped: true, damping: 0.01 })] });

@@ -43,4 +43,4 @@ function open(scene, name, timestep) {
 
 serve({ name: 'havok', version: version('@babylonjs/havok'), precision: 'single', stock_timestep: 1 / 60, open,
   methods: [method('plain', 'semi-implicit Euler, damping and clamps off'),
-    method('default', 'as shipped: with damping, a velocity clamp, sleeping', { as_shipped: true })] });
+    method('default', 'as shipped: with damping, a velocity clamp, sleeping', { as_shipped: true, damping: 0.1 })] });

@@ -56,4 +56,4 @@ function open(scene, name, timestep) {
 
 serve({ name: 'jolt', version: version('jolt-physics'), precision: 'single', stock_timestep: 1 / 60, open,
   methods: [method('gyroscopic', 'semi-implicit Euler, the gyroscopic torque switched on'),
-    method('default', 'as shipped: without the gyroscopic torque, with damping and a velocity clamp', { as_shipped: true })] });
+    method('default', 'as shipped: without the gyroscopic torque, with damping and a velocity clamp', { as_shipped: true, damping: 0.05 })] });

@@ -7,6 +7,8 @@ from .model import BASE, HUNG, Model
 #: rad/s and m/s: every velocity coordinate of a multibody is clamped at this. (Source:
 #: `m_maxCoordinateVelocity` of btMultiBody; measured.)
 DEFAULT_CLAMP = 100.0
+#: 1/s, linear and angular. (Source: Bullet's user manual; measured.)
+DEFAULT_DAMPING = 0.04
 #: rad/s and m/s; larger than any velocity of a run.
 UNREACHED_VELOCITY = 1e100
 

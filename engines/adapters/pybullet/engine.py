@@ -14,6 +14,7 @@ from ...engine import Engine, Method, Release
 from ...native_output import native_output
 from ...release import numbers_of
 from ...session import Session
+from .as_shipped import DEFAULT_DAMPING
 
 with native_output():
     # On import, Bullet prints its build date.
@@ -77,6 +78,7 @@ class PyBullet(Engine):
             ALL_EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             as_shipped=True,
+            damping=DEFAULT_DAMPING,
         ),
         Method(
             "default-inertia-from-file",
@@ -86,6 +88,7 @@ class PyBullet(Engine):
             ALL_EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             as_shipped=True,
+            damping=DEFAULT_DAMPING,
         ),
     )
 

@@ -2,11 +2,13 @@
 
 import ast
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from kinds_of_engines import OPTIONAL, why_missing
+from library_scenes import library_scene
 from spincheck.engines import Engine, engines, missing
 from spincheck.engines import adapters as adapters_package
 from spincheck.engines.adapters.node import discovered
@@ -96,6 +98,27 @@ def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
         assert residual.endswith("as if there were no gyroscopic torque")
     else:
         assert residual == ""
+
+
+def test_exudyn_turns_a_body_that_starts_along_the_worlds_axes() -> None:
+    """It loses turns of less than 1.5e-8 rad a step from there, and this rod's are."""
+    if reason := why_missing("exudyn"):
+        pytest.skip(reason)
+    engine = engines()["exudyn"]
+    assert engine.equation_residuals(library_scene("pendulum-just-over"), engine.methods[0]) == ""
+
+
+def test_a_damping_that_an_engine_ships_with_is_no_step_of_another_length() -> None:
+    """Where a torque makes up for it ω hardly changes, and is larger within each step."""
+    if reason := why_missing("havok"):
+        pytest.skip(reason)
+    engine, timestep = engines()["havok"], 0.0125
+    samples = np.arange(0, 641, 64)
+    run = engine.run(library_scene("sphere-pushed"), engine.method("default"), timestep, samples)
+    assert run.outcome == "ok"
+    without = replace(engine.method("default"), damping=0.0)
+    run = engine.run(library_scene("sphere-pushed"), without, timestep, samples)
+    assert run.cause == "clock"
 
 
 @pytest.mark.parametrize(
