@@ -25,9 +25,9 @@ IMPLICIT = frozenset({AS_SHIPPED, "TrapezoidalIndex2"})
 #: Number of a node's coordinates that are its position; entries of a tensor in Exudyn's order.
 PLACE = range(3)
 ENTRIES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-#: The node has the body's axes in another order. Exudyn composes rotation vectors with an arc cosine,
-#: which loses half the digits of a small one: from a start along the world's axes, rotations of less
-#: than 1.5e-8 rad a step were lost.
+#: The node has the body's axes in another order. Exudyn composes rotation vectors with an arc
+#: cosine, which loses half the digits of a small one: from a start along the world's axes,
+#: rotations of less than 1.5e-8 rad a step were lost.
 R_BODY_NODE = np.roll(np.eye(3), 1, axis=0)
 #: Tolerances, relative and in units of the residual; Exudyn's defaults are 1e-8 and 1e-10.
 NEWTON_TOLERANCE = 1e-13
