@@ -5,8 +5,9 @@ The engines here are made up: a body that spins about z at one radian a second, 
 
 import numpy as np
 import pytest
+from quiet_session import QuietSession
 from scenes import scene
-from spincheck.engines import BodyReading, Engine, EngineError, Fault, Method, Run, Session, State
+from spincheck.engines import BodyReading, Engine, EngineError, Fault, Method, Run, State
 from spincheck.engines.sampling import BLOCK, BLOCK_STEPS, FIRST_BLOCK, steps_to_read
 from spincheck.scenarios import Scenario
 
@@ -22,7 +23,7 @@ MOST_TURN = 0.5
 METHOD = Method("turn", 1, 1, "turns", frozenset(), max_rotation_per_step=MOST_TURN)
 
 
-class Turning(Session):
+class Turning(QuietSession):
     """The faultless one."""
 
     def __init__(self, fault_after: int) -> None:
@@ -42,15 +43,6 @@ class Turning(Session):
 
     def advance(self, steps: int) -> None:
         self.steps += steps
-
-    def check(self) -> None:
-        pass
-
-    def active(self) -> frozenset[str]:
-        return frozenset()
-
-    def close(self) -> None:
-        pass
 
 
 class Warns(Turning):

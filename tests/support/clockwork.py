@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+from quiet_session import QuietSession
 from scene_texts import sphere_text
 from spincheck.engines import BodyReading, Engine, EngineError, Method, Session, State, session
 from spincheck.reports.harness import step_cost as cost
@@ -46,7 +47,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 
 
 @dataclass(eq=False)
-class Clockwork(Session):
+class Clockwork(QuietSession):
     """Takes its time, and keeps a diary.
 
     Attributes
@@ -86,12 +87,6 @@ class Clockwork(Session):
 
     def check(self) -> None:
         self.diary.append((self.name, "check", 0))
-
-    def active(self) -> frozenset[str]:
-        return frozenset()
-
-    def close(self) -> None:
-        pass
 
 
 def steadily(seconds_per_step: float) -> Callable[[int, int], float]:

@@ -11,6 +11,7 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+from quiet_session import QuietSession
 from scipy.spatial.transform import Rotation
 from spincheck.engines import BodyReading, Engine, EngineError, Method, Session, State
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
@@ -20,7 +21,7 @@ from spincheck.scenarios import EFFECTS, Scenario, loads
 METHOD = Method("Heun", 2, 2, "Heun's method on rotation vectors", frozenset(EFFECTS) - {"pivot"})
 
 
-class HeunSession(Session):
+class HeunSession(QuietSession):
     """A free body in its own frame, stepped by Heun's method in ω and attitude."""
 
     def __init__(self, scenario: Scenario, timestep: float) -> None:
@@ -51,15 +52,6 @@ class HeunSession(Session):
             self.omega = self.omega + h / 2 * (first + second)
             self.attitude = self.attitude * Rotation.from_rotvec(h * middle)
         self.steps += steps
-
-    def check(self) -> None:
-        pass
-
-    def active(self) -> frozenset[str]:
-        return frozenset()
-
-    def close(self) -> None:
-        pass
 
 
 class Planted(Engine):
