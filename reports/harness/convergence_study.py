@@ -19,7 +19,7 @@ from .stock import StockRun, stock_timesteps
 
 @dataclass(frozen=True, eq=False)
 class SingleRun:
-    """One timestep by itself: asked for by a user, or with an expectation of the scene's."""
+    """A single timestep: asked for by a user, or named in an expectation of the scene."""
 
     rung: Rung
     solution: Solution
@@ -28,7 +28,7 @@ class SingleRun:
 
 @dataclass(frozen=True, eq=False)
 class _Coming:
-    """The run to make now, the exact motion at its samples, and the rows that it joins."""
+    """The next run, the exact motion at its samples, and the list that its row is added to."""
 
     rung: Rung
     solution: Solution
@@ -37,15 +37,16 @@ class _Coming:
 
 @dataclass(eq=False)
 class ConvergenceStudy:
-    """A scene, an engine and a method: first the single timesteps, then the ladder.
+    """The runs of a method on a scene, in order, and the verdict on them.
 
-    Then come timesteps above the ladder, as long as they survive, and stock timesteps.
+    First the single timesteps are run, then the ladder, then timesteps above the ladder as long as
+    they survive, then stock timesteps.
 
     Attributes
     ----------
     solution : the exact motion at the ladder's sample times
-    ladder : None where only single timesteps are asked for
-    stock : timesteps that the engine is run at whatever the scene
+    ladder : None if only single timesteps are asked for
+    stock : runs at stock timesteps
     rows, single_rows, above_rows, stock_rows : the runs so far
     unmet : expectations of the scene that were not met, in words
     """
@@ -65,21 +66,21 @@ class ConvergenceStudy:
 
     @cached_property
     def judge(self) -> LadderJudge:
-        """What judges the ladder."""
+        """Judges the ladder."""
         return LadderJudge(self.scenario, self.engine, self.method, self.solution)
 
     @property
     def key(self) -> Key:
-        """Which scene, engine and method."""
+        """Scene, engine and method."""
         return Key(self.scenario.name, self.engine.name, self.method.name)
 
     def next_rung(self) -> Rung | None:
-        """The rung to run next; None when the verdict can be given."""
+        """The rung to run next; None if no more runs are needed."""
         coming = self._coming()
         return coming.rung if coming else None
 
     def compare(self, answer: Answer[Run]) -> Row:
-        """The row of the next rung, from what came of running it."""
+        """Compare the run of the next rung with the exact motion; returns its row."""
         coming = self._coming()
         assert coming is not None, "only a rung that is asked for is run"
         row = row_of(
@@ -93,12 +94,12 @@ class ConvergenceStudy:
         stock = coming.rung.timestep in stock_timesteps(self.engine)
         row = replace(row, printed=answer.printed, stock=stock)
         if self.rows and coming.rows is self.above_rows and not stock:
-            # Nothing is judged or drawn by it: there are finer ones.
+            # Its samples are not needed: finer runs are judged and drawn.
             row = replace(row, motion=None)
         return row
 
     def take(self, row: Row) -> None:
-        """Take the row of the next rung, whether it was run just now or is stored."""
+        """Take the row of the next rung, whether just made or stored."""
         coming = self._coming()
         assert coming is not None, "only a rung that is asked for is taken"
         coming.rows.append(row)
@@ -109,7 +110,7 @@ class ConvergenceStudy:
                 self.unmet += unmet_expectations(expectation, row)
 
     def can_take(self, row: Row) -> bool:
-        """Whether a stored row is enough: a ladder is judged on motions, at its own samples."""
+        """Whether a stored row can be used: on a ladder it needs a motion at its samples."""
         coming = self._coming()
         if coming is None or row.outcome != "ok":
             return True
@@ -137,7 +138,7 @@ class ConvergenceStudy:
 
     @property
     def cut_short(self) -> bool:
-        """Whether finer rungs, had there been any, would have been run."""
+        """Whether finer rungs would have been run if the step limit allowed them."""
         if self.ladder is None:
             return False
         if not self.rows:
@@ -146,9 +147,9 @@ class ConvergenceStudy:
         return not (settled or self.judge.is_known)
 
     def discardable_timesteps(self) -> list[float]:
-        """Timesteps of the runs whose samples nobody wants once there is a verdict.
+        """Timesteps of the runs whose samples are not needed after the verdict.
 
-        A report shows the finest run that left any, and those at stock timesteps.
+        A report shows the finest run that has any, and those at stock timesteps.
         """
         rows = self.rows + self.single_rows + self.above_rows
         shown = min((row.timestep for row in rows if row.motion is not None), default=None)
@@ -173,7 +174,7 @@ class ConvergenceStudy:
                 return Verdict(self.key, "disagrees", _grown_into(sound[-1], last), **attributes)
             word = "diverges" if last.outcome == "diverged" else last.outcome
             return Verdict(self.key, word, _with_time(last), **attributes)
-        # Of an engine as shipped: what differs from the scene.
+        # For an engine as shipped: its differences from the scene.
         remark = last.reason if last else ""
         breaks_law = last is not None and last.cause == "law"
         if self.judge.signals:
@@ -182,15 +183,15 @@ class ConvergenceStudy:
         return Verdict(self.key, "disagrees" if breaks_law else "unresolved", reason, **attributes)
 
     def _of_signals(self, remark: str, *, breaks_law: bool, **attributes: Any) -> Verdict:
-        """The worst of the signals' judgements; `disagrees` if the equation residuals say so."""
+        """The verdict of the worst signal; `disagrees` if there are equation residuals."""
         worst = self.judge.worst
         judgement = worst.judgement
         word, reason = judgement.word, f"{SIGNAL_NAMES[worst.sequence.signal]}: {judgement.reason}"
-        # Of a user's file, what an engine holds is why it moves as it does.
+        # For a user's file, the body that the engine holds explains the motion: it is named first.
         explains = self.engine.of_file or (breaks_law and word != "disagrees")
         parts = [remark, reason] if explains else [reason, remark]
         if word == "converges" and not breaks_law:
-            # The effects that an engine as shipped adds alter no motion then.
+            # Then the effects that an engine as shipped adds do not alter the motion.
             parts = [reason]
         return Verdict(
             self.key,
@@ -217,7 +218,7 @@ class ConvergenceStudy:
         return self._next_stock()
 
     def _next_stock(self) -> _Coming | None:
-        """A stock timestep that no other run was made at, unless no timestep can help."""
+        """The next stock timestep without a run; none if no timestep can succeed."""
         if self._pointless:
             return None
         for run in self.stock:
@@ -232,13 +233,13 @@ class ConvergenceStudy:
 
     @property
     def _pointless(self) -> bool:
-        """Whether the method cannot do the scene, or failed at every timestep so far."""
+        """Whether the method cannot simulate the scene, or failed at every timestep so far."""
         if self.engine.unsupported(self.scenario, self.method):
             return True
         return bool(self.rows) and all(self._hopeless(row) for row in self.rows)
 
     def _next_above(self) -> Rung | None:
-        """One more doubling while the timestep before it survives."""
+        """The next doubled timestep, if the one before survived."""
         assert self.ladder is not None, "without a ladder there is nothing above it"
         before = self.above_rows[-1:] or self.rows[:1]
         if before and not before[0].survived:
@@ -247,7 +248,7 @@ class ConvergenceStudy:
 
     @property
     def _down(self) -> bool:
-        """Whether the ladder is at its end: no finer rung is there, is wanted, or can help."""
+        """Whether the ladder is finished: no finer rung exists, is needed, or can succeed."""
         assert self.ladder is not None, "only a ladder has an end"
         taken = len(self.rows)
         if taken == len(self.ladder.rungs) or (self.rows and self._hopeless(self.rows[-1])):
@@ -260,18 +261,18 @@ class ConvergenceStudy:
 
     @property
     def _last(self) -> Row | None:
-        """The run that the reason of a missing verdict is taken from, where there is any."""
+        """The run that decides the verdict where nothing is judged; None if there is none."""
         if self.rows or self.ladder is None:
             return (self.rows or self.single_rows)[-1]
-        # Those above a ladder that does not fit are too coarse to say more than this.
+        # Without rungs, only runs above the ladder exist: too coarse for anything but a failure.
         return next((row for row in self.above_rows if self._hopeless(row)), None)
 
     @property
     def _diverges_at_any_timestep(self) -> bool:
         """Whether the blow-up comes at the same time after the timestep was halved.
 
-        An unstable integrator grows by a factor a step that tends to 1 faster than the steps
-        increase, so that halving puts its blow-up off; a clamp is reached at the same time.
+        In an unstable integrator, errors grow by a factor a step that tends to 1 faster than the
+        number of steps increases, so halving delays the blow-up; a clamp is reached at the same time.
         """
         if len(self.rows) < 2:
             return False
@@ -281,7 +282,7 @@ class ConvergenceStudy:
         return coarse is not None and fine is not None and fine <= coarse
 
     def _hopeless(self, last: Row) -> bool:
-        """Whether no finer timestep can help: it failed, or lacks an effect at any timestep."""
+        """Whether no finer timestep can succeed: the run failed, or the method lacks an effect."""
         if last.outcome == "unsupported":
             return bool(self.engine.unsupported(self.scenario, self.method))
         return last.outcome == "failed"
@@ -296,7 +297,7 @@ class ConvergenceStudy:
         return f"only {finished} timesteps ran to the end; {RUNGS_OF_A_LIMIT} make a verdict"
 
     def _no_ladder(self, ladder: Ladder) -> str:
-        """Why the scene has no ladder, and what one would take."""
+        """Why the scene has no ladder, and how many steps one would take."""
         if not ladder.least_steps:
             return (
                 f"the motion is known to {MAX_UNCERTAINTY:g} up to {self.solution.horizon:g} s "

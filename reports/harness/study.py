@@ -1,7 +1,7 @@
 """Runs scenes × engines × methods: solve, step down the ladder, compare, judge, store.
 
-Whatever ends is stored at once, and whatever is stored is not run again: a run that was stopped at
-any moment is continued by starting it again. `study_method` is the way of one method on one scene;
+Every result is stored at once, and stored results are not made again: a study that was stopped at
+any moment continues when it is started again. `study_method` runs one method on one scene;
 everything else here prepares it or runs many of them.
 """
 
