@@ -272,7 +272,8 @@ class ConvergenceStudy:
         """Whether the blow-up comes at the same time after the timestep was halved.
 
         In an unstable integrator, errors grow by a factor a step that tends to 1 faster than the
-        number of steps increases, so halving delays the blow-up; a clamp is reached at the same time.
+        number of steps increases, so halving delays the blow-up. A clamp is reached at the same
+        time.
         """
         if len(self.rows) < 2:
             return False

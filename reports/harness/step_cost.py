@@ -1,4 +1,4 @@
-"""What a step costs: native stepping, nothing recorded, nothing but steps in the timed region."""
+"""Measures the cost of a step: native stepping, and nothing else in the timed region."""
 
 import math
 import time
@@ -19,23 +19,23 @@ from .executors import Answer, CallFailed, Executor, is_environmental
 
 T = TypeVar("T")
 
-#: s of CPU time a timed stretch must last, at the least: so short that many a stretch falls between
-#: two ticks of the system's clock.
+#: s of CPU time that a timed stretch lasts at least: so short that many stretches fall between two
+#: ticks of the system's clock.
 STRETCH = 0.001
-#: And as many times the clock's resolution, as that is measured.
+#: And at least so many times the measured resolution of the clock.
 RESOLUTIONS = 100
-#: Timed samples a method; the least is quoted, their spread is the noise.
+#: Timed stretches of a method; the minimum is reported, their spread is the noise.
 REPEATS = 9
-#: A stretch is aimed this much longer than it must be, so as not to fall just short of it.
+#: Stretches are planned longer by this factor, so as not to fall just short of the minimum.
 AIMED_BEYOND = 1.1
-#: Binary digits of how many steps a stretch has, the rest zeros: engines that take powers of two a
-#: call take them in as many calls at the most.
+#: Significant binary digits of a stretch's number of steps: engines that take a power of two of
+#: steps a call need at most that many calls.
 DIGITS_OF_STEPS = 3
-#: Steps before the first timed one: caches, lazy allocation, branch predictors.
+#: Steps before the first timed one, to warm up caches, allocations and branch predictors.
 WARM_UP = 200
-#: Steps are timed at a timestep this small, 1/rad, so that no method blows up while it is timed.
+#: rad turned in a timed step, so small that no method blows up while it is timed.
 TIMED_TURN = 1e-4
-#: Changes of the clock that its resolution is read off.
+#: Number of changes of the clock from which its resolution is measured.
 CLOCK_TICKS = 100
 
 
@@ -48,16 +48,16 @@ class TimingSample:
 
 
 class TimingRefused(Exception):
-    """The machine did not let steps be timed; it may the next time."""
+    """The machine prevented the timing; it may succeed the next time."""
 
 
 def timed(answer: Answer[T]) -> T | CallFailed:
-    """What came of a call that times steps.
+    """The result of a call that times steps.
 
     Raises
     ------
     TimingRefused
-        If the machine is to blame that it failed.
+        If the call failed and the machine is to blame.
     """
     if isinstance(answer.value, CallFailed) and is_environmental(answer.value.cause):
         raise TimingRefused(answer.value.reason)
@@ -69,17 +69,17 @@ def measure(
 ) -> tuple[list[StepCost | None], list[str]]:
     """Time every method on a scene, those of one process together.
 
-    A method that takes its process with it, or holds it up, costs its own figure: the others are
-    then timed alone, no longer interleaved.
+    If a method crashes or hangs the process, only its own cost is missing: the methods are then
+    timed one by one, no longer interleaved.
 
     Returns
     -------
-    The costs, None where there is none, and complaints.
+    The costs, None for those that are missing, and complaints.
 
     Raises
     ------
     TimingRefused
-        If the machine is to blame that one is missing.
+        If a cost is missing and the machine is to blame.
     """
     costs: list[StepCost | None] = [None] * len(pairs)
     complaints = []

@@ -29,7 +29,7 @@ from .plan import Plan, SceneLeft
 from .stock import StockRun, stock_rung, stock_timesteps
 from .timing import time_scene
 
-#: More than are under way at a time: the methods of the scenes at hand.
+#: Models kept: more than the methods of the scenes that run at the same time.
 MODELS = 64
 
 Progress = Callable[[str], None]
@@ -40,7 +40,7 @@ def run_study(
 ) -> None:
     """Run what is missing of every scene, then time steps with nothing else running.
 
-    Each row, verdict and time is stored as soon as it is there.
+    Each row, verdict and time is stored as soon as it is made.
     """
     store.put_environment(environment(choice.engines, choice.max_steps))
     store.put_methods(choice.engines)
@@ -93,7 +93,7 @@ def run_rungs(
 
     Parameters
     ----------
-    stored : runs there are, by timestep, s; they are not made again
+    stored : stored runs, by timestep, s; they are not made again
 
     Yields
     ------
@@ -124,9 +124,9 @@ class SceneReference:
 
     Parameters
     ----------
-    timesteps : s, single ones besides the ladder
-    max_steps : of a run of the ladder
-    stock : s, timesteps that engines are run at whatever the scene
+    timesteps : s, single ones, in addition to the ladder
+    max_steps : largest number of steps of a run of the ladder
+    stock : s, stock timesteps
     """
 
     def __init__(
@@ -141,7 +141,7 @@ class SceneReference:
         self._solved: Prepared | CallFailed | None = None
 
     def get(self, executor: Executor, store: Store) -> Prepared | CallFailed:
-        """The exact motion, stored when it is found, or why it could not be."""
+        """The exact motion, which is also stored, or the reason why it could not be solved."""
         with self._solving:
             if self._solved is None:
                 self._solved = executor.call(prepare, *self._asked).value
@@ -155,7 +155,7 @@ def prepare(
 ) -> Prepared:
     """Solve a scene at the sample times of its ladder and of every single and stock timestep.
 
-    Where the exact motion ends at its horizon, so do the runs.
+    If the exact motion ends at a horizon, so do the runs.
     """
     exact = ExactMotion(scenario)
     outline = exact.outline(scenario.times)
@@ -164,7 +164,7 @@ def prepare(
     alone = [single(timestep, outline.t) for timestep in timesteps]
     at_stock = [stock_rung(outline.t, timestep, rate) for timestep in stock]
     made = [rung for rung in at_stock if isinstance(rung, Rung)]
-    # One solve for all: what it costs hardly depends on how many times there are.
+    # One solve for all: its cost hardly depends on the number of times.
     solution, *solutions = exact.solve_each([rungs.times, *map(_times, [*alone, *made])])
     runs = [
         (rung.until(len(part.trajectory.t)), part)
@@ -188,9 +188,9 @@ def convergence_study_of(
     prepared: Prepared,
     timesteps: Sequence[float] = (),
 ) -> ConvergenceStudy:
-    """The runs of a method: timesteps asked for or expected something of, ladder, stock timesteps.
+    """The runs of a method: single timesteps, ladder, stock timesteps.
 
-    Where timesteps are asked for there are these alone.
+    If timesteps are asked for, only these are run.
     """
     singles = []
     for rung, solution in prepared.singles:
@@ -219,7 +219,7 @@ def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run
     reason = "; ".join(filter(None, (run.reason, residuals)))
     if run.outcome == "ok":
         return replace(run, cause="law", reason=reason)
-    # What lags however small the step is no clamp.
+    # A lag at however small a step is not a clamp.
     return replace(run, outcome="failed", cause="clock", reason=reason)
 
 
@@ -273,7 +273,7 @@ def _unsolved(
     choice: Choice,
     store: Store,
 ) -> Verdict:
-    """Store that there is nothing to compare a method with."""
+    """Store rows that say that the exact motion could not be found."""
     key = Key(scenario.name, engine.name, method.name)
     reason = f"the exact motion could not be found: {failure.reason}"
     cause = failure.cause if is_environmental(failure.cause) else "unsolved"

@@ -23,9 +23,9 @@ def time_scene(
 ) -> None:
     """Time what a scene leaves out, then every method that can simulate it, in one call.
 
-    Methods are interleaved, and all timed even where one alone is missing: times taken apart cannot
-    be compared. Times are stored last: a scene whose steps were timed is complete, and one that
-    the machine did not let be timed is timed by the next run.
+    All methods are timed, interleaved, even if only one is missing: times taken at different
+    moments cannot be compared. Times are stored last, so a scene with times is complete; if the
+    machine prevented the timing, the next run repeats it.
     """
     try:
         complaints = _time_scene(scene, choice, store, executor)
