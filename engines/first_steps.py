@@ -95,16 +95,16 @@ def equation_residuals(
         _turned(open_at, start, equations, epsilon) for start in _askew(scenario, equations.rate)
     ]
     felt = [_felt(one, equations, epsilon, negligible) for one in turned]
-    departures = list(_departures([felt[0]])) or list(_departures(felt[1:]))[:1]
-    if not departures:
+    residuals = list(_residuals([felt[0]])) or list(_residuals(felt[1:]))[:1]
+    if not residuals:
         return []
     without = Equations(scenario, gyroscopic=False)
-    if any(_departures([_felt(one, without, epsilon, negligible) for one in turned])):
+    if any(_residuals([_felt(one, without, epsilon, negligible) for one in turned])):
         noise = np.array([one.noise for one in felt])
         as_if = explanation(equations, [one.gain for one in felt], noise)
     else:
         as_if = NO_GYROSCOPIC_TORQUE
-    return [*departures[:-1], departures[-1] + (f", as if {as_if}" if as_if else "")]
+    return [*residuals[:-1], residuals[-1] + (f", as if {as_if}" if as_if else "")]
 
 
 def starting_with(scenario: Scenario, omega_body: FloatArray) -> Scenario:
@@ -179,7 +179,7 @@ _WHAT_FREE = ("dv/dt, m/s² in world axes,", "dr/dt, m/s in world axes,")
 _WHAT_HELD = ("the com's velocity, m/s,", "the com, m,")
 
 
-def _departures(felt: list[_Felt]) -> Iterator[str]:
+def _residuals(felt: list[_Felt]) -> Iterator[str]:
     """The residuals that exceed their noise, one sentence each."""
     for one in felt:
         for k, what in enumerate((*_WHAT, *(_WHAT_HELD if one.is_held else _WHAT_FREE))):

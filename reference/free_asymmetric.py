@@ -28,8 +28,8 @@ from .theta_quotients import (
     Clock,
     ClosedForm,
     Frames,
+    InitialValue,
     Quotient,
-    Start,
     fitted,
     over_theta4,
     tables,
@@ -186,8 +186,8 @@ def _attitude(
     y_A, y_B = _zeros(body)
     over_A = theta(1, clock.lattice, y_A, doubled=True)
     over_B = theta(1, clock.lattice, y_B, doubled=True)
-    A, residual_A = fitted(clock, over_A, 1, Start(start.A, A_rate), log_rate_of_A)
-    B, residual_B = fitted(clock, over_B, 1, Start(start.B, B_rate), log_rate_of_B)
+    A, residual_A = fitted(clock, over_A, 1, InitialValue(start.A, A_rate), log_rate_of_A)
+    B, residual_B = fitted(clock, over_B, 1, InitialValue(start.B, B_rate), log_rate_of_B)
     return A, B, residual_A + residual_B
 
 

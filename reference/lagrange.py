@@ -33,7 +33,7 @@ from .symmetry import (
     scaled,
     symmetry_axis,
 )
-from .theta_quotients import Clock, ClosedForm, Frames, Start, fitted, tables, turning
+from .theta_quotients import Clock, ClosedForm, Frames, InitialValue, fitted, tables, turning
 
 #: Where two or three roots of the nutation cubic meet, a root has half or a third of the digits.
 ROOT_DIGITS = 3 * DIGITS
@@ -147,14 +147,14 @@ def _swinging(
 
 def _starts(
     start: CayleyKlein, omega: Vector, constants_of_motion: Constants
-) -> tuple[Start, Start, Start]:
+) -> tuple[InitialValue, InitialValue, InitialValue]:
     """A, B and W at t = 0; W' = i (ω3 − d) W + b A B* is Euler's equation."""
     W = transverse(omega)
     W_rate = mpc(
         0, omega[2] - constants_of_motion.d
     ) * W + constants_of_motion.b * start.A * mp.conj(start.B)
     A_rate, B_rate = start.rates(omega)
-    return Start(start.A, A_rate), Start(start.B, B_rate), Start(W, W_rate)
+    return InitialValue(start.A, A_rate), InitialValue(start.B, B_rate), InitialValue(W, W_rate)
 
 
 def _numerators(constants_of_motion: Constants, swing: Nutation) -> tuple[Theta, Theta, Theta]:

@@ -16,9 +16,14 @@ from scipy.interpolate import CubicHermiteSpline, PPoly
 
 from ..scenarios import FloatArray, Scenario, Trajectory
 from ..scenarios.exact import DIGITS, dot, rotate
-from . import heavy_symmetric_top as lagrangian
 from . import stability
-from .heavy_symmetric_top import HeavySymmetricTop, heavy_symmetric_top
+from .heavy_symmetric_top import (
+    HeavySymmetricTop,
+    heavy_symmetric_top,
+    mean_precession_rate,
+    nutation_bounds,
+    nutation_period,
+)
 from .problem import Problem
 from .rotational_problem import rotational_problem
 from .symmetry import (
@@ -120,11 +125,11 @@ def _of_a_heavy_top(
 ) -> Iterator[Observable]:
     axis = symmetry_axis(problem)
     assert axis is not None
-    period = lagrangian.nutation_period(top)
+    period = nutation_period(top)
     if not _resolves(motion, period) or motion.t[-1] < period:
         return
     moving = axis_motion(motion, np.array(to_body(problem, axis), float), up_world(problem))
-    low, high = lagrangian.nutation_bounds(top)
+    low, high = nutation_bounds(top)
     steady = high - low < NO_CHANGE
     highest, lowest = moving.turns()
     beta = moving.angle(motion.t if steady else np.concatenate([motion.t, highest, lowest]))
@@ -142,7 +147,7 @@ def _precession(
     moving: AxisMotion, top: HeavySymmetricTop, phases: FloatArray
 ) -> Iterator[Observable]:
     """Mean rate of precession between the first and the last of times of equal phase."""
-    exact = lagrangian.mean_precession_rate(top)
+    exact = mean_precession_rate(top)
     if exact is None:
         return
     fastest = float(np.abs(moving.azimuth_rate()).max())

@@ -27,7 +27,7 @@ FAR = 300.0
 A, B, W, OMEGA3, THETA4, ROWS = 0, 1, 2, 3, 4, 5
 
 
-class Tables(NamedTuple):
+class ThetaTables(NamedTuple):
     """A motion as the kernel needs it; the formulas are in `theta_quotients`.
 
     Attributes
@@ -126,7 +126,7 @@ def _product(p: Quaternion, q: Quaternion) -> Quaternion:
 
 
 @kernel
-def _quotients(t: float, tables: Tables, values: FloatArray) -> None:
+def _quotients(t: float, tables: ThetaTables, values: FloatArray) -> None:
     """Write real and imaginary part of A, B, W and ω3 at a time into values, (ROWS, 2)."""
     cell, high, low = _cell(t, tables.clock, tables.endless)
     if tables.endless:
@@ -153,7 +153,7 @@ def _quotients(t: float, tables: Tables, values: FloatArray) -> None:
 
 @kernel
 def evaluate(
-    tables: Tables, times: FloatArray, q_world_axes: FloatArray, omega_axes: FloatArray
+    tables: ThetaTables, times: FloatArray, q_world_axes: FloatArray, omega_axes: FloatArray
 ) -> None:
     """Write the motion at times (n,) into q_world_axes (n, 4), w x y z, and omega_axes (n, 3)."""
     values = np.empty((ROWS, 2))

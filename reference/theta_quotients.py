@@ -22,7 +22,7 @@ from ..scenarios import FloatArray
 from ..scenarios.exact import Quaternion, Vector
 from .doubledouble import split
 from .elliptic import EVEN_COSINE, EVEN_SINE, Harmonics, Lattice, Theta, scaled, theta
-from .theta_kernel import ROWS, Tables, evaluate
+from .theta_kernel import ROWS, ThetaTables, evaluate
 
 #: Harmonic k is at most e^(−k² π/2) of the first (see `elliptic.TERMS`): left out is < 4e-34.
 KERNEL_TERMS = 7
@@ -47,7 +47,7 @@ class ClosedForm:
     """
 
     label: str
-    tables: Tables
+    tables: ThetaTables
     residual: float
     period: float | None
     turning_points: tuple[float, float] | None = None
@@ -101,7 +101,7 @@ class Quotient(NamedTuple):
     turns_per_cell: mpf
 
 
-class Start(NamedTuple):
+class InitialValue(NamedTuple):
     """A function of time at t = 0, and its derivative, 1/s."""
 
     value: mpc
@@ -139,7 +139,7 @@ def over_theta4(real: Harmonics, imaginary: Harmonics, turns_per_cell: mpf) -> Q
 
 
 def fitted(
-    clock: Clock, numerator: Theta, power: int, start: Start, log_rate: Callable[[mpf], mpc]
+    clock: Clock, numerator: Theta, power: int, start: InitialValue, log_rate: Callable[[mpf], mpc]
 ) -> tuple[Quotient, mpf]:
     """The quotient that solves f' = f · log_rate(x) and starts as told.
 
@@ -177,7 +177,7 @@ def fitted(
     return quotient, residual
 
 
-def tables(clock: Clock | None, quotients: Sequence[Quotient], frames: Frames) -> Tables:
+def tables(clock: Clock | None, quotients: Sequence[Quotient], frames: Frames) -> ThetaTables:
     """Round a motion's constants: quotients A, B, W and ω3, clock None where all are `turning`."""
     denominator = ONE if clock is None else clock.theta4.real
     rows = [*quotients, over_theta4(denominator, NOTHING, mpf(0))]
@@ -187,7 +187,7 @@ def tables(clock: Clock | None, quotients: Sequence[Quotient], frames: Frames) -
             kept = harmonics.coefficients[:KERNEL_TERMS]
             coefficients[row, part, : len(kept)] = [float(a) for a in kept]
     endless = clock is not None and clock.lattice.m1 == 0
-    return Tables(
+    return ThetaTables(
         hyperbolic=clock is not None and clock.lattice.hyperbolic,
         endless=endless,
         clock=_clock_constants(clock, endless),

@@ -25,7 +25,7 @@ BROKEN: frozenset[Cause] = frozenset(
 
 
 @dataclass(frozen=True)
-class Check:
+class ConformanceCheck:
     """One thing that was checked.
 
     Attributes
@@ -42,7 +42,7 @@ class Check:
 
 def conformance(
     command: Sequence[str], scenes: Sequence[Scenario], limit: float
-) -> Iterator[Check]:
+) -> Iterator[ConformanceCheck]:
     """Make every check; ends early if the child can no longer be asked.
 
     Parameters
@@ -60,14 +60,18 @@ def conformance(
         try:
             hello = child.ask(Hello, "hello")
         except EngineError as error:
-            yield Check("hello", str(error))
+            yield ConformanceCheck("hello", str(error))
             return
-        yield Check("hello", remark=f"{hello.name} {hello.version}, {hello.precision} precision")
+        yield ConformanceCheck(
+            "hello", remark=f"{hello.name} {hello.version}, {hello.precision} precision"
+        )
         yield _repeats_itself(child, hello)
         yield _answers_nonsense(child)
     finally:
         ended = child.end()
-    yield Check("ends when its standard input does", "" if ended else "it did not, and was killed")
+    yield ConformanceCheck(
+        "ends when its standard input does", "" if ended else "it did not, and was killed"
+    )
     if not ended:
         return
     engine = child_engine(command, limit)
@@ -80,43 +84,43 @@ def conformance(
                     break
 
 
-def _repeats_itself(child: ChildProcess, hello: Hello) -> Check:
+def _repeats_itself(child: ChildProcess, hello: Hello) -> ConformanceCheck:
     what = "hello again"
     try:
         same = child.ask(Hello, "hello") == hello
     except EngineError as error:
-        return Check(what, str(error))
-    return Check(what, "" if same else "it describes itself differently than before")
+        return ConformanceCheck(what, str(error))
+    return ConformanceCheck(what, "" if same else "it describes itself differently than before")
 
 
-def _answers_nonsense(child: ChildProcess) -> Check:
+def _answers_nonsense(child: ChildProcess) -> ConformanceCheck:
     what = "a call that there is not"
     try:
         child.ask(Done, "nonsense")
     except ProtocolError as error:
-        return Check(what, str(error))
+        return ConformanceCheck(what, str(error))
     except EngineError:
-        return Check(what)
-    return Check(what, "must be answered by an 'error'")
+        return ConformanceCheck(what)
+    return ConformanceCheck(what, "must be answered by an 'error'")
 
 
-def _runs(engine: ChildEngine, method: Method, scenario: Scenario) -> Check:
+def _runs(engine: ChildEngine, method: Method, scenario: Scenario) -> ConformanceCheck:
     what = f"{method.name} on {scenario.name}"
     speed = float(np.linalg.norm(scenario.start.omega_body))
     timestep = TURN / speed if speed else scenario.window.duration / STEPS
     steps = np.arange(STEPS + 1, dtype=np.int64)
     first = engine.run(scenario, method, timestep, steps)
     if problem := _problem(first, method):
-        return Check(what, problem)
+        return ConformanceCheck(what, problem)
     if not _same(first, engine.run(scenario, method, timestep, steps)):
-        return Check(what, "a second run of it gives another motion")
+        return ConformanceCheck(what, "a second run of it gives another motion")
     try:
         with engine.open(scenario, method, timestep) as session:
             session.timed(STEPS)
     except EngineError as error:
-        return Check(what, str(error))
+        return ConformanceCheck(what, str(error))
     residuals = engine.equation_residuals(scenario, method)
-    return Check(what, remark="; ".join(filter(None, (first.reason, residuals))))
+    return ConformanceCheck(what, remark="; ".join(filter(None, (first.reason, residuals))))
 
 
 def _problem(run: Run, method: Method) -> str:

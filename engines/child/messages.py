@@ -50,13 +50,13 @@ def _unit(q_wxyz: Quaternion) -> Quaternion:
 Rotation = Annotated[Quaternion, AfterValidator(_unit)]
 
 
-class Answer(BaseModel):
+class ChildAnswer(BaseModel):
     """Base of all answers: unknown keys are refused, and types are strict."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
 
-class MethodTable(Answer):
+class ChildMethod(ChildAnswer):
     """A method, as `Method` has it."""
 
     name: Name
@@ -84,7 +84,7 @@ class MethodTable(Answer):
         )
 
 
-class Hello(Answer):
+class Hello(ChildAnswer):
     """The engine's description of itself."""
 
     protocol: Literal[1]
@@ -92,7 +92,7 @@ class Hello(Answer):
     version: Words
     precision: Literal["double", "single"]
     stock_timestep: Positive | None
-    methods: Annotated[list[MethodTable], Field(min_length=1, max_length=MOST_NAMES)]
+    methods: Annotated[list[ChildMethod], Field(min_length=1, max_length=MOST_NAMES)]
 
     @model_validator(mode="after")
     def _named_once(self) -> Self:
@@ -102,7 +102,7 @@ class Hello(Answer):
         return self
 
 
-class BodyTable(Answer):
+class ChildBody(ChildAnswer):
     """The body as the engine holds it, in its own axes and from its own origin.
 
     Attributes
@@ -119,7 +119,7 @@ class BodyTable(Answer):
     arm: Vector | None
 
 
-class StateRow(Answer):
+class StateRow(ChildAnswer):
     """The motion of the com and the body's axes, in the world's.
 
     Attributes
@@ -134,7 +134,7 @@ class StateRow(Answer):
     velocity: Vector
 
 
-class Stepped(Answer):
+class Stepped(ChildAnswer):
     """The state after steps; null for numbers that are not finite, which JSON cannot write."""
 
     q: tuple[Known, Known, Known, Known]
@@ -143,36 +143,36 @@ class Stepped(Answer):
     velocity: tuple[Known, Known, Known]
 
 
-class Opened(Answer):
+class Opened(ChildAnswer):
     """The scene as the engine holds it, before the first step."""
 
-    body: BodyTable
+    body: ChildBody
     state: StateRow
 
 
-class Seconds(Answer):
+class Seconds(ChildAnswer):
     """CPU and wall time of steps, measured by the child around the steps only."""
 
     seconds: Positive
 
 
-class Active(Answer):
+class Active(ChildAnswer):
     """What acts on the body."""
 
     active: Annotated[list[Words], Field(max_length=MOST_NAMES)]
 
 
-class Done(Answer):
+class Done(ChildAnswer):
     """The answer of a call that returns nothing."""
 
 
-class Refusal(Answer):
+class Refusal(ChildAnswer):
     """The answer of a call that failed: the reason."""
 
     error: Annotated[str, Field(min_length=1, max_length=2000)]
 
 
-A = TypeVar("A", bound=Answer)
+A = TypeVar("A", bound=ChildAnswer)
 
 
 class Misanswer(ValueError):

@@ -20,7 +20,7 @@ import psutil
 from ...scenarios import printable
 from ..lost_process import cpu_seconds, death, is_stopped, wait_for_answer
 from ..read_back import EngineError
-from .messages import Answer, Hello, Misanswer, Refusal, parse
+from .messages import ChildAnswer, Hello, Misanswer, Refusal, parse
 
 #: Names the descriptor that a child writes its answers to.
 ANSWERS = "SPINCHECK_ANSWERS"
@@ -50,7 +50,7 @@ NOT_A_PROGRAM = frozenset(
     }
 )
 
-A = TypeVar("A", bound=Answer)
+A = TypeVar("A", bound=ChildAnswer)
 
 
 class ProtocolError(EngineError):

@@ -5,10 +5,10 @@ from typing import Literal
 import numpy as np
 
 from ...scenarios import FloatArray
-from ...scenarios.model_files import Problem, Stated
+from ...scenarios.model_files import FileProblem, Stated
 from ...scenarios.model_files.problems import principal_moments
 from ..read_back import BodyReading
-from .difference import AGREES, Difference, moments_alike
+from .difference import AGREES, BodyDifference, moments_alike
 
 #: What an engine did to a link: refused its file; added a body where the file states none, or a
 #: tensor where it states only a mass; made a tensor up or set it to zero; lost the rotation of its
@@ -41,8 +41,8 @@ def held_of_nothing(body: BodyReading) -> str:
 def cause(
     stated: Stated,
     body: BodyReading,
-    apart: Difference,
-    problems: tuple[Problem, ...],
+    apart: BodyDifference,
+    problems: tuple[FileProblem, ...],
     made_up: str,
 ) -> tuple[Kind, str]:
     """Why an engine's body is not the file's, in a word and in a sentence.
@@ -68,8 +68,8 @@ def cause(
 def _of_tensor(
     stated: Stated,
     held: FloatArray,
-    apart: Difference,
-    problems: tuple[Problem, ...],
+    apart: BodyDifference,
+    problems: tuple[FileProblem, ...],
     made_up: str,
 ) -> tuple[Kind, str]:
     size = _size(stated.inertia, held, apart)
@@ -91,13 +91,13 @@ def _of_tensor(
     return "other", size
 
 
-def _reason(problem: Problem) -> str:
+def _reason(problem: FileProblem) -> str:
     """What a problem says, its rule first: "no body has it, 0.3 + 0.1 < 0.9"."""
     text, colon, rule = problem.text.partition(": ")
     return f"{rule}, {text}" if colon else text
 
 
-def _size(stated: FloatArray, held: FloatArray, apart: Difference) -> str:
+def _size(stated: FloatArray, held: FloatArray, apart: BodyDifference) -> str:
     total = float(np.trace(stated))
     ratio = float(np.trace(held)) / total if total > 0 else 0.0
     if ratio <= 0 or abs(ratio - 1) < NEAR_ONE:

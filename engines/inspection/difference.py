@@ -17,7 +17,7 @@ _SIGNS = [np.diag(signs) for signs in ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1,
 
 
 @dataclass(frozen=True)
-class Difference:
+class BodyDifference:
     """How far an engine's body is from the file's.
 
     Attributes
@@ -39,12 +39,12 @@ class Difference:
         return max(self.mass, self.com, self.inertia)
 
 
-def difference(stated: Stated, held: BodyReading) -> Difference:
+def difference(stated: Stated, held: BodyReading) -> BodyDifference:
     """The difference of the body that an engine holds from the one that a file states."""
     size = float(np.linalg.norm(stated.inertia))
     gyration = np.sqrt(abs(np.trace(stated.inertia)) / (2 * stated.mass)) if stated.mass else 0.0
     arm = max(float(gyration), float(np.linalg.norm(stated.com)))
-    return Difference(
+    return BodyDifference(
         mass=_relative(abs(held.mass - stated.mass), abs(stated.mass)),
         com=_relative(float(np.linalg.norm(held.com - stated.com)), arm),
         inertia=_relative(float(np.linalg.norm(held.inertia_com - stated.inertia)), size),

@@ -49,7 +49,9 @@ Timesteps = Annotated[
         help="Run this timestep, s, instead of a ladder; may be repeated.",
     ),
 ]
-Bound = Annotated[float | None, typer.Option(metavar="E", help="Largest error allowed, relative.")]
+BoundOption = Annotated[
+    float | None, typer.Option(metavar="E", help="Largest error allowed, relative.")
+]
 AttitudeBound = Annotated[
     float | None, typer.Option("--attitude", metavar="RAD", help="Largest error allowed, rad.")
 ]
@@ -69,7 +71,7 @@ SweepTimesteps = Annotated[
 From = Annotated[
     Path, typer.Option("--from", metavar="RESULT FILE", help="Runs are taken from this file.")
 ]
-Members = Annotated[
+MemberCount = Annotated[
     int | None, typer.Option("--ensemble", min=1, help="Scatter one scene into so many members.")
 ]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Of the ensemble's random numbers.")]

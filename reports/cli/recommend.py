@@ -19,7 +19,7 @@ from ..harness.choice import Choice
 from ..harness.executors import TIME_LIMIT, LocalWorkers
 from ..harness.plan import plan
 from ..harness.study import run_study
-from ..pages.analysis.candidates import Bounds, Candidate, candidates
+from ..pages.analysis.candidates import Candidate, ErrorBounds, candidates
 from ..pages.analysis.report_data import report_data
 from ..results.records import Key, Row
 from ..results.store import Results, open_store
@@ -47,7 +47,7 @@ class Recommendation:
     """
 
     scenario: str
-    bounds: Bounds
+    bounds: ErrorBounds
     candidates: tuple[Candidate, ...]
     checks: tuple[Row, ...]
     unchecked: str = ""
@@ -67,7 +67,7 @@ class Recommendation:
 
 
 def recommend(
-    scene: str, bounds: Bounds, engine_names: Sequence[str], jobs: int, stored: Path
+    scene: str, bounds: ErrorBounds, engine_names: Sequence[str], jobs: int, stored: Path
 ) -> Recommendation:
     """Choose from a scene's ladders, and check the choice; engines as shipped are not considered.
 
@@ -95,7 +95,7 @@ def recommend(
         return _checked(scene, bounds, results, Path(folder))
 
 
-def within(row: Row, bounds: Bounds) -> bool:
+def within(row: Row, bounds: ErrorBounds) -> bool:
     """Whether a run ended well and kept every bound."""
     if row.outcome != "ok" or row.errors is None:
         return False
@@ -108,7 +108,7 @@ def exit_code(recommendation: Recommendation) -> int:
     return AGREES if recommendation.verified else DISAGREES
 
 
-def _check_bounds(bounds: Bounds) -> None:
+def _check_bounds(bounds: ErrorBounds) -> None:
     if not bounds:
         raise Complaint(
             "takes a bound: '--omega', '--attitude', '--angular-momentum' or '--energy'", BAD_INPUT
@@ -158,7 +158,7 @@ def _timed_runs(scene: str, engine_names: Sequence[str], stored: Path) -> Result
     )
 
 
-def _checked(scene: str, bounds: Bounds, results: Results, folder: Path) -> Recommendation:
+def _checked(scene: str, bounds: ErrorBounds, results: Results, folder: Path) -> Recommendation:
     """Choose and check, until a check keeps the bounds or no candidate is left."""
     checks: list[Row] = []
     while True:

@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from typing import Any
 
-from ..pages.analysis.candidates import Bounds, Candidate, as_cheap
+from ..pages.analysis.candidates import Candidate, ErrorBounds, as_cheap
 from ..results.records import Row
 from .recommend import Recommendation
 from .terminal import table
@@ -82,7 +82,7 @@ def _line(candidate: Candidate) -> dict[str, object]:
     }
 
 
-def _check_line(row: Row, bounds: Bounds) -> str:
+def _check_line(row: Row, bounds: ErrorBounds) -> str:
     run = f"{row.key.engine} {row.key.method} at {row.timestep!r} s"
     if row.outcome != "ok" or row.errors is None:
         return f"Check of {run}: {row.outcome}: {row.reason}"

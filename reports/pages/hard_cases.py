@@ -6,7 +6,7 @@ from ..results.records import Pair
 from .analysis.report_data import MethodRuns, ReportData, SceneRuns
 from .analysis.survival import survival
 from .analysis.wording import NOTHING, number
-from .overview import Matrix, matrix_of
+from .overview import VerdictMatrix, matrix_of
 from .tables import Cell, Table, figure, table
 
 #: rad a step, at which methods are compared.
@@ -18,7 +18,7 @@ def hard_scenes(gathered: ReportData) -> tuple[SceneRuns, ...]:
     return tuple(scene for scene in gathered.scenes if scene.solved and scene.solved.scenario.hard)
 
 
-def survivors(gathered: ReportData) -> Matrix:
+def survivors(gathered: ReportData) -> VerdictMatrix:
     """Matrix of verdicts on hard scenes, with the largest surviving timestep in each cell."""
     return matrix_of(gathered, hard_scenes(gathered), _detail)
 

@@ -34,7 +34,7 @@ class Group:
 
 
 @dataclass(frozen=True)
-class Matrix:
+class VerdictMatrix:
     """Verdicts, scenes down and methods across. `engines` are names and numbers of methods."""
 
     engines: tuple[tuple[str, int], ...]
@@ -77,7 +77,7 @@ def counts(gathered: ReportData) -> list[Cell]:
     return [verdict_cell(word, str(counted[word])) for word in VERDICTS if counted[word]]
 
 
-def matrix(gathered: ReportData) -> Matrix:
+def matrix(gathered: ReportData) -> VerdictMatrix:
     """The matrix of verdicts, with the order of accuracy in each cell."""
     return matrix_of(gathered, gathered.scenes, _order_detail)
 
@@ -86,7 +86,7 @@ def matrix_of(
     gathered: ReportData,
     shown: Sequence[SceneRuns],
     detail: Callable[[SceneRuns, MethodRuns], str],
-) -> Matrix:
+) -> VerdictMatrix:
     """Matrix of verdicts on some scenes, with a note in each cell."""
     engines = Counter(engine for engine, _ in gathered.pairs)
     groups = []
@@ -99,7 +99,7 @@ def matrix_of(
     methods = tuple(
         f"{pair[1]}, as shipped" if pair in shipped else pair[1] for pair in gathered.pairs
     )
-    return Matrix(tuple(engines.items()), methods, tuple(groups))
+    return VerdictMatrix(tuple(engines.items()), methods, tuple(groups))
 
 
 def group_of(scene: SceneRuns) -> str:

@@ -35,7 +35,7 @@ SHOWN_DEFAULTS = 2
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class SceneAnswer:
     """The answer at the top of a scene's page.
 
     Attributes
@@ -56,7 +56,7 @@ class Answer:
     others: Table
 
 
-def scene_answer(scene: SceneRuns) -> Answer | None:
+def scene_answer(scene: SceneRuns) -> SceneAnswer | None:
     """The answer for a scene; None if it could not be solved."""
     if scene.solved is None:
         return None
@@ -67,7 +67,7 @@ def scene_answer(scene: SceneRuns) -> Answer | None:
     rows = [_line(scene, runs, row, seen) for runs in shipped for row in runs.stock[:1]]
     if best is not None:
         rows.append(_line(scene, best.runs, best.row, seen, "recommended"))
-    return Answer(
+    return SceneAnswer(
         _sentence(scene, best),
         best,
         f"{best.runs.label} at {duration(best.row.timestep)}" if best else "",

@@ -165,7 +165,7 @@ def observables_table(scene: SceneRuns) -> Table | None:
 
 
 @dataclass(frozen=True, eq=False)
-class MethodTable:
+class MethodRunsTable:
     """Every run of one method, coarse to fine."""
 
     label: str
@@ -173,7 +173,7 @@ class MethodTable:
     runs: Table
 
 
-def runs_tables(scene: SceneRuns) -> list[MethodTable]:
+def runs_tables(scene: SceneRuns) -> list[MethodRunsTable]:
     """A table for each method."""
     headings = (
         "timestep, s",
@@ -184,7 +184,7 @@ def runs_tables(scene: SceneRuns) -> list[MethodTable]:
         "outcome",
     )
     return [
-        MethodTable(
+        MethodRunsTable(
             runs.label,
             _summary(runs),
             table(headings, [_run_row(scene, row) for row in runs.rows]),

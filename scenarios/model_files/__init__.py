@@ -2,14 +2,14 @@
 
 from .errors import ModelFileError
 from .model_file import Link, ModelFile, Shape, Stated, fused
-from .problems import Problem, problems
+from .problems import FileProblem, problems
 from .read import read_model
 
 __all__ = [
+    "FileProblem",
     "Link",
     "ModelFile",
     "ModelFileError",
-    "Problem",
     "Shape",
     "Stated",
     "fused",

@@ -29,7 +29,7 @@ SHAPE_SLACK = 1.1
 
 
 @dataclass(frozen=True)
-class Problem:
+class FileProblem:
     """One thing that a file has wrong of a link; `text` says what, with its numbers."""
 
     kind: Kind
@@ -41,7 +41,7 @@ class Problem:
         return self.kind in IMPOSSIBLE
 
 
-def problems(link: Link) -> tuple[Problem, ...]:
+def problems(link: Link) -> tuple[FileProblem, ...]:
     """The faults of a link's inertial, and what is doubtful about it."""
     stated = link.stated
     if stated is None:
@@ -59,18 +59,18 @@ def principal_moments(inertia: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.eigvalsh(inertia))
 
 
-def _of_mass(stated: Stated) -> list[Problem]:
+def _of_mass(stated: Stated) -> list[FileProblem]:
     has_tensor = bool(stated.inertia.any())
     if stated.mass < 0:
-        return [Problem("negative mass", f"a mass of {stated.mass:g} kg")]
+        return [FileProblem("negative mass", f"a mass of {stated.mass:g} kg")]
     if stated.mass == 0 and has_tensor:
-        return [Problem("zero mass", "a tensor without a mass")]
+        return [FileProblem("zero mass", "a tensor without a mass")]
     if stated.mass > 0 and not has_tensor:
-        return [Problem("zero tensor", f"a mass of {stated.mass:g} kg without a tensor")]
+        return [FileProblem("zero tensor", f"a mass of {stated.mass:g} kg without a tensor")]
     return []
 
 
-def _of_tensor(stated: Stated) -> list[Problem]:
+def _of_tensor(stated: Stated) -> list[FileProblem]:
     if not stated.inertia.any():
         return []
     small, middle, large = principal_moments(stated.inertia)
@@ -78,13 +78,13 @@ def _of_tensor(stated: Stated) -> list[Problem]:
     if small <= -rounding or middle <= rounding:
         moments = ", ".join(f"{moment:.4g}" for moment in (small, middle, large))
         rule = "principal moments must be positive"
-        return [Problem("not positive definite", f"{rule}, they are {moments} kg m²")]
+        return [FileProblem("not positive definite", f"{rule}, they are {moments} kg m²")]
     if large - small - middle > rounding:
         details = f"{_digits(small, middle, large)}: no body has it"
-        return [Problem("triangle inequality", details)]
+        return [FileProblem("triangle inequality", details)]
     if small <= rounding:
         # A rod: the largest two are equal, and nothing says how fast it turns about itself.
-        return [Problem("not positive definite", f"a principal moment is {small:.3g} kg m²")]
+        return [FileProblem("not positive definite", f"a principal moment is {small:.3g} kg m²")]
     return []
 
 
@@ -97,16 +97,16 @@ def _digits(small: float, middle: float, large: float) -> str:
     return f"{small!r} + {middle!r} < {large!r}"
 
 
-def _placeholder(stated: Stated) -> list[Problem]:
+def _placeholder(stated: Stated) -> list[FileProblem]:
     """A power of ten times the identity: a number that was put in to have one."""
     moment = float(stated.unturned[0, 0])
     exponent = round(np.log10(moment)) if moment > 0 else 0
     if moment == float(f"1e{exponent}") and (stated.unturned == moment * np.eye(3)).all():
-        return [Problem("placeholder", f"{moment:g} × identity: a placeholder")]
+        return [FileProblem("placeholder", f"{moment:g} × identity: a placeholder")]
     return []
 
 
-def _outside_its_shapes(link: Link, stated: Stated) -> list[Problem]:
+def _outside_its_shapes(link: Link, stated: Stated) -> list[FileProblem]:
     """A tensor that a mass within the link's shapes cannot have, whatever their density.
 
     A mass within a width w varies along it by no more than (w/2)² (T. Popoviciu 1935); along x
@@ -123,7 +123,7 @@ def _outside_its_shapes(link: Link, stated: Stated) -> list[Problem]:
     if spread[axis] <= most[axis]:
         return []
     return [
-        Problem(
+        FileProblem(
             "radius of gyration",
             f"its radius of gyration along {'xyz'[axis]} is {spread[axis]:.3g} m; within its "
             f"shapes, {high[axis] - low[axis]:.3g} m wide, at most "

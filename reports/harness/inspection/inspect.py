@@ -9,7 +9,7 @@ from ....engines.model_reader import Configuration, ModelReader, model_readers
 from ....engines.read_back import BodyReading
 from ....engines.versions import VersionError, versioned
 from ....scenarios import did_you_mean
-from ....scenarios.model_files import Link, ModelFile, Problem, fused, problems
+from ....scenarios.model_files import FileProblem, Link, ModelFile, fused, problems
 from ....scenarios.model_files.model_file import Pose, welded
 from ..executors import CallFailed, Executor
 from .motion_apart import attitude_apart_deg
@@ -124,7 +124,7 @@ def _compared(
     bodies: Bodies,
     who: tuple[str, str, str],
     configuration: Configuration,
-    faults: dict[str, tuple[Problem, ...]],
+    faults: dict[str, tuple[FileProblem, ...]],
 ) -> Iterator[tuple[Link, Held]]:
     """Compare every link of the file with the body that one configuration holds."""
     gone = frozenset(link.name for link in model.links) - set(bodies)
@@ -147,7 +147,7 @@ def _held(
     body: BodyReading,
     who: tuple[str, str, str],
     configuration: Configuration,
-    faults: dict[str, tuple[Problem, ...]],
+    faults: dict[str, tuple[FileProblem, ...]],
 ) -> Held:
     stated = [(link.stated, pose) for link, pose in parts if link.stated is not None]
     others = tuple(link.name for link, _ in parts[1:])

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from ....engines.inspection import Difference, Kind
+from ....engines.inspection import BodyDifference, Kind
 from ....engines.read_back import BodyReading
-from ....scenarios.model_files import Link, ModelFile, Problem, Stated
+from ....scenarios.model_files import FileProblem, Link, ModelFile, Stated
 
 #: s after which two motions are compared.
 TIMES = (1.0, 3.0)
@@ -35,7 +35,7 @@ class Held:
     kind: Kind = ""
     fused: tuple[str, ...] = ()
     expected: Stated | None = None
-    difference: Difference | None = None
+    difference: BodyDifference | None = None
     attitude_apart_deg: dict[float, float] | None = None
 
 
@@ -44,7 +44,7 @@ class InspectedLink:
     """One link, the faults of its numbers in the file, and the bodies that the engines hold."""
 
     link: Link
-    problems: tuple[Problem, ...]
+    problems: tuple[FileProblem, ...]
     held: tuple[Held, ...]
 
     @property

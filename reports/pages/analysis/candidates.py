@@ -9,7 +9,7 @@ from .cost_to_reach import Barrier, How, reach
 from .report_data import MethodRuns, SceneRuns
 from .work_precision import Signal, curve_of
 
-Bounds = Mapping[Signal, float]
+ErrorBounds = Mapping[Signal, float]
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Candidate:
         return f"{self.key.engine} {self.key.method}"
 
 
-def candidates(scene: SceneRuns, bounds: Bounds) -> list[Candidate]:
+def candidates(scene: SceneRuns, bounds: ErrorBounds) -> list[Candidate]:
     """Timestep and cost of each method for staying within all bounds, the cheapest first.
 
     Engines as shipped are left out, since they may simulate something else than the scene.
@@ -60,7 +60,7 @@ def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:
     return [other for other in others if other.cost is not None and other.cost <= limit]
 
 
-def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: Bounds) -> Candidate:
+def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candidate:
     """The smallest of the timesteps that the bounds ask for, or the first bound out of reach."""
     curves = {signal: curve_of(scene, runs, signal) for signal in bounds}
     reached = {signal: reach(curves[signal], bound) for signal, bound in bounds.items()}

@@ -33,7 +33,9 @@ VERDICTS: tuple[VerdictWord, ...] = (
 )
 OUTCOMES: tuple[Outcome, ...] = ("ok", "unsupported", "diverged", "failed")
 
-Kind = Literal["environment", "scene", "method", "verdict", "promise", "outcome", "error", "cost"]
+Kind = Literal[
+    "environment", "scene", "method", "verdict", "expectation", "outcome", "error", "cost"
+]
 Direction = Literal["worse", "better", "other"]
 
 
@@ -152,7 +154,7 @@ def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterato
         worse = expected in unmet[1]
         words = ("kept", unmet[1][expected]) if worse else (unmet[0][expected], "kept")
         direction: Direction = "worse" if worse else "better"
-        yield Change("promise", expected, *words, direction, worse, **_where(key))
+        yield Change("expectation", expected, *words, direction, worse, **_where(key))
 
 
 def _runs(key: Key, old: _OfKey, new: _OfKey) -> Iterator[Change]:

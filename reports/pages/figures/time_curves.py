@@ -15,7 +15,7 @@ TOPS = (1e-3, 1e-2, 0.1, 1.0, 5.0, 15.0, 45.0, 90.0, 180.0)
 
 
 @dataclass(frozen=True)
-class Curve:
+class TimeCurve:
     """One line: "x,y x,y …" in the picture's units."""
 
     name: str
@@ -33,7 +33,7 @@ class TimeCurves:
     x_ticks, y_ticks : positions and labels
     """
 
-    curves: tuple[Curve, ...]
+    curves: tuple[TimeCurve, ...]
     x_ticks: tuple[tuple[float, str], ...]
     y_ticks: tuple[tuple[float, str], ...]
 
@@ -59,7 +59,7 @@ def time_curves(
         return np.asarray(HEIGHT - BOTTOM - (HEIGHT - BOTTOM - TOP) * np.asarray(angle) / top)
 
     curves = tuple(
-        Curve(name, style.colour, style.dash, _points(x(times), y(angles)))
+        TimeCurve(name, style.colour, style.dash, _points(x(times), y(angles)))
         for name, style, angles in of_runs
     )
     seconds = tuple((float(x(t)), f"{t:g}") for t in range(int(end) + 1))

@@ -7,7 +7,7 @@ from spincheck.engines import BodyReading
 from spincheck.engines.inspection import AGREES, cause, difference
 from spincheck.engines.inspection.difference import angle_between_axes
 from spincheck.reports.harness.inspection.motion_apart import START, attitude_apart_deg
-from spincheck.scenarios.model_files import Problem, Stated
+from spincheck.scenarios.model_files import FileProblem, Stated
 
 EPS = float(np.finfo(float).eps)
 MOMENTS = np.diag([1.0, 2.0, 2.5])
@@ -88,7 +88,7 @@ def test_a_difference_is_reported_by_its_cause(name):
 
 
 def test_a_tensor_is_set_to_zero_because_no_body_has_it():
-    problem = Problem("triangle inequality", "0.1 + 0.3 < 0.9: no body has it")
+    problem = FileProblem("triangle inequality", "0.1 + 0.3 < 0.9: no body has it")
     words = cause_of(stated(), BodyReading(2.0, NO_COM, np.zeros((3, 3))), (problem,))
     assert words == "tensor set to zero: no body has it, 0.1 + 0.3 < 0.9"
 

@@ -143,8 +143,8 @@ def test_an_error_without_a_base_is_compared_too(before, error):
 
 def test_a_expectation_broken_is_a_regression_and_one_kept_again_is_not(before):
     kept = with_verdict(before, unmet=())
-    assert [(c.kind, c.regression) for c in changes(kept, before)] == [("promise", True)]
-    assert [(c.kind, c.regression) for c in changes(before, kept)] == [("promise", False)]
+    assert [(c.kind, c.regression) for c in changes(kept, before)] == [("expectation", True)]
+    assert [(c.kind, c.regression) for c in changes(before, kept)] == [("expectation", False)]
 
 
 def test_a_expectation_broken_by_another_margin_has_not_changed(before):

@@ -15,7 +15,7 @@ omega_body = [0.0, 1.0, {value}]
 tolerance = 1e-12
 source = "made up"
 """
-PROMISE = """
+EXPECTATION = """
 [[expect]]
 engine = "mujoco"
 method = "RK4"
@@ -57,7 +57,7 @@ def test_an_engine_that_is_not_installed_is_a_skip_with_its_reason(pytester):
         result.stdout.fnmatch_lines([f"SKIPPED*{reason}*"])
 
 
-SHIPPED_PROMISE = """
+SHIPPED_EXPECTATION = """
 [[expect]]
 engine = "pybullet"
 method = "default"
@@ -68,7 +68,7 @@ omega = {bound}
 
 @pytest.mark.needs_pybullet
 def test_an_engine_as_shipped_is_no_item_unless_the_scene_expects_something_of_it(run):
-    promised = SPHERE.replace("A spinning", "A promised") + SHIPPED_PROMISE.format(bound=1.0)
+    promised = SPHERE.replace("A spinning", "A promised") + SHIPPED_EXPECTATION.format(bound=1.0)
     result = run("--collect-only", "-q", sphere=SPHERE, promised=promised)
     collected = [line for line in result.outlines if "-default" in line]
     assert collected == ["promised.toml::pybullet-default"]
@@ -81,7 +81,7 @@ def test_an_engine_as_shipped_is_no_item_unless_the_scene_expects_something_of_i
     ids=["pybullet passes", "pybullet fails"],
 )
 def test_of_an_engine_as_shipped_the_expectation_is_judged_and_not_the_motion(run, bound, outcome):
-    text = SPHERE + SHIPPED_PROMISE.format(bound=bound)
+    text = SPHERE + SHIPPED_EXPECTATION.format(bound=bound)
     result = run("-k", "pybullet-default", sphere=text)
     assert {outcome: 1}.items() <= result.parseoutcomes().items()
 
@@ -119,7 +119,7 @@ def test_a_value_printed_elsewhere_that_agrees_passes(run):
 
 def test_an_unmet_expectation_fails_and_names_signal_size_and_command(run):
     tumbling = SPHERE.replace("[1.0, 1.0, 1.0]", "[1.0, 2.0, 2.5]")
-    result = run("-k", "mujoco-RK4", box=tumbling + PROMISE)
+    result = run("-k", "mujoco-RK4", box=tumbling + EXPECTATION)
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(
         [

@@ -25,7 +25,7 @@ from studies import study as study_of
 
 pytestmark = pytest.mark.slow
 
-PROMISE = """
+EXPECTATION = """
 [[expect]]
 engine = "Heun"
 method = "Heun"
@@ -48,7 +48,7 @@ def path(tmp_path):
 def run(
     path: Path,
     choice: Choice = LADDER,
-    text: str = BOX + PROMISE,
+    text: str = BOX + EXPECTATION,
     executor: Executor | None = None,
 ) -> list[str]:
     """Run a study of one scene; returns what progress was told."""
@@ -135,7 +135,7 @@ def test_the_samples_of_a_finished_ladder_are_those_of_one_run(undisturbed):
 def test_another_text_of_the_scene_is_run_anew(path, runs):
     run(path)
     before = len(runs)
-    run(path, text=BOX + PROMISE + "# a comment\n")
+    run(path, text=BOX + EXPECTATION + "# a comment\n")
     assert len(runs) == 2 * before
 
 

@@ -179,7 +179,7 @@ def test_where_the_exact_motion_ends_at_a_horizon_so_do_all_runs(monkeypatch):
         assert 0 < times[-1] < HALFWAY
 
 
-PROMISE = """
+EXPECTATION = """
 [[expect]]
 engine = "Heun"
 method = "Heun"
@@ -188,18 +188,18 @@ timestep = 0.01
 
 
 def test_an_expectation_that_is_met_passes(tmp_path):
-    (verdict,) = study(tmp_path, HeunSession, text=BOX + PROMISE + "omega = 1e-2").verdicts
+    (verdict,) = study(tmp_path, HeunSession, text=BOX + EXPECTATION + "omega = 1e-2").verdicts
     assert verdict.agrees
 
 
 def test_an_unmet_expectation_fails_and_says_by_how_much(tmp_path):
-    (verdict,) = study(tmp_path, HeunSession, text=BOX + PROMISE + "omega = 1e-12").verdicts
+    (verdict,) = study(tmp_path, HeunSession, text=BOX + EXPECTATION + "omega = 1e-12").verdicts
     assert not verdict.agrees
     assert "omega error" in verdict.unmet[0]
 
 
 def test_a_run_expected_to_diverge_that_does_not_is_reported(tmp_path):
-    text = BOX + PROMISE + 'outcome = "diverges"'
+    text = BOX + EXPECTATION + 'outcome = "diverges"'
     (verdict,) = study(tmp_path, HeunSession, text=text).verdicts
     assert "was expected to diverge" in verdict.unmet[0]
 
