@@ -44,7 +44,7 @@ class MatrixSession(Session):
 
     def read_state(self) -> State:
         """The state now."""
-        return State(*(column[0] for column in vars(self.states([self.snapshot()])).values()))
+        return self.states([self.snapshot()]).rows(0)
 
     def states(self, snapshots: Sequence[MatrixReading]) -> State:
         """Of n snapshots, one a row of each column."""

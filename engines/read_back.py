@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..scenarios import FloatArray, Scenario
 from ..scenarios.rotation import cross, matrices, norms, rotation_vectors
@@ -60,6 +61,10 @@ class State:
     omega_body: FloatArray
     com_world: FloatArray
     velocity_world: FloatArray
+
+    def rows(self, kept: int | slice | NDArray[np.bool_]) -> "State":
+        """Of n states, one by its index, or several by a slice or a mask, (n,)."""
+        return State(*(column[kept] for column in vars(self).values()))
 
 
 @dataclass(frozen=True, eq=False)

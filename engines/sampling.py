@@ -82,12 +82,12 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
             # After a blow-up this may overflow; the state is then detected as infinite.
             with np.errstate(all="ignore"):
                 states = session.states(snapshots)
-                start = start if first else _rows(states, slice(2))
+                start = start if first else states.rows(slice(2))
                 reading = Reading(states, steps[first : first + len(snapshots)], start)
                 end = _checked(session, snapshots, reading, end, bounds)
         kept = is_sample[first : first + len(end.states.omega_body)].copy()
         kept[: len(last)] = False
-        parts.append(_rows(end.states, kept))
+        parts.append(end.states.rows(kept))
         if end.outcome != "ok":
             break
         last = snapshots[-1:]
@@ -160,11 +160,7 @@ def _checked(
         return _Block(reading.states, end.outcome, end.reason, end.cause)
     worst = min(block_faults, key=lambda fault: fault.index)
     outcome: Outcome = "failed" if worst.cause in WRONG_AT_ANY_TIMESTEP else "diverged"
-    return _Block(_rows(reading.states, slice(worst.index)), outcome, worst.reason, worst.cause)
-
-
-def _rows(states: State, kept: slice | NDArray[np.bool_]) -> State:
-    return State(*(column[kept] for column in columns(states)))
+    return _Block(reading.states.rows(slice(worst.index)), outcome, worst.reason, worst.cause)
 
 
 def _stacked(parts: Sequence[State]) -> State:

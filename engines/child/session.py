@@ -54,7 +54,7 @@ class ChildSession(Session):
 
     def read_state(self) -> State:
         """The state now."""
-        return State(*(column[0] for column in vars(self.states([self.snapshot()])).values()))
+        return self.states([self.snapshot()]).rows(0)
 
     def advance(self, steps: int) -> None:
         """Take steps, in calls of a limited number."""

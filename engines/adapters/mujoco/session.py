@@ -78,7 +78,7 @@ class MuJoCoSession(Session):
 
     def read_state(self) -> State:
         """The state now; see `states`."""
-        return State(*(column[0] for column in vars(self.states([self._bytes()])).values()))
+        return self.states([self._bytes()]).rows(0)
 
     def advance(self, steps: int) -> None:
         """One native loop."""

@@ -14,10 +14,10 @@ from ...engine import Engine, Method, Release
 from ...native_output import native_output
 from ...release import numbers_of
 from ...session import Session
-from .as_shipped import DEFAULT_DAMPING
 
 with native_output():
     # On import, Bullet prints its build date.
+    from .as_shipped import DEFAULT_DAMPING
     from .load import DEFAULTS, INERTIA, JOINT_MOTOR, BodyRepresentation, left_out
     from .script import script
     from .session import PyBulletSession

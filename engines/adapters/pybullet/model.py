@@ -50,7 +50,7 @@ class Model:
     def read_state(self) -> State:
         """The state now."""
         rows = np.concatenate(self.motion())[None]
-        return State(*(column[0] for column in vars(self.states(rows)).values()))
+        return self.states(rows).rows(0)
 
     def motion(self) -> Motion:
         """Com, attitude of the principal axes as x, y, z, w, velocity, ω; world axes.
