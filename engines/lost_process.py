@@ -121,7 +121,7 @@ def cpu_seconds(process: psutil.Process) -> float:
 
 
 def is_stopped(process: psutil.Process) -> bool:
-    """Whether somebody has stopped a process."""
+    """Whether a process is stopped (SIGSTOP)."""
     try:
         return bool(process.status() == psutil.STATUS_STOPPED)
     except psutil.Error:

@@ -1,4 +1,4 @@
-"""Compiles all kernels and keeps their machine code, so that whoever solves a scene only loads it.
+"""Compiles all kernels and keeps their machine code, so that solving a scene only loads it.
 
 ``python -m spincheck.reference.compiled`` does it after an installation. A study does it in one
 worker before the others begin: each would compile for itself.

@@ -42,7 +42,7 @@ SIGN_CHANGE = mpf(1) / 2  # of a turn, each half period
 
 @dataclass(frozen=True)
 class JacobiMotion:
-    """ω(t) of a free body, with axes as told above.
+    """ω(t) of a free body, with the axes defined above.
 
     Attributes
     ----------

@@ -83,7 +83,7 @@ def _survive_the_disk(cache: Any) -> None:
     def load_overload(signature: Any, context: Any) -> Any:
         try:
             return load(signature, context)
-        # Half a pickle raises whatever comes.
+        # A truncated pickle may raise any error.
         except Exception:
             with suppress(OSError):
                 cache.flush()

@@ -61,7 +61,7 @@ class Constants(NamedTuple):
 
 
 def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
-    """The constants from a start, told from the pole that is nearer or that it can just reach."""
+    """The constants from a start, measured from the nearer pole or the one it can just reach."""
     upper = _constants_from(1, start, omega, b, d)
     if upper.delta <= 1 or (upper.excess == 0 and upper.e == 0):
         return upper
@@ -140,7 +140,7 @@ def nutation(start: Constants) -> Nutation | None:
 
 
 def turning_points(pole: int, b: mpf, d: mpf, excess: mpf, e: mpf) -> Vector:
-    """δ of u1, u2 and u3, told from a pole; the arguments are those of `Constants`.
+    """δ of u1, u2 and u3, measured from a pole; the arguments are those of `Constants`.
 
     The zeros of (excess + sδ) δ(2 − δ) − (e + gδ)², s = σb, g = σd: the cubic in u = σ(1 − δ).
     The largest by Viète's cosines (DLMF 1.11.iii; all are real); its division leaves a

@@ -141,7 +141,7 @@ def over_theta4(real: Harmonics, imaginary: Harmonics, turns_per_cell: mpf) -> Q
 def fitted(
     clock: Clock, numerator: Theta, power: int, start: InitialValue, log_rate: Callable[[mpf], mpc]
 ) -> tuple[Quotient, mpf]:
-    """The quotient that solves f' = f · log_rate(x) and starts as told.
+    """The quotient that solves f' = f · log_rate(x) from a given start.
 
     Ω = log_rate − (ln θ/√θ4^power)' is the same at every x: it is found at one and checked at
     another. G fits value and derivative at t = 0 by least squares, for one of the two may vanish.

@@ -210,7 +210,7 @@ Components = Annotated[
 
 
 class Published(Table):
-    """Values somebody else printed, to check the reference against."""
+    """Published values, which the reference is compared with."""
 
     t: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)] = Field(description="s")
     omega_body: Components | None = Field(None, description="rad/s, body axes")

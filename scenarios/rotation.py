@@ -84,5 +84,5 @@ def rotation_vectors(q_from_wxyz: FloatArray, q_to_wxyz: FloatArray) -> FloatArr
     v[:, 2] = aw * bz - bw * az - (ax * by - ay * bx)
     sine = norms(v)
     angle = 2 * np.arctan2(sine, np.abs(w))
-    # Of no turn at all the vector is zero, whatever it is multiplied by.
+    # Without a rotation the vector is zero, whatever the factor.
     return np.asarray(v * (np.copysign(angle, w) / np.where(sine == 0, 1, sine))[:, None])

@@ -65,7 +65,7 @@ class Scenario:
     start: Start
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Unpickled by building it anew: mpmath would round its numbers to double precision."""
+        """Pickled as text and rebuilt: mpmath would round its numbers to double precision."""
         return _unpickled, (self.document, self.name, self.text, self.path)
 
     @cached_property

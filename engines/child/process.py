@@ -188,7 +188,7 @@ class ChildProcess:
         return cpu_seconds(self._of_system)
 
     def is_stopped(self) -> bool:
-        """Whether somebody has stopped it."""
+        """Whether it is stopped (SIGSTOP)."""
         return is_stopped(self._of_system)
 
     def _take(self, descriptor: int, do: str) -> None:

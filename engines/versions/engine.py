@@ -1,4 +1,4 @@
-"""An engine at another version: what it can do is told here, it runs where its folder is first."""
+"""An engine at another version; it runs in processes that import from its folder first."""
 
 import inspect
 from collections.abc import Collection

@@ -34,7 +34,7 @@ class StockRun:
 
 
 def stock_timesteps(engine: Engine) -> tuple[float, ...]:
-    """The timesteps in s at which an engine is run whatever the scene, the coarsest first."""
+    """The timesteps, s, at which an engine is run on every scene, the coarsest first."""
     own = engine.stock_timestep
     return tuple(sorted({own or COMMON_TIMESTEP, COMMON_TIMESTEP}, reverse=True))
 

@@ -24,7 +24,7 @@ EPS = float(np.finfo(float).eps)
 ROUNDINGS = 16
 #: An error or a time counts as changed from this factor on: the noise of times is smaller.
 NOTABLE = 1.2
-#: Errors that are told by another name.
+#: Errors that messages call by another name.
 SIGNALS = {"omega": "ω", "angular_momentum": "L"}
 #: Verdicts from bad to good; that a method cannot simulate a scene shows in the outcome.
 RANKS: dict[VerdictWord, int] = {

@@ -32,7 +32,7 @@ def as_result_file_error(read: Callable[..., T]) -> Callable[..., T]:
     def reading(*arguments: Any) -> T:
         try:
             return read(*arguments)
-        # Damaged JSON, archives, arrays and scenes raise whatever their parsers do.
+        # Damaged JSON, archives, arrays and scenes raise different errors of their parsers.
         except Exception as error:
             words = printable(str(error), SHOWN)
             raise ResultFileError(f"a record cannot be read: {words}") from error

@@ -143,7 +143,7 @@ def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
             raise
         finally:
             # A file at rest is one file without gaps, which can be read where nothing may be
-            # written; where somebody reads it just now it stays as it is.
+            # written; while another program reads it, the log stays.
             with suppress(sqlite3.DatabaseError):
                 connection.execute("PRAGMA busy_timeout = 0")
                 connection.executescript("PRAGMA incremental_vacuum")

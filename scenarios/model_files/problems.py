@@ -107,7 +107,7 @@ def _placeholder(stated: Stated) -> list[FileProblem]:
 
 
 def _outside_its_shapes(link: Link, stated: Stated) -> list[FileProblem]:
-    """A tensor that a mass within the link's shapes cannot have, whatever their density.
+    """A tensor that a mass within the link's shapes cannot have, for any density.
 
     A mass within a width w varies along it by no more than (w/2)² (T. Popoviciu 1935); along x
     that is (Iyy + Izz − Ixx) / 2m.

@@ -76,7 +76,7 @@ class EffectsReading:
     joint_damping, servo_drag : N m s, (3, 3), the D of the torque −D ω in body axes, of the joint
         and of the actuators
     torque_body, torque_world : N m, (3,)
-    other : whatever else the joint or an actuator does, in words
+    other : anything else that the joint or an actuator does, in words
     """
 
     pivot: bool

@@ -255,7 +255,7 @@ def _drag(model: Model, coefficient: float) -> None:
 def calls(steps: int, timestep: float) -> tuple[int, ...]:
     """Steps a call that add up to `steps`: one call where PyBullet takes exactly that many.
 
-    It is told k dt and k, divides the one by the other, and takes as many steps as fit. With k a
+    PyBullet gets k dt and k, divides the one by the other, and takes as many steps as fit. With k a
     power of two that is exact; with another it may be a step less, or of another length.
     """
     span = steps * timestep

@@ -133,7 +133,7 @@ class WorkerProcess:
         return cpu_seconds(self._of_system)
 
     def is_stopped(self) -> bool:
-        """Whether somebody has stopped it."""
+        """Whether it is stopped (SIGSTOP)."""
         return is_stopped(self._of_system)
 
     def kill(self) -> None:
