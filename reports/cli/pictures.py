@@ -107,7 +107,7 @@ def _film(scene: SceneRuns, runs: tuple[Compared, ...], out: Path) -> None:
     try:
         write_film(scene.solved, beside, out)
     except NoWriterError as error:
-        raise Complaint(f"{out}: cannot be written: {error}", NOT_RUN) from None
+        raise Complaint(f"{out}: {error}", NOT_RUN) from None
 
 
 def _scene_runs(scenario: Scenario, results: Path) -> SceneRuns:

@@ -69,7 +69,9 @@ def write_film(solved: SceneResult, runs: Sequence[Filmed], path: Path) -> None:
         raise ValueError(f"a film is {' or '.join(WRITERS)}, got '{path.suffix}'")
     writer = WRITERS[path.suffix]
     if not writer.isAvailable():
-        raise NoWriterError(f"{path.suffix} needs ffmpeg, which is not installed; .gif does not")
+        raise NoWriterError(
+            f"'{path.suffix}' needs ffmpeg, which is not on the PATH; install it, or write a '.gif'"
+        )
     times = frame_times(solved)
     dense = np.linspace(0.0, times[-1], PATH_POINTS * (len(times) - 1) + 1)
     exact = Filmed("exact", ExactMotion(solved.scenario).outline(dense))

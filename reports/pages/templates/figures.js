@@ -229,10 +229,14 @@
   addEventListener("beforeprint", () => {
     document.documentElement.dataset.paper = "";
     loadPlotly();
-    plots.forEach(drawOne);
+    for (const plot of plots) {
+      if (plot.div.data) Plotly.Plots.resize(plot.div);
+      drawOne(plot);
+    }
   });
   addEventListener("afterprint", () => {
     delete document.documentElement.dataset.paper;
+    for (const { div } of drawn()) Plotly.Plots.resize(div);
     draw(drawn());
   });
   for (const { div } of plots) coming.observe(div);

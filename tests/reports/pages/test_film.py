@@ -1,5 +1,8 @@
 """A film of the motion: slow enough to be followed, and true between a run's samples."""
 
+import shutil
+import subprocess
+
 import numpy as np
 import pytest
 from made_up import results
@@ -29,6 +32,19 @@ def test_a_gif_has_a_frame_a_time_and_they_differ(tmp_path):
             frames.append(np.asarray(opened.convert("RGB")))
     assert not np.array_equal(frames[0], frames[1])
     assert frames[0].shape[1] == pytest.approx(2 * film.SIZE * film.PIXELS_AN_INCH)
+
+
+@pytest.mark.usefixtures("few_frames")
+def test_an_mp4_has_a_frame_a_time_and_they_differ(tmp_path):
+    ffmpeg = shutil.which("ffmpeg")
+    if ffmpeg is None:
+        pytest.skip("ffmpeg is not installed")
+    path = tmp_path / "top.mp4"
+    film.write_film(FOUND, [], path)
+    read = [ffmpeg, "-v", "error", "-i", path, "-f", "framemd5", "-"]
+    listed = subprocess.run(read, check=True, capture_output=True, text=True).stdout
+    frames = [line.split(",")[-1] for line in listed.splitlines() if not line.startswith("#")]
+    assert len(set(frames)) == len(frames) == 3
 
 
 def test_a_frame_turns_the_body_by_no_more_than_the_eye_follows():
@@ -61,5 +77,5 @@ def test_another_ending_is_no_film(tmp_path):
 
 def test_without_ffmpeg_there_is_no_mp4(tmp_path, monkeypatch):
     monkeypatch.setattr(film.FFMpegWriter, "isAvailable", lambda: False)
-    with pytest.raises(film.NoWriterError, match="needs ffmpeg"):
+    with pytest.raises(film.NoWriterError, match=r"needs ffmpeg, .*install it, or write a '\.gif'"):
         film.write_film(FOUND, [], tmp_path / "top.mp4")

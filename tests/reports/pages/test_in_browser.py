@@ -40,6 +40,8 @@ MODEL = users_models.arm(
 #: Steps: short ladders, whose pages are made of the same parts.
 BUDGET = 1 << 11
 DESK, PHONE = {"width": 1280, "height": 900}, {"width": 400, "height": 800}
+#: Pixels (96 an inch) of the text on A4, 210 mm less two margins of 12.
+PAPER = 186 / 25.4 * 96
 #: ms; as much as a busy machine may need.
 PATIENCE = 60_000
 #: Bytes.
@@ -329,6 +331,17 @@ def test_a_page_answers_before_figures_are_drawn_and_draws_those_the_reader_come
     first = page.locator(".plot").first
     first.scroll_into_view_if_needed()
     first.locator(".main-svg").first.wait_for(state="attached")
+
+
+def test_a_page_that_is_printed_as_it_opens_has_every_figure_as_wide_as_the_paper(visit, folder):
+    page = open_page(visit, folder, "scenes/fast-top.html")
+    printed = "() => { dispatchEvent(new Event('beforeprint')); return %s; }"
+    of_every_figure = "[...document.querySelectorAll('.plot')].map(%s)"
+    room_left = "d => d.clientWidth - (d.querySelector('.main-svg')?.clientWidth ?? Infinity)"
+    room = page.evaluate(printed % (of_every_figure % room_left))
+    assert len(room) > 10
+    assert set(room) == {0}
+    assert page.locator("main").bounding_box()["width"] == pytest.approx(PAPER, abs=1)
 
 
 def test_the_library_s_report_stays_below_25_mb(folder):
