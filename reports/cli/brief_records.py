@@ -1,9 +1,11 @@
-"""Runs and verdicts in lines of at most eighty columns; every column is in JSON and CSV."""
+"""Runs, verdicts and points in lines of at most 80 columns; every column is in JSON and CSV."""
 
+import json
 import math
 import textwrap
 from collections.abc import Iterator, Sequence
 from itertools import groupby
+from typing import Any
 
 from ..results.records import Row, Verdict
 
@@ -12,6 +14,9 @@ WIDTH = 80
 SCENE, METHOD = 25, 25
 #: Lines that a reason takes at most.
 REASON_LINES = 3
+#: Columns of the coordinates of a point.
+PLACE = 26
+_ERRORS = ("omega_error", "attitude_error", "angular_momentum_error", "energy_error")
 _NAMES = ("ω", "attitude", "L", "energy")
 _EXPLAINED = ("disagrees", "failed", "diverges", "unresolved")
 
@@ -47,6 +52,33 @@ def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
             placeholder=" …",
             break_on_hyphens=False,
         )
+
+
+def point_lines(records: Sequence[dict[str, Any]]) -> Iterator[str]:
+    """The points of each sweep below its scene and method, as `flat_records` gives them."""
+
+    def sweep_of(record: dict[str, Any]) -> str:
+        method = f"{record['engine']} {record['method']}"
+        return f"{record['scenario']}: {method}; {record['sweep']} of {', '.join(_at(record))}"
+
+    for title, points in groupby(records, key=sweep_of):
+        yield cut(title, WIDTH)
+        yield f"  {'at':{PLACE}} {''.join(f'{name:>9}' for name in _NAMES)}"
+        for point in points:
+            place = "  ".join(f"{value:<11.6g}" for value in _at(point).values())
+            begun = f"  {cut(place.rstrip(), PLACE):{PLACE}} "
+            if point["omega_error"] is None:
+                stopped = point["stopped_at"]
+                when = f" at {stopped:.3g} s" if stopped is not None else ""
+                why = f": {point['reason']}" if point["reason"] else ""
+                yield cut(f"{begun}{point['outcome']}{when}{why}", WIDTH)
+            else:
+                yield begun + "".join(f"{point[name]:9.1e}" for name in _ERRORS)
+
+
+def _at(point: dict[str, Any]) -> dict[str, float]:
+    coordinates: dict[str, float] = json.loads(point["at"])
+    return coordinates
 
 
 def cut(text: str, width: int) -> str:

@@ -1,16 +1,23 @@
 """Commands about engines: a list, a protocol check, and one run to paste into an issue."""
 
+import textwrap
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from .options import AsJson, Scene
-from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table, to_json
+from .terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, to_json
+
+if TYPE_CHECKING:
+    from ...engines import Engine
 
 app = typer.Typer()
 
+#: Columns of a line, and of a method's name in it.
+WIDTH, NAMES = 80, 26
 #: s that an answer of a child may take by default.
 ANSWER_LIMIT = 10.0
 
@@ -56,9 +63,32 @@ def list_engines(
         absent = [{"engine": m.name, "package": m.package, "reason": m.reason} for m in missing()]
         print(to_json({"engines": rows, "missing": absent}))
         return
-    table(rows)
+    for engine in engines().values():
+        print("\n".join(_methods_of(engine)))
     for m in missing():
-        print(f"{m.name} cannot be used: {m.reason}.")
+        reason = f"{m.name} cannot be used: {m.reason}."
+        print(textwrap.fill(reason, WIDTH, subsequent_indent="  ", break_on_hyphens=False))
+
+
+def _methods_of(engine: "Engine") -> Iterator[str]:
+    """An engine, and below it a line a method; what a method cannot simulate is named."""
+    from ...scenarios import EFFECTS
+
+    yield f"{engine.name} {engine.version}"
+    for method in engine.methods:
+        orders = f"order {method.order}"
+        if method.attitude_order != method.order:
+            orders += f", attitude {method.attitude_order}"
+        lacking = [name for name in EFFECTS if name not in method.effects]
+        without = f"; cannot simulate {', '.join(lacking)}" if lacking else ""
+        yield from textwrap.wrap(
+            f"{orders}; {method.summary}{without}",
+            WIDTH,
+            initial_indent=f"  {method.name:{NAMES}} ",
+            subsequent_indent=" " * (NAMES + 3),
+            break_on_hyphens=False,
+        )
+    yield ""
 
 
 @app.command(epilog="Example: spincheck conform -- node my-engine.mjs")

@@ -1,6 +1,6 @@
 """What the command `reference` does: the exact motion, its uncertainty, invariants and facts."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -66,7 +66,8 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
 def print_truth(truth: dict[str, Any]) -> None:
     """Print a description as tables."""
     print(f"{truth['scenario']}: {truth['method']}")
-    table([{name: _shown(value) for name, value in state.items()} for state in truth["states"]])
+    for state in truth["states"]:
+        print("\n".join(_state(state)))
     if truth["horizon"] is not None:
         print(
             f"Chaotic: beyond t = {truth['horizon']:.6g} s the exact motion is not known to 1e-9.\n"
@@ -78,6 +79,15 @@ def print_truth(truth: dict[str, Any]) -> None:
 
 
 _ERRORS = ("uncertainty", "conditioning")
+
+
+def _state(state: dict[str, Any]) -> Iterator[str]:
+    """A line a quantity below the time; four components with exponents fit eighty columns."""
+    yield f"\nt = {state['t']:.10g} s"
+    for name, value in state.items():
+        if name != "t":
+            numbers = value if isinstance(value, list) else [value]
+            yield f" {name:16} {'  '.join(f'{number:.8g}' for number in numbers)}"
 
 
 def _shown(value: Any) -> str:

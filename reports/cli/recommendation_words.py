@@ -72,13 +72,12 @@ def _method(candidate: Candidate) -> dict[str, Any]:
 
 def _line(candidate: Candidate) -> dict[str, object]:
     return {
-        "engine": candidate.key.engine,
-        "method": candidate.key.method,
+        "method": candidate.label,
         "timestep, s": candidate.timestep,
         "CPU s a simulated s": candidate.cost,
         "known": candidate.word,
         "decided by": _named(candidate.decided_by),
-        "largest stable tried, s": candidate.largest_stable,
+        "stable to, s": candidate.largest_stable,
     }
 
 

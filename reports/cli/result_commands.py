@@ -6,7 +6,7 @@ from typing import Any
 import typer
 
 from .options import RESULT_FILE, AsCsv, AsJson, Stored
-from .terminal import BAD_INPUT, Complaint, table, to_json
+from .terminal import BAD_INPUT, Complaint, to_json
 
 app = typer.Typer()
 
@@ -47,14 +47,21 @@ def verdicts(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJs
 
 @app.command(epilog="Example: spincheck points spincheck.sqlite --csv")
 def points(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
-    """Print every point of every map and ensemble of a result file."""
+    """Print every point of every map and ensemble of a result file.
+
+    In 80 columns; --csv and --json have every number in full.
+    """
     from . import running
+    from .brief_records import point_lines
     from .sweep_summary import flat_records
 
     stored = running.read(results)
     sweeps: list[Any] = [*stored.maps, *stored.ensembles]
     records = [record for sweep in sweeps for record in flat_records(sweep)]
-    _print_records(records, as_csv, as_json)
+    if as_csv or as_json:
+        _print_records(records, as_csv, as_json)
+    else:
+        _print_lines(point_lines(records))
 
 
 def _print_lines(lines: Iterable[str]) -> None:
@@ -71,7 +78,5 @@ def _print_records(records: list[dict[str, Any]], as_csv: bool, as_json: bool) -
         raise Complaint("takes '--csv' or '--json', not both", BAD_INPUT)
     if as_csv:
         print(csv_text(records), end="")
-    elif as_json:
-        print(to_json(records))
     else:
-        table(records)
+        print(to_json(records))

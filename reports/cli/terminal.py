@@ -3,6 +3,7 @@
 import json
 import math
 import sys
+import textwrap
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -12,6 +13,10 @@ from .stopping import STDERR, print_nowhere
 
 #: Exit codes: everything agrees; something does not; bad input or usage; nothing could be run.
 AGREES, DISAGREES, BAD_INPUT, NOT_RUN = 0, 1, 2, 3
+
+
+#: Columns that a longer name may be wrapped to, where a table is wider than the terminal.
+NAME = 12
 
 
 class Complaint(Exception):
@@ -59,22 +64,78 @@ def _finite(value: Any) -> Any:
 
 
 def table(rows: Sequence[Mapping[str, object]]) -> None:
-    """Print records as a table with their keys as headings."""
+    """Print records as a table with their keys as headings; in a pipe, one record a line.
+
+    On a terminal that is too narrow, texts are wrapped; where the numbers themselves are too wide
+    side by side, each record is printed as a paragraph. No number is cut.
+    """
     from rich import box
     from rich.console import Console
     from rich.table import Column, Table
 
     if not rows:
         return
-    # If the table is too wide for the terminal, cells are wrapped: an ellipsis would hide digits.
-    grid = Table(*(Column(heading, overflow="fold") for heading in rows[0]), box=box.SIMPLE)
-    for row in rows:
-        grid.add_row(*(cell(value) for value in row.values()))
+    lines = [[*rows[0]], *([cell(value) for value in row.values()] for row in rows)]
     console = Console(highlight=False, markup=False)
-    if not console.is_terminal:
-        # In a file or a pipe nothing is wrapped: one record a line.
-        console.width = max(console.measure(grid, options=_unbounded(console)).maximum, 1)
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    if console.is_terminal:
+        words = [max(map(_least_width, column)) for column in zip(*lines, strict=True)]
+        if sum(words) + _beside(words) > console.width:
+            _print_paragraphs(lines, console.width)
+            return
+        widths = _narrowed(widths, words, console.width - _beside(words))
+    else:
+        console.width = sum(widths) + _beside(widths)
+    columns = (
+        Column(h, width=width, overflow="fold") for h, width in zip(lines[0], widths, strict=True)
+    )
+    grid = Table(*columns, box=box.SIMPLE)
+    for line in lines[1:]:
+        grid.add_row(*line)
     console.print(grid)
+
+
+def _beside(columns: Sequence[object]) -> int:
+    """Characters of a table that are not in its cells."""
+    return 3 * len(columns) + 1
+
+
+def _least_width(text: str) -> int:
+    """Of a cell: its longest number, and as much of its names as can be read."""
+    words = text.split()
+    return max((len(w) if _is_number(w) else min(len(w), NAME) for w in words), default=0)
+
+
+def _is_number(word: str) -> bool:
+    """Whether it is one or begins with one: names have their digits further back."""
+    return word.lstrip("+-±≤≥<>~([").replace(".", "", 1)[:1].isdigit()
+
+
+def _narrowed(widths: list[int], least: list[int], room: int) -> list[int]:
+    """Take from the column that can spare most, until they fit."""
+    widths = list(widths)
+    for _ in range(sum(widths) - room):
+        spare = [width - needed for width, needed in zip(widths, least, strict=True)]
+        widths[spare.index(max(spare))] -= 1
+    return widths
+
+
+def _print_paragraphs(lines: list[list[str]], width: int) -> None:
+    headings = lines[0]
+    indent = " " * (max(map(len, headings)) + 2)
+    for line in lines[1:]:
+        print()
+        for heading, text in zip(headings, line, strict=True):
+            begun = f"{heading:{len(indent)}}"
+            wrapped = textwrap.wrap(
+                text,
+                width,
+                initial_indent=begun,
+                subsequent_indent=indent,
+                break_long_words=False,
+                break_on_hyphens=False,
+            )
+            print("\n".join(wrapped) if wrapped else begun.rstrip())
 
 
 def terminal_width() -> int | None:
@@ -137,7 +198,3 @@ def progress(total: int, lines: int | None = None) -> Iterator[Callable[[str], N
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("starting", total=total)
         yield lambda text: bar.update(task, advance=1, description=text)
-
-
-def _unbounded(console: Any) -> Any:
-    return console.options.update(max_width=100_000)

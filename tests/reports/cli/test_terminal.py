@@ -1,0 +1,48 @@
+"""Tables on a narrow terminal: nothing is wider, and no number is cut."""
+
+from typing import Any
+
+import pytest
+import rich.console
+from spincheck.reports.cli import terminal
+
+WIDTH = 80
+NUMBERS = ("-1.9189156e-17", "6.02214076e+23", "0.00031622776601683794")
+
+
+@pytest.fixture
+def narrow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A terminal of eighty columns; what is printed is captured."""
+    plain = rich.console.Console
+
+    def console(**options: Any) -> rich.console.Console:
+        return plain(**options, force_terminal=True, width=WIDTH, color_system=None)
+
+    monkeypatch.setattr(rich.console, "Console", console)
+
+
+def printed(rows: list[dict[str, object]], capsys: pytest.CaptureFixture[str]) -> str:
+    terminal.table(rows)
+    return capsys.readouterr().out
+
+
+@pytest.mark.usefixtures("narrow")
+@pytest.mark.parametrize("columns", [1, 3, 8])
+def test_on_a_terminal_no_line_is_wider_and_no_number_is_cut(
+    columns: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Eight such columns do not fit side by side: each record is a paragraph."""
+    row: dict[str, object] = {f"column {k}": NUMBERS[k % 3] for k in range(columns)}
+    row["why"] = "a long reason in words that go on " * 4
+    row["scene"] = "chaos-beyond-the-horizon"
+    text = printed([row, row], capsys)
+    assert max(map(len, text.split("\n"))) <= WIDTH
+    for k in range(columns):
+        assert text.count(NUMBERS[k % 3]) >= 2
+    assert "…" not in text
+
+
+def test_in_a_pipe_a_record_is_a_line(capsys: pytest.CaptureFixture[str]) -> None:
+    row: dict[str, object] = {str(k): number for k, number in enumerate(NUMBERS * 4)}
+    lines = printed([row, row], capsys).strip().split("\n")
+    assert sum(NUMBERS[0] in line for line in lines) == 2
