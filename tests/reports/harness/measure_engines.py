@@ -45,6 +45,8 @@ SHORT_STEPS = 1 << 11
 TIME_LIMIT = 60.0
 #: rad a step at which a method survives or does not.
 TURN = 0.1
+#: Parts of the scenes by which the ends of the table are named.
+MOST, HALF = 0.8, 0.5
 #: Errors of attitude, rad, whose cost is compared, with MuJoCo's RK4.
 LEVELS = (1e-2, 1e-4)
 YARDSTICK = ("mujoco", "RK4")
@@ -91,12 +93,21 @@ class Standing:
     ratios: tuple[list[float], ...]
 
     @property
+    def label(self) -> str:
+        """As users type it."""
+        return f"`{self.engine}` {self.method}"
+
+    def share(self, verdict: VerdictWord) -> float:
+        """Part of the scenes that the method can simulate."""
+        simulated = self.verdicts.total() - self.verdicts["unsupported"]
+        return self.verdicts[verdict] / max(1, simulated)
+
+    @property
     def rank(self) -> tuple[float, ...]:
         """Sorts the methods that are right on most of what they can simulate to the front."""
-        simulated = max(1, self.verdicts.total() - self.verdicts["unsupported"])
+        wrong = sum(self.share(verdict) for verdict in ("disagrees", "diverges", "failed"))
         cost = median(self.ratios[0]) if self.ratios[0] else math.inf
-        wrong = self.verdicts.total() - sum(self.verdicts[word] for word in VERDICTS[:2])
-        return -self.verdicts["converges"] / simulated, wrong / simulated, cost
+        return -self.share("converges"), wrong, cost
 
     def row(self, columns: Sequence[str]) -> str:
         """As a line of the table."""
@@ -104,11 +115,11 @@ class Standing:
             "engine": f"`{self.engine}`",
             "method": self.method,
             "scenes": str(self.verdicts.total()),
-            "error": f"{median(self.errors):.1e}" if self.errors else "–",
+            "error": f"{median(self.errors):.2g}" if self.errors else "–",
             "survives": str(self.survives),
         }
         for name, ratios in zip(COSTS, self.ratios, strict=True):
-            cells[name] = f"{median(ratios):.2g} ({len(ratios)})" if ratios else "–"
+            cells[name] = f"{_two_digits(median(ratios))} ({len(ratios)})" if ratios else "–"
         return f"| {' | '.join(cells[column] for column in columns)} |"
 
 
@@ -138,11 +149,22 @@ def standings(scenes: Sequence[SceneRuns]) -> list[Standing]:
     )
 
 
+def in_short(ranked: Sequence[Standing]) -> str:
+    """The two ends of the table."""
+    right = [one.label for one in ranked if one.share("converges") >= MOST]
+    wrong = [one.label for one in ranked if one.share("disagrees") > HALF]
+    return (
+        f"- **Right** on at least {MOST:.0%} of the scenes they can simulate: {', '.join(right)}.\n"
+        f"- **Wrong at any timestep**, on more than half: {', '.join(wrong)}.\n"
+    )
+
+
 def table(scenes: Sequence[SceneRuns], columns: Sequence[str]) -> str:
-    """The verdicts on some scenes, and below it why a method failed on one."""
+    """The verdicts on some scenes, in short above it, and below it why a method failed on one."""
     lines = [f"| {' | '.join(columns)} |", f"|{'---|' * len(columns)}"]
-    lines += [standing.row(columns) for standing in standings(scenes)]
-    return "\n".join([*lines, "", *failures(scenes)])
+    ranked = standings(scenes)
+    lines += [standing.row(columns) for standing in ranked]
+    return "\n".join([in_short(ranked), *lines, "", *failures(scenes)])
 
 
 def failures(scenes: Sequence[SceneRuns]) -> Iterator[str]:
@@ -178,6 +200,12 @@ def main() -> None:
         with suppress(KeyboardInterrupt):
             measure(store)
         PAGE.write_text(page(report_data(store.read()).scenes), encoding="utf-8")
+
+
+def _two_digits(number: float) -> str:
+    """Without an exponent where it is large."""
+    short = f"{number:.2g}"
+    return f"{float(short):,.0f}" if number >= 100 else short
 
 
 def _name(cell: Cell) -> tuple[str, str]:
