@@ -131,9 +131,14 @@ class ExudynSession(MatrixSession):
         )
 
     def advance(self, steps: int) -> None:
-        """One native loop; Exudyn's clock starts at 0 in each call, so that it stays exact."""
-        progress = self._solver.it
-        progress.currentTime, progress.endTime = 0.0, steps * self._timestep
+        """One native loop; Exudyn's clock starts at 0 in each call, and sums up the steps.
+
+        At another end, such as the product, a sliver of a step may be missing to it.
+        """
+        progress, end = self._solver.it, 0.0
+        for _ in range(steps):
+            end += self._timestep
+        progress.currentTime, progress.endTime = 0.0, end
         if not self._solver.SolveSteps(self._system, self._settings):
             raise EngineError("Exudyn's solver gave up", "warning")
         # It counts from 1; as shipped, a step is halved if the solver fails.
