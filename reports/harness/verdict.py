@@ -123,10 +123,11 @@ def _best_window(sequence: SignalSequence) -> _BestWindow:
     """The window with the smallest tolerance."""
     extrapolation, is_clean = _convergence_indices(sequence)
     changes, bounds = sequence.limit_changes, sequence.roundoff_bounds[2:]
-    # The bound adds all roundings in one direction; a random walk is what they come to. It shows in
-    # the limit's change, and over clean rungs it cannot be much larger than that.
-    steps = sequence.duration / sequence.timesteps[2:]
-    rounding = np.minimum(bounds, CAUTIOUS * bounds / np.sqrt(steps))
+    # The bound adds all roundings in one direction. Where that is too large to judge by, they are
+    # taken to add up as a random walk does. Rounding shows in the limit's change, and over clean
+    # rungs it cannot be much larger than that.
+    walks = CAUTIOUS * bounds / np.sqrt(sequence.duration / sequence.timesteps[2:])
+    rounding = np.where(bounds > SHARP, np.minimum(bounds, walks), bounds)
     rounding = np.where(is_clean, np.minimum(rounding, CAUTIOUS * changes), rounding)
     noise_floor = rounding + sequence.uncertainty
     best = int(np.argmin(extrapolation + noise_floor))
