@@ -32,7 +32,7 @@ class Survival:
 
     def __str__(self) -> str:
         if self.timestep is None or self.turn is None:
-            return "survives none tried"
+            return "unstable at every timestep tested"
         bound = "≥ " if self.at_least else ""
         return f"{bound}{number(self.timestep)} s, {number(self.turn)} rad"
 
@@ -59,6 +59,6 @@ def in_words(survived: Survival | None) -> tuple[str, str]:
     if survived is None:
         return NOTHING, NOTHING
     if survived.timestep is None:
-        return "none tried", NOTHING
+        return "at none tested", NOTHING
     bound = "≥ " if survived.at_least else ""
     return f"{bound}{number(survived.timestep)}", f"{bound}{number(survived.turn)}"

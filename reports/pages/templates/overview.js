@@ -123,12 +123,12 @@
     const chip = element("span", shown, { class: "chip-number" });
     if (value !== null) paint(chip, value);
     const price = best.price === null ? "" : `, ${number(best.price)}×`;
-    const told = [
+    const description = [
       `${scene.name}, ${best.within ? "the cheapest run within 0.1° and 10⁻³ in ω" : "the most accurate run: none is within 0.1° and 10⁻³ in ω"}`,
       `${best.label} at ${said(best.run, "")}`,
       best.price === null ? "" : `${number(best.price)} times the CPU time of ${best.default} as shipped`,
     ];
-    linked(td, `${scene.page}#${best.anchor}`, "", told.filter(Boolean).join(" · "));
+    linked(td, `${scene.page}#${best.anchor}`, "", description.filter(Boolean).join(" · "));
     const words = element("span");
     words.append(element("span", best.label), " ", element("span", `${best.timestep}${price}`));
     td.firstChild.append(chip, words);

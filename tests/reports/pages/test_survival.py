@@ -41,7 +41,7 @@ def test_the_largest_is_the_one_below_the_finest_that_does_not_survive(end):
 def test_a_finest_run_that_does_not_survive_leaves_none():
     survived = survival(runs("ok", "ok", "diverged"), PACE)
     assert (survived.timestep, survived.turn, survived.at_least) == (None, None, False)
-    assert in_words(survived)[0] == "none tried"
+    assert in_words(survived)[0] == "at none tested"
 
 
 def test_where_all_survive_the_largest_is_a_lower_bound():
