@@ -154,8 +154,8 @@ def in_short(ranked: Sequence[Standing]) -> str:
     right = [one.label for one in ranked if one.share("converges") >= MOST]
     wrong = [one.label for one in ranked if one.share("disagrees") > HALF]
     return (
-        f"- **Right** on at least {MOST:.0%} of the scenes they can simulate: {', '.join(right)}.\n"
-        f"- **Wrong at any timestep**, on more than half: {', '.join(wrong)}.\n"
+        f"- **Right** on at least {MOST:.0%} of the scenes they can simulate: {', '.join(right) or 'none'}.\n"
+        f"- **Wrong at any timestep**, on more than half: {', '.join(wrong) or 'none'}.\n"
     )
 
 
