@@ -151,11 +151,11 @@ def standings(scenes: Sequence[SceneRuns]) -> list[Standing]:
 
 def in_short(ranked: Sequence[Standing]) -> str:
     """The two ends of the table."""
-    right = [one.label for one in ranked if one.share("converges") >= MOST]
-    wrong = [one.label for one in ranked if one.share("disagrees") > HALF]
+    right = ", ".join(one.label for one in ranked if one.share("converges") >= MOST)
+    wrong = ", ".join(one.label for one in ranked if one.share("disagrees") > HALF)
     return (
-        f"- **Right** on at least {MOST:.0%} of the scenes they can simulate: {', '.join(right) or 'none'}.\n"
-        f"- **Wrong at any timestep**, on more than half: {', '.join(wrong) or 'none'}.\n"
+        f"- **Right** on at least {MOST:.0%} of the scenes they can simulate: {right or 'none'}.\n"
+        f"- **Wrong at any timestep**, on more than half: {wrong or 'none'}.\n"
     )
 
 
