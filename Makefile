@@ -23,7 +23,7 @@ engines: $(READY)
 	$(BIN)/python -m spincheck.engines.adapters.node || [ $$? -eq 3 ]
 
 test: $(READY)
-	$(BIN)/pytest -n auto --dist loadfile tests scenarios/library
+	$(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder tests scenarios/library
 
 # Nothing that starts a process, and none of the library's runs: to be called after every change.
 quick: $(READY)

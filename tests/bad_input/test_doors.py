@@ -8,6 +8,8 @@ from spincheck.reports.cli.app import app
 from spincheck.reports.cli.terminal import BAD_INPUT, Complaint
 from typer.testing import CliRunner
 
+pytestmark = pytest.mark.slow
+
 GOOD = written(LEAST)
 BAD = {
     "a negative mass": written(changed(LEAST, ("body", "mass"), -1.0)),

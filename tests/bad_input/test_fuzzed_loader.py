@@ -14,6 +14,8 @@ from mutated_scenes import LEAST, Raw, changed, leaves, tables, written
 from spincheck.scenarios import LIBRARY, Scenario, ScenarioError, is_scenario, load, loads
 from spincheck.scenarios.read_text import MAX_BYTES
 
+pytestmark = pytest.mark.slow
+
 #: CPU s; what the largest file that is read may take, many times over.
 SOON = 20.0
 

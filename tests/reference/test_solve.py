@@ -14,6 +14,8 @@ from spincheck.reference.taylor import Orders, integrate
 from spincheck.scenarios import Scenario, Trajectory, errors_between
 from top_scenes import ASYMMETRIC, HEAVY, TOP, scene
 
+pytestmark = pytest.mark.slow
+
 EPS = float(np.finfo(float).eps)
 TIMES = np.linspace(0.0, 2.0, 41)
 FREE = ""

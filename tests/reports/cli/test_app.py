@@ -11,6 +11,8 @@ import pytest
 from scene_texts import sphere_text
 from spincheck.reports.cli import stopping
 
+pytestmark = pytest.mark.slow
+
 SPHERE = sphere_text((0.0, 1.0, 2.0), samples=5, tilt_deg=30.0)
 
 

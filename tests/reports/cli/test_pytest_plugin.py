@@ -5,6 +5,8 @@ from _pytest.pytester import SysModulesSnapshot
 from scene_texts import sphere_text
 from spincheck.engines import engines
 
+pytestmark = pytest.mark.slow
+
 pytest_plugins = ["pytester"]
 
 SPHERE = sphere_text((0.0, 1.0, 2.0), samples=5, tilt_deg=30.0)

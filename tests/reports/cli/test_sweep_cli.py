@@ -21,6 +21,8 @@ from spincheck.reports.results.sweep_records import Ensemble
 from spincheck.scenarios import load, loads
 from typer.testing import CliRunner
 
+pytestmark = pytest.mark.slow
+
 COMMAND = Path(sys.executable).with_name("spincheck")
 SCENE = "fast-top"
 ONE_METHOD = ("--engine", "mujoco", "--method", "RK4")

@@ -16,6 +16,8 @@ from spincheck.reports.results.records import Row
 from spincheck.reports.results.store import Results, Store, open_store
 from spincheck.scenarios import loads
 
+pytestmark = pytest.mark.slow
+
 STOCK = 1 / 240
 #: Steps; Heun's method in Python takes some 30 µs each.
 BUDGET = 1 << 8

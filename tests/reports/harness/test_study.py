@@ -31,6 +31,8 @@ from spincheck.reports.results.store import Results
 from spincheck.scenarios import loads
 from studies import study as study_of
 
+pytestmark = pytest.mark.slow
+
 #: Steps; Heun's method in Python takes some 30 µs each.
 BUDGET = 1 << 11
 #: s, of CPU or idle: longer than the ladder of the faultless one takes.

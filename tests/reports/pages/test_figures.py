@@ -36,6 +36,8 @@ from spincheck.reports.pages.templating import TEMPLATES
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.store import Results
 
+pytestmark = pytest.mark.slow
+
 TOP, BRICK, UNSOLVED = "made-up-top", "made-up-brick", "unsolved"
 #: WCAG 2.1, 1.4.11: contrast of what must be seen in a figure.
 GRAPHICS = 3.0

@@ -24,6 +24,8 @@ from spincheck.reports.results.store import Results, open_store
 from spincheck.reports.results.sweep_records import Ensemble
 from spincheck.scenarios.vary import parse_axis
 
+pytestmark = pytest.mark.slow
+
 EULER, RK4, MULTIBODY = METHODS
 
 
