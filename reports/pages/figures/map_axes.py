@@ -40,7 +40,9 @@ def panels(grid: Grid, entries: int) -> dict[str, Any]:
     )
     for k, outer in enumerate(panel_titles, start=1):
         for letter, axis, title in zip("xy", grid.axes, outer, strict=True):
-            made[f"{letter}axis{axis_suffix(k)}"] |= shared(letter, axis, bool(title))
+            made[f"{letter}axis{axis_suffix(k)}"] |= shared(axis, bool(title))
+            if k > 1:
+                made[f"{letter}axis{axis_suffix(k)}"]["matches"] = letter
     made["margin"] = {"l": LEFT, "r": RIGHT, "t": ABOVE, "b": below}
     made["legend"] = {
         "orientation": "h",
@@ -97,12 +99,11 @@ def titles(grid: Grid, count: int, columns: int) -> Iterator[tuple[str, str]]:
         yield across if k + columns >= count else "", up if k % columns == 0 else ""
 
 
-def shared(letter: str, axis: Axis, outer: bool) -> dict[str, Any]:
-    """Settings that link the panels' axes; only the outer ones show numbers."""
+def shared(axis: Axis, outer: bool) -> dict[str, Any]:
+    """Settings that the panels' axes share; only the outer ones show numbers."""
     outermost = edges(axis)
     return {
         "range": [float(outermost[0]), float(outermost[-1])],
-        "matches": letter,
         "showticklabels": outer,
         "showgrid": False,
         **_ticks(axis),
