@@ -161,6 +161,7 @@ class EngineItem(SceneItem):
     def runtest(self) -> None:
         """Raise `Disagreement` if the method disagrees; skip, with the reason, if unresolved."""
         from ..harness.study import convergence_study_of, run_rungs
+        from ..harness.study_verdict import verdict_on
 
         scenario = self.parent.scenario
         if reason := self.engine.unsupported(scenario, self.method):
@@ -168,7 +169,7 @@ class EngineItem(SceneItem):
         study = convergence_study_of(scenario, self.engine, self.method, self.parent.prepared)
         for _ in run_rungs(study, _worker(self.config)):
             pass
-        verdict = study.verdict()
+        verdict = verdict_on(study)
         if not verdict.agrees:
             raise Disagreement(
                 "\n".join(

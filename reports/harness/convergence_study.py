@@ -1,19 +1,16 @@
-"""The convergence study of one method on one scene: the next rung, and the verdict."""
+"""The convergence study of one method on one scene: which run comes next, and the rows so far."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 from ...engines import Engine, Method, Run
 from ...reference import Solution
-from ...reference.solution import MAX_UNCERTAINTY
 from ...scenarios import Expect, Scenario
-from ..results.records import SIGNAL_NAMES, Key, Row, Verdict
+from ..results.records import Key, Row
 from .comparison import row_of, unmet_expectations
 from .executors import Answer
-from .expected_failures import compared_with_expected_failures
-from .ladder import COARSEST_TURN, MIN_RUNGS, Ladder, Rung
-from .ladder_judge import RUNGS_OF_A_LIMIT, LadderJudge
+from .ladder import MIN_RUNGS, Ladder, Rung
+from .ladder_judge import LadderJudge
 from .stock import StockRun, stock_timesteps
 
 
@@ -155,56 +152,6 @@ class ConvergenceStudy:
         shown = min((row.timestep for row in rows if row.motion is not None), default=None)
         return [row.timestep for row in rows if row.timestep != shown and not row.stock]
 
-    def verdict(self) -> Verdict:
-        """Judge the ladder, and compare with the expected failures of the scene's file."""
-        return compared_with_expected_failures(
-            self.scenario.expected_failures, self._verdict(), cut_short=self.cut_short
-        )
-
-    def _verdict(self) -> Verdict:
-        last = self._last
-        attributes: dict[str, Any] = {
-            "unmet": tuple(self.unmet),
-            "as_shipped": self.method.as_shipped,
-        }
-        if last is None and (lacking := self.engine.unsupported(self.scenario, self.method)):
-            return Verdict(self.key, "unsupported", lacking, **attributes)
-        if last and last.outcome in ("failed", "diverged", "unsupported"):
-            if last.outcome == "diverged" and (sound := self.judge.blown_up_below):
-                return Verdict(self.key, "disagrees", _grown_into(sound[-1], last), **attributes)
-            word = "diverges" if last.outcome == "diverged" else last.outcome
-            return Verdict(self.key, word, _with_time(last), **attributes)
-        # For an engine as shipped: its differences from the scene.
-        remark = last.reason if last else ""
-        breaks_law = last is not None and last.cause == "law"
-        if self.judge.signals:
-            return self._of_signals(remark, breaks_law=breaks_law, **attributes)
-        reason = "; ".join(part for part in (self._no_verdict(), remark) if part)
-        return Verdict(self.key, "disagrees" if breaks_law else "unresolved", reason, **attributes)
-
-    def _of_signals(self, remark: str, *, breaks_law: bool, **attributes: Any) -> Verdict:
-        """The verdict of the worst signal; `disagrees` if there are equation residuals."""
-        worst = self.judge.worst
-        judgement = worst.judgement
-        word, reason = judgement.word, f"{SIGNAL_NAMES[worst.sequence.signal]}: {judgement.reason}"
-        # For a user's file, the body that the engine holds explains the motion: it is named first.
-        explains = self.engine.of_file or (breaks_law and word != "disagrees")
-        parts = [remark, reason] if explains else [reason, remark]
-        if word == "converges" and not breaks_law:
-            # Then the effects that an engine as shipped adds do not alter the motion.
-            parts = [reason]
-        return Verdict(
-            self.key,
-            "disagrees" if breaks_law else word,
-            "; ".join(part for part in parts if part),
-            worst.sequence.signal,
-            judgement.order,
-            judgement.limit_error,
-            judgement.tolerance,
-            self.judge.records(),
-            **attributes,
-        )
-
     def _coming(self) -> _Coming | None:
         single = next(iter(self.singles[len(self.single_rows) :]), None)
         if single is not None:
@@ -260,7 +207,7 @@ class ConvergenceStudy:
         return taken >= MIN_RUNGS and settled
 
     @property
-    def _last(self) -> Row | None:
+    def last_row(self) -> Row | None:
         """The run that decides the verdict where nothing is judged; None if there is none."""
         if self.rows or self.ladder is None:
             return (self.rows or self.single_rows)[-1]
@@ -288,43 +235,9 @@ class ConvergenceStudy:
             return bool(self.engine.unsupported(self.scenario, self.method))
         return last.outcome == "failed"
 
-    def _no_verdict(self) -> str:
-        """Why the ladder cannot be judged."""
-        if self.ladder is None:
-            return "no ladder was run, only single timesteps"
-        if not self.ladder.rungs:
-            return self._no_ladder(self.ladder)
-        finished = self.judge.finished
-        return f"only {finished} timesteps ran to the end; {RUNGS_OF_A_LIMIT} make a verdict"
-
-    def _no_ladder(self, ladder: Ladder) -> str:
-        """Why the scene has no ladder, and how many steps one would take."""
-        if not ladder.least_steps:
-            return (
-                f"the motion is known to {MAX_UNCERTAINTY:g} up to {self.solution.horizon:g} s "
-                "only, before the first sample"
-            )
-        return (
-            f"at {COARSEST_TURN:g} rad a step a run takes {ladder.least_steps:.1e} steps, which is "
-            f"above the limit; {RUNGS_OF_A_LIMIT} timesteps, which make a verdict, would take "
-            f"{ladder.least_steps * (2**RUNGS_OF_A_LIMIT - 1):.1e}"
-        )
-
 
 def thinned(solution: Solution, every: int) -> Solution:
     """The exact motion at every n-th of its sample times."""
     if every == 1:
         return solution
     return replace(solution, trajectory=solution.trajectory.every(every))
-
-
-def _with_time(row: Row) -> str:
-    when = f" at {row.stopped_at:.4g} s" if row.stopped_at is not None else ""
-    return f"{row.reason}{when}, with a timestep of {row.timestep:.3g} s"
-
-
-def _grown_into(sound: Row, last: Row) -> str:
-    return (
-        f"errors grow as the timestep shrinks: a run ends well at {sound.timestep:.3g} s, while "
-        f"{_with_time(last)}"
-    )

@@ -27,6 +27,7 @@ from .executors import CallFailed, Executor, is_environmental, may_succeed_if_re
 from .ladder import Ladder, Rung, ladder, single
 from .plan import Plan, SceneLeft
 from .stock import StockRun, stock_rung, stock_timesteps
+from .study_verdict import verdict_on
 from .timing import time_scene
 
 #: Models kept: more than the methods of the scenes that run at the same time.
@@ -80,7 +81,7 @@ def study_method(
         store.put_row(row)
     if method.as_shipped:
         take_defaults_away(study, executor, store)
-    verdict = study.verdict()
+    verdict = verdict_on(study)
     step_limit = choice.max_steps_on(scenario) if study.cut_short else None
     store.put_verdict(verdict, choice.timesteps, step_limit, study.discardable_timesteps())
     return verdict

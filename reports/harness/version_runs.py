@@ -14,6 +14,7 @@ from .executors import CallFailed, Executor
 from .ladder import Rung, single
 from .step_cost import step_costs
 from .study import Prepared, convergence_study_of, prepare, run_rungs, simulate
+from .study_verdict import verdict_on
 
 #: Rounds in which versions are timed in turn.
 ROUNDS = 5
@@ -101,7 +102,7 @@ def _verdict(engine: Engine, method: Method, scene: SolvedScene, executor: Execu
     study = convergence_study_of(scene.scenario, engine, own, scene.prepared)
     for _ in run_rungs(study, executor):
         pass
-    return study.verdict()
+    return verdict_on(study)
 
 
 def _seconds(

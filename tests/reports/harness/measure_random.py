@@ -18,6 +18,7 @@ from spincheck.reports.harness.study import (
     prepare,
     run_rungs,
 )
+from spincheck.reports.harness.study_verdict import verdict_on
 from spincheck.reports.results.records import SignalVerdict, Verdict
 from spincheck.scenarios import Scenario, loads
 
@@ -90,19 +91,19 @@ def verdicts(scenario: Scenario) -> Iterator[tuple[Method, Verdict]]:
         for method in engine.methods:
             if method.as_shipped or engine.unsupported(scenario, method):
                 continue
-            verdict = verdict_on(scenario, engine, method, prepared)
+            verdict = judged(scenario, engine, method, prepared)
             if method.order == 4 and verdict.verdict == "unresolved":
                 longer = prepare(scenario, [], RESOLVING_STEPS)
-                verdict = verdict_on(scenario, engine, method, longer)
+                verdict = judged(scenario, engine, method, longer)
             yield method, verdict
 
 
-def verdict_on(scenario: Scenario, engine: Engine, method: Method, prepared: Prepared) -> Verdict:
+def judged(scenario: Scenario, engine: Engine, method: Method, prepared: Prepared) -> Verdict:
     """Run the ladder in this process."""
     study = convergence_study_of(scenario, engine, method, prepared)
     for _ in run_rungs(study, InProcess()):
         pass
-    return study.verdict()
+    return verdict_on(study)
 
 
 def is_wrong(method: Method, verdict: Verdict) -> bool:

@@ -20,6 +20,7 @@ from spincheck.reports.harness.study import (  # noqa: E402
     prepare,
     run_rungs,
 )
+from spincheck.reports.harness.study_verdict import verdict_on  # noqa: E402
 from spincheck.scenarios import Scenario, find, load  # noqa: E402
 
 SCENES = ("nutation-loops", "hammer")
@@ -37,7 +38,7 @@ def name_of_fault(scenario: Scenario, prepared: Prepared, method: str, fault: Pl
     study = convergence_study_of(scenario, engine, engine.method(method), prepared)
     for _ in run_rungs(study, InProcess()):
         pass
-    verdict = study.verdict()
+    verdict = verdict_on(study)
     if verdict.agrees and verdict.verdict != "diverges":
         return ""
     _, is_explained, words = verdict.reason.partition("as if ")

@@ -13,6 +13,7 @@ from spincheck.reports.harness.executors import Answer
 from spincheck.reports.harness.ladder import MAX_STEPS, MIN_RUNGS, Rung
 from spincheck.reports.harness.ladder_judge import GOAL, RUNGS_OF_A_LIMIT
 from spincheck.reports.harness.study import prepare
+from spincheck.reports.harness.study_verdict import verdict_on
 from spincheck.scenarios import Scenario, Trajectory, loads
 
 METHOD = Method("made-up", 1, 1, "made up", frozenset())
@@ -75,9 +76,9 @@ def first(convergence: ConvergenceStudy) -> Rung:
 
 def test_a_limit_known_well_ends_a_ladder():
     convergence = go_down(study(), lambda dt: 0.1 * dt)
-    assert convergence.verdict().verdict == "converges"
+    assert verdict_on(convergence).verdict == "converges"
     assert MIN_RUNGS <= len(convergence.rows) < len(convergence.ladder.rungs)
-    assert convergence.verdict().tolerance <= 2 * GOAL
+    assert verdict_on(convergence).tolerance <= 2 * GOAL
     assert not convergence.cut_short
 
 
@@ -93,7 +94,7 @@ def test_nothing_is_run_above_a_ladder_whose_first_rung_does_not_survive():
     convergence = study()
     go_down(convergence, lambda dt: 0.1 * dt, dies_above=0.75 * first(convergence).timestep)
     assert convergence.above_rows == []
-    assert convergence.verdict().verdict == "converges"
+    assert verdict_on(convergence).verdict == "converges"
 
 
 def test_what_is_run_above_takes_no_part_in_the_verdict():
@@ -101,7 +102,7 @@ def test_what_is_run_above_takes_no_part_in_the_verdict():
     bare = study()
     bare.ladder = replace(bare.ladder, above=())
     assert whole.above_rows
-    assert go_down(bare, lambda dt: 0.1 * dt).verdict() == whole.verdict()
+    assert verdict_on(go_down(bare, lambda dt: 0.1 * dt)) == verdict_on(whole)
 
 
 def test_samples_of_runs_above_are_not_kept_and_those_of_the_finest_are():
@@ -113,7 +114,7 @@ def test_samples_of_runs_above_are_not_kept_and_those_of_the_finest_are():
 def test_a_ladder_that_cannot_tell_is_given_up_before_its_last_rung():
     convergence = go_down(study(), wandering)
     assert len(convergence.rows) >= MIN_RUNGS
-    assert convergence.verdict().verdict == "unresolved"
+    assert verdict_on(convergence).verdict == "unresolved"
 
 
 def test_errors_that_are_large_but_shrink_are_followed_to_where_they_tell():
@@ -122,7 +123,7 @@ def test_errors_that_are_large_but_shrink_are_followed_to_where_they_tell():
     finest = convergence.ladder.rungs[-1].timestep
     small = 0.02 / finest
     go_down(convergence, lambda dt: small * dt / (1 + small * dt))
-    assert convergence.verdict().verdict == "converges"
+    assert verdict_on(convergence).verdict == "converges"
 
 
 def test_what_a_short_ladder_left_open_is_reported_as_cut_short():
@@ -138,7 +139,7 @@ def test_a_ladder_that_a_short_limit_leaves_no_rung_of_is_cut_short_too():
 @pytest.mark.parametrize("speed", [2e5, 2e8])
 def test_where_no_ladder_fits_the_verdict_says_what_one_would_take(speed):
     convergence = go_down(study(speed), lambda dt: 0.1)
-    verdict = convergence.verdict()
+    verdict = verdict_on(convergence)
     assert (verdict.verdict, convergence.rows) == ("unresolved", [])
     assert f"{convergence.ladder.least_steps * (2**RUNGS_OF_A_LIMIT - 1):.1e}" in verdict.reason
     assert bool(convergence.above_rows) == (speed == 2e5)
@@ -150,4 +151,4 @@ def test_where_no_ladder_fits_what_cannot_be_simulated_is_still_reported():
 
     convergence = study(2e8)
     convergence.engine, convergence.method = Lacking(), Lacking.methods[0]
-    assert convergence.verdict().verdict == "unsupported"
+    assert verdict_on(convergence).verdict == "unsupported"

@@ -6,6 +6,7 @@ from library_scenes import library_scene
 from spincheck.engines import Method
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.study import convergence_study_of, prepare, run_rungs
+from spincheck.reports.harness.study_verdict import verdict_on
 from spincheck.reports.results.records import Verdict
 
 pytestmark = pytest.mark.slow
@@ -23,7 +24,7 @@ def verdict_of(name: str, method: str, fault: PlantedFault | None, **declared: i
     study = convergence_study_of(library_scene(name), engine, used, prepared)
     for _ in run_rungs(study, InProcess()):
         pass
-    return study.verdict()
+    return verdict_on(study)
 
 
 @pytest.mark.parametrize("name", ["nutation-loops", "book-middle-axis"])
