@@ -43,8 +43,9 @@ def turned(q, v):
 '''
 _TAIL = """
 
-# The exact motion ({solved}), right to {omega:.1e} of the largest angular velocity
-# and {attitude:.1e} rad: whole steps; attitude, w x y z, body to world; rad/s, body axes.
+# The exact motion, right to {omega:.1e} of the largest angular velocity and {attitude:.1e} rad
+# ({solved}).
+# Whole steps; attitude, w x y z, body to world; angular velocity, rad/s, body axes.
 EXACT = [
 {rows}
 ]
@@ -52,7 +53,8 @@ largest = {largest!r}  # rad/s
 worst_omega = worst_attitude = taken = 0
 print("      t, s   error of omega   error of attitude, rad")
 for steps, q_exact, omega_exact in EXACT:
-    step(steps - taken)
+    if steps:
+        step(steps - taken)
     taken = steps
     q, omega = state()
     off_omega = np.linalg.norm(omega - omega_exact) / largest

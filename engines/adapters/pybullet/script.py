@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ....scenarios import FloatArray, Scenario
+from ....scenarios import Scenario
 from ...models.principal_frame import principal_frame
-from ...models.text import python_lines
+from ...models.text import python_lines, python_list
 from ...models.urdf import urdf
 from .load import CLAMP, DAMPING, INERTIA, JOINT_MOTOR, BodyRepresentation, set_free
 
@@ -71,10 +71,10 @@ def script(scenario: Scenario, representation: BodyRepresentation, timestep: flo
     start = _START.format(
         lines=python_lines(text),
         link=0 if hung else -1,
-        principal=_row(frame),
+        principal=python_list(frame),
         gravity=", ".join(repr(float(g)) for g in scenario.gravity_world),
-        position=_row(position),
-        attitude=_row(attitude),
+        position=python_list(position),
+        attitude=python_list(attitude),
         maximal=representation.maximal,
         flags=0 if INERTIA in representation.defaults else "p.URDF_USE_INERTIA_FROM_FILE",
     )
@@ -103,8 +103,8 @@ def _settings(
         if scenario.drag:
             yield f"p.changeDynamics(body, 0, jointDamping={scenario.drag!r})"
         q_joint = (principal.inv() * world_from_body * principal).as_quat()
-        omega = _row(principal.inv().apply(omega_body))
-        yield f"p.resetJointStateMultiDof(body, 0, {_row(q_joint)}, {omega})"
+        omega = python_list(principal.inv().apply(omega_body))
+        yield f"p.resetJointStateMultiDof(body, 0, {python_list(q_joint)}, {omega})"
         return
     velocity = scenario.start.velocity_world
     if scenario.has_pivot:
@@ -113,7 +113,7 @@ def _settings(
         if representation.maximal:
             yield "anchor = p.createMultiBody(baseMass=0, useMaximalCoordinates=True)"
             anchor = "anchor"
-        pivot = _row(principal.inv().apply(-np.array(scenario.body.com)))
+        pivot = python_list(principal.inv().apply(-np.array(scenario.body.com)))
         yield (
             f"tie = p.createConstraint(body, -1, {anchor}, -1, p.JOINT_POINT2POINT, "
             f"[0, 0, 0], {pivot}, [0, 0, 0])"
@@ -121,16 +121,16 @@ def _settings(
         yield "p.changeConstraint(tie, maxForce=1e100)"
         velocity = world_from_body.apply(np.cross(omega_body, scenario.body.com))
     omega_world = world_from_body.apply(omega_body)
-    yield f"p.resetBaseVelocity(body, {_row(velocity)}, {_row(omega_world)})"
+    yield f"p.resetBaseVelocity(body, {python_list(velocity)}, {python_list(omega_world)})"
 
 
 def _pushes(scenario: Scenario, principal: Rotation, hung: bool) -> Iterator[str]:
     """Torques, which PyBullet forgets after each step."""
     if scenario.torque_world.any():
-        torque = _row(scenario.torque_world)
+        torque = python_list(scenario.torque_world)
         yield f"p.applyExternalTorque(body, LINK, {torque}, p.WORLD_FRAME)"
     if scenario.torque_body.any():
-        torque = _row(principal.inv().apply(np.array(scenario.torque_body)))
+        torque = python_list(principal.inv().apply(np.array(scenario.torque_body)))
         if hung:
             yield f"p.setJointMotorControlMultiDof(body, 0, p.TORQUE_CONTROL, force={torque})"
         else:
@@ -138,7 +138,3 @@ def _pushes(scenario: Scenario, principal: Rotation, hung: bool) -> Iterator[str
     if scenario.drag and not hung:
         drag = f"[-{scenario.drag!r} * w for w in motion()[1]]"
         yield f"p.applyExternalTorque(body, LINK, {drag}, p.WORLD_FRAME)"
-
-
-def _row(values: FloatArray) -> str:
-    return repr([float(value) for value in values])

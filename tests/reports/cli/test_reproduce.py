@@ -16,15 +16,12 @@ from spincheck.reference import solve
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.reproduce import reproduction
 from spincheck.reports.cli.terminal import Complaint
-from spincheck.reports.harness.ladder import single
-from spincheck.scenarios import errors_between
 from typer.testing import CliRunner
+from written_scripts import PRINTED, harness_errors, printed_errors
 
 pytestmark = pytest.mark.slow
 
 TIMESTEP = 2e-3
-#: The file prints four digits.
-PRINTED = 1e-3
 
 # Together: a joint, a constraint, a free body, drag, torques in either axes, defaults.
 RUNS = [
@@ -51,23 +48,14 @@ def test_the_file_alone_finds_the_error_that_the_harness_finds(
     done = subprocess.run(
         [sys.executable, "-I", str(file)], capture_output=True, text=True, check=True
     )
-    # PyBullet prints things of its own before and after.
-    printed = re.findall(r"^ *([\d.e+-]+|largest) +([\d.e+-]+) +([\d.e+-]+)$", done.stdout, re.M)
-    *rows, (_, omega, attitude) = printed
-    steps = np.array([round(float(time) / TIMESTEP) for time, _, _ in rows])
-    run = chosen.run(scenario, chosen.method(method), TIMESTEP, steps)
-    assert run.trajectory is not None
-    every = solve(scenario, single(TIMESTEP, scenario.times).sample_steps * TIMESTEP).trajectory
-    errors = errors_between(scenario, run.trajectory, solve(scenario, run.trajectory.t).trajectory)
-    largest = np.linalg.norm(every.omega_body, axis=1).max()
-    fastest = np.linalg.norm(solve(scenario, run.trajectory.t).trajectory.omega_body, axis=1).max()
-    assert float(omega) == pytest.approx(errors.omega * fastest / largest, rel=PRINTED)
-    assert float(attitude) == pytest.approx(errors.attitude, rel=PRINTED)
+    steps, errors = printed_errors(done.stdout, TIMESTEP)
+    expected = harness_errors(scenario, chosen, chosen.method(method), TIMESTEP, steps)
+    assert errors == pytest.approx(expected, rel=PRINTED)
 
 
 def test_an_engine_without_a_script_is_reported() -> None:
     scenario, engine = library_scene("fast-top"), engines()["mujoco-urdf"]
-    with pytest.raises(Complaint, match=r"one of mujoco, pybullet, .* got 'mujoco-urdf'"):
+    with pytest.raises(Complaint, match=r"one of .*mujoco, .*pybullet.*, got 'mujoco-urdf'"):
         reproduction(scenario, engine, engine.methods[0], TIMESTEP)
 
 

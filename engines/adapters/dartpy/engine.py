@@ -10,11 +10,11 @@ from typing import Any, final
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ...scenarios import EFFECTS, FloatArray, Scenario
-from ..engine import Engine, Method
-from ..matrix_session import MatrixReading, MatrixSession
-from ..read_back import BodyReading
-from ..session import Session
+from ....scenarios import EFFECTS, FloatArray, Scenario
+from ...engine import Engine, Method
+from ...matrix_session import MatrixReading, MatrixSession
+from ...read_back import BodyReading
+from ...session import Session
 
 ALL_EFFECTS = frozenset(EFFECTS)
 TORQUES = frozenset({"torque_body", "torque_world"})

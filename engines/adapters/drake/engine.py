@@ -9,11 +9,11 @@ from typing import Any, final
 
 import numpy as np
 
-from ...scenarios import EFFECTS, FloatArray, Scenario
-from ..engine import Engine, Method
-from ..matrix_session import MatrixReading, MatrixSession
-from ..read_back import BodyReading, EngineError
-from ..session import Session
+from ....scenarios import EFFECTS, FloatArray, Scenario
+from ...engine import Engine, Method
+from ...matrix_session import MatrixReading, MatrixSession
+from ...read_back import BodyReading, EngineError
+from ...session import Session
 
 ALL_EFFECTS = frozenset(EFFECTS)
 TORQUES = frozenset({"torque_body", "torque_world"})

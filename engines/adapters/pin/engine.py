@@ -12,10 +12,10 @@ from typing import Any, final
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ...scenarios import EFFECTS, FloatArray, Scenario
-from ..engine import Engine, Method
-from ..read_back import BodyReading, EngineError, State
-from ..session import Session
+from ....scenarios import EFFECTS, FloatArray, Scenario
+from ...engine import Engine, Method
+from ...read_back import BodyReading, EngineError, State
+from ...session import Session
 
 ALL_EFFECTS = frozenset(EFFECTS)
 #: Effects that are given to `aba` as a force; the others are in the model.

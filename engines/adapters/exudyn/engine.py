@@ -4,33 +4,26 @@ What it does to a top by default, and how each effect was measured: docs/engines
 """
 
 import warnings
+from functools import reduce
 from importlib import import_module
 from importlib.metadata import version
 from typing import Any, final
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from ...scenarios import EFFECTS, FloatArray, Scenario
-from ..engine import Engine, Method
-from ..matrix_session import MatrixReading, MatrixSession
-from ..native_output import native_output
-from ..read_back import BodyReading, EngineError
-from ..session import Session
+from ....scenarios import EFFECTS, Scenario
+from ...engine import Engine, Method
+from ...matrix_session import MatrixReading, MatrixSession
+from ...native_output import native_output
+from ...read_back import BodyReading, EngineError
+from ...session import Session
+from .held import R_BODY_NODE, Held, held, of_point
+from .script import script
+from .solvers import AS_SHIPPED, main_solver, solver_settings
 
 ALL_EFFECTS = frozenset(EFFECTS)
-AS_SHIPPED = "GeneralizedAlpha"
-#: Integrators that solve for accelerations at the end of a step.
-IMPLICIT = frozenset({AS_SHIPPED, "TrapezoidalIndex2"})
-#: Number of a node's coordinates that are its position; entries of a tensor in Exudyn's order.
+#: Numbers of a node's coordinates that are its position.
 PLACE = range(3)
-ENTRIES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-#: The node has the body's axes in another order. Exudyn composes rotation vectors with an arc
-#: cosine, which loses half the digits of a small one: from a start along the world's axes,
-#: rotations of less than 1.5e-8 rad a step were lost.
-R_BODY_NODE = np.roll(np.eye(3), 1, axis=0)
-#: Tolerances, relative and in units of the residual; Exudyn's defaults are 1e-8 and 1e-10.
-NEWTON_TOLERANCE = 1e-13
 #: Relative difference allowed of a step's length, as Exudyn sums up the time.
 CLOCK_SLACK = 1e-6
 
@@ -82,14 +75,15 @@ class Exudyn(Engine):
             raise EngineError(f"Exudyn: {' '.join(printed.text.split())}")
         return session
 
+    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
+        """The system as Python."""
+        solver = AS_SHIPPED if method.as_shipped else method.name
+        return script(held(scenario), scenario.has_pivot, solver)
+
 
 @final
 class ExudynSession(MatrixSession):
-    """One body; with a pivot, its rotation about the pivot is stepped.
-
-    Explicit solvers eliminate constraints wrongly if the com is not at the node. So the node is at
-    the pivot, the tensor is taken about the pivot, and gravity is a force on a marker at the com.
-    """
+    """One body; with a pivot, its rotation about the pivot is stepped."""
 
     def __init__(self, scenario: Scenario, solver: str, timestep: float) -> None:
         exudyn: Any = import_module("exudyn")
@@ -97,23 +91,23 @@ class ExudynSession(MatrixSession):
         self._variables = exudyn.OutputVariableType
         self._container = exudyn.SystemContainer()
         self._system = self._container.AddSystem()
-        self._node, self._body, self._com = _assembled(self._system, scenario)
+        self._told = held(scenario)
+        self._node, self._body, self._com = _assembled(self._system, self._told, scenario.has_pivot)
         self._settings = _settings(exudyn, solver, timestep)
-        implicit = exudyn.MainSolverImplicitSecondOrder
-        self._solver = (implicit if solver in IMPLICIT else exudyn.MainSolverExplicit)()
+        self._solver = getattr(exudyn, main_solver(solver))()
         self._system.Assemble()
         self._solver.InitializeSolver(self._system, self._settings)
 
     def read_body(self) -> BodyReading:
         """The body as the object holds it, from the node; its com is where gravity acts."""
-        held = self._system.GetObject(self._body)
+        found = self._system.GetObject(self._body)
         com = R_BODY_NODE @ self._system.GetMarker(self._com)["localPosition"]
-        xx, yy, zz, yz, xz, xy = held["inertia"]
+        xx, yy, zz, yz, xz, xy = found["inertia"]
         of_node = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         inertia = R_BODY_NODE @ of_node @ R_BODY_NODE.T
-        mass = float(held["mass"])
+        mass = float(found["mass"])
         if self._scenario.has_pivot:
-            inertia -= _of_point(mass, com)
+            inertia -= of_point(mass, com)
         else:
             com = com + self._scenario.body.com
         return BodyReading(mass, com, inertia)
@@ -158,10 +152,10 @@ class ExudynSession(MatrixSession):
             acting.add(self._of_load(system.GetLoad(number)))
         kinds = []
         for number in range(numbers.NumberOfObjects()):
-            held = system.GetObject(number)
-            kinds.append(held["objectType"])
-            if held["objectType"] == "ConnectorRigidBodySpringDamper":
-                acting.add(self._of_damper(held))
+            found = system.GetObject(number)
+            kinds.append(found["objectType"])
+            if found["objectType"] == "ConnectorRigidBodySpringDamper":
+                acting.add(self._of_damper(found))
         if kinds.count("ConnectorCoordinate") == len(PLACE):
             acting.add("pivot")
         expected_kinds = {
@@ -174,19 +168,19 @@ class ExudynSession(MatrixSession):
             acting | {f"an object of type {kind}" for kind in set(kinds) - expected_kinds}
         )
 
-    def _of_load(self, held: Any) -> str:
-        vector, scenario = np.array(held["loadVector"]), self._scenario
-        if held["loadType"] == "ForceVector":
-            name, wanted = "gravity", scenario.body.mass * scenario.gravity_world
-        elif held["bodyFixed"]:
-            name, wanted = "torque_body", R_BODY_NODE.T @ scenario.torque_body
+    def _of_load(self, found: Any) -> str:
+        vector, told = np.array(found["loadVector"]), self._told
+        if found["loadType"] == "ForceVector":
+            name, wanted = "gravity", told.weight
+        elif found["bodyFixed"]:
+            name, wanted = "torque_body", told.torque_node
         else:
-            name, wanted = "torque_world", scenario.torque_world
+            name, wanted = "torque_world", told.torque_world
         return name if np.array_equal(vector, wanted) else f"a load of {vector.tolist()}"
 
-    def _of_damper(self, held: Any) -> str:
-        wanted = _damping(self._scenario.drag)
-        is_drag = np.array_equal(held["damping"], wanted) and not np.any(held["stiffness"])
+    def _of_damper(self, found: Any) -> str:
+        wanted = self._told.damping
+        is_drag = np.array_equal(found["damping"], wanted) and not np.any(found["stiffness"])
         return "drag" if is_drag else "a spring or damper"
 
     def close(self) -> None:
@@ -201,44 +195,27 @@ def _settings(exudyn: Any, solver: str, timestep: float) -> Any:
     integration = settings.timeIntegration
     integration.numberOfSteps, integration.endTime = 1, timestep
     integration.solverType = getattr(exudyn.DynamicSolverType, solver)
-    if solver == "TrapezoidalIndex2":
-        # As Exudyn's own SolveDynamic sets them for this solver name.
-        integration.generalizedAlpha.useIndex2Constraints = True
-        integration.generalizedAlpha.useNewmark = True
-        # Solved to round-off, with a new Jacobian: so a step depends on the state alone.
-        integration.newton.relativeTolerance = NEWTON_TOLERANCE
-        integration.newton.absoluteTolerance = NEWTON_TOLERANCE
-        integration.newton.useModifiedNewton = False
-    integration.adaptiveStep = solver == AS_SHIPPED
+    for name, value in solver_settings(solver).items():
+        *group, setting = name.split(".")
+        setattr(reduce(getattr, group, integration), setting, value)
     return settings
 
 
-def _assembled(system: Any, scenario: Scenario) -> tuple[int, int, int]:
+def _assembled(system: Any, told: Held, has_pivot: bool) -> tuple[int, int, int]:
     """Build the body; returns the numbers of its node, object, and marker at the com."""
     items = import_module("exudyn.itemInterface")
-    body, start = scenario.body, scenario.start
-    world_from_body = Rotation.from_quat(start.q_world_body_wxyz, scalar_first=True)
-    attitude = world_from_body * Rotation.from_matrix(R_BODY_NODE)
-    place, velocity, arm = start.position_world, start.velocity_world, np.zeros(3)
-    inertia = np.array(body.inertia_com)
-    if scenario.has_pivot:
-        place, velocity, arm = np.zeros(3), np.zeros(3), R_BODY_NODE.T @ body.com
-        inertia += _of_point(body.mass, np.array(body.com))
-    inertia = R_BODY_NODE.T @ inertia @ R_BODY_NODE
     node = system.AddNode(
         items.NodeRigidBodyRotVecLG(
-            referenceCoordinates=[*place, *attitude.as_rotvec()],
-            initialVelocities=[*velocity, *(R_BODY_NODE.T @ start.omega_body)],
+            referenceCoordinates=[*told.place], initialVelocities=[*told.velocity]
         )
     )
-    entries = [float(inertia[row, column]) for row, column in ENTRIES]
     number = system.AddObject(
-        items.ObjectRigidBody(mass=float(body.mass), inertia=entries, nodeNumber=node)
+        items.ObjectRigidBody(mass=told.mass, inertia=[*told.inertia], nodeNumber=node)
     )
-    com = system.AddMarker(items.MarkerBodyPosition(bodyNumber=number, localPosition=[*arm]))
-    if scenario.has_pivot:
+    com = system.AddMarker(items.MarkerBodyPosition(bodyNumber=number, localPosition=[*told.com]))
+    if has_pivot:
         _hold(system, items, node)
-    _load(system, items, scenario, number, com)
+    _load(system, items, told, number, com)
     return node, number, com
 
 
@@ -247,38 +224,28 @@ def _hold(system: Any, items: Any, node: int) -> None:
     ground = system.AddNode(items.NodePointGround())
     still = system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
     for coordinate in PLACE:
-        held = system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
-        system.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[still, held]))
+        pinned = system.AddMarker(
+            items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate)
+        )
+        system.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[still, pinned]))
 
 
-def _load(system: Any, items: Any, scenario: Scenario, body: int, com: int) -> None:
+def _load(system: Any, items: Any, told: Held, body: int, com: int) -> None:
     """Add the scene's torques, drag and gravity."""
-    if scenario.gravity_world.any():
-        weight = scenario.body.mass * scenario.gravity_world
-        system.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[*weight]))
+    if told.weight.any():
+        system.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[*told.weight]))
     whole = system.AddMarker(items.MarkerBodyRigid(bodyNumber=body))
-    torque_node = R_BODY_NODE.T @ scenario.torque_body
-    for torque, turns in ((torque_node, True), (scenario.torque_world, False)):
+    for torque, turns in ((told.torque_node, True), (told.torque_world, False)):
         if torque.any():
             system.AddLoad(
                 items.LoadTorqueVector(markerNumber=whole, loadVector=[*torque], bodyFixed=turns)
             )
-    if scenario.drag:
+    if told.damping.any():
         still = system.AddMarker(
             items.MarkerBodyRigid(bodyNumber=system.AddObject(items.ObjectGround()))
         )
         system.AddObject(
             items.ObjectConnectorRigidBodySpringDamper(
-                markerNumbers=[still, whole], damping=_damping(scenario.drag)
+                markerNumbers=[still, whole], damping=told.damping
             )
         )
-
-
-def _damping(drag: float) -> FloatArray:
-    """Damping of a connector between two bodies: N s/m, then N m s; (6, 6)."""
-    return np.diag([0.0, 0.0, 0.0, drag, drag, drag])
-
-
-def _of_point(mass: float, arm: FloatArray) -> FloatArray:
-    """The tensor of a point mass, kg m², (3, 3)."""
-    return np.asarray(mass * (arm @ arm * np.eye(3) - np.outer(arm, arm)))

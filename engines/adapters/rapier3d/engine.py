@@ -11,11 +11,11 @@ from typing import Any, final
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ...scenarios import EFFECTS, FloatArray, Scenario
-from ..engine import Engine, Method
-from ..models.principal_frame import principal_frame
-from ..read_back import BodyReading, EngineError, State
-from ..session import Session
+from ....scenarios import EFFECTS, FloatArray, Scenario
+from ...engine import Engine, Method
+from ...models.principal_frame import principal_frame
+from ...read_back import BodyReading, EngineError, State
+from ...session import Session
 
 ALL_EFFECTS = frozenset(EFFECTS)
 #: rad: ANGULAR_MOTION_THRESHOLD of its sources: by default a body turns no further in a step.

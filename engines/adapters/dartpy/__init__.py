@@ -1,0 +1,5 @@
+"""DART, multibody dynamics in joint coordinates, in double precision."""
+
+from .engine import Dart
+
+__all__ = ["Dart"]

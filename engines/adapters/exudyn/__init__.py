@@ -1,0 +1,5 @@
+"""Exudyn, flexible multibody dynamics, in double precision."""
+
+from .engine import Exudyn
+
+__all__ = ["Exudyn"]

@@ -1,0 +1,5 @@
+"""Pinocchio, rigid-body dynamics without integrators of its own, in double precision."""
+
+from .engine import Pinocchio
+
+__all__ = ["Pinocchio"]

@@ -1,0 +1,69 @@
+"""Scripts of optional engines find the errors that the harness finds; skipped if not installed."""
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from kinds_of_engines import OPTIONAL, why_missing
+from spincheck.engines import Method, engines
+from spincheck.engines.child.process import end_idle
+from spincheck.engines.contract.scenes import (
+    DRAG,
+    PIVOT,
+    SKEW_GRAVITY,
+    THROWN,
+    TILTED,
+    TORQUE_BODY,
+    TORQUE_WORLD,
+    scene,
+)
+from spincheck.reports.cli.reproduce import reproduction
+from spincheck.scenarios import Scenario
+from written_scripts import PRINTED, harness_errors, printed_errors
+
+pytestmark = pytest.mark.slow
+
+TIMESTEP = 0.01
+#: All effects that there are, held and free, of a body that is not aligned with its own frame; and
+#: none.
+SCENES_TO_WRITE = (
+    scene("held", body=TILTED, effects=PIVOT + SKEW_GRAVITY + DRAG + TORQUE_BODY),
+    scene("driven", body=TILTED, start=THROWN, effects=SKEW_GRAVITY + DRAG + TORQUE_WORLD),
+    scene("free", body=TILTED),
+)
+#: All scripts in one process: importing an engine takes longer than a run.
+RUN_PYTHON = "import runpy, sys\nfor file in sys.argv[1:]: print(file); runpy.run_path(file)"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _nobody_left() -> Iterator[None]:
+    yield
+    end_idle()
+
+
+@pytest.mark.parametrize("name", OPTIONAL)
+def test_every_script_of_it_finds_the_errors_that_the_harness_finds(
+    name: str, tmp_path: Path
+) -> None:
+    if reason := why_missing(name):
+        pytest.skip(reason)
+    engine = engines()[name]
+    written: dict[str, tuple[Scenario, Method]] = {}
+    for scenario in SCENES_TO_WRITE:
+        for method in engine.methods:
+            file = tmp_path / f"{scenario.name}-{method.name}.py"
+            text = reproduction(scenario, engine, method, TIMESTEP)
+            assert "spincheck" not in text.replace("by spincheck", "")
+            file.write_text(text, encoding="utf-8")
+            written[str(file)] = scenario, method
+    # -I: nothing but what is installed; no spincheck is imported.
+    command = [sys.executable, "-I", "-c", RUN_PYTHON, *written]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    for file, (scenario, method) in written.items():
+        output = done.stdout.partition(f"{file}\n")[2].partition(f"{tmp_path}")[0]
+        steps, errors = printed_errors(output, TIMESTEP)
+        expected = harness_errors(scenario, engine, method, TIMESTEP, steps)
+        assert errors == pytest.approx(expected, rel=PRINTED), f"{file}"

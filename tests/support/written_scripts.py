@@ -1,0 +1,38 @@
+"""What a script of `spincheck reproduce` prints, and what the harness finds of the same run."""
+
+import re
+
+import numpy as np
+from spincheck.engines import Engine, Method
+from spincheck.reference import solve
+from spincheck.reports.harness.ladder import single
+from spincheck.scenarios import Scenario, errors_between
+
+#: A script prints four digits.
+PRINTED = 1e-3
+
+Errors = tuple[float, float]
+
+
+def printed_errors(output: str, timestep: float) -> tuple[list[int], Errors]:
+    """The steps of the table's rows, and the largest errors of ω and attitude, its last line."""
+    # Engines print things of their own before and after.
+    table = re.findall(r"^ *([\d.e+-]+|largest) +([\d.e+-]+) +([\d.e+-]+)$", output, re.M)
+    *rows, (last, omega, attitude) = table
+    assert last == "largest"
+    return [round(float(time) / timestep) for time, _, _ in rows], (float(omega), float(attitude))
+
+
+def harness_errors(
+    scenario: Scenario, engine: Engine, method: Method, timestep: float, steps: list[int]
+) -> Errors:
+    """The largest errors of a run at these steps, of ω by the largest ω of the scene, and rad."""
+    run = engine.run(scenario, method, timestep, np.array(steps))
+    assert run.trajectory is not None, run.reason
+    every = single(timestep, scenario.times).sample_steps * timestep
+    largest, fastest = (
+        np.linalg.norm(solve(scenario, times).trajectory.omega_body, axis=1).max()
+        for times in (every, run.trajectory.t)
+    )
+    errors = errors_between(scenario, run.trajectory, solve(scenario, run.trajectory.t).trajectory)
+    return float(errors.omega * fastest / largest), float(errors.attitude)
