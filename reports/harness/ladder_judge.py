@@ -9,9 +9,10 @@ from ...engines import Engine, Method
 from ...reference import Solution
 from ...scenarios import Scenario
 from ..results.records import Row, SignalVerdict
+from .best_window import SHARP
 from .observed_order import ASYMPTOTIC
 from .richardson import SIGNALS, RichardsonLadder, SignalSequence
-from .verdict import SHARP, Judgement, judge
+from .verdict import Judgement, judge
 
 #: A ladder continues until every limit is known to `GOAL`, relative or in rad, or steps run out; to
 #: `FINE_GOAL` for methods of `HIGH_ORDER`, which need few rungs for it; to `SHARP`, enough for a

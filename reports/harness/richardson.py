@@ -21,9 +21,29 @@ SIGNALS: tuple[Signal, ...] = get_args(Signal)
 #: Safety factors of the grid convergence index (Roache, Annu. Rev. Fluid Mech. 29 (1997) 123): over
 #: rungs that shrink as they should, and over others.
 SAFE, CAUTIOUS = 1.25, 3.0
+#: A limit is wrong if its distance from the exact motion is this many times its tolerance; between
+#: one and this many times a finer rung has to decide.
+DISTINCT = 4.0
 #: At a rate Ω a method of order p makes an error of Ω (hΩ)^p a second. Where that exceeds one
 #: within the time, the leading error term may be invisible, and no limit is called wrong.
 WHOLE = 1.0
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """A limit that is wrong: where, over the samples in the asymptotic range, and by how much.
+
+    Attributes
+    ----------
+    since, by : s, the first and the last sample by which its distance from the exact motion exceeds
+        `DISTINCT` times its tolerance
+    error, tolerance : that distance, and the largest that it may be, by the last of these samples
+    """
+
+    since: float
+    by: float
+    error: float
+    tolerance: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,17 +56,14 @@ class Refinement:
     orders : used for the extrapolation
     limit_error : distance of their Richardson limit from the exact motion
     limit_change : distance of that limit from the limit of the two coarser rungs
-    excess : the largest ratio, over the samples in the asymptotic range, of the limit's distance
-        from the exact motion to its tolerance; both are running maxima
-    since : s, the first sample at which that ratio is reached
+    deviations : of the limit from the exact motion, None where it may be right
     """
 
     difference: FloatArray
     orders: FloatArray
     limit_error: FloatArray
     limit_change: FloatArray
-    excess: FloatArray
-    since: FloatArray
+    deviations: tuple[Deviation | None, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +75,7 @@ class SignalSequence:
     timesteps, errors, roundoff_bounds : s; distance from the exact motion; largest effect of
         rounding at every step; (n,)
     differences : between neighbouring rungs, (n − 1,)
-    orders, limit_errors, limit_changes, excess, since : as in `Refinement`, (n − 2,), one for each
+    orders, limit_errors, limit_changes, deviations : as in `Refinement`, (n − 2,), one for each
         rung from the third on
     declared_order : of accuracy
     uncertainty : of the reference, plus that of start and body as the engine holds them
@@ -74,8 +91,7 @@ class SignalSequence:
     orders: FloatArray
     limit_errors: FloatArray
     limit_changes: FloatArray
-    excess: FloatArray
-    since: FloatArray
+    deviations: tuple[Deviation | None, ...]
     declared_order: int
     uncertainty: float
     duration: float
@@ -160,8 +176,7 @@ class RichardsonLadder:
             column([one.orders for one in refinements]),
             column([one.limit_error for one in refinements]),
             column([one.limit_change for one in refinements]),
-            column([one.excess for one in refinements]),
-            column([one.since for one in refinements]),
+            tuple(one.deviations[k] for one in refinements),
             int(self.declared[k]),
             float(self._uncertainty[k]),
             float(self._exact.t[-1]),
@@ -177,16 +192,29 @@ class RichardsonLadder:
         changes = norm.distances(limit, norm.extrapolated(coarsest, coarse, orders))
         noise_floor = self._roundoff_bounds[-1] + self._uncertainty
         allowed = CAUTIOUS * np.maximum.accumulate(changes) + noise_floor
-        ratios = np.maximum.accumulate(limit_errors) / allowed
-        ratios = np.where(allowed <= ASYMPTOTIC, ratios, 0.0)[: self._samples_in_range()]
-        worst = ratios.argmax(axis=0)
         return Refinement(
             difference=self._differences[-1],
             orders=orders,
             limit_error=limit_errors.max(axis=0),
             limit_change=changes.max(axis=0),
-            excess=ratios.max(axis=0),
-            since=self._exact.t[worst],
+            deviations=self._deviations(np.maximum.accumulate(limit_errors), allowed),
+        )
+
+    def _deviations(self, errors: FloatArray, allowed: FloatArray) -> tuple[Deviation | None, ...]:
+        """Of every signal; both are running maxima, (n, 6)."""
+        is_wrong = (errors > DISTINCT * allowed) & (allowed <= ASYMPTOTIC)
+        samples = [np.flatnonzero(one) for one in is_wrong[: self._samples_in_range()].T]
+        times = self._exact.t
+        return tuple(
+            Deviation(
+                float(times[wrong[0]]),
+                float(times[wrong[-1]]),
+                float(errors[wrong[-1], k]),
+                float(allowed[wrong[-1], k]),
+            )
+            if len(wrong)
+            else None
+            for k, wrong in enumerate(samples)
         )
 
     def _extrapolation_orders(self) -> FloatArray:

@@ -1,36 +1,27 @@
 """Judges a method on its ladder, signal by signal: whether it converges to the exact motion.
 
 Verification as numerical analysts do it: the motion is extrapolated to dt → 0 with the order of
-accuracy (L. F. Richardson, Phil. Trans. R. Soc. A 210 (1911) 307), the uncertainty of the limit is
-its grid convergence index (P. J. Roache, Annu. Rev. Fluid Mech. 29 (1997) 123), and the limit's
-error is compared with the sum of that and the uncertainties of reference, input and round-off (ASME
-V&V 20-2009). Of many rungs the window with the smallest tolerance is used (L. Eça and M. Hoekstra,
-J. Comput. Phys. 262 (2014) 104).
+accuracy (L. F. Richardson, Phil. Trans. R. Soc. A 210 (1911) 307), and the limit's error is
+compared with the sum of its own uncertainty (`best_window`) and those of reference, input and
+round-off (ASME V&V 20-2009).
 """
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...scenarios import FloatArray
 from ..results.records import SignalVerdict, VerdictWord
+from .best_window import SHARP, BestWindow, best_window
 from .observed_order import (
     ABOVE_UNCERTAINTY,
     ASYMPTOTIC,
     FITTED_RUNGS,
     ORDER_SLACK,
     SETTLING_ORDER,
-    observed_order,
 )
-from .richardson import CAUTIOUS, SAFE, SignalSequence
+from .richardson import CAUTIOUS, DISTINCT, WHOLE, SignalSequence
 
-#: A limit whose tolerance is larger than this, relative or in rad, is inconclusive.
-SHARP = 1e-2
-#: A limit is wrong if its distance from the exact motion is this many times its tolerance; between
-#: one and this many times a finer rung has to decide.
-DISTINCT = 4.0
 #: An order this far below the declared one, seen over clean rungs, is another order.
 SHORTFALL = 0.5
 #: Rungs over which such a shortfall, or errors that grow, must be seen.
@@ -47,7 +38,8 @@ class Judgement:
     ----------
     word, reason : the verdict and why, in words
     order : observed order of accuracy, signed; None where no errors show one
-    limit_error : distance of the Richardson-extrapolated motion from the exact one
+    limit_error : distance of the Richardson-extrapolated motion from the exact one; where that is
+        another motion, both are those by the last sample that shows it
     tolerance : the largest that this distance may be: the sum of the limit's grid convergence index
         and the uncertainties of reference, input and round-off
     extrapolation_tolerance : the grid convergence index alone, which finer rungs would reduce
@@ -76,29 +68,6 @@ class Judgement:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class _BestWindow:
-    """The window of a sequence with the smallest tolerance.
-
-    Attributes
-    ----------
-    order : observed
-    limit_error : of its Richardson limit
-    extrapolation : grid convergence index of that limit
-    noise_floor : what rounding, reference and input may add to the error
-    """
-
-    sequence: SignalSequence
-    order: float | None
-    limit_error: float
-    extrapolation: float
-    noise_floor: float
-
-    @property
-    def tolerance(self) -> float:
-        return self.extrapolation + self.noise_floor
-
-
 def judge(sequence: SignalSequence) -> Judgement:
     """Judge a ladder of at least three rungs in one signal."""
     errors, rounding = sequence.errors, sequence.roundoff_bounds
@@ -106,7 +75,9 @@ def judge(sequence: SignalSequence) -> Judgement:
         tolerance = float(rounding[-1] + sequence.uncertainty)
         reason = f"errors are at round-off throughout: {errors.max():.1e}, bound {tolerance:.1e}"
         return Judgement("converges", reason, None, float(errors[-1]), tolerance)
-    window = _best_window(sequence)
+    window = best_window(sequence)
+    if found := _elsewhere(window):
+        return found
     word, reason, needed = _weigh(window)
     return Judgement(
         word,
@@ -119,66 +90,13 @@ def judge(sequence: SignalSequence) -> Judgement:
     )
 
 
-def _best_window(sequence: SignalSequence) -> _BestWindow:
-    """The window with the smallest tolerance."""
-    extrapolation, is_clean = _convergence_indices(sequence)
-    changes, bounds = sequence.limit_changes, sequence.roundoff_bounds[2:]
-    # The bound adds all roundings in one direction. Where that is too large to judge by, they are
-    # taken to add up as a random walk does. Rounding shows in the limit's change, and over clean
-    # rungs it cannot be much larger than that.
-    walks = CAUTIOUS * bounds / np.sqrt(sequence.duration / sequence.timesteps[2:])
-    rounding = np.where(bounds > SHARP, np.minimum(bounds, walks), bounds)
-    rounding = np.where(is_clean, np.minimum(rounding, CAUTIOUS * changes), rounding)
-    noise_floor = rounding + sequence.uncertainty
-    best = int(np.argmin(extrapolation + noise_floor))
-    order = observed_order(
-        sequence.timesteps, sequence.errors, sequence.roundoff_bounds, sequence.uncertainty
-    )
-    return _BestWindow(
-        sequence,
-        order,
-        float(sequence.limit_errors[best]),
-        float(extrapolation[best]),
-        float(noise_floor[best]),
-    )
-
-
-def _convergence_indices(sequence: SignalSequence) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Grid convergence index of each limit, and whether its rungs shrink as they should.
-
-    In the asymptotic range a limit's error shrinks by 2^(p+1) a rung at least, p the declared
-    order, so that its last change is 2^(p+1) − 1 times the remaining error. Elsewhere the remaining
-    error is taken to be the change itself, or the largest of the neighbouring changes if they show
-    rounding.
-    """
-    changes, p = sequence.limit_changes, sequence.orders
-    before = np.concatenate([[0.0], changes[:-1]])
-    after = np.concatenate([changes[1:], [0.0]])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        shrinking = np.log2(before / changes)
-        seen = np.log2(sequence.differences[:-1] / sequence.differences[1:])
-    # The next term is of order p + 1, or of p + 2 where the method is symmetric.
-    is_clean = (shrinking >= p + 1 - 2 * ORDER_SLACK) & (shrinking <= p + 2 + 2 * ORDER_SLACK)
-    is_clean &= np.abs(seen - p) <= ORDER_SLACK
-    # A change may be small by accident, and an order above the declared one need not last.
-    least = sequence.declared_order + 1
-    held = np.maximum(changes, before / 2**least)
-    clean_index = SAFE / (2 ** (least - 2 * ORDER_SLACK) - 1) * held
-    stalls = np.maximum(after, np.where(changes > before / 2, before, 0.0)) > changes / 2
-    around = np.where(stalls, np.maximum(before, after), np.maximum(before, after) / 4)
-    index = np.where(is_clean, clean_index, CAUTIOUS * np.maximum(changes, around))
-    return index, is_clean
-
-
-def _weigh(window: _BestWindow) -> tuple[VerdictWord, str, float | None]:
+def _weigh(window: BestWindow) -> tuple[VerdictWord, str, float | None]:
     """Verdict, reason, and the timestep that would resolve the ladder, s."""
     sequence = window.sequence
     limit = (
         f"Richardson-extrapolated error {max(window.limit_error, sequence.uncertainty):.1e}, "
         f"tolerance {window.tolerance:.1e}"
     )
-    if elsewhere := _elsewhere(sequence):
-        return "disagrees", f"settles on another motion, {elsewhere}: {limit}", None
     if growing := _growing(sequence):
         return "disagrees", growing, None
     if short := _shortfall(sequence):
@@ -188,11 +106,23 @@ def _weigh(window: _BestWindow) -> tuple[VerdictWord, str, float | None]:
     return "unresolved", *_unresolved(window, limit)
 
 
-def _elsewhere(sequence: SignalSequence) -> str:
-    """In words, from when on the limit is wrong; empty unless the last two limits both are."""
-    if len(sequence.excess) < 2 or not (sequence.excess[-2:] > DISTINCT).all():
-        return ""
-    return f"from t = {sequence.since[-1]:.3g} s on"
+def _elsewhere(window: BestWindow) -> Judgement | None:
+    """The judgement on a limit that is wrong, as the last two limits must be; else None."""
+    before, found = [None, None, *window.sequence.deviations][-2:]
+    if before is None or found is None:
+        return None
+    reason = (
+        f"settles on another motion, from t = {found.since:.3g} s on: by t = {found.by:.3g} s the "
+        f"Richardson-extrapolated error is {found.error:.1e}, tolerance {found.tolerance:.1e}"
+    )
+    return Judgement(
+        "disagrees",
+        reason,
+        window.order,
+        found.error,
+        found.tolerance,
+        window.extrapolation,
+    )
 
 
 def _growing(sequence: SignalSequence) -> str:
@@ -227,7 +157,7 @@ def _shortfall(sequence: SignalSequence) -> str:
     )
 
 
-def _order_words(window: _BestWindow) -> str:
+def _order_words(window: BestWindow) -> str:
     declared = window.sequence.declared_order
     if window.order is not None:
         above = " or better" if window.order > declared + ORDER_SLACK else ""
@@ -239,7 +169,7 @@ def _order_words(window: _BestWindow) -> str:
     return "too few errors above round-off to show an order"
 
 
-def _unresolved(window: _BestWindow, limit: str) -> tuple[str, float | None]:
+def _unresolved(window: BestWindow, limit: str) -> tuple[str, float | None]:
     """Why it is unresolved, and the timestep that would resolve it, s, if there is one.
 
     Roundings of many steps are taken to add up as a random walk does, unless the ladder shows more.
@@ -262,15 +192,28 @@ def _unresolved(window: _BestWindow, limit: str) -> tuple[str, float | None]:
             needed,
         )
     at = float(sequence.timesteps[least])
-    is_last = least == len(errors) - 1
-    worse = "" if is_last else f" and gets worse below it, {errors[-1]:.1e} at {finest:.1e} s"
+    lowest, last = f"{errors[least]:.1e}", f"{errors[-1]:.1e}"
+    worse = f" and gets worse below it, {last} at {finest:.1e} s" if last != lowest else ""
+    if sequence.uncertainty > SHARP:
+        why = (
+            "the uncertainty of the exact motion, and of body and start as the engine holds them, "
+            f"has grown to {_of_motion(sequence.uncertainty)} by the end, and a verdict needs "
+            f"{SHARP:g}"
+        )
+    else:
+        why = (
+            f"a step's rounding has grown to {_of_motion(a_step)} by the end, those of all steps "
+            f"to {_of_motion(rounding(at))}"
+        )
     return (
-        f"round-off × conditioning bounds the error from below: it comes down to "
-        f"{errors[least]:.1e} at a timestep of {at:.1e} s{worse}; no finer one would resolve it: "
-        f"a step's rounding moves the motion by {a_step:.1e}, all of them by {rounding(at):.1e}; "
-        f"{limit}",
+        f"round-off × conditioning bounds the error from below: it comes down to {lowest} at a "
+        f"timestep of {at:.1e} s{worse}; no finer one would resolve it: {why}",
         None,
     )
+
+
+def _of_motion(error: float) -> str:
+    return f"{error:.1e}" if error < WHOLE else "the size of the motion itself"
 
 
 def _at_roundoff(sequence: SignalSequence) -> bool:
@@ -280,7 +223,7 @@ def _at_roundoff(sequence: SignalSequence) -> bool:
     return bool(not shrinks and fine <= sequence.roundoff_bounds[-1] + sequence.uncertainty)
 
 
-def _needed_timestep(window: _BestWindow) -> float:
+def _needed_timestep(window: BestWindow) -> float:
     """The timestep at which errors are asymptotic and the limit is sharp, by the declared order."""
     sequence, order = window.sequence, float(window.sequence.declared_order)
     by_error = (ASYMPTOTIC / max(float(sequence.errors[-1]), ASYMPTOTIC)) ** (1 / order)

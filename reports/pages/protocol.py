@@ -3,6 +3,7 @@
 from ...engines.read_back import READ_BACK_SLACK, READ_BACK_SLACK_SINGLE
 from ...reference.solution import MAX_UNCERTAINTY
 from ..harness import (
+    best_window,
     choice,
     comparison,
     ladder,
@@ -34,8 +35,8 @@ def constants() -> dict[str, str]:
         "above_uncertainty": f"{observed_order.ABOVE_UNCERTAINTY:g}",
         "asymptotic": f"{observed_order.ASYMPTOTIC:g}",
         "fitted_rungs": str(observed_order.FITTED_RUNGS),
-        "sharp": f"{verdict.SHARP:g}",
-        "distinct": f"{verdict.DISTINCT:g}",
+        "sharp": f"{best_window.SHARP:g}",
+        "distinct": f"{richardson.DISTINCT:g}",
         "shown_over": str(verdict.SHOWN_OVER),
         "safe": f"{richardson.SAFE:g}",
         "cautious": f"{richardson.CAUTIOUS:g}",

@@ -8,9 +8,10 @@ import pytest
 from scene_texts import sphere_text
 from scipy.spatial.transform import Rotation
 from spincheck.reference import Solution
+from spincheck.reports.harness.best_window import SHARP
 from spincheck.reports.harness.observed_order import observed_order
-from spincheck.reports.harness.richardson import SIGNALS, RichardsonLadder
-from spincheck.reports.harness.verdict import SHARP, Judgement, judge
+from spincheck.reports.harness.richardson import DISTINCT, SIGNALS, RichardsonLadder
+from spincheck.reports.harness.verdict import Judgement, judge
 from spincheck.scenarios import Errors, Trajectory, loads
 
 SCENE = loads(sphere_text((0.0, 0.0, 3.0), duration=5.0, samples=51), "sphere")
@@ -95,7 +96,20 @@ def test_a_limit_that_leaves_the_exact_motion_midway_says_when():
     judgement = judge(ladder(lambda dt: late + dt**2 * np.sin(TIMES), 2).signal("omega"))
     assert judgement.word == "disagrees"
     since = float(judgement.reason.partition("from t = ")[2].split()[0])
-    assert 3.0 < since <= TIMES[-1]
+    assert since == TIMES[TIMES > 3.0][0]
+
+
+def test_the_numbers_of_a_limit_that_is_wrong_are_those_that_show_it():
+    """Later on, rungs that do not settle make its tolerance larger than its error."""
+    wild = TIMES > 4.0
+
+    def error(dt: float) -> np.ndarray:
+        return 1e-2 * (TIMES > 1.0) + dt * np.sin(TIMES) + np.sin(1 / dt) * wild
+
+    judgement = judge(ladder(error, order=1).signal("omega"))
+    assert judgement.word == "disagrees"
+    assert judgement.limit_error > DISTINCT * judgement.tolerance
+    assert f"error is {judgement.limit_error:.1e}" in judgement.reason
 
 
 def test_a_damping_that_every_rung_is_through_with_is_not_taken_for_a_limit():
@@ -209,15 +223,24 @@ def test_rungs_added_one_by_one_are_judged_as_all_at_once(signal):
     assert judge(sequences.signal(signal)) == judge(whole.signal(signal))
 
 
-@pytest.mark.parametrize("source_of_noise", ["growth", "uncertainty"])
+@pytest.mark.parametrize(
+    ("source_of_noise", "size", "words"),
+    [("growth", 1e-3, "a step's rounding"), ("uncertainty", 2 * SHARP, "the uncertainty of")],
+)
 def test_where_rounding_or_the_reference_hides_the_limit_no_timestep_is_recommended(
-    source_of_noise,
+    source_of_noise, size, words
 ):
-    noise = {"growth": 1e-3, "uncertainty": 2 * SHARP}[source_of_noise]
-    judgement = judged(lambda dt: 0.3 * np.sin(1 / dt), 2, **{source_of_noise: noise})
+    judgement = judged(lambda dt: 0.3 * np.sin(1 / dt), 2, **{source_of_noise: size})
     assert (judgement.word, judgement.needed_timestep) == ("unresolved", None)
-    assert "no finer one would resolve it" in judgement.reason
+    assert f"no finer one would resolve it: {words}" in judgement.reason
+    assert f"has grown to {size:.1e} by the end" in judgement.reason
     assert "and gets worse below it" in judgement.reason
+
+
+def test_what_conditioning_makes_as_large_as_the_motion_is_said_to_be_so():
+    judgement = judged(lambda dt: 1.9 + 1e-3 * np.sin(1 / dt), 2, uncertainty=1e3)
+    assert "has grown to the size of the motion itself by the end" in judgement.reason
+    assert "gets worse" not in judgement.reason
 
 
 def test_the_timestep_recommended_above_round_off_resolves_the_ladder():
