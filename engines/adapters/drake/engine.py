@@ -14,6 +14,7 @@ from ...engine import Engine, Method
 from ...matrix_session import MatrixReading, MatrixSession
 from ...read_back import BodyReading, EngineError
 from ...session import Session
+from .script import script
 
 ALL_EFFECTS = frozenset(EFFECTS)
 TORQUES = frozenset({"torque_body", "torque_world"})
@@ -55,6 +56,10 @@ class Drake(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Build a diagram of the plant and of a system that applies the scene's torques, if any."""
         return DrakeSession(scenario, method.name, timestep)
+
+    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
+        """The plant as Python."""
+        return script(scenario, method.name, method.name in DISCRETE, _entries(scenario))
 
 
 @final
@@ -187,8 +192,7 @@ def _plant(
     else:
         plant = builder.AddSystem(drake.MultibodyPlant(time_step=own_timestep))
     held = scenario.body
-    entries = [float(held.inertia_com[row, column]) for row, column in ENTRIES]
-    about_com = drake.RotationalInertia(*entries)
+    about_com = drake.RotationalInertia(*_entries(scenario))
     central = drake.SpatialInertia.MakeFromCentralInertia
     body = plant.AddRigidBody("top", central(held.mass, np.array(held.com), about_com))
     frames = plant.world_frame(), body.body_frame()
@@ -242,6 +246,11 @@ def _set_start(drake: Any, joint: Any, context: Any, scenario: Scenario) -> None
     joint.SetTranslation(context, origin)
     joint.set_angular_velocity(context, omega_world)
     joint.set_translational_velocity(context, velocity)
+
+
+def _entries(scenario: Scenario) -> list[float]:
+    """The tensor about the com in the order of Drake's constructor, kg m²."""
+    return [float(scenario.body.inertia_com[row, column]) for row, column in ENTRIES]
 
 
 def _damping(joint: Any, scenario: Scenario) -> FloatArray:

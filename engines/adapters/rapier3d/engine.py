@@ -13,9 +13,10 @@ from scipy.spatial.transform import Rotation
 
 from ....scenarios import EFFECTS, FloatArray, Scenario
 from ...engine import Engine, Method
-from ...models.principal_frame import principal_frame
 from ...read_back import BodyReading, EngineError, State
 from ...session import Session
+from .held import Held, held
+from .script import script
 
 ALL_EFFECTS = frozenset(EFFECTS)
 #: rad: ANGULAR_MOTION_THRESHOLD of its sources: by default a body turns no further in a step.
@@ -54,6 +55,10 @@ class Rapier3D(Engine):
         """Build a world with the body, and for a pivot the joint that holds it."""
         return Rapier3DSession(scenario, method.as_shipped, timestep)
 
+    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
+        """The world as Python."""
+        return script(scenario, held(scenario), method.as_shipped)
+
 
 @final
 class Rapier3DSession(Session):
@@ -64,7 +69,7 @@ class Rapier3DSession(Session):
         self._scenario, self._quarantined = scenario, False
         self._world = rapier3d.PhysicsWorld(gravity=_tuple(scenario.gravity_world))
         self._world.integration_parameters.dt = timestep
-        handle = self._world.add_body(_described(rapier3d, scenario, as_shipped))
+        handle = self._world.add_body(_described(rapier3d, held(scenario), as_shipped))
         self._body = self._world.rigid_bodies[handle]
         # Its mass reads 0 until it is recomputed.
         self._body.recompute_mass_properties_from_colliders(self._world.colliders)
@@ -72,8 +77,8 @@ class Rapier3DSession(Session):
         if scenario.has_pivot:
             joint = rapier3d.SphericalJoint.builder().build()
             ground = self._world.add_body(rapier3d.RigidBody.fixed())
-            held = self._world.impulse_joints.insert(ground, handle, joint)
-            self._arm_body = _array(self._world.impulse_joints.get(held).data.local_anchor2)
+            number = self._world.impulse_joints.insert(ground, handle, joint)
+            self._arm_body = _array(self._world.impulse_joints.get(number).data.local_anchor2)
         self._push_turns = bool(scenario.torque_body.any() or scenario.drag)
         self._push()
 
@@ -157,24 +162,16 @@ class Rapier3DSession(Session):
 _SLACK = 8 * float(np.finfo(np.float32).eps)
 
 
-def _described(rapier3d: Any, scenario: Scenario, as_shipped: bool) -> Any:
+def _described(rapier3d: Any, told: Held, as_shipped: bool) -> Any:
     """The description of the body and its start that Rapier takes."""
-    body, start = scenario.body, scenario.start
-    frame = principal_frame(body)
-    attitude = Rotation.from_quat(start.q_world_body_wxyz, scalar_first=True)
-    swing_world = attitude.apply(np.cross(start.omega_body, body.com))
-    origin, velocity = np.zeros(3), swing_world
-    if not scenario.has_pivot:
-        origin = start.position_world - attitude.apply(np.array(body.com))
-        velocity = start.velocity_world
-    axes = rapier3d.Rotation3(*_tuple(frame.q_body_axes_wxyz))
-    held = rapier3d.MassProperties(_tuple(body.com), float(body.mass), _tuple(frame.moments), axes)
-    turned = rapier3d.Rotation3(*_tuple(start.q_world_body_wxyz))
+    axes = rapier3d.Rotation3(*_tuple(told.q_body_axes_wxyz))
+    held = rapier3d.MassProperties(_tuple(told.com), told.mass, _tuple(told.moments), axes)
+    turned = rapier3d.Rotation3(*_tuple(told.q_world_body_wxyz))
     described = (
         rapier3d.RigidBody.dynamic()
-        .position(rapier3d.Isometry3(_tuple(origin), turned))
-        .linvel(_tuple(velocity))
-        .angvel(_tuple(attitude.apply(np.array(start.omega_body))))
+        .position(rapier3d.Isometry3(_tuple(told.origin_world), turned))
+        .linvel(_tuple(told.velocity_world))
+        .angvel(_tuple(told.omega_world))
         .additional_mass_properties(held)
     )
     return described if as_shipped else described.can_sleep(False).allow_fast_rotation(True)
