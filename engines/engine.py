@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
-from typing import final
+from typing import Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,6 +91,7 @@ class Engine(ABC):
     step_seconds : CPU time of a step, roughly; what the estimate of a run's time rests on
     package : of an optional engine, the package that it needs, imported when a scene is opened
     of_file : whether it loads the link that a scene names out of the user's own model file
+    script_language : what `script` is written in
     """
 
     name: str
@@ -100,6 +101,7 @@ class Engine(ABC):
     step_seconds: float = 1e-6
     package: str = ""
     of_file: bool = False
+    script_language: Literal["Python", "JavaScript"] = "Python"
 
     @property
     def slack(self) -> float:
@@ -130,10 +132,10 @@ class Engine(ABC):
         """Compile the scene, with its effects and nothing else, and set its start."""
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
-        """Python that builds the scene with this engine's package and numpy alone; empty if none.
+        """Code that builds the scene with this engine's package alone; empty if there is none.
 
-        It may use `np`, `TIMESTEP`, and of quaternions, w x y z, `product`, `conjugate`, `turned`;
-        it defines `step(count)`, and `state()`: attitude, w x y z, and ω in body axes.
+        It may use `TIMESTEP`, of quaternions, w x y z, `product`, `conjugate` and `turned`, and in
+        Python `np`; it defines `step(count)`, and `state()`: attitude, w x y z, and ω in body axes.
         """
         return ""
 

@@ -1,6 +1,6 @@
 """An engine in another language, started by a command."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import final
 
@@ -21,9 +21,11 @@ class ChildEngine(Engine):
     hello : its description of itself; each process of it must give the same
     limit : s of wall time that an answer may take
     sources : files that its results depend on; if None, the files named in the command
+    script : writes a run as JavaScript, of a scene and a method; if None, it has no scripts
     """
 
     step_seconds = 15e-6
+    script_language = "JavaScript"
 
     def __init__(
         self,
@@ -31,13 +33,14 @@ class ChildEngine(Engine):
         hello: Hello,
         limit: float = ANSWER_LIMIT,
         sources: Sequence[Path] | None = None,
+        script: Callable[[Scenario, Method], str] | None = None,
     ) -> None:
         self.command, self.hello, self._limit = tuple(command), hello, limit
         self.name = hello.name
         self.methods = tuple(table.method() for table in hello.methods)
         self.single_precision = hello.precision == "single"
         self.stock_timestep = hello.stock_timestep
-        self._sources = sources
+        self._sources, self._script = sources, script
 
     @property
     def version(self) -> str:
@@ -63,6 +66,10 @@ class ChildEngine(Engine):
                 raise
         except ProtocolError as error:
             raise ProtocolError(f"{self.name}: {error}", error.cause) from None
+
+    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
+        """The run as JavaScript; empty if it has no scripts."""
+        return self._script(scenario, method) if self._script else ""
 
     def _check(self, child: ChildProcess) -> None:
         if child.hello is None:

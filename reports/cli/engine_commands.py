@@ -131,25 +131,28 @@ def conform(
 )
 def reproduce(
     scenario: Scene,
-    engine: Annotated[str, typer.Option(help="'mujoco' or 'pybullet'.")],
+    engine: Annotated[str, typer.Option(help="One of 'spincheck engines', or mujoco@VERSION.")],
     method: Annotated[str, typer.Option(help="One of the engine's.")],
     timestep: Annotated[float, typer.Option(help="s.")],
     out: Annotated[Path | None, typer.Option(help="The file to write.")] = None,
 ) -> None:
-    """Write one run as a Python file that needs the engine and numpy alone.
+    """Write one run as a file that needs the engine alone, for an issue.
 
-    The file builds the model, steps it, and prints its error against the exact values it contains.
+    It is Python with numpy, or JavaScript if the engine runs under node. It builds the model, steps
+    it, and prints its error against the exact values that it contains.
     """
     from .choosing import check_timesteps, choose
     from .named_scenes import one_scene
     from .reproduce import reproduction
+    from .script_frames import FRAMES
 
     scene = one_scene(scenario)
     choice = choose([engine], [method], [timestep])
     check_timesteps([scene], choice)
     ((chosen, by),) = choice.pairs()
     text = reproduction(scene, chosen, by, timestep)
-    file = out or Path(f"{scene.name}-{chosen.name}-{by.name}.py")
+    suffix = FRAMES[chosen.script_language].suffix
+    file = out or Path(f"{scene.name}-{chosen.name}-{by.name}{suffix}")
     try:
         file.write_text(text, encoding="utf-8")
     except OSError as error:

@@ -1,4 +1,4 @@
-"""What the command `reproduce` writes: one run as a Python file that needs no spincheck."""
+"""What the command `reproduce` writes: one run as a file that needs no spincheck."""
 
 from importlib.metadata import version
 
@@ -9,65 +9,15 @@ from ...engines import Engine, Method, engines
 from ...reference import IntegrationError, Solution, solve
 from ...scenarios import Scenario, printable
 from ..harness.ladder import single
+from .script_frames import FRAMES, Frame
 from .terminal import BAD_INPUT, NOT_RUN, Complaint
 
 #: Times at which the file compares.
 MOST_SAMPLES = 21
 
-_HEAD = '''\
-"""{title}
-
-{engine} {engine_version}, {method}, a timestep of {timestep!r} s, against the exact motion: run it
-with {engine} and numpy installed. Written by spincheck {version}.
-"""
-
-import numpy as np
-
-TIMESTEP = {timestep!r}  # s
-
-
-def product(q, r):
-    """Of quaternions, w x y z."""
-    vector = q[0] * r[1:] + r[0] * q[1:] + np.cross(q[1:], r[1:])
-    return np.array([q[0] * r[0] - q[1:] @ r[1:], *vector])
-
-
-def conjugate(q):
-    return q * np.array([1.0, -1.0, -1.0, -1.0])
-
-
-def turned(q, v):
-    return product(product(q, np.array([0.0, *v])), conjugate(q))[1:]
-
-
-'''
-_TAIL = """
-
-# The exact motion, right to {omega:.1e} of the largest angular velocity and {attitude:.1e} rad
-# ({solved}).
-# Whole steps; attitude, w x y z, body to world; angular velocity, rad/s, body axes.
-EXACT = [
-{rows}
-]
-largest = {largest!r}  # rad/s
-worst_omega = worst_attitude = taken = 0
-print("      t, s   error of omega   error of attitude, rad")
-for steps, q_exact, omega_exact in EXACT:
-    if steps:
-        step(steps - taken)
-    taken = steps
-    q, omega = state()
-    off_omega = np.linalg.norm(omega - omega_exact) / largest
-    apart = product(conjugate(q / np.linalg.norm(q)), np.array(q_exact))
-    off_attitude = 2 * np.arctan2(np.linalg.norm(apart[1:]), abs(apart[0]))
-    worst_omega, worst_attitude = max(worst_omega, off_omega), max(worst_attitude, off_attitude)
-    print(f"{{steps * TIMESTEP:10.6g}}   {{off_omega:14.3e}}   {{off_attitude:22.3e}}")
-print(f"largest      {{worst_omega:14.3e}}   {{worst_attitude:22.3e}}")
-"""
-
 
 def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: float) -> str:
-    """The text of the Python file.
+    """The text of the file, in the language of the engine's script.
 
     Raises
     ------
@@ -75,11 +25,11 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
         If the engine has no script, cannot simulate the scene with this method, or the exact motion
         is not known so far.
     """
+    if reason := engine.unsupported(scenario, method):
+        raise Complaint(reason, BAD_INPUT)
     script = engine.script(scenario, method, timestep)
     if not script:
         raise Complaint(_without_script(scenario, engine), BAD_INPUT)
-    if reason := engine.unsupported(scenario, method):
-        raise Complaint(reason, BAD_INPUT)
     try:
         steps = single(timestep, scenario.times).sample_steps
     except ValueError as error:
@@ -88,8 +38,9 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
         solution = solve(scenario, np.asarray(steps * timestep, dtype=float))
     except IntegrationError as error:
         raise Complaint(f"{scenario.name}: {error}", NOT_RUN) from None
-    head = _HEAD.format(
-        # The title goes into a docstring.
+    frame = FRAMES[engine.script_language]
+    head = frame.head.format(
+        # The title goes into a docstring or a comment of one line.
         title=printable(scenario.title).replace("\\", "/").replace('"', "'"),
         engine=engine.name.partition("@")[0],
         engine_version=engine.version,
@@ -97,7 +48,7 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
         timestep=timestep,
         version=version("spincheck"),
     )
-    return head + script + _tail(solution, steps)
+    return head + script + _tail(frame, solution, steps)
 
 
 def _without_script(scenario: Scenario, engine: Engine) -> str:
@@ -109,15 +60,15 @@ def _without_script(scenario: Scenario, engine: Engine) -> str:
     )
 
 
-def _tail(solution: Solution, steps: NDArray[np.int64]) -> str:
+def _tail(frame: Frame, solution: Solution, steps: NDArray[np.int64]) -> str:
     motion = solution.trajectory
     kept = np.unique(np.linspace(0, len(motion.t) - 1, MOST_SAMPLES).round().astype(int))
     columns = (steps, motion.q_world_body_wxyz, motion.omega_body)
     rows = zip(*(column[kept].tolist() for column in columns), strict=True)
-    return _TAIL.format(
+    return frame.tail.format(
         largest=float(np.linalg.norm(motion.omega_body, axis=1).max()),
         solved=printable(solution.method),
         omega=solution.uncertainty.omega,
         attitude=solution.uncertainty.attitude,
-        rows="\n".join(f"    ({step}, {q!r}, {omega!r})," for step, q, omega in rows),
+        rows="\n".join(frame.row.format(*row) for row in rows),
     )

@@ -1,12 +1,13 @@
 """What a script of `spincheck reproduce` prints, and what the harness finds of the same run."""
 
 import re
+from functools import cache
 
 import numpy as np
 from spincheck.engines import Engine, Method
 from spincheck.reference import solve
 from spincheck.reports.harness.ladder import single
-from spincheck.scenarios import Scenario, errors_between
+from spincheck.scenarios import Scenario, Trajectory, errors_between
 
 #: A script prints four digits.
 PRINTED = 1e-3
@@ -29,10 +30,17 @@ def harness_errors(
     """The largest errors of a run at these steps, of ω by the largest ω of the scene, and rad."""
     run = engine.run(scenario, method, timestep, np.array(steps))
     assert run.trajectory is not None, run.reason
-    every = single(timestep, scenario.times).sample_steps * timestep
-    largest, fastest = (
-        np.linalg.norm(solve(scenario, times).trajectory.omega_body, axis=1).max()
-        for times in (every, run.trajectory.t)
-    )
-    errors = errors_between(scenario, run.trajectory, solve(scenario, run.trajectory.t).trajectory)
-    return float(errors.omega * fastest / largest), float(errors.attitude)
+    motion = exact_motion(scenario, tuple(run.trajectory.t))
+    every = exact_motion(scenario, tuple(single(timestep, scenario.times).sample_steps * timestep))
+    errors = errors_between(scenario, run.trajectory, motion)
+    return errors.omega * _fastest(motion) / _fastest(every), errors.attitude
+
+
+@cache
+def exact_motion(scenario: Scenario, times: tuple[float, ...]) -> Trajectory:
+    """Solved once for all engines and methods."""
+    return solve(scenario, np.array(times)).trajectory
+
+
+def _fastest(motion: Trajectory) -> float:
+    return float(np.linalg.norm(motion.omega_body, axis=1).max())

@@ -12,7 +12,7 @@ COM = np.array({com})  # m, body axes, from the body's origin
 builder = drake.DiagramBuilder()
 {plant}
 # kg m^2 about the com: xx, yy, zz, xy, xz, yz.
-inertia = drake.RotationalInertia(*{inertia})
+inertia = drake.RotationalInertia{inertia}
 held = drake.SpatialInertia.MakeFromCentralInertia({mass!r}, COM, inertia)  # kg
 body = plant.AddRigidBody("top", held)
 joint = plant.AddJoint(
@@ -127,7 +127,7 @@ def _parts(
     yield _START.format(
         com=python_list(body.com),
         plant=_PLANT_AS_SHIPPED if method == "default" else plant,
-        inertia=python_list(inertia),
+        inertia=tuple(inertia),
         mass=float(body.mass),
         joint="BallRpyJoint" if scenario.has_pivot else "QuaternionFloatingJoint",
         drag=float(scenario.drag),

@@ -1,5 +1,6 @@
 // cannon-es, in double precision. Its bodies turn without the gyroscopic torque ω × I ω.
-import { acting, load, method, serve, stepped, version, xyz } from './parts/host.mjs';
+import { load, stepped, xyz } from './parts/building.mjs';
+import { method, serve, version } from './parts/host.mjs';
 
 const C = await load('cannon-es/dist/cannon-es.cjs.js');
 // For a joint that holds as rigidly as doubles allow; its own defaults suppose steps of 1/60 s.
@@ -30,18 +31,15 @@ function open(scene, name, timestep) {
     world.addConstraint(joint);
   }
   const state = () => ({ q: [body.quaternion.w, ...xyz(body.quaternion)], omega: xyz(body.angularVelocity), com: xyz(body.position), velocity: xyz(body.velocity) });
-  return {
-    body: () => ({ mass: 1 / body.invMass, com: [0, 0, 0], moments: xyz(body.invInertia).map((inverse) => 1 / inverse),
-      frame: [1, 0, 0, 0], arm: joint && xyz(joint.pivotA) }),
-    state,
-    advance: stepped(scene, state, (torque) => body.torque.set(...torque), () => world.step(timestep)),
-    active: () => acting(scene, { gravity: xyz(world.gravity), joints: world.constraints.length, others: {
-      damping: body.linearDamping > 0 || body.angularDamping > 0, sleeping: world.allowSleep,
-      'a collision shape': world.bodies.some((one) => one.shapes.length > 0), contacts: world.contacts.length > 0 } }),
-    close() {},
-  };
+  const advance = stepped(scene, state, (torque) => body.torque.set(...torque), () => world.step(timestep));
+  return { world, body, joint, state, advance, close() {} };
 }
 
 serve({ name: 'cannon-es', version: version('cannon-es'), precision: 'double', stock_timestep: 1 / 60, open,
+  body: ({ body, joint }) => ({ mass: 1 / body.invMass, com: [0, 0, 0], moments: xyz(body.invInertia).map((inverse) => 1 / inverse),
+    frame: [1, 0, 0, 0], arm: joint && xyz(joint.pivotA) }),
+  acts: ({ world, body }) => ({ gravity: xyz(world.gravity), joints: world.constraints.length, others: {
+    damping: body.linearDamping > 0 || body.angularDamping > 0, sleeping: world.allowSleep,
+    'a collision shape': world.bodies.some((one) => one.shapes.length > 0), contacts: world.contacts.length > 0 } }),
   methods: [method('point', 'symplectic Euler, a stiff point-to-point constraint'),
     method('default', 'as shipped: with damping, a softer constraint', { as_shipped: true, damping: 0.01 })] });

@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Iterator
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from ...engine import Engine
 from ...missing import Missing
 from ...read_back import EngineError
 from ...user_cache import user_cache
+from .script import script
 
 HERE = Path(__file__).parent
 #: The folder of modules that engines import.
@@ -44,13 +46,18 @@ def _engine(path: Path, modules: Path) -> ChildEngine | Missing:
     command = ("node", str(path), str(modules))
     hello = _said_before(path, modules)
     if hello is not None:
-        return ChildEngine(command, hello, sources=(path, *PARTS, LOCK))
+        return _child_engine(command, hello, path)
     try:
         engine = child_engine(command)
     except EngineError as error:
         return Missing(path.stem, "", f"it does not start: {error}")
     _memory(path, modules).write_text(engine.hello.model_dump_json(), encoding="utf-8")
-    return ChildEngine(command, engine.hello, sources=(path, *PARTS, LOCK))
+    return _child_engine(command, engine.hello, path)
+
+
+def _child_engine(command: tuple[str, ...], hello: Hello, path: Path) -> ChildEngine:
+    sources = (path, *PARTS, LOCK)
+    return ChildEngine(command, hello, sources=sources, script=partial(script, path))
 
 
 def _said_before(path: Path, modules: Path) -> Hello | None:

@@ -1,5 +1,6 @@
 // Jolt as WebAssembly, in single precision. It leaves out the gyroscopic torque unless asked for it.
-import { acting, load, method, serve, stepped, version } from './parts/host.mjs';
+import { load, stepped } from './parts/building.mjs';
+import { method, serve, version } from './parts/host.mjs';
 
 const J = await (await load('jolt-physics/dist/jolt-physics.wasm-compat.js'))();
 const RADIUS = 0.05, FAST = 1e9;                 // m; m/s and rad/s, out of reach
@@ -42,18 +43,15 @@ function open(scene, name, timestep) {
   const vec = new J.Vec3(), apply = (torque) => { vec.Set(...torque); body.AddTorque(vec); };
   const state = () => ({ q: wxyz(body.GetRotation()), omega: list(body.GetAngularVelocity()),
     com: list(body.GetCenterOfMassPosition()), velocity: list(body.GetLinearVelocity()) });
-  return {
-    body: () => ({ mass: 1 / motion.GetInverseMass(), com: [0, 0, 0], moments: list(motion.GetInverseInertiaDiagonal()).map((i) => 1 / i),
-      frame: wxyz(motion.GetInertiaRotation()), arm }),
-    state,
-    advance: stepped(scene, state, apply, () => jolt.Step(timestep, 1)),
-    active: () => acting(scene, { gravity: list(system.GetGravity()).map((g) => g * motion.GetGravityFactor()), joints: arm ? 1 : 0, others: {
-      damping: motion.GetLinearDamping() > 0 || motion.GetAngularDamping() > 0, sleeping: body.GetAllowSleeping(),
-      'a velocity clamp': motion.GetMaxAngularVelocity() < FAST, 'no gyroscopic torque': !body.GetApplyGyroscopicForce() } }),
-    close: () => J.destroy(jolt),
-  };
+  const advance = stepped(scene, state, apply, () => jolt.Step(timestep, 1));
+  return { system, body, motion, arm, state, advance, close: () => J.destroy(jolt) };
 }
 
 serve({ name: 'jolt', version: version('jolt-physics'), precision: 'single', stock_timestep: 1 / 60, open,
+  body: ({ motion, arm }) => ({ mass: 1 / motion.GetInverseMass(), com: [0, 0, 0],
+    moments: list(motion.GetInverseInertiaDiagonal()).map((i) => 1 / i), frame: wxyz(motion.GetInertiaRotation()), arm }),
+  acts: ({ system, body, motion, arm }) => ({ gravity: list(system.GetGravity()).map((g) => g * motion.GetGravityFactor()), joints: arm ? 1 : 0, others: {
+    damping: motion.GetLinearDamping() > 0 || motion.GetAngularDamping() > 0, sleeping: body.GetAllowSleeping(),
+    'a velocity clamp': motion.GetMaxAngularVelocity() < FAST, 'no gyroscopic torque': !body.GetApplyGyroscopicForce() } }),
   methods: [method('gyroscopic', 'semi-implicit Euler, the gyroscopic torque switched on'),
     method('default', 'as shipped: without the gyroscopic torque, with damping and a velocity clamp', { as_shipped: true, damping: 0.05 })] });

@@ -13,9 +13,9 @@ import rapier3d
 world = rapier3d.PhysicsWorld(gravity={gravity})  # m/s^2
 world.integration_parameters.dt = TIMESTEP
 # Principal axes in the body's, w x y z; com, m, mass, kg, principal moments, kg m^2.
-axes = rapier3d.Rotation3(*{axes})
+axes = rapier3d.Rotation3{axes}
 held = rapier3d.MassProperties({com}, {mass!r}, {moments}, axes)
-attitude = rapier3d.Rotation3(*{attitude})  # w x y z
+attitude = rapier3d.Rotation3{attitude}  # w x y z
 described = (
     rapier3d.RigidBody.dynamic()
     .position(rapier3d.Isometry3({origin}, attitude))  # m

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from kinds_of_engines import OPTIONAL, why_missing
 from spincheck.engines import Method, engines
+from spincheck.engines.adapters.node.discovered import modules_folder
 from spincheck.engines.child.process import end_idle
 from spincheck.engines.contract.scenes import (
     DRAG,
@@ -20,6 +21,7 @@ from spincheck.engines.contract.scenes import (
     scene,
 )
 from spincheck.reports.cli.reproduce import reproduction
+from spincheck.reports.cli.script_frames import FRAMES
 from spincheck.scenarios import Scenario
 from written_scripts import PRINTED, harness_errors, printed_errors
 
@@ -35,6 +37,18 @@ SCENES_TO_WRITE = (
 )
 #: All scripts in one process: importing an engine takes longer than a run.
 RUN_PYTHON = "import runpy, sys\nfor file in sys.argv[1:]: print(file); runpy.run_path(file)"
+#: The first argument of a script is the folder of npm packages.
+RUN_JAVASCRIPT = "for (const f of process.argv.slice(3)) { console.log(f); await import(f); }"
+RUN = {
+    # -I: nothing but what is installed.
+    "Python": (sys.executable, "-I", "-c", RUN_PYTHON),
+    "JavaScript": (
+        *["node", "--input-type=module", "-e"],
+        RUN_JAVASCRIPT,
+        "-",
+        str(modules_folder()),
+    ),
+}
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -53,13 +67,13 @@ def test_every_script_of_it_finds_the_errors_that_the_harness_finds(
     written: dict[str, tuple[Scenario, Method]] = {}
     for scenario in SCENES_TO_WRITE:
         for method in engine.methods:
-            file = tmp_path / f"{scenario.name}-{method.name}.py"
+            suffix = FRAMES[engine.script_language].suffix
+            file = tmp_path / f"{scenario.name}-{method.name}{suffix}"
             text = reproduction(scenario, engine, method, TIMESTEP)
             assert "spincheck" not in text.replace("by spincheck", "")
             file.write_text(text, encoding="utf-8")
             written[str(file)] = scenario, method
-    # -I: nothing but what is installed; no spincheck is imported.
-    command = [sys.executable, "-I", "-c", RUN_PYTHON, *written]
+    command = [*RUN[engine.script_language], *written]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     for file, (scenario, method) in written.items():

@@ -1,5 +1,6 @@
-// Havok's calls with their result codes looked at, a ball joint, and the gravity that a body feels.
-const HERE = [0, 0, 0], X = [1, 0, 0], Y = [0, 1, 0];
+// Havok's calls with their result codes looked at, and a ball joint.
+export const HERE = [0, 0, 0];
+const X = [1, 0, 0], Y = [0, 1, 0];
 
 // Each call of the module gives a code, [code, value] or [code, value, …]: here the value or values, or it throws.
 export const checked = (module) => new Proxy(module, { get: (_, name) => {
@@ -25,21 +26,4 @@ export function jointAt(H, arm, world, body) {
   H.HP_Constraint_SetCollisionsEnabled(joint, 0);
   H.HP_Constraint_SetEnabled(joint, 1);
   return joint;
-}
-
-// Of the world's gravity Havok tells nothing: other bodies feel it, which move, for below 0.1 m/s it takes 3 % off.
-// Along what a body moves by, its gain is rounded: each component is felt by one that moves across it.
-export function gravityFelt(H, world, timestep) {
-  const [alongX, alongY] = [X, Y].map((velocity) => {
-    const probe = H.HP_Body_Create();
-    H.HP_Body_SetMotionType(probe, H.MotionType.DYNAMIC);
-    H.HP_Body_SetMassProperties(probe, [HERE, 1, [1, 1, 1], [0, 0, 0, 1]]);
-    H.HP_Body_SetLinearDamping(probe, 0);
-    H.HP_World_AddBody(world, probe, false);
-    H.HP_Body_SetLinearVelocity(probe, velocity);
-    return probe;
-  });
-  H.HP_World_Step(world, timestep);
-  const [, y, z] = H.HP_Body_GetLinearVelocity(alongX), [x] = H.HP_Body_GetLinearVelocity(alongY);
-  return [x, y, z].map((gain) => gain / timestep);
 }

@@ -1,0 +1,92 @@
+"""A run of an engine under node as JavaScript that needs its npm package alone.
+
+It is the text of the engine's own file up to the end of its function `open`, after which comes what
+the protocol asks for, with the parts that it imports, and the scene as `open` is told it.
+"""
+
+import json
+import re
+from pathlib import Path
+
+from ....scenarios import Scenario
+from ...child.session import scene_for_child
+from ...engine import Method
+from ...models.principal_frame import principal_frame
+from ...models.text import python_list
+
+HERE = Path(__file__).parent
+_IMPORT = re.compile(r"^import \{ (.+) \} from '\./(parts/[\w-]+\.mjs)';\n", re.MULTILINE)
+#: The function that builds the scene, to its last line.
+_OPEN = re.compile(r"^function open\(.*?^\}\n", re.MULTILINE | re.DOTALL)
+_ABOUT = {
+    "mass": "kg",
+    "moments": "kg m^2, principal: the axes here are principal ones, from the com",
+    "arm": "m, from the com to the pivot, if there is one",
+    "gravity": "m/s^2",
+    "drag": "N m s",
+    "torque_body": "N m",
+    "torque_world": "N m",
+    "q": "w x y z, axes to world",
+    "omega": "rad/s, world axes",
+    "com": "m",
+    "velocity": "m/s",
+}
+_SCRIPT = """\
+// Run it with node, in the folder in which `npm install {package}` was run.
+{parts}
+{engine}
+const SCENE = {{
+{scene}
+}};
+const Q_BODY_AXES = {axes};  // w x y z: the principal axes in the body's
+const held = open(SCENE, {method}, TIMESTEP);
+
+function step(count) {{
+  held.advance(count);
+}}
+
+// Attitude, w x y z, body to world, and angular velocity in body axes.
+function state() {{
+  const {{ q, omega }} = held.state();
+  const attitude = product(q.map((x) => x / Math.hypot(...q)), conjugate(Q_BODY_AXES));
+  return [attitude, turned(conjugate(attitude), omega)];
+}}
+"""
+
+
+def script(path: Path, scenario: Scenario, method: Method) -> str:
+    """The run of a method of the engine whose file is `path`."""
+    text = path.read_text(encoding="utf-8")
+    found = _OPEN.search(text)
+    assert found is not None, f"{path.name} has no function 'open'"
+    kept = text[: found.end()]
+    engine = _IMPORT.sub("", kept)
+    parts = [
+        _part(HERE / part)
+        for names, part in _IMPORT.findall(kept)
+        if any(re.search(rf"\b{name}\b", engine) for name in names.split(", "))
+    ]
+    return _SCRIPT.format(
+        package=_package(text),
+        parts="\n".join(parts),
+        engine=engine,
+        scene="\n".join(_entries(scenario)),
+        axes=python_list(principal_frame(scenario.body).q_body_axes_wxyz),
+        method=json.dumps(method.name),
+    )
+
+
+def _part(path: Path) -> str:
+    return re.sub(r"^export ", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
+
+
+def _package(text: str) -> str:
+    """The npm package that an engine's file loads, at the version that spincheck runs."""
+    wanted = json.loads((HERE / "package.json").read_text(encoding="utf-8"))["dependencies"]
+    (package,) = (f"{name}@{version}" for name, version in wanted.items() if f"'{name}/" in text)
+    return package
+
+
+def _entries(scenario: Scenario) -> list[str]:
+    told = scene_for_child(scenario)
+    return [f"  {key}: {json.dumps(told[key])},  // {about}" for key, about in _ABOUT.items()]
