@@ -81,7 +81,10 @@ const EXACT = [
 {rows}
 ];
 const largest = {largest!r};  // rad/s
-const padded = (x, width) => x.toExponential(3).padStart(width);
+const padded = (x, width) => {{
+  const [digits, sign, power] = x.toExponential(3).split(/e([+-])/);
+  return `${{digits}}e${{sign}}${{power.padStart(2, '0')}}`.padStart(width);
+}};
 const table = (t, omega, attitude) =>
   console.log(`${{t.padStart(10)}}   ${{padded(omega, 14)}}   ${{padded(attitude, 22)}}`);
 let worstOmega = 0, worstAttitude = 0, taken = 0;

@@ -32,7 +32,8 @@ _ABOUT = {
     "velocity": "m/s",
 }
 _SCRIPT = """\
-// Run it with node, in the folder in which `npm install {package}` was run.
+// Run it with node in the folder in which `npm install {package}` was run, or give it the path of
+// that folder's node_modules.
 {parts}
 {engine}
 const SCENE = {{

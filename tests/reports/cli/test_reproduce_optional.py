@@ -1,13 +1,16 @@
 """Scripts of optional engines find the errors that the harness finds; skipped if not installed."""
 
+import ast
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import pytest
 from kinds_of_engines import OPTIONAL, why_missing
-from spincheck.engines import Method, engines
+from spincheck.engines import Engine, Method, engines
 from spincheck.engines.adapters.node.discovered import modules_folder
 from spincheck.engines.child.process import end_idle
 from spincheck.engines.contract.scenes import (
@@ -20,6 +23,7 @@ from spincheck.engines.contract.scenes import (
     TORQUE_WORLD,
     scene,
 )
+from spincheck.engines.session import Session
 from spincheck.reports.cli.reproduce import reproduction
 from spincheck.reports.cli.script_frames import FRAMES
 from spincheck.scenarios import Scenario
@@ -81,3 +85,42 @@ def test_every_script_of_it_finds_the_errors_that_the_harness_finds(
         steps, errors = printed_errors(output, TIMESTEP)
         expected = harness_errors(scenario, engine, method, TIMESTEP, steps)
         assert errors == pytest.approx(expected, rel=PRINTED), f"{file}"
+
+
+#: What ends a string, a comment or a line in Python or JavaScript.
+HOSTILE = "*/ \"\"\" ''' ` ${x} {x} // # \\ \n\r\v\f\x85\u2028\u2029 boom \\"
+
+
+class Scripted(Engine):
+    """An engine whose scripts say nothing."""
+
+    name, version, methods = "scripted", "1.0", engines()["mujoco"].methods
+
+    def __init__(self, language: Literal["Python", "JavaScript"]) -> None:
+        self.script_language = language
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        raise NotImplementedError
+
+    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
+        return "step = state = None\n"
+
+
+@pytest.mark.parametrize("language", ["Python", "JavaScript"])
+def test_no_title_gets_out_of_its_comment(language: Literal["Python", "JavaScript"]) -> None:
+    plain, engine = SCENES_TO_WRITE[2], Scripted(language)
+    document = plain.document.model_copy(update={"title": HOSTILE})
+    texts = [
+        reproduction(scenario, engine, engine.methods[0], TIMESTEP)
+        for scenario in (plain, replace(plain, document=document))
+    ]
+    # Of Python's line ends JavaScript's are a part.
+    (head, *rest), (hostile, *others) = (text.splitlines() for text in texts)
+    assert rest == others
+    assert "boom" in hostile
+    if language == "Python":
+        assert ast.get_docstring(ast.parse(texts[1])) != ast.get_docstring(ast.parse(texts[0]))
+        assert len(ast.parse(texts[1]).body) == len(ast.parse(texts[0]).body)
+    else:
+        assert head.startswith("// ")
+        assert hostile.startswith("// ")

@@ -1,4 +1,4 @@
-// What a scene is built and stepped with, whatever the engine. The file's argument is the folder of npm packages.
+// What a scene is built and stepped with, whatever the engine; the packages are in the folder of the argument.
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
