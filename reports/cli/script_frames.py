@@ -37,20 +37,26 @@ _PYTHON_TAIL = """
 EXACT = [
 {rows}
 ]
-largest = {largest!r}  # rad/s
-worst_omega = worst_attitude = taken = 0
-print("      t, s   error of omega   error of attitude, rad")
-for steps, q_exact, omega_exact in EXACT:
-    if steps:
-        step(steps - taken)
-    taken = steps
-    q, omega = state()
-    off_omega = np.linalg.norm(omega - omega_exact) / largest
-    apart = product(conjugate(q / np.linalg.norm(q)), np.array(q_exact))
-    off_attitude = 2 * np.arctan2(np.linalg.norm(apart[1:]), abs(apart[0]))
-    worst_omega, worst_attitude = max(worst_omega, off_omega), max(worst_attitude, off_attitude)
-    print(f"{{steps * TIMESTEP:10.6g}}   {{off_omega:14.3e}}   {{off_attitude:22.3e}}")
-print(f"largest      {{worst_omega:14.3e}}   {{worst_attitude:22.3e}}")
+LARGEST = {largest!r}  # rad/s
+
+
+def main():
+    worst_omega = worst_attitude = taken = 0
+    print("      t, s   error of omega   error of attitude, rad")
+    for steps, q_exact, omega_exact in EXACT:
+        if steps:
+            step(steps - taken)
+        taken = steps
+        q, omega = state()
+        off_omega = np.linalg.norm(omega - omega_exact) / LARGEST
+        apart = product(conjugate(q / np.linalg.norm(q)), np.array(q_exact))
+        off_attitude = 2 * np.arctan2(np.linalg.norm(apart[1:]), abs(apart[0]))
+        worst_omega, worst_attitude = max(worst_omega, off_omega), max(worst_attitude, off_attitude)
+        print(f"{{steps * TIMESTEP:10.6g}}   {{off_omega:14.3e}}   {{off_attitude:22.3e}}")
+    print(f"largest      {{worst_omega:14.3e}}   {{worst_attitude:22.3e}}")
+
+
+main()
 """
 _JAVASCRIPT_HEAD = """\
 // {title}
@@ -80,27 +86,34 @@ function turned(q, v) {{
 const EXACT = [
 {rows}
 ];
-const largest = {largest!r};  // rad/s
-const padded = (x, width) => {{
-  const [digits, sign, power] = x.toExponential(3).split(/e([+-])/);
-  return `${{digits}}e${{sign}}${{power.padStart(2, '0')}}`.padStart(width);
-}};
-const table = (t, omega, attitude) =>
-  console.log(`${{t.padStart(10)}}   ${{padded(omega, 14)}}   ${{padded(attitude, 22)}}`);
-let worstOmega = 0, worstAttitude = 0, taken = 0;
-console.log('      t, s   error of omega   error of attitude, rad');
-for (const [steps, qExact, omegaExact] of EXACT) {{
-  if (steps) step(steps - taken);
-  taken = steps;
-  const [q, omega] = state();
-  const offOmega = Math.hypot(...omega.map((x, i) => x - omegaExact[i])) / largest;
-  const [w, ...apart] = product(conjugate(q), qExact);
-  const offAttitude = 2 * Math.atan2(Math.hypot(...apart), Math.abs(w));
-  worstOmega = Math.max(worstOmega, offOmega);
-  worstAttitude = Math.max(worstAttitude, offAttitude);
-  table(String(Number((steps * TIMESTEP).toPrecision(6))), offOmega, offAttitude);
+const LARGEST = {largest!r};  // rad/s
+
+function row(t, ...errors) {{
+  const padded = ([x, width]) => {{
+    const [digits, sign, power] = x.toExponential(3).split(/e([+-])/);
+    return `${{digits}}e${{sign}}${{power.padStart(2, '0')}}`.padStart(width);
+  }};
+  console.log([t.padStart(10), ...errors.map(padded)].join('   '));
 }}
-table('largest   ', worstOmega, worstAttitude);
+
+function main() {{
+  let worstOmega = 0, worstAttitude = 0, taken = 0;
+  console.log('      t, s   error of omega   error of attitude, rad');
+  for (const [steps, qExact, omegaExact] of EXACT) {{
+    if (steps) step(steps - taken);
+    taken = steps;
+    const [q, omega] = state();
+    const offOmega = Math.hypot(...omega.map((x, i) => x - omegaExact[i])) / LARGEST;
+    const [w, ...apart] = product(conjugate(q), qExact);
+    const offAttitude = 2 * Math.atan2(Math.hypot(...apart), Math.abs(w));
+    worstOmega = Math.max(worstOmega, offOmega);
+    worstAttitude = Math.max(worstAttitude, offAttitude);
+    row(String(Number((steps * TIMESTEP).toPrecision(6))), [offOmega, 14], [offAttitude, 22]);
+  }}
+  row('largest   ', [worstOmega, 14], [worstAttitude, 22]);
+}}
+
+main();
 """
 
 

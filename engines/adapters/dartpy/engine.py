@@ -8,13 +8,14 @@ from importlib.metadata import version
 from typing import Any, final
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ....scenarios import EFFECTS, FloatArray, Scenario
 from ...engine import Engine, Method
 from ...matrix_session import MatrixReading, MatrixSession
 from ...read_back import BodyReading
 from ...session import Session
+from .script import script
+from .start import start_of
 
 ALL_EFFECTS = frozenset(EFFECTS)
 TORQUES = frozenset({"torque_body", "torque_world"})
@@ -46,6 +47,10 @@ class Dart(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Build a world with the body on its joint."""
         return DartSession(scenario, method.as_shipped, timestep)
+
+    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
+        """The world as Python."""
+        return script(scenario, method.as_shipped)
 
 
 @final
@@ -142,16 +147,11 @@ class DartSession(MatrixSession):
 
 
 def _set_start(dart: Any, joint: Any, scenario: Scenario) -> None:
-    start, com = scenario.start, np.array(scenario.body.com)
-    attitude = Rotation.from_quat(start.q_world_body_wxyz, scalar_first=True)
+    start = start_of(scenario)
     if scenario.has_pivot:
-        joint.setPositions(attitude.as_rotvec())
-        joint.setVelocities(np.array(start.omega_body))
+        joint.setPositions(start.rotation_vector)
+        joint.setVelocities(start.omega_body)
         return
-    R_world_body = attitude.as_matrix()
-    origin = start.position_world - R_world_body @ com
-    joint.setTransform(dart.math.Isometry3(R_world_body, origin))
+    joint.setTransform(dart.math.Isometry3(start.R_world_body, start.origin_world))
     world, body = dart.dynamics.Frame.World(), joint.getChildBodyNode()
-    swing = np.cross(start.omega_body, com)
-    velocity_body = R_world_body.T @ start.velocity_world - swing
-    joint.setSpatialVelocity(np.array([*start.omega_body, *velocity_body]), world, body)
+    joint.setSpatialVelocity(np.array([*start.omega_body, *start.velocity_body]), world, body)

@@ -10,12 +10,13 @@ from importlib.metadata import version
 from typing import Any, final
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ....scenarios import EFFECTS, FloatArray, Scenario
 from ...engine import Engine, Method
 from ...read_back import BodyReading, EngineError, State
 from ...session import Session
+from .script import script
+from .start import start_of
 
 ALL_EFFECTS = frozenset(EFFECTS)
 #: Effects that are given to `aba` as a force; the others are in the model.
@@ -54,14 +55,14 @@ class Pinocchio(Engine):
         """Build a model of one joint and its body."""
         return PinocchioSession(scenario, method.name, timestep)
 
+    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
+        """The model and its steps as Python."""
+        return script(scenario, method.name)
+
 
 @final
 class PinocchioSession(Session):
-    """One body; its joint's frame is the scene's body frame.
-
-    Of a free body q is where its origin is, then its attitude x y z w, and v the origin's velocity
-    along body axes, then ω; on a pivot they are attitude and ω alone.
-    """
+    """One body; its joint's frame is the scene's body frame."""
 
     def __init__(self, scenario: Scenario, method: str, timestep: float) -> None:
         self._pin: Any = import_module("pinocchio")
@@ -76,7 +77,7 @@ class PinocchioSession(Session):
         self._model.appendBodyToJoint(number, held, pin.SE3.Identity())
         self._model.gravity.linear = np.array(scenario.gravity_world)
         self._data = self._model.createData()
-        self._q, self._v = _start(scenario)
+        self._q, self._v = start_of(scenario)
 
     def read_body(self) -> BodyReading:
         """The body as the model holds it; com from the joint."""
@@ -167,19 +168,6 @@ class PinocchioSession(Session):
             push[-3:] = scenario.torque_body - scenario.drag * v[-3:]
             push[-3:] += R_world_body.T @ scenario.torque_world
         return np.asarray(self._pin.aba(self._model, self._data, q, v, push))
-
-
-def _start(scenario: Scenario) -> tuple[FloatArray, FloatArray]:
-    """Coordinates and velocities of the joint at the start."""
-    start, com = scenario.start, scenario.body.com
-    w, x, y, z = start.q_world_body_wxyz
-    q = np.array((x, y, z, w))
-    if scenario.has_pivot:
-        return q, np.array(start.omega_body)
-    R_world_body = Rotation.from_quat(q).as_matrix()
-    origin_velocity = R_world_body.T @ start.velocity_world - np.cross(start.omega_body, com)
-    origin = start.position_world - R_world_body @ com
-    return np.array([*origin, *q]), np.array([*origin_velocity, *start.omega_body])
 
 
 def _normalised(q: FloatArray) -> FloatArray:
