@@ -31,8 +31,9 @@ AIMED_BEYOND = 1.1
 #: Significant binary digits of a stretch's number of steps: engines that take a power of two of
 #: steps a call need at most that many calls.
 DIGITS_OF_STEPS = 3
-#: Steps before the first timed one, to warm up caches, allocations and branch predictors.
-WARM_UP = 200
+#: Steps before the first timed one, to warm up caches, allocations and branch predictors. The
+#: stretches by which their number of steps is found warm up further.
+WARM_UP = 16
 #: rad turned in a timed step, so small that no method blows up while it is timed.
 TIMED_TURN = 1e-4
 #: Number of changes of the clock from which its resolution is measured.

@@ -1,8 +1,10 @@
 """MuJoCo, from the scene as MJCF: every integrator it has is a method."""
 
 from collections.abc import Collection
+from copy import copy
 from dataclasses import replace
-from typing import final
+from functools import lru_cache
+from typing import Any, final
 
 import mujoco
 
@@ -112,15 +114,21 @@ def _open(
     check_not_too_small(scenario)
     if integrator is not None:
         _check_has(integrator)
-    switched = switched_off(scenario)
-    text = mjcf(scenario, timestep, integrator, left_in=switched)
+    model = copy(_model(scenario, integrator))
+    model.opt.timestep = timestep
+    disable(model, (name for name in switched_off(scenario) if name not in left_in))
+    start = model.key(0)
+    return MuJoCoSession(scenario, model, start.qpos, start.qvel, CLOCK in left_in)
+
+
+@lru_cache(maxsize=KEPT)
+def _model(scenario: Scenario, integrator: str | None) -> Any:
+    """The compiled scene, with every pass on."""
+    text = mjcf(scenario, ANY_TIMESTEP, integrator, left_in=switched_off(scenario))
     if not hasattr(getattr(mujoco, "MjsJoint", None), "align"):
         # Versions without the attribute behave as if it were set.
         text = text.replace(' align="false"', "")
-    model = compiled(lambda: mujoco.MjModel.from_xml_string(text))
-    disable(model, (name for name in switched if name not in left_in))
-    start = model.key(0)
-    return MuJoCoSession(scenario, model, start.qpos, start.qvel, CLOCK in left_in)
+    return compiled(lambda: mujoco.MjModel.from_xml_string(text))
 
 
 def _check_has(integrator: str) -> None:
