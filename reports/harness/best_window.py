@@ -8,7 +8,6 @@ J. Comput. Phys. 262 (2014) 104).
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...scenarios import FloatArray
 from .observed_order import ORDER_SLACK, observed_order
@@ -44,14 +43,12 @@ class BestWindow:
 
 def best_window(sequence: SignalSequence) -> BestWindow:
     """The window with the smallest tolerance."""
-    extrapolation, is_clean = _convergence_indices(sequence)
-    changes, bounds = sequence.limit_changes, sequence.roundoff_bounds[2:]
+    extrapolation, bounds = _convergence_indices(sequence), sequence.roundoff_bounds[2:]
     # The bound adds all roundings in one direction. Where that is too large to judge by, they are
-    # taken to add up as a random walk does. Rounding shows in the limit's change, and over clean
-    # rungs it cannot be much larger than that.
+    # taken to add up as a random walk does.
     walks = CAUTIOUS * bounds / np.sqrt(sequence.duration / sequence.timesteps[2:])
-    rounding = np.where(bounds > SHARP, np.minimum(bounds, walks), bounds)
-    rounding = np.where(is_clean, np.minimum(rounding, CAUTIOUS * changes), rounding)
+    rounding = np.where(bounds > SHARP, walks, np.inf)
+    rounding = np.minimum(sequence.rounding, rounding)
     noise_floor = rounding + sequence.uncertainty
     best = int(np.argmin(extrapolation + noise_floor))
     order = observed_order(
@@ -66,28 +63,22 @@ def best_window(sequence: SignalSequence) -> BestWindow:
     )
 
 
-def _convergence_indices(sequence: SignalSequence) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Grid convergence index of each limit, and whether its rungs shrink as they should.
+def _convergence_indices(sequence: SignalSequence) -> FloatArray:
+    """Grid convergence index of each limit.
 
     In the asymptotic range a limit's error shrinks by 2^(p+1) a rung at least, p the declared
     order, so that its last change is 2^(p+1) − 1 times the remaining error. Elsewhere the remaining
     error is taken to be the change itself, or the largest of the neighbouring changes if they show
     rounding.
     """
-    changes, p = sequence.limit_changes, sequence.orders
+    changes = sequence.limit_changes
     before = np.concatenate([[0.0], changes[:-1]])
     after = np.concatenate([changes[1:], [0.0]])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        shrinking = np.log2(before / changes)
-        seen = np.log2(sequence.differences[:-1] / sequence.differences[1:])
-    # The next term is of order p + 1, or of p + 2 where the method is symmetric.
-    is_clean = (shrinking >= p + 1 - 2 * ORDER_SLACK) & (shrinking <= p + 2 + 2 * ORDER_SLACK)
-    is_clean &= np.abs(seen - p) <= ORDER_SLACK
     # A change may be small by accident, and an order above the declared one need not last.
     least = sequence.declared_order + 1
     held = np.maximum(changes, before / 2**least)
     clean_index = SAFE / (2 ** (least - 2 * ORDER_SLACK) - 1) * held
     stalls = np.maximum(after, np.where(changes > before / 2, before, 0.0)) > changes / 2
     around = np.where(stalls, np.maximum(before, after), np.maximum(before, after) / 4)
-    index = np.where(is_clean, clean_index, CAUTIOUS * np.maximum(changes, around))
-    return index, is_clean
+    unclean_index = CAUTIOUS * np.maximum(changes, around)
+    return np.asarray(np.where(sequence.is_clean, clean_index, unclean_index))

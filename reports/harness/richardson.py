@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...reference import Solution
 from ...scenarios import ErrorNorm, FloatArray, Scenario, Trajectory
@@ -56,6 +57,8 @@ class Refinement:
     orders : used for the extrapolation
     limit_error : distance of their Richardson limit from the exact motion
     limit_change : distance of that limit from the limit of the two coarser rungs
+    is_clean : whether differences and limits shrink as the order says
+    rounding : the largest effect of rounding on the limit
     deviations : of the limit from the exact motion, None where it may be right
     """
 
@@ -63,6 +66,8 @@ class Refinement:
     orders: FloatArray
     limit_error: FloatArray
     limit_change: FloatArray
+    is_clean: NDArray[np.bool_]
+    rounding: FloatArray
     deviations: tuple[Deviation | None, ...]
 
 
@@ -75,8 +80,8 @@ class SignalSequence:
     timesteps, errors, roundoff_bounds : s; distance from the exact motion; largest effect of
         rounding at every step; (n,)
     differences : between neighbouring rungs, (n − 1,)
-    orders, limit_errors, limit_changes, deviations : as in `Refinement`, (n − 2,), one for each
-        rung from the third on
+    orders, limit_errors, limit_changes, is_clean, rounding, deviations : as in `Refinement`,
+        (n − 2,), one for each rung from the third on
     declared_order : of accuracy
     uncertainty : of the reference, plus that of start and body as the engine holds them
     duration : s, of the window
@@ -91,6 +96,8 @@ class SignalSequence:
     orders: FloatArray
     limit_errors: FloatArray
     limit_changes: FloatArray
+    is_clean: NDArray[np.bool_]
+    rounding: FloatArray
     deviations: tuple[Deviation | None, ...]
     declared_order: int
     uncertainty: float
@@ -176,6 +183,8 @@ class RichardsonLadder:
             column([one.orders for one in refinements]),
             column([one.limit_error for one in refinements]),
             column([one.limit_change for one in refinements]),
+            np.array([one.is_clean[k] for one in refinements], dtype=bool),
+            column([one.rounding for one in refinements]),
             tuple(one.deviations[k] for one in refinements),
             int(self.declared[k]),
             float(self._uncertainty[k]),
@@ -190,15 +199,41 @@ class RichardsonLadder:
         limit = norm.extrapolated(coarse, fine, orders)
         limit_errors = norm.distances(limit, norm.true_table)
         changes = norm.distances(limit, norm.extrapolated(coarsest, coarse, orders))
-        noise_floor = self._roundoff_bounds[-1] + self._uncertainty
+        is_clean = self._is_clean(orders, changes.max(axis=0))
+        rounding = self._rounding(is_clean, changes.max(axis=0))
+        noise_floor = rounding + self._uncertainty
         allowed = CAUTIOUS * np.maximum.accumulate(changes) + noise_floor
         return Refinement(
             difference=self._differences[-1],
             orders=orders,
             limit_error=limit_errors.max(axis=0),
             limit_change=changes.max(axis=0),
+            is_clean=is_clean,
+            rounding=rounding,
             deviations=self._deviations(np.maximum.accumulate(limit_errors), allowed),
         )
+
+    def _is_clean(self, orders: FloatArray, changes: FloatArray) -> NDArray[np.bool_]:
+        """Whether differences shrink by 2^p, and limits by 2^(p+1), or 2^(p+2) if symmetric."""
+        before = self._refinements[-1].limit_change if self._refinements else 0 * changes
+        with np.errstate(divide="ignore", invalid="ignore"):
+            shrinking = np.log2(before / changes)
+            seen = np.log2(self._differences[-2] / self._differences[-1])
+        is_clean = np.abs(seen - orders) <= ORDER_SLACK
+        is_clean &= shrinking >= orders + 1 - 2 * ORDER_SLACK
+        is_clean &= shrinking <= orders + 2 + 2 * ORDER_SLACK
+        return np.asarray(is_clean, dtype=bool)
+
+    def _rounding(self, is_clean: NDArray[np.bool_], changes: FloatArray) -> FloatArray:
+        """The derived bound, or less where clean rungs, this one or those before, show less.
+
+        Rounding shows in a limit's change, and over clean rungs it cannot be much larger than that.
+        Twice as many steps at most double it.
+        """
+        bound = self._roundoff_bounds[-1]
+        if self._refinements:
+            bound = np.minimum(bound, 2 * self._refinements[-1].rounding)
+        return np.where(is_clean, np.minimum(bound, CAUTIOUS * changes), bound)
 
     def _deviations(self, errors: FloatArray, allowed: FloatArray) -> tuple[Deviation | None, ...]:
         """Of every signal; both are running maxima, (n, 6)."""

@@ -191,6 +191,13 @@ def _unresolved(window: BestWindow, limit: str) -> tuple[str, float | None]:
             f"a timestep of {needed:.1e} s would resolve it, {steps:.1e} steps",
             needed,
         )
+    if window.tolerance <= SHARP:
+        return (
+            f"{limit}: another motion is {DISTINCT:g} tolerances off; no finer timestep would "
+            f"decide: {window.noise_floor:.1e} of the tolerance come from round-off and from the "
+            "uncertainty of the exact motion, body and start",
+            None,
+        )
     at = float(sequence.timesteps[least])
     lowest, last = f"{errors[least]:.1e}", f"{errors[-1]:.1e}"
     worse = f" and gets worse below it, {last} at {finest:.1e} s" if last != lowest else ""

@@ -237,6 +237,23 @@ def test_where_rounding_or_the_reference_hides_the_limit_no_timestep_is_recommen
     assert "and gets worse below it" in judgement.reason
 
 
+def test_a_limit_off_by_less_than_shows_another_motion_is_said_to_be_so():
+    """By twice what the uncertainty of the exact motion allows: no finer timestep would decide."""
+    uncertainty = 1e-6
+    judgement = judged(lambda dt: dt**4 + 2 * uncertainty, 4, uncertainty=uncertainty)
+    assert (judgement.word, judgement.needed_timestep) == ("unresolved", None)
+    assert "another motion is 4 tolerances off" in judgement.reason
+
+
+def test_an_offset_below_the_derived_bound_of_rounding_disagrees_if_rungs_are_clean():
+    """The bound adds all roundings in one direction; clean rungs show that they are less."""
+    growth = 1e-14
+    bound = growth * TIMES[-1] / (COARSEST / 2**7)
+    judgement = judged(lambda dt: bound + dt**4 + dt**5, 4, growth=growth)
+    assert judgement.word == "disagrees"
+    assert judgement.limit_error == pytest.approx(bound, rel=0.1)
+
+
 def test_what_conditioning_makes_as_large_as_the_motion_is_said_to_be_so():
     judgement = judged(lambda dt: 1.9 + 1e-3 * np.sin(1 / dt), 2, uncertainty=1e3)
     assert "has grown to the size of the motion itself by the end" in judgement.reason
