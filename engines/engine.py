@@ -208,11 +208,17 @@ class Engine(ABC):
         return ""
 
     @final
-    def equation_residuals(self, scenario: Scenario, method: Method) -> str:
+    def equation_residuals(
+        self, scenario: Scenario, method: Method, *, single_precision: bool = False
+    ) -> str:
         """In words, how the engine's first steps differ from the scene's equations; else empty.
 
         Empty also for an engine as shipped, which need not obey them, and where the engine raises
         an `EngineError` before these steps are done.
+
+        Parameters
+        ----------
+        single_precision : whether its runs are of single precision, declared or not
 
         Raises
         ------
@@ -222,7 +228,8 @@ class Engine(ABC):
         if method.as_shipped or self.unsupported(scenario, method):
             return ""
         negligible = max(NEGLIGIBLE, self.slack) if self.of_file else NEGLIGIBLE
-        numbers = np.float32 if self.single_precision else np.float64
+        is_single = single_precision or self.single_precision
+        numbers = np.float32 if is_single else np.float64
         try:
             residuals = equation_residuals(
                 lambda scene, timestep: self.open(scene, method, timestep),
@@ -283,6 +290,8 @@ class Engine(ABC):
             bits,
         ]
         cause = sampled.cause or ("read-back" if unlike else "model" if audited.differs else "")
+        if bits and not (cause or method.as_shipped):
+            cause = "precision"
         return ended(sampled.outcome, "; ".join(part for part in remarks if part), cause, **fields)
 
 

@@ -37,6 +37,7 @@ Cause = Literal[
     # Of runs that finished.
     "lost",
     "law",
+    "precision",
 ]
 
 #: Causes in the machine, not in the engine: the run may succeed if repeated.

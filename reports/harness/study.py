@@ -213,7 +213,8 @@ def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run
     run = engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
     if not (run.outcome == "ok" or run.cause == "lag"):
         return run
-    model = _Model(engine.name, method, scenario.digest, engine, scenario)
+    is_single = run.cause == "precision"
+    model = _Model(engine.name, method, scenario.digest, is_single, engine, scenario)
     residuals = _equation_residuals(model)
     if not residuals:
         return run
@@ -231,6 +232,7 @@ class _Model:
     engine_name: str
     method: str
     digest: str
+    single_precision: bool
     engine: Engine = field(compare=False)
     scenario: Scenario = field(compare=False)
 
@@ -238,7 +240,9 @@ class _Model:
 @lru_cache(maxsize=MODELS)
 def _equation_residuals(model: _Model) -> str:
     """The residuals of its first steps, independent of the timestep: measured once a process."""
-    return model.engine.equation_residuals(model.scenario, model.engine.method(model.method))
+    method = model.engine.method(model.method)
+    single = model.single_precision
+    return model.engine.equation_residuals(model.scenario, method, single_precision=single)
 
 
 def _methods_left(

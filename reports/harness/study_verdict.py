@@ -32,29 +32,30 @@ def _judged(study: ConvergenceStudy) -> Verdict:
         return Verdict(study.key, word, _with_time(last), **attributes)
     # For an engine as shipped: its differences from the scene.
     remark = last.reason if last else ""
-    breaks_law = last is not None and last.cause == "law"
+    is_wrong = last is not None and last.cause in ("law", "precision")
     if study.judge.signals:
-        return _of_signals(study, remark, breaks_law=breaks_law, **attributes)
+        return _of_signals(study, remark, is_wrong=is_wrong, **attributes)
     reason = "; ".join(part for part in (_no_verdict(study), remark) if part)
-    return Verdict(study.key, "disagrees" if breaks_law else "unresolved", reason, **attributes)
+    return Verdict(study.key, "disagrees" if is_wrong else "unresolved", reason, **attributes)
 
 
 def _of_signals(
-    study: ConvergenceStudy, remark: str, *, breaks_law: bool, **attributes: Any
+    study: ConvergenceStudy, remark: str, *, is_wrong: bool, **attributes: Any
 ) -> Verdict:
-    """The verdict of the worst signal; `disagrees` if there are equation residuals."""
+    """The verdict of the worst signal; `disagrees` if a run was of another model or precision."""
     worst = study.judge.worst
     judgement = worst.judgement
     word, reason = judgement.word, f"{SIGNAL_NAMES[worst.sequence.signal]}: {judgement.reason}"
-    # For a user's file, the body that the engine holds explains the motion: it is named first.
-    explains = study.engine.of_file or (breaks_law and word != "disagrees")
+    # What the first steps show, and the body that an engine holds of a user's file, explain the
+    # motion: they are named first.
+    explains = study.engine.of_file or is_wrong
     parts = [remark, reason] if explains else [reason, remark]
-    if word == "converges" and not breaks_law:
+    if word == "converges" and not is_wrong:
         # Then the effects that an engine as shipped adds do not alter the motion.
         parts = [reason]
     return Verdict(
         study.key,
-        "disagrees" if breaks_law else word,
+        "disagrees" if is_wrong else word,
         "; ".join(part for part in parts if part),
         worst.sequence.signal,
         judgement.order,
