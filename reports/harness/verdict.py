@@ -161,7 +161,8 @@ def _order_words(window: BestWindow) -> str:
     declared = window.sequence.declared_order
     if window.order is not None:
         above = " or better" if window.order > declared + ORDER_SLACK else ""
-        return f"order {window.order:.2f}, declared {declared}{above}"
+        # Without the sign of a zero.
+        return f"order {round(window.order, 2) + 0.0:.2f}, declared {declared}{above}"
     if (window.sequence.errors >= ASYMPTOTIC).sum() > len(window.sequence) / 2:
         return (
             f"errors of {window.sequence.errors.min():.1e} and more are too large to show an order"
