@@ -136,6 +136,7 @@ class Engine(ABC):
 
         It may use `TIMESTEP`, of quaternions, w x y z, `product`, `conjugate` and `turned`, and in
         Python `np`; it defines `step(count)`, and `state()`: attitude, w x y z, and ω in body axes.
+        `EXACT`, `LARGEST` and `main` are taken.
         """
         return ""
 

@@ -54,19 +54,18 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
 def _without_script(scenario: Scenario, engine: Engine) -> str:
     """That an engine has none, and which have."""
     able = [one.name for one in engines().values() if one.script(scenario, one.methods[0], 1.0)]
-    return (
-        f"'--engine' must be one of {', '.join(able)}, which write scripts of themselves, "
-        f"got '{engine.name}'"
-    )
+    return f"'--engine' must be one of {', '.join(able)}, which write scripts, got '{engine.name}'"
 
 
 def _tail(frame: Frame, solution: Solution, steps: NDArray[np.int64]) -> str:
     motion = solution.trajectory
     kept = np.unique(np.linspace(0, len(motion.t) - 1, MOST_SAMPLES).round().astype(int))
     columns = (steps, motion.q_world_body_wxyz, motion.omega_body)
+    largest = float(np.linalg.norm(motion.omega_body, axis=1).max())
     rows = zip(*(column[kept].tolist() for column in columns), strict=True)
     return frame.tail.format(
-        largest=float(np.linalg.norm(motion.omega_body, axis=1).max()),
+        # Of a body that does not turn errors are absolute.
+        largest=largest or 1.0,
         solved=printable(solution.method),
         omega=solution.uncertainty.omega,
         attitude=solution.uncertainty.attitude,

@@ -37,7 +37,7 @@ _PYTHON_TAIL = """
 EXACT = [
 {rows}
 ]
-LARGEST = {largest!r}  # rad/s
+LARGEST = {largest!r}  # rad/s; errors of omega are relative to it
 
 
 def main():
@@ -51,7 +51,8 @@ def main():
         off_omega = np.linalg.norm(omega - omega_exact) / LARGEST
         apart = product(conjugate(q / np.linalg.norm(q)), np.array(q_exact))
         off_attitude = 2 * np.arctan2(np.linalg.norm(apart[1:]), abs(apart[0]))
-        worst_omega, worst_attitude = max(worst_omega, off_omega), max(worst_attitude, off_attitude)
+        worst_omega = np.maximum(worst_omega, off_omega)
+        worst_attitude = np.maximum(worst_attitude, off_attitude)
         print(f"{{steps * TIMESTEP:10.6g}}   {{off_omega:14.3e}}   {{off_attitude:22.3e}}")
     print(f"largest      {{worst_omega:14.3e}}   {{worst_attitude:22.3e}}")
 
@@ -86,12 +87,12 @@ function turned(q, v) {{
 const EXACT = [
 {rows}
 ];
-const LARGEST = {largest!r};  // rad/s
+const LARGEST = {largest!r};  // rad/s; errors of omega are relative to it
 
 function row(t, ...errors) {{
   const padded = ([x, width]) => {{
-    const [digits, sign, power] = x.toExponential(3).split(/e([+-])/);
-    return `${{digits}}e${{sign}}${{power.padStart(2, '0')}}`.padStart(width);
+    const twoDigits = (_, sign, digit) => `e${{sign}}0${{digit}}`;
+    return x.toExponential(3).replace(/e([+-])(\\d)$/, twoDigits).padStart(width);
   }};
   console.log([t.padStart(10), ...errors.map(padded)].join('   '));
 }}

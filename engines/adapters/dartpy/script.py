@@ -21,8 +21,9 @@ world.setDeactivationOptions(options)
 _BODY = """\
 skeleton = dart.dynamics.Skeleton("top")
 joint, body = skeleton.create{joint}JointAndBodyNodePair()
-com = np.array({com})  # m, body axes, from the joint
-inertia = np.array({inertia})  # kg m^2, about the com
+# m, body axes, from the joint; kg m^2, about the com.
+com = np.array({com})
+inertia = np.array({inertia})
 body.setInertia(dart.dynamics.Inertia({mass!r}, com, inertia))  # kg
 """
 _DRAG = """\
@@ -34,9 +35,10 @@ joint.setPositions(np.array({rotation}))  # a rotation vector, rad
 joint.setVelocities(np.array({omega}))  # rad/s, body axes
 """
 _FREE = """\
-attitude = np.array({attitude})  # rotation matrix
-joint.setTransform(dart.math.Isometry3(attitude, np.array({origin})))  # m
-velocity = np.array({velocity})  # rad/s, then m/s of the body's origin, body axes
+# Position of the body's origin, m; rad/s, then m/s of that origin, body axes.
+attitude = np.array({attitude})
+joint.setTransform(dart.math.Isometry3(attitude, np.array({origin})))
+velocity = np.array({velocity})
 joint.setSpatialVelocity(velocity, dart.dynamics.Frame.World(), body)
 """
 _STEPS = """\

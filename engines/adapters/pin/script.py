@@ -12,8 +12,9 @@ import pinocchio
 model = pinocchio.Model()
 upright = pinocchio.SE3.Identity()
 joint = model.addJoint(0, pinocchio.JointModel{joint}(), upright, "top")
-com = np.array({com})  # m, body axes, from the joint
-inertia = np.array({inertia})  # kg m^2, about the com
+# m, body axes, from the joint; kg m^2, about the com.
+com = np.array({com})
+inertia = np.array({inertia})
 model.appendBodyToJoint(joint, pinocchio.Inertia({mass!r}, com, inertia), upright)  # kg
 model.gravity.linear = np.array({gravity})  # m/s^2
 data = model.createData()

@@ -59,6 +59,13 @@ def test_an_engine_without_a_script_is_reported() -> None:
         reproduction(scenario, engine, engine.methods[0], TIMESTEP)
 
 
+@pytest.mark.needs_pybullet
+def test_a_method_that_cannot_simulate_the_scene_is_reported() -> None:
+    scenario, engine = library_scene("tennis-racket"), engines()["pybullet"]
+    with pytest.raises(Complaint, match="multibody-p2p is for scenes with pivot"):
+        reproduction(scenario, engine, engine.method("multibody-p2p"), TIMESTEP)
+
+
 def test_an_engine_at_a_version_has_the_script_of_its_adapter() -> None:
     """It has to run there: flags that a version lacks are none."""
     scenario, newest = library_scene("fast-top"), engines()["mujoco"]

@@ -1,6 +1,7 @@
 """Scripts of optional engines find the errors that the harness finds; skipped if not installed."""
 
 import ast
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -91,8 +92,15 @@ def test_every_script_of_it_finds_the_errors_that_the_harness_finds(
 HOSTILE = "*/ \"\"\" ''' ` ${x} {x} // # \\ \n\r\v\f\x85\u2028\u2029 boom \\"
 
 
+#: A state that is no longer finite.
+BLOWN_UP = {
+    "Python": "step = abs\ndef state(): return np.ones(4), np.full(3, np.nan)\n",
+    "JavaScript": "const step = Math.abs, state = () => [[1, 1, 1, 1], [NaN, NaN, NaN]];\n",
+}
+
+
 class Scripted(Engine):
-    """An engine whose scripts say nothing."""
+    """An engine whose scripts blow up."""
 
     name, version, methods = "scripted", "1.0", engines()["mujoco"].methods
 
@@ -103,7 +111,7 @@ class Scripted(Engine):
         raise NotImplementedError
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
-        return "step = state = None\n"
+        return BLOWN_UP[self.script_language]
 
 
 @pytest.mark.parametrize("language", ["Python", "JavaScript"])
@@ -124,3 +132,18 @@ def test_no_title_gets_out_of_its_comment(language: Literal["Python", "JavaScrip
     else:
         assert head.startswith("// ")
         assert hostile.startswith("// ")
+
+
+@pytest.mark.parametrize("language", ["Python", "JavaScript"])
+def test_a_script_that_blows_up_says_so_in_its_last_line(
+    language: Literal["Python", "JavaScript"], tmp_path: Path
+) -> None:
+    if language == "JavaScript" and shutil.which("node") is None:
+        pytest.skip("node is not installed")
+    engine = Scripted(language)
+    file = tmp_path / f"run{FRAMES[language].suffix}"
+    text = reproduction(SCENES_TO_WRITE[2], engine, engine.methods[0], TIMESTEP)
+    file.write_text(text, encoding="utf-8")
+    command = [*RUN[language], str(file)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1].lower().split()[:2] == ["largest", "nan"]
