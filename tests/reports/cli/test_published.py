@@ -58,6 +58,14 @@ def test_a_published_value_that_does_not_hold_is_reported_alike(
     assert (words in done.stderr) == bool(code)
 
 
+def test_a_report_of_a_published_value_that_does_not_hold_reports_it_too(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    spincheck("run", str(file_of(tmp_path, 3.1)), *COMMANDS["run"])
+    done = spincheck("report")
+    assert done.returncode == 1
+    assert "is 1.00e-01 from the value printed in a book" in done.stderr
+
+
 def test_a_component_that_is_none_is_complained_of_by_its_key(tmp_path):
     path = file_of(tmp_path, 3.0)
     path.write_text(path.read_text().replace("z = 3.0", "w = 3.0"), encoding="utf-8")
