@@ -19,7 +19,7 @@ report: $(READY)
 
 # Every optional engine: Python packages into .venv, npm packages into the user's cache.
 engines: $(READY)
-	$(BIN)/pip install --quiet --editable '.[dartpy,drake,exudyn,pin,rapier3d]'
+	$(BIN)/pip install --quiet --editable '.[dartpy,drake,exudyn,mjx,pin,rapier3d]'
 	$(BIN)/python -m spincheck.engines.adapters.node || [ $$? -eq 3 ]
 
 test: $(READY)

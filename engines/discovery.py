@@ -94,7 +94,7 @@ def _engines_in(module: ModuleType) -> Iterator[Engine | Missing]:
 
 
 def _not_installed(engine: Engine) -> Missing:
-    how = f"pip install 'spincheck[{engine.name}]'"
+    how = f"pip install 'spincheck[{engine.extra or engine.name}]'"
     reason = f"the package '{engine.package}' is not installed; {how}"
     return Missing(engine.name, engine.package, reason)
 

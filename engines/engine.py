@@ -90,6 +90,7 @@ class Engine(ABC):
     stock_timestep : s, the default timestep; None where users have to set one
     step_seconds : CPU time of a step, roughly; what the estimate of a run's time rests on
     package : of an optional engine, the package that it needs, imported when a scene is opened
+    extra : the extra of spincheck that installs that; the engine's name if empty
     of_file : whether it loads the link that a scene names out of the user's own model file
     script_language : what `script` is written in
     """
@@ -100,6 +101,7 @@ class Engine(ABC):
     stock_timestep: float | None = None
     step_seconds: float = 1e-6
     package: str = ""
+    extra: str = ""
     of_file: bool = False
     script_language: Literal["Python", "JavaScript"] = "Python"
 

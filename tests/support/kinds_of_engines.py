@@ -11,6 +11,8 @@ OPTIONAL = (
     "exudyn",
     "havok",
     "jolt",
+    "mjx",
+    "mjx-float32",
     "physx",
     "pin",
     "rapier3d",

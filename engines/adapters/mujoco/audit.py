@@ -133,19 +133,20 @@ def _wrong_strengths(
     }
     for name, (held, wanted) in pairs.items():
         # Effects not called for, or missing, are reported elsewhere.
-        if wanted.any() and held.any() and (held != wanted).any():
+        if wanted.any() and held.any() and (held != wanted.astype(held.dtype)).any():
             yield f"{name} of {held.tolist()}, not {wanted.tolist()}"
 
 
 def read_effects(model: Any) -> EffectsReading:
     """The strength of every effect, with what is disabled counted as absent."""
+    numbers = model.opt.gravity.dtype
     reading = EffectsReading(
         pivot=False,
         gravity_world=model.opt.gravity * _is_on(model, "gravity"),
         joint_damping=np.diag(model.dof_damping[-3:]) * _is_on(model, "damper"),
-        servo_drag=np.zeros((3, 3)),
-        torque_body=np.zeros(3),
-        torque_world=np.zeros(3),
+        servo_drag=np.zeros((3, 3), numbers),
+        torque_body=np.zeros(3, numbers),
+        torque_world=np.zeros(3, numbers),
         other=frozenset(),
     )
     pivot, other = _joint(model)

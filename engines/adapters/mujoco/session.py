@@ -60,21 +60,14 @@ class MuJoCoSession(Session):
         # Reused for each snapshot: fetching MuJoCo's own arrays would double the time.
         self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
         self._read = self._reading[1:]
-        self._body = model.nbody - 1
-        self._com_body = model.body_ipos[self._body].copy()
+        self._com_body = model.body_ipos[-1].copy()
         self._steps = 0
         self._warnings: list[str] = []
         self._clock = clock.SHIPPED if has_clock else None
 
     def read_body(self) -> BodyReading:
         """From the compiled model, its principal moments turned back into body axes."""
-        model, body = self.model, self._body
-        R_body_axes = _rotation(model.body_iquat[body]).as_matrix()
-        return BodyReading(
-            mass=float(model.body_mass[body]),
-            com=model.body_ipos[body].copy(),
-            inertia_com=R_body_axes @ np.diag(model.body_inertia[body]) @ R_body_axes.T,
-        )
+        return body_of(self.model)
 
     def read_state(self) -> State:
         """The state now; see `states`."""
@@ -126,22 +119,10 @@ class MuJoCoSession(Session):
         return self._bytes()
 
     def states(self, snapshots: Sequence[Snapshot]) -> State:
-        """From qpos and qvel alone: derived data (xipos, cvel) is one step old after a step.
-
-        The com is the body's origin plus the compiled arm, its velocity that of the origin plus
-        ω × arm; a ball joint's origin stands still.
-        """
+        """From qpos and qvel alone: derived data (xipos, cvel) is one step old after a step."""
         nq = self.model.nq
         rows = _rows(snapshots)
-        qpos, qvel = rows[:, 2 : 2 + nq], rows[:, 2 + nq :]
-        q_world_body_wxyz, omega_body = qpos[:, -4:], qvel[:, -3:]
-        R_world_body = matrices(q_world_body_wxyz)
-        com_world = R_world_body @ self._com_body
-        velocity_world = turned(R_world_body, omega_body @ across(self._com_body))
-        if qvel.shape[1] > TRANSLATION:
-            com_world += qpos[:, :TRANSLATION]
-            velocity_world += qvel[:, :TRANSLATION]
-        return State(q_world_body_wxyz, omega_body, com_world, velocity_world)
+        return states_of(rows[:, 2 : 2 + nq], rows[:, 2 + nq :], self._com_body)
 
     def first_fault(
         self,
@@ -182,6 +163,32 @@ class MuJoCoSession(Session):
 
 def _rows(snapshots: Sequence[Snapshot]) -> FloatArray:
     return np.frombuffer(bytearray().join(snapshots)).reshape(len(snapshots), -1)
+
+
+def body_of(model: Any) -> BodyReading:
+    """The last body of a compiled model, its principal moments turned back into body axes."""
+    R_body_axes = _rotation(model.body_iquat[-1]).as_matrix()
+    return BodyReading(
+        mass=float(model.body_mass[-1]),
+        com=model.body_ipos[-1].copy(),
+        inertia_com=R_body_axes @ np.diag(model.body_inertia[-1]) @ R_body_axes.T,
+    )
+
+
+def states_of(qpos: FloatArray, qvel: FloatArray, com_body: FloatArray) -> State:
+    """The states of one body from its coordinates, (n, nq), and velocities, (n, nv).
+
+    The com is the body's origin plus the compiled arm, its velocity that of the origin plus
+    ω × arm; a ball joint's origin stands still.
+    """
+    q_world_body_wxyz, omega_body = qpos[:, -4:], qvel[:, -3:]
+    R_world_body = matrices(q_world_body_wxyz)
+    com_world = R_world_body @ com_body
+    velocity_world = turned(R_world_body, omega_body @ across(com_body))
+    if qvel.shape[1] > TRANSLATION:
+        com_world += qpos[:, :TRANSLATION]
+        velocity_world += qvel[:, :TRANSLATION]
+    return State(q_world_body_wxyz, omega_body, com_world, velocity_world)
 
 
 def left_out(scenario: Scenario) -> tuple[str, ...]:

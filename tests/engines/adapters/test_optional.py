@@ -11,6 +11,7 @@ from kinds_of_engines import OPTIONAL, why_missing
 from library_scenes import library_scene
 from spincheck.engines import Engine, engines, missing
 from spincheck.engines import adapters as adapters_package
+from spincheck.engines.adapters import mjx
 from spincheck.engines.adapters.node import discovered
 from spincheck.engines.adapters.node.discovered import HERE
 from spincheck.engines.child.process import end_idle
@@ -29,6 +30,10 @@ ON_AXIS = scene("on-axis", start=START_ON_AXIS)
 #: A scene with everything that is held, and one with everything that acts on a free body.
 HELD = ("everything", "heavy-top", "free-tilted-plate")
 PUSHED = ("free-falling", "free-drag", "free-torque-body", "free-torque-world", "pivot-torque-body")
+#: Their methods share one model, and each takes JAX seconds to compile for each scene.
+ONE_MODEL = ("mjx", "mjx-float32")
+#: In double precision by a switch; as shipped it is another engine.
+SWITCHED = ("mjx",)
 WITHOUT_GYROSCOPIC_TORQUE = ("cannon-es", "havok")
 
 
@@ -60,7 +65,7 @@ def test_no_engine_whose_package_is_installed_fails_to_load() -> None:
 
 @pytest.mark.parametrize("name", [*HELD, *PUSHED])
 def test_it_holds_the_scene_and_no_other_thing_acts(engine: Engine, name: str) -> None:
-    for method in engine.methods:
+    for method in engine.methods[:1] if engine.name in ONE_MODEL else engine.methods:
         if not method.as_shipped:
             run = engine.run(SCENES[name], method, TIMESTEP, np.arange(3))
             assert (run.outcome, run.reason) == ("ok", "")
@@ -68,6 +73,8 @@ def test_it_holds_the_scene_and_no_other_thing_acts(engine: Engine, name: str) -
 
 
 def test_its_defaults_have_a_row_that_says_what_differs(engine: Engine) -> None:
+    if engine.name in SWITCHED:
+        pytest.skip(f"{engine.name} is not shipped so")
     (shipped,) = [method for method in engine.methods if method.as_shipped]
     run = engine.run(SCENES["heavy-top"], shipped, TIMESTEP, np.arange(3))
     assert run.outcome == "ok"
@@ -108,6 +115,15 @@ def test_exudyn_turns_a_body_that_starts_along_the_worlds_axes() -> None:
     assert engine.equation_residuals(library_scene("pendulum-just-over"), engine.methods[0]) == ""
 
 
+def test_turns_that_jolt_drops_as_too_small_are_no_other_equation_of_motion() -> None:
+    """It does not put back less than 1e-6 rad a step: its error is no smooth function of that."""
+    if reason := why_missing("jolt"):
+        pytest.skip(reason)
+    engine = engines()["jolt"]
+    scenario = library_scene("motor-through-the-threshold")
+    assert engine.equation_residuals(scenario, engine.methods[0]) == ""
+
+
 def test_a_damping_that_an_engine_ships_with_is_no_step_of_another_length() -> None:
     """Where a torque makes up for it ω hardly changes, and is larger within each step."""
     if reason := why_missing("havok"):
@@ -128,6 +144,7 @@ def test_a_damping_that_an_engine_ships_with_is_no_step_of_another_length() -> N
         ("drake", "runge_kutta3"),
         ("exudyn", "RK44"),
         ("exudyn", "TrapezoidalIndex2"),
+        ("mjx", "Euler"),
         ("pin", "semi-implicit"),
     ],
 )
@@ -138,6 +155,16 @@ def test_it_keeps_the_contract(check: Check, name: str, method: str) -> None:
         pytest.skip(reason)
     engine = engines()[name]
     check(engine, engine.method(method))
+
+
+def test_mjx_compiles_once_for_scenes_that_differ_in_numbers_alone() -> None:
+    if reason := why_missing("mjx"):
+        pytest.skip(reason)
+    engine = engines()["mjx"]
+    for name, timestep in (("fast-top", 1e-3), ("nutation-loops", 5e-4)):
+        run = engine.run(library_scene(name), engine.method("Euler"), timestep, np.arange(3))
+        assert run.outcome == "ok"
+    assert mjx._stepper()._cache_size() == 1
 
 
 def test_nothing_optional_is_imported_before_a_scene_is_opened() -> None:
