@@ -12,6 +12,7 @@ Cause = Literal[
     "reset",
     "clamp",
     "lag",
+    "parted",
     "pivot",
     "energy",
     "warning",

@@ -15,12 +15,13 @@ after the step over the distance of the com.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import permutations, product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..scenarios import FloatArray
-from ..scenarios.rotation import matrices, norms, rotation_vectors
+from ..scenarios.rotation import matrices, norms, rotation_vectors, turned, turned_back
 from .bounds import Bounds
 from .fault import Cause, Fault
 from .read_back import State
@@ -90,12 +91,37 @@ def _turns(reading: Reading, pairs: NDArray[np.int64], bounds: Bounds) -> Iterat
     # The turn is about ω's axis if the part across it is smaller than the part missing along it.
     is_aside = along < 0 or aside > min(float(allowed[k]), abs(along - float(speeds[k])))
     cause = _cause(reading, int(pairs[k]), is_aside, is_short=along < speeds[k])
-    turned = float(np.linalg.norm(rate_body[k])) * timestep
+    angle = float(np.linalg.norm(rate_body[k])) * timestep
+    makes = float(speeds[k]) * timestep
     reason = (
-        f"in a step the attitude turns by {turned:.3g} rad{_WAYS[cause]}, "
-        f"where ω makes {speeds[k] * timestep:.3g} rad"
+        f"in a step the attitude turns by {angle:.3g} rad{_WAYS[cause]}, "
+        f"where ω makes {makes:.3g} rad"
     )
+    if cause == "frames" and _were_of_one_frame(
+        mean_omega_body[:k], q_world_body[pairs[:k]], (off + allowed)[:k]
+    ):
+        cause = "parted"
+        reason = (
+            f"from {reading.steps[pairs[k]] * timestep:.4g} s on attitude and ω part: in a step "
+            f"the attitude turns by {angle:.3g} rad and ω makes {makes:.3g} rad, "
+            f"{off[k] * timestep:.3g} rad apart; up to then they agreed"
+        )
     yield Fault(int(pairs[k]) + 1, cause, reason)
+
+
+def _were_of_one_frame(omega_body: FloatArray, q_world_body: FloatArray, apart: FloatArray) -> bool:
+    """Whether a step that passed would have failed with ω in any other axes, or their order.
+
+    Parameters
+    ----------
+    omega_body, q_world_body : (n, 3) and (n, 4), of the steps that passed
+    apart : rad/s, by which another ω that passes as well may differ, (n,)
+    """
+    R_world_body = matrices(q_world_body)
+    others = [turned(R_world_body, omega_body), turned_back(R_world_body, omega_body)]
+    others += [omega_body @ axes for axes in _OTHER_AXES]
+    least = np.min([norms(other - omega_body) for other in others], axis=0)
+    return bool((least > apart).any())
 
 
 def _put_back(states: State, pairs: NDArray[np.int64], arm_body: FloatArray) -> FloatArray:
@@ -104,6 +130,13 @@ def _put_back(states: State, pairs: NDArray[np.int64], arm_body: FloatArray) -> 
     drift = norms(states.com_world - arm_world) / float(np.linalg.norm(arm_body))
     return np.asarray(drift[pairs] + drift[pairs + 1])
 
+
+#: Every other order and sign of three components, as matrices.
+_OTHER_AXES = [
+    np.diag(signs)[list(order)]
+    for order in permutations(range(3))
+    for signs in product((1.0, -1.0), repeat=3)
+][1:]
 
 _WAYS: dict[Cause, str] = {
     "frozen": ": the state stands still",
