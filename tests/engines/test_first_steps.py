@@ -1,11 +1,14 @@
 """The equation residuals detect and name an engine that simulates another scene."""
 
+import sys
+
 import numpy as np
 import pytest
 from box import BOX
 from planted import HeunSession
 from planted_faults import SingleSession, SingleUngyroscopicSession, UngyroscopicSession
 from scenes import SCENES
+from scipy.spatial.transform import Rotation
 from spincheck.engines import engines
 from spincheck.engines.first_steps import equation_residuals, starting_with
 from spincheck.scenarios import loads
@@ -101,3 +104,36 @@ def test_a_clock_that_is_off_is_named_with_its_number(size: float) -> None:
 def test_a_faultless_engine_in_single_precision_begins_as_the_scene_does() -> None:
     epsilon = float(np.finfo(np.float32).eps)
     assert equation_residuals(SingleSession, loads(BOX, "box"), epsilon) == []
+
+
+class StickingSession(HeunSession):
+    """Turns by a ten-thousandth less about x at timesteps below that of `STICKS`."""
+
+    def advance(self, steps: int) -> None:
+        for _ in range(steps):
+            super().advance(1)
+            if self.timestep < STICKS:
+                aside = Rotation.from_rotvec([-1e-4 * self.timestep, 0.0, 0.0])
+                self.attitude = self.attitude * aside
+
+
+#: s, between the longest of the timesteps that the box is opened with and the next.
+STICKS = 0.75 * 2.0**-22
+
+
+def test_an_error_that_leaps_between_two_of_the_timesteps_is_noise() -> None:
+    """Such as of an engine that drops turns below some size."""
+    opened = []
+
+    def open_at(scene, timestep):
+        opened.append(timestep)
+        return StickingSession(scene, timestep)
+
+    assert equation_residuals(open_at, loads(BOX, "box"), EPS) == []
+    assert len([timestep for timestep in set(opened) if timestep > STICKS]) == 1
+
+
+def test_an_error_of_that_size_at_every_timestep_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys.modules[__name__], "STICKS", 1.0)
+    residuals = equation_residuals(StickingSession, loads(BOX, "box"), EPS)
+    assert residuals[0].startswith("dR/dt")

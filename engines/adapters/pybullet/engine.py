@@ -9,9 +9,14 @@ from functools import cache
 from importlib.metadata import version
 from math import pi
 
+import numpy as np
+
 from ....scenarios import EFFECTS, Scenario
+from ....scenarios.rotation import cross, matrices
 from ...engine import Engine, Method, Release
+from ...equations import Equations
 from ...native_output import native_output
+from ...read_back import UnsupportedError
 from ...release import numbers_of
 from ...session import Session
 
@@ -26,6 +31,8 @@ ALL_EFFECTS = frozenset(EFFECTS)
 #: rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h, for every kind of body.
 #: Beyond it the attitude turns only by this much a step, while ω still reads its full value.
 MOST_ROTATION_A_STEP = pi / 4
+#: N s a step, of a constraint between two rigid bodies: PyBullet's default, which it keeps.
+MOST_IMPULSE = 500.0
 
 REPRESENTATIONS = {
     "multibody": BodyRepresentation(maximal=False, hung=True),
@@ -99,7 +106,10 @@ class PyBullet(Engine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Load the scene's URDF and set its start."""
-        return PyBulletSession(scenario, REPRESENTATIONS[method.name], timestep)
+        representation = REPRESENTATIONS[method.name]
+        if representation.maximal and scenario.has_pivot:
+            _check_borne(scenario, timestep)
+        return PyBulletSession(scenario, representation, timestep)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """The URDF, and the calls that take away PyBullet's defaults and step it."""
@@ -139,6 +149,23 @@ class PyBullet(Engine):
         """Loaded like the method, with some of its defaults."""
         representation = replace(REPRESENTATIONS[method.name], defaults=frozenset(defaults))
         return PyBulletSession(scenario, representation, timestep)
+
+
+def _check_borne(scenario: Scenario, timestep: float) -> None:
+    """Raise if the pivot of a rigid body cannot bear it at the start: it would fall through."""
+    equations, start, com = Equations(scenario), scenario.start, scenario.body.com
+    R_world_body, omega_body = matrices(start.q_world_body_wxyz[None])[0], start.omega_body
+    omega_rate = equations.inverse @ equations.torque_body(R_world_body, omega_body)
+    pull_body = cross(omega_rate, com) + cross(omega_body, cross(omega_body, com))
+    force_world = scenario.body.mass * (R_world_body @ pull_body - scenario.gravity_world)
+    impulse = float(np.abs(force_world).max()) * timestep
+    if impulse > MOST_IMPULSE:
+        raise UnsupportedError(
+            f"PyBullet's pivot of a rigid body bears at most {MOST_IMPULSE:g} N s a step along "
+            f"each of the world's axes, this body needs {impulse:.3g}; use a timestep of less than "
+            f"{timestep * MOST_IMPULSE / impulse:.2g} s, or another method",
+            "clamp",
+        )
 
 
 def release(version: str, methods: tuple[Method, ...]) -> Release:

@@ -3,6 +3,7 @@
 import numpy as np
 import pybullet as p
 import pytest
+from library_scenes import library_scene
 from pybullet_planted import (
     BY_CONSTRAINT,
     ENGINE,
@@ -13,6 +14,8 @@ from pybullet_planted import (
 )
 from scenes import PIVOT, SCENES, SKEW_GRAVITY, scene
 from spincheck.engines import Method
+from spincheck.engines.adapters.pybullet.engine import REPRESENTATIONS
+from spincheck.engines.adapters.pybullet.session import PyBulletSession
 from spincheck.engines.bounds import Bounds
 from spincheck.engines.faults import faults
 from spincheck.engines.turn_faults import Reading
@@ -54,8 +57,45 @@ def test_a_multibodys_constraint_bears_any_load(monkeypatch: pytest.MonkeyPatch)
     assert outcome_of_the_heavy_one(BY_CONSTRAINT) == "diverged"
 
 
-def test_a_rigid_bodys_gives_way_beyond_500_newton_seconds_a_step() -> None:
-    assert outcome_of_the_heavy_one(MAXIMAL) == "diverged"
+#: Hangs at rest, so that its pivot bears its weight alone: 9 kN along the world's z.
+HANGING = """
+mass = 1e3
+inertia = [10.0, 20.0, 25.0]
+com = [0.0, 0.0, -1.0]
+"""
+AT_REST = """
+quaternion_wxyz = [1.0, 0.0, 0.0, 0.0]
+omega_body = [0.0, 0.0, 0.0]
+"""
+DOWN = "[effects.gravity]\nacceleration = [0.0, 0.0, -9.0]\n"
+HANGS = scene("hangs", body=HANGING, start=AT_REST, effects=PIVOT + DOWN)
+#: s, of which it bears 500 N s.
+BORNE = 500 / 9e3
+
+
+@pytest.mark.parametrize(("timestep", "falls"), [(0.999 * BORNE, False), (1.001 * BORNE, True)])
+def test_a_rigid_bodys_gives_way_beyond_500_newton_seconds_a_step(
+    timestep: float, falls: bool
+) -> None:
+    with PyBulletSession(HANGS, REPRESENTATIONS["maximal"], timestep) as session:
+        session.advance(100)
+        speed = np.linalg.norm(session.read_state().velocity_world)
+    # It falls with the thousandth of its weight that is not borne.
+    assert speed == pytest.approx(9.0 * 1e-3 / 1.001 * 100 * timestep if falls else 0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("timestep", "outcome"), [(0.999 * BORNE, "ok"), (1.001 * BORNE, "unsupported")]
+)
+def test_a_rigid_body_that_its_pivot_cannot_bear_is_not_run(timestep: float, outcome: str) -> None:
+    run = ENGINE.run(HANGS, MAXIMAL, timestep, np.arange(3))
+    assert run.outcome == outcome
+    assert ("bears at most 500 N s a step" in run.reason) == (outcome == "unsupported")
+
+
+def test_a_pivot_that_gives_way_in_first_steps_is_no_other_equation_of_motion() -> None:
+    """Of a top of a thousand kilometres it does at any timestep that a run could have."""
+    assert ENGINE.equation_residuals(library_scene("megametre-top"), MAXIMAL) == ""
 
 
 #: m r² / I of the slender one: by so much its constraint is stiffer along its arm than across.
