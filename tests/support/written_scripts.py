@@ -5,9 +5,9 @@ from functools import cache
 
 import numpy as np
 from spincheck.engines import Engine, Method
-from spincheck.reference import solve
+from spincheck.reference import Solution, solve
 from spincheck.reports.harness.ladder import single
-from spincheck.scenarios import Scenario, Trajectory, errors_between
+from spincheck.scenarios import FloatArray, Scenario, Trajectory, errors_between
 
 #: A script prints four digits.
 PRINTED = 1e-3
@@ -30,16 +30,20 @@ def harness_errors(
     """The largest errors of a run at these steps, of ω by the largest ω of the scene, and rad."""
     run = engine.run(scenario, method, timestep, np.array(steps))
     assert run.trajectory is not None, run.reason
-    motion = exact_motion(scenario, tuple(run.trajectory.t))
-    every = exact_motion(scenario, tuple(single(timestep, scenario.times).sample_steps * timestep))
+    motion = solved(scenario, run.trajectory.t).trajectory
+    every = solved(scenario, single(timestep, scenario.times).sample_steps * timestep).trajectory
     errors = errors_between(scenario, run.trajectory, motion)
     return errors.omega * _fastest(motion) / _fastest(every), errors.attitude
 
 
+def solved(scenario: Scenario, times: FloatArray) -> Solution:
+    """As `solve`, once for all engines and methods."""
+    return _solved(scenario, tuple(times))
+
+
 @cache
-def exact_motion(scenario: Scenario, times: tuple[float, ...]) -> Trajectory:
-    """Solved once for all engines and methods."""
-    return solve(scenario, np.array(times)).trajectory
+def _solved(scenario: Scenario, times: tuple[float, ...]) -> Solution:
+    return solve(scenario, np.array(times))
 
 
 def _fastest(motion: Trajectory) -> float:
