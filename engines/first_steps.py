@@ -4,10 +4,11 @@ A model can read back correctly and still move wrongly: moments in another order
 opposite sign, an additional damping, no gyroscopic torque, a clock at another rate. At ordinary
 timesteps such faults are hidden by the method's own error; at very small ones they are not. So the
 scene is opened with a very small timestep, and the gains of attitude, ω, com and velocity over the
-first steps are compared with the exact gains. This is repeated with a half, a quarter and an eighth
-of the timestep: the method's error is extrapolated away, and the differences of the extrapolations
-are the noise. An error that is no smooth function of the timestep shows in one of them: Jolt, for
-one, drops what its pivot puts back as soon as that is less than 1e-6 rad a step.
+first steps are compared with the exact gains. This is repeated with a half and a quarter of the
+timestep: the method's error is extrapolated away, and the difference of two extrapolations is the
+noise. What then exceeds the noise is confirmed with four timesteps: an error that is no smooth
+function of the timestep shows in one of the differences. Jolt, for one, drops what its pivot puts
+back as soon as that is less than 1e-6 rad a step.
 
 A body that turns about a principal axis has no gyroscopic torque. So the same is done from two
 other starts with ω askew to the body's axes. Together they determine which change of the model
@@ -17,6 +18,7 @@ explains all gains. A constraint needs some steps to settle; these are skipped.
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -30,11 +32,10 @@ from .session import Session
 #: Number of the longest steps that are skipped, and of those compared. Bullet removes a fifth of a
 #: constraint's error in a step: 0.8^64 = 6e-7 of it is left.
 STEPS = 64
-#: How many steps a longest one is divided into.
-HALVINGS = (1, 2, 4, 8)
-#: An excess counts if it exceeds so many times its noise, and so many roundings of the states: one
-#: for each of the shortest steps, as all may have the same sign.
-ABOVE_NOISE, ABOVE_ROUNDING = 8.0, float(STEPS * HALVINGS[-1])
+#: How many steps a longest one is divided into; and again, where these show an excess.
+HALVINGS, CONFIRMING = (1, 2, 4), (1, 2, 4, 8)
+#: An excess counts if it exceeds so many times its noise.
+ABOVE_NOISE = 8.0
 #: Fraction of a gain's size that a constraint's solver may leave as an error.
 NEGLIGIBLE = 2e-6
 #: Directions of ω in the body, beside the scene's own: askew to every axis of a body that is drawn
@@ -88,12 +89,26 @@ def equation_residuals(
     epsilon : relative rounding of the engine's floating-point numbers
     negligible : fraction of a gain's size below which nothing is reported
     """
+    if not _residuals_of(open_at, scenario, epsilon, negligible, HALVINGS):
+        return []
+    return _residuals_of(open_at, scenario, epsilon, negligible, CONFIRMING)
+
+
+def _residuals_of(
+    open_at: Open,
+    scenario: Scenario,
+    epsilon: float,
+    negligible: float,
+    halvings: tuple[int, ...],
+) -> list[str]:
+    """As `equation_residuals`, with these timesteps."""
     equations = Equations(scenario)
-    turned = [_turned(open_at, scenario, equations, epsilon)]
+    turned = [_turned(open_at, scenario, equations, epsilon, halvings)]
     if leap := _leap(turned[0], equations):
         return [leap]
     turned += [
-        _turned(open_at, start, equations, epsilon) for start in _askew(scenario, equations.rate)
+        _turned(open_at, start, equations, epsilon, halvings)
+        for start in _askew(scenario, equations.rate)
     ]
     felt = [_felt(one, equations, epsilon, negligible) for one in turned]
     residuals = list(_residuals([felt[0]])) or list(_residuals(felt[1:]))[:1]
@@ -123,11 +138,17 @@ def _askew(scenario: Scenario, rate: float) -> Iterator[Scenario]:
         yield starting_with(scenario, speed * np.array(direction))
 
 
-def _turned(open_at: Open, start: Scenario, equations: Equations, epsilon: float) -> _Turned:
+def _turned(
+    open_at: Open,
+    start: Scenario,
+    equations: Equations,
+    epsilon: float,
+    halvings: tuple[int, ...],
+) -> _Turned:
     """Take the first steps from one start, with each of the timesteps."""
-    longest = _longest_step(start, equations.rate, epsilon)
+    longest = halvings[-1] * _shortest_step(start, equations.rate, epsilon)
     states = []
-    for halving in HALVINGS:
+    for halving in halvings:
         with open_at(start, longest / halving) as session:
             first = session.read_state()
             session.advance(STEPS * halving)
@@ -142,20 +163,20 @@ def _felt(turned: _Turned, equations: Equations, epsilon: float, negligible: flo
     gains = [
         gain_between(equations, before, after, turned.span) for _, before, after in turned.states
     ]
-    coarsest, coarse, middle, fine = (gain.excess for gain in gains)
-    extrapolated = 2 * fine - middle
-    apart = np.abs(extrapolated - (2 * middle - coarse)).max(axis=1)
-    # What is left by extrapolation is of second order, and so a quarter of the coarser steps'.
-    apart_before = np.abs((2 * middle - coarse) - (2 * coarse - coarsest)).max(axis=1)
-    noise = ABOVE_NOISE * np.maximum(apart, apart_before / 4) + ABOVE_ROUNDING * rounded(
-        equations, gains[-1], epsilon
-    )
+    extrapolated = [2 * fine.excess - coarse.excess for coarse, fine in pairwise(gains)]
+    apart = np.zeros(len(extrapolated[0]))
+    for coarse, fine in pairwise(extrapolated):
+        # What is left by extrapolation is of second order: of the coarser steps' a quarter.
+        apart = np.maximum(apart / 4, np.abs(fine - coarse).max(axis=1))
+    # One rounding for each of the shortest steps, as all may have the same sign.
+    roundings = STEPS * 2 ** (len(gains) - 1)
+    noise = ABOVE_NOISE * apart + roundings * rounded(equations, gains[-1], epsilon)
     noise += negligible * gain_sizes(equations, gains[-1])
     is_held = equations.scenario.has_pivot
-    return _Felt(replace(gains[-1], excess=extrapolated), noise, is_held)
+    return _Felt(replace(gains[-1], excess=extrapolated[-1]), noise, is_held)
 
 
-def _longest_step(scenario: Scenario, rate: float, epsilon: float) -> float:
+def _shortest_step(scenario: Scenario, rate: float, epsilon: float) -> float:
     """A power of two, s, so that times are exact.
 
     The rounding error of a gain is proportional to 1/h, the error left by extrapolation to h². If a
@@ -163,7 +184,7 @@ def _longest_step(scenario: Scenario, rate: float, epsilon: float) -> float:
     1/h².
     """
     balance = np.cbrt(epsilon) if scenario.has_pivot else np.cbrt(12 * epsilon) / STEPS
-    return float(2.0 ** np.floor(np.log2(HALVINGS[-1] * balance / rate)))
+    return float(2.0 ** np.floor(np.log2(balance / rate)))
 
 
 def _leap(turned: _Turned, equations: Equations) -> str:
