@@ -120,7 +120,7 @@ def _residuals_of(
         as_if = explanation(equations, [one.gain for one in felt], noise)
     else:
         as_if = NO_GYROSCOPIC_TORQUE
-    return [*residuals[:-1], residuals[-1] + (f", as if {as_if}" if as_if else "")]
+    return [f"behaves as if {as_if}: {residuals[0]}", *residuals[1:]] if as_if else residuals
 
 
 def starting_with(scenario: Scenario, omega_body: FloatArray) -> Scenario:

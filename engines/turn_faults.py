@@ -13,6 +13,7 @@ within a step turns the body besides, and ω does not include it: by at most the
 after the step over the distance of the com.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import permutations, product
@@ -30,6 +31,8 @@ from .read_back import State
 FURTHEST = 3.0
 #: Coefficient of x³ in the error of the coarsest rule for a turn by x about a fixed axis.
 ATAN = 1 / 12
+#: Digits of the angles in a reason; more where it takes more to tell them apart.
+DIGITS, MOST_DIGITS = 3, 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,9 +96,10 @@ def _turns(reading: Reading, pairs: NDArray[np.int64], bounds: Bounds) -> Iterat
     cause = _cause(reading, int(pairs[k]), is_aside, is_short=along < speeds[k])
     angle = float(np.linalg.norm(rate_body[k])) * timestep
     makes = float(speeds[k]) * timestep
+    digits = _digits(angle, makes)
     reason = (
-        f"in a step the attitude turns by {angle:.3g} rad{_WAYS[cause]}, "
-        f"where ω makes {makes:.3g} rad"
+        f"in a step the attitude turns by {angle:.{digits}g} rad{_WAYS[cause]}, "
+        f"where ω makes {makes:.{digits}g} rad"
     )
     if cause == "frames" and _were_of_one_frame(
         mean_omega_body[:k], q_world_body[pairs[:k]], (off + allowed)[:k]
@@ -103,7 +107,7 @@ def _turns(reading: Reading, pairs: NDArray[np.int64], bounds: Bounds) -> Iterat
         cause = "parted"
         reason = (
             f"from {reading.steps[pairs[k]] * timestep:.4g} s on attitude and ω part: in a step "
-            f"the attitude turns by {angle:.3g} rad and ω makes {makes:.3g} rad, "
+            f"the attitude turns by {angle:.{digits}g} rad and ω makes {makes:.{digits}g} rad, "
             f"{off[k] * timestep:.3g} rad apart; up to then they agreed"
         )
     yield Fault(int(pairs[k]) + 1, cause, reason)
@@ -122,6 +126,12 @@ def _were_of_one_frame(omega_body: FloatArray, q_world_body: FloatArray, apart: 
     others += [omega_body @ axes for axes in _OTHER_AXES]
     least = np.min([norms(other - omega_body) for other in others], axis=0)
     return bool((least > apart).any())
+
+
+def _digits(angle: float, makes: float) -> int:
+    """So many that a step that is a little too long shows."""
+    apart = abs(angle - makes) / max(angle, makes)
+    return min(MOST_DIGITS, DIGITS + max(0, math.ceil(-math.log10(apart or 1.0)) - 1))
 
 
 def _put_back(states: State, pairs: NDArray[np.int64], arm_body: FloatArray) -> FloatArray:

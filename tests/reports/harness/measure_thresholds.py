@@ -43,7 +43,7 @@ def name_of_fault(scenario: Scenario, prepared: Prepared, method: str, fault: Pl
         return ""
     _, is_explained, words = verdict.reason.partition("as if ")
     if is_explained:
-        return words.split(";")[0]
+        return words.split(":")[0]
     return BITS if BITS in verdict.reason else verdict.signal
 
 

@@ -1,5 +1,7 @@
 """Faults planted in MuJoCo are detected by the verdict, and described with their numbers."""
 
+import re
+
 import pytest
 from faulty_mujoco import FaultyMuJoCo, PlantedFault
 from library_scenes import library_scene
@@ -128,6 +130,19 @@ def test_a_wobble_that_every_rung_has_damped_away_is_no_other_motion(name, metho
     verdict = judged(convergence_study_of(scene, engine, engine.method(method), prepared))
     assert verdict.verdict == "unresolved"
     assert "a timestep of" in verdict.reason
+
+
+def test_a_step_that_is_a_little_too_long_is_told_by_two_numbers_that_differ_by_as_much():
+    size = 1e-3
+    verdict = verdict_of("hammer", "RK4", PlantedFault("clock", size))
+    turned, by_omega = re.findall(r"by ([\d.]+) rad.* makes ([\d.]+) rad", verdict.reason)[0]
+    assert float(turned) / float(by_omega) - 1 == pytest.approx(size, rel=0.1)
+
+
+def test_what_explains_the_first_steps_is_named_before_what_they_are():
+    """The first line of a long reason is all that the terminal may show."""
+    verdict = verdict_of("lopsided-body", "Euler", PlantedFault("gravity", 0.1))
+    assert verdict.reason.startswith("behaves as if gravity were 1.")
 
 
 def test_a_first_order_method_declared_of_fourth_order_disagrees():
