@@ -96,7 +96,7 @@ def _turns(reading: Reading, pairs: NDArray[np.int64], bounds: Bounds) -> Iterat
     cause = _cause(reading, int(pairs[k]), is_aside, is_short=along < speeds[k])
     angle = float(np.linalg.norm(rate_body[k])) * timestep
     makes = float(speeds[k]) * timestep
-    digits = _digits(angle, makes)
+    digits = _digits(angle, makes) if cause == "clock" else DIGITS
     reason = (
         f"in a step the attitude turns by {angle:.{digits}g} rad{_WAYS[cause]}, "
         f"where ω makes {makes:.{digits}g} rad"
@@ -107,7 +107,7 @@ def _turns(reading: Reading, pairs: NDArray[np.int64], bounds: Bounds) -> Iterat
         cause = "parted"
         reason = (
             f"from {reading.steps[pairs[k]] * timestep:.4g} s on attitude and ω part: in a step "
-            f"the attitude turns by {angle:.{digits}g} rad and ω makes {makes:.{digits}g} rad, "
+            f"the attitude turns by {angle:.3g} rad and ω makes {makes:.3g} rad, "
             f"{off[k] * timestep:.3g} rad apart; up to then they agreed"
         )
     yield Fault(int(pairs[k]) + 1, cause, reason)
