@@ -22,6 +22,7 @@ from ..read_back import BodyReading, State
 from ..session import Session
 from ..user_cache import user_cache
 from .mujoco.audit import acting
+from .mujoco.script import mjx_script
 from .mujoco.session import body_of, check_not_too_small, compiled, states_of
 
 ALL_EFFECTS = frozenset(EFFECTS)
@@ -52,13 +53,13 @@ class MJX(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Compile the scene's MJCF, hand it to MJX, and have JAX compile the step."""
         check_not_too_small(scenario)
-        text = mjcf(
-            scenario,
-            timestep,
-            None if method.as_shipped else method.name,
-            switched_off(scenario) if method.as_shipped else (),
-        )
+        text = _model_of(scenario, method, timestep)
         return MJXSession(scenario, text, is_double=not self.single_precision)
+
+    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
+        """The model, and MJX's steps of it, as Python."""
+        text = _model_of(scenario, method, timestep)
+        return mjx_script(text, is_double=not self.single_precision)
 
 
 @final
@@ -143,6 +144,13 @@ class MJXSession(Session):
         ended = _stepper()(self._trees, self._held, self._moving, padded, len(strides))
         self._moving, rows = self._jax.block_until_ready(ended)
         return np.asarray(rows)[: len(strides)]
+
+
+def _model_of(scenario: Scenario, method: Method, timestep: float) -> str:
+    """The scene as MJCF, with all passes on if as shipped."""
+    integrator = None if method.as_shipped else method.name
+    left_in = switched_off(scenario) if method.as_shipped else ()
+    return mjcf(scenario, timestep, integrator, left_in)
 
 
 def _nameless(text: str) -> Any:
