@@ -32,11 +32,17 @@ class SignalJudgement:
 
     @property
     def severity(self) -> tuple[int, float, float]:
-        """Sort key, worst last; of two unresolved ones, the one that needs the finer timestep."""
+        """Sort key, worst last.
+
+        Of two unresolved ones, the one that no timestep would resolve, or that needs the finer one;
+        of two that no timestep would resolve, the one with the larger tolerance.
+        """
         judgement = self.judgement
         rank = ("converges", "unresolved", "disagrees").index(judgement.word)
+        if judgement.word == "unresolved":
+            return rank, -(judgement.needed_timestep or 0.0), judgement.tolerance or 0.0
         excess = (judgement.limit_error or 0.0) / (judgement.tolerance or math.inf)
-        return rank, -(judgement.needed_timestep or math.inf) if rank == 1 else 0.0, excess
+        return rank, 0.0, excess
 
 
 @dataclass(eq=False)

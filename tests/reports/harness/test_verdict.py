@@ -9,6 +9,7 @@ from scene_texts import sphere_text
 from scipy.spatial.transform import Rotation
 from spincheck.reference import Solution
 from spincheck.reports.harness.best_window import SHARP
+from spincheck.reports.harness.ladder_judge import SignalJudgement
 from spincheck.reports.harness.observed_order import observed_order
 from spincheck.reports.harness.richardson import DISTINCT, SIGNALS, RichardsonLadder
 from spincheck.reports.harness.verdict import Judgement, judge
@@ -305,3 +306,16 @@ def test_a_judgement_is_stored_with_its_numbers():
     record = judgement.of(sequence)
     assert (record.signal, record.verdict, record.declared_order) == ("omega", "converges", 1)
     assert (record.limit_error, record.tolerance) == (judgement.limit_error, judgement.tolerance)
+
+
+def test_of_unresolved_signals_the_one_that_no_timestep_would_resolve_decides():
+    sequence = ladder(lambda dt: dt * np.sin(TIMES), 1).signal("omega")
+    judgements = [
+        Judgement("unresolved", "never", tolerance=1.0),
+        Judgement("unresolved", "never", tolerance=0.1),
+        Judgement("unresolved", "late", tolerance=2.0, needed_timestep=1e-6),
+        Judgement("unresolved", "soon", tolerance=2.0, needed_timestep=1e-3),
+        Judgement("converges", "", tolerance=1e-3),
+    ]
+    signals = [SignalJudgement(sequence, judgement) for judgement in judgements]
+    assert sorted(signals, key=lambda one: one.severity, reverse=True) == signals
