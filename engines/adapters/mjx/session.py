@@ -1,78 +1,26 @@
-"""MJX, MuJoCo's dynamics written in JAX, on the CPU, from the scene as MJCF.
-
-In single precision, as JAX is by default, and in double precision. How each effect was measured:
-docs/engines-more.md.
-"""
+"""A scene in MJX: stepped by one compiled loop, audited by MuJoCo's functions."""
 
 from collections.abc import Callable, Sequence
 from contextlib import redirect_stdout
 from functools import cache
 from importlib import import_module
-from importlib.metadata import version
 from io import StringIO
 from typing import Any, final
 
 import mujoco
 import numpy as np
 
-from ...scenarios import EFFECTS, FloatArray, Scenario
-from ..engine import Engine, Method
-from ..models.mjcf import START_KEY, mjcf, start_coordinates, switched_off
-from ..read_back import BodyReading, State
-from ..session import Session
-from ..user_cache import user_cache
-from .mujoco.audit import acting
-from .mujoco.script import mjx_script
-from .mujoco.session import body_of, check_not_too_small, compiled, states_of
+from ....scenarios import FloatArray, Scenario
+from ...models.mjcf import START_KEY, start_coordinates
+from ...read_back import BodyReading, State
+from ...session import Session
+from ...user_cache import user_cache
+from ..mujoco.audit import FLAG_WORDS, acting
+from ..mujoco.session import body_of, compiled, states_of
+from .script import SPRINGS
 
-ALL_EFFECTS = frozenset(EFFECTS)
-CLEAN = (
-    Method("Euler", 1, 1, "semi-implicit Euler, joint damping implicit", ALL_EFFECTS),
-    Method("implicitfast", 1, 1, "implicit in velocity, without gyroscopic terms", ALL_EFFECTS),
-    # It averages the stages' rotations, as MuJoCo did before 4.0.
-    Method("RK4", 2, 2, "Runge-Kutta of fourth order, but for rotations", ALL_EFFECTS),
-)
 #: Samples that one call takes: a call costs as much as a hundred steps.
 SAMPLES_A_CALL = 256
-
-
-class MJX(Engine):
-    """MJX in double precision."""
-
-    name = "mjx"
-    package = "mujoco.mjx"
-    step_seconds = 10e-6
-    stock_timestep = 0.002
-    methods: tuple[Method, ...] = CLEAN
-
-    @property
-    def version(self) -> str:
-        """Of the installed package, and of the MuJoCo that compiles its models."""
-        return f"{version('mujoco-mjx')} (MuJoCo {mujoco.mj_versionString()})"
-
-    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Compile the scene's MJCF, hand it to MJX, and have JAX compile the step."""
-        check_not_too_small(scenario)
-        text = _model_of(scenario, method, timestep)
-        return MJXSession(scenario, text, is_double=not self.single_precision)
-
-    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
-        """The model, and MJX's steps of it, as Python."""
-        text = _model_of(scenario, method, timestep)
-        return mjx_script(text, is_double=not self.single_precision)
-
-
-@final
-class MJXSingle(MJX):
-    """MJX in single precision."""
-
-    name = "mjx-float32"
-    extra = "mjx"
-    single_precision = True
-    methods = (
-        *CLEAN,
-        Method("default", 1, 1, "as shipped: Euler, every pass on", ALL_EFFECTS, as_shipped=True),
-    )
 
 
 @final
@@ -85,10 +33,9 @@ class MJXSession(Session):
         model = mjx.put_model(compiled(lambda: _nameless(text).compile()))
         qpos, qvel = (jnp.array(numbers) for numbers in start_coordinates(scenario))
         data = mjx.make_data(model).replace(qpos=qpos, qvel=qvel)
-        flat = [self._jax.tree.flatten(part) for part in (model, data)]
-        # Through numpy, which drops JAX's weak types: with them it would compile twice.
-        leaves = [[jnp.array(np.asarray(leaf)) for leaf in part] for part, _ in flat]
-        (self._held, self._moving), self._trees = leaves, tuple(tree for _, tree in flat)
+        self._held, model_tree = self._jax.tree.flatten(model)
+        self._moving, data_tree = self._jax.tree.flatten(data)
+        self._trees = model_tree, data_tree
         # All else that it holds follows from the arrays; as numpy's, for MuJoCo's audit.
         held = [np.asarray(leaf) for leaf in self._held]
         self._model = self._jax.tree.unflatten(self._trees[0], held)
@@ -126,8 +73,9 @@ class MJXSession(Session):
         """Nothing to do: MJX neither warns nor resets."""
 
     def active(self) -> frozenset[str]:
-        """What acts, from MJX's model and data."""
-        return acting(self._model, self._data(), self._scenario)
+        """What acts, from MJX's model and data; its pass of springs is that of dampers, too."""
+        names_acting = acting(self._model, self._data(), self._scenario)
+        return names_acting - {FLAG_WORDS[name] for name in SPRINGS}
 
     def close(self) -> None:
         """Drop model and data."""
@@ -144,13 +92,6 @@ class MJXSession(Session):
         ended = _stepper()(self._trees, self._held, self._moving, padded, len(strides))
         self._moving, rows = self._jax.block_until_ready(ended)
         return np.asarray(rows)[: len(strides)]
-
-
-def _model_of(scenario: Scenario, method: Method, timestep: float) -> str:
-    """The scene as MJCF, with all passes on if as shipped."""
-    integrator = None if method.as_shipped else method.name
-    left_in = switched_off(scenario) if method.as_shipped else ()
-    return mjcf(scenario, timestep, integrator, left_in)
 
 
 def _nameless(text: str) -> Any:

@@ -1,0 +1,63 @@
+"""MJX in both precisions: the scene as MJCF, MuJoCo's integrators as JAX compiles them."""
+
+from importlib.metadata import version
+from typing import final
+
+import mujoco
+
+from ....scenarios import EFFECTS, Scenario
+from ...engine import Engine, Method
+from ...models.mjcf import mjcf
+from ...session import Session
+from ..mujoco.session import check_not_too_small
+from .script import left_in, script
+from .session import MJXSession
+
+#: JAX compiles actuators along the parent's axes wrongly on a CPU: docs/engines-more.md.
+MJX_EFFECTS = frozenset(EFFECTS) - {"torque_world"}
+CLEAN = (
+    Method("Euler", 1, 1, "semi-implicit Euler, joint damping implicit", MJX_EFFECTS),
+    Method("implicitfast", 1, 1, "implicit in velocity, without gyroscopic terms", MJX_EFFECTS),
+    # It averages the stages' rotations, as MuJoCo did before 4.0.
+    Method("RK4", 2, 2, "Runge-Kutta of fourth order, but for rotations", MJX_EFFECTS),
+)
+
+
+class MJX(Engine):
+    """MJX in double precision."""
+
+    name = "mjx"
+    package = "mujoco.mjx"
+    step_seconds = 10e-6
+    stock_timestep = 0.002
+    methods: tuple[Method, ...] = CLEAN
+
+    @property
+    def version(self) -> str:
+        """Of the installed package, and of the MuJoCo that compiles its models."""
+        return f"{version('mujoco-mjx')} (MuJoCo {mujoco.mj_versionString()})"
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        """Compile the scene's MJCF, hand it to MJX, and have JAX compile the step."""
+        check_not_too_small(scenario)
+        integrator = None if method.as_shipped else method.name
+        text = mjcf(scenario, timestep, integrator, left_in(scenario, integrator))
+        return MJXSession(scenario, text, is_double=not self.single_precision)
+
+    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
+        """The MJCF, and the few calls that step it."""
+        integrator = None if method.as_shipped else method.name
+        return script(scenario, integrator, timestep, is_double=not self.single_precision)
+
+
+@final
+class MJXSingle(MJX):
+    """MJX in single precision."""
+
+    name = "mjx-float32"
+    extra = "mjx"
+    single_precision = True
+    methods = (
+        *CLEAN,
+        Method("default", 1, 1, "as shipped: Euler, every pass on", MJX_EFFECTS, as_shipped=True),
+    )
