@@ -185,7 +185,10 @@ def _unresolved(window: BestWindow, limit: str) -> tuple[str, float | None]:
         return math.sqrt(sequence.duration / timestep) * a_step
 
     can_be_sharp = CAUTIOUS * rounding(needed) + sequence.uncertainty <= SHARP
-    if can_be_sharp and window.extrapolation > window.noise_floor and not _at_roundoff(sequence):
+    # A limit further off than that was not called wrong, as its samples may be damped away.
+    is_open = window.extrapolation > window.noise_floor
+    is_open |= window.limit_error > DISTINCT * window.tolerance
+    if can_be_sharp and is_open and not _at_roundoff(sequence):
         steps = sequence.duration / needed
         return (
             f"not in the asymptotic range: {_order_words(window)}; {limit}; "
