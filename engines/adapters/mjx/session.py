@@ -34,7 +34,11 @@ class MJXSession(Session):
         qpos, qvel = (jnp.array(numbers) for numbers in start_coordinates(scenario))
         data = mjx.make_data(model).replace(qpos=qpos, qvel=qvel)
         self._held, model_tree = self._jax.tree.flatten(model)
-        self._moving, data_tree = self._jax.tree.flatten(data)
+        moving, data_tree = self._jax.tree.flatten(data)
+        # Through numpy, which drops JAX's weak types, and tied to a device, as the model's are and
+        # a step's results will be: else it would compile a second time, at the first step.
+        plain = [np.asarray(leaf) for leaf in moving]
+        self._moving = self._jax.device_put(plain, self._jax.devices()[0])
         self._trees = model_tree, data_tree
         # All else that it holds follows from the arrays; as numpy's, for MuJoCo's audit.
         held = [np.asarray(leaf) for leaf in self._held]
