@@ -13,7 +13,7 @@ from ..mujoco.session import check_not_too_small
 from .script import left_in, script
 from .session import MJXSession
 
-#: JAX compiles actuators along the parent's axes wrongly on a CPU: docs/engines-more.md.
+#: Torques along the world's axes come out wrong on a free body: docs/engines-more.md.
 MJX_EFFECTS = frozenset(EFFECTS) - {"torque_world"}
 CLEAN = (
     Method("Euler", 1, 1, "semi-implicit Euler, joint damping implicit", MJX_EFFECTS),
