@@ -35,11 +35,10 @@ class MJXSession(Session):
         data = mjx.make_data(model).replace(qpos=qpos, qvel=qvel)
         self._held, model_tree = self._jax.tree.flatten(model)
         moving, data_tree = self._jax.tree.flatten(data)
-        # Through numpy, which drops JAX's weak types, and tied to a device, as the model's are and
-        # a step's results will be: else it would compile a second time, at the first step.
-        plain = [np.asarray(leaf) for leaf in moving]
-        self._moving = self._jax.device_put(plain, self._jax.devices()[0])
+        # As numpy's: the compiled loop takes none of JAX's weak types.
+        self._moving = [np.asarray(leaf) for leaf in moving]
         self._trees = model_tree, data_tree
+        self._loop = _loop(self._trees, _kinds(self._held), _kinds(self._moving))
         # All else that it holds follows from the arrays; as numpy's, for MuJoCo's audit.
         held = [np.asarray(leaf) for leaf in self._held]
         self._model = self._jax.tree.unflatten(self._trees[0], held)
@@ -93,7 +92,7 @@ class MJXSession(Session):
         padded = np.zeros(SAMPLES_A_CALL, dtype=np.int32)
         padded[: len(strides)] = strides
         _jax(self._is_double)
-        ended = _stepper()(self._trees, self._held, self._moving, padded, len(strides))
+        ended = self._loop(self._held, self._moving, padded, np.int32(len(strides)))
         self._moving, rows = self._jax.block_until_ready(ended)
         return np.asarray(rows)[: len(strides)]
 
@@ -113,20 +112,25 @@ def _jax(is_double: bool) -> Any:
     jax.config.update("jax_compilation_cache_dir", str(user_cache() / "jax"))
     with redirect_stdout(StringIO()):  # It prints that Warp is not there.
         import_module("mujoco.mjx")
-    if jax.config.jax_enable_x64 != is_double:
-        jax.config.update("jax_enable_x64", is_double)
-        # Functions that were traced in the other precision do not fit MJX's any more.
-        jax.clear_caches()
+    jax.config.update("jax_enable_x64", is_double)
     return jax
 
 
+#: Shape and type of an array.
+Kind = tuple[tuple[int, ...], str]
+
+
+def _kinds(arrays: Sequence[Any]) -> tuple[Kind, ...]:
+    return tuple((array.shape, str(array.dtype)) for array in arrays)
+
+
 @cache
-def _stepper() -> Any:
+def _loop(trees: Any, held: tuple[Kind, ...], moving: tuple[Kind, ...]) -> Any:
     """The compiled loop of steps: numbers are arguments; only the model's structure is compiled."""
     jax, jnp, mjx = import_module("jax"), import_module("jax.numpy"), import_module("mujoco.mjx")
+    model_tree, data_tree = trees
 
-    def run(trees: Any, held: Any, moving: Any, strides: Any, count: int) -> Any:
-        model_tree, data_tree = trees
+    def run(held: Any, moving: Any, strides: Any, count: Any) -> Any:
         model = jax.tree.unflatten(model_tree, held)
 
         def step(_: int, moving: Any) -> Any:
@@ -142,4 +146,10 @@ def _stepper() -> Any:
         rows = jnp.zeros((SAMPLES_A_CALL, model.nq + model.nv), data.qpos.dtype)
         return jax.lax.fori_loop(0, count, sample, (moving, rows))
 
-    return jax.jit(run, static_argnums=0)
+    # Functions that were traced in the other precision do not fit MJX's any more.
+    jax.clear_caches()
+    kinds = (held, moving, (((SAMPLES_A_CALL,), "int32"),), (((), "int32"),))
+    held_as, moving_as, (strides_as,), (count_as,) = (
+        [jax.ShapeDtypeStruct(*kind) for kind in part] for part in kinds
+    )
+    return jax.jit(run).lower(held_as, moving_as, strides_as, count_as).compile()
