@@ -12,7 +12,6 @@ from ...scenarios import (
     find,
     load_each,
     printable,
-    scenario_files,
 )
 from ..harness.expectations import unknown_expectations
 from .terminal import BAD_INPUT, Complaint
@@ -88,17 +87,17 @@ class Checked:
     powerless: list[str] = field(default_factory=list)
 
 
-def checked(files: Iterable[Path]) -> Checked:
-    """Check scene files; of folders, all the scenes in them."""
+def checked(names: Iterable[str]) -> Checked:
+    """Check scenes: files, folders, library scenes."""
     from ..harness.power import powerless
     from ..harness.published import published_that_do_not_hold
 
     result = Checked()
-    for file in files:
+    for name in names:
         try:
-            scenarios, complaints = load_each(_in_it(file))
+            scenarios, complaints = load_each(find([name]))
         except ScenarioError as error:
-            # Two scenes of one name.
+            # None of that name, or two.
             scenarios, complaints = [], [str(error)]
         result.wrong.extend(complaints)
         for scenario in scenarios:
@@ -112,13 +111,6 @@ def checked(files: Iterable[Path]) -> Checked:
             except IntegrationError as error:
                 result.lines.append(f"{scenario.name}: no exact motion: {error}")
     return result
-
-
-def _in_it(file: Path) -> list[Path]:
-    try:
-        return scenario_files(file) if file.is_dir() else [file]
-    except OSError:  # such as a name that is too long, which the reader complains of
-        return [file]
 
 
 def complain(wrong: Sequence[str]) -> None:

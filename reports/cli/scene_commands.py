@@ -70,12 +70,15 @@ def show(scenario: Scene, as_json: AsJson = False) -> None:
 
 @app.command(epilog="Example: spincheck check my-top.toml")
 def check(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Files or folders.")],
+    scenes: Annotated[
+        list[str],
+        typer.Argument(metavar="SCENARIO|FOLDER...", help="Files, folders or library scenes."),
+    ],
 ) -> None:
-    """Check scenario files: format, published values, and effects whose absence would not show."""
+    """Check scenes: format, published values, and effects whose absence would not show."""
     from .named_scenes import checked, complain
 
-    result = checked(files)
+    result = checked(scenes)
     for line in [*result.lines, *result.powerless]:
         print(line)
     complain(result.wrong)

@@ -55,6 +55,11 @@ def test_check_accepts_a_good_file(spincheck, sphere):
     assert (code, "A spinning sphere" in out) == (0, True)
 
 
+def test_check_tells_what_a_library_scene_cannot(spincheck):
+    code, out, _ = spincheck("check", "balanced-gyroscope")
+    assert (code, "gravity" in out) == (0, True)
+
+
 def test_check_names_file_line_and_key_and_exits_with_2(spincheck, sphere):
     sphere.write_text(SPHERE.replace("mass = 1.0", "mass = -1.0"))
     line = SPHERE.splitlines().index("mass = 1.0") + 1
@@ -124,7 +129,7 @@ def test_an_unmet_expectation_exits_with_1(spincheck, sphere):
         (["run", "--no-such-flag"], "No such option: --no-such-flag"),
         (["reference", "sphere", "--at", "-3"], "'--at' must be a time from 0 on"),
         (["report", "none.sqlite"], "no such result file"),
-        (["check", "nowhere.toml"], "cannot be read"),
+        (["check", "nowhere.toml"], "neither a file, a folder, nor a scene of the library"),
         (["export", "sphere", "/proc/nowhere"], "cannot be written"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
