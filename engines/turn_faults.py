@@ -70,17 +70,8 @@ def _turns(reading: Reading, pairs: NDArray[np.int64], bounds: Bounds) -> Iterat
     mean_omega_body = (before_body + after_body) / 2
     speeds = norms(mean_omega_body)
     fastest = np.maximum(norms(before_body), norms(after_body))
-    # ω may return within a step, so its changes in the neighbouring steps are used too.
-    own_change = norms(after_body - before_body)
-    change = own_change.copy()
-    np.maximum(change[1:], own_change[:-1], out=change[1:])
-    np.maximum(change[:-1], own_change[1:], out=change[:-1])
-    change += bounds.decay * timestep * fastest
-    allowed = change + ATAN * timestep**2 * fastest**3 + bounds.round_off / timestep
-    if bounds.by_angles:
-        w, x, y, z = q_world_body[pairs].T
-        cos_pitch_squared = 1 - (2 * (w * y - x * z)) ** 2
-        allowed += timestep / 2 * fastest**2 / cos_pitch_squared
+    change = norms(after_body - before_body)
+    allowed = _allowed(change, fastest, q_world_body[pairs], bounds)
     off = norms(rate_body - mean_omega_body)
     bad = (off > allowed) & (fastest * timestep < FURTHEST)
     if bad.any() and bounds.arm is not None and bounds.arm.any():
@@ -111,6 +102,30 @@ def _turns(reading: Reading, pairs: NDArray[np.int64], bounds: Bounds) -> Iterat
             f"{off[k] * timestep:.3g} rad apart; up to then they agreed"
         )
     yield Fault(int(pairs[k]) + 1, cause, reason)
+
+
+def _allowed(
+    own_change: FloatArray, fastest: FloatArray, q_world_body: FloatArray, bounds: Bounds
+) -> FloatArray:
+    """By how much the rate of each turn may differ from the mean ω, rad/s, (n,).
+
+    Parameters
+    ----------
+    own_change, fastest : the change of ω over each step, and the larger ω at its ends, rad/s, (n,)
+    q_world_body : at the start of each step, (n, 4)
+    """
+    timestep = bounds.timestep
+    # ω may return within a step, so its changes in the neighbouring steps are used too.
+    change = own_change.copy()
+    np.maximum(change[1:], own_change[:-1], out=change[1:])
+    np.maximum(change[:-1], own_change[1:], out=change[:-1])
+    change += bounds.decay * timestep * fastest
+    allowed = change + ATAN * timestep**2 * fastest**3 + bounds.round_off / timestep
+    if bounds.by_angles:
+        w, x, y, z = q_world_body.T
+        cos_pitch_squared = 1 - (2 * (w * y - x * z)) ** 2
+        allowed += timestep / 2 * fastest**2 / cos_pitch_squared
+    return np.asarray(allowed)
 
 
 def _were_of_one_frame(omega_body: FloatArray, q_world_body: FloatArray, apart: FloatArray) -> bool:

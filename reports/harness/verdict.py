@@ -176,10 +176,9 @@ def _unresolved(window: BestWindow, limit: str) -> tuple[str, float | None]:
     Roundings of many steps are taken to add up as a random walk does, unless the ladder shows more.
     """
     sequence = window.sequence
-    finest, errors = float(sequence.timesteps[-1]), sequence.errors
-    least = int(np.argmin(errors))
+    least = int(np.argmin(sequence.errors))
     needed = _needed_timestep(window)
-    a_step = float(sequence.roundoff_bounds[-1]) * finest / sequence.duration
+    a_step = float(sequence.roundoff_bounds[-1] * sequence.timesteps[-1]) / sequence.duration
 
     def rounding(timestep: float) -> float:
         return math.sqrt(sequence.duration / timestep) * a_step
@@ -202,9 +201,20 @@ def _unresolved(window: BestWindow, limit: str) -> tuple[str, float | None]:
             "uncertainty of the exact motion, body and start",
             None,
         )
-    at = float(sequence.timesteps[least])
+    return _no_better(sequence, a_step, rounding(float(sequence.timesteps[least]))), None
+
+
+def _no_better(sequence: SignalSequence, a_step: float, all_steps: float) -> str:
+    """In words, the lowest error of a ladder that no finer timestep would resolve, and why.
+
+    Parameters
+    ----------
+    a_step, all_steps : what the rounding of one step, and of all, moves the motion by the end
+    """
+    timesteps, errors = sequence.timesteps, sequence.errors
+    least = int(np.argmin(errors))
     lowest, last = f"{errors[least]:.1e}", f"{errors[-1]:.1e}"
-    worse = f" and gets worse below it, {last} at {finest:.1e} s" if last != lowest else ""
+    worse = f" and gets worse below it, {last} at {timesteps[-1]:.1e} s" if last != lowest else ""
     if sequence.uncertainty > SHARP:
         why = (
             "the uncertainty of the exact motion, and of body and start as the engine holds them, "
@@ -214,12 +224,11 @@ def _unresolved(window: BestWindow, limit: str) -> tuple[str, float | None]:
     else:
         why = (
             f"a step's rounding has grown to {_of_motion(a_step)} by the end, those of all steps "
-            f"to {_of_motion(rounding(at))}"
+            f"to {_of_motion(all_steps)}"
         )
     return (
         f"round-off × conditioning bounds the error from below: it comes down to {lowest} at a "
-        f"timestep of {at:.1e} s{worse}; no finer one would resolve it: {why}",
-        None,
+        f"timestep of {timesteps[least]:.1e} s{worse}; no finer one would resolve it: {why}"
     )
 
 

@@ -25,7 +25,7 @@ _LARGEST = HEADER + _WIDEST * 8 * MAX_SAMPLES
 def pack(motion: Trajectory) -> bytes:
     """A motion as an archive in numpy's format .npz, not compressed.
 
-    Compressing takes ten times as long, and motions become only a fifth smaller.
+    Compressing takes several times as long, and motions become only a fifth smaller.
     """
     buffer = io.BytesIO()
     arrays: dict[str, Any] = {n: np.ascontiguousarray(getattr(motion, n)) for n in _NAMES}
