@@ -11,6 +11,7 @@ import time
 
 import command_line
 import pytest
+from default_signals import WITH_DEFAULT_SIGNALS
 from mutated_scenes import LEAST, written
 from spincheck.engines import engines
 from spincheck.reports.cli import executing
@@ -105,13 +106,11 @@ def test_a_pipe_that_nobody_reads_is_no_traceback():
 @pytest.mark.parametrize("text", ENDLESS.values(), ids=ENDLESS)
 def test_a_signal_is_obeyed_whatever_never_ends(tmp_path, text, number):
     run = subprocess.Popen(
-        [sys.executable, "-c", text + PROGRAM],
+        [*WITH_DEFAULT_SIGNALS, sys.executable, "-c", text + PROGRAM],
         cwd=tmp_path,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        # However this process was started, as from a script in the background.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     assert run.stdout
     assert run.stdout.readline() == "begun\n"

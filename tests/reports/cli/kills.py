@@ -23,6 +23,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Literal
 
+from default_signals import WITH_DEFAULT_SIGNALS
 from same_results import differences
 from spincheck.reports.results.store import Results, open_store
 
@@ -60,22 +61,16 @@ class Kill:
 
 def start(path: Path, *options: str, jobs: int = 2) -> subprocess.Popen[str]:
     """`spincheck run` in a process group of its own."""
+    command = [COMMAND, "run", *STUDY, "--jobs", str(jobs), "--out", path, *options]
     return subprocess.Popen(
-        [COMMAND, "run", *STUDY, "--jobs", str(jobs), "--out", path, *options],
+        [*WITH_DEFAULT_SIGNALS, *command],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        preexec_fn=hear_signals,
         # Should it hang, SIGABRT has it tell where.
         env=os.environ | {"PYTHONFAULTHANDLER": "1"},
     )
-
-
-def hear_signals() -> None:
-    """Undo what a shell does to commands in the background: they are deaf to Ctrl-C."""
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, signal.SIG_DFL)
 
 
 def finish(path: Path, *options: str) -> str:

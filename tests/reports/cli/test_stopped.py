@@ -1,12 +1,10 @@
 """Ctrl-C, SIGTERM and a terminal that closes end every command at once: one line, no process."""
 
-import fcntl
 import os
 import pty
 import signal
 import subprocess
 import sys
-import termios
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -14,7 +12,8 @@ from pathlib import Path
 
 import pytest
 import small_result_file
-from kills import COMMAND, PATIENCE, STUDY, finish, hear_signals, is_gone, read, start
+from default_signals import WITH_DEFAULT_SIGNALS
+from kills import COMMAND, PATIENCE, STUDY, finish, is_gone, read, start
 from result_files import rows_in, wait_for_rows
 
 pytestmark = pytest.mark.processes
@@ -103,13 +102,13 @@ def test_a_run_stopped_while_running_and_while_timing_is_gone_on_with(tmp_path: 
 
 def test_a_report_being_made_is_stopped(tmp_path: Path) -> None:
     path = small_result_file.write(tmp_path / "results.sqlite")
+    command = [sys.executable, "-c", RENDERING, "report", path, "--out", tmp_path / "report"]
     report = subprocess.Popen(
-        [sys.executable, "-c", RENDERING, "report", path, "--out", tmp_path / "report"],
+        [*WITH_DEFAULT_SIGNALS, *command],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        preexec_fn=hear_signals,
     )
     assert report.stdout
     assert report.stdout.readline() == "begun\n"
@@ -119,19 +118,12 @@ def test_a_report_being_made_is_stopped(tmp_path: Path) -> None:
 def test_a_run_whose_terminal_closes_ends_and_can_be_gone_on_with(tmp_path: Path) -> None:
     path = tmp_path / "results.sqlite"
     ours, theirs = pty.openpty()
-
-    def take_terminal() -> None:
-        hear_signals()
-        fcntl.ioctl(theirs, termios.TIOCSCTTY, 0)
-
     run = subprocess.Popen(
-        [COMMAND, "run", *STUDY, "--jobs", "1", "--out", path],
+        [*WITH_DEFAULT_SIGNALS, COMMAND, "run", *STUDY, "--jobs", "1", "--out", path],
         stdin=theirs,
         stdout=theirs,
         stderr=theirs,
         start_new_session=True,
-        preexec_fn=take_terminal,
-        pass_fds=[theirs],
     )
     os.close(theirs)
     os.set_blocking(ours, False)

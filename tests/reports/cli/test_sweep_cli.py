@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from command_line import spincheck
+from default_signals import WITH_DEFAULT_SIGNALS
 from spincheck.reports.cli import executing
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.executing import Where
@@ -171,12 +172,11 @@ def test_ctrl_c_ends_it_with_130_and_the_same_command_goes_on(tmp_path):
     path = tmp_path / "results.sqlite"
     arguments = ["run", SCENE, "--ensemble", "8", *ONE_METHOD, "--jobs", "1", "--out", str(path)]
     process = subprocess.Popen(
-        [COMMAND, *arguments],
+        [*WITH_DEFAULT_SIGNALS, COMMAND, *arguments],
         stderr=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     assert process.stderr
     first = process.stderr.readline()

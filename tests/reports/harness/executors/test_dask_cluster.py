@@ -82,6 +82,8 @@ def test_a_cluster_that_goes_away_ends_the_sweep_and_keeps_what_was_finished(tmp
 
 def worker_processes(scheduler) -> set[int]:
     with distributed.Client(scheduler.scheduler_address, set_as_default=False) as client:
+        # One that was killed is replaced in a while.
+        client.wait_for_workers(2)
         return set(client.run(os.getpid).values())
 
 
