@@ -24,6 +24,8 @@ T = TypeVar("T")
 STRETCH = 0.001
 #: And at least so many times the measured resolution of the clock.
 RESOLUTIONS = 100
+#: And so long that a call's own cost, whatever the number of steps, is at most this share of it.
+SHARE_OF_CALL = 0.02
 #: Timed stretches of a method; the minimum is reported, their spread is the noise.
 REPEATS = 9
 #: Stretches are planned longer by this factor, so as not to fall just short of the minimum.
@@ -34,6 +36,8 @@ DIGITS_OF_STEPS = 3
 #: Steps before the first timed one, to warm up caches, allocations and branch predictors. The
 #: stretches by which their number of steps is found warm up further.
 WARM_UP = 16
+#: Stretches of `WARM_UP` steps, the least of which shows the cost of a call.
+SHORT_STRETCHES = 3
 #: rad turned in a timed step, so small that no method blows up while it is timed.
 TIMED_TURN = 1e-4
 #: Number of changes of the clock from which its resolution is measured.
@@ -162,12 +166,18 @@ class _Timed:
         """Load the session, warm it up, and find how many steps make a stretch."""
         self.session = self.stack.enter_context(self.opening())
         self.session.advance(WARM_UP)
-        self.steps = WARM_UP
-        least = max(STRETCH, RESOLUTIONS * resolution())
-        while (seconds := self._stretch(self.steps).cpu * self.steps) < least:
+        short = min(self._seconds(WARM_UP) for _ in range(SHORT_STRETCHES))
+        self.steps = 2 * WARM_UP
+        while (seconds := self._seconds(self.steps)) < (least := self._least(short, seconds)):
             # A stretch too short for the clock says only that it must be much longer.
             longer = AIMED_BEYOND * least / max(seconds, least / RESOLUTIONS)
             self.steps = _in_few_calls(math.ceil(self.steps * longer))
+
+    def _least(self, short: float, seconds: float) -> float:
+        """s that a stretch lasts at least, by the shortest stretch and the last one."""
+        a_step = max(0.0, seconds - short) / (self.steps - WARM_UP)
+        a_call = max(0.0, short - WARM_UP * a_step)
+        return max(STRETCH, RESOLUTIONS * resolution(), a_call / SHARE_OF_CALL)
 
     def time(self) -> None:
         """One stretch."""
@@ -183,6 +193,9 @@ class _Timed:
         state = self.session.read_state()
         if not all(np.isfinite(values).all() for values in vars(state).values()):
             raise EngineError("the state is no longer finite")
+
+    def _seconds(self, steps: int) -> float:
+        return self._stretch(steps).cpu * steps
 
     def _stretch(self, steps: int) -> TimingSample:
         cpu, wall = self.session.timed(steps)

@@ -55,6 +55,13 @@ def test_a_stretch_lasts_long_by_the_clock_however_coarse(clock: Clock, resoluti
     assert min(timed) * TAKES >= (1 - TICK) * max(cost.RESOLUTIONS * resolution, cost.STRETCH)
 
 
+@pytest.mark.parametrize("takes", [1e-7, TAKES, 1e-3])
+def test_what_a_call_costs_however_many_steps_is_not_counted(clock: Clock, takes: float) -> None:
+    """As of a compiled loop that an interpreter calls."""
+    measured = cost_of(Clockwork(clock, lambda steps, _: 100 * TAKES + steps * takes))
+    assert measured.seconds_per_step == pytest.approx(takes, rel=cost.SHARE_OF_CALL + TICK)
+
+
 def test_the_first_steps_are_not_timed(clock: Clock) -> None:
     slow = Clockwork(clock, lambda steps, taken: steps * TAKES * (1 if taken else 1000))
     measured = cost_of(slow)
