@@ -11,7 +11,7 @@ import numpy as np
 
 from ..scenarios import FloatArray, Scenario
 from ..scenarios.fastest_rate import swing_rate
-from ..scenarios.rotation import cross, matrices, rotation_vectors
+from ..scenarios.rotation import cross, matrix, rotation_vectors
 from .read_back import State
 
 #: rad, largest step of the classical Runge–Kutta rule that computes an exact gain.
@@ -121,7 +121,7 @@ class Equations:
             w * b + z * a - x * c,
             w * c + x * b - y_ * a,
         ]
-        R_world_body = matrices(y[None, :4])[0]
+        R_world_body = matrix(y[:4])
         omega_rate = self.inverse @ self.torque_body(R_world_body, omega)
         return np.concatenate([np.array(q_rate) / 2, omega_rate])
 
@@ -155,7 +155,7 @@ def gain_between(equations: Equations, before: State, after: State, span: float)
     torque = equations.inertia @ (after.omega_body - before.omega_body) / span
     exact_torque = equations.inertia @ (exact.omega_body - before.omega_body) / span
     if equations.scenario.has_pivot:
-        R = matrices(after.q_world_body_wxyz[None])[0]
+        R = matrix(after.q_world_body_wxyz)
         com = np.array(equations.scenario.body.com)
         got = np.array([turn, torque, after.velocity_world, after.com_world])
         wanted = [exact_turn, exact_torque, R @ cross(after.omega_body, com), R @ com]
@@ -171,7 +171,7 @@ def gain_between(equations: Equations, before: State, after: State, span: float)
 def gain_sizes(equations: Equations, gain: Gain) -> FloatArray:
     """Sizes of the terms that the gains are sums of, (4,)."""
     omega = gain.before.omega_body
-    R = matrices(gain.before.q_world_body_wxyz[None])[0]
+    R = matrix(gain.before.q_world_body_wxyz)
     L = float(np.linalg.norm(equations.inertia @ omega))
     speed = float(np.linalg.norm(omega))
     outer = np.linalg.norm(equations.fall_body(R)) + np.linalg.norm(equations.push_body(R))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..scenarios import FloatArray
-from ..scenarios.rotation import cross, matrices
+from ..scenarios.rotation import cross, matrix
 from .equations import Equations, Gain
 
 #: Replaces a size of zero; its inverse can be squared.
@@ -133,7 +133,7 @@ class _Start:
     def __init__(self, equations: Equations, gain: Gain) -> None:
         self.equations, self.gain = equations, gain
         middle = equations.after(gain.before, gain.span / 2)
-        self.R = matrices(middle.q_world_body_wxyz[None])[0]
+        self.R = matrix(middle.q_world_body_wxyz)
         self.omega = middle.omega_body
         self.L = equations.inertia @ self.omega
         self.gyroscopic = cross(self.omega, self.L)

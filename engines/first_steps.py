@@ -18,6 +18,7 @@ explains all gains. A constraint needs some steps to settle; these are skipped.
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -41,6 +42,8 @@ NEGLIGIBLE = 2e-6
 #: Directions of ω in the body, beside the scene's own: askew to every axis of a body that is drawn
 #: along its axes.
 ASKEW = ((0.62, 0.55, 0.56), (-0.48, 0.71, 0.52))
+#: Scenes whose other starts are kept, for their next methods.
+KEPT = 4
 #: ω has jumped at the start if it changed by more than this fraction, beyond what the rotation of
 #: the body explains.
 LEAP = 1e-3
@@ -132,10 +135,10 @@ def starting_with(scenario: Scenario, omega_body: FloatArray) -> Scenario:
     return build(document, scenario.name, scenario.text, scenario.path)
 
 
-def _askew(scenario: Scenario, rate: float) -> Iterator[Scenario]:
+@lru_cache(maxsize=KEPT)
+def _askew(scenario: Scenario, rate: float) -> tuple[Scenario, ...]:
     speed = float(np.linalg.norm(scenario.start.omega_body)) or rate
-    for direction in ASKEW:
-        yield starting_with(scenario, speed * np.array(direction))
+    return tuple(starting_with(scenario, speed * np.array(direction)) for direction in ASKEW)
 
 
 def _turned(

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scenarios import FloatArray, Scenario
-from ..scenarios.rotation import cross, matrices, norms, rotation_vectors
+from ..scenarios.rotation import cross, matrix, norms, rotation_vectors
 from .fault import Cause
 
 #: Relative tolerance of a model or state that is read back. Text with 17 digits and a few products
@@ -124,7 +124,7 @@ def _pairs(
     arm = float(np.linalg.norm(body.com))
     com_world, velocity_world = start.position_world, start.velocity_world
     if scenario.has_pivot:
-        R_world_body = matrices(start.q_world_body_wxyz[None])[0]
+        R_world_body = matrix(start.q_world_body_wxyz)
         com_world = R_world_body @ body.com
         velocity_world = R_world_body @ cross(start.omega_body, body.com)
     speed = float(np.linalg.norm(start.omega_body))

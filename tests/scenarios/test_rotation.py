@@ -5,6 +5,7 @@ from scipy.spatial.transform import Rotation
 from spincheck.scenarios.rotation import (
     across,
     matrices,
+    matrix,
     rotation_vectors,
     times,
     turned,
@@ -29,6 +30,10 @@ def misfit(attitude: np.ndarray, wanted: np.ndarray) -> float:
 def test_matrices_are_scipys() -> None:
     assert misfit(matrices(Q), ROTATIONS.as_matrix()) <= ROUND_OFF
     assert misfit(matrices(np.roll(Q, 1, axis=1)), ROTATIONS.as_matrix()) > 0.1
+
+
+def test_the_matrix_of_one_is_the_same_to_the_last_bit() -> None:
+    assert all(np.array_equal(matrix(q), R) for q, R in zip(Q, matrices(Q), strict=True))
 
 
 def test_vectors_are_turned_as_scipy_turns_them() -> None:

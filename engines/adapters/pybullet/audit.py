@@ -12,7 +12,7 @@ import numpy as np
 import pybullet as p
 
 from ....scenarios import FloatArray, Scenario
-from ....scenarios.rotation import cross, matrices
+from ....scenarios.rotation import cross, matrix
 from ...read_back import BodyReading, State
 from .as_shipped import take_away_damping, take_away_motor
 from .model import BASE, HUNG, Model
@@ -187,7 +187,7 @@ class _Probe:
         """L about the pivot, or the com where there is none, world axes, kg m²/s, (3,)."""
         # Normalised to the last digit, as differences are divided by a very short time.
         q_world_body = state.q_world_body_wxyz / np.linalg.norm(state.q_world_body_wxyz)
-        R_world_body = matrices(q_world_body[None])[0]
+        R_world_body = matrix(q_world_body)
         L_world = R_world_body @ (self.held.inertia_com @ state.omega_body)
         if self.scenario.has_pivot:
             L_world += self.held.mass * cross(state.com_world, state.velocity_world)

@@ -12,7 +12,7 @@ from math import pi
 import numpy as np
 
 from ....scenarios import EFFECTS, Scenario
-from ....scenarios.rotation import cross, matrices
+from ....scenarios.rotation import cross, matrix
 from ...engine import Engine, Method, Release
 from ...equations import Equations
 from ...native_output import native_output
@@ -154,7 +154,7 @@ class PyBullet(Engine):
 def _check_borne(scenario: Scenario, timestep: float) -> None:
     """Raise if the pivot of a rigid body cannot bear it at the start: it would fall through."""
     equations, start, com = Equations(scenario), scenario.start, scenario.body.com
-    R_world_body, omega_body = matrices(start.q_world_body_wxyz[None])[0], start.omega_body
+    R_world_body, omega_body = matrix(start.q_world_body_wxyz), start.omega_body
     omega_rate = equations.inverse @ equations.torque_body(R_world_body, omega_body)
     pull_body = cross(omega_rate, com) + cross(omega_body, cross(omega_body, com))
     force_world = scenario.body.mass * (R_world_body @ pull_body - scenario.gravity_world)

@@ -8,7 +8,7 @@ import pybullet as p
 from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray
-from ....scenarios.rotation import matrices, times, turned, turned_back
+from ....scenarios.rotation import matrices, matrix, times, turned, turned_back
 from ...read_back import BodyReading, State
 
 Vector = tuple[float, float, float]
@@ -88,7 +88,7 @@ class Model:
     def R_world_body(self) -> FloatArray:
         """The body's attitude now, (3, 3)."""
         q_world_body = self.read_state().q_world_body_wxyz
-        return np.asarray(matrices((q_world_body / np.linalg.norm(q_world_body))[None])[0])
+        return matrix(q_world_body / np.linalg.norm(q_world_body))
 
     def put_on_pivot(self) -> None:
         """Move the body's origin back to the pivot; the attitude stays, velocities become zero."""
