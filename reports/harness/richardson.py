@@ -15,7 +15,7 @@ from ...scenarios import ErrorNorm, FloatArray, Scenario, Trajectory
 from ...scenarios.fastest_rate import fastest_rate, swing_rate
 from ..results.records import Signal
 from .observed_order import ASYMPTOTIC, ORDER_SLACK
-from .rounding import EPS, ulp_growth
+from .rounding import EPS, precision_in_flight, ulp_growth
 
 SIGNALS: tuple[Signal, ...] = get_args(Signal)
 
@@ -115,7 +115,7 @@ class RichardsonLadder:
     ----------
     solution : the exact motion at the ladder's sample times
     order, attitude_order : declared, of ω and of the attitude; other signals depend on both
-    precision : relative, to which body and start are held by the engine
+    precision : relative, to which body and start are held by the engine at the start
     ulp : relative, of the engine's floating-point numbers
     """
 
@@ -135,6 +135,7 @@ class RichardsonLadder:
         growth = np.array([value for _, value in ulp_growth(scenario, solution)]) / EPS
         self._roundoff_a_step = growth * ulp
         uncertainty = np.array([value for _, value in solution.uncertainty])
+        precision = max(precision, precision_in_flight(scenario, solution, ulp))
         self._uncertainty = uncertainty + growth * precision
         self._norm = ErrorNorm(scenario, exact)
         self._exact = exact

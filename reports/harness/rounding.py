@@ -38,5 +38,20 @@ def ulp_growth(scenario: Scenario, solution: Solution) -> Errors:
     )
 
 
+def precision_in_flight(scenario: Scenario, solution: Solution, ulp: float) -> float:
+    """To which relative precision a free body is held that flies far; zero for one on a pivot.
+
+    Engines hold its points in world coordinates, which are rounded in proportion to the distance.
+
+    Parameters
+    ----------
+    ulp : relative, of the engine's floating-point numbers
+    """
+    if scenario.has_pivot:
+        return 0.0
+    far = float(np.linalg.norm(solution.trajectory.com_world, axis=1).max())
+    return ulp * far / radius_of_gyration(scenario)
+
+
 def _relative(change: float, base: float) -> float:
     return change / base if base else EPS

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Engine, Method, engines
+from spincheck.reports.harness.best_window import SHARP
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.study import (
     Prepared,
@@ -30,6 +31,8 @@ RESOLVING_STEPS = 1 << 19
 PAGE = Path(__file__).parents[3] / "docs" / "random-scenes.md"
 ENGINES = ("mujoco", "pybullet")
 SAMPLES = 41
+#: Said of `unresolved` ladders that no method can resolve.
+TOO_UNCERTAIN = f", as the exact motion, body and start are uncertain by more than {SHARP:g}"
 HEAD = f"""# Verdicts on faultless methods on random scenes
 
 Made by `make random` from {{scenes}} scenes and every method of {{engines}} but those as shipped.
@@ -43,7 +46,8 @@ its tolerance makes a signal `unresolved`; four times that, over two rungs, `dis
 |---|---|
 {{table}}
 
-Judged wrongly (`disagrees` or `failed`; at fourth order anything but `converges`):
+Judged wrongly (`disagrees` or `failed`; at fourth order also `diverges`, and `unresolved` though
+the exact motion, body and start are known well enough for a verdict):
 
 {{wrong}}
 """
@@ -87,27 +91,32 @@ def random_scene(number: int) -> Scenario:
     return loads("\n".join(lines) + "\n", f"random-{number}")
 
 
-def verdicts(number: int) -> Iterator[tuple[Method, Verdict]]:
-    """Of every clean method that can do the scene; of fourth order on ladders that resolve it."""
+def verdicts(number: int) -> Iterator[tuple[Method, Verdict, bool]]:
+    """Of every clean method that can do the scene; of fourth order on ladders that resolve it.
+
+    And whether the exact motion, body and start are known too badly for any other verdict.
+    """
     scenario = random_scene(number)
     prepared = prepare(scenario, [], MOST_STEPS if number < LONG_LADDERS else FEWER_STEPS)
     for engine in (engines()[name] for name in ENGINES):
         for method in engine.methods:
             if method.as_shipped or engine.unsupported(scenario, method):
                 continue
-            verdict = judged(scenario, engine, method, prepared)
+            verdict, is_too_uncertain = judged(scenario, engine, method, prepared)
             if method.order == 4 and verdict.verdict == "unresolved":
                 longer = prepare(scenario, [], RESOLVING_STEPS)
-                verdict = judged(scenario, engine, method, longer)
-            yield method, verdict
+                verdict, is_too_uncertain = judged(scenario, engine, method, longer)
+            yield method, verdict, is_too_uncertain
 
 
-def judged(scenario: Scenario, engine: Engine, method: Method, prepared: Prepared) -> Verdict:
+def judged(
+    scenario: Scenario, engine: Engine, method: Method, prepared: Prepared
+) -> tuple[Verdict, bool]:
     """Run the ladder in this process."""
     study = convergence_study_of(scenario, engine, method, prepared)
     for _ in run_rungs(study, InProcess()):
         pass
-    return verdict_on(study)
+    return verdict_on(study), any(one.sequence.uncertainty > SHARP for one in study.judge.signals)
 
 
 def is_wrong(method: Method, verdict: Verdict) -> bool:
@@ -139,14 +148,15 @@ def main() -> int:
     counts: Counter[str] = Counter()
     wrong: list[str] = []
     for number in range(count):
-        for method, verdict in verdicts(number):
+        for method, verdict, is_too_uncertain in verdicts(number):
             order = "fourth order" if method.order == 4 else "first order"
-            counts[f"{order}: {verdict.verdict}"] += 1
+            is_open = is_too_uncertain and verdict.verdict == "unresolved"
+            counts[f"{order}: {verdict.verdict}{TOO_UNCERTAIN if is_open else ''}"] += 1
             counts[f"{order}: signals judged"] += len(verdict.signals)
             counts[f"{order}: signals whose limit's error exceeds its tolerance"] += sum(
                 is_too_sure(signal) for signal in verdict.signals
             )
-            if is_wrong(method, verdict):
+            if is_wrong(method, verdict) and not is_open:
                 key = verdict.key
                 wrong.append(
                     f"{key.scenario}, {key.engine} {key.method}: {verdict.verdict}: "
