@@ -36,8 +36,8 @@ DIGITS_OF_STEPS = 3
 #: Steps before the first timed one, to warm up caches, allocations and branch predictors. The
 #: stretches by which their number of steps is found warm up further.
 WARM_UP = 16
-#: Stretches of `WARM_UP` steps, the least of which shows the cost of a call.
-SHORT_STRETCHES = 3
+#: Stretches of a length, the least of which counts while the length is sought.
+TRIALS = 3
 #: rad turned in a timed step, so small that no method blows up while it is timed.
 TIMED_TURN = 1e-4
 #: Number of changes of the clock from which its resolution is measured.
@@ -166,7 +166,7 @@ class _Timed:
         """Load the session, warm it up, and find how many steps make a stretch."""
         self.session = self.stack.enter_context(self.opening())
         self.session.advance(WARM_UP)
-        short = min(self._seconds(WARM_UP) for _ in range(SHORT_STRETCHES))
+        short = self._seconds(WARM_UP)
         self.steps = 2 * WARM_UP
         while (seconds := self._seconds(self.steps)) < (least := self._least(short, seconds)):
             # A stretch too short for the clock says only that it must be much longer.
@@ -195,7 +195,7 @@ class _Timed:
             raise EngineError("the state is no longer finite")
 
     def _seconds(self, steps: int) -> float:
-        return self._stretch(steps).cpu * steps
+        return min(self._stretch(steps).cpu * steps for _ in range(TRIALS))
 
     def _stretch(self, steps: int) -> TimingSample:
         cpu, wall = self.session.timed(steps)

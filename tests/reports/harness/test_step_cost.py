@@ -62,6 +62,13 @@ def test_what_a_call_costs_however_many_steps_is_not_counted(clock: Clock, takes
     assert measured.seconds_per_step == pytest.approx(takes, rel=cost.SHARE_OF_CALL + TICK)
 
 
+def test_nor_is_it_if_single_stretches_are_disturbed(clock: Clock) -> None:
+    noise = iter(np.tile([1.5, 1.0, 4.0], 1000))
+    disturbed = Clockwork(clock, lambda steps, _: (100 + steps) * TAKES * float(next(noise)))
+    measured = cost_of(disturbed)
+    assert measured.seconds_per_step == pytest.approx(TAKES, rel=cost.SHARE_OF_CALL + TICK)
+
+
 def test_the_first_steps_are_not_timed(clock: Clock) -> None:
     slow = Clockwork(clock, lambda steps, taken: steps * TAKES * (1 if taken else 1000))
     measured = cost_of(slow)
@@ -148,10 +155,11 @@ def test_worker_processes_start_no_threads() -> None:
 def test_engines_step_in_one_thread() -> None:
     """Threads that share the work take more CPU time than there is on the wall."""
     scenario = library_scene("fast-top")
-    pairs = [(engine, method) for engine in engines().values() for method in engine.methods]
-    pairs = [
-        (engine, method) for engine, method in pairs if not engine.unsupported(scenario, method)
-    ]
+    pairs = []
+    for engine in engines().values():
+        can = [method for method in engine.methods if not engine.unsupported(scenario, method)]
+        # One method of each, as some take a minute to compile all theirs.
+        pairs += [(engine, method) for method in can[:1]]
     for (engine, method), measured in zip(pairs, step_costs(scenario, pairs), strict=True):
         assert measured is not None, (engine.name, method.name)
         assert measured.seconds_per_step <= measured.wall_seconds_per_step * (1 + TICK)
