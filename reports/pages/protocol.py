@@ -44,6 +44,7 @@ def constants() -> dict[str, str]:
         "time_limit": f"{TIME_LIMIT:g}",
         "resolutions": str(step_cost.RESOLUTIONS),
         "stretch_ms": f"{1e3 * step_cost.STRETCH:g}",
+        "share_of_call": f"{step_cost.SHARE_OF_CALL:.0%}",
         "repeats": str(step_cost.REPEATS),
         "warm_up": count(step_cost.WARM_UP),
         "timed_turn": number(step_cost.TIMED_TURN),
