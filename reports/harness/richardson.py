@@ -15,7 +15,7 @@ from ...scenarios import ErrorNorm, FloatArray, Scenario, Trajectory
 from ...scenarios.fastest_rate import fastest_rate, swing_rate
 from ..results.records import Signal
 from .observed_order import ASYMPTOTIC, ORDER_SLACK
-from .rounding import EPS, precision_in_flight, ulp_growth
+from .rounding import EPS, roundings_in_flight, ulp_growth
 
 SIGNALS: tuple[Signal, ...] = get_args(Signal)
 
@@ -115,7 +115,7 @@ class RichardsonLadder:
     ----------
     solution : the exact motion at the ladder's sample times
     order, attitude_order : declared, of ω and of the attitude; other signals depend on both
-    precision : relative, to which body and start are held by the engine at the start
+    precision : relative, to which body and start are held by the engine
     ulp : relative, of the engine's floating-point numbers
     """
 
@@ -135,10 +135,9 @@ class RichardsonLadder:
         growth = np.array([value for _, value in ulp_growth(scenario, solution)]) / EPS
         self._roundoff_a_step = growth * ulp
         uncertainty = np.array([value for _, value in solution.uncertainty])
-        precision = max(precision, precision_in_flight(scenario, solution, ulp))
         self._uncertainty = uncertainty + growth * precision
         self._norm = ErrorNorm(scenario, exact)
-        self._exact = exact
+        self._scenario, self._solution, self._exact = scenario, solution, exact
         self._rate = fastest_rate(scenario, exact.omega_body)
         self._p = float(self.declared.min())
         rates = np.maximum(np.linalg.norm(exact.omega_body, axis=1), swing_rate(scenario))
@@ -160,7 +159,8 @@ class RichardsonLadder:
         table = norm.table(motion)
         self.timesteps.append(timestep)
         self._errors.append(norm.distances(table, norm.true_table).max(axis=0))
-        self._roundoff_bounds.append(steps * self._roundoff_a_step)
+        roundings = steps + CAUTIOUS * roundings_in_flight(self._scenario, self._solution, steps)
+        self._roundoff_bounds.append(roundings * self._roundoff_a_step)
         self._last = [*self._last[-2:], table]
         if len(self) > 1:
             self._differences.append(norm.distances(self._last[-2], table).max(axis=0))

@@ -7,18 +7,16 @@ from measure_random import is_too_sure, is_wrong, judged, random_scene
 from spincheck.engines import engines
 from spincheck.reference import solve
 from spincheck.reports.harness import richardson
-from spincheck.reports.harness.rounding import precision_in_flight
+from spincheck.reports.harness.rounding import roundings_in_flight
 from spincheck.reports.harness.study import prepare
 from spincheck.reports.results.records import Verdict
-from spincheck.scenarios import radius_of_gyration
 
 pytestmark = pytest.mark.slow
 
 MUJOCO = engines()["mujoco"]
 RK4 = MUJOCO.method("RK4")
-EPS = float(np.finfo(float).eps)
-#: The number of a scene whose body falls 47 km: there MuJoCo rounds positions to 7e-12 m.
-FALLS_FAR = 264
+#: The number of a scene whose body falls for 98 s, up to 957 m/s.
+FALLS_FAST = 264
 #: The number of one whose motion is too uncertain by its end for any verdict but `unresolved`.
 CHAOTIC = 30
 STEPS = 1 << 15
@@ -29,30 +27,32 @@ def verdict_of(number: int) -> tuple[Verdict, bool]:
     return judged(scenario, MUJOCO, RK4, prepare(scenario, [], STEPS))
 
 
-def test_far_from_the_origin_a_limits_error_is_within_its_tolerance(monkeypatch) -> None:
-    verdict, _ = verdict_of(FALLS_FAR)
+def test_the_limits_error_of_a_fast_fall_is_within_its_tolerance(monkeypatch) -> None:
+    verdict, _ = verdict_of(FALLS_FAST)
     assert verdict.verdict == "converges"
     assert not any(is_too_sure(signal) for signal in verdict.signals)
-    monkeypatch.setattr(richardson, "precision_in_flight", lambda *_: 0.0)
-    verdict, _ = verdict_of(FALLS_FAR)
-    assert [signal.signal for signal in verdict.signals if is_too_sure(signal)] == [
-        "angular_momentum"
-    ]
+    monkeypatch.setattr(richardson, "roundings_in_flight", lambda *_: 0.0)
+    verdict, _ = verdict_of(FALLS_FAST)
+    too_sure = [signal.signal for signal in verdict.signals if is_too_sure(signal)]
+    assert too_sure == ["angular_momentum"]
 
 
-def test_the_precision_in_flight_is_the_rounding_of_the_distance_over_the_bodys_size() -> None:
-    scenario = library_scene("far-from-the-origin")
-    solution = solve(scenario, scenario.times)
-    far = np.linalg.norm(solution.trajectory.com_world, axis=1).max()
-    assert precision_in_flight(scenario, solution, EPS) == pytest.approx(
-        EPS * far / radius_of_gyration(scenario)
+def test_a_flights_roundings_are_those_of_its_momentum_flux_by_a_random_walk() -> None:
+    hammer = library_scene("hammer")
+    solution = solve(hammer, hammer.times)
+    fast = np.linalg.norm(solution.trajectory.velocity_world, axis=1).max()
+    L = np.linalg.norm(solution.trajectory.omega_body @ hammer.body.inertia_com, axis=1).max()
+    flux = hammer.body.mass * fast**2
+    assert roundings_in_flight(hammer, solution, 1) == pytest.approx(flux * hammer.times[-1] / L)
+    assert roundings_in_flight(hammer, solution, 4) == pytest.approx(
+        roundings_in_flight(hammer, solution, 1) / 2
     )
     top = library_scene("fast-top")
-    assert precision_in_flight(top, solve(top, top.times), EPS) == 0.0
+    assert roundings_in_flight(top, solve(top, top.times), 1) == 0.0
 
 
 def test_a_motion_too_uncertain_for_a_verdict_is_told_from_a_ladder_that_is_too_short() -> None:
     verdict, is_too_uncertain = verdict_of(CHAOTIC)
     assert (verdict.verdict, is_too_uncertain) == ("unresolved", True)
     assert is_wrong(RK4, verdict)
-    assert verdict_of(FALLS_FAR)[1] is False
+    assert verdict_of(FALLS_FAST)[1] is False
