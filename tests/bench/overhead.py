@@ -66,7 +66,9 @@ class Overhead:
     ----------
     bare_us : µs a step, bare, the least over the rounds
     timing : what the harness does to time steps
-    recording : what it does in an accuracy run, a sample every ten steps
+    recording : what it does in an accuracy run, a sample every ten steps, all states checked, and
+        some read once more a single step later
+    reading : `Session.record` alone, a sample every ten steps
     by_hand : the shortest loop that reads the same numbers as often and keeps them
     """
 
@@ -76,6 +78,7 @@ class Overhead:
     bare_us: float
     timing: Ratio
     recording: Ratio
+    reading: Ratio
     by_hand: Ratio
 
 
@@ -90,16 +93,18 @@ def overhead(engine: Engine, method: Method, scene: str) -> Overhead:
         engine.open(scenario, method, timestep) as bare,
         engine.open(scenario, method, timestep) as timed,
         engine.open(scenario, method, timestep) as recorded,
+        engine.open(scenario, method, timestep) as read,
         engine.open(scenario, method, timestep) as by_hand,
     ):
         actions = [
             bare_stepping(bare, timestep),
             lambda: timed.advance(STEPS),
             lambda: sample(recorded, counts, bounds),
+            lambda: read.record([PER_SAMPLE] * (STEPS // PER_SAMPLE), [].append),
             recording_by_hand(by_hand, timestep),
         ]
         seconds = np.array([in_turn(actions) for _ in range(ROUNDS)])[1:]
-    ratios = [ratio(seconds[:, k] / seconds[:, 0]) for k in (1, 2, 3)]
+    ratios = [ratio(seconds[:, k] / seconds[:, 0]) for k in (1, 2, 3, 4)]
     least = float(seconds[:, 0].min())
     return Overhead(engine.name, method.name, scene, 1e6 * least / STEPS, *ratios)
 
@@ -181,7 +186,8 @@ def main() -> None:
         "bare, µs a step",
         f"timing (goal {TIMING_GOAL})",
         f"recording (goal {RECORDING_GOAL})",
-        "recording by hand",
+        "reading",
+        "reading by hand",
         title="CPU time over that of bare stepping; a sample every ten steps where recorded",
     )
     for one in done:
@@ -192,6 +198,7 @@ def main() -> None:
             f"{one.bare_us:.2f}",
             shown(one.timing, TIMING_GOAL),
             shown(one.recording, RECORDING_GOAL),
+            shown(one.reading),
             shown(one.by_hand),
         )
     Console(width=120).print(grid)
