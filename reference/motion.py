@@ -1,4 +1,4 @@
-"""From a rotation about the principal axes to the motion of the body a scene describes, and back."""
+"""From a rotation about the principal axes to the motion of a body, and back."""
 
 from typing import NamedTuple
 
