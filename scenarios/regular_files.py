@@ -1,7 +1,7 @@
-"""Reads and writes regular files only: no pipe is waited for, no device touched, no link followed.
+"""Reads regular files and writes new ones: no pipe is waited for, no link is written through.
 
-Every file that is read from a place of the user's, and every file that is written there, goes through
-here; a result file, which SQLite writes, through `reports/results/result_file.py`.
+All files that come from outside are read here, and all that users ask for are written here. Result
+files, which SQLite reads and writes, have checks of their own (`reports/results/result_file.py`).
 """
 
 import errno
@@ -25,8 +25,7 @@ def read_regular(path: Path, limit: int) -> bytes:
         If it cannot be read or is not a regular file.
     """
     try:
-        with path.open("rb", opener=lambda name, flags: os.open(name, flags | _AT_ONCE)) as file:
-            _check(os.fstat(file.fileno()).st_mode, path)
+        with open(path, "rb", opener=_opened) as file:
             return file.read(limit + 1)
     # A name with a NUL, or with characters that no file's name has.
     except ValueError as error:
@@ -71,13 +70,25 @@ def replacing(path: Path) -> Iterator[Path]:
         yield new
         new.replace(path)
     except OSError as error:
-        # Of the file that was asked for: the other is nobody's.
+        if error.errno is None or error.filename not in (None, str(new)):
+            raise
+        # Nobody has asked for the other.
         raise OSError(error.errno, error.strerror, str(path)) from None
     finally:
         new.unlink(missing_ok=True)
 
 
-def _check(mode: int, path: Path) -> None:
+def _opened(name: str, flags: int) -> int:
+    descriptor = os.open(name, flags | _AT_ONCE)
+    try:
+        _check(os.fstat(descriptor).st_mode, name)
+    except OSError:
+        os.close(descriptor)
+        raise
+    return descriptor
+
+
+def _check(mode: int, path: Path | str) -> None:
     if stat.S_ISDIR(mode):
         raise IsADirectoryError(errno.EISDIR, "it is a folder", str(path))
     if not stat.S_ISREG(mode):

@@ -26,7 +26,7 @@ from .protocol import constants
 from .scene_answer import scene_answer, shown_at_first
 from .stock_table import stock_table
 from .sweep_section import sweep_section, write_sweeps
-from .templating import TEMPLATES, templates
+from .templating import templates, write_assets
 from .written import ReportFolder
 
 #: Plotly, deflated: `figures.js` unpacks it.
@@ -64,7 +64,8 @@ def render(results: Results, folder: Path) -> Path:
     environment = templates()
     protocol = environment.get_template("protocol.md").render(p=constants())
     written = ReportFolder(folder)
-    _write_assets(written)
+    write_assets(written, *ASSETS)
+    _write_plotly(written)
     left_out = (
         effects_table(results.effects),
         passes_tables(results.passes),
@@ -174,10 +175,8 @@ def _models(scenario: Scenario) -> dict[str, str]:
     }
 
 
-def _write_assets(written: ReportFolder) -> None:
+def _write_plotly(written: ReportFolder) -> None:
     from plotly.offline import get_plotlyjs
 
-    for name in ASSETS:
-        written.write(f"assets/{name}", (TEMPLATES / name).read_text(encoding="utf-8"))
     packed = base64.b64encode(zlib.compress(get_plotlyjs().encode("utf-8"), 9)).decode("ascii")
     written.write(f"assets/{PLOTLY}", f'const packedPlotly = "{packed}";\n')
