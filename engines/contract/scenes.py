@@ -4,8 +4,7 @@
 """
 
 from ...scenarios import Scenario, loads
-from ...scenarios.document import StartTable
-from ...scenarios.scenario import build
+from ...scenarios.scenario import started_at
 
 #: Principal moments all different, the triangle inequality satisfied with room to spare.
 ASYMMETRIC = """
@@ -88,14 +87,9 @@ samples = {samples}
 
 
 def from_elsewhere(scenario: Scenario) -> Scenario:
-    """The scene from another attitude, ω, and where it is free another position and velocity."""
-    start = {"rotation_vector_deg": (-65.0, 15.0, 80.0), "omega_body": (-2.5, 0.5, 1.5)}
-    if not scenario.has_pivot:
-        start |= {"position": (-0.2, 0.7, 0.1), "velocity": (1.5, 0.3, -0.6)}
-    table = StartTable.model_validate(start)
-    return build(
-        scenario.document.model_copy(update={"start": table}), scenario.name, scenario.text
-    )
+    """The scene from another attitude, ω and, where it is free, position and velocity."""
+    motion = ((-2.5, 0.5, 1.5), (-0.2, 0.7, 0.1), (1.5, 0.3, -0.6))
+    return started_at(scenario, (-0.5, 0.5, -0.1, 0.7), *motion)
 
 
 SCENES: dict[str, Scenario] = {

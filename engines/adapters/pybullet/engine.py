@@ -9,7 +9,7 @@ from functools import cache
 from importlib.metadata import version
 from math import pi
 
-from ....scenarios import EFFECTS, Scenario
+from ....scenarios import Scenario
 from ...engine import Engine, Method, Release
 from ...equations import Equations
 from ...native_output import native_output
@@ -25,7 +25,7 @@ with native_output():
     from .script import script
     from .session import PyBulletSession
 
-ALL_EFFECTS = frozenset(EFFECTS)
+EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 #: rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h, for every kind of body.
 #: Beyond it the attitude turns only by this much a step, while ω still reads its full value.
 MOST_ROTATION_A_STEP = pi / 4
@@ -53,7 +53,7 @@ class PyBullet(Engine):
             1,
             1,
             "joint coordinates, a pivot as a spherical joint",
-            ALL_EFFECTS,
+            EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
         ),
         Method(
@@ -61,7 +61,7 @@ class PyBullet(Engine):
             1,
             1,
             "joint coordinates, the pivot as a point-to-point constraint",
-            ALL_EFFECTS,
+            EFFECTS,
             requires=frozenset({"pivot"}),
             max_rotation_per_step=MOST_ROTATION_A_STEP,
         ),
@@ -70,7 +70,7 @@ class PyBullet(Engine):
             1,
             1,
             "six coordinates a body, gyroscopic term implicit, the pivot as a constraint",
-            ALL_EFFECTS,
+            EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
         ),
         Method(
@@ -78,7 +78,7 @@ class PyBullet(Engine):
             1,
             1,
             "as shipped: the URDF without flags, with damping, joint motor and velocity clamp",
-            ALL_EFFECTS,
+            EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             as_shipped=True,
             damping=DEFAULT_DAMPING,
@@ -88,7 +88,7 @@ class PyBullet(Engine):
             1,
             1,
             "as shipped, but for the inertia, which is the file's (URDF_USE_INERTIA_FROM_FILE)",
-            ALL_EFFECTS,
+            EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             as_shipped=True,
             damping=DEFAULT_DAMPING,
