@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 
 from ...reference import IntegrationError, flow
-from ...scenarios import ErrorSeries, FloatArray, Scenario, Trajectory
+from ...scenarios import Errors, ErrorSeries, FloatArray, Scenario, Trajectory
 from ...scenarios.agreement import ErrorNorm
 from ...scenarios.fastest_rate import fastest_rate
 from ...scenarios.mechanics import RECENT
@@ -34,14 +34,14 @@ class Defects:
     Attributes
     ----------
     t : (n − 1,) s, the ends of the intervals
-    series : the defects by signal, (n − 1,) each
-    rounding : by signal, the largest that the rounding of a state at the beginning of an interval
+    series : the defects at these
+    rounding : the largest that the rounding of a state at the beginning of an interval
         makes of it by its end: the defects of the exact motion, rounded to doubles
     """
 
     t: FloatArray
     series: ErrorSeries
-    rounding: dict[str, float]
+    rounding: Errors
 
     def summary(self, steps: int, ulp: float) -> dict[str, Defect]:
         """The record to store, by signal.
@@ -53,8 +53,8 @@ class Defects:
         """
         roundings = np.sqrt(1 + steps / len(self.t)) * ulp / np.finfo(float).eps
         return {
-            name: _summary(self.t, values, float(roundings * self.rounding[name]))
-            for name, values in vars(self.series).items()
+            name: _summary(self.t, self.series[name], float(roundings * rounding))
+            for name, rounding in self.rounding
         }
 
 
@@ -70,17 +70,17 @@ def defects(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Defect
         return None
     try:
         series = _series(scenario, motion, exact)
-        of_exact = vars(_of_exact(scenario, exact))
+        rounding = _rounding(scenario, exact)
     except IntegrationError:
         return None
-    least = ULPS_A_STEP * float(np.finfo(float).eps)
-    rounding = {name: max(float(values.max()), least) for name, values in of_exact.items()}
     return Defects(motion.t[1:], series, rounding)
 
 
 @lru_cache(maxsize=RECENT)
-def _of_exact(scenario: Scenario, exact: Trajectory) -> ErrorSeries:
-    return _series(scenario, exact, exact)
+def _rounding(scenario: Scenario, exact: Trajectory) -> Errors:
+    least = ULPS_A_STEP * float(np.finfo(float).eps)
+    of_exact = _series(scenario, exact, exact).worst()
+    return Errors(**{name: max(value, least) for name, value in of_exact})
 
 
 def _series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> ErrorSeries:
@@ -89,7 +89,7 @@ def _series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> ErrorS
     # The sign of a quaternion is that of the flow's: the exact motion may be anywhere.
     beside = ErrorNorm(scenario, flowed)
     distances = ErrorNorm(scenario, exact).distances(beside.table(later), beside.true_table)
-    return ErrorSeries(*distances.T)
+    return ErrorSeries(distances)
 
 
 def _summary(t: FloatArray, values: FloatArray, floor: float) -> Defect:
