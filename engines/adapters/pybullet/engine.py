@@ -13,10 +13,10 @@ import numpy as np
 
 from ....scenarios import EFFECTS, Scenario
 from ....scenarios.rotation import cross, matrix
+from ...checks.equations import Equations
+from ...checks.read_back import UnsupportedError
 from ...engine import Engine, Method, Release
-from ...equations import Equations
 from ...native_output import native_output
-from ...read_back import UnsupportedError
 from ...release import numbers_of
 from ...session import Session
 

@@ -10,9 +10,9 @@ import numpy as np
 import pybullet as p
 
 from ....scenarios import Scenario
+from ...checks.read_back import BodyReading, EngineError, State
 from ...fault import Fault
 from ...native_output import native_output
-from ...read_back import BodyReading, EngineError, State
 from ...session import Session
 from .as_shipped import DEFAULT_CLAMP, UNREACHED_VELOCITY
 from .audit import what_acts
