@@ -11,7 +11,7 @@ from math import pi
 
 import numpy as np
 
-from ....scenarios import EFFECTS, Scenario
+from ....scenarios import Scenario
 from ....scenarios.rotation import cross, matrix
 from ...checks.equations import Equations
 from ...checks.read_back import UnsupportedError
@@ -27,7 +27,7 @@ with native_output():
     from .script import script
     from .session import PyBulletSession
 
-ALL_EFFECTS = frozenset(EFFECTS)
+EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 #: rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h, for every kind of body.
 #: Beyond it the attitude turns only by this much a step, while ω still reads its full value.
 MOST_ROTATION_A_STEP = pi / 4
@@ -57,7 +57,7 @@ class PyBullet(Engine):
             1,
             1,
             "joint coordinates, a pivot as a spherical joint",
-            ALL_EFFECTS,
+            EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
         ),
         Method(
@@ -65,7 +65,7 @@ class PyBullet(Engine):
             1,
             1,
             "joint coordinates, the pivot as a point-to-point constraint",
-            ALL_EFFECTS,
+            EFFECTS,
             requires=frozenset({"pivot"}),
             max_rotation_per_step=MOST_ROTATION_A_STEP,
         ),
@@ -74,7 +74,7 @@ class PyBullet(Engine):
             1,
             1,
             "six coordinates a body, gyroscopic term implicit, the pivot as a constraint",
-            ALL_EFFECTS,
+            EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
         ),
         Method(
@@ -82,7 +82,7 @@ class PyBullet(Engine):
             1,
             1,
             "as shipped: the URDF without flags, with damping, joint motor and velocity clamp",
-            ALL_EFFECTS,
+            EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             as_shipped=True,
             damping=DEFAULT_DAMPING,
@@ -92,7 +92,7 @@ class PyBullet(Engine):
             1,
             1,
             "as shipped, but for the inertia, which is the file's (URDF_USE_INERTIA_FROM_FILE)",
-            ALL_EFFECTS,
+            EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             as_shipped=True,
             damping=DEFAULT_DAMPING,
