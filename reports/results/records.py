@@ -1,12 +1,10 @@
 """The results of a study: one row a run, one verdict a method and scene."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 from ...engines import Cause, Outcome
 from ...scenarios import Errors, SignalName, Trajectory
-
-VerdictWord = Literal["converges", "disagrees", "unresolved", "diverges", "unsupported", "failed"]
+from .verdict_words import VERDICT, VerdictWord
 
 #: Names of an engine and of one of its methods.
 Pair = tuple[str, str]
@@ -153,11 +151,11 @@ class Verdict:
     def agrees(self) -> bool:
         """Whether a study with this verdict passes."""
         expected = self.as_shipped or self.is_expected_failure
-        wrong = self.verdict in ("disagrees", "failed") and not expected
+        wrong = VERDICT[self.verdict].fails and not expected
         return not wrong and not self.unmet
 
     @property
     def is_unproven(self) -> bool:
         """Whether a method, not as shipped, is shown neither to converge nor to be wrong."""
-        open_ended = self.verdict in ("unresolved", "diverges")
-        return open_ended and not (self.as_shipped or self.is_expected_failure)
+        expected = self.as_shipped or self.is_expected_failure
+        return VERDICT[self.verdict].is_unproven and not expected
