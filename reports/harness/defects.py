@@ -1,10 +1,10 @@
 """The defects of a run: what it does between two samples, beside the exact flow.
 
 From each sample that an engine made the exact flow is followed to the next one, and compared with
-what the engine did. Errors that came before do not count: a defect means something where a motion is
-chaotic, and where errors have long saturated, and it shows a fault in the interval in which it acts
-(W. H. Enright, J. Comput. Appl. Math. 125 (2000) 159; L. F. Shampine, J. Comput. Appl. Math. 175
-(2005) 195). Every interval is followed from end to end, so that nothing falls between.
+what the engine did. Errors that came before do not count: a defect means something where a motion
+is chaotic, and where errors have long saturated, and it shows a fault in the interval in which it
+acts (W. H. Enright, J. Comput. Appl. Math. 125 (2000) 159; L. F. Shampine, J. Comput. Appl. Math.
+175 (2005) 195). Every interval is followed from end to end, so that nothing falls between.
 
 Defects are in the norms of errors: relative to the same bases of the exact motion.
 """
