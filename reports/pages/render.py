@@ -10,22 +10,23 @@ from jinja2 import Environment
 from ...engines.models.mjcf import mjcf
 from ...engines.models.urdf import urdf
 from ...scenarios import Scenario
-from ..results.records import VerdictWord
 from ..results.store import Results
-from . import hard_cases, overview, scene_tables
+from ..results.verdict_words import VerdictWord
 from .analysis.report_data import ReportData, SceneRuns, report_data
 from .cost_section import cost_section, scene_costs
-from .default_tables import default_tables
 from .figures.figures import figures
-from .first_screen import answer
-from .heat_map import heat_map
-from .left_out_tables import effects_table, harm_in_words, passes_tables
-from .motion_data import motion_data
+from .overview import hard_cases, overview
+from .overview.first_screen import answer
+from .overview.heat_map import heat_map
+from .overview.left_out_tables import effects_table, harm_in_words, passes_tables
+from .overview.protocol import constants
+from .overview.stock_table import stock_table
 from .page_data import PageData
-from .protocol import constants
-from .scene_answer import scene_answer, shown_at_first
-from .stock_table import stock_table
-from .sweep_section import sweep_section, write_sweeps
+from .scene import scene_tables
+from .scene.default_tables import default_tables
+from .scene.motion_data import motion_data
+from .scene.scene_answer import scene_answer, shown_at_first
+from .sweeps.sweep_section import sweep_section, write_sweeps
 from .templating import templates, write_assets
 from .written import ReportFolder
 
