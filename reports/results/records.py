@@ -21,6 +21,24 @@ class Key:
     method: str
 
 
+@dataclass(frozen=True)
+class Defect:
+    """What a run does between two samples, beside the exact flow, in one signal.
+
+    Attributes
+    ----------
+    p50, p95, max : median, 95th percentile and largest over the intervals, in the norm of errors
+    at : s, the end of the interval of the largest
+    floor : the largest that round-off may make
+    """
+
+    p50: float
+    p95: float
+    max: float
+    at: float
+    floor: float
+
+
 @dataclass(frozen=True, eq=False)
 class Row:
     """One run against the reference.
@@ -44,6 +62,7 @@ class Row:
         timestep, and 1 ms
     unasked : of an engine as shipped, what acted though the scene does not call for it, by the
         engine's names
+    defects : by signal (`harness/defects.py`); None where the motion turns too far to be followed
     """
 
     key: Key
@@ -65,6 +84,7 @@ class Row:
     without_skill: bool = False
     stock: bool = False
     unasked: tuple[str, ...] = ()
+    defects: dict[str, Defect] | None = None
 
     def __post_init__(self) -> None:
         if self.errors is not None and self.outcome != "ok":
