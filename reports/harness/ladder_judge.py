@@ -7,11 +7,12 @@ import numpy as np
 
 from ...engines import Engine, Method
 from ...reference import Solution
-from ...scenarios import Scenario
+from ...scenarios import SIGNAL, Scenario
 from ..results.records import Row, SignalVerdict
+from ..results.verdict_words import RANKS
 from .best_window import SHARP
 from .observed_order import ASYMPTOTIC
-from .richardson import SIGNALS, RichardsonLadder, SignalSequence
+from .richardson import RichardsonLadder, SignalSequence
 from .verdict import Judgement, judge
 
 #: A ladder continues until every limit is known to `GOAL`, relative or in rad, or steps run out; to
@@ -38,7 +39,7 @@ class SignalJudgement:
         of two that no timestep would resolve, the one with the larger tolerance.
         """
         judgement = self.judgement
-        rank = ("converges", "unresolved", "disagrees").index(judgement.word)
+        rank = RANKS[judgement.word]
         if judgement.word == "unresolved":
             return rank, -(judgement.needed_timestep or 0.0), judgement.tolerance or 0.0
         excess = (judgement.limit_error or 0.0) / (judgement.tolerance or math.inf)
@@ -91,7 +92,7 @@ class LadderJudge:
         if self._judged is None:
             self._judged = []
             if self._ladder is not None and self.finished >= RUNGS_OF_A_LIMIT:
-                sequences = [self._ladder.signal(signal) for signal in SIGNALS]
+                sequences = [self._ladder.signal(signal) for signal in SIGNAL]
                 self._judged = [SignalJudgement(one, judge(one)) for one in sequences]
         return self._judged
 

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..results.records import SignalVerdict, VerdictWord
+from ..results.records import SignalVerdict
+from ..results.verdict_words import VerdictWord
 from .best_window import SHARP, BestWindow, best_window
 from .observed_order import (
     ABOVE_UNCERTAINTY,
@@ -58,7 +59,7 @@ class Judgement:
     def of(self, sequence: SignalSequence) -> SignalVerdict:
         """The judgement as a record to store."""
         return SignalVerdict(
-            sequence.signal,
+            sequence.signal.name,
             self.word,
             self.reason,
             sequence.declared_order,

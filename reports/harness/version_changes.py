@@ -1,8 +1,8 @@
 """Compares versions of an engine: motions, errors, verdicts, speed.
 
-A newer version is worse if a run no longer comes to its end, the verdict on a method falls
-(`RANKS`), an error at the timestep asked for grew by a fifth or more, or a step takes longer by a
-fifth or more in every round of timing.
+A newer version is worse if a run no longer comes to its end, the verdict on a method is of a higher
+rank, an error at the timestep asked for grew by a fifth or more, or a step takes longer by a fifth
+or more in every round of timing.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,8 +12,8 @@ from itertools import pairwise
 import numpy as np
 
 from ...engines import Engine, Method
-from ...scenarios import Scenario, errors_between
-from ..results.records import VerdictWord
+from ...scenarios import SIGNAL, Scenario, errors_between
+from ..results.verdict_words import RANKS, VerdictWord
 from .executors import Executor
 from .version_runs import SolvedScene, VersionRun, solved, version_runs
 
@@ -24,17 +24,6 @@ EPS = float(np.finfo(float).eps)
 ROUNDINGS = 16
 #: An error or a time counts as changed from this factor on: the noise of times is smaller.
 NOTABLE = 1.2
-#: Errors that messages call by another name.
-SIGNALS = {"omega": "ω", "angular_momentum": "L"}
-#: Verdicts from bad to good; that a method cannot simulate a scene shows in the outcome.
-RANKS: dict[VerdictWord, int] = {
-    "converges": 3,
-    "unresolved": 2,
-    "diverges": 1,
-    "disagrees": 0,
-    "failed": 0,
-    "unsupported": 0,
-}
 
 
 @dataclass(frozen=True)
@@ -113,7 +102,7 @@ def _change(
     is_worse = is_slower or (ended_before and newer.outcome != "ok")
     is_worse |= any(new > old for old, new in errors.values())
     words = (older.verdict.verdict, newer.verdict.verdict)
-    is_worse |= ended_before and RANKS[words[1]] < RANKS[words[0]]
+    is_worse |= ended_before and RANKS[words[1]] > RANKS[words[0]]
     parts = [*_in_words(older, newer, equal, errors)]
     if is_slower or is_faster:
         parts.append(f"a step takes {ratio:.2f} times as long")
@@ -144,7 +133,7 @@ def _in_words(
     if older.verdict.verdict != newer.verdict.verdict:
         yield f"{older.verdict.verdict} → {newer.verdict.verdict}"
     for name, (old, new) in errors.items():
-        yield f"{SIGNALS.get(name, name)} error {old:.2g} → {new:.2g}"
+        yield f"{SIGNAL[name].label} error {old:.2g} → {new:.2g}"
 
 
 def _equal(scene: SolvedScene, older: VersionRun, newer: VersionRun) -> str:
@@ -158,7 +147,7 @@ def _equal(scene: SolvedScene, older: VersionRun, newer: VersionRun) -> str:
     if np.array_equal(first, second):
         return "to the last bit"
     apart = errors_between(scene.scenario, newer.motion, older.motion)
-    return "to round-off" if max(vars(apart).values()) <= _round_off(scene) else ""
+    return "to round-off" if max(value for _, value in apart) <= _round_off(scene) else ""
 
 
 def _notable(
@@ -167,11 +156,10 @@ def _notable(
     """The errors that changed by more than `NOTABLE` and exceed what the reference can resolve."""
     if older.errors is None or newer.errors is None:
         return {}
-    uncertainty = vars(scene.solution.uncertainty)
     notable = {}
-    for name, old in vars(older.errors).items():
-        new = vars(newer.errors)[name]
-        floor = max(uncertainty.get(name, 0.0), _round_off(scene))
+    for name, old in older.errors:
+        new = newer.errors[name]
+        floor = max(scene.solution.uncertainty[name], _round_off(scene))
         high, low = max(old, new), max(min(old, new), floor)
         if high > NOTABLE * low:
             notable[name] = (old, new)

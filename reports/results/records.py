@@ -6,25 +6,14 @@ field is added by adding it here, with a default that says that it is absent.
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar
 
 from pydantic import AfterValidator, ConfigDict
 
 from ...engines import Cause, Engine, Method, Outcome
 from ...reference import Solution
-from ...scenarios import Errors, Scenario, Trajectory, is_scene_name, loads, printable
-
-Signal = Literal["omega", "attitude", "angular_momentum", "energy", "com", "velocity"]
-#: The signals' names in reports and messages.
-SIGNAL_NAMES: dict[Signal, str] = {
-    "omega": "ω",
-    "attitude": "attitude",
-    "angular_momentum": "L",
-    "energy": "energy",
-    "com": "com",
-    "velocity": "velocity",
-}
-VerdictWord = Literal["converges", "disagrees", "unresolved", "diverges", "unsupported", "failed"]
+from ...scenarios import Errors, Scenario, SignalName, Trajectory, is_scene_name, loads, printable
+from .verdict_words import VERDICT, VerdictWord
 
 #: Names of an engine and of one of its methods.
 Pair = tuple[str, str]
@@ -110,6 +99,24 @@ class Fingerprint(Record):
     digest: str
 
 
+@dataclass(frozen=True)
+class Defect:
+    """What a run does between two samples, beside the exact flow, in one signal.
+
+    Attributes
+    ----------
+    p50, p95, max : median, 95th percentile and largest over the intervals, in the norm of errors
+    at : s, the end of the interval of the largest
+    floor : the largest that round-off may make
+    """
+
+    p50: Size
+    p95: Size
+    max: Size
+    at: Size
+    floor: Size
+
+
 @dataclass(frozen=True, eq=False)
 class SolvedScene(Record):
     """A scene's file and its exact motion at the sample times; the rest as in `Solution`."""
@@ -166,6 +173,7 @@ class Row(Record):
         timestep, and 1 ms
     unasked : of an engine as shipped, what acted though the scene does not call for it, by the
         engine's names
+    defects : by signal (`harness/defects.py`); None where the motion turns too far to be followed
     """
 
     key: Key
@@ -187,6 +195,7 @@ class Row(Record):
     without_skill: bool = False
     stock: bool = False
     unasked: tuple[str, ...] = ()
+    defects: dict[str, Defect] | None = None
 
     def __post_init__(self) -> None:
         if self.errors is not None and self.outcome != "ok":
@@ -214,7 +223,7 @@ class SignalVerdict(Record):
     tolerance : the largest that this distance may be
     """
 
-    signal: Signal
+    signal: SignalName
     verdict: VerdictWord
     reason: str
     declared_order: int
@@ -242,7 +251,7 @@ class Verdict(Record):
     key: Key
     verdict: VerdictWord
     reason: str
-    signal: Signal = "omega"
+    signal: SignalName = "omega"
     order: float | None = None
     limit_error: float | None = None
     tolerance: float | None = None
@@ -257,11 +266,11 @@ class Verdict(Record):
     def agrees(self) -> bool:
         """Whether a study with this verdict passes."""
         expected = self.as_shipped or self.expected_failure
-        wrong = self.verdict in ("disagrees", "failed") and not expected
+        wrong = VERDICT[self.verdict].fails and not expected
         return not wrong and not self.unmet
 
     @property
     def is_unproven(self) -> bool:
         """Whether a method, not as shipped, is shown neither to converge nor to be wrong."""
-        open_ended = self.verdict in ("unresolved", "diverges")
-        return open_ended and not (self.as_shipped or self.expected_failure)
+        expected = self.as_shipped or self.expected_failure
+        return VERDICT[self.verdict].is_unproven and not expected

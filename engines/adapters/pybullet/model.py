@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray
 from ....scenarios.rotation import matrices, matrix, times, turned, turned_back
-from ...read_back import BodyReading, State
+from ...checks.read_back import BodyReading, State
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -94,6 +94,11 @@ class Model:
         """Move the body's origin back to the pivot; the attitude stays, velocities become zero."""
         q_xyzw = self.motion()[1]
         com_world = self.R_world_body() @ self.com
+        p.resetBasePositionAndOrientation(self.body, com_world, q_xyzw, self.client)
+
+    def set_pose(self, com_world: FloatArray, world_from_body: Rotation) -> None:
+        """Move a body that does not hang by a joint; velocities become zero."""
+        q_xyzw = (world_from_body * self.body_from_principal).as_quat()
         p.resetBasePositionAndOrientation(self.body, com_world, q_xyzw, self.client)
 
     def set_velocity(self, omega_world: FloatArray, velocity_world: FloatArray) -> None:

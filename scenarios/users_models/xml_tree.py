@@ -1,0 +1,221 @@
+"""XML as a tree whose elements know their line and their place in the file; DTDs are refused.
+
+expat itself, because its positions are needed for messages and for cutting a link out verbatim,
+which ElementTree and the parsers built on it or on lxml do not keep.
+"""
+
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Never
+from xml.parsers import expat
+
+from ..errors import printable
+from ..regular_files import read_regular
+from .errors import ModelFileError
+
+#: Bytes; the largest robot files of public packages have one million.
+MAX_BYTES = 1 << 25
+#: Elements within elements; robots nest one body a joint.
+MAX_DEPTH = 256
+#: Characters of a value that are shown.
+MAX_SHOWN = 60
+#: An XML declaration, wherever it stands.
+_DECLARATION = re.compile(rb"<\?xml\b[^>]*\?>")
+#: One tag; '>' may stand in quotes.
+_TAG = re.compile(rb"""<(?:[^<>"']|"[^"]*"|'[^']*')*>""")
+#: expat's complaints about a declaration: engines read over it, other tools refuse the file.
+_OF_DECLARATIONS = frozenset(
+    {
+        expat.errors.XML_ERROR_MISPLACED_XML_PI,
+        expat.errors.XML_ERROR_XML_DECL,
+        expat.errors.XML_ERROR_UNKNOWN_ENCODING,
+    }
+)
+
+
+@dataclass(eq=False)
+class Element:
+    """One element.
+
+    Attributes
+    ----------
+    where : file and line, as "robot.urdf:12"
+    start, end : the bytes of the file that it takes up
+    """
+
+    tag: str
+    attributes: dict[str, str]
+    where: str
+    start: int
+    end: int = 0
+    children: list["Element"] = field(default_factory=list)
+
+    def all(self, tag: str) -> list["Element"]:
+        """The children of that tag."""
+        return [child for child in self.children if child.tag == tag]
+
+    def only(self, tag: str) -> "Element | None":
+        """The child of that tag, None if there is none.
+
+        Raises
+        ------
+        ModelFileError
+            If there are several: engines do not take the same one.
+        """
+        children = self.all(tag)
+        if len(children) > 1:
+            children[1].refuse(f"a second <{tag}> in {self}: engines do not take the same one")
+        return children[0] if children else None
+
+    def refuse(self, rule: str) -> Never:
+        """Raise a `ModelFileError` about this element."""
+        raise ModelFileError(f"{self.where}: {rule}")
+
+    def __str__(self) -> str:
+        name = self.attributes.get("name")
+        return f"<{self.tag}>" if name is None else f"<{self.tag} name={shown(name)}>"
+
+
+@dataclass(frozen=True, eq=False)
+class XMLFile:
+    """A file as read.
+
+    Attributes
+    ----------
+    data : its bytes
+    root : its outermost element
+    notes : oddities that change nothing here, and for which other tools refuse the file
+    """
+
+    data: bytes
+    root: Element
+    notes: tuple[str, ...]
+
+
+def shown(value: str) -> str:
+    """A value of the file in a message."""
+    return printable(repr(value), MAX_SHOWN)
+
+
+def read_xml(path: Path) -> XMLFile:
+    """Read a file.
+
+    Raises
+    ------
+    ModelFileError
+        If it cannot be read, is too large or too deep, has a DTD, or is not XML.
+    """
+    where = printable(str(path))
+    data = read_bytes(path)
+    notes: list[str] = []
+    try:
+        root = _Builder(where).parse(data)
+    except expat.ExpatError as error:
+        if expat.errors.messages[error.code] not in _OF_DECLARATIONS:
+            raise _not_xml(error, where) from None
+        notes.append(
+            f"{where}:{error.lineno}: this XML declaration breaks the standard; engines read over "
+            "it, standard parsers refuse the file"
+        )
+        try:
+            root = _Builder(where).parse(_DECLARATION.sub(lambda m: b" " * len(m[0]), data))
+        except expat.ExpatError as again:
+            raise _not_xml(again, where) from None
+    notes += _unbound_prefixes(root)
+    return XMLFile(data, root, tuple(notes))
+
+
+def read_bytes(path: Path) -> bytes:
+    """The bytes of a model file.
+
+    Raises
+    ------
+    ModelFileError
+        If it cannot be read, is no regular file, or is too large.
+    """
+    where = printable(str(path))
+    try:
+        data = read_regular(path, MAX_BYTES)
+    except OSError as error:
+        raise ModelFileError(f"{where}: cannot be read: {error.strerror}") from None
+    if len(data) > MAX_BYTES:
+        raise ModelFileError(f"{where}: too large for a model, the limit is {MAX_BYTES} bytes")
+    return data
+
+
+def _not_xml(error: expat.ExpatError, where: str) -> ModelFileError:
+    message = expat.errors.messages[error.code]
+    return ModelFileError(f"{where}:{error.lineno}: not well-formed XML: {message}")
+
+
+class _Builder:
+    """Builds the tree as expat goes; nothing recurses."""
+
+    def __init__(self, where: str) -> None:
+        self._where = where
+        self._open: list[Element] = []
+        self._root: Element | None = None
+        self._data = b""
+        # Declared encodings are not asked: engines read bytes, and names are UTF-8 or ASCII.
+        self._parser = expat.ParserCreate("UTF-8")
+        self._parser.StartElementHandler = self._start
+        self._parser.EndElementHandler = self._end
+        self._parser.StartDoctypeDeclHandler = self._doctype
+
+    def parse(self, data: bytes) -> Element:
+        self._data = data
+        self._parser.Parse(data, True)
+        assert self._root is not None, "expat refuses a file without an element"
+        return self._root
+
+    def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        where = f"{self._where}:{self._parser.CurrentLineNumber}"
+        element = Element(tag, attributes, where, self._parser.CurrentByteIndex)
+        if len(self._open) == MAX_DEPTH:
+            element.refuse(f"elements are nested more than {MAX_DEPTH} deep")
+        if self._open:
+            self._open[-1].children.append(element)
+        else:
+            self._root = element
+        self._open.append(element)
+
+    def _end(self, tag: str) -> None:  # noqa: ARG002
+        element = self._open.pop()
+        own_tag = self._tag_at(element.start)
+        # Of an element without an end tag expat reports the position behind it.
+        closed = self._data[own_tag - 2 : own_tag] == b"/>"
+        element.end = own_tag if closed else self._tag_at(self._parser.CurrentByteIndex)
+
+    def _tag_at(self, start: int) -> int:
+        """Where a tag ends."""
+        tag = _TAG.match(self._data, start)
+        assert tag is not None, "expat has read a tag here"
+        return tag.end()
+
+    def _doctype(self, *_: object) -> None:
+        line = self._parser.CurrentLineNumber
+        raise ModelFileError(
+            f"{self._where}:{line}: a DTD (<!DOCTYPE …>) is refused: it can make a small file huge "
+            "or read other files; remove it"
+        )
+
+
+def _unbound_prefixes(root: Element) -> list[str]:
+    """One note a prefix that no `xmlns:` declares."""
+    notes: dict[str, str] = {}
+    left: list[tuple[Element, frozenset[str]]] = [(root, frozenset({"xml"}))]
+    while left:
+        element, bound = left.pop()
+        bound |= {name[6:] for name in element.attributes if name.startswith("xmlns:")}
+        prefix, colon, _ = element.tag.rpartition(":")
+        if colon and prefix == "xacro":
+            element.refuse(f"<{element.tag}> is xacro: expand it first, 'xacro FILE > robot.urdf'")
+        if colon and prefix not in bound:
+            notes.setdefault(
+                prefix,
+                f"{element.where}: the prefix of <{element.tag}> is not declared; engines read "
+                "over it, standard parsers refuse the file",
+            )
+        left += [(child, bound) for child in element.children]
+    return list(notes.values())
