@@ -195,7 +195,7 @@ class Row(Record):
     without_skill: bool = False
     stock: bool = False
     unasked: tuple[str, ...] = ()
-    defects: dict[str, Defect] | None = None
+    defects: dict[SignalName, Defect] | None = None
 
     def __post_init__(self) -> None:
         if self.errors is not None and self.outcome != "ok":

@@ -190,7 +190,7 @@ def test_an_unmet_expectation_is_reported_by_a_study_that_was_gone_on_with(path,
     run(path)
     again = [verdict.unmet for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
     assert unmet == again
-    assert "omega error" in unmet[0][0]
+    assert "ω error" in unmet[0][0]
 
 
 def test_a_timestep_is_run_once_however_often_it_is_asked_for(path, runs):
