@@ -164,7 +164,8 @@ class _Table:
 def _json_lines(path: Path) -> Recording:
     settings: dict[str, str] = {}
     columns: list[Column | None] = []
-    table, names = _Table([]), []
+    table = _Table([])
+    names: list[str] = []
     with path.open(encoding="utf-8-sig") as file:
         for number, line in _lines(file):
             record = _object(line, number)
