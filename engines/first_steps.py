@@ -24,7 +24,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..scenarios import FloatArray, Scenario
-from ..scenarios.scenario import build
+from ..scenarios.scenario import started_at
 from .equations import Equations, Gain, gain_between, gain_sizes, rounded
 from .explanations import NO_GYROSCOPIC_TORQUE, explanation
 from .read_back import State
@@ -128,11 +128,9 @@ def _residuals_of(
 
 def starting_with(scenario: Scenario, omega_body: FloatArray) -> Scenario:
     """The scene with another ω at its start, rad/s, body axes."""
-    x, y, z = (float(value) for value in omega_body)
-    changed = {"omega_body": (x, y, z), "omega_world": None, "euler_zyz_rates": None}
-    start = scenario.document.start.model_copy(update=changed)
-    document = scenario.document.model_copy(update={"start": start})
-    return build(document, scenario.name, scenario.text, scenario.path)
+    start = scenario.start
+    flight = start.position_world, start.velocity_world
+    return started_at(scenario, start.q_world_body_wxyz, omega_body, *flight)
 
 
 @lru_cache(maxsize=KEPT)

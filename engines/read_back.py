@@ -116,26 +116,33 @@ def differences(
     return differing
 
 
+def start_state(scenario: Scenario) -> State:
+    """The scene's start; of a body on a pivot, com and its velocity follow from attitude and ω."""
+    start, com = scenario.start, scenario.body.com
+    com_world, velocity_world = start.position_world, start.velocity_world
+    if scenario.has_pivot:
+        R_world_body = matrix(start.q_world_body_wxyz)
+        com_world = R_world_body @ com
+        velocity_world = R_world_body @ cross(start.omega_body, com)
+    return State(start.q_world_body_wxyz, start.omega_body, com_world, velocity_world)
+
+
 def _pairs(
     scenario: Scenario, held: BodyReading, state: State
 ) -> Iterator[tuple[str, FloatArray, FloatArray, float]]:
     """Name, value got, value wanted, and the size its difference is measured against."""
-    body, start = scenario.body, scenario.start
+    body, start = scenario.body, start_state(scenario)
     arm = float(np.linalg.norm(body.com))
-    com_world, velocity_world = start.position_world, start.velocity_world
-    if scenario.has_pivot:
-        R_world_body = matrix(start.q_world_body_wxyz)
-        com_world = R_world_body @ body.com
-        velocity_world = R_world_body @ cross(start.omega_body, body.com)
     speed = float(np.linalg.norm(start.omega_body))
     yield "mass", np.array(held.mass), np.array(body.mass), body.mass
     yield "com", held.com, body.com, arm
     # Not of the tensor about the origin: with a long arm that would hide faults of this one.
     yield "inertia_com", held.inertia_com, body.inertia_com, float(body.principal_moments[-1])
     yield "omega_body", state.omega_body, start.omega_body, speed
-    yield "com_world", state.com_world, com_world, arm + float(np.linalg.norm(com_world))
-    size = arm * speed + float(np.linalg.norm(velocity_world))
-    yield "velocity_world", state.velocity_world, velocity_world, size
+    size = arm + float(np.linalg.norm(start.com_world))
+    yield "com_world", state.com_world, start.com_world, size
+    size = arm * speed + float(np.linalg.norm(start.velocity_world))
+    yield "velocity_world", state.velocity_world, start.velocity_world, size
 
 
 def _rounded(values: FloatArray) -> str:

@@ -46,6 +46,31 @@ class Session(ABC):
         self.advance(steps)
         return time.process_time() - cpu, time.perf_counter() - wall
 
+    @property
+    def can_restart(self) -> bool:
+        """Whether `restart` is implemented; where not, a scene is opened anew from its start."""
+        return False
+
+    @property
+    def restarts_to_the_last_bit(self) -> bool:
+        """Whether a restart equals opening there to the last bit, or else but for rounding.
+
+        Rounding differs where an engine's coordinates are not those of `State`.
+        """
+        return True
+
+    def restart(self, state: State, timestep: float | None = None) -> None:
+        """Set the body to a state as if the scene had been opened there, without loading again.
+
+        Nothing of earlier steps is left: clocks, warm starts, warnings. A body in reduced
+        coordinates hangs by its pivot whatever `com_world` and `velocity_world` are.
+
+        Parameters
+        ----------
+        timestep : s, of the steps from now on; as before if None
+        """
+        raise NotImplementedError(f"{type(self).__name__} cannot be restarted.")
+
     @abstractmethod
     def check(self) -> None:
         """Raise `EngineError` if the engine warned, was reset, clamped, or its clock is wrong."""

@@ -1,6 +1,7 @@
 """The reference: exact solutions and high-precision integration of a top's motion."""
 
 from .facts import facts
+from .flow import flow
 from .invariants import drifts, invariants
 from .solution import Solution
 from .solve import ExactMotion, solve, solve_ode
@@ -12,6 +13,7 @@ __all__ = [
     "Solution",
     "drifts",
     "facts",
+    "flow",
     "invariants",
     "solve",
     "solve_ode",

@@ -6,7 +6,10 @@ worker before the others begin: each would compile for itself.
 
 from contextlib import suppress
 
+import numpy as np
+
 from ..scenarios import loads
+from .flow import flow
 from .kernel import FOLDER
 from .solve import ExactMotion
 
@@ -43,7 +46,8 @@ def compile_kernels() -> None:
     """Call every kernel once, as the solvers do; what is kept is loaded."""
     for name, effects in _SCENES.items():
         scenario = loads(_TEXT.format(I2=_I2[name]) + effects, name)
-        ExactMotion(scenario).solve(scenario.times)
+        exact = ExactMotion(scenario).solve(scenario.times).trajectory
+        flow(scenario, exact, np.zeros(len(exact.t)))
     if FOLDER is not None:
         # On a full disk the next process compiles again.
         with suppress(OSError):

@@ -1,10 +1,27 @@
-"""From a rotation about the principal axes to the motion of the body a scene describes."""
+"""From a rotation about the principal axes to the motion of a body, and back."""
+
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray, Scenario, Trajectory
+from ..scenarios.rotation import norms
 from .problem import Problem
+
+
+class Flight(NamedTuple):
+    """How long each sample of a free body flew, and from which state of its centre of mass.
+
+    Attributes
+    ----------
+    seconds : (n,)
+    com_world, velocity_world : (3,) or (n, 3), m, m/s
+    """
+
+    seconds: FloatArray
+    com_world: FloatArray
+    velocity_world: FloatArray
 
 
 def motion(
@@ -20,6 +37,24 @@ def motion(
     times : (n,) s
     states : q_world_axes (n, 4) and omega_axes (n, 3) rad/s, along the principal axes
     """
+    start = scenario.start
+    flight = Flight(times, start.position_world, start.velocity_world)
+    return assembled(scenario, problem, times, states, flight)
+
+
+def assembled(
+    scenario: Scenario,
+    problem: Problem,
+    times: FloatArray,
+    states: tuple[FloatArray, FloatArray],
+    flight: Flight,
+) -> Trajectory:
+    """Assemble a trajectory whose samples need not have flown from one start.
+
+    Parameters
+    ----------
+    times, states : as of `motion`
+    """
     q_world_axes, omega_axes = states
     q_axes_body = np.array(problem.q_axes_body, dtype=float)
     if q_axes_body[0] == 1:  # body axes are principal: nothing to round
@@ -30,23 +65,37 @@ def motion(
         q_world_body = (R_world_axes * R_axes_body).as_quat(scalar_first=True)
         # scipy refuses read-only arrays, hence the copies here and below.
         omega_body = np.asarray(R_axes_body.inv().apply(np.array(omega_axes)))
-    com_world, velocity_world = _centre_of_mass(scenario, times, q_world_body, omega_body)
+    if scenario.has_pivot:
+        com_world, velocity_world = _about_the_pivot(scenario, q_world_body, omega_body)
+    else:
+        com_world, velocity_world = _on_the_parabola(scenario.gravity_world, flight)
     return Trajectory(times, q_world_body, omega_body, com_world, velocity_world)
 
 
-def _centre_of_mass(
-    scenario: Scenario, times: FloatArray, q_world_body: FloatArray, omega_body: FloatArray
+def along_axes(problem: Problem, motion: Trajectory) -> tuple[FloatArray, FloatArray]:
+    """Return q_world_axes (n, 4), of unit norm, and omega_axes (n, 3) rad/s of a motion."""
+    q_axes_body = np.array(problem.q_axes_body, dtype=float)
+    if q_axes_body[0] == 1:
+        lengths = norms(motion.q_world_body_wxyz)
+        return motion.q_world_body_wxyz / lengths[:, None], motion.omega_body
+    R_axes_body = Rotation.from_quat(q_axes_body, scalar_first=True)
+    R_world_axes = motion.R_world_body * R_axes_body.inv()
+    omega_axes = R_axes_body.apply(np.array(motion.omega_body))
+    return R_world_axes.as_quat(scalar_first=True), np.asarray(omega_axes)
+
+
+def _about_the_pivot(
+    scenario: Scenario, q_world_body: FloatArray, omega_body: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Position (n, 3) m and velocity (n, 3) m/s: about the pivot, or on the parabola."""
-    if scenario.has_pivot:
-        R_world_body = Rotation.from_quat(q_world_body, scalar_first=True)
-        com = np.array(scenario.body.com)
-        velocity_body = np.cross(omega_body, com)
-        return (
-            np.asarray(R_world_body.apply(com)),
-            np.asarray(R_world_body.apply(velocity_body)),
-        )
-    t, g = times[:, None], scenario.gravity_world
-    start = scenario.start
-    fallen = start.position_world + start.velocity_world * t + 0.5 * g * t**2
-    return fallen, start.velocity_world + g * t
+    """Position (n, 3) m and velocity (n, 3) m/s of the centre of mass."""
+    R_world_body = Rotation.from_quat(q_world_body, scalar_first=True)
+    com = np.array(scenario.body.com)
+    velocity_body = np.cross(omega_body, com)
+    return np.asarray(R_world_body.apply(com)), np.asarray(R_world_body.apply(velocity_body))
+
+
+def _on_the_parabola(g: FloatArray, flight: Flight) -> tuple[FloatArray, FloatArray]:
+    """Position (n, 3) m and velocity (n, 3) m/s of the centre of mass."""
+    t = flight.seconds[:, None]
+    fallen = flight.com_world + flight.velocity_world * t + 0.5 * g * t**2
+    return fallen, flight.velocity_world + g * t

@@ -142,7 +142,7 @@ def _count_of_agreeing_samples(
 ) -> int:
     """Samples up to which a coarser series finds the same motion."""
     series = error_series(scenario, trajectory, coarser)
-    beyond = np.flatnonzero(np.maximum(series.omega, series.attitude) > MAX_UNCERTAINTY)
+    beyond = np.flatnonzero(np.maximum(series["omega"], series["attitude"]) > MAX_UNCERTAINTY)
     return int(beyond[0]) if len(beyond) else len(trajectory.t)
 
 

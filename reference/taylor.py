@@ -103,8 +103,8 @@ def integrate_double_double(
 
 
 def _march(problem: Problem, times: FloatArray, orders: Orders, states: Tables) -> None:
-    constants, terms = _constants(problem), _terms(problem)
-    inverses = _inverses(orders.total)
+    constants, terms = constants_of(problem), terms_of(problem)
+    inverses = inverses_to(orders.total)
     series = np.zeros((orders.total + 1, COLUMNS)), np.zeros((orders.total + 1, COLUMNS))
     for column, x in enumerate((*problem.omega_axes, *problem.q_world_axes)):
         series[0][0, column], series[1][0, column] = split(x)
@@ -137,12 +137,13 @@ def _march(problem: Problem, times: FloatArray, orders: Orders, states: Tables) 
         )
 
 
-def _terms(problem: Problem) -> Terms:
+def terms_of(problem: Problem) -> Terms:
+    """Return which terms a motion calls for."""
     gravity = any(problem.lever_axes) and any(problem.gravity_world)
     return Terms(world_vectors=(gravity, any(problem.torque_world)), drag=bool(problem.drag))
 
 
-def _constants(problem: Problem) -> Tables:
+def constants_of(problem: Problem) -> Tables:
     """Return the table of constants that `taylor_coefficients` names, (hi, lo), once rounded."""
     moments, lever = problem.moments, problem.lever_axes
     with workprec(_CONSTANT_BITS):
@@ -163,8 +164,8 @@ def _constants(problem: Problem) -> Tables:
 
 
 @cache
-def _inverses(order: int) -> Tables:
-    """Return 1/n in row 0 and 1/(2n) in row 1, n = 0 left out."""
+def inverses_to(order: int) -> Tables:
+    """Return 1/n in row 0 and 1/(2n) in row 1, (hi, lo), n = 0 left out."""
     with workprec(_CONSTANT_BITS):
         return _tables(
             [[mpf(0)] + [1 / mpf(factor * n) for n in range(1, order + 1)] for factor in (1, 2)]

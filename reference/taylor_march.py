@@ -21,7 +21,7 @@ from .taylor_coefficients import (
     extend,
     see_world_vector,
 )
-from .taylor_numbers import store, zero
+from .taylor_numbers import Table, high, store, zero
 
 Tables = tuple[FloatArray, FloatArray]
 
@@ -90,22 +90,30 @@ def _evaluate(
 
 
 @kernel
-def _expand(
-    series: Tables, constants: Tables, inverses: Tables, terms: Terms, total: int, paired: int
-) -> None:
-    """Fill all orders of the series from order 0."""
-    for v in range(len(WORLD_VECTORS)):
-        if terms.world_vectors[v]:
-            see_world_vector(series, constants, WORLD_CONSTANTS[v], WORLD_VECTORS[v])
-    extend(series, constants, inverses, terms, 0, paired)
-    extend(series[0], constants[0], inverses[0], terms, paired, total)
+def _stop_if_stopped(series: Table) -> None:
+    if _size(high(series), 0, OMEGA, OMEGA + 3) < STOPPED:
+        for i in range(OMEGA, OMEGA + 3):
+            store(series, 0, i, zero(series))
 
 
 @kernel
-def _stop_if_stopped(series: Tables) -> None:
-    if _size(series[0], 0, OMEGA, OMEGA + 3) < STOPPED:
-        for i in range(OMEGA, OMEGA + 3):
-            store(series, 0, i, zero(series))
+def start_from_state(series: Table, constants: Table, terms: Terms) -> None:
+    """Make order 0 of the series whole: its state is given, the world's vectors follow."""
+    if terms.drag:
+        _stop_if_stopped(series)
+    for v in range(len(WORLD_VECTORS)):
+        if terms.world_vectors[v]:
+            see_world_vector(series, constants, WORLD_CONSTANTS[v], WORLD_VECTORS[v])
+
+
+@kernel
+def _expand(
+    series: Tables, constants: Tables, inverses: Tables, terms: Terms, total: int, paired: int
+) -> None:
+    """Fill all orders of the series from the state in order 0."""
+    start_from_state(series, constants, terms)
+    extend(series, constants, inverses, terms, 0, paired)
+    extend(series[0], constants[0], inverses[0], terms, paired, total)
 
 
 @kernel
@@ -129,8 +137,6 @@ def march(
     total = series[0].shape[0] - 1
     state, low = np.empty(STATE), np.empty(STATE)
     for _ in range(steps):
-        if terms.drag:
-            _stop_if_stopped(series)
         _expand(series, constants, inverses, terms, total, paired)
         h = step_size(series[0], total)
         if not h > CLOCK_TICK * clock[0]:

@@ -50,6 +50,12 @@ def store(table: Table, row: int, column: int, x: Number) -> None:
     table[row, column] = x
 
 
+@for_pairs(lambda table: table[0])
+def high(table: Table) -> Table:
+    """Return the table of doubles that comes nearest."""
+    return table
+
+
 @for_pairs(lambda _: (0.0, 0.0))
 def zero(_: Table) -> Number:
     """Return 0 as a number of a table."""

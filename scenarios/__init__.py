@@ -1,13 +1,6 @@
 """What is simulated: the scenario format, its loader, the library and trajectories."""
 
-from .agreement import (
-    ErrorNorm,
-    Errors,
-    ErrorSeries,
-    error_series,
-    errors_between,
-    radius_of_gyration,
-)
+from .agreement import ErrorNorm, ErrorSeries, error_series, errors_between
 from .body import Body
 from .catalogue import LIBRARY, find, scenario_files
 from .document import Document, Effects, Expect, Known, Published, Window
@@ -17,11 +10,14 @@ from .load import is_scenario, is_scene_name, load, load_each, loads
 from .mechanics import angular_momentum_world, energy, energy_base, kinetic_energy, potential_energy
 from .scales import check_scales
 from .scenario import EFFECTS, Scenario, Start
+from .signals import SIGNAL, SIGNALS, Errors, Flight, Signal, SignalName, radius_of_gyration
 from .trajectory import Trajectory
 
 __all__ = [
     "EFFECTS",
     "LIBRARY",
+    "SIGNAL",
+    "SIGNALS",
     "Body",
     "Document",
     "Effects",
@@ -29,12 +25,15 @@ __all__ = [
     "ErrorSeries",
     "Errors",
     "Expect",
+    "Flight",
     "FloatArray",
     "Known",
     "Misfit",
     "Published",
     "Scenario",
     "ScenarioError",
+    "Signal",
+    "SignalName",
     "Start",
     "Trajectory",
     "Window",

@@ -1,67 +1,34 @@
 """Distances between two motions in each signal, relative to a base of the exact one."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
 
 from .float_array import FloatArray
-from .mechanics import RECENT, angular_momentum_world, energy, energy_base
+from .mechanics import RECENT
 from .scenario import Scenario
+from .signals import SIGNAL, SIGNALS, Errors, Signal, Sizes
 from .trajectory import Trajectory
 
-
-@dataclass(frozen=True)
-class Errors:
-    """One number a signal.
-
-    Attributes
-    ----------
-    omega : max |ω_e − ω_r| / max |ω_r|, body axes
-    attitude : max angle of R_eᵀ R_r, rad
-    angular_momentum : max |L_e − L_r| / max |L_r|, world axes
-    energy : max |E_e − E_r| / (max T_r + m |g| max |r_com|)
-    com : max |r_e − r_r| / max(the longest way of r_r from its start, k), world axes
-    velocity : max |v_e − v_r| / max(max |v_r|, k max |ω_r|), world axes, of the com
-
-    The radius of gyration k = √(tr I / 2m), I about the fixed point, is there for a com that stays
-    where it is.
-    """
-
-    omega: float
-    attitude: float
-    angular_momentum: float
-    energy: float
-    com: float
-    velocity: float
-
-    def __iter__(self) -> Iterator[tuple[str, float]]:
-        return iter((field.name, getattr(self, field.name)) for field in fields(self))
+#: Columns of each signal in a table of them all.
+_COLUMNS = [signal.columns for signal in SIGNALS]
+_FIRST_COLUMNS = np.cumsum([0, *_COLUMNS])[:-1]
 
 
 @dataclass(frozen=True, eq=False)
 class ErrorSeries:
-    """The same, sample by sample, each (n,)."""
+    """Distances from the exact motion sample by sample, (n, signals); by a signal's name, (n,)."""
 
-    omega: FloatArray
-    attitude: FloatArray
-    angular_momentum: FloatArray
-    energy: FloatArray
-    com: FloatArray
-    velocity: FloatArray
+    distances: FloatArray
+
+    def __getitem__(self, name: str) -> FloatArray:
+        column: FloatArray = self.distances[:, list(SIGNAL).index(name)]
+        return column
 
     def worst(self) -> Errors:
         """The largest of each over the samples."""
-        return Errors(*(float(getattr(self, field.name).max()) for field in fields(self)))
-
-
-#: Columns of each signal in a table of them all, in the order of `Errors`.
-WIDTHS = {"omega": 3, "attitude": 4, "angular_momentum": 3, "energy": 1, "com": 3, "velocity": 3}
-_FIRST_COLUMNS = np.cumsum([0, *WIDTHS.values()])[:-1]
-_ATTITUDE = list(WIDTHS).index("attitude")
-_ENERGY = list(WIDTHS).index("energy")
-_QUATERNION = slice(_FIRST_COLUMNS[_ATTITUDE], _FIRST_COLUMNS[_ATTITUDE] + 4)
+        return Errors(*map(float, self.distances.max(axis=0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,16 +39,16 @@ class ErrorNorm:
     exact: Trajectory
 
     def table(self, motion: Trajectory) -> FloatArray:
-        """All signals of a motion, SI, (n, 17); quaternions with the sign of the exact ones."""
-        return _table(self.scenario, motion, self.exact)
+        """All signals of a motion side by side, SI, (n, columns of all)."""
+        return np.column_stack([self._values(signal, motion) for signal in SIGNALS])
 
     @cached_property
     def true_table(self) -> FloatArray:
-        """The table of the exact motion, SI, (n, 17)."""
+        """The table of the exact motion."""
         return self.table(self.exact)
 
     def distances(self, table: FloatArray, other: FloatArray) -> FloatArray:
-        """Between two motions of n samples, by signal in the order of `Errors`, (n, 6).
+        """Between two motions of n samples, by signal, (n, signals).
 
         Over a base of zero they are 0 where equal and inf elsewhere.
         """
@@ -89,10 +56,12 @@ class ErrorNorm:
         # Of what has blown up the square may be too large for a double.
         with np.errstate(over="ignore"):
             distances: FloatArray = np.sqrt(np.add.reduceat(apart * apart, _FIRST_COLUMNS, axis=1))
-        distances[:, _ENERGY] = np.abs(apart[:, _FIRST_COLUMNS[_ENERGY]])
-        # The chord between unit quaternions is 2 sin of a quarter of the angle.
-        half_chord = np.minimum(distances[:, _ATTITUDE] / 2, 1.0)
-        distances[:, _ATTITUDE] = 4 * np.arcsin(half_chord)
+        for k, signal in enumerate(SIGNALS):
+            if signal.kind == "scalar":
+                distances[:, k] = np.abs(apart[:, _FIRST_COLUMNS[k]])
+            elif signal.kind == "quaternion":
+                # The chord between unit quaternions is 2 sin of a quarter of the angle.
+                distances[:, k] = 4 * np.arcsin(np.minimum(distances[:, k] / 2, 1.0))
         if self._bases.all():
             return distances / self._bases
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -105,30 +74,30 @@ class ErrorNorm:
 
         Parameters
         ----------
-        orders : of accuracy, by signal, (6,)
+        orders : of accuracy, by signal, (signals,)
         """
-        weights = np.repeat(1 / (2.0 ** np.asarray(orders) - 1), list(WIDTHS.values()))
+        weights = np.repeat(1 / (2.0 ** np.asarray(orders) - 1), _COLUMNS)
         limit: FloatArray = fine + weights * (fine - coarse)
-        limit[:, _QUATERNION] = _normalised(limit[:, _QUATERNION])
+        for signal, first in zip(SIGNALS, _FIRST_COLUMNS, strict=True):
+            if signal.kind == "quaternion":
+                columns = slice(first, first + signal.columns)
+                limit[:, columns] = _normalised(limit[:, columns])
         return limit
+
+    def _values(self, signal: Signal, motion: Trajectory) -> FloatArray:
+        """A signal of a motion; quaternions of unit norm, with the sign of the exact ones."""
+        values = signal.values(self.scenario, motion)
+        if signal.kind != "quaternion":
+            return values
+        q = _normalised(values)
+        same_side = np.einsum("ni,ni->n", q, signal.values(self.scenario, self.exact)) >= 0
+        return np.where(same_side[:, None], q, -q)
 
     @cached_property
     def _bases(self) -> FloatArray:
-        """What distances are relative to, (6,)."""
-        speed = _longest(self.exact.omega_body)
-        gyration = radius_of_gyration(self.scenario)
-        way = _longest(self.exact.com_world - self.exact.com_world[0])
-        fast = _longest(self.exact.velocity_world)
-        L = _longest(angular_momentum_world(self.scenario, self.exact))
-        joule = energy_base(self.scenario, self.exact)
-        return np.array([speed, 1.0, L, joule, max(way, gyration), max(fast, gyration * speed)])
-
-
-def radius_of_gyration(scenario: Scenario) -> float:
-    """√(tr I / 2m), m; I about the pivot, or the com where there is none."""
-    body = scenario.body
-    inertia = body.inertia_origin if scenario.has_pivot else body.inertia_com
-    return float(np.sqrt(np.trace(inertia) / (2 * body.mass)))
+        """What distances are relative to, (signals,)."""
+        sizes = Sizes(self.scenario, self.exact)
+        return np.array([signal.base(sizes) for signal in SIGNALS])
 
 
 def error_series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> ErrorSeries:
@@ -142,7 +111,7 @@ def error_series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> E
     if not np.array_equal(motion.t, exact.t):
         raise ValueError("'motion' and 'exact' must be sampled at the same times.")
     norm = _norm_of(scenario, exact)
-    return ErrorSeries(*norm.distances(norm.table(motion), norm.true_table).T)
+    return ErrorSeries(norm.distances(norm.table(motion), norm.true_table))
 
 
 def errors_between(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Errors:
@@ -155,25 +124,6 @@ def _norm_of(scenario: Scenario, exact: Trajectory) -> ErrorNorm:
     return ErrorNorm(scenario, exact)
 
 
-def _table(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> FloatArray:
-    q = _normalised(motion.q_world_body_wxyz)
-    same_side = np.einsum("ni,ni->n", q, exact.q_world_body_wxyz) >= 0
-    return np.column_stack(
-        [
-            motion.omega_body,
-            np.where(same_side[:, None], q, -q),
-            angular_momentum_world(scenario, motion),
-            energy(scenario, motion),
-            motion.com_world,
-            motion.velocity_world,
-        ]
-    )
-
-
 def _normalised(q_wxyz: FloatArray) -> FloatArray:
     norms = np.sqrt(np.einsum("ni,ni->n", q_wxyz, q_wxyz))
     return np.asarray(q_wxyz / norms[:, None])
-
-
-def _longest(vectors: FloatArray) -> float:
-    return float(np.sqrt(np.einsum("ni,ni->n", vectors, vectors).max()))

@@ -1,8 +1,10 @@
 """A scenario as the rest of the program sees it: a body, its start, what acts on it, a window."""
 
 import hashlib
-from dataclasses import dataclass
-from functools import cached_property
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +12,16 @@ from mpmath import mp
 
 from . import exact
 from .body import Body
-from .document import Document, Effects, Expect, Known, Published, StartTable, Window
+from .document import Document, Effects, Expect, Known, Published, StartTable, Table, Window
 from .float_array import FloatArray, read_only
+from .write import to_toml
 
 #: Every effect a scene can call for; solvers and engines declare which of them they simulate.
 EFFECTS = ("gravity", "pivot", "drag", "torque_body", "torque_world")
+#: Tables that hold of one very scene: not of one with another start or another number in it.
+OF_THE_SCENE_ALONE = ("published", "expect", "known")
+#: Scenes that a process keeps of those it is sent: more than are run at a time.
+KEPT = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +59,8 @@ class Scenario:
     ----------
     name : the file's stem
     path : the file it was read from, or None for one built in memory
-    text : the file, as read
-    document : the file's tables as written
+    text : the file, as read or as it would be written
+    document : its tables
     body, start : what they describe
     """
 
@@ -66,12 +73,22 @@ class Scenario:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickled as text and rebuilt: mpmath would round its numbers to double precision."""
-        return _unpickled, (self.document, self.name, self.text, self.path)
+        return _rebuilt, (self.text, self.name, self.path)
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 of the file's text, hexadecimal: tells whether a result is of this scene."""
-        return hashlib.sha256(self.text.encode()).hexdigest()
+        """SHA-256, hexadecimal, of what the motion depends on: whether a run is of this scene."""
+        return self._digest("body", "start", "effects", "window")
+
+    @cached_property
+    def judged_digest(self) -> str:
+        """Likewise of what verdicts depend on: also expectations and expected failures."""
+        return self._digest("body", "start", "effects", "window", "expect", "known")
+
+    def _digest(self, *tables: str) -> str:
+        # Without what is not there: an effect that is new to the format leaves all other scenes be.
+        written = self.document.model_dump_json(include=set(tables), exclude_none=True)
+        return hashlib.sha256(written.encode()).hexdigest()
 
     @property
     def title(self) -> str:
@@ -155,23 +172,14 @@ class Scenario:
         return read_only(np.linspace(0.0, self.window.duration, self.window.samples))
 
 
-#: How many scenes that were unpickled are kept: more than are run at a time.
-KEPT = 64
-_unpickled_scenes: dict[tuple[str, str], Scenario] = {}
-
-
-def _unpickled(document: Document, name: str, text: str, path: Path | None) -> Scenario:
-    """The scene, the same object each time: a worker process is sent it anew for every run."""
-    kept = _unpickled_scenes.get((name, text))
-    if kept is None or kept.path != path or kept.document != document:
-        if len(_unpickled_scenes) >= KEPT:
-            _unpickled_scenes.clear()
-        kept = _unpickled_scenes[name, text] = build(document, name, text, path)
-    return kept
+@lru_cache(maxsize=KEPT)
+def _rebuilt(text: str, name: str, path: Path | None) -> Scenario:
+    """The scene of a valid text, the same object each time: a worker is sent it for every run."""
+    return build(Document.model_validate(tomllib.loads(text)), name, text, path)
 
 
 def build(document: Document, name: str, text: str, path: Path | None = None) -> Scenario:
-    """Turn a validated document into a scenario."""
+    """Turn a validated document, whose text this is, into a scenario."""
     return Scenario(
         name=name,
         path=path,
@@ -180,6 +188,50 @@ def build(document: Document, name: str, text: str, path: Path | None = None) ->
         body=document.body.body(),
         start=_start(document.start),
     )
+
+
+def with_tables(scenario: Scenario, **tables: Table) -> Scenario:
+    """The scene with other tables, such as `window`, under the same name; its text is rewritten.
+
+    Published values and expectations are left out: they hold of the scene as it was.
+    """
+    alone: dict[str, object] = dict.fromkeys(OF_THE_SCENE_ALONE, ())
+    document = scenario.document.model_copy(update=alone | tables)
+    return replace(
+        scenario,
+        text=to_toml(document.model_dump(mode="json", exclude_defaults=True)),
+        document=document,
+        body=document.body.body() if "body" in tables else scenario.body,
+        start=_start(document.start) if "start" in tables else scenario.start,
+    )
+
+
+def started_at(
+    scenario: Scenario,
+    q_world_body_wxyz: Sequence[float] | FloatArray,
+    omega_body: Sequence[float] | FloatArray,
+    com_world: Sequence[float] | FloatArray,
+    velocity_world: Sequence[float] | FloatArray,
+) -> Scenario:
+    """The scene with another state at its start, as `with_tables`.
+
+    Parameters
+    ----------
+    q_world_body_wxyz : attitude, takes body to world components, unit quaternion, (4,)
+    omega_body : angular velocity, rad/s, body axes, (3,)
+    com_world, velocity_world : of the centre of mass, m and m/s, (3,); with a pivot they follow
+        from the other two and are not looked at
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite, or the quaternion is not of norm 1.
+    """
+    numbers = {"quaternion_wxyz": q_world_body_wxyz, "omega_body": omega_body}
+    if not scenario.has_pivot:
+        numbers |= {"position": com_world, "velocity": velocity_world}
+    start = {key: tuple(float(value) for value in values) for key, values in numbers.items()}
+    return with_tables(scenario, start=StartTable.model_validate(start))
 
 
 def _start(table: StartTable) -> Start:

@@ -16,7 +16,7 @@ import numpy as np
 
 from .float_array import FloatArray
 from .load import loads
-from .scenario import Scenario
+from .scenario import OF_THE_SCENE_ALONE, Scenario
 from .write import to_toml
 
 #: The one path that is no number of the scene file, s.
@@ -27,8 +27,6 @@ DEFAULT_COUNT = 20
 MAX_COUNT = 1000
 FORM = "PATH=LO:HI[:COUNT][:log]"
 
-#: Published values and expectations of the scene do not hold for a varied one.
-_OF_THE_SCENE_ALONE = ("published", "expect", "known")
 #: No number to vary: it marks the file.
 _MARKER = "spincheck"
 _STEP = re.compile(r"([^.\[\]]+)|\[(\d+)\]")
@@ -107,7 +105,7 @@ def check_path(scenario: Scenario, path: str) -> None:
 def numbers(tables: Mapping[str, Any]) -> Iterator[str]:
     """The paths of a scene file's numbers, but for those that are of this scene alone."""
     for key, value in tables.items():
-        if key not in (*_OF_THE_SCENE_ALONE, _MARKER):
+        if key not in (*OF_THE_SCENE_ALONE, _MARKER):
             yield from _numbers_in(value, key)
 
 
@@ -133,7 +131,7 @@ def varied(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
 def own_tables(scenario: Scenario) -> dict[str, Any]:
     """A scene file's tables, to be changed, without what holds of this very scene alone."""
     tables = tomllib.loads(scenario.text)
-    return {key: value for key, value in tables.items() if key not in _OF_THE_SCENE_ALONE}
+    return {key: value for key, value in tables.items() if key not in OF_THE_SCENE_ALONE}
 
 
 def rewritten(scenario: Scenario, tables: Mapping[str, Any], changes: str) -> Scenario:

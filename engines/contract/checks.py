@@ -12,8 +12,9 @@ import numpy as np
 from ...scenarios import FloatArray, Scenario, Trajectory
 from ...scenarios.rotation import norms, rotation_vectors
 from ..engine import Engine, Method
+from ..read_back import start_state
 from ..session import Session
-from .scenes import SCENES
+from .scenes import SCENES, from_elsewhere
 
 Check = Callable[[Engine, Method], None]
 
@@ -29,6 +30,8 @@ ORDER_SLACK = 0.25
 ABOVE_ROUND_OFF = 1000
 #: For requirements that do not depend on the scene: free and on a pivot, with changing torques.
 FEW = ("free", "free-torque-body", "heavy-tilted", "everything")
+#: For restarts: also a body whose com is not its origin, free to move.
+RESTARTED = (*FEW, "free-falling", "pivot-drag")
 #: Samples of a run.
 SAMPLES = 8
 
@@ -166,6 +169,31 @@ def records_what_it_reads(engine: Engine, method: Method) -> None:
             _require(bool(is_same), engine, method, scene, "snapshots are not what is read")
 
 
+def restarts_as_it_opens(engine: Engine, method: Method) -> None:
+    """After a run, a restart from the scene's start or another is a scene opened there.
+
+    At another timestep, too; and the same restart again gives the same motion, to the last bit.
+    """
+    for scene in _scenes(engine, method, RESTARTED):
+        with engine.open(scene, method, ODD_TIMESTEP) as session:
+            if not session.can_restart:
+                continue
+            for start in (scene, from_elsewhere(scene)):
+                session.advance(ODD_STEPS)
+                session.restart(start_state(start), TIMESTEP)
+                unlike = engine.differences(
+                    start, method.name, session.read_body(), session.read_state()
+                )
+                words = f"restarted, {unlike[0].complaint}" if unlike else ""
+                _require(not words or method.as_shipped, engine, method, scene, words)
+                _moves_as_opened(engine, method, start, session)
+                first = _numbers(session)
+                session.restart(start_state(start))
+                session.advance(ODD_STEPS)
+                words = "restarted twice it moves in two ways"
+                _require(np.array_equal(_numbers(session), first), engine, method, scene, words)
+
+
 def differs_from_every_other_method(engine: Engine, method: Method) -> None:
     """On some scene its motion differs; a method as shipped may equal another."""
     if method.as_shipped:
@@ -187,6 +215,7 @@ CHECKS: tuple[Check, ...] = (
     is_not_disturbed_by_being_read,
     shares_no_memory_between_sessions,
     records_what_it_reads,
+    restarts_as_it_opens,
     differs_from_every_other_method,
 )
 
@@ -196,6 +225,27 @@ def _scenes(engine: Engine, method: Method, names: Iterable[str] = SCENES) -> It
     able = [SCENES[name] for name in names if not engine.unsupported(SCENES[name], method)]
     _require(bool(able), engine, method, None, "it can simulate none of the contract's scenes")
     yield from able
+
+
+def _moves_as_opened(engine: Engine, method: Method, scene: Scenario, session: Session) -> None:
+    """Require that a restarted session steps like one that is opened."""
+    with engine.open(scene, method, TIMESTEP) as opened:
+        for steps in (1, ODD_STEPS - 1):
+            opened.advance(steps)
+            session.advance(steps)
+            is_same = _same(session, opened)
+            if not session.restarts_to_the_last_bit:
+                is_same |= _apart(session, opened) <= engine.slack
+            _require(is_same, engine, method, scene, "a restart is not a scene opened there")
+
+
+def _apart(first: Session, second: Session) -> float:
+    """The largest difference of two states: rad, of other quantities relative to their size."""
+    one, other = first.read_state(), second.read_state()
+    turn = rotation_vectors(one.q_world_body_wxyz[None], other.q_world_body_wxyz[None])
+    pairs = list(zip(vars(one).values(), vars(other).values(), strict=True))[1:]
+    apart = [float(np.linalg.norm(a - b) / (np.linalg.norm(b) or 1.0)) for a, b in pairs]
+    return max(float(np.abs(turn).max()), *apart)
 
 
 def _moves_apart(engine: Engine, method: Method, other: Method, scene: Scenario) -> bool:

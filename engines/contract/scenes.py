@@ -4,6 +4,7 @@
 """
 
 from ...scenarios import Scenario, loads
+from ...scenarios.scenario import started_at
 
 #: Principal moments all different, the triangle inequality satisfied with room to spare.
 ASYMMETRIC = """
@@ -83,6 +84,12 @@ samples = {samples}
 """,
         name=name,
     )
+
+
+def from_elsewhere(scenario: Scenario) -> Scenario:
+    """The scene from another attitude, ω and, where it is free, position and velocity."""
+    motion = ((-2.5, 0.5, 1.5), (-0.2, 0.7, 0.1), (1.5, 0.3, -0.6))
+    return started_at(scenario, (-0.5, 0.5, -0.1, 0.7), *motion)
 
 
 SCENES: dict[str, Scenario] = {

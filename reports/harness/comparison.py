@@ -6,7 +6,7 @@ import numpy as np
 
 from ...engines import Run
 from ...reference import Solution, drifts
-from ...scenarios import Expect, Scenario, Trajectory, energy, energy_base, errors_between
+from ...scenarios import SIGNAL, Expect, Scenario, Trajectory, energy, energy_base, errors_between
 from ..results.records import Key, Row
 from .executors import CallFailed
 from .ladder import Rung
@@ -69,9 +69,9 @@ def unmet_expectations(expected: Expect, row: Row) -> list[str]:
     if row.errors is None or row.outcome != "ok":
         return [f"{where}: {row.outcome}, {row.reason}"]
     return [
-        f"{where}: {name} error {error:.3g} exceeds the expected {bound:g}"
+        f"{where}: {SIGNAL[name].label} error {error:.3g} exceeds the expected {bound:g}"
         for name, bound in expected.bounds().items()
-        if not (error := getattr(row.errors, name)) <= bound
+        if not (error := row.errors[name]) <= bound
     ]
 
 

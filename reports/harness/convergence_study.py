@@ -1,7 +1,9 @@
-"""The convergence study of one method on one scene: which run comes next, and the rows so far."""
+"""The convergence study of one method on one scene: its runs, in order."""
 
+from collections.abc import Generator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Literal
 
 from ...engines import Engine, Method, Run
 from ...reference import Solution
@@ -24,20 +26,29 @@ class SingleRun:
 
 
 @dataclass(frozen=True, eq=False)
-class _Coming:
-    """The next run, the exact motion at its samples, and the list that its row is added to."""
+class Asked:
+    """A run that a study asks for.
+
+    Attributes
+    ----------
+    solution : the exact motion at the samples of the rung
+    use : what it is for
+    """
 
     rung: Rung
     solution: Solution
-    rows: list[Row]
+    use: Literal["single", "ladder", "above", "stock"]
+
+    def is_answered_by(self, row: Row) -> bool:
+        """Whether a stored row will do: what is judged or drawn needs a motion at the samples."""
+        if row.outcome != "ok" or self.use in ("single", "above"):
+            return True
+        return row.motion is not None and len(row.motion.t) == len(self.rung.sample_steps)
 
 
 @dataclass(eq=False)
 class ConvergenceStudy:
-    """The runs of a method on a scene, in order, and the verdict on them.
-
-    First the single timesteps are run, then the ladder, then timesteps above the ladder as long as
-    they survive, then stock timesteps.
+    """The runs of a method on a scene, in order, and what their verdict is based on.
 
     Attributes
     ----------
@@ -71,54 +82,46 @@ class ConvergenceStudy:
         """Scene, engine and method."""
         return Key(self.scenario.name, self.engine.name, self.method.name)
 
-    def next_rung(self) -> Rung | None:
-        """The rung to run next; None if no more runs are needed."""
-        coming = self._coming()
-        return coming.rung if coming else None
+    def runs(self) -> Generator[Asked, Row]:
+        """Ask for one run after the other, and take its row: just made, or stored.
 
-    def compare(self, answer: Answer[Run]) -> Row:
-        """Compare the run of the next rung with the exact motion; returns its row."""
-        coming = self._coming()
-        assert coming is not None, "only a rung that is asked for is run"
-        row = row_of(
-            self.scenario,
-            self.key,
-            self.engine.version,
-            coming.rung,
-            answer.value,
-            coming.solution,
-        )
-        stock = coming.rung.timestep in stock_timesteps(self.engine)
-        row = replace(row, printed=answer.printed, stock=stock)
-        if self.rows and coming.rows is self.above_rows and not stock:
+        First the single timesteps, then the ladder down to where it can be judged, then timesteps
+        above it as long as they survive, then stock timesteps.
+        """
+        for single in self.singles:
+            row = yield Asked(single.rung, single.solution, "single")
+            self.single_rows.append(row)
+            for expectation in single.expectations:
+                self.unmet += unmet_expectations(expectation, row)
+        if self.ladder is None:
+            return
+        for rung in self.ladder.rungs:
+            self.rows.append((yield Asked(rung, self.solution, "ladder")))
+            self.judge.take(self.rows[-1])
+            if self._is_down:
+                break
+        is_alive = not self.rows or self.rows[0].survived
+        for rung in self.ladder.above if is_alive else ():
+            self.above_rows.append((yield Asked(rung, thinned(self.solution, rung.every), "above")))
+            if not self.above_rows[-1].survived:
+                break
+        for run in self._stock_left:
+            if run.rung and run.solution:
+                self.stock_rows.append((yield Asked(run.rung, run.solution, "stock")))
+
+    def compare(self, asked: Asked, answer: Answer[Run]) -> Row:
+        """Compare a run that was asked for with the exact motion; returns its row."""
+        version, rung = self.engine.version, asked.rung
+        row = row_of(self.scenario, self.key, version, rung, answer.value, asked.solution)
+        is_stock = rung.timestep in stock_timesteps(self.engine)
+        row = replace(row, printed=answer.printed, stock=is_stock)
+        if self.rows and asked.use == "above" and not is_stock:
             # Its samples are not needed: finer runs are judged and drawn.
             row = replace(row, motion=None)
         return row
 
-    def take(self, row: Row) -> None:
-        """Take the row of the next rung, whether just made or stored."""
-        coming = self._coming()
-        assert coming is not None, "only a rung that is asked for is taken"
-        coming.rows.append(row)
-        if coming.rows is self.rows:
-            self.judge.take(row)
-        elif coming.rows is self.single_rows:
-            for expectation in self.singles[len(self.single_rows) - 1].expectations:
-                self.unmet += unmet_expectations(expectation, row)
-
-    def can_take(self, row: Row) -> bool:
-        """Whether a stored row can be used: on a ladder it needs a motion at its samples."""
-        coming = self._coming()
-        if coming is None or row.outcome != "ok":
-            return True
-        if coming.rows is self.rows or coming.rows is self.stock_rows:
-            return row.motion is not None and len(row.motion.t) == len(coming.rung.sample_steps)
-        return True
-
     def refusals(self) -> list[Row]:
         """Rows of stock timesteps that do not fit the scene: `unsupported`, without a run."""
-        if self._pointless:
-            return []
         return [
             Row(
                 self.key,
@@ -129,8 +132,8 @@ class ConvergenceStudy:
                 "timestep",
                 stock=True,
             )
-            for run in self.stock
-            if run.refusal and run.timestep not in self._taken
+            for run in self._stock_left
+            if run.refusal
         ]
 
     @property
@@ -152,26 +155,10 @@ class ConvergenceStudy:
         shown = min((row.timestep for row in rows if row.motion is not None), default=None)
         return [row.timestep for row in rows if row.timestep != shown and not row.stock]
 
-    def _coming(self) -> _Coming | None:
-        single = next(iter(self.singles[len(self.single_rows) :]), None)
-        if single is not None:
-            return _Coming(single.rung, single.solution, self.single_rows)
-        if self.ladder is None:
-            return None
-        if not self._down:
-            return _Coming(self.ladder.rungs[len(self.rows)], self.solution, self.rows)
-        if rung := self._next_above():
-            return _Coming(rung, thinned(self.solution, rung.every), self.above_rows)
-        return self._next_stock()
-
-    def _next_stock(self) -> _Coming | None:
-        """The next stock timestep without a run; none if no timestep can succeed."""
-        if self._pointless:
-            return None
-        for run in self.stock:
-            if run.rung and run.solution and run.timestep not in self._taken:
-                return _Coming(run.rung, run.solution, self.stock_rows)
-        return None
+    @property
+    def _stock_left(self) -> list[StockRun]:
+        """Stock timesteps without a run; none if no timestep can succeed."""
+        return [] if self._pointless else [r for r in self.stock if r.timestep not in self._taken]
 
     @property
     def _taken(self) -> set[float]:
@@ -185,26 +172,15 @@ class ConvergenceStudy:
             return True
         return bool(self.rows) and all(self._hopeless(row) for row in self.rows)
 
-    def _next_above(self) -> Rung | None:
-        """The next doubled timestep, if the one before survived."""
-        assert self.ladder is not None, "without a ladder there is nothing above it"
-        before = self.above_rows[-1:] or self.rows[:1]
-        if before and not before[0].survived:
-            return None
-        return next(iter(self.ladder.above[len(self.above_rows) :]), None)
-
     @property
-    def _down(self) -> bool:
-        """Whether the ladder is finished: no finer rung exists, is needed, or can succeed."""
+    def _is_down(self) -> bool:
+        """Whether no finer rung is needed, or can succeed."""
         assert self.ladder is not None, "only a ladder has an end"
-        taken = len(self.rows)
-        if taken == len(self.ladder.rungs) or (self.rows and self._hopeless(self.rows[-1])):
-            return True
-        if self._diverges_at_any_timestep:
+        if self._hopeless(self.rows[-1]) or self._diverges_at_any_timestep:
             return True
         finest = self.ladder.rungs[-1].timestep
         settled = self.judge.is_known or self.judge.is_out_of_reach(finest)
-        return taken >= MIN_RUNGS and settled
+        return len(self.rows) >= MIN_RUNGS and settled
 
     @property
     def last_row(self) -> Row | None:

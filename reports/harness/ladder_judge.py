@@ -7,11 +7,11 @@ import numpy as np
 
 from ...engines import Engine, Method
 from ...reference import Solution
-from ...scenarios import Scenario
+from ...scenarios import SIGNAL, Scenario
 from ..results.records import Row, SignalVerdict
 from .best_window import SHARP
 from .observed_order import ASYMPTOTIC
-from .richardson import SIGNALS, RichardsonLadder, SignalSequence
+from .richardson import RichardsonLadder, SignalSequence
 from .verdict import Judgement, judge
 
 #: A ladder continues until every limit is known to `GOAL`, relative or in rad, or steps run out; to
@@ -91,7 +91,7 @@ class LadderJudge:
         if self._judged is None:
             self._judged = []
             if self._ladder is not None and self.finished >= RUNGS_OF_A_LIMIT:
-                sequences = [self._ladder.signal(signal) for signal in SIGNALS]
+                sequences = [self._ladder.signal(signal) for signal in SIGNAL]
                 self._judged = [SignalJudgement(one, judge(one)) for one in sequences]
         return self._judged
 

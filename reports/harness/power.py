@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from ...reference import IntegrationError, solve
 from ...scenarios import Errors, Scenario, errors_between
-from ...scenarios.scenario import build
+from ...scenarios.scenario import with_tables
 
 #: Tables of effects that can be removed; without its pivot a scene is a different one.
 REMOVABLE = ("gravity", "drag", "torque")
@@ -38,9 +38,7 @@ def powerless(scenario: Scenario) -> Iterator[str]:
 
 
 def _without(scenario: Scenario, name: str) -> Scenario:
-    effects = scenario.effects.model_copy(update={name: None})
-    document = scenario.document.model_copy(update={"effects": effects})
-    return build(document, scenario.name, scenario.text, scenario.path)
+    return with_tables(scenario, effects=scenario.effects.model_copy(update={name: None}))
 
 
 def _is_nothing(moved: Errors, uncertainty: Errors) -> bool:

@@ -5,20 +5,17 @@ judgement then reads a few numbers a rung.
 """
 
 from dataclasses import dataclass
-from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...reference import Solution
-from ...scenarios import ErrorNorm, FloatArray, Scenario, Trajectory
+from ...scenarios import SIGNAL, SIGNALS, ErrorNorm, FloatArray, Scenario, Signal, Trajectory
 from ...scenarios.fastest_rate import fastest_rate, swing_rate
-from ..results.records import Signal
 from .observed_order import ASYMPTOTIC, ORDER_SLACK
-from .rounding import EPS, roundings_in_flight, ulp_growth
+from .rounding import roundings_in_flight, ulp_growth
 
-SIGNALS: tuple[Signal, ...] = get_args(Signal)
-
+EPS = float(np.finfo(float).eps)
 #: Safety factors of the grid convergence index (Roache, Annu. Rev. Fluid Mech. 29 (1997) 123): over
 #: rungs that shrink as they should, and over others.
 SAFE, CAUTIOUS = 1.25, 3.0
@@ -129,9 +126,8 @@ class RichardsonLadder:
         ulp: float = EPS,
     ) -> None:
         exact = solution.trajectory
-        lesser = min(order, attitude_order)
-        orders = {"omega": order, "attitude": attitude_order}
-        self.declared = np.array([orders.get(signal, lesser) for signal in SIGNALS], dtype=float)
+        declared = [signal.declared_order(order, attitude_order) for signal in SIGNALS]
+        self.declared = np.array(declared, dtype=float)
         growth = np.array([value for _, value in ulp_growth(scenario, solution)]) / EPS
         self._roundoff_a_step = growth * ulp
         uncertainty = np.array([value for _, value in solution.uncertainty])
@@ -167,16 +163,16 @@ class RichardsonLadder:
         if len(self) > 2:
             self._refinements.append(self._refined())
 
-    def signal(self, signal: Signal) -> SignalSequence:
+    def signal(self, name: str) -> SignalSequence:
         """The ladder in one signal."""
-        k = SIGNALS.index(signal)
+        k = list(SIGNAL).index(name)
 
         def column(rows: list[FloatArray]) -> FloatArray:
             return np.array([row[k] for row in rows])
 
         refinements = self._refinements
         return SignalSequence(
-            signal,
+            SIGNALS[k],
             np.array(self.timesteps),
             column(self._errors),
             column(self._roundoff_bounds),

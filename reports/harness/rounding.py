@@ -3,39 +3,19 @@
 import numpy as np
 
 from ...reference import Solution
-from ...scenarios import Errors, Scenario, energy_base, radius_of_gyration
-
-EPS = float(np.finfo(float).eps)
+from ...scenarios import SIGNALS, Errors, Flight, Scenario
 
 
 def ulp_growth(scenario: Scenario, solution: Solution) -> Errors:
     """The change of each signal by the end, if one ulp changes in each number of a state.
 
-    For the rotation that is its conditioning. For a free body the flight is added, which engines
-    may integrate for an origin other than the com.
+    For the rotation that is its conditioning. For a free body the flight is added.
     """
     growth = solution.conditioning
     if scenario.has_pivot:
         return growth
-    exact, body = solution.trajectory, scenario.body
-    arm = float(np.linalg.norm(body.com))
-    speed = float(np.linalg.norm(exact.omega_body, axis=1).max())
-    far = float(np.linalg.norm(exact.com_world, axis=1).max())
-    fast = float(np.linalg.norm(exact.velocity_world, axis=1).max())
-    way = float(np.linalg.norm(exact.com_world - exact.com_world[0], axis=1).max())
-    gyration = radius_of_gyration(scenario)
-    metres = EPS * (far + arm + fast * float(exact.t[-1])) + growth.attitude * arm
-    metres_a_second = EPS * fast + (growth.attitude + growth.omega) * arm * speed
-    weight = body.mass * float(np.linalg.norm(scenario.gravity_world))
-    joules = body.mass * fast * metres_a_second + weight * metres
-    return Errors(
-        growth.omega,
-        growth.attitude,
-        growth.angular_momentum,
-        max(growth.energy, _relative(joules, energy_base(scenario, exact))),
-        _relative(metres, max(way, gyration)),
-        max(EPS, _relative(metres_a_second, max(fast, gyration * speed))),
-    )
+    flight = Flight(scenario, solution.trajectory, growth)
+    return Errors(*(signal.growth(flight) for signal in SIGNALS))
 
 
 def roundings_in_flight(scenario: Scenario, solution: Solution, steps: int) -> float:
@@ -60,7 +40,3 @@ def roundings_in_flight(scenario: Scenario, solution: Solution, steps: int) -> f
     if not momentum:
         return 0.0
     return body.mass * fast**2 * float(exact.t[-1]) / momentum / float(np.sqrt(steps))
-
-
-def _relative(change: float, base: float) -> float:
-    return change / base if base else EPS

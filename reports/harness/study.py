@@ -101,13 +101,19 @@ def run_rungs(
     The runs made now, each compared with the exact motion.
     """
     scenario, engine, method = study.scenario, study.engine, study.method
-    while (rung := study.next_rung()) is not None:
+    runs = study.runs()
+    asked = next(runs, None)
+    while asked is not None:
+        rung = asked.rung
         row = (stored or {}).get(rung.timestep)
-        if row is None or not study.can_take(row):
+        if row is None or not asked.is_answered_by(row):
             answer = executor.call_at(engine.site, simulate, engine, scenario, method.name, rung)
-            row = study.compare(answer)
+            row = study.compare(asked, answer)
             yield row
-        study.take(row)
+        try:
+            asked = runs.send(row)
+        except StopIteration:
+            asked = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@
 from typing import Any
 
 from ...reference.solution import MAX_UNCERTAINTY
-from ..results.records import SIGNAL_NAMES, Row, Verdict
+from ..results.records import Row, Verdict
 from .convergence_study import ConvergenceStudy
 from .expected_failures import compared_with_expected_failures
 from .ladder import COARSEST_TURN, Ladder
@@ -45,7 +45,7 @@ def _of_signals(
     """The verdict of the worst signal; `disagrees` if a run was of another model or precision."""
     worst = study.judge.worst
     judgement = worst.judgement
-    word, reason = judgement.word, f"{SIGNAL_NAMES[worst.sequence.signal]}: {judgement.reason}"
+    word, reason = judgement.word, f"{worst.sequence.signal.label}: {judgement.reason}"
     # What the first steps show, and the body that an engine holds of a user's file, explain the
     # motion: they are named first.
     explains = study.engine.of_file or is_wrong
@@ -57,7 +57,7 @@ def _of_signals(
         study.key,
         "disagrees" if is_wrong else word,
         "; ".join(part for part in parts if part),
-        worst.sequence.signal,
+        worst.sequence.signal.name,
         judgement.order,
         judgement.limit_error,
         judgement.tolerance,

@@ -58,7 +58,7 @@ class Judgement:
     def of(self, sequence: SignalSequence) -> SignalVerdict:
         """The judgement as a record to store."""
         return SignalVerdict(
-            sequence.signal,
+            sequence.signal.name,
             self.word,
             self.reason,
             sequence.declared_order,

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from ...engines import Engine, Method
-from ...scenarios import Scenario, errors_between
+from ...scenarios import SIGNAL, Scenario, errors_between
 from ..results.records import VerdictWord
 from .executors import Executor
 from .version_runs import SolvedScene, VersionRun, solved, version_runs
@@ -24,8 +24,6 @@ EPS = float(np.finfo(float).eps)
 ROUNDINGS = 16
 #: An error or a time counts as changed from this factor on: the noise of times is smaller.
 NOTABLE = 1.2
-#: Errors that messages call by another name.
-SIGNALS = {"omega": "ω", "angular_momentum": "L"}
 #: Verdicts from bad to good; that a method cannot simulate a scene shows in the outcome.
 RANKS: dict[VerdictWord, int] = {
     "converges": 3,
@@ -144,7 +142,7 @@ def _in_words(
     if older.verdict.verdict != newer.verdict.verdict:
         yield f"{older.verdict.verdict} → {newer.verdict.verdict}"
     for name, (old, new) in errors.items():
-        yield f"{SIGNALS.get(name, name)} error {old:.2g} → {new:.2g}"
+        yield f"{SIGNAL[name].label} error {old:.2g} → {new:.2g}"
 
 
 def _equal(scene: SolvedScene, older: VersionRun, newer: VersionRun) -> str:
@@ -158,7 +156,7 @@ def _equal(scene: SolvedScene, older: VersionRun, newer: VersionRun) -> str:
     if np.array_equal(first, second):
         return "to the last bit"
     apart = errors_between(scene.scenario, newer.motion, older.motion)
-    return "to round-off" if max(vars(apart).values()) <= _round_off(scene) else ""
+    return "to round-off" if max(value for _, value in apart) <= _round_off(scene) else ""
 
 
 def _notable(
@@ -167,11 +165,10 @@ def _notable(
     """The errors that changed by more than `NOTABLE` and exceed what the reference can resolve."""
     if older.errors is None or newer.errors is None:
         return {}
-    uncertainty = vars(scene.solution.uncertainty)
     notable = {}
-    for name, old in vars(older.errors).items():
-        new = vars(newer.errors)[name]
-        floor = max(uncertainty.get(name, 0.0), _round_off(scene))
+    for name, old in older.errors:
+        new = newer.errors[name]
+        floor = max(scene.solution.uncertainty[name], _round_off(scene))
         high, low = max(old, new), max(min(old, new), floor)
         if high > NOTABLE * low:
             notable[name] = (old, new)

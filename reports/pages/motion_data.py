@@ -76,7 +76,7 @@ def _exact(scene: SceneRuns, end: float, samples: int) -> Trajectory:
 def _first(scene: SceneRuns) -> int:
     """Which run is played first: of engines as shipped at their own timesteps the least wrong."""
     shipped = [
-        (float(run.series.attitude.max()), k)
+        (float(run.series["attitude"].max()), k)
         for k, run in enumerate(scene.compared)
         if run.runs.declared and run.runs.declared.as_shipped and run.row is run.runs.drawn[0]
     ]
@@ -85,7 +85,7 @@ def _first(scene: SceneRuns) -> int:
 
 def noticeable_from(run: Compared) -> float | None:
     """When a run's attitude is first off by more than `NOTICEABLE`, s; None if it never is."""
-    beyond = np.flatnonzero(run.series.attitude > NOTICEABLE)
+    beyond = np.flatnonzero(run.series["attitude"] > NOTICEABLE)
     return float(run.motion.t[beyond[0]]) if len(beyond) else None
 
 
@@ -113,8 +113,8 @@ def _body(solved: SceneResult) -> dict[str, Any]:
 def _run(run: Compared, scene: SceneRuns, fastest: float) -> dict[str, Any]:
     assert scene.solved is not None, "a run is compared with an exact motion"
     uncertainty, style = scene.solved.solution.uncertainty, run.runs.style
-    attitude = claimed(run.series.attitude, uncertainty.attitude)
-    omega = claimed(run.series.omega, uncertainty.omega)
+    attitude = claimed(run.series["attitude"], uncertainty.attitude)
+    omega = claimed(run.series["omega"], uncertainty.omega)
     fair = PAGE_SAMPLES // len(scene.compared)
     most = min(fair, _samples_for(scene, RUN_SAMPLES, RUN_A_TURN))
     kept = _kept(run, most, attitude, omega)
@@ -134,7 +134,7 @@ def _run(run: Compared, scene: SceneRuns, fastest: float) -> dict[str, Any]:
         # Nothing smaller is claimed.
         "uncertainty": uncertainty.attitude,
     }
-    if run.series.attitude.max() > INVISIBLE or run.row.outcome != "ok":
+    if run.series["attitude"].max() > INVISIBLE or run.row.outcome != "ok":
         data |= _states(run.motion, kept, RUN_STEP, RUN_OMEGA_STEP * fastest)
     return data
 
@@ -145,7 +145,7 @@ def _kept(run: Compared, most: int, attitude: FloatArray, omega: FloatArray) -> 
     kept |= {
         int(np.nanargmax(errors)) for errors in (attitude, omega) if not np.isnan(errors).all()
     }
-    kept |= set(np.flatnonzero(run.series.attitude > NOTICEABLE)[:1].tolist())
+    kept |= set(np.flatnonzero(run.series["attitude"] > NOTICEABLE)[:1].tolist())
     return np.array(sorted(kept), dtype=np.intp)
 
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 from ...reference import facts, invariants
 from ...reference.observables import observables
-from ...scenarios import EFFECTS, FloatArray, Scenario, Trajectory
+from ...scenarios import EFFECTS, SIGNAL, FloatArray, Scenario, Trajectory
 from ..harness.published import published_values
-from ..results.records import SIGNAL_NAMES, Row
+from ..results.records import Row
 from ..results.store import SceneResult
 from .analysis.report_data import MethodRuns, SceneRuns
 from .analysis.survival import in_words, survival
@@ -92,7 +92,7 @@ def signals_table(scene: SceneRuns) -> Table:
         [
             Cell(runs.engine, "name"),
             Cell(runs.method, "name"),
-            SIGNAL_NAMES[signal.signal],
+            SIGNAL[signal.signal].label,
             verdict_cell(signal.verdict),
             figure(order(signal.order)),
             figure(str(signal.declared_order)),
@@ -208,10 +208,10 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
     stable = Cell(survives, "number", f"{turn} rad a step" if turn != NOTHING else "")
     uncertainty = 0.0
     if scene.solved is not None:
-        uncertainty = dict(scene.solved.solution.uncertainty).get(verdict.signal, 0.0)
+        uncertainty = scene.solved.solution.uncertainty[verdict.signal]
     decided = ""
     if verdict.limit_error is not None:
-        decided = f"{SIGNAL_NAMES[verdict.signal]}; tolerance {number(verdict.tolerance)}"
+        decided = f"{SIGNAL[verdict.signal].label}; tolerance {number(verdict.tolerance)}"
     declared = ""
     if runs.declared is not None:
         attitude = verdict.signal == "attitude"

@@ -4,18 +4,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ...engines import Cause, Outcome
-from ...scenarios import Errors, Trajectory
+from ...scenarios import Errors, SignalName, Trajectory
 
-Signal = Literal["omega", "attitude", "angular_momentum", "energy", "com", "velocity"]
-#: The signals' names in reports and messages.
-SIGNAL_NAMES: dict[Signal, str] = {
-    "omega": "ω",
-    "attitude": "attitude",
-    "angular_momentum": "L",
-    "energy": "energy",
-    "com": "com",
-    "velocity": "velocity",
-}
 VerdictWord = Literal["converges", "disagrees", "unresolved", "diverges", "unsupported", "failed"]
 
 #: Names of an engine and of one of its methods.
@@ -104,7 +94,7 @@ class SignalVerdict:
     tolerance : the largest that this distance may be
     """
 
-    signal: Signal
+    signal: SignalName
     verdict: VerdictWord
     reason: str
     declared_order: int
@@ -130,7 +120,7 @@ class Verdict:
     key: Key
     verdict: VerdictWord
     reason: str
-    signal: Signal = "omega"
+    signal: SignalName = "omega"
     order: float | None = None
     limit_error: float | None = None
     tolerance: float | None = None

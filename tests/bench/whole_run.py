@@ -27,7 +27,7 @@ from rich.console import Console
 from rich.table import Table
 from spincheck.engines import engines, sampling
 from spincheck.engines.adapters import mujoco, pybullet
-from spincheck.reports.harness import convergence_study, study
+from spincheck.reports.harness import convergence_study, ladder_judge, study
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.plan import plan
@@ -64,7 +64,7 @@ PHASES: dict[str, list[tuple[Any, str]]] = {
     "checking states": [(sampling, "_checked")],
     "first steps": [(study, "_equation_residuals")],
     "comparing": [(convergence_study, "row_of")],
-    "judging": [(convergence_study.ConvergenceStudy, "take")],
+    "judging": [(ladder_judge.LadderJudge, "take"), (ladder_judge, "judge")],
     "storing": [(Store, "put_row"), (Store, "put_verdict"), (Store, "put_scene")],
     "timing": [(study, "time_scene")],
 }

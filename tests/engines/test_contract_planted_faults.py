@@ -126,6 +126,40 @@ class RecordsAStepLate(ToySession):
                 self.advance(1)
 
 
+class RestartForgetsOmega(ToySession):
+    """Restarts at its new attitude, with the ω it had."""
+
+    def restart(self, state: State, timestep: float | None = None) -> None:
+        omega_body = self.y[4:7].copy() if hasattr(self, "y") else state.omega_body
+        super().restart(replace(state, omega_body=omega_body), timestep)
+
+
+class RestartKeepsVelocity(ToySession):
+    """Restarts at its new place, with the velocity it had."""
+
+    def restart(self, state: State, timestep: float | None = None) -> None:
+        velocity_world = self.y[10:].copy() if hasattr(self, "y") else state.velocity_world
+        super().restart(replace(state, velocity_world=velocity_world), timestep)
+
+
+class RestartKeepsTimestep(ToySession):
+    """Restarts with the timestep it was opened with."""
+
+    def restart(self, state: State, timestep: float | None = None) -> None:
+        super().restart(state)
+
+
+class RestartIsWarm(ToySession):
+    """Reads back as it was restarted, and moves on a little as it did before."""
+
+    memory = 0.0
+
+    def advance(self, steps: int) -> None:
+        super().advance(steps)
+        self.y[4:7] += self.memory
+        self.memory = 1e-14 * self.y[4]
+
+
 FAULTS: list[tuple[type[ToySession], Check]] = [
     (OtherMass, checks.holds_the_scene_and_only_its_effects_act),
     (OtherStart, checks.holds_the_scene_and_only_its_effects_act),
@@ -142,6 +176,10 @@ FAULTS: list[tuple[type[ToySession], Check]] = [
     (SharesItsState, checks.shares_no_memory_between_sessions),
     (GivesItsOwnArrays, checks.shares_no_memory_between_sessions),
     (RecordsAStepLate, checks.records_what_it_reads),
+    (RestartForgetsOmega, checks.restarts_as_it_opens),
+    (RestartKeepsVelocity, checks.restarts_as_it_opens),
+    (RestartKeepsTimestep, checks.restarts_as_it_opens),
+    (RestartIsWarm, checks.restarts_as_it_opens),
 ]
 
 

@@ -129,8 +129,8 @@ def test_the_series_shows_when():
     omega = EXACT.omega_body.copy()
     omega[7] += [0, 0, 0.4]
     series = error_series(MADE, spinning(omega_body=omega), EXACT)
-    assert int(series.omega.argmax()) == 7
-    assert np.count_nonzero(series.omega) == 1
+    assert int(series["omega"].argmax()) == 7
+    assert np.count_nonzero(series["omega"]) == 1
     assert series.worst().omega == pytest.approx(0.1, abs=ROUNDED)
 
 

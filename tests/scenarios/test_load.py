@@ -1,7 +1,5 @@
 """Files that cannot be read, and any text at all: one clear complaint, never another exception."""
 
-import hashlib
-
 import numpy as np
 import pytest
 from scene_texts import TEXT
@@ -14,12 +12,6 @@ def test_a_file_is_a_scene_named_by_its_stem(tmp_path):
     path.write_text(TEXT, encoding="utf-8")
     scenario = load(path)
     assert (scenario.name, scenario.path) == ("my-top.2", path)
-
-
-def test_the_digest_is_of_the_text():
-    scenario = loads(TEXT, name="made")
-    assert scenario.digest == hashlib.sha256(TEXT.encode()).hexdigest()
-    assert loads(TEXT + "# changed\n", name="made").digest != scenario.digest
 
 
 def test_a_missing_file_is_named(tmp_path):

@@ -4,9 +4,10 @@ import pickle
 
 import numpy as np
 import pytest
-from scene_texts import scene
+from scene_texts import TEXT, scene
 from scipy.spatial.transform import Rotation
-from spincheck.scenarios import EFFECTS, find, load
+from spincheck.scenarios import EFFECTS, find, load, loads
+from spincheck.scenarios.scenario import started_at, with_tables
 
 EPS = np.finfo(float).eps
 ATTITUDE = "euler_zyz_deg = [10.0, 30.0, 20.0]"
@@ -118,16 +119,95 @@ def test_arrays_of_the_start_are_read_only(name):
         getattr(scene().start, name)[0] = 5.0
 
 
-@pytest.mark.parametrize("path", find([]), ids=lambda path: path.stem)
-def test_a_scene_comes_whole_out_of_another_process(path):
-    scenario = load(path)
-    again = pickle.loads(pickle.dumps(scenario))
-    assert (again.name, again.digest, again.document) == (
-        scenario.name,
-        scenario.digest,
-        scenario.document,
-    )
-    assert again.start.q_exact == scenario.start.q_exact
-    assert again.start.omega_body_exact == scenario.start.omega_body_exact
-    assert again.body.inertia_origin_exact == scenario.body.inertia_origin_exact
-    assert not again.start.omega_body.flags.writeable
+LIBRARY = [load(path) for path in find([])]
+
+
+def test_every_scene_comes_whole_out_of_another_process():
+    for scenario in LIBRARY:
+        again = pickle.loads(pickle.dumps(scenario))
+        assert (again.name, again.document) == (scenario.name, scenario.document)
+        assert again.start.q_exact == scenario.start.q_exact
+        assert again.start.omega_body_exact == scenario.start.omega_body_exact
+        assert again.body.inertia_origin_exact == scenario.body.inertia_origin_exact
+        assert not again.start.omega_body.flags.writeable
+
+
+def test_a_process_that_is_sent_a_scene_again_does_not_build_it_again():
+    sent = pickle.dumps(scene())
+    assert pickle.loads(sent) is pickle.loads(sent)
+    assert pickle.loads(pickle.dumps(scene(more=DRAG))) is not pickle.loads(sent)
+
+
+#: A change of the text, and whether the motion and the verdicts depend on it.
+CHANGES = [
+    ("samples = 5\n", "samples = 5  # a comment\n", False, False),
+    ('title = "t"', 'title = "u"\ntags = ["v"]\ndescription = "w"', False, False),
+    ("mass = 2.0", "mass = 2", False, False),
+    ("com = [0.1", 'inertia_about = "com"\ncom = [0.1', False, False),
+    (
+        "samples = 5\n",
+        "samples = 5\n[[published]]\nt = 0\nenergy = 1\ntolerance = 1\nsource = 's'\n",
+        *(False, False),
+    ),
+    ("mass = 2.0", "mass = 2.0000000000000004", True, True),
+    ("[0.5, 1.0, -2.0]", "[0.5, 1.0, 2.0]", True, True),
+    ("[0.1, 0.2, 0.3]", "[0.1, 0.2, -0.3]", True, True),
+    ("samples = 5", "samples = 6", True, True),
+    ("samples = 5\n", "samples = 5\n" + DRAG, True, True),
+    (
+        "samples = 5\n",
+        "samples = 5\n[[expect]]\nengine = 'e'\nmethod = 'm'\ntimestep = 0.1\nomega = 1\n",
+        *(False, True),
+    ),
+    (
+        "samples = 5\n",
+        "samples = 5\n[[known]]\nengine = 'e'\nmethod = 'm'\nverdict = 'disagrees'\nreason = 'r'\n",
+        *(False, True),
+    ),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "moves", "judged"), CHANGES)
+def test_digests_are_of_what_motion_and_verdicts_depend_on(old, new, moves, judged):
+    before, after = loads(TEXT, "a"), loads(TEXT.replace(old, new), "b")
+    assert after.text != before.text
+    assert (after.digest != before.digest) == moves
+    assert (after.judged_digest != before.judged_digest) == judged
+
+
+STATE = {
+    "q_world_body_wxyz": (0.5, -0.5, 0.5, 0.5),
+    "omega_body": (1.0, 2.0, 3.0),
+    "com_world": (4.0, 5.0, 6.0),
+    "velocity_world": (7.0, 8.0, 9.0),
+}
+
+
+def test_every_scene_can_be_started_elsewhere_and_reads_back_from_its_text():
+    for scenario in LIBRARY:
+        moved = started_at(scenario, **STATE)
+        assert tuple(moved.start.q_world_body_wxyz) == STATE["q_world_body_wxyz"]
+        assert tuple(moved.start.omega_body) == STATE["omega_body"]
+        flight = [*moved.start.position_world, *moved.start.velocity_world]
+        assert flight == ([0] * 6 if scenario.has_pivot else [4, 5, 6, 7, 8, 9])
+        assert (moved.name, moved.effects) == (scenario.name, scenario.effects)
+        assert (moved.body, moved.window) == (scenario.body, scenario.window)
+        assert moved.digest != scenario.digest
+        again = loads(moved.text, scenario.name)
+        assert (again.document, again.digest) == (moved.document, moved.digest)
+
+
+def test_a_scene_cannot_be_started_from_what_is_no_state():
+    with pytest.raises(ValueError, match="must have norm 1"):
+        started_at(scene(), **STATE | {"q_world_body_wxyz": (1.0, 1.0, 0.0, 0.0)})
+    with pytest.raises(ValueError, match="finite"):
+        started_at(scene(), **STATE | {"omega_body": (np.nan, 0.0, 0.0)})
+
+
+def test_a_scene_with_other_tables_is_another_scene():
+    scenario = scene(more=GRAVITY + DRAG)
+    undragged = with_tables(scenario, effects=scenario.effects.model_copy(update={"drag": None}))
+    assert undragged.called_for == {"gravity"}
+    assert undragged.digest == scene(more=GRAVITY).digest != scenario.digest
+    assert undragged.body is scenario.body
+    assert undragged.start is scenario.start

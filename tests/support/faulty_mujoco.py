@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from spincheck.engines import BodyReading, Method, Session, State
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.scenarios import Scenario, radius_of_gyration
-from spincheck.scenarios.scenario import build
+from spincheck.scenarios.scenario import with_tables
 
 #: About this axis what is turned is turned.
 AXIS = np.array([2.0, -1.0, 2.0]) / 3
@@ -28,12 +28,11 @@ class PlantedFault:
 
 
 def _changed(scenario: Scenario, **tables: dict[str, object]) -> Scenario:
-    document = scenario.document
-    for name, update in tables.items():
-        document = document.model_copy(
-            update={name: getattr(document, name).model_copy(update=update)}
-        )
-    return build(document, scenario.name, scenario.text, scenario.path)
+    changed = {
+        name: getattr(scenario.document, name).model_copy(update=update)
+        for name, update in tables.items()
+    }
+    return with_tables(scenario, **changed)
 
 
 def _moments(scenario: Scenario, size: float) -> Scenario:

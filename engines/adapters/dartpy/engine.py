@@ -9,7 +9,7 @@ from typing import Any, final
 
 import numpy as np
 
-from ....scenarios import EFFECTS, FloatArray, Scenario
+from ....scenarios import FloatArray, Scenario
 from ...engine import Engine, Method
 from ...matrix_session import MatrixReading, MatrixSession
 from ...read_back import BodyReading
@@ -17,7 +17,7 @@ from ...session import Session
 from .script import script
 from .start import start_of
 
-ALL_EFFECTS = frozenset(EFFECTS)
+EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 TORQUES = frozenset({"torque_body", "torque_world"})
 #: Number of coordinates that turn the body; they come first in a joint.
 TURNING = 3
@@ -35,8 +35,8 @@ class Dart(Engine):
     # getTimeStep() of a new World.
     stock_timestep = 1e-3
     methods = (
-        Method("semi-implicit", 1, 1, "semi-implicit Euler in joint coordinates", ALL_EFFECTS),
-        Method("default", 1, 1, "as shipped: may fall asleep", ALL_EFFECTS, as_shipped=True),
+        Method("semi-implicit", 1, 1, "semi-implicit Euler in joint coordinates", EFFECTS),
+        Method("default", 1, 1, "as shipped: may fall asleep", EFFECTS, as_shipped=True),
     )
 
     @property

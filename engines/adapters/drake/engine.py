@@ -9,14 +9,14 @@ from typing import Any, final
 
 import numpy as np
 
-from ....scenarios import EFFECTS, FloatArray, Scenario
+from ....scenarios import FloatArray, Scenario
 from ...engine import Engine, Method
 from ...matrix_session import MatrixReading, MatrixSession
 from ...read_back import BodyReading, EngineError
 from ...session import Session
 from .script import script
 
-ALL_EFFECTS = frozenset(EFFECTS)
+EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 TORQUES = frozenset({"torque_body", "torque_world"})
 #: Entries of a tensor in the order of Drake's constructor.
 ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
@@ -27,7 +27,7 @@ DISCRETE = frozenset({"discrete", "default"})
 
 
 def _method(name: str, order: int, summary: str, as_shipped: bool = False) -> Method:
-    return Method(name, order, order, summary, ALL_EFFECTS, as_shipped=as_shipped, by_angles=True)
+    return Method(name, order, order, summary, EFFECTS, as_shipped=as_shipped, by_angles=True)
 
 
 @final

@@ -11,7 +11,7 @@ from typing import Any, final
 
 import numpy as np
 
-from ....scenarios import EFFECTS, Scenario
+from ....scenarios import Scenario
 from ...engine import Engine, Method
 from ...matrix_session import MatrixReading, MatrixSession
 from ...native_output import native_output
@@ -21,7 +21,7 @@ from .held import R_BODY_NODE, Held, held, of_point
 from .script import script
 from .solvers import AS_SHIPPED, main_solver, solver_settings
 
-ALL_EFFECTS = frozenset(EFFECTS)
+EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 #: Numbers of a node's coordinates that are its position.
 PLACE = range(3)
 #: Relative difference allowed of a step's length, as Exudyn sums up the time.
@@ -29,7 +29,7 @@ CLOCK_SLACK = 1e-6
 
 
 def _method(name: str, order: int, summary: str) -> Method:
-    return Method(name, order, order, summary, ALL_EFFECTS)
+    return Method(name, order, order, summary, EFFECTS)
 
 
 @final
@@ -55,7 +55,7 @@ class Exudyn(Engine):
             2,
             2,
             "as shipped: generalised α, spectral radius 0.9",
-            ALL_EFFECTS,
+            EFFECTS,
             as_shipped=True,
         ),
     )

@@ -5,7 +5,7 @@ from typing import final
 
 import mujoco
 
-from ....scenarios import EFFECTS, Scenario
+from ....scenarios import Scenario
 from ...engine import Engine, Method
 from ...models.mjcf import mjcf
 from ...session import Session
@@ -14,12 +14,12 @@ from .script import left_in, script
 from .session import MJXSession
 
 #: Torques along the world's axes come out wrong on a free body: docs/engines-more.md.
-MJX_EFFECTS = frozenset(EFFECTS) - {"torque_world"}
+EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body"})
 CLEAN = (
-    Method("Euler", 1, 1, "semi-implicit Euler, joint damping implicit", MJX_EFFECTS),
-    Method("implicitfast", 1, 1, "implicit in velocity, without gyroscopic terms", MJX_EFFECTS),
+    Method("Euler", 1, 1, "semi-implicit Euler, joint damping implicit", EFFECTS),
+    Method("implicitfast", 1, 1, "implicit in velocity, without gyroscopic terms", EFFECTS),
     # It averages the stages' rotations, as MuJoCo did before 4.0.
-    Method("RK4", 2, 2, "Runge-Kutta of fourth order, but for rotations", MJX_EFFECTS),
+    Method("RK4", 2, 2, "Runge-Kutta of fourth order, but for rotations", EFFECTS),
 )
 
 
@@ -59,5 +59,5 @@ class MJXSingle(MJX):
     single_precision = True
     methods = (
         *CLEAN,
-        Method("default", 1, 1, "as shipped: Euler, every pass on", MJX_EFFECTS, as_shipped=True),
+        Method("default", 1, 1, "as shipped: Euler, every pass on", EFFECTS, as_shipped=True),
     )

@@ -16,7 +16,7 @@ from ...read_back import BodyReading, State
 from ...session import Session
 from ...user_cache import user_cache
 from ..mujoco.audit import FLAG_WORDS, acting
-from ..mujoco.session import body_of, compiled, states_of
+from ..mujoco.session import TRANSLATION, body_of, compiled, coordinates_of, states_of
 from .script import SPRINGS
 
 #: Samples that one call takes: a call costs as much as a hundred steps.
@@ -36,13 +36,36 @@ class MJXSession(Session):
         self._held, model_tree = self._jax.tree.flatten(model)
         moving, data_tree = self._jax.tree.flatten(data)
         # As numpy's: the compiled loop takes none of JAX's weak types.
-        self._moving = [np.asarray(leaf) for leaf in moving]
+        self._moving = self._at_start = [np.asarray(leaf) for leaf in moving]
         self._trees = model_tree, data_tree
         self._loop = _loop(self._trees, _kinds(self._held), _kinds(self._moving))
         # All else that it holds follows from the arrays; as numpy's, for MuJoCo's audit.
         held = [np.asarray(leaf) for leaf in self._held]
         self._model = self._jax.tree.unflatten(self._trees[0], held)
         self.record((), lambda _: None)
+
+    @property
+    def can_restart(self) -> bool:
+        """Always."""
+        return True
+
+    @property
+    def restarts_to_the_last_bit(self) -> bool:
+        """Unless it moves another point of the body than its com."""
+        return self._model.nv == TRANSLATION or not self._model.body_ipos[-1].any()
+
+    def restart(self, state: State, timestep: float | None = None) -> None:
+        """The data of the start with the coordinates of the state; nothing is compiled again."""
+        if timestep is not None:
+            old = self._model.opt.timestep
+            self._model = self._model.tree_replace(
+                {"opt.timestep": np.asarray(timestep, dtype=old.dtype)}
+            )
+            self._held = self._jax.tree.leaves(self._model)
+        data = self._jax.tree.unflatten(self._trees[1], self._at_start)
+        coordinates = coordinates_of(state, self._model.nv, self._model.body_ipos[-1])
+        qpos, qvel = (numbers.astype(data.qpos.dtype) for numbers in coordinates)
+        self._moving = self._jax.tree.leaves(data.replace(qpos=qpos, qvel=qvel))
 
     def read_body(self) -> BodyReading:
         """From MJX's model."""

@@ -8,7 +8,7 @@ from typing import Any, final
 
 import mujoco
 
-from ....scenarios import EFFECTS, Scenario
+from ....scenarios import Scenario
 from ...engine import Engine, Method, Release
 from ...models.mjcf import mjcf, switched_off
 from ...read_back import UnsupportedError
@@ -18,7 +18,7 @@ from .clock import CLOCK
 from .script import script
 from .session import MuJoCoSession, check_not_too_small, compiled, left_out
 
-ALL_EFFECTS = frozenset(EFFECTS)
+EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 #: The version that introduced an integrator (changelog).
 SINCE = {"discrete": "3.13.0"}
 #: Number of compiled models kept: a ladder uses each at every timestep.
@@ -37,26 +37,24 @@ class MuJoCo(Engine):
     # Orders: MuJoCo documentation, "Numerical integration" and changelog 4.0.0, item 5; measured
     # in docs/engines-mujoco.md.
     methods = (
-        Method("Euler", 1, 1, "semi-implicit Euler, joint damping implicit", ALL_EFFECTS),
+        Method("Euler", 1, 1, "semi-implicit Euler, joint damping implicit", EFFECTS),
         Method(
             "implicitfast",
             1,
             1,
             "implicit in velocity; gyroscopic terms of free bodies only",
-            ALL_EFFECTS,
+            EFFECTS,
         ),
-        Method("implicit", 1, 1, "implicit in velocity, gyroscopic terms included", ALL_EFFECTS),
-        Method("RK4", 4, 4, "Runge-Kutta of fourth order", ALL_EFFECTS),
+        Method("implicit", 1, 1, "implicit in velocity, gyroscopic terms included", EFFECTS),
+        Method("RK4", 4, 4, "Runge-Kutta of fourth order", EFFECTS),
         Method(
             "discrete",
             1,
             1,
             "implicit in velocity and position, one solve with the constraints",
-            ALL_EFFECTS,
+            EFFECTS,
         ),
-        Method(
-            "default", 1, 1, "as shipped: Euler, with every pass on", ALL_EFFECTS, as_shipped=True
-        ),
+        Method("default", 1, 1, "as shipped: Euler, with every pass on", EFFECTS, as_shipped=True),
     )
 
     @property

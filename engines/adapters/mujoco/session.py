@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray, Scenario
-from ....scenarios.rotation import across, matrices, turned
+from ....scenarios.rotation import across, cross, matrices, matrix, turned
 from ...fault import Fault
 from ...models.mjcf import switched_off
 from ...read_back import BodyReading, EngineError, State, UnsupportedError
@@ -72,6 +72,25 @@ class MuJoCoSession(Session):
     def read_state(self) -> State:
         """The state now; see `states`."""
         return self.states([self._bytes()]).rows(0)
+
+    @property
+    def can_restart(self) -> bool:
+        """Always."""
+        return True
+
+    @property
+    def restarts_to_the_last_bit(self) -> bool:
+        """Unless MuJoCo moves another point of the body than its com."""
+        return self.model.nv == TRANSLATION or not self._com_body.any()
+
+    def restart(self, state: State, timestep: float | None = None) -> None:
+        """`mj_resetData`, and the coordinates of the state."""
+        if timestep is not None:
+            self.model.opt.timestep = timestep
+        mujoco.mj_resetData(self.model, self.data)
+        self.data.qpos[:], self.data.qvel[:] = coordinates_of(state, self.model.nv, self._com_body)
+        self._steps = 0
+        self._warnings.clear()
 
     def advance(self, steps: int) -> None:
         """One native loop."""
@@ -189,6 +208,20 @@ def states_of(qpos: FloatArray, qvel: FloatArray, com_body: FloatArray) -> State
         com_world += qpos[:, :TRANSLATION]
         velocity_world += qvel[:, :TRANSLATION]
     return State(q_world_body_wxyz, omega_body, com_world, velocity_world)
+
+
+def coordinates_of(state: State, nv: int, com_body: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Coordinates, (nq,), and velocities, (nv,), of a state, as `states_of` reads them."""
+    q_world_body_wxyz, omega_body = state.q_world_body_wxyz, state.omega_body
+    if nv == TRANSLATION:
+        return q_world_body_wxyz, omega_body
+    R_world_body = matrix(q_world_body_wxyz)
+    origin_world = state.com_world - R_world_body @ com_body
+    speed_world = state.velocity_world - R_world_body @ cross(omega_body, com_body)
+    return (
+        np.concatenate([origin_world, q_world_body_wxyz]),
+        np.concatenate([speed_world, omega_body]),
+    )
 
 
 def left_out(scenario: Scenario) -> tuple[str, ...]:

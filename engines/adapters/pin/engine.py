@@ -11,14 +11,14 @@ from typing import Any, final
 
 import numpy as np
 
-from ....scenarios import EFFECTS, FloatArray, Scenario
+from ....scenarios import FloatArray, Scenario
 from ...engine import Engine, Method
 from ...read_back import BodyReading, EngineError, State
 from ...session import Session
 from .script import script
 from .start import start_of
 
-ALL_EFFECTS = frozenset(EFFECTS)
+EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 #: Effects that are given to `aba` as a force; the others are in the model.
 PUSHES = frozenset({"drag", "torque_body", "torque_world"})
 #: The classical Runge-Kutta rule (Hairer, Nørsett & Wanner I, II.1): nodes of the stages, and their
@@ -34,14 +34,14 @@ class Pinocchio(Engine):
     package = "pinocchio"
     step_seconds = 30e-6
     methods = (
-        Method("semi-implicit", 1, 1, "aba, then integrate with the new velocity", ALL_EFFECTS),
-        Method("RK4", 4, 4, "aba, in classical Runge-Kutta steps of its state", ALL_EFFECTS),
+        Method("semi-implicit", 1, 1, "aba, then integrate with the new velocity", EFFECTS),
+        Method("RK4", 4, 4, "aba, in classical Runge-Kutta steps of its state", EFFECTS),
         Method(
             "default",
             1,
             1,
             "the loop of its examples, which is semi-implicit: it has no integrator",
-            ALL_EFFECTS,
+            EFFECTS,
             as_shipped=True,
         ),
     )

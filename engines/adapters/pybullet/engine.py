@@ -9,14 +9,11 @@ from functools import cache
 from importlib.metadata import version
 from math import pi
 
-import numpy as np
-
-from ....scenarios import EFFECTS, Scenario
-from ....scenarios.rotation import cross, matrix
+from ....scenarios import Scenario
 from ...engine import Engine, Method, Release
 from ...equations import Equations
 from ...native_output import native_output
-from ...read_back import UnsupportedError
+from ...read_back import start_state
 from ...release import numbers_of
 from ...session import Session
 
@@ -24,15 +21,14 @@ with native_output():
     # On import, Bullet prints its build date.
     from .as_shipped import DEFAULT_DAMPING
     from .load import DEFAULTS, INERTIA, JOINT_MOTOR, BodyRepresentation, left_out
+    from .pivot_limit import check_borne
     from .script import script
     from .session import PyBulletSession
 
-ALL_EFFECTS = frozenset(EFFECTS)
+EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 #: rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h, for every kind of body.
 #: Beyond it the attitude turns only by this much a step, while ω still reads its full value.
 MOST_ROTATION_A_STEP = pi / 4
-#: N s a step, of a constraint between two rigid bodies: PyBullet's default, which it keeps.
-MOST_IMPULSE = 500.0
 
 REPRESENTATIONS = {
     "multibody": BodyRepresentation(maximal=False, hung=True),
@@ -57,7 +53,7 @@ class PyBullet(Engine):
             1,
             1,
             "joint coordinates, a pivot as a spherical joint",
-            ALL_EFFECTS,
+            EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
         ),
         Method(
@@ -65,7 +61,7 @@ class PyBullet(Engine):
             1,
             1,
             "joint coordinates, the pivot as a point-to-point constraint",
-            ALL_EFFECTS,
+            EFFECTS,
             requires=frozenset({"pivot"}),
             max_rotation_per_step=MOST_ROTATION_A_STEP,
         ),
@@ -74,7 +70,7 @@ class PyBullet(Engine):
             1,
             1,
             "six coordinates a body, gyroscopic term implicit, the pivot as a constraint",
-            ALL_EFFECTS,
+            EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
         ),
         Method(
@@ -82,7 +78,7 @@ class PyBullet(Engine):
             1,
             1,
             "as shipped: the URDF without flags, with damping, joint motor and velocity clamp",
-            ALL_EFFECTS,
+            EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             as_shipped=True,
             damping=DEFAULT_DAMPING,
@@ -92,7 +88,7 @@ class PyBullet(Engine):
             1,
             1,
             "as shipped, but for the inertia, which is the file's (URDF_USE_INERTIA_FROM_FILE)",
-            ALL_EFFECTS,
+            EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             as_shipped=True,
             damping=DEFAULT_DAMPING,
@@ -108,7 +104,7 @@ class PyBullet(Engine):
         """Load the scene's URDF and set its start."""
         representation = REPRESENTATIONS[method.name]
         if representation.maximal and scenario.has_pivot:
-            _check_borne(scenario, timestep)
+            check_borne(Equations(scenario), start_state(scenario), timestep)
         return PyBulletSession(scenario, representation, timestep)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
@@ -149,23 +145,6 @@ class PyBullet(Engine):
         """Loaded like the method, with some of its defaults."""
         representation = replace(REPRESENTATIONS[method.name], defaults=frozenset(defaults))
         return PyBulletSession(scenario, representation, timestep)
-
-
-def _check_borne(scenario: Scenario, timestep: float) -> None:
-    """Raise if the pivot of a rigid body cannot bear it at the start: it would fall through."""
-    equations, start, com = Equations(scenario), scenario.start, scenario.body.com
-    R_world_body, omega_body = matrix(start.q_world_body_wxyz), start.omega_body
-    omega_rate = equations.inverse @ equations.torque_body(R_world_body, omega_body)
-    pull_body = cross(omega_rate, com) + cross(omega_body, cross(omega_body, com))
-    force_world = scenario.body.mass * (R_world_body @ pull_body - scenario.gravity_world)
-    impulse = float(np.abs(force_world).max()) * timestep
-    if impulse > MOST_IMPULSE:
-        raise UnsupportedError(
-            f"PyBullet's pivot of a rigid body bears at most {MOST_IMPULSE:g} N s a step along "
-            f"each of the world's axes, this body needs {impulse:.3g}; use a timestep of less than "
-            f"{timestep * MOST_IMPULSE / impulse:.2g} s, or another method",
-            "clamp",
-        )
 
 
 def release(version: str, methods: tuple[Method, ...]) -> Release:

@@ -96,6 +96,11 @@ class Model:
         com_world = self.R_world_body() @ self.com
         p.resetBasePositionAndOrientation(self.body, com_world, q_xyzw, self.client)
 
+    def set_pose(self, com_world: FloatArray, world_from_body: Rotation) -> None:
+        """Move a body that does not hang by a joint; velocities become zero."""
+        q_xyzw = (world_from_body * self.body_from_principal).as_quat()
+        p.resetBasePositionAndOrientation(self.body, com_world, q_xyzw, self.client)
+
     def set_velocity(self, omega_world: FloatArray, velocity_world: FloatArray) -> None:
         """Set ω (3,) and, unless it hangs by a joint, the com's velocity (3,); the pose stays."""
         if self.link == BASE:

@@ -1,15 +1,17 @@
 """A scene running in PyBullet: its steps, and the torques that no model element gives."""
 
 from collections.abc import Callable, Collection, Sequence
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from math import isnan
 from struct import Struct
 from typing import final
 
 import numpy as np
 import pybullet as p
+from scipy.spatial.transform import Rotation
 
 from ....scenarios import Scenario
+from ...equations import Equations
 from ...fault import Fault
 from ...native_output import native_output
 from ...read_back import BodyReading, EngineError, State
@@ -17,11 +19,14 @@ from ...session import Session
 from .as_shipped import DEFAULT_CLAMP, UNREACHED_VELOCITY
 from .audit import what_acts
 from .load import CLAMP, BodyRepresentation, load
-from .model import BASE, Model
+from .model import BASE, HUNG, Model
+from .pivot_limit import check_borne
 from .worlds import give_back, take_world
 
 #: Largest number of steps in a native call, some 20 ms, as a call cannot be interrupted.
 MOST_STEPS_A_CALL = 2**14
+#: s, of a step in which a body at rest goes nowhere.
+IDLE = 2.0**-60
 #: A clamped velocity is read back through a rotation, with a few rounding errors.
 ROTATED = 8 * float(np.finfo(float).eps)
 #: Three numbers of the com, four of the attitude, three of its velocity, three of ω.
@@ -48,7 +53,7 @@ class PyBulletSession(Session):
         timestep: float,
         left_in: Collection[str] = (),
     ) -> None:
-        self._scenario = scenario
+        self._scenario, self._is_maximal = scenario, representation.maximal
         self.client, self.model = _open(scenario, representation, left_in)
         self._clamp = DEFAULT_CLAMP if CLAMP in representation.defaults else UNREACHED_VELOCITY
         self._torques, self.at_once = _torques(self.model, scenario)
@@ -66,6 +71,44 @@ class PyBulletSession(Session):
         """Length of the steps from now on, s."""
         self._timestep = timestep
         self._substeps = 0
+
+    @property
+    def can_restart(self) -> bool:
+        """Always."""
+        return True
+
+    @property
+    def restarts_to_the_last_bit(self) -> bool:
+        """Of a body on a joint; the pose of any other is composed by PyBullet when it is loaded."""
+        return self.model.link == HUNG
+
+    def restart(self, state: State, timestep: float | None = None) -> None:
+        """Set pose and velocities; a body held by a constraint is set off its pivot, too."""
+        timestep = self._timestep if timestep is None else timestep
+        if self._is_maximal and self._scenario.has_pivot:
+            check_borne(self._equations, state, timestep)
+        world_from_body = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
+        if self.model.link == HUNG:
+            self.model.set_joint_attitude(world_from_body)
+        else:
+            if self._is_maximal:
+                self._renew_inertia(world_from_body)
+            self.model.set_pose(state.com_world, world_from_body)
+        omega_world = world_from_body.apply(np.array(state.omega_body))
+        self.model.set_velocity(omega_world, state.velocity_world)
+        self.set_timestep(timestep)
+
+    def _renew_inertia(self, world_from_body: Rotation) -> None:
+        """Have PyBullet turn a rigid body's inertia, which it does at the end of a step only."""
+        is_held = self._scenario.has_pivot
+        com_world = world_from_body.apply(self.model.com) if is_held else np.zeros(3)
+        self.model.set_pose(com_world, world_from_body)
+        self.set_timestep(IDLE)
+        self.advance(1)
+
+    @cached_property
+    def _equations(self) -> Equations:
+        return Equations(self._scenario)
 
     def advance(self, steps: int) -> None:
         """Take `steps` whole steps, many a call where no torque has to be renewed in between."""

@@ -11,14 +11,14 @@ from typing import Any, final
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ....scenarios import EFFECTS, FloatArray, Scenario
+from ....scenarios import FloatArray, Scenario
 from ...engine import Engine, Method
 from ...read_back import BodyReading, EngineError, State
 from ...session import Session
 from .held import Held, held
 from .script import script
 
-ALL_EFFECTS = frozenset(EFFECTS)
+EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 #: rad: ANGULAR_MOTION_THRESHOLD of its sources: by default a body turns no further in a step.
 MOST_ROTATION_A_STEP = pi / 4
 
@@ -34,13 +34,13 @@ class Rapier3D(Engine):
     # IntegrationParameters.dt of its documentation.
     stock_timestep = 1 / 60
     methods = (
-        Method("impulse", 1, 1, "semi-implicit Euler, the pivot as an impulse joint", ALL_EFFECTS),
+        Method("impulse", 1, 1, "semi-implicit Euler, the pivot as an impulse joint", EFFECTS),
         Method(
             "default",
             1,
             1,
             "as shipped: may fall asleep, and clamps the rotation a step",
-            ALL_EFFECTS,
+            EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             as_shipped=True,
         ),

@@ -9,7 +9,6 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from ....engines import Outcome
-from ....scenarios import Scenario
 from ...harness.observed_order import ASYMPTOTIC
 from ...results.records import Key, Row, Verdict, VerdictWord
 from ...results.store import Results, SceneResult
@@ -108,13 +107,7 @@ def _environment(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[Cha
 
 def _edited(name: str, old: Results, new: Results) -> bool:
     """Whether a scene's motion differs; its title and comments do not count."""
-
-    def described(scenario: Scenario) -> object:
-        document = scenario.document
-        return document.body, document.start, document.effects, document.window
-
-    before, after = old.scenes[name].scenario, new.scenes[name].scenario
-    return described(before) != described(after)
+    return old.scenes[name].scenario.digest != new.scenes[name].scenario.digest
 
 
 def _scenes(old: Results, new: Results, edited: set[str]) -> Iterator[Change]:
@@ -123,7 +116,7 @@ def _scenes(old: Results, new: Results, edited: set[str]) -> Iterator[Change]:
         yield Change("scene", name, *_presence(name in before), scenario=name)
     for name in sorted(edited):
         was, now = (r.scenes[name].scenario.digest[:8] for r in (old, new))
-        yield Change("scene", name, f"text {was}", f"text {now}", scenario=name)
+        yield Change("scene", name, f"motion {was}", f"motion {now}", scenario=name)
 
 
 def _methods(old: Results, new: Results) -> Iterator[Change]:

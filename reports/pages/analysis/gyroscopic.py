@@ -49,7 +49,7 @@ def without_gyroscopic_torque(
             if not shipped or turned_in_space(run.exact) < TELLING:
                 continue
             if _is_steady(run):
-                lacking.setdefault(pair, {})[scene.name] = float(run.series.omega.max())
+                lacking.setdefault(pair, {})[scene.name] = float(run.series["omega"].max())
             else:
                 has_it.add(pair)
     engines = {engine for engine, _ in {*lacking, *has_it}}

@@ -98,6 +98,6 @@ MOTIONS: dict[str, Lines] = {
     "axis_unrolled": _unrolled,
 }
 ERRORS: dict[str, Callable[[Compared], FloatArray]] = {
-    "attitude_error": lambda run: np.degrees(run.series.attitude),
-    "omega_error": lambda run: run.series.omega,
+    "attitude_error": lambda run: np.degrees(run.series["attitude"]),
+    "omega_error": lambda run: run.series["omega"],
 }

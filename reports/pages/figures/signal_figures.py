@@ -31,7 +31,7 @@ def tilt_figure(scene: SceneRuns) -> Figure:
     room = max(STEADY, float(np.ptp(tilt)) / 4)
     low, high = max(0.0, float(tilt.min()) - room), min(180.0, float(tilt.max()) + room)
     floor = math.degrees(scene.solved.solution.uncertainty.attitude)
-    curves = [np.degrees(run.series.attitude) for run in scene.compared]
+    curves = [np.degrees(run.series["attitude"]) for run in scene.compared]
     panels = [
         Panel("", "θ, °", "Tilt", False, (low, high), _window(scene.solved), domain=TILT),
         Panel(
@@ -64,7 +64,7 @@ def omega_figures(scene: SceneRuns) -> list[Figure]:
         "t, s",
         "‖Δω‖ / max ‖ω‖",
         "Difference",
-        y_range=_errors([run.series.omega for run in runs], floor),
+        y_range=_errors([run.series["omega"] for run in runs], floor),
         x_range=_window(solved),
         log_y=True,
         floor=floor,

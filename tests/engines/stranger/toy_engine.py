@@ -11,7 +11,15 @@ class ToySession(Session):
         self.inverse = np.linalg.inv(self.held.inertia_com)
         self.gravity, self.timestep = np.array(scenario.gravity_world), timestep
         motion = start.omega_body, start.position_world, start.velocity_world
-        self.y = np.concatenate([start.q_world_body_wxyz, *motion])
+        self.restart(State(start.q_world_body_wxyz, *motion))
+
+    @property
+    def can_restart(self):
+        return True
+
+    def restart(self, state, timestep=None):
+        self.y = np.concatenate(list(vars(state).values()))
+        self.timestep = self.timestep if timestep is None else timestep
 
     def rates(self, y):
         w, v, omega, velocity = y[0], y[1:4], y[4:7], y[10:]

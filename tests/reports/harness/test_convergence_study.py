@@ -1,6 +1,7 @@
 """Which rungs a method is run on, by results made up for each."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -54,14 +55,17 @@ def go_down(
     convergence: ConvergenceStudy, error_of_dt: Callable[[float], float], dies_above: float = np.inf
 ):
     """Answer every rung, those of more than `dies_above` seconds a step by a blow-up."""
-    while rung := convergence.next_rung():
-        exact = convergence.solution.trajectory.every(rung.every)
-        keywords = {"trajectory": off_by(error_of_dt(rung.timestep), exact), "steps": rung.steps}
-        outcome = "ok"
-        if rung.timestep > dies_above:
-            outcome, keywords = "diverged", {"stopped_at": rung.timestep}
-        run = Run("made-up", "1", "made-up", rung.timestep, outcome, **keywords)
-        convergence.take(convergence.compare(Answer(run)))
+    runs, row = convergence.runs(), None
+    with suppress(StopIteration):
+        while asked := runs.send(row):
+            rung = asked.rung
+            motion = off_by(error_of_dt(rung.timestep), asked.solution.trajectory)
+            keywords = {"trajectory": motion, "steps": rung.steps}
+            outcome = "ok"
+            if rung.timestep > dies_above:
+                outcome, keywords = "diverged", {"stopped_at": rung.timestep}
+            run = Run("made-up", "1", "made-up", rung.timestep, outcome, **keywords)
+            row = convergence.compare(asked, Answer(run))
     return convergence
 
 

@@ -11,9 +11,9 @@ from spincheck.reference import Solution
 from spincheck.reports.harness.best_window import SHARP
 from spincheck.reports.harness.ladder_judge import SignalJudgement
 from spincheck.reports.harness.observed_order import observed_order
-from spincheck.reports.harness.richardson import DISTINCT, SIGNALS, RichardsonLadder
+from spincheck.reports.harness.richardson import DISTINCT, RichardsonLadder
 from spincheck.reports.harness.verdict import Judgement, judge
-from spincheck.scenarios import Errors, Trajectory, loads
+from spincheck.scenarios import SIGNAL, Errors, Trajectory, loads
 
 SCENE = loads(sphere_text((0.0, 0.0, 3.0), duration=5.0, samples=51), "sphere")
 TIMES = SCENE.times
@@ -188,7 +188,7 @@ def test_a_blurred_limit_is_no_convergence():
     assert judged(lambda dt: 0.5 * dt**0.3, order=1).word == "unresolved"
 
 
-@pytest.mark.parametrize("signal", SIGNALS)
+@pytest.mark.parametrize("signal", SIGNAL)
 def test_every_signal_is_judged_by_itself(signal):
     sequences = ladder(lambda dt: dt * np.sin(TIMES), 1)
     assert judge(sequences.signal(signal)).word == "converges"
@@ -203,7 +203,7 @@ def test_a_path_that_is_another_one_disagrees_in_that_signal_alone(signal):
         drift = np.outer(TIMES * (1 + dt), [1e-3, 0, 0])
         run = turning(dt * np.sin(TIMES), **{f"{signal}_world": drift})
         sequences.add(dt, run, round(TIMES[-1] / dt))
-    words = {one: judge(sequences.signal(one)).word for one in SIGNALS}
+    words = {one: judge(sequences.signal(one)).word for one in SIGNAL}
     assert words[signal] == "disagrees"
     # What moves has energy too.
     disagreeing = {one for one, word in words.items() if word == "disagrees"}

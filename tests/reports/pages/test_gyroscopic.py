@@ -52,7 +52,7 @@ def test_the_engine_whose_omega_stays_in_space_is_reported_with_its_error():
     (lacking,), tried = without_gyroscopic_torque(gathered())
     assert (lacking.engine, lacking.scenes, tried) == ("wrong", (FREE,), 2)
     scene = next(scene for scene in gathered().scenes if scene.name == FREE)
-    worst = max(run.series.omega.max() for run in scene.compared if run.runs.engine == "wrong")
+    worst = max(run.series["omega"].max() for run in scene.compared if run.runs.engine == "wrong")
     assert (lacking.worst_scene, lacking.omega_error) == (FREE, worst)
 
 

@@ -94,7 +94,7 @@ def test_errors_are_those_at_the_samples_that_are_drawn(
     """To half a step of their logarithms; below the reference's uncertainty, that."""
     half = 10 ** (0.51 * DECADES_STEP)
     for compared, run in zip(top.compared, data["runs"], strict=True):
-        claimed = np.maximum(compared.series.attitude, UNCERTAINTY.attitude)
+        claimed = np.maximum(compared.series["attitude"], UNCERTAINTY.attitude)
         ratio = errors(run["attitude"]) / claimed[samples(compared, run)]
         assert 1 / half < ratio.min() <= ratio.max() < half
 
@@ -103,13 +103,13 @@ def test_a_run_that_looks_like_the_exact_motion_is_drawn_as_that(
     top: SceneRuns, data: dict[str, Any]
 ) -> None:
     for compared, run in zip(top.compared, data["runs"], strict=True):
-        visible = compared.series.attitude.max() > INVISIBLE or compared.row.outcome != "ok"
+        visible = compared.series["attitude"].max() > INVISIBLE or compared.row.outcome != "ok"
         assert ("q" in run) == visible
 
 
 def test_the_largest_error_survives_the_thinning(top: SceneRuns, data: dict[str, Any]) -> None:
     for compared, run in zip(top.compared, data["runs"], strict=True):
-        largest = max(float(compared.series.attitude.max()), UNCERTAINTY.attitude)
+        largest = max(float(compared.series["attitude"].max()), UNCERTAINTY.attitude)
         half = 10 ** (0.51 * DECADES_STEP)
         assert largest / half < np.nanmax(errors(run["attitude"])) < largest * half
 
@@ -127,7 +127,7 @@ def test_where_a_run_goes_wrong_is_its_first_sample_beyond_a_degree(
     noticed = [run["noticed"] for run in data["runs"] if run["noticed"] is not None]
     assert noticed
     for compared, run in zip(top.compared, data["runs"], strict=True):
-        beyond = compared.motion.t[compared.series.attitude > NOTICEABLE]
+        beyond = compared.motion.t[compared.series["attitude"] > NOTICEABLE]
         assert run["noticed"] == (beyond[0] if len(beyond) else None)
 
 

@@ -1,0 +1,109 @@
+"""The exact flow of many states at once, each over a time of its own, in plain doubles.
+
+It is integrated by the Taylor series of `taylor_coefficients`, as the exact motion is, but without
+double-doubles: over a radian rounding comes to a few ulp, and an engine's state is no better known.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from ..scenarios import FloatArray, Scenario, Trajectory
+from ..scenarios.mechanics import RECENT
+from .kernel import kernel
+from .motion import Flight, along_axes, assembled
+from .problem import Problem
+from .rotational_problem import rotational_problem
+from .taylor import IntegrationError, constants_of, inverses_to, terms_of
+from .taylor_coefficients import COLUMNS, OMEGA, STATE, Q, Terms, extend
+from .taylor_march import start_from_state, step_size
+
+#: A step ends where the series is e⁻²ᴺ of the state: for N = 18 that is an ulp.
+ORDER = 18
+#: Most steps of one state, some 3 µs each.
+MAX_STEPS = 100_000
+
+
+def flow(scenario: Scenario, states: Trajectory, spans: FloatArray) -> Trajectory:
+    """Return where the exact motion takes states: each of them, a time after it.
+
+    Of a body with a pivot only attitude and angular velocity are taken, which determine the rest.
+
+    Parameters
+    ----------
+    states : n of them, at whatever times
+    spans : (n,) s, not negative
+
+    Returns
+    -------
+    n states, with the times of those they started from
+
+    Raises
+    ------
+    IntegrationError
+        If a motion leaves the range of doubles, or takes more than `MAX_STEPS` steps.
+    """
+    problem, constants, terms = _posed(scenario)
+    inverses = inverses_to(ORDER)[0]
+    table = np.empty((len(spans), STATE))
+    attitude, spin = table[:, Q : Q + 4], table[:, OMEGA : OMEGA + 3]
+    attitude[:], spin[:] = along_axes(problem, states)
+    done = flow_each(constants, inverses, terms, table, spans, MAX_STEPS)
+    if done < len(spans):
+        raise IntegrationError(
+            f"The motion from state {done} cannot be followed for {spans[done]:g} s: it is too "
+            f"fast for doubles, or for {MAX_STEPS} steps. Ask for a shorter span."
+        )
+    flight = Flight(spans, states.com_world, states.velocity_world)
+    return assembled(scenario, problem, states.t, (attitude, spin), flight)
+
+
+@lru_cache(maxsize=RECENT)
+def _posed(scenario: Scenario) -> tuple[Problem, FloatArray, Terms]:
+    """Problem, constants and terms: in extended precision they take as long as many flows."""
+    problem = rotational_problem(scenario)
+    return problem, constants_of(problem)[0], terms_of(problem)
+
+
+@kernel
+def _advance(series: FloatArray, h: float) -> None:
+    """Move the state in order 0 on by a time h, by Horner's rule."""
+    for i in range(STATE):
+        total = 0.0
+        for n in range(series.shape[0] - 1, -1, -1):
+            total = total * h + series[n, i]
+        series[0, i] = total
+
+
+@kernel
+def flow_each(
+    constants: FloatArray,
+    inverses: FloatArray,
+    terms: Terms,
+    states: FloatArray,
+    spans: FloatArray,
+    steps: int,
+) -> int:
+    """Move states (n, STATE) on, each by its own span, in a limited number of steps each.
+
+    Returns how many of them, from the first on, are done.
+    """
+    order = inverses.shape[1] - 1
+    series = np.empty((order + 1, COLUMNS))
+    for k in range(spans.size):
+        for i in range(STATE):
+            series[0, i] = states[k, i]
+        left = spans[k]
+        taken = 0
+        while left > 0.0:
+            start_from_state(series, constants, terms)
+            extend(series, constants, inverses, terms, 0, order)
+            h = min(step_size(series, order), left)
+            if not h > 0.0 or taken == steps:
+                return k
+            _advance(series, h)
+            left -= h
+            taken += 1
+        for i in range(STATE):
+            states[k, i] = series[0, i]
+    return spans.size
