@@ -56,7 +56,7 @@ random: $(READY)
 # What engines hold of the robots of public packages (200 MB of them): docs/models.md.
 survey: $(READY)
 	$(BIN)/pip install --quiet --editable '.[models]'
-	$(BIN)/python tests/reports/harness/inspection/survey.py
+	$(BIN)/python tests/reports/harness/users_models/survey.py
 
 check: lint types contract
 

@@ -1,10 +1,10 @@
 """Physics engines behind one interface."""
 
+from .checks.read_back import BodyReading, EngineError, State
 from .discovery import add, engines, missing
 from .engine import Engine, Method
 from .fault import Cause, Fault
 from .missing import Missing
-from .read_back import BodyReading, EngineError, State
 from .run import Outcome, Run
 from .session import Session
 

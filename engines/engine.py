@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scenarios import Scenario, Trajectory
-from .audit import audit
-from .bounds import Bounds
-from .fault import ENVIRONMENTAL, Cause
-from .faults import clamped_turn
-from .first_steps import NEGLIGIBLE, equation_residuals
-from .precision import single_precision
-from .read_back import (
+from .checks.audit import audit
+from .checks.bounds import Bounds
+from .checks.faults import clamped_turn
+from .checks.first_steps import NEGLIGIBLE, equation_residuals
+from .checks.precision import single_precision
+from .checks.read_back import (
     READ_BACK_SLACK,
     READ_BACK_SLACK_SINGLE,
     BodyReading,
@@ -26,6 +25,7 @@ from .read_back import (
     UnsupportedError,
     differences,
 )
+from .fault import ENVIRONMENTAL, Cause
 from .run import Outcome, Run
 from .sampling import Sampled, sample
 from .session import Session

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray
-from .read_back import EngineError, State
+from .checks.read_back import EngineError, State
 from .session import Session
 
 

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .bounds import Bounds
+from .checks.bounds import Bounds
+from .checks.faults import columns, faults
+from .checks.read_back import EngineError, State
+from .checks.turn_faults import Reading
 from .fault import WRONG_AT_ANY_TIMESTEP, Cause, Fault
-from .faults import columns, faults
-from .read_back import EngineError, State
 from .run import Outcome
 from .session import Session
-from .turn_faults import Reading
 
 #: States are checked in blocks: a check takes as long as thousands of steps, and hardly longer for
 #: many states than for few. A block has at least `FIRST_BLOCK` states and `BLOCK_STEPS` steps, and

@@ -8,8 +8,8 @@ from typing import Any, Self
 
 import numpy as np
 
+from .checks.read_back import BodyReading, State
 from .fault import Fault
-from .read_back import BodyReading, State
 
 
 class Session(ABC):

@@ -12,10 +12,10 @@ from pydantic import ValidationError
 from .complaints import MAX_SHOWN, at, misfit, validation_message
 from .document import Document
 from .errors import Misfit, ScenarioError, printable
-from .origin import check_origin
 from .read_text import first_key, is_nested_too_deeply, read_text
 from .scales import check_scales
 from .scenario import Scenario, build
+from .users_models.origin import check_origin
 
 MARKER = "spincheck"
 #: Bytes of a scene's name; a page's has an ending and perhaps a number more, and 255 at most.

@@ -4,7 +4,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "thresholds.md").read_text(encoding="utf-8")
-TEMPLATES = ROOT / "reports" / "pages" / "templates"
+TEMPLATES = ROOT / "reports" / "pages" / "overview"
 
 
 def test_reports_print_the_table_of_the_docs() -> None:

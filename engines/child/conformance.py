@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...scenarios import Scenario
+from ..checks.read_back import EngineError
 from ..engine import Method
 from ..fault import Cause
-from ..read_back import EngineError
 from ..run import Run
 from .engine import ChildEngine, child_engine
 from .messages import Done, Hello

@@ -18,8 +18,8 @@ from typing import Any, TypeVar
 import psutil
 
 from ...scenarios import printable
+from ..checks.read_back import EngineError
 from ..lost_process import cpu_seconds, death, is_stopped, wait_for_answer
-from ..read_back import EngineError
 from .messages import ChildAnswer, Hello, Misanswer, Refusal, parse
 
 #: Names the descriptor that a child writes its answers to.

@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from ...scenarios import FloatArray, Scenario
 from ...scenarios.rotation import matrices, times, turned_back
+from ..checks.read_back import BodyReading, EngineError, State
 from ..models.principal_frame import principal_frame
-from ..read_back import BodyReading, EngineError, State
 from ..session import Session
 from .messages import Active, Done, Opened, Seconds, StateRow, Stepped
 from .process import ChildProcess, given_back

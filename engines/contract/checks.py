@@ -11,8 +11,8 @@ import numpy as np
 
 from ...scenarios import FloatArray, Scenario, Trajectory
 from ...scenarios.rotation import norms, rotation_vectors
+from ..checks.read_back import start_state
 from ..engine import Engine, Method
-from ..read_back import start_state
 from ..session import Session
 from .scenes import SCENES, from_elsewhere
 

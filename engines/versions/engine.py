@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import final
 
 from ...scenarios import Scenario
+from ..checks.read_back import BodyReading, Difference, EngineError, State
 from ..discovery import engines
 from ..engine import Engine, Method
-from ..read_back import BodyReading, Difference, EngineError, State
 from ..session import Session
 from .folders import VersionError, install, install_for
 

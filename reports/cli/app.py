@@ -8,9 +8,9 @@ from typing import Annotated, Any
 
 import typer
 
-from .engine_commands import app as engine_commands
+from .engines.engine_commands import app as engine_commands
+from .engines.version_commands import app as version_commands
 from .grouped import GroupedCommands
-from .model_commands import app as model_commands
 from .options import (
     CORES,
     REPORT_FOLDER,
@@ -32,15 +32,15 @@ from .options import (
     TimeLimit,
     Timesteps,
 )
-from .picture_commands import app as picture_commands
+from .pictures.picture_commands import app as picture_commands
 from .refusals import refusal, unusable
-from .result_commands import app as result_commands
-from .scene_commands import app as scene_commands
+from .results.result_commands import app as result_commands
+from .scenes.scene_commands import app as scene_commands
 from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last_words
-from .sweep_commands import app as sweep_commands
-from .sweep_commands import run_members
+from .sweeps.sweep_commands import app as sweep_commands
+from .sweeps.sweep_commands import run_members
 from .terminal import BAD_INPUT, Complaint, say, to_json
-from .version_commands import app as version_commands
+from .users_models.model_commands import app as model_commands
 
 app = typer.Typer(
     name="spincheck",
@@ -144,10 +144,10 @@ def run(
     What the file holds already is not run again, unless its scene, engine or spincheck changed,
     the machine was to blame that it failed, or by '--again'.
     """
-    from . import running
     from .executing import Where
-    from .short_summary import short_summary
-    from .summary import print_results, results_as_json
+    from .run import running
+    from .run.short_summary import short_summary
+    from .run.summary import print_results, results_as_json
 
     asked = (engine or [], method or [], timestep or [])
     if ensemble is not None:
@@ -192,8 +192,8 @@ def report(
 ) -> None:
     """Make HTML and Markdown pages of a result file; run the library first if there is none."""
     from ..pages.render import render
-    from . import running
     from .executing import Where
+    from .run import running
 
     if results is None and not RESULT_FILE.exists():
         stored = running.run([], [], [], [], Where(jobs), RESULT_FILE)
@@ -214,8 +214,8 @@ def compare(
     as_json: AsJson = False,
 ) -> None:
     """Show what changed between two result files; exits with 1 if anything got worse."""
-    from .compare import changes_as_json, exit_code, print_changes
-    from .compare import compare as find_changes
+    from .results.compare import changes_as_json, exit_code, print_changes
+    from .results.compare import compare as find_changes
 
     changed = find_changes(old, new)
     if as_json:
@@ -242,9 +242,9 @@ def recommend(
     An engine as shipped, with its damping and clamps, is never recommended.
     """
     from .named_scenes import one_scene
-    from .recommend import exit_code
-    from .recommend import recommend as find_cheapest
-    from .recommendation_words import print_recommendation, recommendation_as_json
+    from .run.recommend import exit_code
+    from .run.recommend import recommend as find_cheapest
+    from .run.recommendation_words import print_recommendation, recommendation_as_json
 
     one_scene(scenario)
     wanted = {

@@ -5,8 +5,8 @@ from collections.abc import Collection
 import numpy as np
 
 from ...engines import Engine, EngineError, Method
-from ...engines.bounds import Bounds
-from ...engines.faults import clamped_turn
+from ...engines.checks.bounds import Bounds
+from ...engines.checks.faults import clamped_turn
 from ...engines.sampling import sample
 from ...reference import Solution
 from ...scenarios import Errors, Scenario, Trajectory, errors_between

@@ -5,7 +5,7 @@ import json
 import zlib
 from typing import Any
 
-from .differences import Differences
+from .scene.differences import Differences
 from .tables import Table
 
 

@@ -12,21 +12,22 @@ from ...engines.models.urdf import urdf
 from ...scenarios import Scenario
 from ..results.records import VerdictWord
 from ..results.store import Results
-from . import hard_cases, overview, scene_tables
 from .analysis.report_data import ReportData, SceneRuns, report_data
 from .cost_section import cost_section, scene_costs
-from .default_tables import default_tables
 from .figures.figures import figures
-from .first_screen import answer
-from .heat_map import heat_map
-from .left_out_tables import effects_table, harm_in_words, passes_tables
-from .motion_data import motion_data
+from .overview import hard_cases, overview
+from .overview.first_screen import answer
+from .overview.heat_map import heat_map
+from .overview.left_out_tables import effects_table, harm_in_words, passes_tables
+from .overview.protocol import constants
+from .overview.stock_table import stock_table
 from .page_data import PageData
-from .protocol import constants
-from .scene_answer import scene_answer, shown_at_first
-from .stock_table import stock_table
-from .sweep_section import sweep_section, write_sweeps
-from .templating import TEMPLATES, templates
+from .scene import scene_tables
+from .scene.default_tables import default_tables
+from .scene.motion_data import motion_data
+from .scene.scene_answer import scene_answer, shown_at_first
+from .sweeps.sweep_section import sweep_section, write_sweeps
+from .templating import source, templates
 from .written import ReportFolder
 
 #: Plotly, deflated: `figures.js` unpacks it.
@@ -178,6 +179,6 @@ def _write_assets(written: ReportFolder) -> None:
     from plotly.offline import get_plotlyjs
 
     for name in ASSETS:
-        written.write(f"assets/{name}", (TEMPLATES / name).read_text(encoding="utf-8"))
+        written.write(f"assets/{name}", source(name))
     packed = base64.b64encode(zlib.compress(get_plotlyjs().encode("utf-8"), 9)).decode("ascii")
     written.write(f"assets/{PLOTLY}", f'const packedPlotly = "{packed}";\n')

@@ -12,14 +12,15 @@ from .cost_section import LEGEND
 from .links import scene_page
 from .markdown import code_block, escaped, to_html
 
-TEMPLATES = Path(str(files(__package__))) / "templates"
+#: A folder a page, and `templates` for what pages share; no two templates have one name.
+FOLDERS = sorted(path for path in Path(str(files(__package__))).iterdir() if path.is_dir())
 
 
 @cache
 def templates() -> Environment:
     """The template environment; values in HTML are escaped."""
     environment = Environment(
-        loader=FileSystemLoader(TEMPLATES),
+        loader=FileSystemLoader(FOLDERS),
         autoescape=select_autoescape(["html"]),
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -36,11 +37,18 @@ def templates() -> Environment:
     return environment
 
 
+def source(name: str) -> str:
+    """The text of a style sheet or script, as it stands in its page's folder."""
+    environment = templates()
+    assert environment.loader is not None
+    return environment.loader.get_source(environment, name)[0]
+
+
 def write_styles(folder: Path, *names: str) -> None:
     """Write the style sheet of every page, and others."""
     folder.mkdir(exist_ok=True)
     for name in ("style.css", *names):
-        write(folder / name, (TEMPLATES / name).read_text(encoding="utf-8"))
+        write(folder / name, source(name))
 
 
 def write(path: Path, text: str) -> None:

@@ -12,9 +12,10 @@ import command_line
 import pytest
 from forging import columns, forge
 from mutated_scenes import LEAST, written
-from spincheck.reports.cli import executing, running
+from spincheck.reports.cli import executing
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.executing import Where
+from spincheck.reports.cli.run import running
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, Complaint
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.results.result_file import APPLICATION_ID, FORMAT

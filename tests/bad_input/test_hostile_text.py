@@ -14,9 +14,10 @@ from mutated_scenes import LEAST, Raw, written
 from page import read_page
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.engines.models.urdf import urdf
-from spincheck.reports.cli import executing, running
+from spincheck.reports.cli import executing
 from spincheck.reports.cli.executing import Where
-from spincheck.reports.cli.scene import export_scene
+from spincheck.reports.cli.run import running
+from spincheck.reports.cli.scenes.scene import export_scene
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.pages.markdown import escaped, to_html
 from spincheck.reports.pages.render import render

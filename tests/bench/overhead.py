@@ -17,9 +17,9 @@ from rich.console import Console
 from rich.table import Table
 from spincheck.engines import Engine, Method, Session, engines
 from spincheck.engines.adapters.mujoco.session import MuJoCoSession
-from spincheck.engines.bounds import Bounds
+from spincheck.engines.checks.bounds import Bounds
+from spincheck.engines.checks.read_back import READ_BACK_SLACK
 from spincheck.engines.native_output import native_output
-from spincheck.engines.read_back import READ_BACK_SLACK
 from spincheck.engines.sampling import sample
 from spincheck.reports.harness.step_cost import timed_timestep
 from spincheck.scenarios import find, load

@@ -7,7 +7,8 @@ from pathlib import Path
 from subprocess import CompletedProcess
 from unittest.mock import patch
 
-from spincheck.reports.cli import app, executing, recommend
+from spincheck.reports.cli import app, executing
+from spincheck.reports.cli.run import recommend
 from spincheck.reports.harness.executors import InProcess
 
 

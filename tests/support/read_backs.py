@@ -1,7 +1,7 @@
 """What the run loop does before the first step of any method but one as shipped."""
 
 from spincheck.engines import BodyReading, EngineError, State
-from spincheck.engines.read_back import READ_BACK_SLACK, differences
+from spincheck.engines.checks.read_back import READ_BACK_SLACK, differences
 from spincheck.scenarios import Scenario
 
 

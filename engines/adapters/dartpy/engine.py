@@ -10,9 +10,9 @@ from typing import Any, final
 import numpy as np
 
 from ....scenarios import FloatArray, Scenario
+from ...checks.read_back import BodyReading
 from ...engine import Engine, Method
 from ...matrix_session import MatrixReading, MatrixSession
-from ...read_back import BodyReading
 from ...session import Session
 from .script import script
 from .start import start_of

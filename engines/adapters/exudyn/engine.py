@@ -12,10 +12,10 @@ from typing import Any, final
 import numpy as np
 
 from ....scenarios import Scenario
+from ...checks.read_back import BodyReading, EngineError
 from ...engine import Engine, Method
 from ...matrix_session import MatrixReading, MatrixSession
 from ...native_output import native_output
-from ...read_back import BodyReading, EngineError
 from ...session import Session
 from .held import R_BODY_NODE, Held, held, of_point
 from .script import script

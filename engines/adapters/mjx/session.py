@@ -11,8 +11,8 @@ import mujoco
 import numpy as np
 
 from ....scenarios import FloatArray, Scenario
+from ...checks.read_back import BodyReading, State
 from ...models.mjcf import START_KEY, start_coordinates
-from ...read_back import BodyReading, State
 from ...session import Session
 from ...user_cache import user_cache
 from ..mujoco.audit import FLAG_WORDS, acting

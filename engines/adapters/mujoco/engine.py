@@ -9,9 +9,9 @@ from typing import Any, final
 import mujoco
 
 from ....scenarios import Scenario
+from ...checks.read_back import UnsupportedError
 from ...engine import Engine, Method, Release
 from ...models.mjcf import mjcf, switched_off
-from ...read_back import UnsupportedError
 from ...release import numbers_of
 from .audit import disable
 from .clock import CLOCK

@@ -10,11 +10,11 @@ import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ....scenarios.model_files import ModelFile, Shape
-from ....scenarios.model_files.mjcf import unnamed
-from ...model_reader import Advice, Configuration, ModelReader, RefusalAdvice
-from ...models.users_urdf import with_meshes
-from ...read_back import BodyReading, EngineError
+from ....scenarios.users_models import ModelFile, Shape
+from ....scenarios.users_models.mjcf import unnamed
+from ...checks.read_back import BodyReading, EngineError
+from ...users_models.model_reader import Advice, Configuration, ModelReader, RefusalAdvice
+from ...users_models.users_urdf import with_meshes
 
 #: Endings of meshes that MuJoCo reads.
 MESHES = frozenset((".obj", ".stl", ".msh"))

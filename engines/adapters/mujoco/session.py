@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import across, cross, matrices, matrix, turned
+from ...checks.read_back import BodyReading, EngineError, State, UnsupportedError
 from ...fault import Fault
 from ...models.mjcf import switched_off
-from ...read_back import BodyReading, EngineError, State, UnsupportedError
 from ...session import Session
 from . import clock
 from .audit import acting

@@ -6,11 +6,11 @@ from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
+from ...checks.read_back import EngineError
 from ...child import ChildEngine, child_engine
 from ...child.messages import Hello
 from ...engine import Engine
 from ...missing import Missing
-from ...read_back import EngineError
 from ...user_cache import user_cache
 from .script import script
 

@@ -12,8 +12,8 @@ from typing import Any, final
 import numpy as np
 
 from ....scenarios import FloatArray, Scenario
+from ...checks.read_back import BodyReading, EngineError, State
 from ...engine import Engine, Method
-from ...read_back import BodyReading, EngineError, State
 from ...session import Session
 from .script import script
 from .start import start_of

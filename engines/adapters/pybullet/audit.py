@@ -13,7 +13,7 @@ import pybullet as p
 
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import cross, matrix
-from ...read_back import BodyReading, State
+from ...checks.read_back import BodyReading, State
 from .as_shipped import take_away_damping, take_away_motor
 from .model import BASE, HUNG, Model
 

@@ -10,10 +10,10 @@ from importlib.metadata import version
 from math import pi
 
 from ....scenarios import Scenario
+from ...checks.equations import Equations
+from ...checks.read_back import start_state
 from ...engine import Engine, Method, Release
-from ...equations import Equations
 from ...native_output import native_output
-from ...read_back import start_state
 from ...release import numbers_of
 from ...session import Session
 

@@ -18,8 +18,8 @@ from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.document import Effects
+from ...checks.read_back import EngineError, UnsupportedError
 from ...models.urdf import urdf
-from ...read_back import EngineError, UnsupportedError
 from .as_shipped import idle_motor, take_away_clamp, take_away_damping, take_away_motor
 from .model import BASE, HUNG, Model
 

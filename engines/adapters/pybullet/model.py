@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray
 from ....scenarios.rotation import matrices, matrix, times, turned, turned_back
-from ...read_back import BodyReading, State
+from ...checks.read_back import BodyReading, State
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]

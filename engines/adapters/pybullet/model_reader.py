@@ -11,11 +11,11 @@ import numpy as np
 import pybullet as p
 from scipy.spatial.transform import Rotation
 
-from ....scenarios.model_files import ModelFile, Shape
-from ...model_reader import Advice, Configuration, ModelReader
-from ...models.users_urdf import with_meshes
+from ....scenarios.users_models import ModelFile, Shape
+from ...checks.read_back import BodyReading, EngineError
 from ...native_output import native_output
-from ...read_back import BodyReading, EngineError
+from ...users_models.model_reader import Advice, Configuration, ModelReader
+from ...users_models.users_urdf import with_meshes
 from .model import BASE
 
 #: Endings of meshes that PyBullet makes collision shapes of.

@@ -3,8 +3,8 @@
 import numpy as np
 
 from ....scenarios.rotation import cross, matrix
-from ...equations import Equations
-from ...read_back import State, UnsupportedError
+from ...checks.equations import Equations
+from ...checks.read_back import State, UnsupportedError
 
 #: N s a step, of a constraint between two rigid bodies: PyBullet's default, which it keeps.
 MOST_IMPULSE = 500.0

@@ -11,10 +11,10 @@ import pybullet as p
 from scipy.spatial.transform import Rotation
 
 from ....scenarios import Scenario
-from ...equations import Equations
+from ...checks.equations import Equations
+from ...checks.read_back import BodyReading, EngineError, State
 from ...fault import Fault
 from ...native_output import native_output
-from ...read_back import BodyReading, EngineError, State
 from ...session import Session
 from .as_shipped import DEFAULT_CLAMP, UNREACHED_VELOCITY
 from .audit import what_acts

@@ -12,8 +12,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray, Scenario
+from ...checks.read_back import BodyReading, EngineError, State
 from ...engine import Engine, Method
-from ...read_back import BodyReading, EngineError, State
 from ...session import Session
 from .held import Held, held
 from .script import script

@@ -16,9 +16,9 @@ from scenes import PIVOT, SCENES, SKEW_GRAVITY, scene
 from spincheck.engines import Method
 from spincheck.engines.adapters.pybullet.engine import REPRESENTATIONS
 from spincheck.engines.adapters.pybullet.session import PyBulletSession
-from spincheck.engines.bounds import Bounds
-from spincheck.engines.faults import faults
-from spincheck.engines.turn_faults import Reading
+from spincheck.engines.checks.bounds import Bounds
+from spincheck.engines.checks.faults import faults
+from spincheck.engines.checks.turn_faults import Reading
 
 EPS = np.finfo(float).eps
 

@@ -25,7 +25,7 @@ from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError, Method
 from spincheck.engines.adapters.pybullet import load as pybullet_load
 from spincheck.engines.adapters.pybullet import session, worlds
-from spincheck.engines.read_back import READ_BACK_SLACK
+from spincheck.engines.checks.read_back import READ_BACK_SLACK
 
 EPS = np.finfo(float).eps
 #: A few products of rotations a step, over `STEPS`.

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scenes import SCENES
 from scipy.spatial.transform import Rotation
+from spincheck.engines.checks.read_back import BodyReading
 from spincheck.engines.models.urdf import BODY_LINK, urdf
-from spincheck.engines.read_back import BodyReading
 from spincheck.scenarios import Scenario
 
 EPS = np.finfo(float).eps

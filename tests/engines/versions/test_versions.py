@@ -16,7 +16,7 @@ from spincheck.engines.versions import VersionedEngine, VersionError, folders, v
 from spincheck.reports.harness.executors import InProcess, LocalWorkers
 from spincheck.reports.harness.executors.executor import CallFailed
 from spincheck.reports.harness.version_changes import OverVersions, VersionChange, over_versions
-from spincheck.reports.pages.version_page import write_version_page
+from spincheck.reports.pages.versions.version_page import write_version_page
 from spincheck.scenarios import Scenario
 
 pytestmark = pytest.mark.slow

@@ -15,7 +15,7 @@ from statistics import median
 
 from spincheck.engines import engines
 from spincheck.reports.cli.choosing import choose, limited
-from spincheck.reports.cli.running import scenes_of
+from spincheck.reports.cli.run.running import scenes_of
 from spincheck.reports.harness.choice import QUICK_STEPS
 from spincheck.reports.harness.executors import LocalWorkers
 from spincheck.reports.harness.plan import plan

@@ -86,7 +86,7 @@ explains them, else by the signal that decides.
 #: Where it is printed, under which kind of heading: a page, and a section of every report.
 PAGES = {
     "#": ROOT / "docs" / "thresholds.md",
-    "##": ROOT / "reports" / "pages" / "templates" / "thresholds.md",
+    "##": ROOT / "reports" / "pages" / "overview" / "thresholds.md",
 }
 
 

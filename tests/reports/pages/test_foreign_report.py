@@ -22,7 +22,7 @@ from pathlib import Path
 sys.modules["mujoco"] = sys.modules["pybullet"] = None
 from spincheck.engines import engines
 from spincheck.reports.pages.render import render
-from spincheck.reports.cli.running import read
+from spincheck.reports.cli.run.running import read
 assert not {"mujoco", "pybullet"} & set(engines())
 render(read(Path(sys.argv[1])), Path(sys.argv[2]))
 """

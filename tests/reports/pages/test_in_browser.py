@@ -11,14 +11,14 @@ import users_models
 from spincheck.engines import engines
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
-from spincheck.reports.harness.inspection import asked_engines, inspect_model
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_study
-from spincheck.reports.pages.model_page import write_model_page
+from spincheck.reports.harness.users_models import asked_engines, inspect_model
 from spincheck.reports.pages.render import render
+from spincheck.reports.pages.users_models.model_page import write_model_page
 from spincheck.reports.results.store import open_store
 from spincheck.scenarios import find, load
-from spincheck.scenarios.model_files import read_model
+from spincheck.scenarios.users_models import read_model
 
 pytest.importorskip("playwright", reason="playwright is not installed")
 from browser import chromium, launched

@@ -12,12 +12,12 @@ from contrast import contrast
 from made_up import METHODS, MISCHIEF, PRINTED, UNCERTAINTY, MadeUp, results
 from markdown_text import markdown_tables, outside_code, plain
 from page import Page, read_page
-from spincheck.reports.pages import scene_tables
 from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.pages.analysis.wording import ERROR_HEADINGS, number
-from spincheck.reports.pages.overview import complaints, headline
+from spincheck.reports.pages.overview.overview import complaints, headline
 from spincheck.reports.pages.render import render
-from spincheck.reports.pages.templating import TEMPLATES
+from spincheck.reports.pages.scene import scene_tables
+from spincheck.reports.pages.templating import source
 from spincheck.reports.results.records import Verdict
 from spincheck.reports.results.store import SceneResult
 
@@ -249,7 +249,7 @@ def test_pages_stay_light_with_many_samples_and_methods(tmp_path: Path) -> None:
 
 
 def test_verdicts_can_be_read_on_their_grounds() -> None:
-    style = (TEMPLATES / "style.css").read_text(encoding="utf-8")
+    style = source("style.css")
     for theme in (style[: style.index("@media")], style[style.index("@media") :]):
         for verdict in {v.verdict for v in verdicts()}:
             ground, text = (

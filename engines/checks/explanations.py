@@ -1,0 +1,211 @@
+"""Finds the one change of a scene that explains the equation residuals of an engine's first steps.
+
+To first order a change of the model by θ adds B θ to what the states gain, B known from the scene.
+θ is fitted to the gains from several starts at once, by least squares; a change explains them if
+nothing but noise is left. Of several explanations, the one with the fewest numbers is reported.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...scenarios import FloatArray
+from ...scenarios.rotation import cross, matrix
+from .equations import Equations, Gain
+
+#: Replaces a size of zero; its inverse can be squared.
+NO_SIZE = 1e-100
+#: Fraction that may be left unexplained: the fit is linear in θ, the model need not be.
+LINEAR, LINEAR_AT_MOST = 1e-2, 0.2
+#: A fitted number this close to a whole number is rounded to it.
+WHOLE = 1e-2
+#: A number with a smaller effect than this, relative to the others, is ignored.
+RANK = 1e-6
+#: Also used in `first_steps`, where the motion without that torque is compared as a whole.
+NO_GYROSCOPIC_TORQUE = "there were no gyroscopic torque"
+#: Two changes are distinguished if what they leave unexplained differs by this factor.
+ALIKE = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Change:
+    """A change of the model.
+
+    Attributes
+    ----------
+    effects : what each of its m numbers adds to the gains from n starts, (n, 4, 3, m)
+    words : describes the numbers fitted, (m,); empty if they are impossible
+    """
+
+    effects: FloatArray
+    words: Callable[[FloatArray], str]
+
+
+def explanation(equations: Equations, gains: Sequence[Gain], noise: FloatArray) -> str:
+    """In words, the change of the model that explains the gains; empty if no single one does.
+
+    Parameters
+    ----------
+    noise : of the gains' excess, (n, 4)
+    """
+    excess = np.array([gain.excess for gain in gains])
+    weights = 1 / np.maximum(noise, NO_SIZE)[..., None]
+    seen = (weights * excess).ravel()
+    candidates = []
+    for change in _changes(equations, gains):
+        matrix = (weights[..., None] * change.effects).reshape(len(seen), -1)
+        # Numbers without an effect, such as the scale of a free body's tensor, are not changed.
+        theta, _, count, _ = np.linalg.lstsq(matrix, seen, rcond=RANK)
+        left = (seen - matrix @ theta).reshape(weights.shape[0], 4, 3)
+        size = float(np.linalg.norm(excess / np.maximum(_sizes(gains), NO_SIZE)))
+        slack = np.abs(seen).max() * min(max(LINEAR, size), LINEAR_AT_MOST)
+        rest = float(np.abs(left).max())
+        if rest <= max(1.0, slack) and (words := change.words(theta)):
+            candidates.append((count, rest, words))
+    if not candidates:
+        return ""
+    fewest = [one for one in candidates if one[0] == min(candidates)[0]]
+    # Some changes are equivalent; the first of them is reported.
+    best = min(rest for _, rest, _ in fewest)
+    return next(words for _, rest, words in fewest if rest <= max(1.0, ALIKE * best))
+
+
+def _sizes(gains: Sequence[Gain]) -> FloatArray:
+    """Sizes of the exact gains, (n, 4, 1)."""
+    return np.array([np.linalg.norm(gain.wanted, axis=1) for gain in gains])[..., None]
+
+
+def _changes(equations: Equations, gains: Sequence[Gain]) -> Iterator[_Change]:
+    starts = [_Start(equations, gain) for gain in gains]
+
+    def effect(*columns: Callable[["_Start"], FloatArray]) -> FloatArray:
+        return np.stack([[column(start) for start in starts] for column in columns], axis=-1)
+
+    yield _Change(effect(lambda s: s.torque(s.gyroscopic)), _gyroscopic)
+    if equations.scenario.gravity_world.any():
+        yield _Change(effect(lambda s: s.gravity(equations.scenario.gravity_world)), _strength)
+        axes = np.eye(3)
+        yield _Change(
+            effect(*(lambda s, axis=axis: s.gravity(axis) for axis in axes)),
+            lambda theta: f"gravity were {_numbers(equations.scenario.gravity_world + theta)} m/s²",
+        )
+    yield _Change(effect(lambda s: s.torque(-s.omega)), _resistance)
+    yield _Change(effect(lambda s: s.torque(-s.L)), _decay)
+    yield _Change(effect(lambda s: s.gain.wanted * s.is_rate), _step)
+    yield _Change(
+        effect(_Start.scaled_omega), lambda t: f"ω were read {1 + t[0]:.7g} times too large"
+    )
+    yield _Change(
+        effect(lambda s: s.scaled_velocity()),
+        lambda t: f"the velocity were read {1 + t[0]:.7g} times too large",
+    )
+    yield from _body_changes(equations, effect)
+
+
+def _body_changes(equations: Equations, effect: Callable[..., FloatArray]) -> Iterator[_Change]:
+    moments, axes = np.linalg.eigh(equations.inertia)
+    tensors = [np.outer(axis, axis) for axis in axes.T]
+    yield _Change(
+        effect(*(lambda s, tensor=tensor: s.torque(s.of_tensor(tensor)) for tensor in tensors)),
+        lambda theta: _moments(moments, theta),
+    )
+    if not equations.scenario.has_pivot:
+        return
+    com, mass = np.array(equations.scenario.body.com), equations.scenario.body.mass
+
+    def moved(s: "_Start", axis: FloatArray) -> FloatArray:
+        tensor = mass * (2 * (com @ axis) * np.eye(3) - np.outer(com, axis) - np.outer(axis, com))
+        pull = mass * cross(axis, equations.scenario.gravity_world @ s.R)
+        added = s.torque(pull + s.of_tensor(tensor))
+        added[2], added[3] = s.R @ cross(s.omega, axis), s.R @ axis
+        return added
+
+    yield _Change(
+        effect(*(lambda s, axis=axis: moved(s, axis) for axis in np.eye(3))),
+        lambda theta: f"the com were at {_numbers(com + theta)} m",
+    )
+
+
+class _Start:
+    """The contributions of changes of a model to a gain, each (4, 3)."""
+
+    def __init__(self, equations: Equations, gain: Gain) -> None:
+        self.equations, self.gain = equations, gain
+        middle = equations.after(gain.before, gain.span / 2)
+        self.R = matrix(middle.q_world_body_wxyz)
+        self.omega = middle.omega_body
+        self.L = equations.inertia @ self.omega
+        self.gyroscopic = cross(self.omega, self.L)
+        self.omega_rate = equations.inverse @ equations.torque_body(self.R, self.omega)
+        pivot = equations.scenario.has_pivot
+        self.is_rate = np.array([1, 1, not pivot, not pivot], dtype=float)[:, None]
+
+    def torque(self, torque_body: FloatArray) -> FloatArray:
+        """Of an additional torque."""
+        return np.array([np.zeros(3), torque_body, np.zeros(3), np.zeros(3)])
+
+    def of_tensor(self, tensor: FloatArray) -> FloatArray:
+        """Of an additional tensor: the torque that it causes."""
+        return -tensor @ self.omega_rate - cross(self.omega, tensor @ self.omega)
+
+    def gravity(self, gravity_world: FloatArray) -> FloatArray:
+        """Of additional gravity."""
+        if not self.equations.scenario.has_pivot:
+            return np.array([np.zeros(3), np.zeros(3), gravity_world, np.zeros(3)])
+        body = self.equations.scenario.body
+        return self.torque(body.mass * cross(body.com, gravity_world @ self.R))
+
+    def scaled_omega(self) -> FloatArray:
+        """Of a reading of ω that is too large: its gain is larger, and the body turns less."""
+        outer = self.equations.fall_body(self.R) + self.equations.push_body(self.R)
+        added = self.torque(outer + self.gyroscopic)
+        added[0] = -self.omega
+        if self.equations.scenario.has_pivot:
+            added[2] = -self.gain.wanted[2]
+        return added
+
+    def scaled_velocity(self) -> FloatArray:
+        """Of a reading of the com's velocity that is too large."""
+        added = np.zeros((4, 3))
+        if self.equations.scenario.has_pivot:
+            added[2] = self.gain.wanted[2]
+        else:
+            added[2], added[3] = self.gain.wanted[2], -self.gain.wanted[3]
+        return added
+
+
+def _gyroscopic(theta: FloatArray) -> str:
+    left_out = theta[0]
+    if abs(left_out - 1) <= WHOLE:
+        return NO_GYROSCOPIC_TORQUE
+    return f"the gyroscopic torque ω × Iω were {1 - left_out:.7g} times as strong"
+
+
+def _strength(theta: FloatArray) -> str:
+    if abs(theta[0] + 2) <= WHOLE:
+        return "gravity were turned round"
+    if abs(theta[0] + 1) <= WHOLE:
+        return "there were no gravity"
+    return f"gravity were {1 + theta[0]:.7g} times as strong"
+
+
+def _resistance(theta: FloatArray) -> str:
+    return f"it were {'slowed' if theta[0] > 0 else 'sped up'} by {abs(theta[0]):.3g} N m s"
+
+
+def _decay(theta: FloatArray) -> str:
+    return f"L were {'slowed' if theta[0] > 0 else 'sped up'} by {abs(theta[0]):.3g} /s"
+
+
+def _step(theta: FloatArray) -> str:
+    return f"a step were {1 + theta[0]:.7g} of a timestep"
+
+
+def _moments(moments: FloatArray, theta: FloatArray) -> str:
+    other = moments + theta
+    return f"the moments were {_numbers(other)} kg m²" if (other > 0).all() else ""
+
+
+def _numbers(vector: FloatArray) -> str:
+    return f"[{', '.join(f'{value:.7g}' for value in vector)}]"

@@ -1,0 +1,81 @@
+"""Checks on the states of a run that hold for any engine and scene."""
+
+from collections.abc import Iterator
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from ...scenarios import FloatArray, Trajectory
+from ...scenarios.rotation import matrices, norms
+from ..fault import Fault
+from .bounds import Bounds
+from .read_back import State
+from .turn_faults import Reading, turn_faults
+
+#: Every n-th state, and the last, is checked for whether the pivot holds; n.
+PIVOT_EVERY = 8
+
+
+def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
+    """The first bad state for each kind of fault."""
+    states, timestep = reading.states, bounds.timestep
+    # The sum is not finite if any number is not, and much faster than a search.
+    if not np.isfinite(sum(float(column.sum()) for column in columns(states))):
+        finite = np.hstack([np.isfinite(column) for column in columns(states)])
+        if not finite.all():
+            yield Fault(_first(~finite.all(axis=1)), "not-finite", "the state is no longer finite")
+    sizes = norms(states.q_world_body_wxyz)
+    not_unit = np.abs(sizes - 1) > Trajectory.UNIT_NORM_SLACK
+    if not_unit.any():
+        norm = sizes[_first(not_unit)]
+        yield Fault(
+            _first(not_unit), "not-unit", f"the attitude's quaternion is of norm {norm:.3g}"
+        )
+    speeds = norms(states.omega_body)
+    clamped = speeds * timestep > bounds.most_turn
+    if clamped.any():
+        speed = float(speeds[_first(clamped)])
+        yield Fault(_first(clamped), "clamp", clamped_turn(speed, timestep, bounds.most_turn))
+    if bounds.arm is not None:
+        yield from _pivot_faults(states, bounds.arm)
+    yield from turn_faults(reading, bounds)
+
+
+def clamped_turn(speed: float, timestep: float, most: float) -> str:
+    """The message if the body turns further in a step than the engine allows; else empty.
+
+    Parameters
+    ----------
+    speed, timestep, most : |ω| in rad/s, s, and rad a step
+    """
+    if speed * timestep <= most:
+        return ""
+    return (
+        f"the rotation a step, {speed * timestep:.3g} rad, is beyond {most:.3g} rad, "
+        "where the engine clamps it"
+    )
+
+
+def columns(states: State) -> list[FloatArray]:
+    """The arrays of a state, one for each quantity."""
+    return [getattr(states, field.name) for field in fields(State)]
+
+
+def _pivot_faults(states: State, arm_body: FloatArray) -> Iterator[Fault]:
+    """The first state whose pivot is further off the world's origin than the com is from it."""
+    arm = float(np.linalg.norm(arm_body))
+
+    def drift_of(rows: slice) -> FloatArray:
+        arm_world = matrices(states.q_world_body_wxyz[rows]) @ arm_body
+        return norms(states.com_world[rows] - arm_world)
+
+    # A pivot that has given way stays so.
+    if arm > 0 and (drift_of(slice(None, None, -PIVOT_EVERY)) > arm).any():
+        drift = drift_of(slice(None))
+        first = _first(drift > arm)
+        yield Fault(first, "pivot", f"the pivot gave way by {drift[first]:.3g} m")
+
+
+def _first(bad: Any) -> int:
+    return int(np.argmax(bad))

@@ -1,0 +1,158 @@
+"""Compares body and start as read back from an engine with the scene's, before the first step."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scenarios import FloatArray, Scenario
+from ...scenarios.rotation import cross, matrix, norms, rotation_vectors
+from ..fault import Cause
+
+#: Relative tolerance of a model or state that is read back. Text with 17 digits and a few products
+#: of rotations lose some ulp; a dropped frame or a default value is far larger.
+READ_BACK_SLACK = 1e-12
+#: The same for engines in single precision.
+READ_BACK_SLACK_SINGLE = 1e-5
+
+
+class EngineError(Exception):
+    """The engine warned, reset or clamped the state, or read back another body or start.
+
+    Parameters
+    ----------
+    reason : in words
+    cause : in a word, if the engine or its adapter knows one
+    """
+
+    def __init__(self, reason: str, cause: Cause = "") -> None:
+        super().__init__(reason)
+        self.cause: Cause = cause
+
+
+class UnsupportedError(EngineError):
+    """The engine is known to simulate this body wrongly without an error: the run is not made."""
+
+    def __init__(self, reason: str, cause: Cause = "body") -> None:
+        super().__init__(reason, cause)
+
+
+@dataclass(frozen=True, eq=False)
+class BodyReading:
+    """A body as the engine holds it: kg; m from the body's origin; kg m² about the com; body axes.
+
+    `com` is (3,), `inertia_com` is (3, 3).
+    """
+
+    mass: float
+    com: FloatArray
+    inertia_com: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """What is read at a sample: attitude (4,), ω (3,) rad/s, com (3,) m, its velocity (3,) m/s.
+
+    For n samples, one a row: (n, 4) and (n, 3).
+    """
+
+    q_world_body_wxyz: FloatArray
+    omega_body: FloatArray
+    com_world: FloatArray
+    velocity_world: FloatArray
+
+    def rows(self, kept: int | slice | NDArray[np.bool_]) -> "State":
+        """Of n states, one by its index, or several by a slice or a mask, (n,)."""
+        return State(*(column[kept] for column in vars(self).values()))
+
+
+@dataclass(frozen=True, eq=False)
+class Difference:
+    """A quantity whose value in an engine differs from the scene's.
+
+    Attributes
+    ----------
+    wanted, got : the scene's value and the engine's
+    relative : their largest difference, relative to the size of the quantity
+    """
+
+    what: str
+    wanted: FloatArray
+    got: FloatArray
+    relative: float
+
+    @property
+    def complaint(self) -> str:
+        """The message of a run that fails because of it, with all digits."""
+        wanted, got = self.wanted.tolist(), self.got.tolist()
+        return f"'{self.what}' must read back as {wanted}, got {got}"
+
+    @property
+    def remark(self) -> str:
+        """The message of a run that goes on in spite of it, rounded."""
+        wanted, got = _rounded(self.wanted), _rounded(self.got)
+        return f"'{self.what}' reads back as {got}, not {wanted}: off by {self.relative:.1%}"
+
+
+def differences(
+    scenario: Scenario, held: BodyReading, state: State, slack: float
+) -> list[Difference]:
+    """Compare a freshly loaded model and state with the scene.
+
+    Parameters
+    ----------
+    slack : allowed difference, relative to the size of each quantity
+    """
+    differing = []
+    for what, got, wanted, size in _pairs(scenario, held, state):
+        largest = float(np.abs(np.subtract(got, wanted)).max())
+        if not largest <= slack * size:
+            differing.append(Difference(what, wanted, got, largest / size if size else np.inf))
+    wanted_q, got_q = scenario.start.q_world_body_wxyz, state.q_world_body_wxyz
+    angle = float(norms(rotation_vectors(got_q[None], wanted_q[None]))[0])
+    if not angle <= slack:
+        differing.append(Difference("q_world_body_wxyz", wanted_q, got_q, angle))
+    return differing
+
+
+def start_state(scenario: Scenario) -> State:
+    """The scene's start; of a body on a pivot, com and its velocity follow from attitude and ω."""
+    start, com = scenario.start, scenario.body.com
+    com_world, velocity_world = start.position_world, start.velocity_world
+    if scenario.has_pivot:
+        R_world_body = matrix(start.q_world_body_wxyz)
+        com_world = R_world_body @ com
+        velocity_world = R_world_body @ cross(start.omega_body, com)
+    return State(start.q_world_body_wxyz, start.omega_body, com_world, velocity_world)
+
+
+def _pairs(
+    scenario: Scenario, held: BodyReading, state: State
+) -> Iterator[tuple[str, FloatArray, FloatArray, float]]:
+    """Name, value got, value wanted, and the size its difference is measured against."""
+    body, start = scenario.body, start_state(scenario)
+    arm = float(np.linalg.norm(body.com))
+    speed = float(np.linalg.norm(start.omega_body))
+    yield "mass", np.array(held.mass), np.array(body.mass), body.mass
+    yield "com", held.com, body.com, arm
+    # Not of the tensor about the origin: with a long arm that would hide faults of this one.
+    yield "inertia_com", held.inertia_com, body.inertia_com, float(body.principal_moments[-1])
+    yield "omega_body", state.omega_body, start.omega_body, speed
+    size = arm + float(np.linalg.norm(start.com_world))
+    yield "com_world", state.com_world, start.com_world, size
+    size = arm * speed + float(np.linalg.norm(start.velocity_world))
+    yield "velocity_world", state.velocity_world, start.velocity_world, size
+
+
+def _rounded(values: FloatArray) -> str:
+    """A number or nested lists of numbers, to three digits, with round-off set to zero."""
+    least = float(np.finfo(float).eps) * np.abs(values).max()
+    shown = np.where(np.abs(values) > least, values, 0.0)
+
+    def written(part: object) -> str:
+        if isinstance(part, list):
+            return f"[{', '.join(written(item) for item in part)}]"
+        return f"{part:.3g}"
+
+    return written(shown.tolist())

@@ -1,0 +1,78 @@
+"""An engine that loads a link out of the user's own model file, instead of a generated model."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+from ...scenarios import Scenario
+from ...scenarios.users_models import problems
+from ...scenarios.users_models.model_file import Format
+from ..checks.read_back import BodyReading, Difference, EngineError, State
+from ..engine import Engine
+from . import AGREES, cause, difference
+from .users_link import users_link
+
+#: Names of a body's numbers in `read_back.differences`.
+OF_BODY = frozenset({"mass", "com", "inertia_com"})
+
+
+class FileEngine(Engine):
+    """For scenes that name a link of a model file, and for no others.
+
+    Bodies are compared with the tolerance of `inspect`, as engines diagonalise tensors loosely.
+
+    Attributes
+    ----------
+    formats : file formats that it reads
+    made_up : by method, the source of tensors that are not taken from the file
+    """
+
+    of_file = True
+    slack = AGREES
+    formats: ClassVar[frozenset[Format]]
+    made_up: ClassVar[dict[str, str]] = {}
+
+    def applies_to(self, scenario: Scenario) -> bool:
+        """Whether a scene names a link of a file in its formats; a missing file is a failed run."""
+        if scenario.document.body.model is None:
+            return False
+        try:
+            return users_link(scenario).model.format in self.formats
+        except EngineError:
+            return True
+
+    def differences(
+        self, scenario: Scenario, method: str, body: BodyReading, state: State
+    ) -> list[Difference]:
+        """Differences from the scene; those of the body in the words of `inspect`."""
+        differing = super().differences(scenario, method, body, state)
+        others = [one for one in differing if one.what not in OF_BODY]
+        if len(others) == len(differing):
+            return differing
+        link = users_link(scenario).link
+        assert link.stated is not None, "a link without an inertia is refused"
+        # Compared with the scene's numbers; the file is needed for those without the rotation.
+        numbers = scenario.body
+        stated = replace(
+            link.stated, mass=numbers.mass, com=numbers.com, inertia=numbers.inertia_com
+        )
+        apart, made_up = difference(stated, body), self.made_up.get(method, "")
+        _, words = cause(stated, body, apart, problems(link), made_up)
+        other = _OtherBody("body", stated.inertia, body.inertia_com, apart.worst, words)
+        return [other, *others]
+
+
+@dataclass(frozen=True, eq=False)
+class _OtherBody(Difference):
+    """Another body than the file states, and why."""
+
+    why: str
+
+    @property
+    def complaint(self) -> str:
+        """The message of a run that fails because of it."""
+        return f"holds another body than the file states: {self.why}"
+
+    @property
+    def remark(self) -> str:
+        """The message of a run that goes on in spite of it."""
+        return self.complaint

@@ -1,0 +1,171 @@
+"""Commands about engines: a list, a protocol check, and one run to paste into an issue."""
+
+import textwrap
+from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..options import AsJson, Scene
+from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, to_json
+
+if TYPE_CHECKING:
+    from ....engines import Engine
+
+app = typer.Typer()
+
+#: Columns of a line, and of a method's name in it.
+WIDTH, NAMES = 80, 26
+#: s that an answer of a child may take by default.
+ANSWER_LIMIT = 10.0
+
+
+@app.command("engines", epilog="Example: spincheck engines --installed")
+def list_engines(
+    as_json: AsJson = False,
+    installed: Annotated[
+        bool, typer.Option("--installed", help="List versions that were installed.")
+    ] = False,
+    remove: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--remove", metavar="ENGINE@VERSION", help="Remove this version; may be repeated."
+        ),
+    ] = None,
+) -> None:
+    """List engines, their methods, orders of accuracy and effects.
+
+    'spincheck run --engine mujoco@3.1.6' installs that version, into a folder of its own.
+    """
+    from ....engines import engines, missing
+
+    if installed or remove:
+        from .version_commands import list_installed
+
+        list_installed(remove or [], as_json)
+        return
+    rows = [
+        {
+            "engine": engine.name,
+            "version": engine.version,
+            "method": method.name,
+            "order": method.order,
+            "attitude order": method.attitude_order,
+            "effects": ", ".join(sorted(method.effects)),
+            "summary": method.summary,
+        }
+        for engine in engines().values()
+        for method in engine.methods
+    ]
+    if as_json:
+        absent = [{"engine": m.name, "package": m.package, "reason": m.reason} for m in missing()]
+        print(to_json({"engines": rows, "missing": absent}))
+        return
+    for engine in engines().values():
+        print("\n".join(_methods_of(engine)))
+    for m in missing():
+        reason = f"{m.name} cannot be used: {m.reason}."
+        print(textwrap.fill(reason, WIDTH, subsequent_indent="  ", break_on_hyphens=False))
+
+
+def _methods_of(engine: "Engine") -> Iterator[str]:
+    """An engine, and below it a line a method; what a method cannot simulate is named."""
+    from ....scenarios import EFFECTS
+
+    yield f"{engine.name} {engine.version}"
+    for method in engine.methods:
+        orders = f"order {method.order}"
+        if method.attitude_order != method.order:
+            orders += f", attitude {method.attitude_order}"
+        lacking = [name for name in EFFECTS if name not in method.effects]
+        without = f"; cannot simulate {', '.join(lacking)}" if lacking else ""
+        yield from textwrap.wrap(
+            f"{orders}; {method.summary}{without}",
+            WIDTH,
+            initial_indent=f"  {method.name:{NAMES}} ",
+            subsequent_indent=" " * (NAMES + 3),
+            break_on_hyphens=False,
+        )
+    yield ""
+
+
+@app.command(epilog="Example: spincheck conform -- node my-engine.mjs")
+def conform(
+    command: Annotated[
+        list[str], typer.Argument(metavar="-- COMMAND...", help="What starts the engine.")
+    ],
+    limit: Annotated[
+        float, typer.Option(min=0.1, max=1e6, metavar="S", help="s that an answer may take.")
+    ] = ANSWER_LIMIT,
+    as_json: AsJson = False,
+) -> None:
+    """Check that an engine in another language keeps the protocol (docs/engine-protocol.md).
+
+    Exits with 1 if it does not, with 3 if it cannot be started.
+    """
+    from ....engines.child import ProtocolError
+    from ....engines.child.conformance import conformance
+
+    checks = []
+    try:
+        for check in conformance(command, _scenes(), limit):
+            checks.append(check)
+            if not as_json:
+                verdict = "FAILS" if check.problem else "ok"
+                words = check.problem or check.remark
+                print(f"{verdict:5}  {check.what}{f': {words}' if words else ''}", flush=True)
+    except ProtocolError as error:
+        raise Complaint(str(error), NOT_RUN) from None
+    problems = sum(bool(check.problem) for check in checks)
+    if as_json:
+        print(to_json({"conforms": not problems, "checks": [asdict(check) for check in checks]}))
+    else:
+        say(f"{problems} of {len(checks)} checks fail." if problems else "It keeps the protocol.")
+    raise typer.Exit(DISAGREES if problems else AGREES)
+
+
+@app.command(
+    epilog="Example: spincheck reproduce fast-top --engine mujoco --method Euler --timestep 2e-3"
+)
+def reproduce(
+    scenario: Scene,
+    engine: Annotated[str, typer.Option(help="One of 'spincheck engines', or mujoco@VERSION.")],
+    method: Annotated[str, typer.Option(help="One of the engine's.")],
+    timestep: Annotated[float, typer.Option(help="s.")],
+    out: Annotated[Path | None, typer.Option(help="The file to write.")] = None,
+) -> None:
+    """Write one run as a file that needs the engine alone, for an issue.
+
+    It is Python with numpy, or JavaScript if the engine runs under node. It builds the model, steps
+    it, and prints its error against the exact values that it contains.
+    """
+    from ..choosing import check_timesteps, choose
+    from ..named_scenes import one_scene
+    from .reproduce import reproduction
+    from .script_frames import FRAMES
+
+    scene = one_scene(scenario)
+    choice = choose([engine], [method], [timestep])
+    check_timesteps([scene], choice)
+    ((chosen, by),) = choice.pairs()
+    text = reproduction(scene, chosen, by, timestep)
+    suffix = FRAMES[chosen.script_language].suffix
+    file = out or Path(f"{scene.name}-{chosen.name}-{by.name}{suffix}")
+    try:
+        file.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise Complaint(f"{file}: cannot be written: {error.strerror}", BAD_INPUT) from None
+    print(file)
+
+
+def _scenes() -> list[Any]:
+    """One plain scene of the library for each set of effects that occurs in it."""
+    from ..named_scenes import scenes_to_run
+
+    first: dict[frozenset[str], Any] = {}
+    for scenario in scenes_to_run([]):
+        if not scenario.hard:
+            first.setdefault(scenario.called_for, scenario)
+    return list(first.values())

@@ -1,0 +1,73 @@
+"""What the command `reproduce` writes: one run as a file that needs no spincheck."""
+
+from importlib.metadata import version
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....engines import Engine, Method, engines
+from ....reference import IntegrationError, Solution, solve
+from ....scenarios import Scenario, printable
+from ...harness.ladder import single
+from ..terminal import BAD_INPUT, NOT_RUN, Complaint
+from .script_frames import FRAMES, Frame
+
+#: Times at which the file compares.
+MOST_SAMPLES = 21
+
+
+def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: float) -> str:
+    """The text of the file, in the language of the engine's script.
+
+    Raises
+    ------
+    Complaint
+        If the engine has no script, cannot simulate the scene with this method, or the exact motion
+        is not known so far.
+    """
+    if reason := engine.unsupported(scenario, method):
+        raise Complaint(reason, BAD_INPUT)
+    script = engine.script(scenario, method, timestep)
+    if not script:
+        raise Complaint(_without_script(scenario, engine), BAD_INPUT)
+    try:
+        steps = single(timestep, scenario.times).sample_steps
+    except ValueError as error:
+        raise Complaint(f"'--timestep': {error}", BAD_INPUT) from None
+    try:
+        solution = solve(scenario, np.asarray(steps * timestep, dtype=float))
+    except IntegrationError as error:
+        raise Complaint(f"{scenario.name}: {error}", NOT_RUN) from None
+    frame = FRAMES[engine.script_language]
+    head = frame.head.format(
+        # The title goes into a docstring or a comment of one line.
+        title=printable(scenario.title).replace("\\", "/").replace('"', "'"),
+        engine=engine.name.partition("@")[0],
+        engine_version=engine.version,
+        method=method.name,
+        timestep=timestep,
+        version=version("spincheck"),
+    )
+    return head + script + _tail(frame, solution, steps)
+
+
+def _without_script(scenario: Scenario, engine: Engine) -> str:
+    """That an engine has none, and which have."""
+    able = [one.name for one in engines().values() if one.script(scenario, one.methods[0], 1.0)]
+    return f"'--engine' must be one of {', '.join(able)}, which write scripts, got '{engine.name}'"
+
+
+def _tail(frame: Frame, solution: Solution, steps: NDArray[np.int64]) -> str:
+    motion = solution.trajectory
+    kept = np.unique(np.linspace(0, len(motion.t) - 1, MOST_SAMPLES).round().astype(int))
+    columns = (steps, motion.q_world_body_wxyz, motion.omega_body)
+    largest = float(np.linalg.norm(motion.omega_body, axis=1).max())
+    rows = zip(*(column[kept].tolist() for column in columns), strict=True)
+    return frame.tail.format(
+        # Of a body that does not turn errors are absolute.
+        largest=largest or 1.0,
+        solved=printable(solution.method),
+        omega=solution.uncertainty.omega,
+        attitude=solution.uncertainty.attitude,
+        rows="\n".join(frame.row.format(*row) for row in rows),
+    )

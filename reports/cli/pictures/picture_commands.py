@@ -1,0 +1,60 @@
+"""The commands that draw; heavy imports wait inside them, so that ``--help`` answers at once."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..options import CORES, RESULT_FILE, Engines, From, Jobs, Methods, Scene
+
+app = typer.Typer()
+
+#: Where `view` writes.
+VIEW_FOLDER = Path("spincheck-view")
+
+
+@app.command(epilog="Example: spincheck view fast-top")
+def view(
+    scenario: Scene,
+    jobs: Jobs = CORES,
+    out: Annotated[Path, typer.Option(help="The folder to write.")] = VIEW_FOLDER,
+) -> None:
+    """Run one scene on short ladders and at stock timesteps, without timing, and write its page.
+
+    Example: spincheck view my-top.toml
+    """
+    from .pictures import view as make_page
+
+    print(make_page(scenario, jobs, out))
+
+
+@app.command(epilog="Example: spincheck plot fast-top --what polhode -o polhode.svg")
+def plot(
+    scenario: Scene,
+    what: Annotated[
+        str,
+        typer.Option(
+            help="theta, omega, polhode, herpolhode, axis, potential, convergence, "
+            "work-precision; motion, a film."
+        ),
+    ],
+    out: Annotated[
+        Path, typer.Option("--out", "-o", help="The file to write: .svg, .png, .pdf; .gif, .mp4.")
+    ],
+    results: From = RESULT_FILE,
+    engine: Engines = None,
+    method: Methods = None,
+) -> None:
+    """Draw one figure of a scene, or film its motion, as a file; needs matplotlib.
+
+    It shows the exact motion, and the engines and methods that are named if the result file has
+    runs of them; convergence and work-precision show every method.
+
+    A film is slowed down until it can be followed; .gif always works, .mp4 needs ffmpeg.
+
+    Example: spincheck plot fast-top --what motion --engine mujoco --method default -o top.gif
+    """
+    from .pictures import plot as draw
+
+    draw(scenario, what, out, results, engine or [], method or [])
+    print(out)

@@ -1,0 +1,146 @@
+"""What the commands `view` and `plot` do."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from ....reference import solve
+from ....scenarios import Scenario, did_you_mean
+from ...pages.analysis.report_data import Compared, SceneRuns, report_data
+from ...pages.figures.figures import figures
+from ...pages.figures.plot import Figure
+from ...pages.figures.run_lines import with_runs
+from ...pages.render import render
+from ...pages.scene.motion_data import run_name
+from ...results.store import Results, SceneResult
+from ..executing import Where
+from ..named_scenes import one_scene
+from ..run import running
+from ..stopping import saying
+from ..terminal import BAD_INPUT, NOT_RUN, Complaint
+
+#: What can be drawn: the figure of a scene's page, and which of its parts; all of them if None.
+WHAT: dict[str, tuple[str, int | None]] = {
+    "theta": ("tilt", None),
+    "omega": ("omega", None),
+    "polhode": ("polhode", 0),
+    "herpolhode": ("polhode", 1),
+    "axis": ("axis", None),
+    "potential": ("potential", None),
+    "convergence": ("convergence", None),
+    "work-precision": ("cost", None),
+}
+#: The motion itself, as a film.
+MOTION = "motion"
+#: Figures that show runs only, and not the exact motion.
+OF_RUNS = ("convergence", "work-precision")
+
+
+def view(scene: str, jobs: int, out: Path) -> Path:
+    """Run a scene down short ladders and at stock timesteps, untimed; returns its page.
+
+    Raises
+    ------
+    Complaint
+        If the scene cannot be used, nothing could be run, or the page cannot be written.
+    """
+    with saying("nothing is kept"), TemporaryDirectory() as folder:
+        stored = Path(folder) / "view.sqlite"
+        results = running.run([scene], [], [], [], Where(jobs), stored, quick=True)
+    render(results, out)
+    name = next(iter(results.scenes), one_scene(scene).name)
+    return out / "scenes" / f"{name}.html"
+
+
+def plot(
+    scene: str,
+    what: str,
+    out: Path,
+    results: Path,
+    engine_names: Sequence[str],
+    methods: Sequence[str],
+) -> None:
+    """Write one figure of a scene as a file.
+
+    Raises
+    ------
+    Complaint
+        If there is no such figure of the scene, its runs are not in the result file, or it cannot
+        be written.
+    """
+    if what not in (*WHAT, MOTION):
+        raise Complaint(
+            f"'--what' must be one of {', '.join([*WHAT, MOTION])}, got '{what}'"
+            f"{did_you_mean(what, [*WHAT, MOTION])}",
+            BAD_INPUT,
+        )
+    scenario = one_scene(scene)
+    scene_runs = _scene_runs(scenario, results)
+    if what in OF_RUNS and not any(runs.rows for runs in scene_runs.methods):
+        raise Complaint(
+            f"{results}: has no runs of {scenario.name}; 'spincheck run {scene}' makes them",
+            BAD_INPUT,
+        )
+    chosen = _chosen(scene_runs, engine_names, methods)
+    try:
+        if what == MOTION:
+            _film(scene_runs, chosen, out)
+        else:
+            _picture(scene_runs, _parts(scene_runs, what, chosen), out)
+    except ImportError:
+        raise Complaint("needs matplotlib; 'pip install spincheck[plot]'", NOT_RUN) from None
+    except (OSError, ValueError) as error:
+        raise Complaint(f"{out}: cannot be written: {error}", BAD_INPUT) from None
+
+
+def _picture(scene: SceneRuns, parts: list[Figure], out: Path) -> None:
+    from ...pages.figures.picture import write_picture
+
+    write_picture(parts, scene.title, out)
+
+
+def _film(scene: SceneRuns, runs: tuple[Compared, ...], out: Path) -> None:
+    from ...pages.figures.film import Filmed, NoWriterError, write_film
+
+    assert scene.solved is not None, "only a scene that was solved is filmed"
+    beside = [Filmed(run_name(run.row), run.motion) for run in runs]
+    try:
+        write_film(scene.solved, beside, out)
+    except NoWriterError as error:
+        raise Complaint(f"{out}: {error}", NOT_RUN) from None
+
+
+def _scene_runs(scenario: Scenario, results: Path) -> SceneRuns:
+    """The scene with its runs in a result file; without runs if there is no file."""
+    stored = running.read(results) if results.exists() else None
+    if stored is not None and scenario.name in stored.scenes:
+        scene = stored.scenes[scenario.name]
+        if scene.scenario.digest == scenario.digest:
+            gathered = report_data(stored).scenes
+            return next(one for one in gathered if one.name == scenario.name)
+    exact = SceneResult(scenario, solve(scenario, scenario.times))
+    (alone,) = report_data(Results({}, {scenario.name: exact}, [], [])).scenes
+    return alone
+
+
+def _chosen(
+    scene: SceneRuns, engine_names: Sequence[str], methods: Sequence[str]
+) -> tuple[Compared, ...]:
+    """The runs of what was named, each at its engine's stock timestep; none if nothing was."""
+    first = {run.runs.label: run for run in reversed(scene.compared)}
+    return tuple(
+        run
+        for run in reversed(first.values())
+        if (engine_names or methods)
+        and (not engine_names or run.runs.engine in engine_names)
+        and (not methods or run.runs.method in methods)
+    )
+
+
+def _parts(scene: SceneRuns, what: str, runs: tuple[Compared, ...]) -> list[Figure]:
+    name, part = WHAT[what]
+    drawn = {titled.name: titled for section in figures(scene).values() for titled in section}
+    if name not in drawn:
+        raise Complaint(f"{scene.name}: has no figure '{what}'", BAD_INPUT)
+    parts = drawn[name].parts if part is None else drawn[name].parts[part : part + 1]
+    return [with_runs(figure, scene, runs) for figure in parts]

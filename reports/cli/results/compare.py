@@ -1,0 +1,82 @@
+"""What the command `compare` does: two result files read, what changed printed."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from ...pages.analysis.changes import COST_FACTOR, ERROR_FACTOR, Change, changes
+from ..run import running
+from ..terminal import AGREES, DISAGREES, table
+
+
+def compare(old: Path, new: Path) -> list[Change]:
+    """What changed from one result file to another.
+
+    Raises
+    ------
+    Complaint
+        If one of them cannot be read or is empty.
+    """
+    return changes(running.read(old), running.read(new))
+
+
+def exit_code(changes: Sequence[Change]) -> int:
+    """1 if something changed for the worse, 0 if not."""
+    return DISAGREES if any(change.regression for change in changes) else AGREES
+
+
+def changes_as_json(changes: Sequence[Change]) -> dict[str, Any]:
+    """All changes, one by one, and the factors above which a number counts as changed."""
+    return {
+        "regressions": sum(change.regression for change in changes),
+        "error_factor": ERROR_FACTOR,
+        "cost_factor": COST_FACTOR,
+        "changes": [asdict(change) for change in changes],
+    }
+
+
+def print_changes(changes: Sequence[Change]) -> None:
+    """Print the changes; of a method's errors on a scene only the one that changed most."""
+    if not changes:
+        print("nothing changed")
+        return
+    table([_line(group) for group in _grouped(changes)])
+    regressions = sum(change.regression for change in changes)
+    print(f"{len(changes)} changes, {regressions} of them regressions")
+
+
+def _grouped(changes: Sequence[Change]) -> list[list[Change]]:
+    """Groups of changes: a method's errors on a scene that all grew or all shrank; others alone."""
+    groups: dict[object, list[Change]] = {}
+    for number, change in enumerate(changes):
+        errors = (change.direction, change.scenario, change.engine, change.method)
+        groups.setdefault(errors if change.kind == "error" else number, []).append(change)
+    return list(groups.values())
+
+
+def _line(group: Sequence[Change]) -> dict[str, object]:
+    most = max(group, key=_ratio)
+    what = most.name
+    if most.kind == "error":
+        others = f", the most of {len(group)}" if len(group) > 1 else ""
+        what = f"{most.name} error at {most.timestep:.3g} s{others}"
+    elif most.timestep is not None:
+        what = f"{most.name} at {most.timestep:.3g} s"
+    direction = "regression" if most.regression else most.direction
+    return {
+        "": "" if direction == "other" else direction,
+        "scene": most.scenario,
+        "method": " ".join(name for name in (most.engine, most.method) if name),
+        "what": what,
+        "was": most.old if most.old is not None else "not there",
+        "is": most.new if most.new is not None else "not there",
+    }
+
+
+def _ratio(change: Change) -> float:
+    """By what factor an error changed, at least 1; 0 for any other kind of change."""
+    if not isinstance(change.old, float) or not isinstance(change.new, float):
+        return 0.0
+    low, high = sorted((change.old, change.new))
+    return high / low if low else float("inf")

@@ -1,0 +1,1 @@
+"""Commands that run methods on scenes and print the verdicts: `run`, `recommend`."""

@@ -1,0 +1,216 @@
+"""What the command `recommend` does: the cheapest method and timestep that stay within bounds.
+
+The runs and times come from a result file, as in the report's tables; if it has none of the scene,
+the scene is run and timed now. The cheapest choice is then run at exactly its timestep. If that
+check misses a bound, its run is added to those that are interpolated between, and the choice is
+made again.
+"""
+
+import math
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from ....engines import engines
+from ....scenarios import Scenario
+from ...harness.choice import Choice
+from ...harness.executors import TIME_LIMIT, LocalWorkers
+from ...harness.plan import plan
+from ...harness.study import run_study
+from ...pages.analysis.candidates import Candidate, ErrorBounds, candidates
+from ...pages.analysis.report_data import report_data
+from ...results.records import Key, Row
+from ...results.store import Results, open_store
+from ..executing import Where, check_temporary_folder
+from ..named_scenes import one_scene
+from ..stopping import saying
+from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say
+from . import running
+
+#: Checks before it is given up.
+CHECKS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Recommendation:
+    """The result of `recommend`.
+
+    Attributes
+    ----------
+    candidates : every method, the cheapest first, those that cannot reach the bounds last
+    checks : runs at exactly a recommended timestep; the last one is of the first candidate
+    unchecked : why the choice was not checked; empty if it was
+    command : runs the first candidate again; empty where no method reaches the bounds
+    source : the result file used; empty if the scene was run now
+    """
+
+    scenario: str
+    bounds: ErrorBounds
+    candidates: tuple[Candidate, ...]
+    checks: tuple[Row, ...]
+    unchecked: str = ""
+    command: str = ""
+    source: str = ""
+
+    @property
+    def best(self) -> Candidate | None:
+        """The cheapest; None where no method reaches the bounds."""
+        first = self.candidates[0]
+        return first if first.timestep is not None else None
+
+    @property
+    def verified(self) -> bool:
+        """Whether the last check kept every bound."""
+        return bool(self.checks) and within(self.checks[-1], self.bounds)
+
+
+def recommend(
+    scene: str, bounds: ErrorBounds, engine_names: Sequence[str], jobs: int, stored: Path
+) -> Recommendation:
+    """Choose from a scene's ladders, and check the choice; engines as shipped are not considered.
+
+    Parameters
+    ----------
+    stored : a result file; where it has no timed runs of the scene its ladders are run
+
+    Raises
+    ------
+    Complaint
+        If there is no bound or one is not positive, the scene, the file or an engine cannot be
+        used, or nothing could be run.
+    """
+    _check_bounds(bounds)
+    methods = _methods(engine_names)
+    check_temporary_folder()
+    with saying("nothing is kept"), TemporaryDirectory() as folder:
+        if timed_runs := _timed_runs(scene, engine_names, stored):
+            say(f"From the runs in {stored}.")
+            return replace(_checked(scene, bounds, timed_runs, Path(folder)), source=str(stored))
+        out = Path(folder) / "ladder.sqlite"
+        results = running.run([scene], engine_names, methods, [], Where(jobs), out)
+        if running.exit_code(results) == NOT_RUN:
+            raise Complaint(f"{scene}: nothing could be run: {results.rows[0].reason}", NOT_RUN)
+        return _checked(scene, bounds, results, Path(folder))
+
+
+def within(row: Row, bounds: ErrorBounds) -> bool:
+    """Whether a run ended well and kept every bound."""
+    if row.outcome != "ok" or row.errors is None:
+        return False
+    errors = dict(row.errors)
+    return all(errors[signal] <= bound for signal, bound in bounds.items())
+
+
+def exit_code(recommendation: Recommendation) -> int:
+    """0 if the recommended run was checked and keeps every bound, 1 if not."""
+    return AGREES if recommendation.verified else DISAGREES
+
+
+def _check_bounds(bounds: ErrorBounds) -> None:
+    if not bounds:
+        raise Complaint(
+            "takes a bound: '--omega', '--attitude', '--angular-momentum' or '--energy'", BAD_INPUT
+        )
+    for signal, bound in bounds.items():
+        if not 0 < bound < math.inf:
+            option = signal.replace("_", "-")
+            raise Complaint(f"'--{option}' must be positive, got {bound:g}", BAD_INPUT)
+
+
+def _methods(engine_names: Sequence[str]) -> list[str]:
+    """Names of the methods of the engines named (none named: all), except those as shipped.
+
+    Engines that are not installed are reported by the run.
+    """
+    chosen = [e for name, e in engines().items() if name in engine_names or not engine_names]
+    offered = [method.name for e in chosen for method in e.methods if not method.as_shipped]
+    if chosen and not offered:
+        names = ", ".join(engine_names)
+        raise Complaint(f"{names}: has no method but as shipped, which is not recommended", NOT_RUN)
+    return list(dict.fromkeys(offered))
+
+
+def _timed_runs(scene: str, engine_names: Sequence[str], stored: Path) -> Results | None:
+    """The file's results of the scene, of engines installed here; None without timed runs."""
+    if not stored.exists():
+        return None
+    scenario, results = one_scene(scene), running.read(stored)
+    solved = results.scenes.get(scenario.name)
+    if solved is None or solved.scenario.digest != scenario.digest:
+        return None
+    chosen = engine_names or list(engines())
+    versions = {name: engine.version for name, engine in engines().items() if name in chosen}
+    rows = [
+        row
+        for row in results.rows
+        if row.key.scenario == scenario.name and versions.get(row.key.engine) == row.engine_version
+    ]
+    if not any(row.seconds_per_step for row in rows):
+        return None
+    keys = {row.key for row in rows}
+    return replace(
+        results,
+        scenes={scenario.name: solved},
+        rows=rows,
+        verdicts=[verdict for verdict in results.verdicts if verdict.key in keys],
+    )
+
+
+def _checked(scene: str, bounds: ErrorBounds, results: Results, folder: Path) -> Recommendation:
+    """Choose and check, until a check keeps the bounds or no candidate is left."""
+    checks: list[Row] = []
+    while True:
+        (tried,) = report_data(results).scenes
+        ranked = tuple(candidates(tried, bounds))
+        best = ranked[0]
+        if best.timestep is None or tried.solved is None:
+            return Recommendation(tried.name, bounds, ranked, tuple(checks))
+        unchecked = _too_long(best, float(tried.solved.solution.trajectory.t[-1]))
+        if not unchecked:
+            out = folder / f"check-{len(checks)}.sqlite"
+            checks.append(_run_again(tried.solved.scenario, best.key, best.timestep, out))
+        if unchecked or within(checks[-1], bounds) or len(checks) == CHECKS:
+            command = _command(scene, best)
+            return Recommendation(tried.name, bounds, ranked, tuple(checks), unchecked, command)
+        results = _with_run(results, checks[-1])
+
+
+def _too_long(best: Candidate, duration: float) -> str:
+    """Why a run cannot be checked; empty if it can."""
+    seconds = (best.cost or 0.0) * duration
+    if seconds <= TIME_LIMIT:
+        return ""
+    return f"it would take {seconds:.0f} s, and a run may take {TIME_LIMIT:.0f} s"
+
+
+def _run_again(scenario: Scenario, key: Key, timestep: float, out: Path) -> Row:
+    """One run at exactly that timestep."""
+    say(f"Checking {key.engine} {key.method} at {timestep!r} s.")
+    choice = Choice((engines()[key.engine],), (key.method,), (timestep,))
+    with open_store(out, create=True) as store:
+        with LocalWorkers(1) as executor:
+            left = plan([scenario], choice, store)
+            run_study(left, choice, store, executor, lambda _: None)
+        return next(row for row in store.read().rows if row.timestep == timestep)
+
+
+def _with_run(results: Results, run: Row) -> Results:
+    """The results with one more run; its cost a step is that of its method's other runs."""
+    alike = next(row for row in reversed(results.rows) if row.key == run.key)
+    priced = replace(
+        run,
+        seconds_per_step=alike.seconds_per_step,
+        seconds_spread=alike.seconds_spread,
+        wall_seconds_per_step=alike.wall_seconds_per_step,
+    )
+    by_timestep = {(row.key, row.timestep): row for row in (*results.rows, priced)}
+    return replace(results, rows=list(by_timestep.values()))
+
+
+def _command(scene: str, best: Candidate) -> str:
+    parts = ["spincheck", "run", scene, "--engine", best.key.engine, "--method", best.key.method]
+    # In another file: running a scene replaces what a file holds of it.
+    parts += ["--timestep", repr(best.timestep), "--out", "recommended.sqlite", "--json"]
+    return shlex.join(parts)

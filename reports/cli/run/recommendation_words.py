@@ -1,0 +1,96 @@
+"""What `recommend` prints: every method with its cost, the choice, and its checks."""
+
+from dataclasses import asdict
+from typing import Any
+
+from ...pages.analysis.candidates import Candidate, ErrorBounds, as_cheap
+from ...results.records import Row
+from ..terminal import table
+from .recommend import Recommendation
+
+
+def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
+    """A recommendation as a JSON object; scripts rely on its names."""
+    methods = [_method(candidate) for candidate in recommendation.candidates]
+    return {
+        "scenario": recommendation.scenario,
+        "bounds": dict(recommendation.bounds),
+        "recommended": methods[0] if recommendation.best else None,
+        "verified": recommendation.verified,
+        "unchecked": recommendation.unchecked,
+        "checks": [
+            asdict(row.key)
+            | {"timestep": row.timestep, "outcome": row.outcome, "reason": row.reason}
+            | (asdict(row.errors) if row.errors else {})
+            for row in recommendation.checks
+        ],
+        "command": recommendation.command,
+        "source": recommendation.source or None,
+        "methods": methods,
+    }
+
+
+def print_recommendation(recommendation: Recommendation) -> None:
+    """Print every method with its cost, the choice, its checks, and how to run it again."""
+    bounds = ", ".join(
+        f"{_named(signal)} to {bound:g}" for signal, bound in recommendation.bounds.items()
+    )
+    print(f"{recommendation.scenario}: {bounds}")
+    table([_line(candidate) for candidate in recommendation.candidates])
+    for candidate in recommendation.candidates:
+        if candidate.timestep is None:
+            print(f"{candidate.label}: {candidate.word}: {candidate.reason}")
+    best = recommendation.best
+    if best is None:
+        print("No method reaches it.")
+        return
+    print(
+        f"Cheapest: {best.label} with a timestep of {best.timestep!r} s, "
+        f"{best.cost:.3g} CPU seconds a simulated second."
+    )
+    if alike := as_cheap(recommendation.candidates):
+        labels = ", ".join(candidate.label for candidate in alike)
+        print(f"As cheap, within the spread of the timings: {labels}.")
+    for row in recommendation.checks:
+        print(_check_line(row, recommendation.bounds))
+    if recommendation.unchecked:
+        print(f"Not checked: {recommendation.unchecked}.")
+    print(f"To check it again:\n  {recommendation.command}")
+
+
+def _method(candidate: Candidate) -> dict[str, Any]:
+    return asdict(candidate.key) | {
+        "timestep": candidate.timestep,
+        "seconds_per_simulated_second": candidate.cost,
+        "spread": candidate.spread,
+        "known": candidate.word,
+        "reason": candidate.reason,
+        "decided_by": candidate.decided_by,
+        "largest_stable_timestep": candidate.largest_stable,
+    }
+
+
+def _line(candidate: Candidate) -> dict[str, object]:
+    return {
+        "method": candidate.label,
+        "timestep, s": candidate.timestep,
+        "CPU s a simulated s": candidate.cost,
+        "known": candidate.word,
+        "decided by": _named(candidate.decided_by),
+        "stable to, s": candidate.largest_stable,
+    }
+
+
+def _check_line(row: Row, bounds: ErrorBounds) -> str:
+    run = f"{row.key.engine} {row.key.method} at {row.timestep!r} s"
+    if row.outcome != "ok" or row.errors is None:
+        return f"Check of {run}: {row.outcome}: {row.reason}"
+    errors = dict(row.errors)
+    errors_in_words = ", ".join(f"{_named(name)} {errors[name]:.3g}" for name in errors)
+    missed = [_named(name) for name, bound in bounds.items() if not errors[name] <= bound]
+    outcome = f"misses the bound on {' and '.join(missed)}" if missed else "within every bound"
+    return f"Check of {run}: {outcome}: {errors_in_words}"
+
+
+def _named(signal: str) -> str:
+    return {"omega": "ω", "angular_momentum": "L"}.get(signal, signal)

@@ -1,0 +1,184 @@
+"""What the command `run` does, and how its results are read back."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from ....engines import engines
+from ....scenarios import Scenario, printable
+from ...harness.choice import QUICK_STEPS, Choice
+from ...harness.plan import plan
+from ...harness.published import published_that_do_not_hold
+from ...harness.study import run_study
+from ...results.records import UNSOLVED, Key, Row
+from ...results.result_file import ResultFileError
+from ...results.store import Results, open_store
+from ..choosing import check_timesteps, choose, limited
+from ..executing import Where, executor_for
+from ..named_scenes import scenes_to_run
+from ..stopping import saying
+from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress, say
+from .announcement import announcement
+
+
+def run(
+    scenes: Sequence[str],
+    engine_names: Sequence[str],
+    methods: Sequence[str],
+    timesteps: Sequence[float],
+    where: Where,
+    out: Path,
+    *,
+    quick: bool = False,
+    time_limit: float | None = None,
+    again: bool = False,
+    python: str = "",
+) -> Results:
+    """Run what was named, and read its results back.
+
+    If nothing is named, that is the whole library, its hard scenes on short ladders; a quick run
+    leaves the hard scenes out.
+
+    What the file holds already is not run again, unless asked for (`again`).
+
+    Raises
+    ------
+    Complaint
+        If a scene, engine, method, timestep or time limit cannot be used, or the file cannot be
+        written.
+    """
+    scenarios = scenes_of(scenes, quick=quick)
+    wanted = engine_names or _engines_for(scenarios)
+    choice = limited(choose(wanted, methods, timesteps, python), time_limit)
+    _check_all_apply(choice, scenarios)
+    choice = replace(choice, hard_in_passing=not scenes, again=again)
+    if quick:
+        choice = replace(choice, max_steps=QUICK_STEPS, timed=False)
+    check_timesteps(scenarios, choice)
+    try:
+        with saying(gone_on_with(out)), open_store(out, create=True) as store:
+            left = plan(scenarios, choice, store)
+            if str(left):
+                say(f"{out}: {left}")
+            if words := announcement(left, choice, where.jobs):
+                say(words)
+            with (
+                executor_for(where, choice.time_limit) as executor,
+                progress(left.total) as advance,
+            ):
+                run_study(left, choice, store, executor, advance)
+            return _asked_for(store.read(choice.timesteps), scenarios, choice)
+    except ResultFileError as error:
+        raise Complaint(str(error), BAD_INPUT) from None
+
+
+def gone_on_with(out: Path) -> str:
+    """The message of a run that is stopped."""
+    return f"finished results are in {printable(str(out))}; the same command continues from there"
+
+
+def _engines_for(scenarios: Sequence[Scenario]) -> list[str]:
+    """All engines; those that load users' files only if a scene names one."""
+    return [
+        name
+        for name, engine in engines().items()
+        if any(engine.applies_to(scenario) for scenario in scenarios)
+    ]
+
+
+def _check_all_apply(choice: Choice, scenarios: Sequence[Scenario]) -> None:
+    """Check that every engine asked for applies to some scene.
+
+    Raises
+    ------
+    Complaint
+        If one does not.
+    """
+    for engine in choice.engines:
+        if not any(engine.applies_to(scenario) for scenario in scenarios):
+            raise Complaint(
+                f"'--engine' {engine.name} loads links of users' files, and no scene here names "
+                "one; 'spincheck import FILE --out DIR' makes such scenes",
+                BAD_INPUT,
+            )
+
+
+def scenes_of(names: Sequence[str], *, quick: bool) -> list[Scenario]:
+    """The scenes of a run; the hard ones of the library are in a quick run only if named."""
+    scenarios = scenes_to_run(names)
+    return [scenario for scenario in scenarios if names or not (quick and scenario.hard)]
+
+
+def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) -> Results:
+    """The results of what was asked for: a result file may hold more."""
+    pairs = [(engine.name, method.name) for engine, method in choice.pairs()]
+    scenes = {scenario.name: scenario for scenario in scenarios}
+
+    def named(key: Key) -> bool:
+        return key.scenario in scenes and (key.engine, key.method) in pairs
+
+    def at_asked_timestep(row: Row) -> bool:
+        expected = {expect.timestep for expect in scenes[row.key.scenario].expect}
+        return not choice.timesteps or row.timestep in {UNSOLVED, *choice.timesteps, *expected}
+
+    return replace(
+        results,
+        scenes={name: scene for name, scene in results.scenes.items() if name in scenes},
+        rows=[row for row in results.rows if named(row.key) and at_asked_timestep(row)],
+        verdicts=[verdict for verdict in results.verdicts if named(verdict.key)],
+    )
+
+
+def read(path: Path) -> Results:
+    """Everything in a result file.
+
+    Raises
+    ------
+    Complaint
+        If it cannot be read or is empty.
+    """
+    try:
+        with open_store(path) as store:
+            results = store.read()
+            if store.log_missing:
+                say(
+                    f"{path}: it was being written when it was copied, and its log "
+                    f"'{path.name}-wal' is not beside it: the last runs may be missing"
+                )
+    except ResultFileError as error:
+        raise Complaint(str(error), BAD_INPUT) from None
+    if not (results.verdicts or results.maps or results.ensembles):
+        raise Complaint(f"{path}: holds no results; 'spincheck run' fills it", BAD_INPUT)
+    return results
+
+
+def tell_untrue(results: Results) -> None:
+    """Raise a `Complaint` if a scene's published values are not those of its exact motion."""
+    scenarios = [scene.scenario for scene in results.scenes.values()]
+    untrue = [line for scenario in scenarios for line in published_that_do_not_hold(scenario)]
+    if untrue:
+        raise Complaint("\n".join(untrue), DISAGREES)
+
+
+def unproven_in_words(results: Results) -> str:
+    """How many verdicts are `unresolved` or `diverges`; empty if none is."""
+    count = sum(verdict.is_unproven for verdict in results.verdicts)
+    if not count:
+        return ""
+    return (
+        f"Unproven: {count} of {len(results.verdicts)} verdicts are 'unresolved' or 'diverges'; "
+        "'--strict' makes that exit code 1."
+    )
+
+
+def exit_code(results: Results, *, strict: bool = False) -> int:
+    """0 if everything agrees, 1 if something does not, 3 if nothing could be run.
+
+    Parameters
+    ----------
+    strict : whether unproven verdicts (`unresolved`, `diverges`) count as disagreement
+    """
+    if results.rows and all(row.outcome == "failed" for row in results.rows):
+        return NOT_RUN
+    agrees = all(v.agrees and not (strict and v.is_unproven) for v in results.verdicts)
+    return AGREES if agrees else DISAGREES

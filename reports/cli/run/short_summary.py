@@ -1,0 +1,158 @@
+"""The results of a run on at most twenty lines of eighty columns: the answer first."""
+
+import math
+import textwrap
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from statistics import median_high
+
+from ...pages.analysis.report_data import MethodRuns, ReportData, report_data
+from ...pages.analysis.timesteps import (
+    as_shipped,
+    attitudes_at,
+    best_choice,
+    leading,
+    stock_timesteps,
+)
+from ...pages.analysis.wording import duration, plural
+from ...results.records import Row, Verdict, VerdictWord
+from ...results.store import Results
+
+WIDTH = 80
+#: Lines that one reason may take, and scenes whose best choice is printed one by one.
+REASON_LINES, SCENES_TOLD = 3, 3
+#: Methods whose errors are printed, at most: engines as shipped, smallest errors first, then each
+#: engine's most accurate method, at least `OTHERS` of them.
+METHODS_SHOWN, OTHERS = 8, 3
+#: degrees; larger angles are printed as whole numbers.
+LEAST_WHOLE = 9.5
+#: Order in which verdicts are counted: what fails a run first.
+_WORDS: tuple[VerdictWord, ...] = (
+    "disagrees",
+    "failed",
+    "diverges",
+    "unresolved",
+    "unsupported",
+    "converges",
+)
+
+
+def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str]:
+    """The lines.
+
+    Parameters
+    ----------
+    timesteps : s, those asked for; their errors are printed instead of those at stock timesteps
+    """
+    report = report_data(results)
+    lines = [*_counts(results.verdicts), *_first_failure(results.verdicts)]
+    if timesteps:
+        return [*lines, *_asked_for(results.rows, timesteps)]
+    return [*lines, *_at_stock(report), *_best(report)]
+
+
+def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
+    clean = Counter(verdict.verdict for verdict in verdicts if not verdict.as_shipped)
+    scenes = len({verdict.key.scenario for verdict in verdicts})
+    counted = ", ".join(f"{clean[word]} {word}" for word in _WORDS if clean[word])
+    total = plural(sum(clean.values()), "verdict")
+    text = f"{plural(scenes, 'scene')}, {total}: {counted or 'none'}."
+    yield from textwrap.wrap(text, WIDTH)
+    shipped = [verdict for verdict in verdicts if verdict.as_shipped]
+    if shipped:
+        good = sum(verdict.verdict == "converges" for verdict in shipped)
+        yield f"With their defaults (as shipped): {good} of {len(shipped)} converge."
+
+
+def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
+    """The first failing verdict with its reason, and how many more fail."""
+    wrong = [verdict for verdict in verdicts if not verdict.agrees]
+    if not wrong:
+        return
+    first = wrong[0]
+    key = first.key
+    reason = "; ".join([*first.unmet, first.reason])
+    text = f"Fails: {key.scenario}, {key.engine} {key.method}: {first.verdict}: {reason}"
+    yield from textwrap.wrap(
+        text, WIDTH, max_lines=REASON_LINES, placeholder=" …", break_on_hyphens=False
+    )
+    if len(wrong) > 1:
+        more = "1 more fails" if len(wrong) == 2 else f"{len(wrong) - 1} more fail"
+        yield f"{more}: 'spincheck verdicts' has them all."
+
+
+def _at_stock(report: ReportData) -> Iterator[str]:
+    """Attitude errors at stock timesteps, method by method: median and worst."""
+    steps = stock_timesteps(report)
+    shipped = as_shipped(report)
+    errors_of = {
+        pair: errors
+        for pair in report.pairs
+        if pair[0] in steps and (errors := attitudes_at(report, pair, steps[pair[0]]))
+    }
+    first = [pair for pair in leading(report) if pair in errors_of]
+    first.sort(key=lambda pair: median_high(errors_of[pair].values()))
+    others = [pair for pair in first if pair not in shipped]
+    defaults = [pair for pair in first if pair in shipped][: METHODS_SHOWN - len(others[:OTHERS])]
+    shown = [*defaults, *others[: METHODS_SHOWN - len(defaults)]]
+    if not shown:
+        return
+    yield f"{'Attitude off at stock timesteps (*as shipped)':45}{'median':>8}  worst"
+    for engine, method in shown[:METHODS_SHOWN]:
+        errors = errors_of[engine, method]
+        worst = max(errors, key=lambda name: errors[name])
+        mark = "*" if (engine, method) in shipped else " "
+        name = f"{mark} {engine} {method}, {duration(steps[engine])}"
+        middle = _degrees(median_high(errors.values()))
+        yield f"{name:45}{middle:>8}  {_degrees(errors[worst])} {worst}"[:WIDTH]
+
+
+def _best(report: ReportData) -> Iterator[str]:
+    """Of few scenes, the cheapest accurate run of each; of many, the method most often best."""
+    choices = {scene.name: best_choice(scene) for scene in report.scenes if scene.solved}
+    best = {name: choice for name, choice in choices.items() if choice is not None}
+    if not best:
+        return
+    if len(best) > SCENES_TOLD:
+        methods = Counter(_named(choice.runs) for choice in best.values())
+        often = ", ".join(f"{name} on {count}" for name, count in methods.most_common(3))
+        yield from textwrap.wrap(f"Best choice (within 0.1° and 1e-3 in ω): {often}.", WIDTH)
+        return
+    for name, choice in best.items():
+        assert choice.row.errors is not None, "only a run with errors is chosen"
+        price = f", {choice.cost:.1e} CPU s per simulated s" if choice.cost else ""
+        method = f"{_named(choice.runs)} at {duration(choice.row.timestep)}"
+        yield f"Best for {name}: {method}"
+        yield f"    {_degrees(choice.row.errors.attitude)} off{price}"
+
+
+def _asked_for(rows: Sequence[Row], timesteps: Sequence[float]) -> Iterator[str]:
+    """The errors measured at timesteps that were asked for."""
+    yield f"{'scene, method, timestep':46}{'ω':>8}{'attitude':>10}{'L':>8}{'energy':>8}"
+    for row in rows:
+        if row.timestep not in timesteps:
+            continue
+        name = f"{row.key.scenario} {row.key.engine} {row.key.method} {duration(row.timestep)}"
+        if row.errors is None:
+            yield f"{_cut(name):46} {row.outcome}: {row.cause or row.reason}"[:WIDTH]
+            continue
+        e = row.errors
+        yield (
+            f"{_cut(name):46}{e.omega:8.0e}{_degrees(e.attitude):>10}"
+            f"{e.angular_momentum:8.0e}{e.energy:8.0e}"
+        )
+
+
+def _cut(name: str) -> str:
+    return name if len(name) < 46 else f"{name[:44]}…"
+
+
+def _named(runs: MethodRuns) -> str:
+    return f"{runs.engine} {runs.method}"
+
+
+def _degrees(error: float) -> str:
+    if math.isinf(error):
+        return "blew up"
+    degrees = math.degrees(error)
+    return f"{degrees:.0f}°" if degrees >= LEAST_WHOLE else f"{degrees:.1g}°"

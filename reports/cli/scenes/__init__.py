@@ -1,0 +1,1 @@
+"""Commands about scenes and their exact motions."""

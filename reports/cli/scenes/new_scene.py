@@ -1,0 +1,60 @@
+"""What the command `new` does: a scene to edit, every key with its unit and meaning."""
+
+from pathlib import Path
+
+from ....scenarios import is_scene_name, loads, printable
+from ..terminal import BAD_INPUT, Complaint
+
+TEMPLATE = """\
+spincheck = 1
+title = "{name}"
+source = "my own measurement"      # book, section or paper
+tags = ["mine"]
+
+[body]
+mass = 0.5                         # kg
+inertia = [8e-4, 8e-4, 4e-4]       # kg m²: principal moments about the com, or a 3×3 matrix
+com = [0.0, 0.0, 0.05]             # m, from the body's origin, which is the pivot
+
+[start]
+euler_zyz_deg = [0.0, 30.0, 0.0]   # α β γ; or quaternion_wxyz, or rotation_vector_deg
+omega_body = [0.0, 0.0, 80.0]      # rad/s; or omega_world, or euler_zyz_rates
+
+# An effect is simulated if its table is here, and only then.
+[effects.gravity]
+acceleration = [0.0, 0.0, -9.81]   # m/s², world axes
+[effects.pivot]                    # the body's origin is held by a frictionless ball joint
+# [effects.drag]
+# rotational = 1e-4                # N m s: torque −c ω
+# [effects.torque]
+# body = [0.0, 0.0, 0.01]          # N m, constant in body axes; or world = […]
+
+[window]
+duration = 2.0                     # s
+samples = 201                      # including t = 0
+"""
+
+
+def new_scene(name: str) -> Path:
+    """Write NAME.toml in the current folder.
+
+    Raises
+    ------
+    Complaint
+        If the name is not valid for a scene, or the file exists already.
+    """
+    name = name.removesuffix(".toml")
+    if not is_scene_name(name):
+        raise Complaint(
+            "'NAME' must be letters, digits, '-', '_' and '.', the first a letter or digit, "
+            f"got '{printable(name)}'",
+            BAD_INPUT,
+        )
+    path, text = Path(f"{name}.toml"), TEMPLATE.format(name=name)
+    loads(text, name)
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise Complaint(f"{path}: exists already; choose another name", BAD_INPUT) from None
+    return path

@@ -1,0 +1,117 @@
+"""The commands about scenes; heavy imports wait inside them, so that ``--help`` answers at once."""
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ..options import AsJson, Scene, Scenes
+from ..refusals import unusable
+from ..terminal import DISAGREES, Complaint, table, to_json
+
+app = typer.Typer()
+
+
+@app.command(epilog="Example: spincheck reference fast-top --at 0.5 --at 1 --json")
+def reference(
+    scenario: Scene,
+    at: Annotated[
+        list[float] | None, typer.Option("--at", metavar="S", help="A time, s; may be repeated.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Print the exact motion: states, L, energy, invariants, and how exact they are."""
+    from ...harness.published import published_that_do_not_hold
+    from .exact_motion import describe, print_truth
+
+    scene = _scenario(scenario)
+    truth = describe(scene, at or [])
+    if as_json:
+        print(to_json(truth))
+    else:
+        print_truth(truth)
+    if untrue := list(published_that_do_not_hold(scene)):
+        raise Complaint("\n".join(untrue), DISAGREES)
+
+
+@app.command("list", epilog="Example: spincheck list hard")
+def list_scenes(scenes: Scenes = None, as_json: AsJson = False) -> None:
+    """List scenes with what they are about."""
+    from ..named_scenes import complain, listed
+
+    rows, wrong = listed(scenes or [])
+    print(to_json(rows)) if as_json else table(rows)
+    complain(wrong)
+
+
+@app.command(epilog="Example: spincheck new my-top")
+def new(name: Annotated[str, typer.Argument(metavar="NAME", help="Of the scene.")]) -> None:
+    """Write NAME.toml, a scene to edit, with every key explained."""
+    from .new_scene import new_scene
+
+    path = new_scene(name)
+    print(f"{path} is written. Edit it, then: spincheck run {path}")
+
+
+@app.command(epilog="Example: spincheck show fast-top")
+def show(scenario: Scene, as_json: AsJson = False) -> None:
+    """Show a scene as it was read, with defaults and units resolved."""
+    from .scene import scene_as_json
+
+    scene = _scenario(scenario)
+    described = scene_as_json(scene)
+    if as_json:
+        print(to_json(described))
+    else:
+        print(f"{scene.title}\n\n{scene.document.description}\n\n{scene.path}\n")
+        table([{"": name, "value": _inline(value)} for name, value in described.items()])
+
+
+@app.command(epilog="Example: spincheck check my-top.toml")
+def check(
+    scenes: Annotated[
+        list[str],
+        typer.Argument(metavar="SCENARIO|FOLDER...", help="Files, folders or library scenes."),
+    ],
+) -> None:
+    """Check scenes: format, published values, and effects whose absence would not show."""
+    from ..named_scenes import checked, complain
+
+    result = checked(scenes)
+    for line in [*result.lines, *result.powerless]:
+        print(line)
+    complain(result.wrong)
+    if result.untrue:
+        raise Complaint("\n".join(result.untrue), DISAGREES)
+
+
+@app.command(epilog="Example: spincheck export fast-top models")
+def export(
+    scenario: Scene,
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Made if it is not there.")],
+    truth: Annotated[
+        bool, typer.Option("--truth", help="The exact motion instead: truth.csv, .json, .h (C).")
+    ] = False,
+) -> None:
+    """Write a scene as scene.xml (MJCF) and scene.urdf, or its exact motion."""
+    from .scene import export_scene
+    from .truth_files import write_truth
+
+    write = write_truth if truth else export_scene
+    try:
+        written = write(_scenario(scenario), folder)
+    except OSError as error:
+        raise unusable(folder, error, "written") from None
+    for path in written:
+        print(path)
+
+
+def _inline(value: object) -> str:
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+
+
+def _scenario(name: str) -> Any:
+    from ..named_scenes import one_scene
+
+    return one_scene(name)

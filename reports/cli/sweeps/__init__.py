@@ -1,0 +1,1 @@
+"""Commands that run maps and ensembles."""

@@ -1,0 +1,128 @@
+"""The commands of sweeps; heavy imports wait inside them, so that ``--help`` answers at once."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..options import (
+    CORES,
+    RESULT_FILE,
+    Again,
+    AsJson,
+    Dask,
+    Engines,
+    Jobs,
+    Methods,
+    Scene,
+    Seed,
+    SweepTimesteps,
+    TimeLimit,
+)
+from ..terminal import say, to_json
+
+if TYPE_CHECKING:
+    from ..executing import Where
+
+app = typer.Typer()
+
+
+@app.command(
+    "map",
+    epilog="Example: spincheck map fast-top --vary body.mass=1:2 --vary timestep=1e-4:1e-1:log",
+)
+def map_scene(
+    scenario: Scene,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="PATH=LO:HI[:COUNT][:log]",
+            help="A number of the scene file, as start.omega_body[2], or timestep; to be repeated.",
+        ),
+    ] = None,
+    engine: Engines = None,
+    method: Methods = None,
+    timestep: SweepTimesteps = None,
+    jobs: Jobs = CORES,
+    time_limit: TimeLimit = None,
+    dask: Dask = None,
+    out: Annotated[Path, typer.Option(help="The result file; added to.")] = RESULT_FILE,
+    again: Again = False,
+    as_json: AsJson = False,
+) -> None:
+    """Vary two numbers of a scene, and compare every method with the exact motion at every point.
+
+    What the file holds already is not run again, unless by '--again'.
+    """
+    from ..executing import Where
+    from .sweep_running import choose_for_sweep, exit_code, run_map
+    from .sweep_summary import print_sweep, sweep_as_json
+
+    choice = choose_for_sweep(engine or [], method or [], timestep or [], time_limit, again=again)
+    sweep = run_map(scenario, vary or [], choice, Where(jobs, dask), out)
+    if as_json:
+        print(to_json(sweep_as_json(sweep)))
+    else:
+        print_sweep(sweep)
+        say(f"Points are in {out}; 'spincheck report {out}' draws them.")
+    raise typer.Exit(exit_code(sweep.points))
+
+
+@app.command("vary", epilog="Example: spincheck vary fast-top start.omega_body[2]=37.3")
+def print_varied(
+    scenario: Scene,
+    numbers: Annotated[list[str], typer.Argument(metavar="PATH=VALUE...")],
+) -> None:
+    """Print a scene with other numbers, such as a point of a map, as a scenario file."""
+    from .sweep_running import varied_text
+
+    print(varied_text(scenario, numbers), end="")
+
+
+@app.command("member", epilog="Example: spincheck member fast-top --seed 7 --member 3")
+def print_member(
+    scenario: Scene,
+    member: Annotated[int, typer.Option(min=0, help="Its number, from 0 on.")],
+    seed: Seed = 0,
+) -> None:
+    """Print one member of an ensemble as a scenario file, to be read and run."""
+    from .sweep_running import member_text
+
+    print(member_text(scenario, seed, member), end="")
+
+
+def run_members(
+    scenes: list[str],
+    members: int,
+    seed: int,
+    asked: tuple[list[str], list[str], list[float]],
+    time_limit: float | None,
+    again: bool,
+    where: "Where",
+    out: Path,
+    as_json: bool,
+) -> int:
+    """What `run --ensemble` does; returns the exit code.
+
+    Parameters
+    ----------
+    asked : engines, methods, timesteps
+    time_limit : s, that a call may take, if one was chosen
+    again : whether members that the file holds already are run again
+    where, out : where runs are made, and the result file
+    """
+    from ..terminal import BAD_INPUT, Complaint
+    from .sweep_running import choose_for_sweep, exit_code, run_ensemble
+    from .sweep_summary import print_sweep, sweep_as_json
+
+    if len(scenes) != 1:
+        raise Complaint(f"'--ensemble' takes one scene, got {len(scenes)}", BAD_INPUT)
+    choice = choose_for_sweep(*asked, time_limit, again=again)
+    sweep = run_ensemble(scenes[0], members, seed, choice, where, out)
+    if as_json:
+        print(to_json(sweep_as_json(sweep)))
+    else:
+        print_sweep(sweep)
+        one = f"spincheck member {scenes[0]} --seed {seed} --member N"
+        say(f"Members are in {out}; '{one}' prints one.")
+    return exit_code(sweep.points)

@@ -1,0 +1,209 @@
+"""What the commands `map`, `member` and `run --ensemble` do."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from ....scenarios import Scenario, ScenarioError
+from ....scenarios.scatter import member
+from ....scenarios.vary import TIMESTEP, VaryError, check_path, parse_axis, varied
+from ...harness.choice import Choice
+from ...harness.sweep import plan_sweep, run_sweep
+from ...results.result_file import ResultFileError
+from ...results.store import open_store
+from ...results.sweep_records import (
+    MAX_MEMBERS,
+    MAX_SEED,
+    Ensemble,
+    EnsembleResult,
+    Map,
+    MapResult,
+    PointResult,
+)
+from ..choosing import check_timesteps, choose, limited
+from ..executing import Where, executor_for
+from ..named_scenes import one_scene
+from ..run.running import gone_on_with
+from ..stopping import saying
+from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress, say
+
+#: Lines of progress that a sweep prints if there is no terminal to draw a bar on.
+PROGRESS_LINES = 50
+#: The path of the window: if it is varied, the timestep is checked point by point.
+_DURATION = "window.duration"
+
+
+def run_map(
+    scene: str,
+    ranges: Sequence[str],
+    choice: Choice,
+    where: Where,
+    out: Path,
+) -> MapResult:
+    """Run the points that a map still lacks, and read the whole map.
+
+    Parameters
+    ----------
+    ranges : two axes, as `parse_axis` reads them
+    choice : with one timestep at most
+
+    Raises
+    ------
+    Complaint
+        If an argument cannot be used, or the run was stopped.
+    """
+    base = one_scene(scene)
+    asked = _map(base, ranges, choice)
+    if _DURATION not in (axis.path for axis in asked.axes):
+        check_timesteps([base], choice)
+    return MapResult(asked, base, _carried_out(asked, base, choice, where, out))
+
+
+def run_ensemble(
+    scene: str,
+    members: int,
+    seed: int,
+    choice: Choice,
+    where: Where,
+    out: Path,
+) -> EnsembleResult:
+    """Run the members that an ensemble still lacks, and read it; see also `run_map`.
+
+    Parameters
+    ----------
+    members, seed : number of members, and the seed of their random numbers
+    """
+    base = one_scene(scene)
+    check_timesteps([base], choice)
+    _check_members(members, seed)
+    asked = Ensemble(base.name, members, seed, _timestep(choice))
+    return EnsembleResult(asked, base, _carried_out(asked, base, choice, where, out))
+
+
+def member_text(scene: str, seed: int, number: int) -> str:
+    """A member's scenario file.
+
+    Raises
+    ------
+    Complaint
+        If there is no such scene or member.
+    """
+    _check_members(number + 1, seed)
+    return member(one_scene(scene), seed, number).text
+
+
+def _check_members(members: int, seed: int) -> None:
+    if members > MAX_MEMBERS:
+        raise Complaint(f"an ensemble has {MAX_MEMBERS} members at most, got {members}", BAD_INPUT)
+    if seed > MAX_SEED:
+        raise Complaint(f"'--seed' must be less than 2^128, got {seed}", BAD_INPUT)
+
+
+def varied_text(scene: str, numbers: Sequence[str]) -> str:
+    """The scenario file of a scene with other numbers.
+
+    Parameters
+    ----------
+    numbers : as PATH=VALUE
+
+    Raises
+    ------
+    Complaint
+        If one cannot be set, or they make no scene.
+    """
+    base = one_scene(scene)
+    values = dict(_number(text) for text in numbers)
+    try:
+        for path in values:
+            check_path(base, path)
+        if TIMESTEP in values:
+            raise VaryError("the timestep is no number of the scene; give it to 'spincheck run'")
+        return varied(base, values).text
+    except (VaryError, ScenarioError) as error:
+        raise Complaint(str(error), BAD_INPUT) from None
+
+
+def choose_for_sweep(
+    engine_names: Sequence[str],
+    methods: Sequence[str],
+    timesteps: Sequence[float],
+    time_limit: float | None = None,
+    *,
+    again: bool = False,
+) -> Choice:
+    """Engines, methods, at most one timestep, a time limit, s, and whether all is run again.
+
+    Raises
+    ------
+    Complaint
+        If there is no such engine or method, there are more timesteps, or the limit is too long.
+    """
+    if len(timesteps) > 1:
+        raise Complaint(
+            f"'--timestep' may be given once here, got {len(timesteps)}; or vary it in a map",
+            BAD_INPUT,
+        )
+    return replace(limited(choose(engine_names, methods, timesteps), time_limit), again=again)
+
+
+def exit_code(points: Iterable[PointResult]) -> int:
+    """0 if every run came to an end of its own, 1 if one failed, 3 if all did."""
+    outcomes = {point.outcome for point in points}
+    if outcomes <= {"failed"}:
+        return NOT_RUN
+    return DISAGREES if "failed" in outcomes else AGREES
+
+
+def _number(text: str) -> tuple[str, float]:
+    path, _, value = text.partition("=")
+    try:
+        return path, float(value)
+    except ValueError:
+        raise Complaint(f"takes PATH=VALUE, got '{text}'", BAD_INPUT) from None
+
+
+def _map(base: Scenario, ranges: Sequence[str], choice: Choice) -> Map:
+    try:
+        axes = [parse_axis(text) for text in ranges]
+        for axis in axes:
+            check_path(base, axis.path)
+    except VaryError as error:
+        raise Complaint(f"'--vary' {error}", BAD_INPUT) from None
+    paths = [axis.path for axis in axes]
+    if len(axes) != 2 or paths[0] == paths[1]:
+        raise Complaint(
+            f"'--vary' must name two different numbers, got {', '.join(paths) or 'none'}", BAD_INPUT
+        )
+    if TIMESTEP in paths and choice.timesteps:
+        raise Complaint("'--timestep' cannot be both given and varied", BAD_INPUT)
+    return Map(base.name, (axes[0], axes[1]), _timestep(choice))
+
+
+def _timestep(choice: Choice) -> float | None:
+    return choice.timesteps[0] if choice.timesteps else None
+
+
+def _carried_out(
+    asked: Map | Ensemble,
+    base: Scenario,
+    choice: Choice,
+    where: Where,
+    out: Path,
+) -> tuple[PointResult, ...]:
+    """Run what is missing, and return the points of the methods chosen."""
+    try:
+        with saying(gone_on_with(out)), open_store(out, create=True) as store:
+            left = plan_sweep(asked, base, choice, store)
+            if str(left):
+                say(f"{out}: {left}")
+            if left.missing:
+                with (
+                    executor_for(where, choice.time_limit) as executor,
+                    progress(left.missing, PROGRESS_LINES) as advance,
+                ):
+                    run_sweep(left, base, store, executor, advance)
+            pairs = {(engine.name, method.name) for engine, method in choice.pairs()} | {("", "")}
+            points = store.sweeps.points(asked)
+            return tuple(p for p in points if (p.key.engine, p.key.method) in pairs)
+    except ResultFileError as error:
+        raise Complaint(str(error), BAD_INPUT) from None

@@ -1,0 +1,113 @@
+"""A sweep on the terminal: a line a method, the worst point, and the same as JSON."""
+
+import json
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from ...results.sweep_records import EnsembleResult, MapResult, PointResult, sweep_points
+from ..terminal import table
+
+#: Quantiles that are printed of the ω errors of the runs that finished.
+QUANTILES = {"median": 0.5, "90 %": 0.9, "99 %": 0.99}
+
+
+def print_sweep(sweep: MapResult | EnsembleResult) -> None:
+    """Print one line for each method, and its worst point."""
+    names = _names(sweep)
+    print(f"{sweep.scenario.name}: {_sweep_in_words(sweep)}")
+    table([_line(method, points, names) for method, points in _by_method(sweep.points).items()])
+    invalid = [point for point in sweep.points if point.outcome == "invalid"]
+    if invalid:
+        print(f"{len(invalid)} points are no scene; the first of them: {invalid[0].reason}")
+
+
+def sweep_as_json(sweep: MapResult | EnsembleResult) -> dict[str, Any]:
+    """What was asked for, and its points, with the names that scripts rely on."""
+    asked = sweep.map if isinstance(sweep, MapResult) else sweep.ensemble
+    names = _names(sweep)
+    return asdict(asked) | {"points": [point_record(point, names) for point in sweep.points]}
+
+
+def point_record(point: PointResult, names: Sequence[str]) -> dict[str, Any]:
+    """A point with the names that scripts rely on.
+
+    Parameters
+    ----------
+    names : of the numbers that are varied
+    """
+    errors = point.errors
+    return {
+        "at": dict(zip(names, point.at, strict=True)),
+        **asdict(point.key),
+        "timestep": point.timestep,
+        "outcome": point.outcome,
+        "cause": point.cause,
+        "reason": point.reason,
+        "stopped_at": point.stopped_at,
+        "omega_error": errors.omega if errors else None,
+        "attitude_error": errors.attitude if errors else None,
+        "angular_momentum_error": errors.angular_momentum if errors else None,
+        "energy_error": errors.energy if errors else None,
+        "reference_uncertainty": point.uncertainty,
+        "steps": point.steps,
+    }
+
+
+def _names(sweep: MapResult | EnsembleResult) -> list[str]:
+    return [axis.path for axis in sweep.map.axes] if isinstance(sweep, MapResult) else ["member"]
+
+
+def _sweep_in_words(sweep: MapResult | EnsembleResult) -> str:
+    if isinstance(sweep, EnsembleResult):
+        return f"{sweep.ensemble.members} members of seed {sweep.ensemble.seed}"
+    total = sum(1 for _ in sweep_points(sweep.map))
+    axes = ", ".join(f"{a.path} {a.values[0]:g} to {a.values[-1]:g}" for a in sweep.map.axes)
+    return f"{total} points, {axes}"
+
+
+def _by_method(points: Iterable[PointResult]) -> dict[str, list[PointResult]]:
+    by_method: dict[str, list[PointResult]] = {}
+    for point in points:
+        if point.outcome != "invalid":
+            by_method.setdefault(f"{point.key.engine} {point.key.method}", []).append(point)
+    return dict(sorted(by_method.items()))
+
+
+def _line(method: str, points: Sequence[PointResult], names: Sequence[str]) -> dict[str, object]:
+    outcomes = Counter(point.outcome for point in points)
+    ended = [(p.errors.omega, p) for p in points if p.errors is not None and p.outcome == "ok"]
+    ended.sort(key=lambda pair: pair[0])
+    errors = [error for error, _ in ended]
+    worst = ended[-1] if ended else None
+    causes = Counter(point.cause for point in points if point.cause)
+    return {
+        "method": method,
+        **{name: outcomes[name] for name in ("ok", "diverged", "unsupported", "failed", "skipped")},
+        "why": ", ".join(f"{cause} {count}" for cause, count in causes.most_common()),
+        **{f"ω error, {name}": _quantile(errors, share) for name, share in QUANTILES.items()},
+        "worst": worst[0] if worst else None,
+        "worst at": _place(worst[1], names) if worst else "",
+    }
+
+
+def _quantile(ascending: Sequence[float], share: float) -> float | None:
+    """The smallest of the values that this fraction of them does not exceed; values may be inf."""
+    if not ascending:
+        return None
+    return float(np.quantile(ascending, share, method="inverted_cdf"))
+
+
+def _place(point: PointResult, names: Sequence[str]) -> str:
+    return ", ".join(f"{name} {value:.6g}" for name, value in zip(names, point.at, strict=True))
+
+
+def flat_records(sweep: MapResult | EnsembleResult) -> list[dict[str, Any]]:
+    """Points as flat records: their coordinates are one column of JSON, as they differ by sweep."""
+    asked = f"seed {sweep.ensemble.seed}" if isinstance(sweep, EnsembleResult) else "map"
+    names = _names(sweep)
+    records = [point_record(point, names) for point in sweep.points]
+    return [{"sweep": asked, **record, "at": json.dumps(record["at"])} for record in records]

@@ -1,0 +1,60 @@
+"""The command 'import': a model's links as scenes, and what was left out of it."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from ....scenarios import printable
+from ....scenarios.users_models import ModelFileError, read_model
+from ....scenarios.users_models.scenes import LinkScene, link_scenes
+from ..terminal import BAD_INPUT, Complaint
+
+
+def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
+    """Write the scenes; returns one line for each, and one for each reason why links were left out.
+
+    Parameters
+    ----------
+    links : only these; all if empty
+
+    Raises
+    ------
+    Complaint
+        If the file cannot be read or has no such link, if no link makes a scene, or if a scene's
+        file exists already.
+    """
+    try:
+        scenes = list(link_scenes(read_model(file), out.absolute()))
+    except ModelFileError as error:
+        raise Complaint(str(error), BAD_INPUT) from None
+    there = {scene.link for scene in scenes}
+    if unknown := [link for link in links if link not in there]:
+        raise Complaint(f"{file}: there is no link '{unknown[0]}'", BAD_INPUT)
+    wanted = [scene for scene in scenes if not links or scene.link in links]
+    if not any(scene.text for scene in wanted):
+        why = f"'{wanted[0].link}' is left out: {wanted[0].left_out}"
+        raise Complaint(f"{file}: no link makes a scene; {why}", BAD_INPUT)
+    paths = {out / f"{scene.name}.toml": scene for scene in wanted if scene.text}
+    if there_already := [path for path in paths if path.exists()]:
+        raise Complaint(
+            f"{there_already[0]}: a scene of that name exists already; remove it, "
+            "or give another '--out'",
+            BAD_INPUT,
+        )
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        for path, scene in paths.items():
+            path.write_text(scene.text, encoding="utf-8")
+    except OSError as error:
+        where = error.filename or out
+        raise Complaint(f"{where}: cannot be written: {error.strerror}", BAD_INPUT) from None
+    return [printable(line) for line in (*map(str, paths), *_left_out(wanted))]
+
+
+def _left_out(scenes: Sequence[LinkScene]) -> Iterator[str]:
+    """One line for each reason, with the links it applies to."""
+    by_reason: dict[str, list[str]] = {}
+    for scene in scenes:
+        if scene.left_out:
+            by_reason.setdefault(scene.left_out, []).append(scene.link)
+    for reason, links in by_reason.items():
+        yield f"left out, {reason}: {', '.join(links)}"

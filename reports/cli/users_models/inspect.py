@@ -1,0 +1,163 @@
+"""The command 'inspect': a table link × configuration, then what differs, in words."""
+
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from ....scenarios import printable
+from ....scenarios.users_models import ModelFile, ModelFileError, read_model
+from ...harness.executors import LocalWorkers
+from ...harness.users_models import (
+    CannotInspectError,
+    InspectedLink,
+    Inspection,
+    asked_engines,
+    inspect_model,
+)
+from ...harness.users_models.findings import (
+    cell_text,
+    differences,
+    problems_of,
+    weight_in_words,
+)
+from ...harness.users_models.inspect import READ_LIMIT
+from ...harness.users_models.remedy import remedies
+from ..terminal import BAD_INPUT, NOT_RUN, Complaint, table, terminal_width
+from .inspection_record import columns, is_stated
+
+#: Lines of a list that are printed; '--json' has all.
+MOST_LINES = 20
+LEGEND = (
+    "ok: held as the file states it. Else: how far mass, com or tensor is off, the largest of the "
+    "three, and the attitude that tumbling for 1 s loses by it."
+)
+
+
+def models(
+    files: Sequence[Path], packages: tuple[tuple[str, Path], ...]
+) -> tuple[list[ModelFile], list[str]]:
+    """The models of the files that can be read, and the complaints about the others."""
+    read, wrong = [], []
+    for file in files:
+        try:
+            read.append(read_model(file, packages))
+        except ModelFileError as error:
+            wrong.append(str(error))
+    return read, wrong
+
+
+def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator[Inspection]:
+    """Inspect models one after the other; engines read them in one worker process each.
+
+    Raises
+    ------
+    Complaint
+        If no engine can be asked.
+    """
+    try:
+        asked = asked_engines(engines)
+        if not asked:
+            raise Complaint("no engine is installed that reads model files", NOT_RUN)
+        with LocalWorkers(1, READ_LIMIT) as worker:
+            for model in models:
+                yield inspect_model(model, worker, asked)
+    except CannotInspectError as error:
+        raise Complaint(str(error), BAD_INPUT) from None
+
+
+def write_pages(inspected: Sequence[Inspection], out: Path) -> Iterator[Path]:
+    """Write a page for each model.
+
+    Raises
+    ------
+    Complaint
+        If the folder cannot be written.
+    """
+    from ...pages.users_models.model_page import page_names, write_model_page
+
+    names = page_names([one.model.path for one in inspected])
+    try:
+        for one, name in zip(inspected, names, strict=True):
+            yield write_model_page(one, out, name)
+    except OSError as error:
+        where = error.filename or out
+        raise Complaint(f"{where}: cannot be written: {error.strerror}", BAD_INPUT) from None
+
+
+def print_inspection(inspection: Inspection) -> None:
+    """Print the table, the differences (worst first), faults of the file, and remedies."""
+    model = inspection.model
+    stated = sum(map(is_stated, inspection.links))
+    _print(
+        f"{model.path}: {model.format.upper()}, {len(model.links)} links, {stated} with a mass "
+        "and a tensor"
+    )
+    if weight := weight_in_words(inspection):
+        _print(weight)
+    shown = [link for link in inspection.links if _has_something(link)]
+    table([_row(link, columns(inspection)) for link in shown])
+    if idle := len(inspection.links) - len(shown):
+        _print(f"Not in the table: {idle} links of which the file states no inertia.")
+    if not inspection.is_well:
+        _print(LEGEND)
+    print()
+    _print_list("Bodies that engines hold differently, the worst first:", differences(inspection))
+    _print_list("Impossible in the file:", problems_of(inspection, impossible=True))
+    _print_list("Doubtful in the file:", problems_of(inspection, impossible=False))
+    _print_list("What to do:", remedies(inspection))
+    _print_list("Besides:", model.notes)
+    if inspection.is_well:
+        print("No differences found.\n")
+
+
+def _has_something(link: InspectedLink) -> bool:
+    """Whether the file states an inertial of a link, or an engine derives it from its shapes."""
+    return link.link.stated is not None or any(
+        held.agrees is None and held.body is not None for held in link.held
+    )
+
+
+def _row(link: InspectedLink, heads: Sequence[tuple[str, str]]) -> dict[str, object]:
+    stated = link.link.stated
+    cells = {
+        _heading(engine, configuration): cell_text(held)
+        for (engine, configuration), held in zip(heads, link.held, strict=True)
+    }
+    return {"link": link.link.name, "kg": stated and stated.mass, **cells}
+
+
+def _heading(engine: str, configuration: str) -> str:
+    """The heading, broken into lines as narrow as the cells."""
+    return f"{engine.replace('@', ' @')} {configuration.replace('-from', '- from')}".replace(
+        " ", "\n"
+    )
+
+
+def _print_list(heading: str, lines: Iterable[object]) -> None:
+    lines = list(lines)
+    if not lines:
+        return
+    print(heading)
+    for line in lines[:MOST_LINES]:
+        _print(str(line), "  ", "    ")
+    if len(lines) > MOST_LINES:
+        print(f"  … and {len(lines) - MOST_LINES} more; '--json' has all")
+    print()
+
+
+def _print(text: str, first: str = "", rest: str = "") -> None:
+    """Print a paragraph; wrapped on a terminal only."""
+    width = terminal_width()
+    text = printable(text)
+    if width is None:
+        print(f"{first}{text}")
+        return
+    wrapped = textwrap.wrap(
+        text,
+        width,
+        initial_indent=first,
+        subsequent_indent=rest,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    print("\n".join(wrapped))

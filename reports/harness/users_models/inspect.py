@@ -1,0 +1,190 @@
+"""Inspects a model: each engine reads the file in a worker, and its bodies are compared with it."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from ....engines import EngineError
+from ....engines.checks.read_back import BodyReading
+from ....engines.users_models import AGREES, cause, difference, held_of_nothing
+from ....engines.users_models.model_reader import Configuration, ModelReader, model_readers
+from ....engines.versions import VersionError, versioned
+from ....scenarios import did_you_mean
+from ....scenarios.users_models import FileProblem, Link, ModelFile, fused, problems
+from ....scenarios.users_models.model_file import Pose, welded
+from ..executors import CallFailed, Executor
+from .motion_apart import attitude_apart_deg
+from .records import Held, InspectedLink, Inspection
+
+#: CPU s for one engine to read one file, meshes included; the largest take a few.
+READ_LIMIT = 60.0
+#: Names of URDF links that engines take for the world itself.
+WORLD = "world"
+
+Bodies = dict[str, BodyReading]
+
+
+class CannotInspectError(Exception):
+    """There is no such engine, or none that reads this kind of file."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """An engine that reads model files, at some version.
+
+    Attributes
+    ----------
+    name : as users type it, "mujoco" or "mujoco@3.3.7"
+    site : the folder it is installed in; empty for the version installed in this environment
+    """
+
+    name: str
+    version: str
+    site: str
+    reader: ModelReader
+
+
+def asked_engines(names: Sequence[str] = ()) -> list[Asked]:
+    """The engines of those names; all that are installed if no name is given.
+
+    An engine@version is installed first if necessary.
+
+    Raises
+    ------
+    CannotInspectError
+        If there is no such engine, or version of it.
+    """
+    readers = model_readers()
+    asked = []
+    for name in dict.fromkeys(names or readers):
+        base, at, _ = name.partition("@")
+        if base not in readers:
+            raise CannotInspectError(
+                f"'--engine' must be one of {', '.join(readers) or 'none'}, which read model "
+                f"files, or a version of one, got '{name}'{did_you_mean(base, readers)}"
+            )
+        reader = readers[base]
+        try:
+            engine = versioned(name) if at else None
+        except VersionError as error:
+            raise CannotInspectError(f"'--engine' {error}") from None
+        version, site = (engine.version, engine.site) if engine else (reader.version, "")
+        asked.append(Asked(name, version, site, reader))
+    return asked
+
+
+def inspect_model(model: ModelFile, executor: Executor, engines: Sequence[Asked]) -> Inspection:
+    """Read a model with every configuration of some engines, and compare.
+
+    Parameters
+    ----------
+    executor : makes the engines' readings, each in a child that may crash or hang
+
+    Raises
+    ------
+    CannotInspectError
+        If none of the engines reads this kind of file.
+    """
+    able = [engine for engine in engines if model.format in engine.reader.formats]
+    if not able:
+        names = ", ".join(engine.name for engine in engines) or "no installed engine"
+        raise CannotInspectError(f"{names} cannot read {model.format.upper()}")
+    faults = {link.name: problems(link) for link in model.links}
+    held: dict[str, list[Held]] = {link.name: [] for link in model.links}
+    refusals: dict[tuple[str, str], str] = {}
+    for engine, setting in [
+        (one, setting) for one in able for setting in one.reader.configurations
+    ]:
+        answer = executor.call_at(engine.site, read_held, engine.reader.name, model, setting.name)
+        who = (engine.name, engine.version, setting.name)
+        if isinstance(answer.value, CallFailed | str):
+            reason = answer.value if isinstance(answer.value, str) else answer.value.reason
+            refusals[engine.name, setting.name] = reason
+            for name in held:
+                held[name].append(Held(*who, None, None, reason, "refused"))
+            continue
+        for link, one in _compared(model, answer.value, who, setting, faults):
+            held[link.name].append(one)
+    links = [InspectedLink(li, faults[li.name], tuple(held[li.name])) for li in model.links]
+    return Inspection(model, tuple(links), refusals)
+
+
+def read_held(engine: str, model: ModelFile, configuration: str) -> Bodies | str:
+    """Run in a worker: the bodies that an engine holds, or why it refuses the file."""
+    reader = model_readers().get(engine)
+    if reader is None:
+        return f"{engine} cannot be imported"
+    try:
+        return reader.read(model, configuration)
+    except EngineError as error:
+        return str(error)
+
+
+def _compared(
+    model: ModelFile,
+    bodies: Bodies,
+    who: tuple[str, str, str],
+    configuration: Configuration,
+    faults: dict[str, tuple[FileProblem, ...]],
+) -> Iterator[tuple[Link, Held]]:
+    """Compare every link of the file with the body that one configuration holds."""
+    gone = frozenset(link.name for link in model.links) - set(bodies)
+    hosts = _hosts(model, gone)
+    for link in model.links:
+        body = bodies.get(link.name)
+        if body is None:
+            host = hosts[link.name]
+            where = f"'{host}'" if host else "the world: it cannot move"
+            reason = "" if link.name == WORLD else f"fused with {where}"
+            yield link, Held(*who, None, None, reason)
+            continue
+        parts = welded(model.links, link.name, gone)
+        yield link, _held(model, parts, body, who, configuration, faults)
+
+
+def _held(
+    model: ModelFile,
+    parts: list[tuple[Link, Pose]],
+    body: BodyReading,
+    who: tuple[str, str, str],
+    configuration: Configuration,
+    faults: dict[str, tuple[FileProblem, ...]],
+) -> Held:
+    stated = [(link.stated, pose) for link, pose in parts if link.stated is not None]
+    others = tuple(link.name for link, _ in parts[1:])
+    if not stated:
+        empty = body.mass == 0 and not body.inertia_com.any()
+        if model.format == "mjcf":
+            return Held(*who, body, None, "" if empty else "taken from its shapes, as MJCF has it")
+        if empty:
+            return Held(*who, body, True, fused=others)
+        return Held(*who, body, False, held_of_nothing(body), "nothing stated", others)
+    whole = fused(stated) if others else stated[0][0]
+    apart = difference(whole, body)
+    agrees = apart.worst <= AGREES
+    wrong = tuple(problem for link, _ in parts for problem in faults[link.name])
+    kind, sentence = cause(whole, body, apart, wrong, configuration.made_up)
+    if others and kind in ("other", "turned", "rotation lost"):
+        kind, sentence = "sum", f"the sum of its fused parts is wrong: {sentence}"
+    return Held(
+        *who,
+        body,
+        agrees,
+        "" if agrees else sentence,
+        "" if agrees else kind,
+        others,
+        whole,
+        apart,
+        attitude_apart_deg(whole.inertia, body.inertia_com),
+    )
+
+
+def _hosts(model: ModelFile, gone: frozenset[str]) -> dict[str, str]:
+    """For each link without a body of its own, the link it is fused with; empty for the world."""
+    parents = {link.name: link.parent for link in model.links}
+    hosts = {}
+    for name in gone:
+        host = parents[name]
+        while host in gone:
+            host = parents[host]
+        hosts[name] = host
+    return hosts

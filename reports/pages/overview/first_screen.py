@@ -1,0 +1,236 @@
+"""The report's answer in three sentences: how wrong the defaults are, what to use, and why."""
+
+import math
+from collections import Counter
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+from statistics import median, median_high
+
+from ...results.records import Pair, Row
+from ..analysis.gyroscopic import without_gyroscopic_torque
+from ..analysis.report_data import ReportData, SceneRuns
+from ..analysis.timesteps import as_shipped, row_at, stock_timesteps
+from ..analysis.wording import duration, plural, readable
+from ..analysis.work_precision import cost
+
+#: A method is recommended instead of a default if it can simulate this fraction of the scenes.
+COVERING = 0.9
+#: A cause is given for a default if it holds on at least this fraction of the scenes it gets wrong.
+COMMON = 0.1
+#: Number of engines whose defaults are described one by one, smallest errors first.
+LISTED = 2
+#: Relative error of ω from which on a single default is mentioned.
+NOTICED_OMEGA = 0.01
+
+
+@dataclass(frozen=True)
+class Sentence:
+    """A heading of a few words, and the answer."""
+
+    heading: str
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class _AtStock:
+    """One method's runs at its engine's stock timestep, by scene, as far as they were made."""
+
+    pair: Pair
+    timestep: float
+    rows: dict[str, Row]
+
+    @property
+    def attitudes(self) -> dict[str, float]:
+        """The error in degrees by scene; infinite where the run did not end ok."""
+        return {
+            name: math.degrees(row.errors.attitude) if row.errors else math.inf
+            for name, row in self.rows.items()
+        }
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Median and worst error; of two middle ones the larger, as errors may be infinite."""
+        errors = self.attitudes.values()
+        return median_high(errors), max(errors)
+
+    def __str__(self) -> str:
+        """The errors in words: median, and worst with its scene."""
+        errors = self.attitudes
+        middle, _ = self.size
+        ended = {name: error for name, error in errors.items() if error < math.inf}
+        unfinished = len(errors) - len(ended)
+        if math.isinf(middle):
+            return f"does not come to the end of {unfinished} of {plural(len(errors), 'scene')}"
+        worst = max(ended, key=lambda name: ended[name])
+        text = (
+            f"is {_degrees(middle)} off in attitude, at worst {_degrees(ended[worst])} on {worst}"
+        )
+        return text + (f", and {plural(unfinished, 'run')} blew up" if unfinished else "")
+
+
+def answer(gathered: ReportData, harmless: Collection[str] = frozenset()) -> tuple[Sentence, ...]:
+    """The sentences, from the plain scenes alone; none where nothing was run at stock timesteps.
+
+    Parameters
+    ----------
+    harmless : what changes no motion, measured: no reason for a wrong one
+    """
+    plain = gathered.plain
+    steps = stock_timesteps(plain)
+    tried = [_at_stock(plain, pair, steps[pair[0]]) for pair in plain.pairs if pair[0] in steps]
+    there = {one.pair: one for one in tried if one.rows}
+    # The first of each engine: further methods as shipped lack some of the defaults.
+    first = {pair[0]: there[pair] for pair in reversed(as_shipped(plain)) if pair in there}
+    shipped = sorted(first.values(), key=lambda one: one.size)
+    clean = [one for pair, one in there.items() if pair not in as_shipped(plain)]
+    if not shipped:
+        return ()
+    listed, others = shipped[:LISTED], shipped[LISTED:]
+    most = max(len(one.rows) for one in shipped)
+    wrong = [f"{_named(one)} {one}" for one in listed] + _others(others)
+    instead = [text for one in listed if (text := _instead(one, clean))]
+    measured = {one.key.engine for scene in plain.scenes for one in scene.defaults}
+    explained = [one for one in shipped if one in listed or one.pair[0] in measured]
+    why = [_why(one, plain.scenes, harmless) for one in explained] + _no_gyroscopic_torque(plain)
+    sentences = [
+        Sentence(f"What defaults get wrong (median of {plural(most, 'scene')})", _sentences(wrong)),
+        Sentence("What to use instead", _sentences(instead)),
+        Sentence("Why", _sentences(why)),
+    ]
+    return tuple(sentence for sentence in sentences if sentence.text)
+
+
+def _others(shipped: Sequence[_AtStock]) -> list[str]:
+    """The other defaults in short: the range of their medians, and which mostly blow up."""
+    ended = [one for one in shipped if one.size[0] < math.inf]
+    unfinished = [one.pair[0] for one in shipped if one not in ended]
+    sentences = []
+    if ended:
+        low, high = (_degrees(one.size[0]) for one in (ended[0], ended[-1]))
+        names = ", ".join(one.pair[0] for one in ended)
+        ranged = low if low == high else f"{low} to {high}"
+        sentences.append(f"The defaults of {names} are {ranged} off")
+    if unfinished:
+        sentences.append(f"Those of {', '.join(unfinished)} do not come to the end of most scenes")
+    return sentences
+
+
+def _no_gyroscopic_torque(gathered: ReportData) -> list[str]:
+    """The engines that leave out the gyroscopic torque, and the effect; empty if none does."""
+    lacking, tried = without_gyroscopic_torque(gathered)
+    if not lacking:
+        return []
+    worst = max(lacking, key=lambda one: one.omega_error)
+    names = ", ".join(one.engine for one in lacking)
+    leave = "leaves" if len(lacking) == 1 else "leave"
+    return [
+        f"{len(lacking)} of {plural(tried, 'engine')} {leave} out the gyroscopic torque as shipped "
+        f"({names}): no free body tumbles, and ω is up to {worst.omega_error:.0%} off, "
+        f"with {worst.engine} on {worst.worst_scene}"
+    ]
+
+
+def _at_stock(gathered: ReportData, pair: Pair, timestep: float) -> _AtStock:
+    rows = {
+        scene.name: row
+        for scene in gathered.scenes
+        for runs in scene.methods
+        if (runs.engine, runs.method) == pair
+        and (row := row_at(runs, "stock", timestep)) is not None
+        and row.made
+    }
+    return _AtStock(pair, timestep, rows)
+
+
+def _instead(shipped: _AtStock, clean: Sequence[_AtStock]) -> str:
+    """The most accurate method of the same engine at the same timestep, and its price."""
+    own = [one for one in clean if one.pair[0] == shipped.pair[0]]
+    most = max((len(one.rows) for one in own), default=0)
+    offered = [one for one in own if len(one.rows) >= COVERING * most]
+    best = min(offered, key=lambda one: one.size, default=None)
+    if best is None or best.size >= shipped.size:
+        return ""
+    engine, method = best.pair
+    text = f"{engine} {method} at the same {duration(best.timestep)} {best}"
+    prices = [
+        dear / cheap
+        for name in best.rows.keys() & shipped.rows.keys()
+        if (dear := cost(best.rows[name])) and (cheap := cost(shipped.rows[name]))
+    ]
+    return text + (f", for {readable(median(prices))} times the CPU time" if prices else "")
+
+
+def _why(shipped: _AtStock, scenes: Sequence[SceneRuns], harmless: Collection[str]) -> str:
+    """The reason of the errors: the timestep, or defaults of the engine."""
+    verdicts = {
+        scene.name: runs.verdict.verdict
+        for scene in scenes
+        for runs in scene.methods
+        if (runs.engine, runs.method) == shipped.pair and runs.verdict
+    }
+    wrong = [name for name, word in verdicts.items() if word in ("disagrees", "diverges", "failed")]
+    name = " ".join(shipped.pair)
+    good = sum(word == "converges" for word in verdicts.values())
+    if not wrong and not good:
+        return f"The timesteps of {name} were too coarse to tell on all its scenes"
+    if not wrong:
+        open_ = len(verdicts) - good
+        left = f" (on {open_} its timesteps were too coarse to tell)" if open_ else ""
+        scenes_tried = plural(len(verdicts), "scene")
+        return (
+            f"{name} converges to the exact motion on {good} of {scenes_tried} as its "
+            f"timestep shrinks{left}: its errors are its integrator's"
+        )
+    text = f"{name} does not, at any timestep, on {len(wrong)} of {plural(len(verdicts), 'scene')}"
+    wrong_scenes = [scene for scene in scenes if scene.name in wrong]
+    causes = _by_each_default(shipped.pair, wrong_scenes) or _acting(shipped, wrong, harmless)
+    return text + (f": {causes}" if causes else "")
+
+
+def _by_each_default(pair: Pair, scenes: Sequence[SceneRuns]) -> str:
+    """On how many scenes each default alone causes an error of ω, if that was measured."""
+    measured = [
+        one
+        for scene in scenes
+        for one in scene.defaults
+        if (one.key.engine, one.key.method) == pair
+    ]
+    counted = Counter(
+        effect.name
+        for effects in measured
+        if effects.none is not None
+        for effect in effects.each
+        if effect.alone is None or effect.alone.omega > max(NOTICED_OMEGA, 2 * effects.none.omega)
+    )
+    listed = ", ".join(f"{name} on {amount}" for name, amount in counted.most_common())
+    return f"ω is more than {NOTICED_OMEGA:.0%} off by its {listed}, each alone" if listed else ""
+
+
+def _acting(shipped: _AtStock, wrong: Sequence[str], harmless: Collection[str]) -> str:
+    """What acted though not called for, as reported by the engine, and on how many scenes."""
+    rows = [shipped.rows[name] for name in wrong if name in shipped.rows]
+    counted = Counter(cause for row in rows for cause in dict.fromkeys(_unasked(row)))
+    return ", ".join(
+        f"{cause} ({amount})"
+        for cause, amount in counted.most_common()
+        if amount > COMMON * len(rows) and cause.removeprefix("a ") not in harmless
+    )
+
+
+def _unasked(row: Row) -> Iterator[str]:
+    # Measured sizes differ between scenes; names do not, so only names are counted.
+    yield from (name for name in row.unasked if not any(map(str.isdigit, name)))
+    if row.cause == "clamp":
+        yield "a velocity clamp"
+
+
+def _named(one: _AtStock) -> str:
+    return f"{' '.join(one.pair)} at its stock {duration(one.timestep)}"
+
+
+def _degrees(error: float) -> str:
+    return f"{readable(error)}°"
+
+
+def _sentences(parts: Sequence[str]) -> str:
+    return " ".join(f"{part}." for part in parts)

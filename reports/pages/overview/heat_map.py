@@ -1,0 +1,122 @@
+"""Data of the first screen's table, for its script: the error of each method on each scene."""
+
+from typing import Any
+
+import numpy as np
+
+from ...results.records import Pair, Row
+from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
+from ..analysis.timesteps import AT, as_shipped, best_choice, leading, row_at, stock_timesteps
+from ..analysis.wording import duration
+from ..analysis.work_precision import cost
+from ..links import method_anchor, scene_page
+from ..tables import SIGNS
+from .overview import GROUPS, group_of
+
+#: Significant digits that are carried; cells show two, their details three.
+DIGITS = 3
+#: Names of the timesteps in the script's switch.
+SHOWN_SIGNALS = ("attitude", "omega", "angular_momentum", "energy")
+#: Characters of the reason of a run that is not ok.
+REASON = 160
+
+
+def heat_map(gathered: ReportData) -> dict[str, Any]:
+    """Columns, and for each scene a cell a column and the best choice.
+
+    A cell is None where a method was not tried, else `[verdict, stock, 1 ms, finest]`, each of the
+    three None, or `[timestep, cost, attitude, ω, L, energy]` of a run that ended ok, or
+    `[timestep, outcome, when, why]` of one that did not. An error below the reference's uncertainty
+    is given as that uncertainty with a minus sign.
+    """
+    steps = stock_timesteps(gathered)
+    shipped = as_shipped(gathered)
+    pairs = [*shipped, *(pair for pair in gathered.pairs if pair not in shipped)]
+    first = leading(gathered.plain)
+    columns = [
+        {
+            "engine": engine,
+            "method": method,
+            "label": _label((engine, method), shipped),
+            "shipped": (engine, method) in shipped,
+            "stock": duration(steps[engine]) if engine in steps else "",
+            "leading": (engine, method) in first,
+            "anchor": method_anchor(engine, method),
+        }
+        for engine, method in pairs
+    ]
+    scenes = []
+    for scene in gathered.scenes:
+        tried = {(runs.engine, runs.method): runs for runs in scene.methods}
+        cells = [_cell(scene, tried.get(pair), steps.get(pair[0])) for pair in pairs]
+        scenes.append(_scene(scene) | {"cells": cells, "best": _best(scene, steps)})
+    return {"columns": columns, "scenes": scenes, "kinds": GROUPS, "signs": SIGNS}
+
+
+def _label(pair: Pair, shipped: list[Pair]) -> str:
+    """Heading below the group's: a method's name, or the engine's if it is as shipped."""
+    engine, method = pair
+    if pair not in shipped:
+        return method
+    own = [other for other in shipped if other[0] == engine]
+    return engine if own[0] == pair else f"{engine}, {method.removeprefix('default-')}"
+
+
+def _scene(scene: SceneRuns) -> dict[str, Any]:
+    scenario = scene.solved.scenario if scene.solved else None
+    return {
+        "name": scene.name,
+        "title": scene.title,
+        "page": scene_page(scene.name),
+        "kind": group_of(scene),
+        "hard": bool(scenario and scenario.hard),
+        "tags": list(scenario.document.tags) if scenario else [],
+    }
+
+
+def _cell(scene: SceneRuns, runs: MethodRuns | None, stock: float | None) -> list[Any] | None:
+    if runs is None:
+        return None
+    rows = [row_at(runs, at, stock or 0.0) for at in AT]
+    verdict = runs.verdict.verdict if runs.verdict else ""
+    return [verdict, *(_run(scene, row) if row else None for row in rows)]
+
+
+def _run(scene: SceneRuns, row: Row) -> list[Any]:
+    if row.errors is None:
+        return [row.timestep, row.outcome, _rounded(row.stopped_at), row.reason[:REASON]]
+    limits = dict(scene.uncertainty(row))
+    errors = dict(row.errors)
+    drawn = [
+        -limits[name] if errors[name] <= limits[name] else errors[name] for name in SHOWN_SIGNALS
+    ]
+    return [_rounded(row.timestep), _rounded(cost(row)), *(_rounded(error) for error in drawn)]
+
+
+def _best(scene: SceneRuns, steps: dict[str, float]) -> dict[str, Any] | None:
+    """The best choice, and how many times the default costs: its engine's own, or the first."""
+    best = best_choice(scene) if scene.solved else None
+    if best is None:
+        return None
+    defaults = {
+        runs.engine: cost(row)
+        for runs in scene.methods
+        if runs.verdict and runs.verdict.as_shipped
+        if (row := row_at(runs, "stock", steps.get(runs.engine, 0.0))) is not None
+    }
+    engine = best.runs.engine
+    default = defaults.get(engine, next(iter(defaults.values()), None))
+    return {
+        "label": best.runs.label,
+        "anchor": method_anchor(best.runs.engine, best.runs.method),
+        "timestep": duration(best.row.timestep),
+        "within": best.within,
+        "default": engine if engine in defaults else next(iter(defaults), ""),
+        "price": _rounded(best.cost / default) if best.cost and default else None,
+        "run": _run(scene, best.row),
+    }
+
+
+def _rounded(value: float | None) -> float | None:
+    """The number rounded to the digits carried; None for inf and NaN, which JSON lacks."""
+    return float(f"{value:.{DIGITS}g}") if value is not None and np.isfinite(value) else None

@@ -1,0 +1,246 @@
+"""The first page: headline, matrix of verdicts, methods and complaints."""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from statistics import median
+
+from ....engines import Method
+from ...results.records import Pair, Verdict, VerdictWord
+from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
+from ..analysis.wording import NOTHING, number, order, plural
+from ..links import method_anchor, scene_page
+from ..tables import VERDICTS, Cell, Table, figure, table, verdict_cell
+
+#: Words of the headline for each verdict, singular and plural.
+VERDICT_PHRASES: dict[VerdictWord, tuple[str, str]] = {
+    "converges": ("converges to the exact motion", "converge to the exact motion"),
+    "disagrees": ("settles on a wrong one", "settle on a wrong one"),
+    "failed": ("failed", "failed"),
+    "diverges": ("blows up", "blow up"),
+    "unresolved": ("is unresolved", "are unresolved"),
+    "unsupported": ("cannot be simulated", "cannot be simulated"),
+}
+#: Groups of scenes, in reading order.
+GROUPS = ("On a pivot", "Free", "Thrown", "Driven or damped", "Not solved")
+
+
+@dataclass(frozen=True)
+class Group:
+    """Scenes of one kind: a title and, for each scene, its name, title, page and cells."""
+
+    title: str
+    scenes: tuple[tuple[Cell, tuple[Cell, ...]], ...]
+
+
+@dataclass(frozen=True)
+class VerdictMatrix:
+    """Verdicts, scenes down and methods across. `engines` are names and numbers of methods."""
+
+    engines: tuple[tuple[str, int], ...]
+    methods: tuple[str, ...]
+    groups: tuple[Group, ...]
+
+
+def headline(gathered: ReportData) -> str:
+    """Counts of verdicts in words; hard scenes and engines as shipped are counted separately."""
+    plain = gathered.plain
+    verdicts = [verdict for verdict in plain.verdicts if not verdict.as_shipped]
+    shipped = [verdict for verdict in plain.verdicts if verdict.as_shipped]
+    counts = Counter(verdict.verdict for verdict in verdicts)
+    parts = [
+        f"{counts[word]} {VERDICT_PHRASES[word][counts[word] > 1]}"
+        for word in VERDICTS
+        if counts[word]
+    ]
+    unmet = sum(bool(verdict.unmet) for verdict in verdicts)
+    missed = (
+        f" {plural(unmet, 'method')} missed an expectation of the scene's file." if unmet else ""
+    )
+    scenes = plural(len(plain.scenes), "scene")
+    methods = plural(len({(v.key.engine, v.key.method) for v in verdicts}), "method")
+    pairs = plural(len(verdicts), "pair")
+    text = f"{scenes} × {methods}."
+    if verdicts:
+        text += f" Of {pairs} of a scene and a method, {_listed(parts)}.{missed}"
+    if shipped:
+        good = sum(verdict.verdict == "converges" for verdict in shipped)
+        text += f" With their defaults (as shipped), {good} of {len(shipped)} pairs converge."
+    if hard := len(gathered.scenes) - len(plain.scenes):
+        text += f" Hard scenes ({hard}) are counted separately, below."
+    return text
+
+
+def counts(gathered: ReportData) -> list[Cell]:
+    """How many pairs have each verdict; without engines as shipped."""
+    counted = Counter(v.verdict for v in gathered.verdicts if not v.as_shipped)
+    return [verdict_cell(word, str(counted[word])) for word in VERDICTS if counted[word]]
+
+
+def matrix(gathered: ReportData) -> VerdictMatrix:
+    """The matrix of verdicts, with the order of accuracy in each cell."""
+    return matrix_of(gathered, gathered.scenes, _order_detail)
+
+
+def matrix_of(
+    gathered: ReportData,
+    shown: Sequence[SceneRuns],
+    detail: Callable[[SceneRuns, MethodRuns], str],
+) -> VerdictMatrix:
+    """Matrix of verdicts on some scenes, with a note in each cell."""
+    engines = Counter(engine for engine, _ in gathered.pairs)
+    groups = []
+    for title in GROUPS:
+        scenes = [scene for scene in shown if group_of(scene) == title]
+        if scenes:
+            rows = tuple(_matrix_row(scene, gathered.pairs, detail) for scene in scenes)
+            groups.append(Group(title, rows))
+    shipped = {(v.key.engine, v.key.method) for v in gathered.verdicts if v.as_shipped}
+    methods = tuple(
+        f"{pair[1]}, as shipped" if pair in shipped else pair[1] for pair in gathered.pairs
+    )
+    return VerdictMatrix(tuple(engines.items()), methods, tuple(groups))
+
+
+def group_of(scene: SceneRuns) -> str:
+    """The one of `GROUPS` that a scene belongs to, by its effects."""
+    if scene.solved is None:
+        return "Not solved"
+    effects = scene.solved.scenario.called_for
+    if effects & {"drag", "torque_body", "torque_world"}:
+        return "Driven or damped"
+    if "pivot" in effects:
+        return "On a pivot"
+    return "Thrown" if "gravity" in effects else "Free"
+
+
+def methods_table(gathered: ReportData) -> Table:
+    """Table of the methods, with their results over all scenes."""
+    headings = (
+        "engine",
+        "version",
+        "method",
+        "declared order",
+        *VERDICTS,
+        "CPU a step, µs (median)",
+    )
+    return table(headings, [_method_row(pair, gathered) for pair in gathered.pairs])
+
+
+def complaints(
+    gathered: ReportData, words: Iterable[VerdictWord], *, as_shipped: bool = False
+) -> Table:
+    """Every verdict out of `words`, and every unmet expectation, with its reason.
+
+    Either of engines as shipped or of the others.
+    """
+    wanted = list(words)
+    rows = []
+    for word in VERDICTS:
+        for scene in gathered.scenes:
+            for runs in scene.methods:
+                verdict = runs.verdict
+                if not verdict or verdict.as_shipped != as_shipped or verdict.verdict != word:
+                    continue
+                if word in wanted or verdict.unmet:
+                    rows.append(_complaint(scene, runs, verdict))
+    return table(("scene", "engine", "method", "verdict", "reason"), rows)
+
+
+def environment_table(gathered: ReportData) -> Table:
+    """Table of machine and versions."""
+    return table(("", "value"), [(name, value) for name, value in gathered.environment.items()])
+
+
+def _matrix_row(
+    scene: SceneRuns,
+    pairs: Sequence[Pair],
+    detail: Callable[[SceneRuns, MethodRuns], str],
+) -> tuple[Cell, tuple[Cell, ...]]:
+    page = scene_page(scene.name)
+    tried = {(runs.engine, runs.method): runs for runs in scene.methods}
+    cells = []
+    for pair in pairs:
+        runs = tried.get(pair)
+        title = detail(scene, runs) if runs else ""
+        cells.append(_matrix_cell(runs, page, title))
+    return Cell(scene.name, "scene", scene.title, page), tuple(cells)
+
+
+def _matrix_cell(runs: MethodRuns | None, page: str, detail: str) -> Cell:
+    if runs is None:
+        return Cell("not run", "absent")
+    link = f"{page}#{method_anchor(runs.engine, runs.method)}"
+    if runs.verdict is None:
+        return Cell("no verdict", "absent", "", link)
+    return verdict_cell(runs.verdict.verdict, detail, link)
+
+
+def _order_detail(scene: SceneRuns, runs: MethodRuns) -> str:  # noqa: ARG001
+    verdict = runs.verdict
+    if verdict is None:
+        return ""
+    if verdict.unmet:
+        return "expectation unmet"
+    if verdict.order is not None:
+        return f"order {order(verdict.order)}"
+    return "to round-off" if verdict.verdict == "converges" else ""
+
+
+def _method_row(pair: tuple[str, str], gathered: ReportData) -> list[Cell | str]:
+    engine, method = pair
+    entries = [
+        runs
+        for scene in gathered.scenes
+        for runs in scene.methods
+        if (runs.engine, runs.method) == pair
+    ]
+    declared = entries[0].declared
+    versions = sorted({row.engine_version for runs in entries for row in runs.rows})
+    counts = Counter(runs.verdict.verdict for runs in entries if runs.verdict)
+    steps = [
+        runs.rows[-1].seconds_per_step
+        for runs in entries
+        if runs.rows and runs.rows[-1].seconds_per_step is not None
+    ]
+    timed = [seconds for seconds in steps if seconds is not None]
+    return [
+        Cell(engine, "name"),
+        ", ".join(versions),
+        Cell(method, "name", declared.summary if declared else ""),
+        figure(_declared_orders(declared)),
+        *(
+            Cell(str(counts[word]), f"number {word if counts[word] else 'none'}")
+            for word in VERDICTS
+        ),
+        figure(number(1e6 * median(timed)) if timed else NOTHING),
+    ]
+
+
+def _declared_orders(declared: Method | None) -> str:
+    if declared is None:
+        return NOTHING
+    if declared.order == declared.attitude_order:
+        return str(declared.order)
+    return f"ω {declared.order}, attitude {declared.attitude_order}"
+
+
+def _complaint(scene: SceneRuns, runs: MethodRuns, verdict: Verdict) -> list[Cell | str]:
+    page = scene_page(scene.name)
+    link = f"{page}#{method_anchor(runs.engine, runs.method)}"
+    return [
+        Cell(scene.name, "scene", "", page),
+        Cell(runs.engine, "name"),
+        Cell(runs.method, "name"),
+        verdict_cell(verdict.verdict, "expectation unmet" if verdict.unmet else "", link),
+        reason_of(verdict),
+    ]
+
+
+def reason_of(verdict: Verdict) -> str:
+    """The reason of a verdict, and its unmet expectations."""
+    return "; ".join([verdict.reason, *(f"expectation unmet: {line}" for line in verdict.unmet)])
+
+
+def _listed(parts: list[str]) -> str:
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"

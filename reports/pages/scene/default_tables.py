@@ -1,0 +1,89 @@
+"""Tables, on a scene's page, of the effect of each default of an engine as shipped."""
+
+import math
+from dataclasses import dataclass
+
+from ....scenarios import Errors
+from ...results.default_records import DefaultEffects
+from ..analysis.report_data import SceneRuns
+from ..analysis.wording import NOTHING, duration, limited
+from ..tables import Cell, Table, figure, table
+
+#: A default has an effect if the error of ω exceeds this many times that without, and this size.
+NOTICED, NEGLIGIBLE = 1.5, 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class DefaultsTable:
+    """One engine as shipped.
+
+    Attributes
+    ----------
+    label : engine, method and timestep
+    sentence : which default changes the motion most
+    """
+
+    label: str
+    sentence: str
+    table: Table
+
+
+def default_tables(scene: SceneRuns) -> list[DefaultsTable]:
+    """One table for each engine whose defaults were measured one by one."""
+    return [
+        DefaultsTable(
+            f"{measured.key.engine} {measured.key.method} at {duration(measured.timestep)}",
+            _sentence(measured),
+            _table(scene, measured),
+        )
+        for measured in scene.defaults
+    ]
+
+
+def _table(scene: SceneRuns, measured: DefaultEffects) -> Table:
+    headings = [
+        f"{error} {which}"
+        for which in ("with it alone", "with all others")
+        for error in ("attitude, °,", "ω, relative,", "energy, relative,")
+    ]
+    pairs = [(one.name, one.alone, one.without) for one in measured.each]
+    rows = [
+        [Cell(name, "name"), *_errors(scene, alone), *_errors(scene, without)]
+        for name, alone, without in [*pairs, ("no default, and all", measured.none, measured.all)]
+    ]
+    return table(("default", *headings), rows)
+
+
+def _sentence(measured: DefaultEffects) -> str:
+    """In words, the defaults that alone increase the error of ω, the largest first."""
+    if measured.none is None:
+        return "The run does not come to its end without any of them."
+    least = max(NOTICED * measured.none.omega, NEGLIGIBLE)
+    sizes = {one.name: _size(one.alone) for one in measured.each}
+    effective = sorted((name for name in sizes if sizes[name] > least), key=lambda n: -sizes[n])
+    if not effective:
+        return "None of them alone alters the motion by more than the timestep does."
+    idle = [name for name in sizes if name not in effective]
+    text = f"The {effective[0]} alters ω most"
+    if len(effective) > 1:
+        text += f", then the {' and the '.join(effective[1:])}"
+    if idle:
+        text += f"; the {' and the '.join(idle)} by no more than the timestep does"
+    return f"{text}."
+
+
+def _size(errors: Errors | None) -> float:
+    return math.inf if errors is None else errors.omega
+
+
+def _errors(scene: SceneRuns, errors: Errors | None) -> list[Cell]:
+    """Cells of the errors of attitude, ω and energy, at least the reference's uncertainty."""
+    if errors is None:
+        return [Cell("diverged", "diverged"), figure(NOTHING), figure(NOTHING)]
+    assert scene.solved is not None, "defaults are measured of solved scenes"
+    uncertainty = scene.solved.solution.uncertainty
+    return [
+        figure(limited(math.degrees(errors.attitude), math.degrees(uncertainty.attitude))),
+        figure(limited(errors.omega, uncertainty.omega)),
+        figure(limited(errors.energy, uncertainty.energy)),
+    ]

@@ -1,0 +1,190 @@
+"""The motions of a scene as its page carries them: compact, for the player and for θ(t), ω(t).
+
+Attitudes and rates are rounded to what a picture shows. Errors are not read off those: they are
+computed here from the doubles of the result file, and carried as logarithms.
+"""
+
+import math
+from html import escape
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....reference import ExactMotion
+from ....scenarios import FloatArray, Trajectory
+from ...results.records import Row
+from ...results.store import SceneResult
+from ..analysis.report_data import Compared, SceneRuns
+from ..analysis.wording import duration
+from ..figures.drawn_body import drawn_body
+from ..figures.plot import claimed, thinned
+from .differences import Differences, differenced
+
+#: Of the exact motion on a page, and of a run; a page grows with every one.
+EXACT_SAMPLES, RUN_SAMPLES = 600, 200
+#: Of all runs of a page together.
+PAGE_SAMPLES = 4400
+#: Samples a turn of the fastest rate, through which the page's script draws smooth lines.
+EXACT_A_TURN, RUN_A_TURN = 16, 6
+#: A motion of a few turns is not drawn with fewer.
+LEAST_SAMPLES = 60
+#: Turns of a motion of more than `EXACT_SAMPLES` take that its geometry is drawn from.
+FIRST_TURNS = 20
+#: rad; a run that is never further off looks like the exact motion, and is drawn as that.
+INVISIBLE = 1e-3
+#: rad; from where on a run is noticeably off.
+NOTICEABLE = math.radians(1.0)
+#: Steps that components of quaternions are rounded to, of the exact motion and of runs: where a
+#: window of one degree is drawn, half of the latter is a pixel.
+EXACT_STEP, RUN_STEP = 2.0**-16, 2.0**-13
+#: The same of ω, in parts of the exact motion's fastest.
+EXACT_OMEGA_STEP, RUN_OMEGA_STEP = 2.0**-15, 2.0**-12
+#: The same of logarithms of errors, in decades (1.2 %); from where on they are carried.
+DECADES_STEP, LOWEST_DECADE = 0.01, -20.0
+
+
+def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
+    """What the page's script draws motions from; None where the scene could not be solved."""
+    solved = scene.solved
+    if solved is None:
+        return None
+    end = float(solved.solution.trajectory.t[-1])
+    exact = _exact(scene, end, _samples_for(scene, EXACT_SAMPLES, EXACT_A_TURN))
+    fastest = float(np.linalg.norm(exact.omega_body, axis=1).max()) or 1.0
+    data = {
+        "body": _body(solved),
+        "duration": end,
+        "fastest": fastest,
+        "noticeable": math.degrees(NOTICEABLE),
+        "exact": _exact_states(exact, fastest),
+        "runs": [_run(run, scene, fastest) for run in scene.compared],
+        "first": _first(scene),
+    }
+    turns = _turns(scene)
+    if turns * EXACT_A_TURN > EXACT_SAMPLES:
+        first = _exact(scene, end * FIRST_TURNS / turns, FIRST_TURNS * EXACT_A_TURN + 1)
+        data["beginning"] = _exact_states(first, fastest)
+    return data
+
+
+def _exact(scene: SceneRuns, end: float, samples: int) -> Trajectory:
+    assert scene.solved is not None, "what is exact is known of a solved scene"
+    return ExactMotion(scene.solved.scenario).outline(np.linspace(0.0, end, samples))
+
+
+def _first(scene: SceneRuns) -> int:
+    """Which run is played first: of engines as shipped at their own timesteps the least wrong."""
+    shipped = [
+        (float(run.series["attitude"].max()), k)
+        for k, run in enumerate(scene.compared)
+        if run.runs.declared and run.runs.declared.as_shipped and run.row is run.runs.drawn[0]
+    ]
+    return min(shipped, default=(0.0, 0))[1]
+
+
+def noticeable_from(run: Compared) -> float | None:
+    """When a run's attitude is first off by more than `NOTICEABLE`, s; None if it never is."""
+    beyond = np.flatnonzero(run.series["attitude"] > NOTICEABLE)
+    return float(run.motion.t[beyond[0]]) if len(beyond) else None
+
+
+def run_name(row: Row) -> str:
+    """Engine, method and timestep, as one says them."""
+    return f"{row.key.engine} {row.key.method} at {duration(row.timestep)}"
+
+
+def _body(solved: SceneResult) -> dict[str, Any]:
+    scenario, drawn = solved.scenario, drawn_body(solved)
+    inertia = scenario.body.inertia_origin if scenario.has_pivot else scenario.body.inertia_com
+    return {
+        "shape": drawn.shape,
+        "half_sides": drawn.half_sides.tolist(),
+        "R_body_axes": drawn.R_body_axes.tolist(),
+        "axis": drawn.axis_body.tolist(),
+        "up": drawn.up_world.tolist(),
+        "up_means": drawn.up_means,
+        "com": scenario.body.com.tolist() if scenario.has_pivot else [0.0, 0.0, 0.0],
+        "inertia": inertia.tolist(),
+        "pivot": scenario.has_pivot,
+    }
+
+
+def _run(run: Compared, scene: SceneRuns, fastest: float) -> dict[str, Any]:
+    assert scene.solved is not None, "a run is compared with an exact motion"
+    uncertainty, style = scene.solved.solution.uncertainty, run.runs.style
+    attitude = claimed(run.series["attitude"], uncertainty.attitude)
+    omega = claimed(run.series["omega"], uncertainty.omega)
+    fair = PAGE_SAMPLES // len(scene.compared)
+    most = min(fair, _samples_for(scene, RUN_SAMPLES, RUN_A_TURN))
+    kept = _kept(run, most, attitude, omega)
+    data: dict[str, Any] = {
+        "label": run.runs.label,
+        "name": run_name(run.row),
+        # Plotly interprets some HTML.
+        "hover": escape(run_name(run.row), quote=False),
+        "outcome": run.row.outcome,
+        "stopped_at": run.row.stopped_at,
+        "look": [style.colour, style.dash],
+        "noticed": noticeable_from(run),
+        # Samples are taken after a whole number of steps.
+        "t": differenced(run.motion.t[kept], run.row.timestep),
+        "attitude": _decades(attitude[kept]),
+        "omega": _decades(omega[kept]),
+        # Nothing smaller is claimed.
+        "uncertainty": uncertainty.attitude,
+    }
+    if run.series["attitude"].max() > INVISIBLE or run.row.outcome != "ok":
+        data |= _states(run.motion, kept, RUN_STEP, RUN_OMEGA_STEP * fastest)
+    return data
+
+
+def _kept(run: Compared, most: int, attitude: FloatArray, omega: FloatArray) -> NDArray[np.intp]:
+    """Evenly spread samples, the largest errors, and the first attitude that is noticeably off."""
+    kept = set(thinned(len(run.motion.t), most).tolist())
+    kept |= {
+        int(np.nanargmax(errors)) for errors in (attitude, omega) if not np.isnan(errors).all()
+    }
+    kept |= set(np.flatnonzero(run.series["attitude"] > NOTICEABLE)[:1].tolist())
+    return np.array(sorted(kept), dtype=np.intp)
+
+
+def _turns(scene: SceneRuns) -> float:
+    """Turns in the window at the fastest rate."""
+    assert scene.solved is not None, "a scene that was solved has a fastest rate"
+    return scene.fastest_rate * float(scene.solved.solution.trajectory.t[-1]) / (2 * math.pi)
+
+
+def _samples_for(scene: SceneRuns, most: int, a_turn: int) -> int:
+    """As many as the turns in the window take."""
+    return int(min(most, max(LEAST_SAMPLES, math.ceil(a_turn * _turns(scene)))))
+
+
+def _exact_states(motion: Trajectory, fastest: float) -> dict[str, Any]:
+    samples = np.arange(len(motion.t))
+    states = _states(motion, samples, EXACT_STEP, EXACT_OMEGA_STEP * fastest)
+    # Evenly spread.
+    return states | {"t": differenced(motion.t, float(motion.t[-1]) / samples[-1])}
+
+
+def _states(
+    motion: Trajectory, kept: NDArray[np.intp], step: float, omega_step: float
+) -> dict[str, Any]:
+    """Components of quaternions, and of ω in body axes, rad/s."""
+    q = _continuous(motion.q_world_body_wxyz[kept])
+    return {
+        "q": [differenced(component, step) for component in q.T],
+        "omega_body": [differenced(part, omega_step) for part in motion.omega_body[kept].T],
+    }
+
+
+def _continuous(q: FloatArray) -> FloatArray:
+    """The same rotations without jumps of sign."""
+    flips = np.cumsum(np.einsum("ij,ij->i", q[1:], q[:-1]) < 0)
+    return np.asarray(q * np.where(np.append(0, flips) % 2, -1.0, 1.0)[:, None])
+
+
+def _decades(errors: FloatArray) -> Differences:
+    """Logarithms of errors."""
+    with np.errstate(divide="ignore"):
+        return differenced(np.maximum(np.log10(errors), LOWEST_DECADE), DECADES_STEP)

@@ -1,0 +1,206 @@
+"""The top of a scene's page: what to use, and the errors of the engines' defaults."""
+
+import math
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ...results.records import Key, Row
+from ..analysis.report_data import Compared, MethodRuns, SceneRuns
+from ..analysis.timesteps import (
+    ATTITUDE_WITHIN,
+    OMEGA_WITHIN,
+    BestChoice,
+    best_choice,
+)
+from ..analysis.wording import NOTHING, duration, limited, number, plural
+from ..analysis.work_precision import cost
+from ..tables import Cell, Table, figure, table
+from .motion_data import noticeable_from
+
+HEADINGS = (
+    "engine",
+    "method",
+    "timestep",
+    "attitude off by, °",
+    "more than 1° off from",
+    "ω error, relative",
+    "energy error, relative",
+    "CPU s a simulated s",
+)
+
+
+#: Number of engines whose defaults are described, and drawn at first.
+SHOWN_DEFAULTS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class SceneAnswer:
+    """The answer at the top of a scene's page.
+
+    Attributes
+    ----------
+    sentence : the defaults' errors, and what to use instead, in words
+    best : None where no method converges on the scene
+    command : runs the best choice again; empty without one
+    defaults : engines as shipped at their stock timesteps, and the best choice
+    others : every other method at its engine's stock timestep and at 1 ms
+    """
+
+    sentence: str
+    best: BestChoice | None
+    label: str
+    facts: tuple[tuple[str, str], ...]
+    command: str
+    defaults: Table
+    others: Table
+
+
+def scene_answer(scene: SceneRuns) -> SceneAnswer | None:
+    """The answer for a scene; None if it could not be solved."""
+    if scene.solved is None:
+        return None
+    best = best_choice(scene)
+    shipped = [runs for runs in scene.methods if runs.declared and runs.declared.as_shipped]
+    others = [runs for runs in scene.methods if runs not in shipped]
+    seen = {(run.row.key, run.row.timestep): run for run in scene.compared}
+    rows = [_line(scene, runs, row, seen) for runs in shipped for row in runs.stock[:1]]
+    if best is not None:
+        rows.append(_line(scene, best.runs, best.row, seen, "recommended"))
+    return SceneAnswer(
+        _sentence(scene, best),
+        best,
+        f"{best.runs.label} at {duration(best.row.timestep)}" if best else "",
+        tuple(_facts(scene, best)) if best else (),
+        _command(scene, best) if best else "",
+        table(HEADINGS, rows),
+        table(HEADINGS, [_line(scene, runs, row, seen) for runs in others for row in runs.stock]),
+    )
+
+
+def shown_at_first(scene: SceneRuns) -> set[str]:
+    """Labels of the methods in figures of motions: the closest defaults and the best choice."""
+    best = best_choice(scene) if scene.solved else None
+    closest = [runs.label for runs, _ in closest_defaults(scene)[:SHOWN_DEFAULTS]]
+    return {*closest, *([best.runs.label] if best else [])}
+
+
+def closest_defaults(scene: SceneRuns) -> list[tuple[MethodRuns, Row]]:
+    """Engines as shipped at their own stock timesteps, the least wrong first."""
+    shipped = [runs for runs in scene.methods if runs.declared and runs.declared.as_shipped]
+    tried = [(runs, row) for runs in shipped for row in runs.stock[:1]]
+    return sorted(tried, key=lambda one: one[1].errors.attitude if one[1].errors else math.inf)
+
+
+def attitude_in_degrees(scene: SceneRuns, row: Row) -> str:
+    """The attitude error of a run, at least the uncertainty; `NOTHING` if it has none."""
+    if row.errors is None:
+        return NOTHING
+    limit = math.degrees(scene.uncertainty(row).attitude)
+    return limited(math.degrees(row.errors.attitude), limit)
+
+
+def _sentence(scene: SceneRuns, best: BestChoice | None) -> str:
+    defaults = closest_defaults(scene)
+    sentences = [_run_in_words(scene, runs.label, row) for runs, row in defaults[:SHOWN_DEFAULTS]]
+    if others := defaults[SHOWN_DEFAULTS:]:
+        are = "is" if len(others) == 1 else "are"
+        sentences.append(f"{plural(len(others), 'other default')} {are} no closer.")
+    if best is None:
+        return " ".join([*sentences, "No method converges on this scene: nothing is recommended."])
+    angle = attitude_in_degrees(scene, best.row)
+    label = f"{best.runs.label} at {duration(best.row.timestep)}"
+    if best.within:
+        within = angle.removeprefix("≤ ")
+        sentences.append(f"{_capital(label)} is within {within}°{_price(best, defaults)}.")
+    else:
+        bound = number(math.degrees(ATTITUDE_WITHIN), 1)
+        sentences.append(
+            f"No run comes within {bound}° of attitude and {OMEGA_WITHIN:g} of ω; the most "
+            f"accurate is {label}, off by {angle}°."
+        )
+    return " ".join(sentences)
+
+
+def _run_in_words(scene: SceneRuns, label: str, row: Row) -> str:
+    run = f"{_capital(label)} at {duration(row.timestep)}"
+    if row.errors is not None:
+        return f"{run} is off by {attitude_in_degrees(scene, row)}° at worst."
+    if not row.made:
+        return f"{run} was not run: {row.reason}."
+    if row.outcome == "unsupported":
+        return f"{run} cannot be run: {row.reason}."
+    when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
+    return f"{run} {row.outcome}{when}."
+
+
+def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
+    """In words, the cost of the best choice relative to the default of the same engine."""
+    for runs, row in defaults:
+        usual = cost(row)
+        if runs.engine == best.runs.engine and row.outcome == "ok" and usual and best.cost:
+            ratio = number(best.cost / usual, 2)
+            return f", for {ratio} times the CPU time of {runs.label}"
+    return ""
+
+
+def _facts(scene: SceneRuns, best: BestChoice) -> list[tuple[str, str]]:
+    errors, limits = best.row.errors, scene.uncertainty(best.row)
+    assert errors is not None, "only a run with errors is recommended"
+    facts = [
+        ("engine", f"{best.runs.engine} {best.row.engine_version}"),
+        ("integrator", best.runs.method),
+        ("timestep", duration(best.row.timestep)),
+        ("attitude error", f"{attitude_in_degrees(scene, best.row)}°"),
+        ("ω error", limited(errors.omega, limits.omega)),
+    ]
+    if best.cost is not None:
+        facts.append(("cost", f"{number(best.cost)} CPU s a simulated s"))
+    return facts
+
+
+def _line(
+    scene: SceneRuns,
+    runs: MethodRuns,
+    row: Row,
+    seen: dict[tuple[Key, float], Compared],
+    note: str = "",
+) -> list[Cell | str]:
+    compared = seen.get((row.key, row.timestep))
+    noticed = noticeable_from(compared) if compared else None
+    return [
+        Cell(runs.engine, "name", note),
+        Cell(runs.method, "name"),
+        figure(duration(row.timestep)),
+        *_errors(scene, row, noticed),
+        figure(number(cost(row))),
+    ]
+
+
+def _errors(scene: SceneRuns, row: Row, noticed: float | None) -> list[Cell]:
+    if row.errors is None:
+        when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
+        word = f"{row.outcome}{when}" if row.made else "not run"
+        kind = row.outcome if row.made else "unsupported"
+        return [Cell(word, kind, note=row.reason), *[figure(NOTHING)] * 3]
+    limits = scene.uncertainty(row)
+    of_signal = [
+        figure(limited(getattr(row.errors, signal), getattr(limits, signal)))
+        for signal in ("omega", "energy")
+    ]
+    begins = f"{number(noticed)} s" if noticed is not None else "never"
+    if row.errors.attitude > math.radians(1) and noticed is None:
+        begins = NOTHING
+    return [figure(attitude_in_degrees(scene, row)), figure(begins), *of_signal]
+
+
+def _command(scene: SceneRuns, best: BestChoice) -> str:
+    key = best.row.key
+    words = ["spincheck", "run", scene.name, "--engine", key.engine, "--method", key.method]
+    return shlex.join([*words, "--timestep", repr(best.row.timestep)])
+
+
+def _capital(text: str) -> str:
+    names = {"mujoco": "MuJoCo", "pybullet": "PyBullet", "mujoco-urdf": "MuJoCo (URDF)"}
+    engine, _, method = text.partition(" ")
+    return f"{names.get(engine, engine)} {method}"

@@ -1,0 +1,286 @@
+"""A scene's tables: its reference, verdicts, conserved quantities, every run."""
+
+from collections import Counter
+from dataclasses import dataclass
+
+from ....reference import facts, invariants
+from ....reference.observables import observables
+from ....scenarios import EFFECTS, SIGNAL, FloatArray, Scenario, Trajectory
+from ...harness.published import published_values
+from ...results.records import Row
+from ...results.store import SceneResult
+from ..analysis.report_data import MethodRuns, SceneRuns
+from ..analysis.survival import in_words, survival
+from ..analysis.wording import (
+    ERROR_HEADINGS,
+    NOTHING,
+    SIGNALS,
+    count,
+    limited,
+    limited_errors,
+    number,
+    observed,
+    order,
+    plural,
+)
+from ..analysis.work_precision import cost
+from ..links import method_anchor
+from ..overview.overview import reason_of
+from ..tables import Cell, Table, figure, table, verdict_cell
+
+
+def effects_table(scenario: Scenario) -> Table:
+    """Which effects the scene calls for, and which are left out."""
+    rows = [
+        (
+            name.replace("_", ", axes of the "),
+            "simulated" if name in scenario.called_for else "left out",
+        )
+        for name in EFFECTS
+    ]
+    return table(("effect", "here"), rows)
+
+
+def exact_motion_table(solved: SceneResult) -> Table:
+    """Table of the reference's uncertainty and conditioning."""
+    growth = dict(solved.solution.conditioning)
+    rows = [
+        (Cell(SIGNALS[name], "name"), figure(number(value)), figure(number(growth[name])))
+        for name, value in solved.solution.uncertainty
+    ]
+    return table(("signal", "uncertainty", "what one ulp in the start does"), rows)
+
+
+def facts_table(solved: SceneResult) -> Table:
+    """Table of derived numbers of the scene."""
+    rows = [
+        (fact.name, figure(observed(fact.value)), fact.unit, fact.meaning)
+        for fact in facts(solved.scenario)
+    ]
+    return table(("fact", "value", "unit", "meaning"), rows)
+
+
+def verdict_table(scene: SceneRuns) -> Table:
+    """Table of verdicts; each row is an anchor."""
+    headings = (
+        "engine",
+        "method",
+        "verdict",
+        "observed order",
+        "Richardson-extrapolated error",
+        "stable up to, s",
+        "why",
+    )
+    made = table(headings, [_verdict_row(scene, runs) for runs in scene.methods])
+    anchors = tuple(method_anchor(runs.engine, runs.method) for runs in scene.methods)
+    return Table(made.headings, made.rows, anchors)
+
+
+def signals_table(scene: SceneRuns) -> Table:
+    """Table of verdicts by method and signal."""
+    headings = (
+        "engine",
+        "method",
+        "signal",
+        "verdict",
+        "order found",
+        "declared",
+        "Richardson-extrapolated error",
+        "tolerance",
+    )
+    rows: list[list[Cell | str]] = [
+        [
+            Cell(runs.engine, "name"),
+            Cell(runs.method, "name"),
+            SIGNAL[signal.signal].label,
+            verdict_cell(signal.verdict),
+            figure(order(signal.order)),
+            figure(str(signal.declared_order)),
+            figure(number(signal.limit_error)),
+            figure(number(signal.tolerance)),
+        ]
+        for runs in scene.methods
+        for signal in (runs.verdict.signals if runs.verdict else ())
+    ]
+    return table(headings, rows)
+
+
+def published_table(scenario: Scenario) -> Table | None:
+    """Table of published values beside the reference's; None without any."""
+    rows: list[list[Cell | str]] = [
+        [
+            Cell(value.quantity, "name"),
+            figure(f"{value.published.t:g}"),
+            figure(_components(value.printed)),
+            figure(_components(value.ours)),
+            figure(number(value.difference)),
+            figure(number(value.published.tolerance)),
+            Cell("✓ holds", "converges") if value.holds else Cell("✗ does not hold", "disagrees"),
+            value.published.source,
+        ]
+        for value in published_values(scenario)
+    ]
+    headings = ("quantity", "t, s", "printed", "ours", "difference", "tolerance", "", "source")
+    return table(headings, rows) if rows else None
+
+
+def drifts_table(scene: SceneRuns) -> Table | None:
+    """Table of the drifts of each method's finest run; None without any."""
+    assert scene.solved is not None, "conserved quantities are those of a scene"
+    laws = [invariant.law for invariant in invariants(scene.solved.scenario)]
+    shown = [(runs, runs.finest) for runs in scene.methods]
+    rows = [
+        (
+            *_named(runs),
+            figure(number(row.timestep)),
+            *(figure(number(row.drifts.get(law.name))) for law in laws),
+        )
+        for runs, row in shown
+        if row is not None and row.drifts is not None
+    ]
+    if not laws or not rows:
+        return None
+    return table(("engine", "method", "timestep, s", *(law.formula for law in laws)), rows)
+
+
+def observables_table(scene: SceneRuns) -> Table | None:
+    """Table of rates, bounds and periods measured on each finest run, beside the exact ones."""
+    assert scene.solved is not None, "what is exact is known of a solved scene"
+    scenario, exact_motion = scene.solved.scenario, scene.solved.solution.trajectory
+    exact = observables(scenario, exact_motion)
+    if not exact:
+        return None
+    names = [seen.name for seen in exact]
+    headings = ("engine", "method", *(f"{seen.name}, {seen.unit}" for seen in exact))
+    rows: list[list[Cell | str]] = [
+        ["exact value", "", *(figure(observed(seen.exact)) for seen in exact)],
+        ["exact motion", "read alike", *(figure(observed(seen.value)) for seen in exact)],
+    ]
+    rows += [
+        _observables_row(scenario, runs, runs.finest.motion, names)
+        for runs in scene.methods
+        if runs.finest and runs.finest.motion
+    ]
+    return table(headings, rows)
+
+
+@dataclass(frozen=True, eq=False)
+class MethodRunsTable:
+    """Every run of one method, coarse to fine."""
+
+    label: str
+    summary: str
+    runs: Table
+
+
+def runs_tables(scene: SceneRuns) -> list[MethodRunsTable]:
+    """A table for each method."""
+    headings = (
+        "timestep, s",
+        "steps",
+        *ERROR_HEADINGS.values(),
+        "largest drift, relative",
+        "CPU s a simulated s",
+        "outcome",
+    )
+    return [
+        MethodRunsTable(
+            runs.label,
+            _summary(runs),
+            table(headings, [_run_row(scene, row) for row in runs.rows]),
+        )
+        for runs in scene.methods
+    ]
+
+
+def printed(scene: SceneRuns) -> list[tuple[str, str]]:
+    """What engines wrote to the terminal: method and text, each text once."""
+    outputs = [(runs.label, row.printed) for runs in scene.methods for row in runs.rows]
+    return list(dict.fromkeys((label, text) for label, text in outputs if text.strip()))
+
+
+def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
+    verdict = runs.verdict
+    if verdict is None:
+        nothing = [figure(NOTHING)] * 3
+        return [*_named(runs), Cell("no verdict", "absent"), *nothing, "stopped early"]
+    survives, turn = in_words(survival(runs.rows, scene.fastest_rate if scene.solved else None))
+    stable = Cell(survives, "number", f"{turn} rad a step" if turn != NOTHING else "")
+    uncertainty = 0.0
+    if scene.solved is not None:
+        uncertainty = scene.solved.solution.uncertainty[verdict.signal]
+    decided = ""
+    if verdict.limit_error is not None:
+        decided = f"{SIGNAL[verdict.signal].label}; tolerance {number(verdict.tolerance)}"
+    declared = ""
+    if runs.declared is not None:
+        attitude = verdict.signal == "attitude"
+        expected = runs.declared.attitude_order if attitude else runs.declared.order
+        declared = f"declared {expected}"
+    return [
+        *_named(runs),
+        verdict_cell(verdict.verdict),
+        Cell(order(verdict.order), "number", declared if verdict.order is not None else ""),
+        Cell(limited(verdict.limit_error, uncertainty), "number", decided),
+        stable,
+        Cell(reason_of(verdict), note=_besides(runs)),
+    ]
+
+
+def _besides(runs: MethodRuns) -> str:
+    """What acts in an engine as shipped though the scene does not call for it; else empty."""
+    names = dict.fromkeys(name for row in runs.rows for name in row.unasked)
+    return f"Active though the scene does not call for it: {', '.join(names)}." if names else ""
+
+
+def _summary(runs: MethodRuns) -> str:
+    """One line: version, verdict, number of runs and how they ended."""
+    ended = Counter(row.outcome for row in runs.rows if row.made)
+    versions = dict.fromkeys(row.engine_version for row in runs.rows)
+    outcomes = ", ".join(f"{amount} {outcome}" for outcome, amount in ended.items())
+    verdict = runs.verdict.verdict if runs.verdict else "no verdict"
+    return f"{', '.join(versions)} · {verdict} · {plural(sum(ended.values()), 'run')}: {outcomes}"
+
+
+def _components(values: FloatArray) -> str:
+    return ", ".join(f"{value:.9g}" for value in values)
+
+
+def _named(runs: MethodRuns) -> tuple[Cell, Cell]:
+    return Cell(runs.engine, "name"), Cell(runs.method, "name")
+
+
+def _observables_row(
+    scenario: Scenario, runs: MethodRuns, motion: Trajectory, names: list[str]
+) -> list[Cell | str]:
+    seen = {observable.name: observable.value for observable in observables(scenario, motion)}
+    cells = [figure(observed(seen[name]) if name in seen else NOTHING) for name in names]
+    return [*_named(runs), *cells]
+
+
+def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:
+    errors = (NOTHING,) * len(ERROR_HEADINGS)
+    if row.errors is not None:
+        errors = limited_errors(row.errors, scene.uncertainty(row))
+    when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
+    cause = f" ({row.cause})" if row.cause else ""
+    outcome = f"{row.outcome}{cause}{when}" if row.made else "not run"
+    return [
+        Cell(
+            number(row.timestep) if row.timestep else NOTHING,
+            "number",
+            "stock" if row.stock else "",
+        ),
+        figure(count(row.steps)),
+        *(figure(error) for error in errors),
+        figure(_largest_drift(row)),
+        figure(number(cost(row))),
+        Cell(outcome, row.outcome, note=row.reason),
+    ]
+
+
+def _largest_drift(row: Row) -> str:
+    if not row.drifts:
+        return NOTHING
+    name = max(row.drifts, key=lambda law: row.drifts[law] if row.drifts else 0.0)
+    return f"{number(row.drifts[name])} {name}"

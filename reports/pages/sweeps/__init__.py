@@ -1,0 +1,1 @@
+"""The pages of maps and ensembles, with their templates."""

@@ -1,0 +1,71 @@
+"""An ensemble as tables: quantiles of the errors, and the members that went worst."""
+
+import shlex
+from collections.abc import Iterator, Sequence
+
+from ...results.sweep_records import Ensemble, PointResult
+from ..analysis.ensemble_numbers import QUANTILE_NAMES, Members
+from ..analysis.map_marks import is_coloured
+from ..analysis.wording import NOTHING, SIGNALS, limited, number
+from ..analysis.work_precision import SIGNALS as SIGNAL_NAMES
+from ..analysis.work_precision import Signal
+from ..tables import Cell, Table, figure, table
+from .map_tables import percent
+
+#: Number of worst members shown of each method.
+WORST = 3
+
+
+def quantile_tables(members: Sequence[Members]) -> list[tuple[str, Table]]:
+    """Title and table of quantiles, for each error."""
+    return [(SIGNALS[signal], _quantiles(members, signal)) for signal in SIGNAL_NAMES]
+
+
+def worst_table(ensemble: Ensemble, members: Sequence[Members]) -> Table:
+    """The worst members of each method, with the commands that write them as scene files."""
+    rows = (
+        [Cell(engine, "name"), Cell(method, "name"), *_member(ensemble, point)]
+        for of_method in members
+        for engine, method in [of_method.pair]
+        for point in of_method.worst(WORST)
+    )
+    return table(("engine", "method", "member", "ω error", "how it ended", "as a scene file"), rows)
+
+
+def member_command(ensemble: Ensemble, number_of_member: int) -> str:
+    """The shell command that writes a member as a scene file."""
+    words = ["spincheck", "member", ensemble.scenario, "--member", str(number_of_member)]
+    path = f"{ensemble.scenario}-{ensemble.seed}-{number_of_member}.toml"
+    return f"{shlex.join([*words, '--seed', str(ensemble.seed)])} > {shlex.quote(path)}"
+
+
+def _quantiles(members: Sequence[Members], signal: Signal) -> Table:
+    return table(
+        ("engine", "method", "members", "finished", *QUANTILE_NAMES),
+        (list(_quantile_row(of_method, signal)) for of_method in members),
+    )
+
+
+def _quantile_row(of_method: Members, signal: Signal) -> Iterator[Cell]:
+    engine, method = of_method.pair
+    run, finished = len(of_method.points), len(of_method.finished)
+    yield Cell(engine, "name")
+    yield Cell(method, "name")
+    yield figure(str(run))
+    yield figure(percent(finished, run) if run else NOTHING)
+    quantiles = of_method.quantiles(signal)
+    for value in quantiles or (None,) * len(QUANTILE_NAMES):
+        yield figure(number(value))
+
+
+def _member(ensemble: Ensemble, point: PointResult) -> Iterator[Cell]:
+    member = int(point.at[0])
+    yield figure(str(member))
+    error = point.errors.omega if point.errors else None
+    yield figure(limited(error, point.uncertainty))
+    if is_coloured(point):
+        yield Cell("finished")
+    else:
+        at = f" at {number(point.stopped_at)} s" if point.stopped_at is not None else ""
+        yield Cell(f"{point.outcome}{at}", "", point.reason)
+    yield Cell(member_command(ensemble, member), "command")

@@ -1,0 +1,84 @@
+"""The page of a map: definition, command, figure and tables."""
+
+import shlex
+from dataclasses import dataclass
+
+from ....scenarios.vary import Axis
+from ...results.store import Results
+from ...results.sweep_records import MapResult
+from ..analysis.map_grid import Grid, axis_title
+from ..figures.figures import Titled
+from ..figures.map_figure import map_figure
+from ..links import map_page
+from ..tables import Table
+from .map_tables import bounds_table, ends_table, survival_table
+from .sweep_pages import methods_of, numbered, timestep_in_words, timestep_option, typed
+
+CAPTION = (
+    "Every cell is one run against the exact motion of its own scene. Colour: the largest error of "
+    "ω, relative; signs on the bare page: runs that did not finish, or were not made. Lines are "
+    "drawn by theory, from the scene at t = 0 alone, and explained below."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class MapPage:
+    """Everything that the HTML page and the Markdown file of a map show.
+
+    Attributes
+    ----------
+    name : unique in a report; `link` leads to it from the overview
+    """
+
+    name: str
+    link: str
+    title: str
+    scene: str
+    scene_title: str
+    command: str
+    timestep: str
+    figure: Titled
+    survival: Table
+    ends: Table
+    bounds: Table
+
+
+def map_pages(results: Results) -> list[MapPage]:
+    """A page for each map that has any points."""
+    return [
+        _page(name, Grid(result, methods_of(result.points, results), results.stock_timesteps))
+        for name, result in numbered(results.maps)
+    ]
+
+
+def _page(name: str, grid: Grid) -> MapPage:
+    result = grid.result
+    across, up = (axis_title(axis) for axis in result.map.axes)
+    return MapPage(
+        name=name,
+        link=map_page(name),
+        title=f"{result.map.scenario}: {result.map.axes[0].path} × {result.map.axes[1].path}",
+        scene=result.map.scenario,
+        scene_title=result.scenario.title,
+        command=command(result),
+        timestep=timestep_in_words(result.map.timestep, result.map.axes),
+        figure=Titled("map", f"{up} against {across}", CAPTION, map_figure(grid)),
+        survival=survival_table(grid),
+        ends=ends_table(result.points, grid.methods),
+        bounds=bounds_table(grid),
+    )
+
+
+def command(result: MapResult) -> str:
+    """The shell command that makes this map."""
+    words = ["spincheck", "map", result.map.scenario]
+    for axis in result.map.axes:
+        words += ["--vary", vary_option(axis)]
+    return shlex.join([*words, *timestep_option(result.map.timestep)])
+
+
+def vary_option(axis: Axis) -> str:
+    """An axis as `PATH=LO:HI:COUNT[:log]`."""
+    low, high = typed(axis.values[0]), typed(axis.values[-1])
+    spacing = ":log" if axis.logarithmic else ""
+    return f"{axis.path}={low}:{high}:{len(axis.values)}{spacing}"

@@ -1,0 +1,53 @@
+"""What pages of maps and of ensembles share: their names, their methods, numbers as typed."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from typing import TypeVar
+
+from ....engines import Method
+from ....scenarios.vary import Axis
+from ...results.records import Pair
+from ...results.store import Results
+from ...results.sweep_records import EnsembleResult, MapResult, PointResult
+
+#: Digits of a number in a command: those that were typed, and none that rounding added.
+TYPED_DIGITS = 12
+
+Swept = TypeVar("Swept", MapResult, EnsembleResult)
+
+
+def numbered(sweeps: Iterable[Swept]) -> Iterator[tuple[str, Swept]]:
+    """The sweeps that have any points, with names unique in a report: scene and number."""
+    numbers: Counter[str] = Counter()
+    for sweep in sweeps:
+        if any(point.key.engine for point in sweep.points):
+            scene = sweep.scenario.name
+            numbers[scene] += 1
+            yield f"{scene}-{numbers[scene]}", sweep
+
+
+def methods_of(points: tuple[PointResult, ...], results: Results) -> dict[Pair, Method | None]:
+    """Those that were run, engines by name, their methods as the adapter lists them."""
+    pairs = {(point.key.engine, point.key.method) for point in points if point.key.engine}
+    listed = {pair: rank for rank, pair in enumerate(results.methods)}
+    ordered = sorted(pairs, key=lambda p: (p[0], listed.get(p, len(listed)), p[1]))
+    return {pair: results.methods.get(pair) for pair in ordered}
+
+
+def typed(value: float) -> str:
+    """A number as in a command."""
+    return f"{value:.{TYPED_DIGITS}g}"
+
+
+def timestep_option(timestep: float | None) -> list[str]:
+    """The words of a command that set the timestep; none where each run has its own."""
+    return [] if timestep is None else ["--timestep", typed(timestep)]
+
+
+def timestep_in_words(timestep: float | None, axes: tuple[Axis, ...] = ()) -> str:
+    """Which timestep the runs take, where it is not an axis."""
+    if any(axis.path == "timestep" for axis in axes):
+        return ""
+    if timestep is None:
+        return "Timesteps are chosen run by run, so that the body turns equally far in a step."
+    return f"Every run takes steps of {timestep:g} s."

@@ -1,0 +1,1 @@
+"""The page of a user's model, with its template."""

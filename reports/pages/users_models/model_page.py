@@ -1,0 +1,246 @@
+"""The page of a user's model: how engines hold its links, the worst first, and remedies."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ....engines.checks.read_back import BodyReading
+from ....engines.users_models.model_reader import model_readers
+from ....scenarios import FloatArray, printable
+from ....scenarios.users_models import Stated
+from ....scenarios.users_models.problems import principal_moments
+from ...harness.users_models import Held, InspectedLink, Inspection
+from ...harness.users_models.findings import (
+    cell_text,
+    differences,
+    problems_of,
+    weight_in_words,
+    worst_links,
+)
+from ...harness.users_models.motion_apart import attitude_apart
+from ...harness.users_models.remedy import line_without_rotation, remedies
+from ..analysis.trace_style import TraceStyle, trace_styles
+from ..tables import Cell, Table, figure, table
+from ..templating import templates, write, write_styles
+from .inertia_ellipsoid import Solid, View, solid_squares, views
+from .time_curves import TimeCurves, time_curves
+
+#: Number of links with pictures; the table has all.
+MOST_SHOWN = 12
+#: Times at which curves are computed, s.
+TIMES = np.linspace(0.0, 3.0, 61)
+#: Style of the file's own body.
+INK = "var(--ink)"
+FILES_OWN = "the file"
+Who = tuple[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class LinkCard:
+    """One link: numbers, pictures, faults of the file, and the line that corrects it."""
+
+    name: str
+    where: str
+    problems: tuple[str, ...]
+    numbers: Table
+    views: tuple[View, ...]
+    keys: tuple[tuple[str, TraceStyle | None], ...]
+    curves: TimeCurves | None
+    line: str
+
+
+def write_model_page(inspection: Inspection, folder: Path, name: str) -> Path:
+    """Write `models/NAME.html` and the style sheets it needs; returns the page.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be written.
+    """
+    (folder / "models").mkdir(parents=True, exist_ok=True)
+    write_styles(folder / "assets", "model.css")
+    page = folder / "models" / f"{name}.html"
+    write(page, templates().get_template("model.html").render(root="../", **_content(inspection)))
+    return page
+
+
+def page_names(paths: Sequence[Path]) -> list[str]:
+    """A page name for each file: folder and file name, in safe characters."""
+    names: list[str] = []
+    for path in paths:
+        whole = f"{path.absolute().parent.name}-{path.stem}"
+        plain = "".join(c if c.isalnum() or c in "-_." else "-" for c in whole).lstrip("-.")[:100]
+        name, count = plain, 1
+        while name.lower() in map(str.lower, names):
+            count += 1
+            name = f"{plain}-{count}"
+        names.append(name)
+    return names
+
+
+def _content(inspection: Inspection) -> dict[str, object]:
+    model = inspection.model
+    who = [(held.engine, held.configuration) for held in inspection.links[0].held]
+    drawn = trace_styles(who)
+    worst = worst_links(inspection)
+    wrong = [link for link in inspection.links if not link.is_well]
+    return {
+        "file": printable(str(model.path)),
+        "format": model.format.upper(),
+        "links": len(inspection.links),
+        "stated": sum(li.link.stated is not None for li in inspection.links),
+        "wrong": len(wrong),
+        "is_well": inspection.is_well,
+        "weight": weight_in_words(inspection),
+        "configurations": _configurations(inspection, who),
+        "remedies": remedies(inspection),
+        "refusals": [(" ".join(key), reason) for key, reason in inspection.refusals.items()],
+        "cards": [_card(link, drawn) for link in worst[:MOST_SHOWN]],
+        "left": len(worst) - len(worst[:MOST_SHOWN]),
+        "differences": differences(inspection),
+        "impossible": problems_of(inspection, impossible=True),
+        "doubtful": problems_of(inspection, impossible=False),
+        "all_links": _all_links(inspection, who),
+        "notes": model.notes,
+    }
+
+
+def _configurations(inspection: Inspection, who: Sequence[Who]) -> Table:
+    """Table of the configurations, and how many links each holds as the file states them."""
+    readers = model_readers()
+    rows = []
+    for k, (engine, configuration) in enumerate(who):
+        held = [link.held[k] for link in inspection.links]
+        by_name = {one.name: one for one in readers[engine.partition("@")[0]].configurations}
+        summary = by_name[configuration].summary
+        counts = [sum(h.agrees is answer for h in held) for answer in (True, False)]
+        refused = (engine, configuration) in inspection.refusals
+        rows.append(
+            [
+                Cell(f"{engine} {configuration}", "name", summary),
+                Cell(held[0].engine_version),
+                Cell("refused" if refused else str(counts[0]), "failed" if refused else "number"),
+                Cell("" if refused else str(counts[1]), "number"),
+                figure(str(sum(h.body is None for h in held) if not refused else "")),
+            ]
+        )
+    heads = ("engine and configuration", "version", "as stated", "otherwise", "fused")
+    return table(heads, rows)
+
+
+def _all_links(inspection: Inspection, who: Sequence[Who]) -> Table:
+    rows = []
+    for link in inspection.links:
+        stated = link.link.stated
+        mass = figure("" if stated is None else f"{stated.mass:.3g}")
+        problems = ", ".join(problem.kind for problem in link.problems)
+        cells = [_coloured(held) for held in link.held]
+        rows.append([Cell(printable(link.link.name), "name"), mass, *cells, Cell(problems)])
+    return table(("link", "kg", *(" ".join(one) for one in who), "the file"), rows)
+
+
+def _coloured(held: Held) -> Cell:
+    kinds = {True: "converges", False: "disagrees", None: "absent"}
+    return Cell(cell_text(held), "failed" if held.kind == "refused" else kinds[held.agrees])
+
+
+def _card(link: InspectedLink, drawn: dict[Who, TraceStyle]) -> LinkCard:
+    stated = link.link.stated
+    otherwise = [held for held in link.held if held.agrees is False and held.body is not None]
+    solids = list(_solids(stated, otherwise, drawn))
+    lines = (line_without_rotation(link, held) for held in link.held)
+    return LinkCard(
+        name=printable(link.link.name),
+        where=printable(link.link.where),
+        problems=tuple(problem.text for problem in link.problems),
+        numbers=_numbers(stated, link.held),
+        views=views(solids) if any(s.squares is not None for s in solids) else (),
+        keys=tuple(_keys(stated, otherwise, drawn)),
+        curves=_curves(otherwise, drawn),
+        line=next(filter(None, lines), ""),
+    )
+
+
+def _solids(
+    stated: Stated | None, otherwise: Sequence[Held], drawn: dict[Who, TraceStyle]
+) -> Iterator[Solid]:
+    if stated is not None:
+        squares = solid_squares(stated.mass, stated.inertia)
+        yield Solid(FILES_OWN, INK, "solid", stated.com, squares)
+    for held in otherwise:
+        assert held.body is not None, "only what holds a body holds another one"
+        style = drawn[held.engine, held.configuration]
+        squares = solid_squares(held.body.mass, held.body.inertia_com)
+        yield Solid(_who(held), style.colour, style.dash, held.body.com, squares)
+
+
+def _keys(
+    stated: Stated | None, otherwise: Sequence[Held], drawn: dict[Who, TraceStyle]
+) -> Iterator[tuple[str, TraceStyle | None]]:
+    """Entries of the key to the pictures of a link; None for the file's own style."""
+    if stated is not None:
+        yield FILES_OWN, None
+    for held in otherwise:
+        yield _who(held), drawn[held.engine, held.configuration]
+
+
+def _curves(otherwise: Sequence[Held], drawn: dict[Who, TraceStyle]) -> TimeCurves | None:
+    """Curves of the attitude difference over time, of the bodies that are possible."""
+    curves: list[tuple[str, TraceStyle, FloatArray]] = []
+    for held in otherwise:
+        if held.attitude_apart_deg is None or held.expected is None or held.body is None:
+            continue
+        apart = attitude_apart(held.expected.inertia, held.body.inertia_com, TIMES)
+        if apart is not None:
+            style = drawn[held.engine, held.configuration]
+            curves.append((_who(held), style, np.degrees(apart)))
+    return time_curves(TIMES, curves) if curves else None
+
+
+def _numbers(stated: Stated | None, held: Sequence[Held]) -> Table:
+    rows = []
+    if stated is not None:
+        rows.append([Cell(FILES_OWN, "name"), *_body(stated.mass, stated.com, stated.inertia)])
+        rows[-1] += [Cell("")] * 3
+    for one in held:
+        rows.append([Cell(_who(one), "name"), *_held_body(one.body), *_verdict(one)])
+    heads = (
+        "",
+        "kg",
+        "com, m",
+        "principal moments, kg m²",
+        "axes turned",
+        "attitude off, 1 s and 3 s",
+        "",
+    )
+    return table(heads, rows)
+
+
+def _held_body(body: BodyReading | None) -> list[Cell]:
+    return [Cell("")] * 3 if body is None else _body(body.mass, body.com, body.inertia_com)
+
+
+def _body(mass: float, com: FloatArray, inertia: FloatArray) -> list[Cell]:
+    return [
+        figure(f"{mass:.4g}"),
+        figure(", ".join(f"{x:.3g}" for x in com)),
+        figure(", ".join(f"{moment:.3g}" for moment in principal_moments(inertia))),
+    ]
+
+
+def _verdict(held: Held) -> list[Cell]:
+    apart = held.attitude_apart_deg
+    turned = "" if held.difference is None else f"{held.difference.axes_deg:.3g}°"
+    angles = "" if apart is None else ", ".join(f"{angle:.3g}°" for angle in apart.values())
+    verdict = "as the file states it" if held.agrees else held.cause or "nothing to compare"
+    if held.agrees is not False:
+        turned = angles = ""
+    if held.kind == "refused":
+        verdict = "refuses the file"
+    return [figure(turned), figure(angles), Cell(printable(verdict))]
+
+
+def _who(held: Held) -> str:
+    return f"{held.engine} {held.configuration}"

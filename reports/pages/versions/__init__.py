@@ -1,0 +1,1 @@
+"""The page that compares versions of an engine, with its template."""

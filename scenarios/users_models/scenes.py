@@ -1,0 +1,108 @@
+"""Scenes of a model's links: each tumbles on its own, with the numbers that its file states."""
+
+import math
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import ScenarioError
+from ..load import loads
+from ..write import to_toml
+from .model_file import Link, ModelFile, Stated
+from .origin import digest
+from .problems import problems
+
+#: rad/s along the principal axes, ascending moments: a turn a second about the middle axis, which
+#: no body keeps, and a little about the others.
+START = 2 * math.pi * np.array([0.05, 1.0, 0.05])
+#: s, and looks at it.
+DURATION, SAMPLES = 3.0, 301
+
+
+@dataclass(frozen=True)
+class LinkScene:
+    """A link's scene, or why it has none.
+
+    Attributes
+    ----------
+    name : of the scene: the link's, in characters that files may have
+    text : of the file; empty if the link is left out
+    left_out : why; empty if it is not
+    """
+
+    link: str
+    name: str
+    text: str
+    left_out: str
+
+
+def link_scenes(model: ModelFile, folder: Path) -> Iterator[LinkScene]:
+    """A scene of every link that has an inertia which a body can have.
+
+    Parameters
+    ----------
+    folder : that the scenes will be in: they name the model relative to it
+    """
+    taken: set[str] = set()
+    sha256 = digest(model.path)
+    file = _relative(model.folders.own / model.path.name, folder)
+    for link in model.links:
+        name = _scene_name(link.name, taken)
+        left_out, text = _left_out(link), ""
+        if link.stated is not None and not left_out:
+            text = to_toml(_tables(model, link, link.stated, file, sha256))
+            try:
+                loads(text, name)
+            except ScenarioError as error:
+                left_out, text = str(error), ""
+        yield LinkScene(link.name, name, text, left_out)
+
+
+def _left_out(link: Link) -> str:
+    if link.stated is None:
+        return "the file states no inertia of it"
+    impossible = [problem.text for problem in problems(link) if problem.impossible]
+    if impossible:
+        return "; ".join(impossible)
+    return "" if link.stated.is_physical else "it has no mass"
+
+
+def _tables(model: ModelFile, link: Link, stated: Stated, file: str, sha256: str) -> dict[str, Any]:
+    axes = np.linalg.eigh(stated.inertia)[1]
+    kind = "link" if model.format == "urdf" else "body"
+    return {
+        "spincheck": 1,
+        "title": f"{link.name} of {model.path.name}: tumbles",
+        "source": f"{model.path.name}, {kind} '{link.name}'",
+        "tags": ["free", "imported"],
+        "body": {
+            "mass": stated.mass,
+            "inertia": stated.inertia.tolist(),
+            "com": stated.com.tolist(),
+            "model": file,
+            "link": link.name,
+            "sha256": sha256,
+        },
+        "start": {"rotation_vector_deg": [0.0, 0.0, 0.0], "omega_body": (axes @ START).tolist()},
+        "window": {"duration": DURATION, "samples": SAMPLES},
+    }
+
+
+def _scene_name(link: str, taken: set[str]) -> str:
+    """The link's name in the characters of a scene's, another one each."""
+    plain = "".join(c if c.isalnum() or c in "-_." else "-" for c in link).lstrip("-_.") or "link"
+    name, count = plain, 1
+    while name.lower() in taken:
+        count += 1
+        name = f"{plain}-{count}"
+    taken.add(name.lower())
+    return name
+
+
+def _relative(path: Path, folder: Path) -> str:
+    """The path with `..` where needed; `Path.relative_to` does that from Python 3.12 on only."""
+    return Path(os.path.relpath(path, folder)).as_posix()

@@ -1,0 +1,156 @@
+"""Engines that load the link a scene names out of the user's own file: what they hold and do."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from spincheck.engines import engines
+from spincheck.engines.users_models import AGREES
+from spincheck.engines.users_models import users_link as of_scene
+from spincheck.engines.users_models.users_urdf import link_alone
+from spincheck.reference import solve
+from spincheck.scenarios import Scenario, find, load
+from spincheck.scenarios.users_models import read_model
+from spincheck.scenarios.users_models.scenes import link_scenes
+from users_models import TENSOR, arm, body, diagonal, inertial, joint, link, robot, written
+
+pytest.importorskip("pybullet")
+FILE_ENGINES = ("mujoco-file", "pybullet-file")
+TIMESTEP = 1e-3
+STEPS = np.array([0, 100, 200])
+BOX = '<collision><geometry><box size="0.4 0.2 0.1"/></geometry></collision>'
+#: Another body beside it, one on it, a joint, an actuator and a sensor: none is part of the link.
+HUNG = """<mujoco><compiler angle="radian" eulerseq="XYZ"/>
+<worldbody><body name="base"><geom size="0.1"/>
+<body name="arm" pos="1 2 3" euler="0.1 0.2 0.3"><joint name="hinge"/><geom size="0.3"/>
+<inertial mass="2" pos="0.1 0 0" euler="0.4 0.2 0.5" diaginertia="0.03 0.04 0.05"/>
+<body name="tip"><joint/><inertial mass="1" pos="0 0 0" diaginertia="1 1.2 1.5"/></body>
+</body></body></worldbody>
+<actuator><motor joint="hinge"/></actuator><sensor><jointpos joint="hinge"/></sensor></mujoco>
+"""
+
+
+def scene_of(folder: Path, text: str, name: str = "robot.urdf", link: str = "arm") -> Scenario:
+    """The scene that `import` makes of a link."""
+    model = read_model(written(folder, text, name))
+    (scene,) = (one for one in link_scenes(model, folder / "scenes") if one.link == link)
+    return load(written(folder, scene.text, f"scenes/{scene.name}.toml"))
+
+
+def run(name: str, scenario: Scenario, method: str = ""):
+    engine = engines()[name]
+    chosen = engine.method(method) if method else engine.methods[0]
+    return engine.run(scenario, chosen, TIMESTEP, STEPS)
+
+
+@pytest.mark.parametrize("name", FILE_ENGINES)
+def test_a_link_of_a_urdf_moves_as_its_numbers_say(tmp_path, name):
+    scenario = scene_of(tmp_path, arm(inside=BOX))
+    done = run(name, scenario)
+    assert (done.outcome, done.reason, done.active) == ("ok", "", frozenset())
+    engine = engines()[name]
+    assert engine.equation_residuals(scenario, engine.methods[0]) == ""
+    exact = solve(scenario, STEPS * TIMESTEP).trajectory
+    # Of order 1: a step is off by the square of the turn it makes.
+    turn = float(np.linalg.norm(scenario.start.omega_body)) * TIMESTEP
+    assert np.abs(done.trajectory.omega_body - exact.omega_body).max() <= STEPS[-1] * turn**2
+
+
+def test_a_body_of_an_mjcf_moves_without_what_hangs_on_it(tmp_path):
+    scenario = scene_of(tmp_path, HUNG, "robot.xml")
+    done = run("mujoco-file", scenario)
+    assert (done.outcome, done.reason, done.active) == ("ok", "", frozenset())
+    exact = solve(scenario, STEPS * TIMESTEP).trajectory
+    assert np.abs(done.trajectory.omega_body - exact.omega_body).max() <= AGREES
+
+
+@pytest.mark.parametrize("name", FILE_ENGINES)
+def test_a_reader_that_holds_another_tensor_fails_with_the_cause(tmp_path, name, monkeypatch):
+    """Planted: the file's rotation is lost before the engine reads it."""
+    scenario = scene_of(tmp_path, arm())
+    module = __import__(type(engines()[name]).__module__, fromlist=["link_alone"])
+    cut = module.link_alone
+
+    def unturned(*arguments):
+        data, meshes = cut(*arguments)
+        return data.replace(b'rpy="0 0 0.5"', b""), meshes
+
+    monkeypatch.setattr(module, "link_alone", unturned)
+    done = run(name, scenario)
+    assert (done.outcome, done.cause) == ("failed", "read-back")
+    assert done.reason == (
+        "holds another body than the file states: moments kept, axes turned by 28.6°: "
+        "the rotation of its inertial frame is lost"
+    )
+
+
+def test_without_its_flag_an_engine_makes_the_tensor_up_and_that_is_reported(tmp_path):
+    done = run("pybullet-file", scene_of(tmp_path, arm(inside=BOX)), "default")
+    assert done.cause == "read-back"
+    assert done.reason.startswith(
+        "holds another body than the file states: made up from the collision shapes: tensor "
+    )
+
+
+def test_a_file_that_changed_after_the_scene_was_read_is_reported(tmp_path):
+    scenario = scene_of(tmp_path, arm())
+    written(tmp_path, arm(mass="3"))
+    done = run("mujoco-file", scenario)
+    assert done.outcome == "failed"
+    assert done.reason == "'../robot.urdf' has changed since the scene was made of it"
+
+
+def test_a_link_that_the_file_has_not_is_reported(tmp_path):
+    scenario = scene_of(tmp_path, arm())
+    text = scenario.text.replace('link = "arm"', 'link = "leg"')
+    done = run("mujoco-file", load(written(tmp_path, text, "scenes/leg.toml")))
+    assert done.reason == "'../robot.urdf' has no link 'leg'"
+
+
+@pytest.mark.parametrize("name", FILE_ENGINES)
+def test_scenes_that_name_no_file_are_none_of_theirs(name):
+    assert not any(engines()[name].applies_to(load(path)) for path in find([]))
+
+
+def test_an_engine_that_cannot_read_the_format_is_not_asked(tmp_path):
+    scenario = scene_of(tmp_path, HUNG, "robot.xml")
+    assert [name for name in FILE_ENGINES if engines()[name].applies_to(scenario)] == [
+        "mujoco-file"
+    ]
+
+
+def test_a_link_is_cut_out_byte_for_byte(tmp_path):
+    odd = "<!-- ünïcödé --><inertial>\n <mass value='2.50e0'/>" + (
+        f"<inertia {TENSOR}/><origin\txyz='0 0 1'/></inertial><odd:tag a='>'/>"
+    )
+    text = robot(link("base"), link("arm", odd + BOX), joint("base", "arm"))
+    model = read_model(written(tmp_path, text))
+    cut, meshes = link_alone(model, model.link("arm"))
+    assert cut.decode() == f'<robot name="cut"><link name="arm">{odd}</link></robot>'
+    assert meshes == {}
+
+
+def test_of_its_shapes_those_are_kept_that_a_tensor_is_made_up_from(tmp_path):
+    mesh = '<collision><geometry><mesh filename="a.obj"/></geometry></collision>'
+    written(tmp_path, "v 0 0 0", "a.obj")
+    model = read_model(written(tmp_path, arm(inside=BOX + mesh)))
+    cut, meshes = link_alone(model, model.link("arm"), lambda _: True)
+    assert BOX.encode() in cut
+    assert b'filename="mesh-0.obj"' in cut
+    assert meshes == {"mesh-0.obj": tmp_path / "a.obj"}
+
+
+def test_a_file_is_parsed_once_for_all_runs(tmp_path, monkeypatch):
+    scenario = scene_of(tmp_path, robot(link("arm", inertial("2", diagonal(1, 2, 2.5)))))
+    read = []
+    monkeypatch.setattr(of_scene, "read_model", lambda path: read.append(path) or read_model(path))
+    for _ in range(3):
+        run("mujoco-file", scenario)
+    assert len(read) == 1
+
+
+def test_a_body_of_an_included_file_is_found(tmp_path):
+    inner = body('<inertial mass="2" pos="0 0 0" diaginertia="1 2 2.5"/>')
+    written(tmp_path, inner, "parts/arm.xml")
+    scenario = scene_of(tmp_path, '<mujoco><include file="parts/arm.xml"/></mujoco>', "robot.xml")
+    assert run("mujoco-file", scenario).reason == ""

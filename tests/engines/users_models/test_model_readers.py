@@ -1,0 +1,130 @@
+"""What the engines hold of a file, on the engines themselves."""
+
+import numpy as np
+import pytest
+from spincheck.engines import EngineError
+from spincheck.engines.users_models.model_reader import model_readers
+from spincheck.scenarios.users_models import read_model
+from users_models import arm, arm_with_a_tool, body, diagonal, inertial, joint, link, robot, written
+
+pytest.importorskip("pybullet")
+EPS = float(np.finfo(float).eps)
+#: PyBullet's of a link that the file gives nothing: the flag takes it at its word.
+BY_DEFAULT = 1.0
+READERS = model_readers()
+BOTH = [(name, c.name) for name, reader in READERS.items() for c in reader.configurations]
+FAITHFUL = [("pybullet", "inertia-from-file"), ("mujoco", "unfused")]
+MESH = '<collision><geometry><mesh filename="{}"/></geometry></collision>'
+
+
+def held(folder, text, who, file="robot.urdf", packages=()):
+    engine, configuration = who
+    return READERS[engine].read(read_model(written(folder, text, file), packages), configuration)
+
+
+@pytest.mark.parametrize("who", FAITHFUL, ids=" ".join)
+def test_an_engine_that_is_reported_to_holds_the_files_tensor(tmp_path, who):
+    stated = read_model(written(tmp_path, arm())).link("arm").stated
+    arm_body = held(tmp_path, arm(), who)["arm"]
+    assert arm_body.mass == 2
+    assert np.abs(arm_body.com - [0.1, 0, 0]).max() <= EPS
+    assert np.abs(arm_body.inertia_com - stated.inertia).max() <= 8 * EPS * 0.05
+    # Teeth: without the rotation of its own frame it would be another.
+    assert np.abs(arm_body.inertia_com - stated.unturned).max() > 1e-3
+
+
+def test_without_its_flag_pybullet_holds_none_of_it(tmp_path):
+    arm_body = held(tmp_path, arm(), ("pybullet", "default"))["arm"]
+    assert arm_body.mass == 2
+    assert arm_body.inertia_com.max() < 1e-4 * 0.05
+
+
+def test_pybullet_sets_a_tensor_to_zero_that_no_body_has(tmp_path):
+    text = arm(diagonal(0.3, 0.1, 0.9))
+    arm_body = held(tmp_path, text, ("pybullet", "inertia-from-file"))["arm"]
+    assert (arm_body.mass, arm_body.inertia_com.any()) == (2, False)
+
+
+def test_pybullet_makes_a_body_of_what_the_file_gives_nothing(tmp_path):
+    base_body = held(tmp_path, arm(), ("pybullet", "inertia-from-file"))["base"]
+    assert base_body.mass == BY_DEFAULT
+    assert (base_body.inertia_com == BY_DEFAULT * np.eye(3)).all()
+
+
+@pytest.mark.parametrize("configuration", ["as-is", "unfused"])
+def test_mujoco_refuses_a_tensor_that_no_body_has(tmp_path, configuration):
+    with pytest.raises(EngineError, match=r"MuJoCo refuses the file: .*A \+ B >= C.*'arm'"):
+        held(tmp_path, arm(diagonal(0.3, 0.1, 0.9)), ("mujoco", configuration))
+
+
+def test_mujoco_fuses_what_no_joint_moves(tmp_path):
+    text = arm_with_a_tool()
+    bodies = held(tmp_path, text, ("mujoco", "as-is"))
+    assert list(bodies) == ["arm"]
+    assert bodies["arm"].mass == 4
+    assert list(held(tmp_path, text, ("mujoco", "unfused"))) == ["base", "arm", "tool"]
+
+
+@pytest.mark.parametrize("who", BOTH, ids=" ".join)
+@pytest.mark.parametrize("mesh", ["none.stl", "../outside.stl", "package://other/a.stl"])
+def test_meshes_that_are_not_there_do_not_matter(tmp_path, who, mesh):
+    written(tmp_path, "no mesh at all", "outside.stl")
+    text = arm(inside=MESH.format(mesh))
+    assert held(tmp_path, text, who, "inner/robot.urdf")["arm"].mass == 2
+
+
+OBJ = "v 0 0 0\nv 3 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n"
+
+
+def test_a_mesh_in_a_package_is_read_where_pybullet_asks_for_it(tmp_path):
+    written(tmp_path, OBJ, "package/mesh.obj")
+    text = arm(inside=MESH.format("package://made-up/mesh.obj"))
+    packages = (("made-up", tmp_path / "package"),)
+    without = held(tmp_path, text, ("pybullet", "default"))["arm"]
+    arm_body = held(tmp_path, text, ("pybullet", "default"), packages=packages)["arm"]
+    assert np.trace(arm_body.inertia_com) > 1e3 * np.trace(without.inertia_com)
+
+
+def test_an_mjcfs_body_is_what_the_file_states(tmp_path):
+    text = body(
+        '<freejoint/><inertial mass="2" pos="0 0 1" euler="30 20 10" diaginertia="1 2 2.5"/>'
+    )
+    stated = read_model(written(tmp_path, text, "robot.xml")).link("arm").stated
+    mesh_arm = held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")["arm"]
+    assert np.abs(mesh_arm.inertia_com - stated.inertia).max() <= 16 * EPS
+    assert np.abs(mesh_arm.inertia_com - np.diag([1, 2, 2.5])).max() > 0.1
+
+
+def test_an_mjcfs_missing_meshes_and_textures_do_not_matter(tmp_path):
+    assets = (
+        '<asset><mesh name="m" file="none.stl"/><texture name="t" file="none.png" type="2d"/>'
+        '<material name="o" texture="t"/></asset>'
+    )
+    text = body(
+        '<freejoint/><inertial mass="2" pos="0 0 1" diaginertia="1 2 2.5"/>'
+        '<geom type="mesh" mesh="m" material="o"/><site material="o"/>',
+        assets,
+    )
+    assert held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")["arm"].mass == 2
+
+
+def test_bodies_without_a_name_are_distinguished(tmp_path):
+    inner = '<freejoint/><geom size="1"/><body pos="1 0 0"><geom size="2"/></body>'
+    text = f"<mujoco><worldbody><body>{inner}</body></worldbody></mujoco>"
+    bodies = held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")
+    assert bodies["(body 2)"].mass == pytest.approx(8 * bodies["(body 1)"].mass)
+
+
+def test_replicated_bodies_are_named_as_mujoco_names_them(tmp_path):
+    inner = '<freejoint/><geom size="1"/><replicate count="11" sep="-"><body name="k">'
+    text = body(f'{inner}<geom size="0.1"/></body></replicate>')
+    names = {one.name for one in read_model(written(tmp_path, text, "robot.xml")).links}
+    assert set(held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")) == names
+
+
+def test_nothing_is_written_beside_the_user(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    mimic = joint("base", "arm", "floating").replace("<axis", '<mimic joint="x"/><axis')
+    text = robot(link("base"), link("arm", inertial()), mimic)
+    held(tmp_path, text, ("mujoco", "as-is"), "inner/robot.urdf")
+    assert [path.name for path in tmp_path.iterdir()] == ["inner"]

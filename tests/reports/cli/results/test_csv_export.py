@@ -1,0 +1,124 @@
+"""What a result file holds, as CSV and JSON: the names of the JSON of `run`, every digit."""
+
+import csv
+import io
+import json
+import math
+from dataclasses import replace
+
+import made_up
+import pytest
+from command_line import spincheck
+from spincheck.reports.cli.results.csv_export import csv_text
+from spincheck.reports.cli.run.summary import results_as_json, row_record, verdict_record
+from spincheck.reports.results.cost_records import StepCost
+from spincheck.reports.results.store import open_store
+
+RESULTS = made_up.results(samples=11)
+
+
+def records(text: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "\n=1"])
+def test_no_text_is_a_formula_of_a_spreadsheet(text):
+    (record,) = records(csv_text([{"reason": text, "unmet": [text], "drifts": {"energy": text}}]))
+    assert set(record.values()) == {f"'{text}"}
+
+
+def test_a_negative_number_and_an_ordinary_text_are_as_they_are():
+    (record,) = records(csv_text([{"at": -1.5, "reason": "a = b"}]))
+    assert record == {"at": "-1.5", "reason": "a = b"}
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    """A result file of made-up results."""
+    path = tmp_path_factory.mktemp("export") / "results.sqlite"
+    with open_store(path, create=True) as store:
+        for scene_result in RESULTS.scenes.values():
+            store.put_scene(scene_result.scenario, scene_result.solution)
+        for row in RESULTS.rows:
+            store.put_row(row)
+            store.put_cost(row.key, "a processor", StepCost(1e-6, 1e-7, 2e-6))
+        for verdict in RESULTS.verdicts:
+            store.put_verdict(verdict)
+    return path
+
+
+def printed(*arguments: object) -> str:
+    done = spincheck(*arguments)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_numbers_read_back_to_the_last_bit():
+    rows = [row_record(row) for row in RESULTS.rows]
+    back = records(csv_text(rows))
+    assert [float(record["timestep"]) for record in back] == [row["timestep"] for row in rows]
+    errors = [float(record["omega_error"]) for record in back if record["omega_error"]]
+    assert errors == [row["omega_error"] for row in rows if row["omega_error"] is not None]
+
+
+def test_an_error_without_a_base_is_infinite():
+    row = next(row for row in RESULTS.rows if row.errors)
+    endless = replace(row, errors=replace(row.errors, energy=math.inf))
+    (record,) = records(csv_text([row_record(endless)]))
+    assert float(record["energy_error"]) == math.inf
+
+
+def test_what_is_not_there_is_empty():
+    unsolved = next(row for row in RESULTS.rows if row.key.scenario == "unsolved")
+    (record,) = records(csv_text([row_record(unsolved)]))
+    assert (record["omega_error"], record["outcome"]) == ("", "failed")
+
+
+def test_drifts_have_a_column_each_and_unmet_expectations_are_joined():
+    sampled = next(row for row in RESULTS.rows if row.drifts)
+    (row,) = records(csv_text([row_record(sampled)]))
+    assert float(row["drifts.energy"]) == sampled.drifts["energy"]
+    twice = replace(RESULTS.verdicts[0], unmet=("one, with a comma", "two"))
+    (verdict,) = records(csv_text([verdict_record(twice)]))
+    assert verdict["unmet"] == "one, with a comma; two"
+
+
+@pytest.mark.parametrize("command", ["rows", "verdicts"])
+def test_a_command_prints_what_run_prints_as_json(path, command):
+    with open_store(path) as store:
+        expected = results_as_json(store.read())[command]
+    assert json.loads(printed(command, path, "--json")) == json.loads(json.dumps(expected))
+
+
+def test_what_a_step_takes_is_printed_in_cpu_time_and_on_the_wall(path):
+    (record, *_) = records(printed("rows", path, "--csv"))
+    names = ("seconds_per_step", "seconds_spread", "wall_seconds_per_step")
+    assert [float(record[name]) for name in names] == [1e-6, 1e-7, 2e-6]
+
+
+@pytest.mark.parametrize("command", ["rows", "verdicts"])
+def test_a_command_prints_csv_with_the_same_names(path, command):
+    names = json.loads(printed(command, path, "--json"))[0].keys()
+    first = records(printed(command, path, "--csv"))[0]
+    assert [name for name in names if name != "drifts"] == [
+        name for name in first if not name.startswith("drifts")
+    ]
+
+
+def test_a_command_prints_every_verdict(path):
+    with open_store(path) as store:
+        expected = results_as_json(store.read())["verdicts"]
+    table = printed("verdicts", path).splitlines()
+    assert sum(line.startswith(("made-up", "unsolved")) for line in table) == len(expected)
+
+
+def test_a_command_prints_every_run_below_its_method(path):
+    with open_store(path) as store:
+        rows = store.read().rows
+    headings = 2 * len({row.key for row in rows})
+    assert len(printed("rows", path).splitlines()) == headings + len(rows)
+
+
+def test_two_formats_at_once_are_one_message_and_exit_code_2(path):
+    done = spincheck("rows", path, "--csv", "--json")
+    assert (done.returncode, done.stderr) == (2, "spincheck: takes '--csv' or '--json', not both\n")

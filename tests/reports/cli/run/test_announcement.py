@@ -1,0 +1,39 @@
+"""A run says at its start which engines it uses, and an estimate that grows with their steps."""
+
+from dataclasses import replace
+
+from scenes import SCENES
+from spincheck.engines import engines
+from spincheck.reports.cli.run.announcement import announcement
+from spincheck.reports.harness.choice import QUICK_STEPS, Choice
+from spincheck.reports.harness.plan import Plan, SceneLeft
+
+CHOICE = Choice((engines()["mujoco"], engines()["mujoco-urdf"]), max_steps=QUICK_STEPS)
+
+
+def plan(scenes: int = 1) -> Plan:
+    pairs = [(engine, engine.methods[0]) for engine in CHOICE.engines]
+    scene_left = SceneLeft(SCENES["free"], pairs, to_time=False, by_pass=False)
+    return Plan([scene_left] * scenes, 0, 0)
+
+
+def minutes(choice: Choice) -> int:
+    return int(announcement(plan(1000), choice, 1).partition("roughly ")[2].split()[0])
+
+
+def test_it_names_the_engines_and_counts_what_is_to_be_made() -> None:
+    words = announcement(plan(), CHOICE, 2)
+    assert words.startswith("2 verdicts of 2 engines (mujoco, mujoco-urdf) on 1 scene: roughly ")
+
+
+def test_many_scenes_are_reported_in_minutes() -> None:
+    assert "min with 2 workers" in announcement(plan(2000), CHOICE, 2)
+
+
+def test_whole_ladders_take_longer_than_short_ones() -> None:
+    longer = replace(CHOICE, max_steps=2 * QUICK_STEPS)
+    assert minutes(longer) > minutes(CHOICE)
+
+
+def test_nothing_is_said_of_a_run_that_has_nothing_to_do() -> None:
+    assert announcement(Plan([], 3, 0), CHOICE, 2) == ""

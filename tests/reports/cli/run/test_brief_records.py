@@ -1,0 +1,47 @@
+"""Runs and verdicts in lines of eighty columns, whose numbers are whole."""
+
+from dataclasses import replace
+
+import pytest
+from made_up import MadeUp, at_stock, results
+from spincheck.reports.cli.run.brief_records import WIDTH, run_lines, verdict_lines
+from spincheck.reports.results.records import Key, Row
+from spincheck.scenarios import Errors
+
+LONG = "a-scene-with-a-name-of-more-than-the-columns-there-are-for-one"
+TINY = Errors(1.2e-300, 2.3e-300, 3.4e-300, 4.5e-300, 0.0, 0.0)
+ROW = Row(Key(LONG, "an-engine", "a-method"), "1", 1.2345e-300, "ok", errors=TINY)
+
+
+def everything() -> tuple[list[str], list[str]]:
+    stored = at_stock(results(methods=(MadeUp("e" * 30, "m" * 30, 1), MadeUp("e", "m", 4))))
+    rows = [replace(row, reason="because " * 40) for row in stored.rows]
+    verdicts = [replace(v, verdict="disagrees", reason="because " * 80) for v in stored.verdicts]
+    return list(run_lines([*rows, ROW])), list(verdict_lines(verdicts))
+
+
+@pytest.mark.parametrize("lines", everything(), ids=["rows", "verdicts"])
+def test_no_line_is_wider_than_a_terminal(lines):
+    assert lines
+    assert [line for line in lines if len(line) > WIDTH] == []
+
+
+def test_no_exponent_is_cut():
+    *_, line = run_lines([ROW])
+    assert line.split() == ["1.2345e-300", "1.2e-300", "2.3e-300", "3.4e-300", "4.5e-300"]
+
+
+def test_a_run_without_errors_says_how_it_ended_and_when():
+    *_, line = run_lines([replace(ROW, outcome="diverged", errors=None, stopped_at=0.25)])
+    assert line.split(maxsplit=1)[1].startswith("diverged at 0.25 s")
+
+
+def test_stock_timesteps_are_marked():
+    _, _, *lines = run_lines([ROW, replace(ROW, stock=True)])
+    assert [line[0] for line in lines] == [" ", "*"]
+
+
+def test_what_is_not_as_it_should_be_has_its_reason():
+    stored = results(methods=(MadeUp("e", "m", 1, "disagrees", "settles elsewhere"),))
+    text = "\n".join(verdict_lines(stored.verdicts))
+    assert "settles elsewhere" in text

@@ -1,0 +1,200 @@
+"""Recommendations: checked by a run; failures are reported; one message for bad input."""
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import command_line
+import pytest
+from box import BOX
+from clockwork import METHOD, Works
+from ladders import BELOW, BETWEEN, TOP, Law, errors_of, straight, with_law
+from spincheck.engines import engines
+from spincheck.reports.cli.run import recommend as recommend_module
+from spincheck.reports.cli.run import running
+from spincheck.reports.cli.run.recommend import CHECKS, exit_code, recommend
+from spincheck.reports.cli.terminal import Complaint
+from spincheck.reports.results.records import Key, Row
+from spincheck.reports.results.store import Results
+from spincheck.scenarios import Errors
+
+pytestmark = pytest.mark.slow
+
+NO_FILE = Path("there-is-none.sqlite")
+
+
+def recommended(
+    monkeypatch: pytest.MonkeyPatch, ladder: Results, true_law: Law, **bounds: float
+) -> Any:
+    """A recommendation on made-up ladders, its checks answered by a law."""
+
+    def check(scenario: object, key: Key, timestep: float, out: Path) -> Row:
+        return Row(key, "1.0", timestep, "ok", errors=errors_of(true_law, timestep))
+
+    monkeypatch.setattr(running, "run", lambda *arguments: ladder)
+    monkeypatch.setattr(recommend_module, "_run_again", check)
+    return recommend(TOP, bounds, [], 1, NO_FILE)
+
+
+def euler_alone(law: Law) -> Results:
+    ladder = with_law(law)
+    return replace(
+        ladder,
+        rows=[row for row in ladder.rows if row.key.method == "Euler"],
+        verdicts=[verdict for verdict in ladder.verdicts if verdict.key.method == "Euler"],
+    )
+
+
+def test_a_check_that_keeps_the_bounds_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    recommendation = recommended(monkeypatch, euler_alone(straight), straight, omega=BETWEEN)
+    assert (len(recommendation.checks), recommendation.verified, exit_code(recommendation)) == (
+        1,
+        True,
+        0,
+    )
+    assert recommendation.checks[0].timestep == recommendation.best.timestep
+    assert f"--timestep {recommendation.best.timestep!r}" in recommendation.command
+
+
+def test_a_check_that_misses_is_one_more_run_to_interpolate_between(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Below the ladder the errors turn out larger than the order promised."""
+    worse = 1.1
+    recommendation = recommended(
+        monkeypatch, euler_alone(straight), lambda dt: worse * straight(dt), omega=BELOW
+    )
+    assert not recommend_module.within(recommendation.checks[0], recommendation.bounds)
+    assert recommendation.verified
+    assert recommendation.best.timestep < recommendation.checks[0].timestep
+
+
+def test_what_misses_again_and_again_is_not_verified(monkeypatch: pytest.MonkeyPatch) -> None:
+    recommendation = recommended(monkeypatch, euler_alone(straight), lambda dt: 1.0, omega=BELOW)
+    assert (recommendation.verified, exit_code(recommendation)) == (False, 1)
+    assert len(recommendation.checks) <= CHECKS
+
+
+def test_a_run_that_would_last_too_long_is_not_started(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recommend_module, "TIME_LIMIT", 1e-6)
+    recommendation = recommended(monkeypatch, euler_alone(straight), straight, omega=BETWEEN)
+    assert (recommendation.checks, recommendation.verified) == ((), False)
+    assert "it would take" in recommendation.unchecked
+
+
+def test_engines_as_shipped_are_not_even_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    methods_asked: list[list[str]] = []
+
+    def run(scenes: object, engines: object, methods: list[str], *others: object) -> Results:
+        methods_asked.append(methods)
+        return euler_alone(straight)
+
+    monkeypatch.setattr(running, "run", run)
+    recommend(TOP, {"omega": 1e-300}, [], 1, NO_FILE)
+    every = [method for engine in engines().values() for method in engine.methods]
+    assert any(method.as_shipped for method in every)
+    assert set(methods_asked[0]) == {method.name for method in every if not method.as_shipped}
+
+
+@pytest.mark.parametrize(
+    ("of_the_file", "is_taken"),
+    [({}, True), ({"engine_version": "0.1"}, False), ({"seconds_per_step": None}, False)],
+    ids=["timed", "of another version", "untimed"],
+)
+def test_timed_runs_of_the_engine_that_is_here_are_taken_from_the_file(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, of_the_file: dict[str, Any], is_taken: bool
+) -> None:
+    ladder = euler_alone(straight)
+    here = {"engine_version": engines()["mujoco"].version}
+    rows = [replace(row, **(here | of_the_file)) for row in ladder.rows]
+    stored = tmp_path / "stored.sqlite"
+    stored.touch()
+    monkeypatch.setattr(running, "read", lambda _: replace(ladder, rows=rows))
+    scenario = ladder.scenes[TOP].scenario
+    monkeypatch.setattr(recommend_module, "one_scene", lambda _: scenario)
+    monkeypatch.setattr(running, "run", lambda *_: ladder)
+    recommendation = recommend(TOP, {"omega": 1e-300}, [], 1, stored)
+    assert recommendation.source == (str(stored) if is_taken else "")
+
+
+def test_an_engine_that_is_there_as_shipped_only_is_one_message(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    raw = type("Raw", (Works,), {"name": "raw", "methods": (replace(METHOD, as_shipped=True),)})
+    monkeypatch.setattr(recommend_module, "engines", lambda: {"raw": raw(lambda _: None)})
+    with pytest.raises(Complaint, match="raw: has no method but as shipped"):
+        recommend(TOP, {"omega": BETWEEN}, ["raw"], 1, NO_FILE)
+
+
+def test_what_no_method_reaches_is_said_and_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> None:
+    recommendation = recommended(monkeypatch, euler_alone(straight), straight, omega=1e-300)
+    assert (recommendation.best, recommendation.command, exit_code(recommendation)) == (None, "", 1)
+
+
+def test_a_bound_broken_by_any_error_is_broken() -> None:
+    row = Row(
+        Key(TOP, "e", "m"), "1", 1e-3, "ok", errors=Errors(1e-3, 1e-2, 1e-4, 1e-5, 1e-3, 1e-3)
+    )
+    within = recommend_module.within
+    assert within(row, {"omega": 1e-3, "attitude": 1e-2})
+    assert not within(row, {"omega": 1e-3, "attitude": 9e-3})
+    assert not within(replace(row, errors=Errors(math.nan, 0, 0, 0, 0, 0)), {"omega": 1.0})
+    assert not within(replace(row, outcome="diverged", errors=None), {"omega": 1.0})
+
+
+@pytest.mark.parametrize(
+    ("bounds", "message"),
+    [
+        ({}, "takes a bound"),
+        ({"omega": 0.0}, "'--omega' must be positive, got 0"),
+        ({"angular_momentum": -1.0}, "'--angular-momentum' must be positive, got -1"),
+        ({"energy": math.nan}, "'--energy' must be positive, got nan"),
+    ],
+)
+def test_bad_bounds_are_refused_before_anything_runs(
+    bounds: dict[Any, float], message: str
+) -> None:
+    with pytest.raises(Complaint, match=message) as complaint:
+        recommend("no scene", bounds, [], 1, NO_FILE)
+    assert complaint.value.exit_code == 2
+
+
+@pytest.fixture(scope="module")
+def spincheck(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., tuple[int, str, str]]:
+    """Run the command beside a scene of its own; returns exit code, stdout and stderr."""
+    folder = tmp_path_factory.mktemp("recommend")
+    (folder / "box.toml").write_text(BOX)
+
+    def run(*arguments: object) -> tuple[int, str, str]:
+        done = command_line.spincheck(*arguments, cwd=folder)
+        return done.returncode, done.stdout, done.stderr
+
+    return run
+
+
+def test_from_outside_it_chooses_checks_and_its_command_repeats_it(
+    spincheck: Callable[..., tuple[int, str, str]],
+) -> None:
+    options = ["--omega", 1e-7, "--energy", 1e-6, "--engine", "mujoco", "--json"]
+    code, out, err = spincheck("recommend", "box.toml", *options)
+    printed = json.loads(out)
+    assert (code, printed["verified"]) == (0, True), err
+    assert printed["recommended"]["method"] == "RK4"
+    assert printed["recommended"]["known"] == "measured"
+    assert printed["checks"][-1]["omega"] <= 1e-7
+    code, out, _ = spincheck(*printed["command"].split()[1:])
+    (row,) = json.loads(out)["rows"]
+    assert row["timestep"] == printed["recommended"]["timestep"]
+    assert row["omega_error"] == printed["checks"][-1]["omega"]
+
+
+def test_from_outside_bad_input_is_one_message_and_exit_code_2(
+    spincheck: Callable[..., tuple[int, str, str]],
+) -> None:
+    code, out, err = spincheck("recommend", "box.toml")
+    assert (code, out) == (2, "")
+    assert err.startswith("spincheck: takes a bound")
+    assert len(err.splitlines()) == 1

@@ -1,0 +1,54 @@
+"""The end of a run on the terminal: the answer, in twenty lines of eighty columns."""
+
+from dataclasses import replace
+
+from made_up import results
+from spincheck.reports.cli.run.short_summary import WIDTH, short_summary
+
+FOUND = results()
+
+
+def test_it_fits_a_terminal():
+    lines = short_summary(FOUND)
+    assert len(lines) <= 20
+    assert max(map(len, lines)) <= WIDTH
+
+
+def test_all_verdicts_of_clean_methods_are_counted():
+    clean = [verdict for verdict in FOUND.verdicts if not verdict.as_shipped]
+    first = " ".join(short_summary(FOUND)).partition(".")[0]
+    assert f"{len(clean)} verdict" in first
+    counted = [int(part.split()[0]) for part in first.partition(": ")[2].split(", ")]
+    assert sum(counted) == len(clean)
+
+
+def test_what_fails_is_reported_with_its_reason_and_how_many_more_there_are():
+    wrong = [
+        replace(
+            verdict,
+            verdict="disagrees",
+            reason="R" * 500,
+            is_expected_failure=False,
+            as_shipped=False,
+        )
+        for verdict in FOUND.verdicts
+    ]
+    lines = short_summary(replace(FOUND, verdicts=wrong))
+    key = wrong[0].key
+    (first_line,) = (k for k, line in enumerate(lines) if line.startswith("Fails: "))
+    assert f"Fails: {key.scenario}, {key.engine} {key.method}: disagrees" in lines[first_line]
+    assert any(line.startswith(f"{len(wrong) - 1} more fail") for line in lines)
+    assert len(lines) <= 20
+
+
+def test_where_nothing_fails_nothing_is_said_to():
+    good = [replace(verdict, verdict="converges", unmet=()) for verdict in FOUND.verdicts]
+    assert not [line for line in short_summary(replace(FOUND, verdicts=good)) if "ail" in line]
+
+
+def test_a_timestep_that_was_asked_for_has_its_errors():
+    row = next(row for row in FOUND.rows if row.errors is not None)
+    lines = short_summary(FOUND, [row.timestep])
+    name = f"{row.key.scenario} {row.key.engine} {row.key.method} "
+    assert any(line.startswith(name) and f"{row.errors.omega:.0e}" in line for line in lines)
+    assert max(map(len, lines)) <= WIDTH

@@ -1,0 +1,39 @@
+"""What `spincheck reference` prints of the exact motion."""
+
+import numpy as np
+import pytest
+from library_scenes import library_scene
+from scipy.spatial.transform import Rotation
+from spincheck.reports.cli.scenes.exact_motion import describe
+from spincheck.scenarios.exact import omega_body_from_zyz_rates
+
+TOP = library_scene("fast-top")
+UPRIGHT = library_scene("asleep-at-the-threshold")
+#: Of a few trigonometric functions each.
+ROUNDING = 16 * float(np.finfo(float).eps)
+
+
+@pytest.fixture(scope="module")
+def states() -> list[dict[str, list[float]]]:
+    printed: list[dict[str, list[float]]] = describe(TOP, [0.3, 1.7])["states"]
+    return printed
+
+
+def test_its_euler_angles_are_the_attitude(states):
+    for state in states:
+        by_angles = Rotation.from_euler("ZYZ", state["euler_zyz_deg"], degrees=True)
+        by_quaternion = Rotation.from_quat(state["quaternion_wxyz"], scalar_first=True)
+        assert (by_angles.inv() * by_quaternion).magnitude() <= ROUNDING
+
+
+def test_their_rates_are_the_angular_velocity(states):
+    for state in states:
+        omega = omega_body_from_zyz_rates(state["euler_zyz_deg"], state["euler_zyz_rates"])
+        speed = np.linalg.norm(state["omega_body"])
+        assert np.abs(np.array(omega, dtype=float) - state["omega_body"]).max() <= ROUNDING * speed
+
+
+def test_an_upright_axis_has_no_rates():
+    upright = describe(UPRIGHT, [0.0])["states"][0]
+    assert upright["euler_zyz_deg"][1] == 0
+    assert np.isnan(upright["euler_zyz_rates"]).all()

@@ -1,0 +1,231 @@
+"""The commands of sweeps: what they print, what they refuse, and with which exit code."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from command_line import spincheck
+from default_signals import WITH_DEFAULT_SIGNALS
+from spincheck.reports.cli import executing
+from spincheck.reports.cli.app import app
+from spincheck.reports.cli.executing import Where
+from spincheck.reports.cli.sweeps.sweep_running import choose_for_sweep as choose
+from spincheck.reports.cli.sweeps.sweep_running import exit_code, run_ensemble, run_map
+from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint
+from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.results.store import open_store
+from spincheck.reports.results.sweep_records import Ensemble
+from spincheck.scenarios import load, loads
+from typer.testing import CliRunner
+
+pytestmark = pytest.mark.slow
+
+COMMAND = Path(sys.executable).with_name("spincheck")
+SCENE = "fast-top"
+ONE_METHOD = ("--engine", "mujoco", "--method", "RK4")
+SPIN = "start.omega_body[2]=10:40:2:log"
+STEPS = "timestep=1e-3:1e-2:2:log"
+
+
+@pytest.fixture
+def in_process(monkeypatch):
+    """What is run is run here."""
+    monkeypatch.setattr(executing, "LocalWorkers", lambda *_: InProcess())
+
+
+@pytest.fixture(scope="module")
+def mapped(tmp_path_factory):
+    """A result file, and what the command printed that made a map in it."""
+    path = tmp_path_factory.mktemp("mapped") / "results.sqlite"
+    done = spincheck(
+        "map", SCENE, "--vary", SPIN, "--vary", STEPS, *ONE_METHOD, "--out", path, "--json"
+    )
+    assert done.returncode == AGREES, done.stderr
+    return path, done
+
+
+def test_a_map_prints_its_axes_and_a_point_for_each_pair(mapped):
+    printed = json.loads(mapped[1].stdout)
+    assert [axis["path"] for axis in printed["axes"]] == ["start.omega_body[2]", "timestep"]
+    assert len(printed["points"]) == 4
+    first = printed["points"][0]
+    assert first["at"] == {"start.omega_body[2]": 10.0, "timestep": 1e-3}
+    assert (first["engine"], first["method"], first["outcome"]) == ("mujoco", "RK4", "ok")
+    assert 0 < first["omega_error"] < 1
+
+
+def test_asked_again_it_answers_from_the_file(mapped):
+    path, done = mapped
+    again = spincheck(
+        "map", SCENE, "--vary", SPIN, "--vary", STEPS, *ONE_METHOD, "--out", path, "--json"
+    )
+    assert again.stdout == done.stdout
+    assert again.stderr == f"{path}: 4 of 4 points are stored already\n"
+
+
+def test_in_words_there_is_a_line_a_method_with_the_worst_point(mapped):
+    done = spincheck("map", SCENE, "--vary", SPIN, "--vary", STEPS, *ONE_METHOD, "--out", mapped[0])
+    assert "fast-top: 4 points, start.omega_body[2] 10 to 40, timestep 0.001 to 0.01" in done.stdout
+    (line,) = (line for line in done.stdout.splitlines() if "mujoco RK4" in line)
+    assert "timestep 0.01" in line
+
+
+def test_points_are_printed_as_csv(mapped):
+    lines = spincheck("points", mapped[0], "--csv").stdout.splitlines()
+    assert len(lines) == 5
+    assert lines[0].startswith("sweep,at,scenario,engine,method,timestep,outcome,cause")
+
+
+def test_an_ensemble_prints_its_members(tmp_path):
+    path = tmp_path / "results.sqlite"
+    done = spincheck(
+        "run", SCENE, "--ensemble", 3, "--seed", 7, *ONE_METHOD, "--out", path, "--json"
+    )
+    printed = json.loads(done.stdout)
+    assert [point["at"] for point in printed["points"]] == [{"member": float(k)} for k in range(3)]
+    with open_store(path) as store:
+        (ensemble,) = store.read().ensembles
+    assert ensemble.ensemble == Ensemble(SCENE, 3, 7, None)
+
+
+def test_a_member_is_printed_as_a_scenario_file_that_runs(tmp_path):
+    bad = tmp_path / "bad.toml"
+    bad.write_text(spincheck("member", SCENE, "--seed", 7, "--member", 2).stdout)
+    assert load(bad).title.endswith("with member 2 of seed 7")
+
+
+def test_a_point_of_a_map_is_printed_as_a_scenario_file(mapped, tmp_path):
+    done = spincheck("vary", SCENE, "start.omega_body[2]=10", "body.mass=2.5")
+    scene = loads(done.stdout, "there")
+    assert (float(scene.start.omega_body[2]), scene.body.mass) == (10.0, 2.5)
+
+
+def run(*arguments: object) -> tuple[int, str]:
+    """The command's exit code and message, in this process."""
+    result = CliRunner().invoke(app, [str(argument) for argument in arguments])
+    if isinstance(result.exception, Complaint):
+        return result.exception.exit_code, str(result.exception)
+    return result.exit_code, result.output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["map", SCENE], "'--vary' must name two different numbers, got none"),
+        (["map", SCENE, "--vary", SPIN], "must name two different numbers, got start.omega_body"),
+        (["map", SCENE, "--vary", SPIN, "--vary", SPIN], "must name two different numbers"),
+        (["map", SCENE, "--vary", "a=1:2", "--vary", SPIN], "'--vary' a: no number of fast-top"),
+        (["map", SCENE, "--vary", "body.mass=2:1", "--vary", SPIN], "LO must be less than HI"),
+        (["map", SCENE, "--vary", "body.mass", "--vary", SPIN], "'--vary' must be 'PATH=LO:HI"),
+        (
+            ["map", SCENE, "--vary", SPIN, "--vary", STEPS, "--timestep", "0.01"],
+            "'--timestep' cannot be both given and varied",
+        ),
+        (
+            ["map", SCENE, "--vary", SPIN, "--vary", "body.mass=1:2", "--timestep", "60"],
+            "'--timestep' must be shorter than the window of fast-top",
+        ),
+        (["map", "no-such-scene", "--vary", SPIN, "--vary", STEPS], "no-such-scene"),
+        (
+            ["map", SCENE, "--vary", SPIN, "--vary", STEPS, "--engine", "none"],
+            "'--engine' must be one of",
+        ),
+        (["run", "--ensemble", "3"], "'--ensemble' takes one scene, got 0"),
+        (["run", SCENE, "--ensemble", "3", "--quick"], "'--quick' is for ladders"),
+        (
+            ["run", SCENE, "--ensemble", "3", "--timestep", "0.1", "--timestep", "0.2"],
+            "'--timestep' may be given once here, got 2",
+        ),
+        (["run", SCENE, "--ensemble", "0"], "'--ensemble'"),
+        (["run", SCENE, "--ensemble", "3", "--time-limit", "0"], "'--time-limit' must be positive"),
+        (["member", SCENE, "--member", "-1"], "'--member'"),
+        (["vary", SCENE, "body.mass"], "takes PATH=VALUE, got 'body.mass'"),
+        (["vary", SCENE, "body.mas=1"], "did you mean 'body.mass'?"),
+        (["vary", SCENE, "body.mass=-1"], "body"),
+        (["vary", SCENE, "timestep=1"], "the timestep is no number of the scene"),
+    ],
+    ids=lambda value: "" if isinstance(value, str) else " ".join(value[:1] + value[2:]),
+)
+def test_what_cannot_be_used_is_one_message_and_exit_code_2(
+    arguments, message, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    code, printed = run(*arguments)
+    assert code == BAD_INPUT
+    assert message in printed
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_scheduler_that_is_not_there_is_reported_with_exit_code_3(tmp_path):
+    path = tmp_path / "results.sqlite"
+    done = spincheck("run", SCENE, "--ensemble", 3, "--dask", "127.0.0.1:9", "--out", path)
+    assert done.returncode == NOT_RUN
+    assert done.stderr == "spincheck: '--dask': no scheduler answers at 127.0.0.1:9\n"
+
+
+@pytest.mark.processes
+def test_ctrl_c_ends_it_with_130_and_the_same_command_goes_on(tmp_path):
+    path = tmp_path / "results.sqlite"
+    arguments = ["run", SCENE, "--ensemble", "8", *ONE_METHOD, "--jobs", "1", "--out", str(path)]
+    process = subprocess.Popen(
+        [*WITH_DEFAULT_SIGNALS, COMMAND, *arguments],
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stderr
+    first = process.stderr.readline()
+    assert first.startswith("[1/8, ")
+    os.killpg(process.pid, signal.SIGINT)
+    out, err = process.communicate()
+    assert (process.returncode, out) == (130, "")
+    assert "the same command continues from there" in err.splitlines()[-1]
+    assert "of 8 points are stored already" in spincheck(*arguments).stderr
+
+
+@pytest.mark.parametrize(
+    ("outcomes", "code"),
+    [
+        (["ok", "diverged", "unsupported", "skipped", "invalid"], AGREES),
+        (["ok", "failed"], DISAGREES),
+        (["failed", "failed"], NOT_RUN),
+    ],
+    ids=["none failed", "one failed", "all failed"],
+)
+def test_a_sweep_fails_only_by_runs_that_failed(outcomes, code):
+    class Ended:
+        def __init__(self, outcome: str) -> None:
+            self.outcome = outcome
+
+    assert exit_code(Ended(outcome) for outcome in outcomes) == code
+
+
+@pytest.mark.usefixtures("in_process")
+def test_of_several_engines_in_a_file_those_asked_for_are_reported(mapped):
+    choice = choose(["mujoco"], ["Euler"], [])
+    swept = run_map(SCENE, [SPIN, STEPS], choice, Where(1), mapped[0])
+    assert {point.key.method for point in swept.points} == {"Euler"}
+
+
+@pytest.mark.usefixtures("in_process")
+def test_a_member_runs_as_in_its_ensemble(tmp_path):
+    """What the command prints is the very scene whose point is in the file."""
+    choice = choose(["mujoco"], ["RK4"], [])
+    ensemble = run_ensemble(SCENE, 2, 7, choice, Where(1), tmp_path / "results.sqlite")
+    text = spincheck("member", SCENE, "--seed", 7, "--member", 1).stdout
+    alone = loads(text, "alone")
+    point = ensemble.points[1]
+    path = tmp_path / "alone.toml"
+    path.write_text(alone.text)
+    done = spincheck(
+        "run", path, *ONE_METHOD, "--timestep", repr(point.timestep), "--out",
+        tmp_path / "alone.sqlite", "--json",
+    )  # fmt: skip
+    (row,) = json.loads(done.stdout)["rows"]
+    assert (row["steps"], row["outcome"]) == (point.steps, "ok")
+    assert row["omega_error"] == point.errors.omega

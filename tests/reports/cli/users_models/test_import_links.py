@@ -1,0 +1,150 @@
+"""The command 'import': scenes of links, what was left out, and the file they are from."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from library_scenes import library_scene
+from spincheck.engines import engines
+from spincheck.reports.cli.app import app
+from spincheck.reports.cli.run.running import _engines_for
+from spincheck.reports.cli.terminal import Complaint
+from spincheck.reports.cli.users_models.import_links import import_scenes
+from spincheck.scenarios import ScenarioError, load
+from spincheck.scenarios.users_models import read_model
+from typer.testing import CliRunner
+from users_models import arm, diagonal, inertial, joint, link, robot, written
+
+pytest_plugins = ["pytester"]
+BAD = inertial("1", diagonal(0.3, 0.1, 0.9))
+ODD = robot(
+    link("base"),
+    link("fore arm", inertial()),
+    link("fore/arm", inertial()),
+    link("bad", BAD),
+    *(joint("base", name) for name in ("fore arm", "fore/arm", "bad")),
+)
+
+
+def imported(tmp_path, text=ODD, links=()):
+    path = written(tmp_path, text, "robots/robot.urdf")
+    return path, import_scenes(path, tmp_path / "scenes", links)
+
+
+def test_a_link_becomes_a_scene_with_the_files_numbers(tmp_path):
+    path, (line, unmade) = imported(tmp_path, arm())
+    scene = load(line)
+    stated = read_model(path).link("arm").stated
+    assert (scene.body.mass, scene.body.com.tolist()) == (stated.mass, stated.com.tolist())
+    assert (scene.body.inertia_com == stated.inertia).all()
+    assert scene.title == "arm of robot.urdf: tumbles"
+    assert scene.document.body.model == "../robots/robot.urdf"
+    assert unmade == "left out, the file states no inertia of it: base"
+
+
+def test_it_turns_about_its_middle_axis(tmp_path):
+    _, (line, _) = imported(tmp_path, arm())
+    scene = load(line)
+    spin = scene.start.omega_body / np.linalg.norm(scene.start.omega_body)
+    moment = spin @ scene.body.inertia_com @ spin
+    assert moment == pytest.approx(scene.body.principal_moments[1], rel=0.01)
+
+
+def test_names_are_made_such_as_files_may_have_and_differ(tmp_path):
+    _, lines = imported(tmp_path)
+    names = [line.rpartition("/")[2] for line in lines if line.endswith(".toml")]
+    assert names == ["fore-arm.toml", "fore-arm-2.toml"]
+
+
+def test_what_no_body_has_is_left_out_with_the_reason(tmp_path):
+    assert "left out, 0.1 + 0.3 < 0.9: no body has it: bad" in imported(tmp_path)[1]
+
+
+def test_one_link_can_be_asked_for(tmp_path):
+    assert [line[-13:] for line in imported(tmp_path, links=("fore arm",))[1]] == ["fore-arm.toml"]
+
+
+@pytest.mark.parametrize(
+    ("links", "message"),
+    [
+        (("none",), "there is no link 'none'"),
+        (("bad",), "no link makes a scene; 'bad' is left out"),
+    ],
+)
+def test_a_link_without_a_scene_is_a_complaint(tmp_path, links, message):
+    with pytest.raises(Complaint, match=message):
+        imported(tmp_path, links=links)
+
+
+def test_a_scene_that_is_there_is_not_written_over(tmp_path):
+    _, (line, _) = imported(tmp_path, arm())
+    Path(line).write_text("mine", encoding="utf-8")
+    more = robot(link("base"), link("leg", inertial()), link("arm", inertial()))
+    joints = joint("base", "leg") + joint("base", "arm")
+    with pytest.raises(
+        Complaint, match=r"arm\.toml: a scene of that name exists already; remove it, or"
+    ):
+        imported(tmp_path, more.replace("</robot>", f"{joints}</robot>"))
+    assert Path(line).read_text(encoding="utf-8") == "mine"
+    # Nor is anything else written then.
+    assert [path.name for path in Path(line).parent.iterdir()] == ["arm.toml"]
+
+
+def test_a_model_that_changed_is_an_error_that_says_so(tmp_path):
+    path, (line, _) = imported(tmp_path, arm())
+    path.write_text(arm(mass="3"), encoding="utf-8")
+    with pytest.raises(
+        ScenarioError, match=r"arm\.toml:\d+: \[body\] sha256: .* has changed since"
+    ):
+        load(line)
+
+
+def test_a_model_that_is_gone_is_an_error_that_says_so(tmp_path):
+    path, (line, _) = imported(tmp_path, arm())
+    path.unlink()
+    with pytest.raises(ScenarioError, match=r"\[body\] model: .*robot\.urdf: cannot be read"):
+        load(line)
+
+
+def test_an_origin_is_given_whole(tmp_path):
+    _, (line, _) = imported(tmp_path, arm())
+    kept = Path(line).read_text(encoding="utf-8").splitlines()
+    text = "\n".join(li for li in kept if not li.startswith("sha256"))
+    scene = written(tmp_path, text, "scenes/half.toml")
+    with pytest.raises(ScenarioError, match=r"\[body\]: 'link', 'model' needs 'sha256' too"):
+        load(scene)
+
+
+def test_a_run_of_a_changed_model_ends_with_exit_code_2(tmp_path):
+    path, (line, _) = imported(tmp_path, arm())
+    path.write_text(arm(mass="3"), encoding="utf-8")
+    ended = CliRunner().invoke(app, ["run", line, "--out", str(tmp_path / "results.sqlite")])
+    assert isinstance(ended.exception, Complaint)
+    assert ended.exception.exit_code == 2
+    assert "'../robots/robot.urdf' has changed since this scene was made of it" in str(
+        ended.exception
+    )
+
+
+def test_a_run_asks_engines_of_users_files_where_a_scene_names_one(tmp_path):
+    _, (line, _) = imported(tmp_path, arm())
+    of_file = {name for name, engine in engines().items() if engine.of_file}
+    assert of_file <= set(_engines_for([load(line)]))
+    assert not of_file & set(_engines_for([library_scene("fast-top")]))
+
+
+def test_an_engine_of_users_files_that_is_asked_for_in_vain_is_reported(tmp_path):
+    out = str(tmp_path / "results.sqlite")
+    ended = CliRunner().invoke(app, ["run", "fast-top", "--engine", "mujoco-file", "--out", out])
+    assert str(ended.exception).startswith(
+        "'--engine' mujoco-file loads links of users' files, and no scene here names one"
+    )
+
+
+@pytest.mark.needs_pybullet
+def test_pytest_has_an_item_a_link_and_engine(pytester):
+    path = written(pytester.path, arm())
+    import_scenes(path, pytester.path / "scenes", ())
+    result = pytester.runpytest_inprocess("-p", "no:cacheprovider", "--collect-only", "-q")
+    result.stdout.fnmatch_lines(["*::mujoco-file-RK4", "*::pybullet-file-inertia-from-file"])
+    result.stdout.no_fnmatch_line("*::pybullet-file-default")

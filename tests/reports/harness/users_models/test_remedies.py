@@ -1,0 +1,118 @@
+"""Remedies work: each is applied to its file, and the file inspected again."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from spincheck.engines.users_models.model_reader import Advice, RefusalAdvice
+from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.harness.users_models import asked_engines, inspect_model
+from spincheck.reports.harness.users_models import remedy as remedy_module
+from spincheck.reports.harness.users_models.records import Inspection
+from spincheck.reports.harness.users_models.remedy import inertial_line, remedies
+from spincheck.scenarios.users_models import read_model
+from users_models import (
+    TENSOR,
+    arm,
+    arm_with_a_tool,
+    diagonal,
+    inertial,
+    link,
+    written,
+)
+
+pytest.importorskip("pybullet")
+EPS = float(np.finfo(float).eps)
+
+
+def inspected(folder, text):
+    return inspect_model(read_model(written(folder, text)), InProcess(), asked_engines())
+
+
+def remedies_of(inspection, who):
+    return [one for one in remedies(inspection) if who in one.who]
+
+
+def kinds(inspection, who):
+    """By link, what a configuration has done to it."""
+    return {
+        link.link.name: held.kind
+        for link in inspection.links
+        for held in link.held
+        if f"{held.engine} {held.configuration}" == who
+    }
+
+
+def test_a_link_that_states_nothing_gets_a_line(tmp_path):
+    who = "pybullet inertia-from-file"
+    before = inspected(tmp_path, arm())
+    (remedy,) = remedies_of(before, who)
+    assert (remedy.links, kinds(before, who)["base"]) == (("base",), "nothing stated")
+    text = arm().replace(link("base"), link("base", remedy.line))
+    after = inspected(tmp_path, text)
+    assert kinds(after, who) == {"base": "", "arm": ""}
+    assert remedies_of(after, who) == []
+
+
+def test_where_a_flag_mends_it_the_flag_is_reported(tmp_path):
+    (remedy,) = (
+        one
+        for one in remedies_of(inspected(tmp_path, arm()), "pybullet default")
+        if "flag" in one.text
+    )
+    assert remedy.text == "load it with flags=pybullet.URDF_USE_INERTIA_FROM_FILE"
+    assert kinds(inspected(tmp_path, arm()), "pybullet inertia-from-file")["arm"] == ""
+
+
+def test_an_option_has_mujoco_take_links_without_a_tensor(tmp_path):
+    text = arm(diagonal(0, 0, 0))
+    (remedy,) = remedies_of(inspected(tmp_path, text), "mujoco as-is")
+    assert remedy.links == ("arm",)
+    after = inspected(tmp_path, text.replace('name="made-up">', f'name="made-up">{remedy.line}'))
+    assert ("mujoco", "as-is") not in after.refusals
+
+
+@pytest.mark.parametrize("moments", [(0.3, 0.1, 0.9), (-0.1, 0.3, 0.3)])
+def test_a_tensor_that_no_body_has_is_to_be_corrected(tmp_path, moments):
+    inspection = inspected(tmp_path, arm(diagonal(*moments)))
+    assert [(one.text, one.links) for one in remedies_of(inspection, "mujoco as-is")] == [
+        ("correct the tensors that no body has", ("arm",))
+    ]
+    assert ("correct their tensors in the file: no body has them", ("arm",)) in [
+        (one.text, one.links) for one in remedies_of(inspection, "pybullet inertia-from-file")
+    ]
+
+
+def test_a_remedy_for_several_configurations_is_reported_once(tmp_path):
+    inspection = inspected(tmp_path, arm(diagonal(0.3, 0.1, 0.9)))
+    lines = [(one.text, one.links) for one in remedies(inspection)]
+    assert len(lines) == len(set(lines))
+    assert ("mujoco as-is", "mujoco unfused") in [one.who for one in remedies(inspection)]
+
+
+def test_the_line_without_a_rotation_states_the_same_tensor(tmp_path):
+    before = read_model(written(tmp_path, arm())).link("arm").stated
+    text = arm().replace(inertial("2", TENSOR), inertial_line(before))
+    after = read_model(written(tmp_path, text)).link("arm").stated
+    assert (after.inertia == before.inertia).all()
+    assert (after.unturned == after.inertia).all()
+    assert (after.mass, after.com.tolist()) == (before.mass, before.com.tolist())
+    # Teeth: as it was, a reader that loses the rotation has another tensor.
+    assert np.abs(before.unturned - before.inertia).max() > 1e-3
+
+
+def test_links_that_are_kept_apart_are_not_fused(tmp_path):
+    text = arm_with_a_tool()
+    option = '<mujoco><compiler fusestatic="false"/></mujoco>'
+    after = inspected(tmp_path, text.replace('name="made-up">', f'name="made-up">{option}'))
+    assert all(not held.fused for one in after.links for held in one.held)
+
+
+def test_an_engine_of_any_name_brings_its_own_advice(tmp_path, monkeypatch):
+    refusals = (RefusalAdvice(("too light",), "massless", Advice("weigh them down")),)
+    reader = SimpleNamespace(advice={}, refusals=refusals)
+    monkeypatch.setattr(remedy_module, "model_readers", lambda: {"stranger": reader})
+    model = read_model(written(tmp_path, arm()))
+    refused = {("stranger@2.0", "as-is"): "a link is too light"}
+    (remedy,) = remedies(Inspection(model, (), refused))
+    assert (remedy.who, remedy.text) == (("stranger@2.0 as-is",), "weigh them down")

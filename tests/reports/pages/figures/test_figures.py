@@ -1,0 +1,326 @@
+"""The figures: complete, valid, never claiming too much, alike on every page."""
+
+import json
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+from contrast import contrast
+from made_up import METHODS, STOCK, TIMESTEPS, UNCERTAINTY, at_stock, results
+from plotted import coloured, values_of
+from spincheck.reference import facts, solve
+from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
+from spincheck.reports.pages.analysis.trace_style import COLOURS, DASHES, SYMBOLS, trace_styles
+from spincheck.reports.pages.analysis.work_precision import Signal
+from spincheck.reports.pages.figures import ladder_figures
+from spincheck.reports.pages.figures.dense_motion import MOST as MOST_DENSE
+from spincheck.reports.pages.figures.figures import Titled, figures
+from spincheck.reports.pages.figures.ladder_figures import cost
+from spincheck.reports.pages.figures.plot import (
+    MOST_SAMPLES,
+    Figure,
+    Trace,
+    claimed,
+    error_range,
+    thinned,
+)
+from spincheck.reports.pages.figures.run_lines import with_runs
+from spincheck.reports.pages.page_data import PageData
+from spincheck.reports.pages.scene.motion_data import motion_data
+from spincheck.reports.pages.templating import source
+from spincheck.reports.results.records import Key, Row
+from spincheck.reports.results.store import Results
+
+pytestmark = pytest.mark.slow
+
+TOP, BRICK, UNSOLVED = "made-up-top", "made-up-brick", "unsolved"
+#: WCAG 2.1, 1.4.11: contrast of what must be seen in a figure.
+GRAPHICS = 3.0
+#: The signal of each part of a figure of errors.
+SIGNALS: tuple[Signal, ...] = ("omega", "attitude")
+LADDER = ("convergence", "cost")
+
+
+def scene(name: str, samples: int = 101) -> SceneRuns:
+    return {scene.name: scene for scene in report_data(at_stock(results(samples))).scenes}[name]
+
+
+def drawn(of: SceneRuns) -> dict[str, Titled]:
+    return {titled.name: titled for section in figures(of).values() for titled in section}
+
+
+@pytest.fixture(scope="module")
+def top() -> dict[str, Titled]:
+    return drawn(scene(TOP))
+
+
+@pytest.fixture(scope="module")
+def brick() -> dict[str, Titled]:
+    return drawn(scene(BRICK))
+
+
+def test_a_heavy_top_has_its_figures(top: dict[str, Titled]) -> None:
+    assert list(top) == ["tilt", "omega", "convergence", "cost", "axis", "polhode", "potential"]
+
+
+def test_a_free_body_has_its_figures(brick: dict[str, Titled]) -> None:
+    assert list(brick) == ["tilt", "omega", "convergence", "cost", "polhode"]
+
+
+def test_a_scene_without_an_exact_motion_has_none() -> None:
+    assert drawn(scene(UNSOLVED)) == {}
+
+
+def test_plotly_accepts_every_figure(top: dict[str, Titled], brick: dict[str, Titled]) -> None:
+    for titled in [*top.values(), *brick.values()]:
+        for part in titled.parts:
+            go.Figure(coloured(part))
+
+
+def test_plotly_refuses_what_it_does_not_know(top: dict[str, Titled]) -> None:
+    planted = top["tilt"].figure | {"layout": {"xaxes": {}}}
+    with pytest.raises(ValueError, match="xaxes"):
+        go.Figure(coloured(planted))
+
+
+def test_no_figure_shows_an_error_below_the_reference(top: dict[str, Titled]) -> None:
+    assert list(_errors_too_small(top)) == []
+
+
+def test_an_error_shown_below_the_reference_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ladder_figures, "_claimed", lambda _, rows, __: np.full(len(rows), 1e-16))
+    titles = {titled for titled, _ in _errors_too_small(drawn(scene(TOP)))}
+    assert titles == set(LADDER)
+
+
+@pytest.mark.parametrize("figure", LADDER)
+def test_every_method_that_ran_is_in_every_figure(top: dict[str, Titled], figure: str) -> None:
+    ran = {f"{m.engine} {m.method}" for m in METHODS if m.verdict != "unsupported"}
+    for part in top[figure].parts:
+        traced = {trace.get("legendgroup") for trace in part["data"]}
+        # What failed was not timed.
+        assert ran - traced == (set() if figure == "convergence" else {"elsewhere fancy<i>"})
+
+
+def test_no_line_has_more_samples_than_a_page_carries() -> None:
+    for titled in drawn(scene(TOP, samples=2001)).values():
+        for part in titled.parts:
+            for trace in part["data"]:
+                assert len(values_of(trace["x"])) <= MOST_DENSE
+
+
+def test_thinning_keeps_both_ends() -> None:
+    indices = thinned(2001)
+    assert len(indices) == MOST_SAMPLES
+    assert (indices[0], indices[-1]) == (0, 2000)
+
+
+def test_convergence_shows_the_error_of_every_finished_run(top: dict[str, Titled]) -> None:
+    euler = next(
+        trace
+        for trace in top["convergence"].figure["data"]
+        if trace.get("legendgroup") == "mujoco Euler" and trace["xaxis"] == "x"
+    )
+    rows = [row for row in results().rows if _label(row.key) == "mujoco Euler" and row.errors]
+    wanted = [row.errors.omega for row in rows if row.key.scenario == TOP and row.errors]
+    np.testing.assert_array_equal(values_of(euler["x"]), np.float32(TIMESTEPS))
+    np.testing.assert_array_equal(values_of(euler["y"]), np.float32(wanted))
+
+
+@pytest.mark.parametrize("figure", LADDER)
+def test_a_diverged_run_is_a_cross_on_a_strip_of_its_own(
+    top: dict[str, Titled], figure: str
+) -> None:
+    for part in top[figure].parts:
+        multibody = [t for t in part["data"] if t.get("legendgroup") == "pybullet multibody"]
+        assert {(t["marker"]["symbol"], t["yaxis"]) for t in multibody} == {("x-thin-open", "y2")}
+        assert sum(len(values_of(t["x"])) for t in multibody) == len(TIMESTEPS)
+
+
+def test_no_run_with_an_error_is_on_the_strip(top: dict[str, Titled]) -> None:
+    marks = [t for t in top["convergence"].figure["data"] if t["yaxis"] == "y2"]
+    assert {t["legendgroup"] for t in marks} == {"pybullet multibody", "elsewhere fancy<i>"}
+
+
+def test_stock_timesteps_have_rings(top: dict[str, Titled]) -> None:
+    for part in top["convergence"].parts:
+        rings = [t for t in part["data"] if t.get("marker", {}).get("symbol") == "circle-open"]
+        assert rings
+        for ring in rings:
+            np.testing.assert_array_equal(values_of(ring["x"]), np.float32(STOCK))
+
+
+def test_guides_have_the_declared_slopes(top: dict[str, Titled]) -> None:
+    guides = [t for t in top["convergence"].figure["data"] if t.get("name", "").startswith("order")]
+    assert {t["name"] for t in guides} == {"order 1", "order 4"}
+    for guide in guides:
+        slope = np.polyfit(np.log(values_of(guide["x"])), np.log(values_of(guide["y"])), 1)[0]
+        # Single precision: 2⁻²⁴ of each value over an octave or more.
+        assert slope == pytest.approx(int(guide["name"].split()[1]), abs=4 * 2.0**-23 / math.log(2))
+
+
+def test_cost_is_seconds_a_simulated_second(top: dict[str, Titled]) -> None:
+    row = next(row for row in results().rows if row.seconds_per_step)
+    assert row.seconds_per_step is not None
+    assert cost(row) == row.seconds_per_step / row.timestep
+    first = next(t for t in top["cost"].figure["data"] if t.get("legendgroup") == _label(row.key))
+    assert values_of(first["x"])[0] == np.float32(cost(row))
+
+
+def test_untimed_runs_have_no_cost_figure() -> None:
+    stored = results()
+    untimed = [Row(**vars(row) | {"seconds_per_step": None}) for row in stored.rows]
+    gathered = report_data(Results(**vars(stored) | {"rows": untimed}))
+    named = {name for scene in gathered.scenes for name in drawn(scene)}
+    assert "convergence" in named
+    assert "cost" not in named
+
+
+def test_turning_points_of_the_well_are_the_bounds_of_nutation(top: dict[str, Titled]) -> None:
+    solved = scene(TOP).solved
+    assert solved is not None
+    exact = {fact.name: fact.value for fact in facts(solved.scenario)}
+    dots = next(t for t in top["potential"].figure["data"] if t["mode"] == "markers")
+    bounds = np.float32([exact["nutation from"], exact["nutation to"]])
+    np.testing.assert_array_equal(values_of(dots["x"]), bounds)
+
+
+def exact_line(figure: Figure, drawn_scene: SceneRuns) -> Trace:
+    """The exact motion, where the page's script would draw it."""
+    (exact,) = (t for t in with_runs(figure, drawn_scene, ())["data"] if t.get("name") == "exact")
+    return exact
+
+
+def test_the_axis_stays_on_the_sphere(top: dict[str, Titled]) -> None:
+    curve = exact_line(top["axis"].figure, scene(TOP))
+    radius = np.sqrt(sum(values_of(curve[axis]) ** 2 for axis in "xyz"))
+    np.testing.assert_allclose(radius, 1.0, atol=4 * np.finfo(np.float32).eps)
+
+
+def test_the_polhode_starts_at_the_scenes_own_rates_and_stays_on_the_ellipsoid(
+    brick: dict[str, Titled],
+) -> None:
+    """Of a free body Σ I ω² stays; the made-up motion, which is another, is not drawn."""
+    solved = scene(BRICK).solved
+    assert solved is not None
+    exact = exact_line(brick["polhode"].figure, scene(BRICK))
+    tips = np.column_stack([values_of(exact[axis]) for axis in "xyz"])
+    moments = np.diag(solved.scenario.body.inertia_com)
+    slack = 8 * np.finfo(np.float32).eps
+    np.testing.assert_allclose(tips**2 @ moments, 1.0, rtol=slack)
+    start = solved.scenario.start.omega_body
+    np.testing.assert_allclose(tips[0], start / np.sqrt(start**2 @ moments), rtol=slack)
+
+
+def test_a_method_has_one_colour_in_all_engines() -> None:
+    drawn_as = trace_styles([("a", "Euler"), ("a", "RK4"), ("b", "RK4")])
+    assert drawn_as["a", "RK4"].colour == drawn_as["b", "RK4"].colour
+    assert drawn_as["a", "Euler"].colour != drawn_as["a", "RK4"].colour
+
+
+def test_no_two_methods_differ_in_hue_alone() -> None:
+    pairs = [(f"engine {k // 9}", f"method {k % 9}") for k in range(len(DASHES) * len(SYMBOLS))]
+    assert len({(look.dash, look.symbol) for look in trace_styles(pairs).values()}) == len(pairs)
+
+
+def test_colours_are_those_of_the_whole_study_on_every_page() -> None:
+    per_page = [
+        {trace["legendgroup"]: trace["line"]["color"]}
+        for name in (TOP, BRICK)
+        for titled in drawn(scene(name)).values()
+        for trace in titled.figure["data"]
+        if "legendgroup" in trace
+    ]
+    merged: dict[str, str] = {}
+    for colours in per_page:
+        for label, colour in colours.items():
+            assert merged.setdefault(label, colour) == colour
+
+
+def test_colours_are_different() -> None:
+    assert len(set(COLOURS)) == len(COLOURS)
+
+
+@pytest.mark.parametrize("colour", COLOURS)
+def test_colours_stand_out_on_light_and_on_dark_paper(colour: str) -> None:
+    style = source("style.css")
+    papers = re.findall(r"--paper: (#\w{6})", style)
+    assert len(papers) == 2
+    assert min(contrast(colour, paper) for paper in papers) >= GRAPHICS
+
+
+def test_axes_reach_from_below_the_floor_to_above_the_errors() -> None:
+    low, high = error_range([np.array([1e-5, np.nan, 1e-3])], floor=1e-12)
+    assert low < 1e-12
+    assert high > 1e-3
+
+
+def test_an_error_of_nothing_is_not_drawn() -> None:
+    low, high = error_range([np.array([np.nan])], floor=np.inf)
+    assert 0 < low < high < np.inf
+    assert np.isnan(claimed(np.array([0.0, np.inf]), np.inf)).all()
+
+
+@pytest.mark.parametrize("size", [1e3, 1e35, 1e150])
+def test_a_run_that_blows_up_leaves_the_figures_readable(size: float) -> None:
+    stored = results()
+    k = next(
+        k
+        for k, row in enumerate(stored.rows)
+        if row.key.scenario == BRICK and row.outcome == "diverged"
+    )
+    motion = stored.rows[k].motion
+    assert motion is not None
+    omega = motion.omega_body * np.linspace(1.0, size, len(motion.t))[:, None]
+    wild = replace(motion, omega_body=omega)
+    rows = [
+        Row(**vars(row) | {"motion": wild}) if n == k else row for n, row in enumerate(stored.rows)
+    ]
+    gathered = report_data(Results(**vars(stored) | {"rows": rows[: k + 1]}))
+    brick = next(scene for scene in gathered.scenes if scene.name == BRICK)
+    for titled in drawn(brick).values():
+        for part in titled.parts:
+            for trace in part["data"]:
+                assert not np.isinf(values_of(trace["y"])).any()
+            json.dumps(part, allow_nan=False)
+    page = PageData()
+    page.add(motion_data(brick))
+    assert page.encoded()
+
+
+def test_a_run_sampled_at_times_of_its_own_is_compared_with_the_exact_motion_at_those() -> None:
+    stored = results()
+    motion = next(row.motion for row in stored.rows if row.key.scenario == BRICK and row.motion)
+    shifted = replace(motion, t=motion.t * 1.001)
+    rows = [Row(Key(BRICK, "mujoco", "Euler"), "1.0", 0.1, "ok", motion=shifted)]
+    gathered = report_data(Results(**vars(stored) | {"rows": rows}))
+    scenario = stored.scenes[BRICK].scenario
+    (run,) = next(scene for scene in gathered.scenes if scene.name == BRICK).compared
+    np.testing.assert_array_equal(run.exact.t, shifted.t)
+    exact = solve(scenario, shifted.t).trajectory
+    np.testing.assert_array_equal(run.exact.omega_body, exact.omega_body)
+
+
+def test_blow_ups_do_not_squeeze_the_rest() -> None:
+    _, high = error_range([np.array([1e-5]), np.array([1e30])], floor=1e-12)
+    assert high < 1e3
+
+
+def _errors_too_small(figures: dict[str, Titled]) -> Iterator[tuple[str, float]]:
+    for name in LADDER:
+        for signal, part in zip(SIGNALS, figures[name].parts, strict=True):
+            # Values are drawn in single precision, and so is their limit.
+            limit = np.float32(getattr(UNCERTAINTY, signal))
+            for trace in part["data"]:
+                if "legendgroup" in trace and trace["yaxis"] == "y":
+                    values = values_of(trace["y"])
+                    yield from ((name, float(v)) for v in values[values < limit])
+
+
+def _label(key: Any) -> str:
+    return f"{key.engine} {key.method}"

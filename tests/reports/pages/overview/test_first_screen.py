@@ -1,0 +1,199 @@
+"""The first screen's sentences, the table's data, and the best choice, from made-up runs."""
+
+import json
+import math
+from dataclasses import replace
+
+import pytest
+from made_up import SECONDS_PER_STEP, SIZE, TIMESTEPS, MadeUp, results
+from markdown_text import markdown_tables, plain
+from spincheck.reports.pages.analysis.report_data import ReportData, report_data
+from spincheck.reports.pages.analysis.timesteps import ATTITUDE_WITHIN, best_choice
+from spincheck.reports.pages.overview.first_screen import NOTICED_OMEGA, answer
+from spincheck.reports.pages.overview.heat_map import heat_map
+from spincheck.reports.pages.render import render
+from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
+from spincheck.reports.results.records import Key, Row
+from spincheck.reports.results.store import Results
+from spincheck.scenarios import Errors
+
+STOCK = TIMESTEPS[1]
+SHIPPED = MadeUp("mujoco", "default", 1)
+CLEAN = MadeUp("mujoco", "Euler", 1)
+SHARP = MadeUp("mujoco", "RK4", 4)
+DYING = MadeUp("pybullet", "default", 1, "diverges", "the state is no longer finite")
+EXACT = Errors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+TRIED = (SHIPPED, CLEAN, SHARP, DYING)
+UNASKED = ("a force of 0.5 N at 0.1 m/s", "damping", "joint motor")
+
+
+def stocked(**changed) -> Results:
+    """Two scenes and one not solved; the second rung is at the stock timestep of all engines."""
+    stored = results(methods=TRIED)
+    shipped = {("mujoco", "default"), ("pybullet", "default")}
+    return replace(
+        stored,
+        rows=[_at_stock(row) for row in stored.rows],
+        verdicts=[
+            replace(v, as_shipped=(v.key.engine, v.key.method) in shipped) for v in stored.verdicts
+        ],
+        methods={
+            pair: replace(method, as_shipped=pair in shipped)
+            for pair, method in stored.methods.items()
+        },
+        **changed,
+    )
+
+
+def _at_stock(row: Row) -> Row:
+    row = replace(row, stock=row.timestep == STOCK)
+    return replace(row, unasked=UNASKED) if row.key.engine == "pybullet" else row
+
+
+def taken_away(name: str, alone: Errors | None) -> DefaultEffects:
+    """What was measured of one default of PyBullet; without any it is exact."""
+    effect = DefaultEffect(name, alone, EXACT)
+    key = Key("made-up-top", "pybullet", "default")
+    return DefaultEffects(key, STOCK, EXACT, None, (effect,))
+
+
+@pytest.fixture(scope="module")
+def gathered() -> ReportData:
+    return report_data(stocked())
+
+
+def scene(gathered: ReportData, name: str = "made-up-top"):
+    return next(scene for scene in gathered.scenes if scene.name == name)
+
+
+def cell(gathered: ReportData, method: str, engine: str = "mujoco") -> list:
+    drawn = heat_map(gathered)
+    columns = [(c["engine"], c["method"]) for c in drawn["columns"]]
+    carried = next(s for s in drawn["scenes"] if s["name"] == "made-up-top")
+    return carried["cells"][columns.index((engine, method))]
+
+
+def test_the_defaults_are_reported_with_their_size_in_degrees(gathered):
+    wrong = answer(gathered)[0]
+    # An error of first order, halved once.
+    degrees = f"{math.degrees(SIZE[1] / 2):.1f}°"
+    assert f"mujoco default at its stock 10 ms is {degrees} off in attitude" in wrong.text
+    assert "median of 2 scenes" in wrong.heading
+
+
+def test_a_default_that_blows_up_has_no_size(gathered):
+    assert "pybullet default at its stock 10 ms does not come to the end of 2 of 2 scenes" in (
+        answer(gathered)[0].text
+    )
+
+
+def test_the_most_accurate_method_of_the_engine_is_offered_with_its_price(gathered):
+    instead = answer(gathered)[1].text
+    assert instead.startswith("mujoco RK4 at the same 10 ms")
+    assert "for 1.0 times the CPU time" in instead
+
+
+def test_the_price_is_that_of_the_steps():
+    slow = stocked()
+    rows = [
+        replace(row, seconds_per_step=3 * SECONDS_PER_STEP)
+        if row.key.method == "RK4" and row.seconds_per_step
+        else row
+        for row in slow.rows
+    ]
+    assert "for 3.0 times the CPU time" in answer(report_data(replace(slow, rows=rows)))[1].text
+
+
+def test_why_a_default_is_wrong_is_reported_by_name_and_count(gathered):
+    why = answer(gathered)[2].text
+    assert "mujoco default converges to the exact motion on 2 of 2 scenes" in why
+    assert "pybullet default does not, at any timestep, on 2 of 2 scenes" in why
+    assert "on 2 of 2 scenes: damping (2), joint motor (2)." in why
+
+
+@pytest.mark.parametrize(
+    ("alone", "is_told"),
+    [
+        (replace(EXACT, omega=2 * NOTICED_OMEGA), True),
+        (replace(EXACT, omega=NOTICED_OMEGA / 2), False),
+        (None, True),
+    ],
+    ids=["off", "hardly", "blown up"],
+)
+def test_a_default_that_was_tried_alone_is_a_reason_if_it_is_noticed(alone, is_told):
+    measured = stocked(defaults=[taken_away("joint motor", alone)])
+    why = answer(report_data(measured))[2].text
+    assert ("ω is more than 1% off by its joint motor on 1, each alone" in why) == is_told
+
+
+def test_what_changes_no_motion_is_no_reason(gathered):
+    assert "joint motor" not in answer(gathered, harmless={"joint motor"})[2].text
+
+
+def test_without_engines_as_shipped_there_is_nothing_to_answer():
+    assert answer(report_data(results())) == ()
+
+
+def test_a_run_that_did_not_end_ok_has_no_number_in_the_table(gathered):
+    verdict, at_stock, *_ = cell(gathered, "default", "pybullet")
+    assert verdict == "diverges"
+    assert at_stock[:2] == [STOCK, "diverged"]
+    assert not any(isinstance(entry, float) for entry in at_stock[3:])
+
+
+def test_a_run_that_ended_ok_has_its_cost_and_four_errors(gathered):
+    _, at_stock, at_common, finest = cell(gathered, "Euler")
+    timestep, cost, attitude, *others = at_stock
+    assert (timestep, cost) == (STOCK, pytest.approx(SECONDS_PER_STEP / STOCK, rel=1e-2))
+    assert attitude == pytest.approx(SIZE[1] / 2, rel=1e-2)
+    assert len(others) == 3
+    assert at_common is None
+    assert finest[0] == pytest.approx(TIMESTEPS[-1], rel=1e-2)
+
+
+def test_an_error_below_what_the_reference_is_good_for_is_a_bound(gathered):
+    *_, finest = cell(gathered, "RK4")
+    assert finest[2] < 0
+    assert -finest[2] == scene(gathered).solved.solution.uncertainty.attitude
+
+
+def test_the_table_is_json_of_numbers_that_there_are(gathered):
+    json.dumps(heat_map(gathered), allow_nan=False)
+
+
+def test_the_best_choice_is_the_cheapest_within_the_bounds(gathered):
+    choice = best_choice(scene(gathered))
+    assert choice.within
+    assert choice.runs.label == "mujoco RK4"
+    assert choice.row.timestep == TIMESTEPS[0]
+    assert choice.row.errors.attitude <= ATTITUDE_WITHIN
+
+
+def test_where_nothing_is_within_the_bounds_it_is_the_most_accurate():
+    coarse = stocked()
+    rows = [r for r in coarse.rows if r.key.method != "RK4" and r.timestep >= TIMESTEPS[2]]
+    choice = best_choice(scene(report_data(replace(coarse, rows=rows))))
+    assert not choice.within
+    assert (choice.runs.label, choice.row.timestep) == ("mujoco Euler", TIMESTEPS[2])
+
+
+def test_what_diverged_or_is_lost_is_never_the_best_choice():
+    best = stocked()
+    rows = []
+    for row in best.rows:
+        ended = {"outcome": "diverged", "errors": None} if row.timestep == TIMESTEPS[0] else {}
+        rows.append(replace(row, without_skill=row.timestep == TIMESTEPS[1], **ended))
+    choice = best_choice(scene(report_data(replace(best, rows=rows))))
+    assert choice.row.timestep == TIMESTEPS[2]
+
+
+def test_markdown_says_the_same_answer_first(gathered, tmp_path):
+    render(stocked(), tmp_path)
+    path = tmp_path / "report.md"
+    beginning = path.read_text(encoding="utf-8").partition("## ")[0]
+    for sentence in answer(gathered):
+        assert plain(sentence.text) in plain(beginning)
+    first = markdown_tables(path)[0]
+    assert "mujoco default, 10 ms" in [heading.strip() for heading in first[0]]
+    degrees = f"{math.degrees(SIZE[1] / 2):.2f}°"
+    assert any(degrees in line for row in first for line in row)

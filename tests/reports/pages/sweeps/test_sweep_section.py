@@ -1,0 +1,223 @@
+"""Maps and ensembles in a report: pages, tables, commands that make them again."""
+
+import shlex
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+from made_up import results
+from made_up_sweeps import METHODS, MISCHIEF, UNCERTAINTY, ensemble_result, map_result, scene, swept
+from markdown_text import markdown_tables, outside_code
+from page import Page, read_page
+from planted import HeunSession, planted
+from plotted import coloured, values_of
+from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.sweep import plan_sweep
+from spincheck.reports.pages.analysis.ensemble_numbers import Members, members_of
+from spincheck.reports.pages.render import render
+from spincheck.reports.pages.sweeps.ensemble_pages import ensemble_pages
+from spincheck.reports.pages.sweeps.map_pages import map_pages, vary_option
+from spincheck.reports.pages.sweeps.map_tables import percent
+from spincheck.reports.results.store import Results, open_store
+from spincheck.reports.results.sweep_records import Ensemble
+from spincheck.scenarios.vary import parse_axis
+
+pytestmark = pytest.mark.slow
+
+EULER, RK4, MULTIBODY = METHODS
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("swept")
+    render(swept(), folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def pages(folder: Path) -> dict[str, Page]:
+    return {str(p.relative_to(folder)): read_page(p) for p in sorted(folder.rglob("*.html"))}
+
+
+def test_there_is_a_page_a_map_and_an_ensemble(pages: dict[str, Page]) -> None:
+    assert set(pages) == {
+        "index.html",
+        "maps/disc-1.html",
+        "maps/disc-2.html",
+        "maps/upright-1.html",
+        "ensembles/disc-1.html",
+    }
+
+
+def test_every_page_is_well_formed(pages: dict[str, Page]) -> None:
+    assert {name: page.faults for name, page in pages.items() if page.faults} == {}
+
+
+def test_the_overview_leads_to_every_page(pages: dict[str, Page]) -> None:
+    assert set(pages) - {"index.html"} <= set(pages["index.html"].attribute("href"))
+
+
+def test_every_link_leads_somewhere(folder: Path, pages: dict[str, Page]) -> None:
+    for name, page in pages.items():
+        for link in page.attribute("href") + page.attribute("src"):
+            path, _, place = link.partition("#")
+            target = (folder / name).parent / path if path else folder / name
+            assert target.is_file(), f"{name}: {link}"
+            if place and target.suffix == ".html":
+                assert place in read_page(target).attribute("id"), f"{name}: {link}"
+
+
+def test_nothing_of_the_writer_s_own_making_is_an_element(pages: dict[str, Page]) -> None:
+    for page in pages.values():
+        assert not [e for e in page.all("script") if "alert" in e.text and not e.attributes]
+        assert MISCHIEF not in page.path.read_text(encoding="utf-8")
+
+
+def test_markdown_marks_nothing_up_that_an_engine_said(folder: Path) -> None:
+    for path in folder.rglob("*.md"):
+        assert "<script" not in outside_code(path)
+
+
+def test_a_file_without_sweeps_shows_nothing_of_them(tmp_path: Path) -> None:
+    render(Results({}, {}, [], []), tmp_path)
+    assert 'id="maps"' not in (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert "maps" not in (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert not (tmp_path / "maps").exists()
+
+
+def test_a_file_of_sweeps_alone_shows_no_empty_tables(folder: Path, pages: dict[str, Page]) -> None:
+    assert pages["index.html"].tables()
+    assert all(len(table) > 1 for page in pages.values() for table in page.tables())
+    # Headings, dashes and at least one row.
+    for path in folder.rglob("*.md"):
+        assert all(len(table) > 2 for table in markdown_tables(path)), path
+
+
+def test_a_sweep_keeps_what_adapters_declare(tmp_path: Path) -> None:
+    """Or a report would know no order and no clamp, and draw no lines for them."""
+    definition = Ensemble("disc", 1, seed=7, timestep=0.01)
+    engine = planted(HeunSession)
+    with open_store(tmp_path / "results.sqlite", create=True) as store:
+        plan_sweep(definition, scene(), Choice((engine,), timed=False), store)
+        declared = store.read().methods
+    assert declared == {(engine.name, method.name): method for method in engine.methods}
+
+
+def test_the_command_makes_the_same_axes_again() -> None:
+    page = map_pages(swept())[0]
+    words = shlex.split(page.command)
+    assert words[:3] == ["spincheck", "map", "disc"]
+    axes = tuple(parse_axis(words[k + 1]) for k, word in enumerate(words) if word == "--vary")
+    assert axes == swept().maps[0].map.axes
+
+
+@pytest.mark.parametrize("text", ["body.mass=0.1:0.3:7", "body.mass=1e-3:2.5e7:20:log"])
+def test_an_axis_is_written_as_it_was_typed(text: str) -> None:
+    axis = parse_axis(text)
+    assert parse_axis(vary_option(axis)) == axis
+
+
+def test_a_fixed_timestep_is_in_the_command_and_in_words() -> None:
+    swept_map = swept().maps[0]
+    fixed = replace(swept_map, map=replace(swept_map.map, timestep=0.0025))
+    page = map_pages(replace(swept(), maps=[fixed]))[0]
+    assert page.command.endswith("--timestep 0.0025")
+
+
+def test_survival_is_counted_by_the_turn_a_step() -> None:
+    """Euler diverges beyond a turn of 1, so all below survive and none above."""
+    table = map_pages(swept())[0].survival
+    row = dict(zip(table.headings, (cell.text for cell in table.rows[0]), strict=True))
+    assert row["method"] == "Euler"
+    assert row["0.3 to 1 rad"] == "100 %"
+    assert row["over 3 rad"] == "0 %"
+    always = dict(zip(table.headings, (cell.text for cell in table.rows[1]), strict=True))
+    assert always["over 3 rad"] == "100 %"
+
+
+def test_markdown_has_the_table_of_survival(folder: Path) -> None:
+    for path in (folder / "maps" / "disc-1.md", folder / "report.md"):
+        headings = [[cell.strip() for cell in table[0]] for table in markdown_tables(path)]
+        assert any("0.3 to 1 rad" in heading for heading in headings)
+
+
+@pytest.mark.parametrize(
+    ("part", "whole", "text"),
+    [(0, 10, "0 %"), (10, 10, "100 %"), (1, 1000, "< 1 %"), (999, 1000, "> 99 %"), (1, 3, "33 %")],
+)
+def test_none_and_all_are_said_of_none_and_all_only(part: int, whole: int, text: str) -> None:
+    assert percent(part, whole) == text
+
+
+def euler() -> Members:
+    return members_of(ensemble_result(20).points, [EULER])[0]
+
+
+def test_quantiles_are_errors_of_members() -> None:
+    """Errors 0.01 to 0.20: the 10th, the 18th and the 20th."""
+    assert euler().quantiles("omega") == (0.10, 0.18, 0.20)
+    assert euler().quantiles("attitude") == (0.20, 0.36, 0.40)
+
+
+def test_quantiles_are_of_those_that_finished() -> None:
+    """Of PyBullet's, members 0, 2, … 18 did."""
+    of_method = members_of(ensemble_result(20).points, [MULTIBODY])[0]
+    assert len(of_method.points) == 20
+    assert of_method.quantiles("omega") == (0.09, 0.17, 0.19)
+
+
+def test_no_error_is_reported_below_the_reference() -> None:
+    points = ensemble_result().points
+    sure = tuple(replace(point, uncertainty=0.5) for point in points)
+    assert members_of(sure, [RK4])[0].errors("omega").min() == 0.5
+    assert members_of(points, [RK4])[0].errors("omega").min() > UNCERTAINTY
+
+
+def test_the_worst_are_those_that_did_not_finish_the_earliest_first() -> None:
+    of_method = members_of(ensemble_result().points, [MULTIBODY])[0]
+    assert [int(point.at[0]) for point in of_method.worst(7)] == [9, 7, 5, 3, 1, 8, 6]
+
+
+def test_the_worst_are_reported_with_what_writes_them(pages: dict[str, Page]) -> None:
+    worst = pages["ensembles/disc-1.html"].tables()[-1]
+    assert worst[1][:3] == ["mujoco", "Euler", "9"]
+    words = shlex.split(worst[1][-1])
+    assert words[0] == "spincheck"
+    assert {"disc", "9", "7"} <= set(words)
+
+
+def test_the_distribution_rises_at_every_error() -> None:
+    (page,) = ensemble_pages(swept())
+    assert page.figure is not None
+    go.Figure(coloured(page.figure.figure))
+    curve = next(t for t in page.figure.figure["data"] if t["name"] == "mujoco Euler")
+    np.testing.assert_allclose(values_of(curve["y"]), np.arange(0, 101, 10), rtol=1e-6)
+    np.testing.assert_allclose(values_of(curve["x"])[1:], np.arange(1, 11) / 100, rtol=1e-6)
+
+
+def test_the_distribution_ends_at_what_finished() -> None:
+    (page,) = ensemble_pages(swept())
+    assert page.figure is not None
+    curve = next(t for t in page.figure.figure["data"] if t["name"] == "pybullet multibody")
+    assert values_of(curve["y"])[-1] == 50.0
+
+
+def test_an_ensemble_of_which_none_finished_has_tables_and_no_figure() -> None:
+    ensemble = ensemble_result()
+    crashed = tuple(
+        replace(p, outcome="failed", cause="crash", errors=None) for p in ensemble.points
+    )
+    (page,) = ensemble_pages(replace(swept(), ensembles=[replace(ensemble, points=crashed)]))
+    assert page.figure is None
+    assert {cell.text for row in page.quantiles[0][1].rows for cell in row} >= {"0 %", "—"}
+
+
+def test_the_scene_is_linked_only_where_it_has_a_page(tmp_path: Path) -> None:
+    stored = results()
+    name = "made-up-brick"
+    of_brick = map_result(name=name)
+    render(replace(stored, maps=[of_brick, *swept().maps], methods=METHODS), tmp_path)
+    assert f"../scenes/{name}.html" in read_page(tmp_path / f"maps/{name}-1.html").attribute("href")
+    assert "../scenes/disc.html" not in read_page(tmp_path / "maps/disc-1.html").attribute("href")

@@ -1,0 +1,260 @@
+"""Files that parsers or engines do not read alike are refused, with file, line and element."""
+
+import os
+
+import pytest
+from spincheck.scenarios.users_models import ModelFileError, read_model
+from spincheck.scenarios.users_models.xml_tree import MAX_BYTES, MAX_DEPTH
+from users_models import arm, body, diagonal, inertial, joint, link, robot, written
+
+
+def refusal(path):
+    with pytest.raises(ModelFileError) as caught:
+        read_model(path)
+    message = str(caught.value)
+    assert "\n" not in message
+    return message.replace(str(path), "FILE")
+
+
+@pytest.mark.parametrize(
+    ("number", "why"),
+    [
+        ("0,5", ": engines stop reading at the comma"),
+        ("1_0", ": engines do not read it alike"),
+        ("${m}", ": it is xacro, expand the file first"),
+        ("nan", ": engines do not read it alike"),
+        ("inf", ": engines do not read it alike"),
+        ("1e999", ": engines do not read it alike"),
+        ("0x10", ": engines do not read it alike"),
+        ("٣", ": engines do not read it alike"),
+    ],
+)
+def test_a_number_that_engines_read_differently_is_refused(tmp_path, number, why):
+    path = written(tmp_path, arm(mass=number))
+    message = f"FILE:3: 'value' of <mass> must be decimal numbers, got '{number}'{why}"
+    assert refusal(path) == message
+
+
+def test_a_vector_of_another_length_is_refused(tmp_path):
+    text = arm().replace('rpy="0 0 0.5"', 'rpy="0 0.5"')
+    message = "FILE:3: 'rpy' of <origin> must be 3 numbers, got '0 0.5'"
+    assert refusal(written(tmp_path, text)) == message
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "FILE:1: not well-formed XML: no element found"),
+        ("<robot><link></robot>", "FILE:1: not well-formed XML: mismatched tag"),
+        ("<robot/><robot/>", "FILE:1: not well-formed XML: junk after document element"),
+        (
+            '<robot><link name="a" name="b"/></robot>',
+            "FILE:1: not well-formed XML: duplicate attribute",
+        ),
+        ("<sdf/>", "FILE:1: SDF is not read; convert it to URDF or MJCF"),
+        ("<html/>", "FILE:1: <html> is neither URDF (<robot>) nor MJCF (<mujoco>)"),
+        ("<robot/>", "FILE:1: <robot> has no <link>: there is nothing to inspect"),
+        ("<mujoco/>", "FILE:1: <mujoco> has no <body>: there is nothing to inspect"),
+        (
+            '<robot><xacro:macro name="m"/></robot>',
+            "FILE:1: <xacro:macro> is xacro: expand it first, 'xacro FILE > robot.urdf'",
+        ),
+        (
+            '<robot>\n<mujoco><include file="/etc/passwd"/></mujoco><link name="a"/></robot>',
+            "FILE:2: <include> has no place in a URDF; expand the file first",
+        ),
+    ],
+)
+def test_what_is_no_model_is_refused(tmp_path, text, message):
+    assert refusal(written(tmp_path, text)) == message
+
+
+def test_a_dtd_is_refused(tmp_path):
+    bomb = '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]>\n'
+    message = (
+        "FILE:1: a DTD (<!DOCTYPE …>) is refused: it can make a small file huge or read other "
+        "files; remove it"
+    )
+    assert refusal(written(tmp_path, robot(link("a"), head=bomb))) == message
+
+
+def test_elements_nested_without_end_are_refused(tmp_path):
+    deep = "<a>" * MAX_DEPTH + "</a>" * MAX_DEPTH
+    message = f"FILE:2: elements are nested more than {MAX_DEPTH} deep"
+    assert refusal(written(tmp_path, robot(deep))) == message
+
+
+def test_a_file_larger_than_any_model_is_refused(tmp_path):
+    path = tmp_path / "huge.urdf"
+    with path.open("wb") as file:
+        file.truncate(MAX_BYTES + 1)
+    message = f"FILE: too large for a model, the limit is {MAX_BYTES} bytes"
+    assert refusal(path) == message
+
+
+def test_a_pipe_is_not_waited_for(tmp_path):
+    path = tmp_path / "pipe.urdf"
+    os.mkfifo(path)
+    assert refusal(path) == "FILE: cannot be read: it is not a regular file"
+
+
+def test_a_file_that_is_not_there_is_reported(tmp_path):
+    message = "FILE: cannot be read: No such file or directory"
+    assert refusal(tmp_path / "none.urdf") == message
+
+
+def test_a_version_of_xml_that_there_is_not_is_read_as_engines_read_it(tmp_path):
+    model = read_model(written(tmp_path, '<?xml version="0.0" ?>\n' + arm()))
+    assert [link.name for link in model.links] == ["base", "arm"]
+
+
+@pytest.mark.parametrize(
+    "stray", ['<!-- x -->\n<?xml version="1.0"?>\n', '\n<?xml encoding="none" version="1.0"?>\n']
+)
+def test_a_declaration_that_standard_parsers_refuse_is_noted(tmp_path, stray):
+    path = written(tmp_path, stray + arm())
+    model = read_model(path)
+    (note,) = model.notes
+    assert note.startswith(f"{path}:2: this XML declaration breaks the standard")
+    start, end = model.link("arm").span
+    assert model.data[start:end].decode() == link("arm", inertial()).strip()
+
+
+def test_a_prefix_that_is_not_declared_is_noted(tmp_path):
+    path = written(tmp_path, robot(link("a"), "<sensor:camera/>"))
+    (note,) = read_model(path).notes
+    assert note.startswith(f"{path}:3: the prefix of <sensor:camera> is not declared")
+
+
+def test_bullets_own_scaling_of_a_tensor_is_noted(tmp_path):
+    scaled = '<contact>\n<inertia_scaling value="3.0"/></contact>'
+    path = written(tmp_path, robot(link("a", inertial() + scaled)))
+    assert read_model(path).notes == (
+        f"{path}:3: Bullet multiplies the tensor of <link name='a'> by this <inertia_scaling>; no "
+        "other engine does",
+    )
+
+
+def test_meshes_that_are_not_inside_the_models_folders_are_noted(tmp_path):
+    written(tmp_path, "solid", "outside.stl")
+    mesh = '<collision><geometry><mesh filename="../outside.stl"/></geometry></collision>'
+    path = written(tmp_path, robot(link("a", mesh)), "inner/robot.urdf")
+    assert read_model(path).notes == (
+        f"{path}: 1 of 1 collision meshes are not inside the model's folders, the first is "
+        "'../outside.stl'; stated inertia needs none, what PyBullet makes up by default does; "
+        "'--package-path NAME=DIR' says where they are",
+    )
+
+
+def test_a_prefix_that_is_declared_is_not(tmp_path):
+    text = robot(link("a"), '<s:camera xmlns:s="urn:s"/>')
+    assert read_model(written(tmp_path, text)).notes == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            robot(link("a"), link("a")),
+            "FILE:3: a second link is named 'a'; names must differ",
+        ),
+        (
+            robot(link("a"), link("b")),
+            "FILE:3: links 'a' and 'b' both hang on no joint; engines want one root",
+        ),
+        (
+            robot(link("a"), link("b"), joint("a", "c")),
+            "FILE:4: <joint name='to-c'> must name a link of the file as its child, got 'c'",
+        ),
+        (
+            robot(link("a"), link("b"), joint("a", "b"), joint("a", "b")),
+            "FILE:5: <joint name='to-b'>: the link 'b' hangs on a joint already",
+        ),
+        (
+            robot(link("a"), link("b"), joint("a", "b"), joint("b", "a")),
+            "FILE:1: joints lead from the link 'a' back to itself",
+        ),
+        (
+            robot(link("a", inertial() + inertial())),
+            "FILE:2: a second <inertial> in <link name='a'>: engines do not take the same one",
+        ),
+        (
+            robot(link("a", '<inertial><mass value="1"/></inertial>')),
+            "FILE:2: <inertial> lacks <inertia>: engines do not fill in the same",
+        ),
+        (
+            robot(link("a", inertial(tensor='ixx="1" iyy="1" izz="1"'))),
+            "FILE:2: <inertia> lacks 'ixy'",
+        ),
+    ],
+    ids=[
+        "twins",
+        "two roots",
+        "no such link",
+        "two parents",
+        "a ring",
+        "two inertials",
+        "no tensor",
+        "half a tensor",
+    ],
+)
+def test_what_makes_no_tree_of_bodies_is_refused(tmp_path, text, message):
+    assert refusal(written(tmp_path, text)) == message
+
+
+@pytest.mark.parametrize("target", ["/etc/passwd", "../outside.xml", "none.xml"])
+def test_an_include_stays_inside_the_models_folder(tmp_path, target):
+    written(tmp_path, "<mujoco/>", "outside.xml")
+    text = f'<mujoco>\n<include file="{target}"/></mujoco>'
+    message = (
+        f"FILE:2: <include> of '{target}': there is no such file inside the model's folder or one "
+        "given by '--package-path'"
+    )
+    assert refusal(written(tmp_path, text, "inner/robot.xml")) == message
+
+
+@pytest.mark.parametrize("tag", ["model", "hfield"])
+def test_other_files_that_mujoco_reads_are_inside_it_too(tmp_path, tag):
+    text = body("", f'<asset><{tag} name="m" file="/etc/passwd"/></asset>')
+    message = (
+        f"FILE:1: <{tag}> of '/etc/passwd': there is no such file inside the model's folder or one "
+        "given by '--package-path'"
+    )
+    assert refusal(written(tmp_path, text, "robot.xml")) == message
+
+
+def test_a_link_of_the_file_system_leads_no_further(tmp_path):
+    outside = written(tmp_path, "<mujoco/>", "outside.xml")
+    (tmp_path / "inner").mkdir()
+    (tmp_path / "inner/inside.xml").symlink_to(outside)
+    path = written(tmp_path, '<mujoco><include file="inside.xml"/></mujoco>', "inner/robot.xml")
+    assert "there is no such file inside the model's folder" in refusal(path)
+
+
+def test_a_file_that_includes_itself_is_refused(tmp_path):
+    path = written(tmp_path, '<mujoco><include file="robot.xml"/></mujoco>', "robot.xml")
+    assert refusal(path) == "FILE:1: <include> of 'robot.xml': a file can be included once"
+
+
+def test_bodies_without_number_are_refused(tmp_path):
+    text = body('<replicate count="1e8"><body/></replicate>')
+    message = "FILE:1: 'count' of <replicate> must be at most 10000, got 100000000"
+    assert refusal(written(tmp_path, text, "robot.xml")) == message
+
+
+def test_replicates_within_replicates_are_counted_together(tmp_path):
+    text = body('<replicate count="200"><replicate count="200"><body/></replicate></replicate>')
+    assert refusal(written(tmp_path, text, "robot.xml")) == "FILE:1: more than 10000 bodies"
+
+
+def test_a_rotation_that_is_given_twice_is_refused(tmp_path):
+    text = body('<inertial mass="1" diaginertia="1 1 1" quat="1 0 0 0" euler="0 0 0"/>')
+    message = "FILE:1: <inertial> gives its rotation twice: 'quat' and 'euler'"
+    assert refusal(written(tmp_path, text, "robot.xml")) == message
+
+
+def test_the_tensors_numbers_are_read_as_strictly_as_the_mass(tmp_path):
+    text = arm(diagonal("0.1", "0,1", "0.1"))
+    assert "'iyy' of <inertia> must be decimal numbers, got '0,1'" in refusal(
+        written(tmp_path, text)
+    )
