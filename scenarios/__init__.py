@@ -6,7 +6,7 @@ from .catalogue import LIBRARY, find, scenario_files
 from .document import Document, Effects, Expect, Known, Published, Window
 from .errors import Misfit, ScenarioError, did_you_mean, printable
 from .float_array import FloatArray
-from .load import is_scenario, is_scene_name, load, load_each, loads
+from .load import from_tables, is_scenario, is_scene_name, load, load_each, loads
 from .mechanics import angular_momentum_world, energy, energy_base, kinetic_energy, potential_energy
 from .scales import check_scales
 from .scenario import EFFECTS, Scenario, Start
@@ -45,6 +45,7 @@ __all__ = [
     "error_series",
     "errors_between",
     "find",
+    "from_tables",
     "is_scenario",
     "is_scene_name",
     "kinetic_energy",

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike
-
     from spincheck.reports.harness.recorded.judged import JudgedMotion
     from spincheck.reports.results.records import Row
     from spincheck.reports.results.store import Results

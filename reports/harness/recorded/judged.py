@@ -79,7 +79,9 @@ def judged_motion(
         be found from the attitudes.
     """
     stated = recording.settings
-    order: QuaternionOrder = quaternion or ("xyzw" if stated.get("quaternion") == "xyzw" else "wxyz")
+    order: QuaternionOrder = quaternion or (
+        "xyzw" if stated.get("quaternion") == "xyzw" else "wxyz"
+    )
     frame: OmegaFrame = omega or ("world" if stated.get("omega") == "world" else "body")
     solution = _solution(scenario, recording.arrays["t"])
     exact = solution.trajectory

@@ -111,7 +111,9 @@ _STATE = ("q_world_body_wxyz", "omega_body", "com_world", "velocity_world")
 def early_error(scenario: Scenario, recorded: RecordedMotion, exact: Trajectory) -> float:
     """The largest error in attitude and, where it was recorded, in ω."""
     series = error_series(scenario, recorded.trajectory, exact)
-    return float(max(series["attitude"].max(), series["omega"].max() if recorded.has_omega else 0.0))
+    return float(
+        max(series["attitude"].max(), series["omega"].max() if recorded.has_omega else 0.0)
+    )
 
 
 def _undone(reading: Reading) -> Iterator[tuple[str, Reading]]:
