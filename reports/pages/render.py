@@ -10,8 +10,8 @@ from jinja2 import Environment
 from ...engines.models.mjcf import mjcf
 from ...engines.models.urdf import urdf
 from ...scenarios import Scenario
-from ..results.records import VerdictWord
 from ..results.store import Results
+from ..results.verdict_words import VerdictWord
 from .analysis.report_data import ReportData, SceneRuns, report_data
 from .cost_section import cost_section, scene_costs
 from .figures.figures import figures

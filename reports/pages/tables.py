@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ..results.records import VerdictWord
+from ..results.verdict_words import VerdictWord
 
 #: Verdicts in the order in which they are counted and listed.
 VERDICTS: tuple[VerdictWord, ...] = (

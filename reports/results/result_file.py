@@ -27,7 +27,7 @@ from ...scenarios import printable
 
 #: "spin" in ASCII: distinguishes a result file from other SQLite databases.
 APPLICATION_ID = 0x7370696E
-FORMAT = 12
+FORMAT = 13
 #: Bytes of a record, at most; the motion of the longest window, 10⁶ samples, has 112 MB.
 LARGEST_RECORD = 1 << 28
 

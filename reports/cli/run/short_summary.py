@@ -15,8 +15,9 @@ from ...pages.analysis.timesteps import (
     stock_timesteps,
 )
 from ...pages.analysis.wording import duration, plural
-from ...results.records import Row, Verdict, VerdictWord
+from ...results.records import Row, Verdict
 from ...results.store import Results
+from ...results.verdict_words import VerdictWord
 
 WIDTH = 80
 #: Lines that one reason may take, and scenes whose best choice is printed one by one.

@@ -91,6 +91,7 @@ def row_record(row: Row) -> dict[str, Any]:
         "com_error": errors.com if errors else None,
         "velocity_error": errors.velocity if errors else None,
         "drifts": row.drifts,
+        "defects": {name: asdict(one) for name, one in (row.defects or {}).items()} or None,
         "reference_uncertainty": row.uncertainty,
         "steps": row.steps,
         "seconds_per_step": row.seconds_per_step,

@@ -10,8 +10,9 @@ from typing import Any, Literal
 
 from ....engines import Outcome
 from ...harness.observed_order import ASYMPTOTIC
-from ...results.records import Key, Row, Verdict, VerdictWord
+from ...results.records import Key, Row, Verdict
 from ...results.store import Results, SceneResult
+from ...results.verdict_words import VerdictWord
 
 #: An error has changed if it did by this factor: at the same timestep, an engine that computes the
 #: same makes the same error, to rounding.

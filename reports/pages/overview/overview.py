@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from statistics import median
 
 from ....engines import Method
-from ...results.records import Pair, Verdict, VerdictWord
+from ...results.records import Pair, Verdict
+from ...results.verdict_words import VerdictWord
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
 from ..analysis.wording import NOTHING, number, order, plural
 from ..links import method_anchor, scene_page

@@ -24,8 +24,8 @@ from spincheck.reports.pages.analysis.cost_to_reach import reach
 from spincheck.reports.pages.analysis.report_data import MethodRuns, SceneRuns, report_data
 from spincheck.reports.pages.analysis.survival import survival
 from spincheck.reports.pages.analysis.work_precision import curve_of
-from spincheck.reports.results.records import VerdictWord
 from spincheck.reports.results.store import Store, open_store
+from spincheck.reports.results.verdict_words import VerdictWord
 
 ROOT = Path(__file__).parents[3]
 STORE = ROOT / "build" / "engines.sqlite"
