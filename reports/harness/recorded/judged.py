@@ -1,4 +1,4 @@
-"""What a recorded motion is worth: its errors, from when they exceed a bound, and what explains it."""
+"""A recorded motion beside the exact one: its errors, and what explains them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -75,7 +75,7 @@ def read_recording(path: Path) -> Recording:
         if reader is None:
             raise RecordingError(f"its name must end in one of {', '.join(readers)}")
         recording = reader(path)
-        _check(recording.arrays)
+        check_motion(recording.arrays)
     except (RecordingError, ColumnError) as error:
         raise RecordingError(f"{where}: {error}.") from None
     except OSError as error:
@@ -320,7 +320,7 @@ def _check_count(samples: int) -> None:
         )
 
 
-def _check(arrays: dict[str, FloatArray]) -> None:
+def check_motion(arrays: dict[str, FloatArray]) -> None:
     """Check what holds between samples: times, and the norms of quaternions."""
     for quantity in QUANTITIES[:2]:
         if quantity.name not in arrays:

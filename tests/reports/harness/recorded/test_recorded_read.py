@@ -1,4 +1,4 @@
-"""Recorded motions are read as they are written, and files that hold none are refused in a sentence."""
+"""Recorded motions are read as written; files that hold none are refused in a sentence."""
 
 import os
 
@@ -123,7 +123,7 @@ def test_what_is_no_motion_is_refused_in_a_sentence(tmp_path, case):
 def test_archives_of_other_arrays_are_refused(tmp_path, arrays, words):
     path = tmp_path / "motion.npz"
     np.savez(path, **arrays)
-    with pytest.raises(RecordingError, match="motion.npz: ") as refused:
+    with pytest.raises(RecordingError, match=r"motion\.npz: ") as refused:
         read_recording(path)
     assert words in str(refused.value)
 
@@ -144,7 +144,7 @@ def test_an_endless_file_is_read_no_further_than_samples_go(tmp_path, monkeypatc
 
 @pytest.mark.parametrize("name", ["motion.xls", "motion"])
 def test_other_kinds_of_files_are_refused(tmp_path, name):
-    with pytest.raises(RecordingError, match="its name must end in one of .csv"):
+    with pytest.raises(RecordingError, match=r"its name must end in one of \.csv"):
         read_recording(written(tmp_path, GOOD, name))
 
 
