@@ -27,7 +27,7 @@ from .scene.default_tables import default_tables
 from .scene.motion_data import motion_data
 from .scene.scene_answer import scene_answer, shown_at_first
 from .sweeps.sweep_section import sweep_section, write_sweeps
-from .templating import source, templates
+from .templating import templates, write_assets
 from .written import ReportFolder
 
 #: Plotly, deflated: `figures.js` unpacks it.
@@ -65,7 +65,8 @@ def render(results: Results, folder: Path) -> Path:
     environment = templates()
     protocol = environment.get_template("protocol.md").render(p=constants())
     written = ReportFolder(folder)
-    _write_assets(written)
+    write_assets(written, *ASSETS)
+    _write_plotly(written)
     left_out = (
         effects_table(results.effects),
         passes_tables(results.passes),
@@ -175,10 +176,8 @@ def _models(scenario: Scenario) -> dict[str, str]:
     }
 
 
-def _write_assets(written: ReportFolder) -> None:
+def _write_plotly(written: ReportFolder) -> None:
     from plotly.offline import get_plotlyjs
 
-    for name in ASSETS:
-        written.write(f"assets/{name}", source(name))
     packed = base64.b64encode(zlib.compress(get_plotlyjs().encode("utf-8"), 9)).decode("ascii")
     written.write(f"assets/{PLOTLY}", f'const packedPlotly = "{packed}";\n')
