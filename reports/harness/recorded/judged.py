@@ -8,10 +8,13 @@ import numpy as np
 
 from ....reference import ExactMotion, IntegrationError, Solution, drifts
 from ....scenarios import SIGNAL, FloatArray, Misfit, Scenario, check_scales, error_series
+from ...results.records import Defect
+from ..defects import defects
 from .mistakes import Reading, mistakes
 from .motion import OmegaFrame, QuaternionOrder, RecordedMotion, recorded_motion
 from .read import Recording, RecordingError
 
+EPS = float(np.finfo(float).eps)
 #: rad; the bound that is reported where a user names none.
 DEGREE = pi / 180
 #: The signals that a recording without a quantity says nothing of.
@@ -30,6 +33,7 @@ class JudgedMotion:
     errors : the largest of each signal, by name; None for a signal that was not recorded
     exceeds_1deg_at : s, the first time at which the attitude is off by more than 1°; None if never
     drifts : the largest change of each conserved quantity, relative
+    defects : of the steps from sample to sample, by signal; empty if they cannot be followed
     explained_by : mistakes in recording that explain the difference, in words
     ignored : headings of the file that mean nothing here
     """
@@ -40,6 +44,7 @@ class JudgedMotion:
     errors: dict[str, float | None]
     exceeds_1deg_at: float | None
     drifts: dict[str, float]
+    defects: dict[str, Defect]
     explained_by: tuple[str, ...]
     ignored: tuple[str, ...]
 
@@ -93,6 +98,7 @@ def judged_motion(
             errors |= dict.fromkeys(signals)
     if not recorded.has_omega:
         errors["omega"] = None
+    of_steps = defects(scenario, recorded.trajectory, exact)
     beyond = np.flatnonzero(series["attitude"] > DEGREE)
     return JudgedMotion(
         recorded,
@@ -101,6 +107,7 @@ def judged_motion(
         errors,
         float(exact.t[beyond[0]]) if len(beyond) else None,
         drifts(scenario, recorded.trajectory),
+        of_steps.summary(len(exact.t) - 1, EPS) if of_steps else {},
         tuple(mistakes(scenario, exact, Reading(recording, order, frame))),
         recording.ignored,
     )

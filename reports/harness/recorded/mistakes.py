@@ -22,6 +22,8 @@ BEGINNING, FEWEST = 3.0, 3
 EXPLAINS = 10.0
 #: Errors below this, relative or in rad, need no explanation.
 FITS = 1e-9
+#: Relative or in rad; a first sample that is this far off is another start.
+STARTS = 1e-3
 #: Mistakes that are looked for in one file at the same time.
 MOST = 2
 
@@ -70,7 +72,23 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
         errors = [_error(scenario, beginning, other) for _, other in readings]
         if min(errors) < least / EXPLAINS:
             best, least = readings[int(np.argmin(errors))][0], min(errors)
-    return best
+    return best or _starts_elsewhere(scenario, exact, reading)
+
+
+def _starts_elsewhere(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[str]:
+    """In words, that the first sample is none of the scene's; empty if it is, or nearly so."""
+    first = reading.with_arrays(**{k: v[:1] for k, v in reading.recording.arrays.items()})
+    if "omega" not in first.recording.arrays:
+        return []
+    recorded = _recorded(scenario, first, exact.until(1))
+    off = error_series(scenario, recorded.trajectory, exact.until(1)).worst()
+    speed = float(np.linalg.norm(exact.omega_body[0] - recorded.trajectory.omega_body[0]))
+    if max(off["attitude"], off["omega"]) < STARTS:
+        return []
+    return [
+        f"it started elsewhere: at t = {exact.t[0]:g} s the attitude is off by "
+        f"{np.degrees(off['attitude']):.3g}° and ω by {speed:.3g} rad/s"
+    ]
 
 
 def _beginning(exact: Trajectory) -> int:
@@ -92,9 +110,7 @@ def _error(scenario: Scenario, exact: Trajectory, reading: Reading) -> float:
         arrays = reading.recording.arrays
         reading = reading.with_arrays(**{name: rows[is_after] for name, rows in arrays.items()})
     try:
-        recorded = recorded_motion(
-            scenario, reading.recording, exact, reading.quaternion, reading.omega
-        )
+        recorded = _recorded(scenario, reading, exact)
     except RecordingError:
         return np.inf
     return early_error(scenario, recorded, exact)
@@ -103,6 +119,10 @@ def _error(scenario: Scenario, exact: Trajectory, reading: Reading) -> float:
 @lru_cache(maxsize=RECENT)
 def _exact(scenario: Scenario, times: tuple[float, ...]) -> Trajectory:
     return ExactMotion(scenario).solve(np.array(times)).trajectory
+
+
+def _recorded(scenario: Scenario, reading: Reading, exact: Trajectory) -> RecordedMotion:
+    return recorded_motion(scenario, reading.recording, exact, reading.quaternion, reading.omega)
 
 
 _STATE = ("q_world_body_wxyz", "omega_body", "com_world", "velocity_world")
