@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from spincheck.reports.results.records import Row
     from spincheck.scenarios import Scenario
 
-    from .exact import ExactMotion
+    from .exact_motion import ExactMotion
     from .stored import StoredResults
 
     #: A scene's name in the library, the path of its file, its tables, or the scene itself.
@@ -56,7 +56,7 @@ def exact(scene: "Scene") -> "ExactMotion":
     spincheck.scenarios.ScenarioError
         As `load`.
     """
-    from .exact import ExactMotion
+    from .exact_motion import ExactMotion
 
     return ExactMotion(load(scene))
 

@@ -59,6 +59,6 @@ def assert_matches_exact(
     if unrecorded := [name for name in wanted if motion.errors[name] is None]:
         raise ValueError(f"'{unrecorded[0]}' cannot be checked: it was not given.")
     if beyond := motion.beyond(wanted):
-        explained = [f"It fits if {words}." for words in motion.explained_by]
+        explained = [f"Explained by: {words}." for words in motion.explained_by]
         lines = ["The motion is not the exact one:", *beyond, *explained]
         raise AssertionError("\n".join(lines))

@@ -99,6 +99,7 @@ def _beginning(exact: Trajectory) -> int:
 
 def _error(scenario: Scenario, exact: Trajectory, reading: Reading) -> float:
     """The largest error in ω and attitude; infinite if it cannot be read this way."""
+    exact = exact.at(np.flatnonzero(np.isin(exact.t, reading.recording.arrays["t"])))
     if reading.late:
         # A state before the start is none of the exact motion's.
         is_after = exact.t + reading.late >= 0
@@ -172,20 +173,18 @@ def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Readin
     yield "ω has the opposite sign", reading.with_arrays(omega=-omega)
     yield "ω is in degrees a second", reading.with_arrays(omega=omega * pi / 180)
     yield "ω is in turns a second", reading.with_arrays(omega=omega * 2 * pi)
-    # The other sample of the pair is the one whose attitude goes with it.
-    yield "ω is one sample older than the attitude", reading.with_arrays(omega=_shifted(omega, 1))
-    yield "ω is one sample newer than the attitude", reading.with_arrays(omega=_shifted(omega, -1))
-    for half in (0.5, -0.5):
-        age = "older" if half > 0 else "newer"
-        words = f"ω is half a sample {age} than the attitude, as of semi-implicit Euler or leapfrog"
-        yield words, reading.with_arrays(omega=(omega + _shifted(omega, int(2 * half))) / 2)
-
-
-def _shifted(values: FloatArray, samples: int) -> FloatArray:
-    """Values of so many samples later; at the end extrapolated from the last two."""
-    if samples > 0:
-        return np.vstack([values[1:], 2 * values[-1] - values[-2]])
-    return np.vstack([2 * values[0] - values[1], values[:-1]])
+    # Undone by pairing each attitude with the ω that goes with it, of which one end has none.
+    earlier, later = slice(None, -1), slice(1, None)
+    for age, mine, other in (("older", earlier, later), ("newer", later, earlier)):
+        kept = {name: rows[mine] for name, rows in reading.recording.arrays.items()}
+        yield (
+            f"ω is one sample {age} than the attitude",
+            reading.with_arrays(**kept | {"omega": omega[other]}),
+        )
+        yield (
+            f"ω is half a sample {age} than the attitude, as of semi-implicit Euler or leapfrog",
+            reading.with_arrays(**kept | {"omega": (omega[mine] + omega[other]) / 2}),
+        )
 
 
 def _scalar(order: QuaternionOrder) -> list[bool]:

@@ -1,1 +1,0 @@
-../../reports/interface/exact.py
