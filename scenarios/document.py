@@ -4,13 +4,14 @@ Field constraints say what a value may be; cross-checks between keys sit on the 
 concern. `schema.json` is generated from these models.
 """
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, TypeVar
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import BaseModel, Discriminator, Field, Tag, create_model, model_validator
 
 from .body import Body, body_about_com, body_about_origin, body_of_particles
 from .effects import Effects
 from .errors import Misfit
+from .signals import SIGNAL, SIGNALS
 from .table import Table
 from .values import (
     Digest,
@@ -25,6 +26,8 @@ from .values import (
     Version,
     check_unit,
 )
+
+T = TypeVar("T", bound=BaseModel)
 
 MAX_SAMPLES = 1_000_000
 
@@ -197,30 +200,35 @@ class Published(Table):
         }
 
 
-_BOUNDS = ("omega", "attitude", "angular_momentum", "energy")
+def _with_bounds(model: type[T]) -> type[T]:
+    """The table with a key a signal: a bound on the error in it."""
+    bounds: dict[str, Any] = {
+        signal.name: (Positive | None, Field(None, description=f"bound on the error in {signal}"))
+        for signal in SIGNALS
+    }
+    return create_model(
+        model.__name__, __base__=model, __module__=__name__, __doc__=model.__doc__, **bounds
+    )
 
 
+@_with_bounds
 class Expect(Table):
     """What the scene expects of one engine, method and timestep."""
 
     engine: Text = Field(description="as `spincheck engines` names it")
     method: Text = Field(description="likewise")
     timestep: Positive = Field(description="s; the run is made besides the ladder")
-    omega: Positive | None = Field(None, description="bound on omega_error")
-    attitude: Positive | None = Field(None, description="bound on attitude_error, rad")
-    angular_momentum: Positive | None = Field(None, description="bound on angular_momentum_error")
-    energy: Positive | None = Field(None, description="bound on energy_error")
     outcome: Literal["diverges"] | None = Field(None, description="this run is known to blow up")
 
     @model_validator(mode="after")
     def _bounds_or_outcome(self) -> Self:
         if bool(self.bounds()) == (self.outcome is not None):
-            raise ValueError(f"takes bounds ({_names(_BOUNDS)}), or 'outcome'; one of the two")
+            raise ValueError(f"takes bounds ({_names(SIGNAL)}), or 'outcome'; one of the two")
         return self
 
     def bounds(self) -> dict[str, float]:
-        """The bounds given, by the error they bound."""
-        return {name: getattr(self, name) for name in _BOUNDS if getattr(self, name) is not None}
+        """The bounds given, by the signal whose error they bound."""
+        return {name: getattr(self, name) for name in SIGNAL if getattr(self, name) is not None}
 
 
 class Known(Table):

@@ -1,10 +1,10 @@
 """A scenario file as text: read from regular files alone, in one size, in one encoding."""
 
 import re
-import stat
 from pathlib import Path
 
 from .errors import ScenarioError, printable
+from .regular_files import read_regular
 
 #: No scenario is this long; a larger file is something else, given by mistake.
 MAX_BYTES = 1 << 16
@@ -27,15 +27,9 @@ def read_text(path: Path) -> str:
     """
     where = printable(str(path))
     try:
-        mode = path.stat().st_mode
-        # To open a pipe is to wait for a writer that may never come.
-        content = _bytes(path) if stat.S_ISREG(mode) else None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise ScenarioError(f"{where}: cannot be read: {reason}") from None
-    if content is None:
-        kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
-        raise ScenarioError(f"{where}: cannot be read: it is {kind}")
+        content = read_regular(path, MAX_BYTES)
+    except OSError as error:
+        raise ScenarioError(f"{where}: cannot be read: {error.strerror}") from None
     if len(content) > MAX_BYTES:
         raise ScenarioError(f"{where}: too large for a scenario, the limit is {MAX_BYTES} bytes")
     try:
@@ -44,19 +38,11 @@ def read_text(path: Path) -> str:
         raise ScenarioError(f"{where}: not a text file in UTF-8") from None
 
 
-def _bytes(path: Path) -> bytes:
-    with path.open("rb") as file:
-        return file.read(MAX_BYTES + 1)
-
-
 def first_key(path: Path) -> str:
     """The first key of a TOML file, from its first lines alone; empty where there is none."""
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
-            return ""
-        with path.open("rb") as file:
-            head = file.read(HEAD)
-    except (OSError, ValueError):
+        head = read_regular(path, HEAD)
+    except OSError:
         return ""
     for line in head.decode("utf-8-sig", errors="replace").split("\n"):
         stripped = line.strip()

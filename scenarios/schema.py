@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 from .document import Document
+from .regular_files import write_new
 
 SCHEMA_FILE = Path(__file__).with_name("schema.json")
 
@@ -14,4 +15,4 @@ def schema_text() -> str:
 
 
 if __name__ == "__main__":
-    SCHEMA_FILE.write_text(schema_text(), encoding="utf-8")
+    write_new(SCHEMA_FILE, schema_text())

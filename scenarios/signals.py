@@ -173,9 +173,8 @@ class Signal:
         """The name of its error in JSON and CSV."""
         return f"{self.name}_error"
 
-    @property
-    def title(self) -> str:
-        """Label and unit, as a heading over errors."""
+    def __str__(self) -> str:
+        """Label and unit: `ω, relative`."""
         return f"{self.label}, {self.unit or 'relative'}"
 
     def declared_order(self, order: int, attitude_order: int) -> int:

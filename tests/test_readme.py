@@ -6,7 +6,7 @@ from typing import get_args
 
 import pytest
 from spincheck.reports.cli.app import app
-from spincheck.reports.results.records import VerdictWord
+from spincheck.reports.results.verdict_words import VerdictWord
 from spincheck.scenarios import loads
 from typer.main import get_group
 

@@ -1,13 +1,13 @@
 """An engine at another version; it runs in processes that import from its folder first."""
 
 import inspect
-from collections.abc import Collection
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import final
+from typing import Any, final
 
 from ...scenarios import Scenario
-from ..checks.read_back import BodyReading, Difference, EngineError, State
+from ..checks.read_back import EngineError
 from ..discovery import engines
 from ..engine import Engine, Method
 from ..session import Session
@@ -17,22 +17,22 @@ from .folders import VersionError, install, install_for
 PACKAGES = tuple(f"spincheck.{part}" for part in ("engines", "reference", "reports", "scenarios"))
 
 
+#: Methods that use none of the package, answered in any process.
+WITHOUT_PACKAGE = frozenset({"applies_to", "at_version", "defaults", "script"})
+
+
 @final
 class VersionedEngine(Engine):
     """The adapter of an engine on another version of its package.
 
     It opens scenes in a process in which modules are found in `site` first, and that has imported
-    no other version before.
+    no other version before. Whatever an `Engine` has and this class does not define is the
+    adapter's.
     """
 
     def __init__(self, base: str, version: str, methods: tuple[Method, ...], site: Path) -> None:
-        newest = engines()[base]
         self.name = f"{base}@{version}"
         self.methods = methods
-        self.single_precision = newest.single_precision
-        self.stock_timestep = newest.stock_timestep
-        self.of_file = newest.of_file
-        self._slack = newest.slack
         self._base, self._version, self._site = base, version, str(site)
 
     @property
@@ -46,11 +46,6 @@ class VersionedEngine(Engine):
         return self._site
 
     @property
-    def slack(self) -> float:
-        """As of the adapter."""
-        return self._slack
-
-    @property
     def sources(self) -> tuple[Path, ...]:
         """As of the adapter."""
         file = Path(inspect.getfile(type(engines()[self._base])))
@@ -59,34 +54,6 @@ class VersionedEngine(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """As the adapter opens it."""
         return self._adapter().open(scenario, method, timestep)
-
-    def applies_to(self, scenario: Scenario) -> bool:
-        """As the adapter does."""
-        return engines()[self._base].applies_to(scenario)
-
-    def differences(
-        self, scenario: Scenario, method: str, body: BodyReading, state: State
-    ) -> list[Difference]:
-        """As the adapter tells them."""
-        return self._adapter().differences(scenario, method, body, state)
-
-    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
-        """As the adapter writes it."""
-        return engines()[self._base].script(scenario, method, timestep)
-
-    def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """Of this version."""
-        return self._adapter().left_out(scenario, method)
-
-    def open_unpruned(
-        self,
-        scenario: Scenario,
-        method: Method,
-        timestep: float,
-        left_in: Collection[str] | None = None,
-    ) -> Session | None:
-        """As the adapter opens it."""
-        return self._adapter().open_unpruned(scenario, method, timestep, left_in)
 
     def _adapter(self) -> Engine:
         adapter = engines().get(self._base)
@@ -97,6 +64,27 @@ class VersionedEngine(Engine):
                 f"{self.name} runs in a process of its own; this one has {adapter.version}"
             )
         return adapter
+
+
+def _forwarded(name: str) -> Callable[..., Any]:
+    """A method that calls the adapter's, of this version if it needs the package."""
+
+    def forward(self: VersionedEngine, *args: Any, **kwargs: Any) -> Any:
+        adapter = engines()[self._base] if name in WITHOUT_PACKAGE else self._adapter()
+        return getattr(adapter, name)(*args, **kwargs)
+
+    return forward
+
+
+def _shared(name: str) -> property:
+    """A value that the adapter has in any version."""
+    return property(lambda self: getattr(engines()[self._base], name))
+
+
+for _name, _member in vars(Engine).items():
+    if _name.startswith("_") or _name in vars(VersionedEngine) or hasattr(_member, "__final__"):
+        continue
+    setattr(VersionedEngine, _name, (_forwarded if callable(_member) else _shared)(_name))
 
 
 def versioned(name: str, python: str = "") -> VersionedEngine:

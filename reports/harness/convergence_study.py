@@ -5,11 +5,14 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
+import numpy as np
+
 from ...engines import Engine, Method, Run
 from ...reference import Solution
 from ...scenarios import Expect, Scenario
-from ..results.records import Key, Row
+from ..results.records import Defect, Key, Row
 from .comparison import row_of, unmet_expectations
+from .defects import defects
 from .executors import Answer
 from .ladder import MIN_RUNGS, Ladder, Rung
 from .ladder_judge import LadderJudge
@@ -114,11 +117,20 @@ class ConvergenceStudy:
         version, rung = self.engine.version, asked.rung
         row = row_of(self.scenario, self.key, version, rung, answer.value, asked.solution)
         is_stock = rung.timestep in stock_timesteps(self.engine)
-        row = replace(row, printed=answer.printed, stock=is_stock)
+        made = self._defects(row, asked.solution)
+        row = replace(row, printed=answer.printed, stock=is_stock, defects=made)
         if self.rows and asked.use == "above" and not is_stock:
             # Its samples are not needed: finer runs are judged and drawn.
             row = replace(row, motion=None)
         return row
+
+    def _defects(self, row: Row, solution: Solution) -> dict[str, Defect] | None:
+        if row.motion is None or row.errors is None:
+            return None
+        single = self.engine.single_precision or row.cause == "precision"
+        found = defects(self.scenario, row.motion, solution.trajectory)
+        ulp = float(np.finfo(np.float32 if single else np.float64).eps)
+        return found.summary(row.steps, ulp) if found else None
 
     def refusals(self) -> list[Row]:
         """Rows of stock timesteps that do not fit the scene: `unsupported`, without a run."""

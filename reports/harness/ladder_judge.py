@@ -9,6 +9,7 @@ from ...engines import Engine, Method
 from ...reference import Solution
 from ...scenarios import SIGNAL, Scenario
 from ..results.records import Row, SignalVerdict
+from ..results.verdict_words import RANKS
 from .best_window import SHARP
 from .observed_order import ASYMPTOTIC
 from .richardson import RichardsonLadder, SignalSequence
@@ -38,7 +39,7 @@ class SignalJudgement:
         of two that no timestep would resolve, the one with the larger tolerance.
         """
         judgement = self.judgement
-        rank = ("converges", "unresolved", "disagrees").index(judgement.word)
+        rank = RANKS[judgement.word]
         if judgement.word == "unresolved":
             return rank, -(judgement.needed_timestep or 0.0), judgement.tolerance or 0.0
         excess = (judgement.limit_error or 0.0) / (judgement.tolerance or math.inf)

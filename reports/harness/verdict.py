@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..results.records import SignalVerdict, VerdictWord
+from ..results.records import SignalVerdict
+from ..results.verdict_words import VerdictWord
 from .best_window import SHARP, BestWindow, best_window
 from .observed_order import (
     ABOVE_UNCERTAINTY,

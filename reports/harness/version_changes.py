@@ -1,8 +1,8 @@
 """Compares versions of an engine: motions, errors, verdicts, speed.
 
-A newer version is worse if a run no longer comes to its end, the verdict on a method falls
-(`RANKS`), an error at the timestep asked for grew by a fifth or more, or a step takes longer by a
-fifth or more in every round of timing.
+A newer version is worse if a run no longer comes to its end, the verdict on a method is of a higher
+rank, an error at the timestep asked for grew by a fifth or more, or a step takes longer by a fifth
+or more in every round of timing.
 """
 
 from collections.abc import Iterator, Sequence
@@ -13,7 +13,7 @@ import numpy as np
 
 from ...engines import Engine, Method
 from ...scenarios import SIGNAL, Scenario, errors_between
-from ..results.records import VerdictWord
+from ..results.verdict_words import RANKS, VerdictWord
 from .executors import Executor
 from .version_runs import SolvedScene, VersionRun, solved, version_runs
 
@@ -24,15 +24,6 @@ EPS = float(np.finfo(float).eps)
 ROUNDINGS = 16
 #: An error or a time counts as changed from this factor on: the noise of times is smaller.
 NOTABLE = 1.2
-#: Verdicts from bad to good; that a method cannot simulate a scene shows in the outcome.
-RANKS: dict[VerdictWord, int] = {
-    "converges": 3,
-    "unresolved": 2,
-    "diverges": 1,
-    "disagrees": 0,
-    "failed": 0,
-    "unsupported": 0,
-}
 
 
 @dataclass(frozen=True)
@@ -111,7 +102,7 @@ def _change(
     is_worse = is_slower or (ended_before and newer.outcome != "ok")
     is_worse |= any(new > old for old, new in errors.values())
     words = (older.verdict.verdict, newer.verdict.verdict)
-    is_worse |= ended_before and RANKS[words[1]] < RANKS[words[0]]
+    is_worse |= ended_before and RANKS[words[1]] > RANKS[words[0]]
     parts = [*_in_words(older, newer, equal, errors)]
     if is_slower or is_faster:
         parts.append(f"a step takes {ratio:.2f} times as long")

@@ -10,7 +10,6 @@ from jinja2 import Environment
 from ...engines.models.mjcf import mjcf
 from ...engines.models.urdf import urdf
 from ...scenarios import Scenario
-from ..results.records import VerdictWord
 from ..results.store import Results
 from .analysis.report_data import ReportData, SceneRuns, report_data
 from .cost_section import cost_section, scene_costs
@@ -27,7 +26,7 @@ from .scene.default_tables import default_tables
 from .scene.motion_data import motion_data
 from .scene.scene_answer import scene_answer, shown_at_first
 from .sweeps.sweep_section import sweep_section, write_sweeps
-from .templating import source, templates
+from .templating import templates, write_assets
 from .written import ReportFolder
 
 #: Plotly, deflated: `figures.js` unpacks it.
@@ -44,11 +43,6 @@ ASSETS = (
 )
 #: Timestep, s, and integrator of the MJCF that a page shows; runs differ only in these.
 SHOWN_TIMESTEP, SHOWN_INTEGRATOR = 0.002, "RK4"
-#: Verdicts that need attention; verdicts that are limits of a method, or not tried.
-WRONG: tuple[VerdictWord, ...] = ("disagrees", "failed")
-LIMITS: tuple[tuple[VerdictWord, ...], ...] = (("diverges", "unresolved"), ("unsupported",))
-#: Verdicts listed for engines as shipped.
-SHIPPED: tuple[VerdictWord, ...] = ("disagrees", "failed", "diverges", "unresolved")
 
 
 def render(results: Results, folder: Path) -> Path:
@@ -65,7 +59,8 @@ def render(results: Results, folder: Path) -> Path:
     environment = templates()
     protocol = environment.get_template("protocol.md").render(p=constants())
     written = ReportFolder(folder)
-    _write_assets(written)
+    write_assets(written, *ASSETS)
+    _write_plotly(written)
     left_out = (
         effects_table(results.effects),
         passes_tables(results.passes),
@@ -114,7 +109,6 @@ def _write_scenes(
 
 def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
     plain = gathered.plain
-    limits = [overview.complaints(plain, words) for words in LIMITS]
     return {
         "answer": answer(gathered, {name for cost in results.effects for name in cost.left_out}),
         "heat": heat_map(gathered),
@@ -125,8 +119,12 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
         "methods": overview.methods_table(plain),
         "costs": cost_section(plain),
         # Complaints include hard scenes.
-        "complaints": [overview.complaints(gathered, WRONG), *limits],
-        "shipped": overview.complaints(plain, SHIPPED, as_shipped=True),
+        "complaints": [
+            overview.complaints(gathered, lambda kind: kind.fails),
+            overview.complaints(plain, lambda kind: kind.is_unproven),
+            overview.complaints(plain, lambda kind: kind.word == "unsupported"),
+        ],
+        "shipped": overview.complaints(plain, lambda kind: kind.needs_reason, as_shipped=True),
         "environment": overview.environment_table(gathered),
     }
 
@@ -175,10 +173,8 @@ def _models(scenario: Scenario) -> dict[str, str]:
     }
 
 
-def _write_assets(written: ReportFolder) -> None:
+def _write_plotly(written: ReportFolder) -> None:
     from plotly.offline import get_plotlyjs
 
-    for name in ASSETS:
-        written.write(f"assets/{name}", source(name))
     packed = base64.b64encode(zlib.compress(get_plotlyjs().encode("utf-8"), 9)).decode("ascii")
     written.write(f"assets/{PLOTLY}", f'const packedPlotly = "{packed}";\n')

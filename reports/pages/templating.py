@@ -1,4 +1,4 @@
-"""Templates of pages, and how pages and their style sheets are written."""
+"""Templates of pages, and the style sheets and scripts beside them."""
 
 from functools import cache
 from importlib.resources import files
@@ -7,10 +7,12 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
-from ..results.database import shown
+from ...scenarios import SIGNALS
+from ..results.verdict_words import VERDICTS
 from .cost_section import LEGEND
 from .links import scene_page
 from .markdown import code_block, escaped, to_html
+from .written import ReportFolder
 
 #: A folder a page, and `templates` for what pages share; no two templates have one name.
 FOLDERS = sorted(path for path in Path(str(files(__package__))).iterdir() if path.is_dir())
@@ -27,7 +29,7 @@ def templates() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.globals["cost_legend"] = LEGEND
+    environment.globals |= {"cost_legend": LEGEND, "verdicts": VERDICTS, "signals": SIGNALS}
     environment.filters |= {
         "markdown": lambda text: Markup(to_html(text)),
         "md": escaped,
@@ -38,19 +40,15 @@ def templates() -> Environment:
 
 
 def source(name: str) -> str:
-    """The text of a style sheet or script, as it stands in its page's folder."""
+    """The text of a style sheet, which is a template, or of a script, which is none."""
     environment = templates()
+    if name.endswith(".css"):
+        return environment.get_template(name).render()
     assert environment.loader is not None
     return environment.loader.get_source(environment, name)[0]
 
 
-def write_styles(folder: Path, *names: str) -> None:
-    """Write the style sheet of every page, and others."""
-    folder.mkdir(exist_ok=True)
-    for name in ("style.css", *names):
-        write(folder / name, source(name))
-
-
-def write(path: Path, text: str) -> None:
-    """Write a page: the same bytes on every system, without control characters."""
-    path.write_text(shown(text), encoding="utf-8", newline="\n")
+def write_assets(written: ReportFolder, *names: str) -> None:
+    """Write style sheets and scripts."""
+    for name in names:
+        written.write(f"assets/{name}", source(name))

@@ -11,7 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from ...scenarios import Trajectory, is_scene_name, printable
 from .database import shown
-from .records import Row
+from .records import Defect, Row
 from .result_file import ResultFileError
 from .sweep_records import PointResult
 
@@ -105,7 +105,7 @@ def typed(record: T) -> T:
         # A trajectory checks its own arrays when it is constructed.
         if not isinstance(value, Trajectory | None):
             check(name, value, declared)
-        if isinstance(record, Row | PointResult) and isinstance(value, float | int):
+        if isinstance(record, Row | PointResult | Defect) and isinstance(value, float | int):
             _check_size(name, value)
     return record
 

@@ -1,12 +1,10 @@
 """The results of a study: one row a run, one verdict a method and scene."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 from ...engines import Cause, Outcome
 from ...scenarios import Errors, SignalName, Trajectory
-
-VerdictWord = Literal["converges", "disagrees", "unresolved", "diverges", "unsupported", "failed"]
+from .verdict_words import VERDICT, VerdictWord
 
 #: Names of an engine and of one of its methods.
 Pair = tuple[str, str]
@@ -21,6 +19,24 @@ class Key:
     scenario: str
     engine: str
     method: str
+
+
+@dataclass(frozen=True)
+class Defect:
+    """What a run does between two samples, beside the exact flow, in one signal.
+
+    Attributes
+    ----------
+    p50, p95, max : median, 95th percentile and largest over the intervals, in the norm of errors
+    at : s, the end of the interval of the largest
+    floor : the largest that round-off may make
+    """
+
+    p50: float
+    p95: float
+    max: float
+    at: float
+    floor: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +62,7 @@ class Row:
         timestep, and 1 ms
     unasked : of an engine as shipped, what acted though the scene does not call for it, by the
         engine's names
+    defects : by signal (`harness/defects.py`); None where the motion turns too far to be followed
     """
 
     key: Key
@@ -67,6 +84,7 @@ class Row:
     without_skill: bool = False
     stock: bool = False
     unasked: tuple[str, ...] = ()
+    defects: dict[str, Defect] | None = None
 
     def __post_init__(self) -> None:
         if self.errors is not None and self.outcome != "ok":
@@ -133,11 +151,11 @@ class Verdict:
     def agrees(self) -> bool:
         """Whether a study with this verdict passes."""
         expected = self.as_shipped or self.is_expected_failure
-        wrong = self.verdict in ("disagrees", "failed") and not expected
+        wrong = VERDICT[self.verdict].fails and not expected
         return not wrong and not self.unmet
 
     @property
     def is_unproven(self) -> bool:
         """Whether a method, not as shipped, is shown neither to converge nor to be wrong."""
-        open_ended = self.verdict in ("unresolved", "diverges")
-        return open_ended and not (self.as_shipped or self.is_expected_failure)
+        expected = self.as_shipped or self.is_expected_failure
+        return VERDICT[self.verdict].is_unproven and not expected

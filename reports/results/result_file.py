@@ -27,7 +27,7 @@ from ...scenarios import printable
 
 #: "spin" in ASCII: distinguishes a result file from other SQLite databases.
 APPLICATION_ID = 0x7370696E
-FORMAT = 12
+FORMAT = 13
 #: Bytes of a record, at most; the motion of the longest window, 10⁶ samples, has 112 MB.
 LARGEST_RECORD = 1 << 28
 
@@ -38,6 +38,9 @@ CREATE TABLE file (session TEXT NOT NULL, commits INTEGER NOT NULL, whole INTEGE
 INSERT INTO file VALUES ('', 0, 1);
 """
 _IN_WORDS = {
+    sqlite3.SQLITE_READONLY_ROLLBACK: (
+        "a run was killed while it wrote to it; start that 'spincheck run' again, which mends it"
+    ),
     sqlite3.SQLITE_FULL: "cannot be written: the disk is full",
     sqlite3.SQLITE_READONLY: "cannot be written: it is read-only",
     sqlite3.SQLITE_IOERR: "cannot be read or written: the disk fails or is full",
@@ -45,6 +48,8 @@ _IN_WORDS = {
     sqlite3.SQLITE_BUSY: "another program has locked it",
     sqlite3.SQLITE_TOOBIG: "a record is larger than any that spincheck writes",
 }
+#: The last bytes of a journal that ends in the name of a super-journal.
+_NAMES_ANOTHER = bytes.fromhex("d9d505f920a163d7")
 #: An SQLite error code's lowest byte is its kind.
 _KIND = 0xFF
 #: The byte that is locked on Windows, beyond the end of any result file: a lock within the file
@@ -84,12 +89,16 @@ def opened(path: Path, schema: str, *, writing: bool) -> Iterator[OpenFile]:
     try:
         if not _is_there(path, "written" if writing else "read") and not writing:
             raise ResultFileError("no such result file; 'spincheck run' writes one")
-        _check_log(path)
-        with _to_write(path, schema) if writing else _to_read(path, schema) as file:
+        # SQLite has its journals beside the file itself, not beside a link to it.
+        place = path.resolve()
+        _check_journals(place)
+        _check_log(place)
+        with _to_write(place, schema) if writing else _to_read(place, schema) as file:
             yield file
     except sqlite3.DatabaseError as error:
-        kind = getattr(error, "sqlite_errorcode", 0) & _KIND
-        words = _IN_WORDS.get(kind, f"not a usable result file: {printable(str(error))}")
+        code = getattr(error, "sqlite_errorcode", 0)
+        other = f"not a usable result file: {printable(str(error))}"
+        words = _IN_WORDS.get(code) or _IN_WORDS.get(code & _KIND, other)
         raise ResultFileError(f"{printable(str(path))}: {words}") from error
     except ResultFileError as error:
         raise ResultFileError(f"{printable(str(path))}: {error}") from error
@@ -98,15 +107,49 @@ def opened(path: Path, schema: str, *, writing: bool) -> Iterator[OpenFile]:
 def _is_there(path: Path, purpose: str) -> bool:
     """Whether there is a file to open; pipes, which would block, are refused."""
     try:
-        mode = path.stat().st_mode
+        found = path.stat()
     except FileNotFoundError:
+        if path.is_symlink():
+            raise ResultFileError(f"cannot be {purpose}: it is a link to nothing") from None
         return False
     except OSError as error:
         raise ResultFileError(f"cannot be {purpose}: {error.strerror}") from None
-    if not stat.S_ISREG(mode):
-        kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
+    if not stat.S_ISREG(found.st_mode):
+        kind = "a folder" if stat.S_ISDIR(found.st_mode) else "not a regular file"
         raise ResultFileError(f"cannot be {purpose}: it is {kind}")
+    if path.is_symlink() and not found.st_size:
+        raise ResultFileError(f"cannot be {purpose}: it is a link to an empty file")
     return True
+
+
+def _check_journals(path: Path) -> None:
+    """See that what SQLite keeps beside a file is its own, before SQLite acts on it.
+
+    SQLite writes to '-wal' and '-shm', waits for one that is a pipe, and undoes what '-journal'
+    says was half written; if that ends in the name of a super-journal, SQLite deletes the file of
+    that name. It writes such a name where databases are attached, which is never done here
+    (https://www.sqlite.org/fileformat2.html, *The Rollback Journal*).
+    """
+    for suffix in ("-wal", "-shm", "-journal"):
+        beside = path.with_name(f"{path.name}{suffix}")
+        name = printable(beside.name)
+        # Another run may remove it meanwhile.
+        with suppress(FileNotFoundError):
+            found = beside.lstat()
+            if not stat.S_ISREG(found.st_mode) or found.st_nlink > 1:
+                raise ResultFileError(f"'{name}' beside it must be a file of its own; remove that")
+            if suffix == "-journal" and _last_bytes(beside, len(_NAMES_ANOTHER)) == _NAMES_ANOTHER:
+                raise ResultFileError(
+                    f"'{name}' beside it names another file, which SQLite would delete; "
+                    "spincheck writes no such journal: remove it"
+                )
+
+
+def _last_bytes(path: Path, count: int) -> bytes:
+    with path.open("rb") as file:
+        size = file.seek(0, os.SEEK_END)
+        file.seek(max(0, size - count))
+        return file.read(count)
 
 
 @contextmanager
@@ -154,7 +197,7 @@ def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
 
 @contextmanager
 def _connected(path: Path, options: str) -> Iterator[sqlite3.Connection]:
-    address = f"{path.resolve().as_uri()}?{options}"
+    address = f"{path.as_uri()}?{options}"
     with closing(sqlite3.connect(address, uri=True, check_same_thread=False)) as connection:
         connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_RECORD)
         connection.text_factory = _text

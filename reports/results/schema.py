@@ -23,8 +23,9 @@ CREATE TABLE rows (
     scenario TEXT, engine TEXT, method TEXT, timestep REAL, engine_version TEXT NOT NULL,
     outcome TEXT NOT NULL, reason TEXT NOT NULL, cause TEXT NOT NULL, lost INTEGER NOT NULL,
     stock INTEGER NOT NULL, unasked TEXT NOT NULL, stopped_at REAL, errors TEXT, drifts TEXT,
-    uncertainty REAL NOT NULL, steps INTEGER NOT NULL, motion BLOB, printed TEXT NOT NULL,
-    checksum TEXT NOT NULL, PRIMARY KEY (scenario, engine, method, timestep));
+    defects TEXT, uncertainty REAL NOT NULL, steps INTEGER NOT NULL, motion BLOB,
+    printed TEXT NOT NULL, checksum TEXT NOT NULL,
+    PRIMARY KEY (scenario, engine, method, timestep));
 CREATE TABLE costs (
     scenario TEXT, engine TEXT, method TEXT, processor TEXT NOT NULL, seconds_per_step REAL,
     seconds_spread REAL, wall_seconds_per_step REAL, checksum TEXT NOT NULL,

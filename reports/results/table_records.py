@@ -20,7 +20,7 @@ from .column_values import (
 from .cost_records import EffectsCost, PassCost, PassCosts, Ratio, StepCost
 from .default_records import DefaultEffect, DefaultEffects
 from .motion_blobs import pack, unpack
-from .records import Key, Pair, Row, SignalVerdict, Verdict
+from .records import Defect, Key, Pair, Row, SignalVerdict, Verdict
 
 _PLAIN_ROW = (
     "engine_version",
@@ -61,6 +61,9 @@ def of_row(row: Row) -> dict[str, Any]:
         "stock": row.stock,
         "unasked": json.dumps(row.unasked),
         "drifts": json.dumps(row.drifts) if row.drifts is not None else None,
+        "defects": json.dumps({name: asdict(one) for name, one in row.defects.items()})
+        if row.defects
+        else None,
         "motion": pack(row.motion) if row.motion is not None else None,
     }
 
@@ -135,6 +138,7 @@ def row(record: sqlite3.Row, cost: sqlite3.Row | None = None) -> Row:
         stock=bool(record["stock"]),
         unasked=tuple(from_json(record["unasked"], list)),
         drifts=from_json(record["drifts"], dict) if record["drifts"] else None,
+        defects=_defects(record["defects"]) if record["defects"] else None,
         motion=unpack(record["motion"]) if record["motion"] else None,
         seconds_per_step=cost["seconds_per_step"] if cost else None,
         seconds_spread=cost["seconds_spread"] if cost else None,
@@ -228,6 +232,10 @@ def default_effects(record: sqlite3.Row) -> DefaultEffects:
     )
     none, every = errors(fields["none"]), errors(fields["all"])
     return typed(DefaultEffects(key(record), fields["timestep"], none, every, each))
+
+
+def _defects(text: str) -> dict[str, Defect]:
+    return {name: typed(Defect(**one)) for name, one in from_json(text, dict).items()}
 
 
 def _errors(text: str) -> Errors:

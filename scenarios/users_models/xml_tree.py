@@ -5,13 +5,13 @@ which ElementTree and the parsers built on it or on lxml do not keep.
 """
 
 import re
-import stat
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Never
 from xml.parsers import expat
 
 from ..errors import printable
+from ..regular_files import read_regular
 from .errors import ModelFileError
 
 #: Bytes; the largest robot files of public packages have one million.
@@ -136,16 +136,9 @@ def read_bytes(path: Path) -> bytes:
     """
     where = printable(str(path))
     try:
-        # To open a pipe is to wait for a writer that may never come.
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise ModelFileError(f"{where}: cannot be read: it is not a regular file")
-        with path.open("rb") as file:
-            data = file.read(MAX_BYTES + 1)
-    except (OSError, ValueError) as error:
-        if isinstance(error, ModelFileError):
-            raise
-        reason = getattr(error, "strerror", None) or str(error)
-        raise ModelFileError(f"{where}: cannot be read: {reason}") from None
+        data = read_regular(path, MAX_BYTES)
+    except OSError as error:
+        raise ModelFileError(f"{where}: cannot be read: {error.strerror}") from None
     if len(data) > MAX_BYTES:
         raise ModelFileError(f"{where}: too large for a model, the limit is {MAX_BYTES} bytes")
     return data

@@ -2,13 +2,16 @@
 
 import shutil
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
+from ....scenarios.regular_files import read_regular, write_new
 from ...checks.read_back import EngineError
 from ...child import ChildEngine, child_engine
 from ...child.messages import Hello
+from ...child.process import LONGEST_ANSWER
 from ...engine import Engine
 from ...missing import Missing
 from ...user_cache import user_cache
@@ -51,7 +54,8 @@ def _engine(path: Path, modules: Path) -> ChildEngine | Missing:
         engine = child_engine(command)
     except EngineError as error:
         return Missing(path.stem, "", f"it does not start: {error}")
-    _memory(path, modules).write_text(engine.hello.model_dump_json(), encoding="utf-8")
+    with suppress(OSError):
+        write_new(_memory(path, modules), engine.hello.model_dump_json())
     return _child_engine(command, engine.hello, path)
 
 
@@ -63,7 +67,7 @@ def _child_engine(command: tuple[str, ...], hello: Hello, path: Path) -> ChildEn
 def _said_before(path: Path, modules: Path) -> Hello | None:
     """The stored description of an engine from when it was first asked; None if its file is new."""
     try:
-        return Hello.model_validate_json(_memory(path, modules).read_text(encoding="utf-8"))
+        return Hello.model_validate_json(read_regular(_memory(path, modules), LONGEST_ANSWER))
     except (OSError, ValueError):
         return None
 

@@ -141,6 +141,7 @@ def reproduce(
     It is Python with numpy, or JavaScript if the engine runs under node. It builds the model, steps
     it, and prints its error against the exact values that it contains.
     """
+    from ....scenarios.regular_files import write_new
     from ..choosing import check_timesteps, choose
     from ..named_scenes import one_scene
     from .reproduce import reproduction
@@ -154,7 +155,7 @@ def reproduce(
     suffix = FRAMES[chosen.script_language].suffix
     file = out or Path(f"{scene.name}-{chosen.name}-{by.name}{suffix}")
     try:
-        file.write_text(text, encoding="utf-8")
+        write_new(file, text)
     except OSError as error:
         raise Complaint(f"{file}: cannot be written: {error.strerror}", BAD_INPUT) from None
     print(file)

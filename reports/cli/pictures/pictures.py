@@ -6,6 +6,7 @@ from tempfile import TemporaryDirectory
 
 from ....reference import solve
 from ....scenarios import Scenario, did_you_mean
+from ....scenarios.regular_files import replacing
 from ...pages.analysis.report_data import Compared, SceneRuns, report_data
 from ...pages.figures.figures import figures
 from ...pages.figures.plot import Figure
@@ -83,10 +84,11 @@ def plot(
         )
     chosen = _chosen(scene_runs, engine_names, methods)
     try:
-        if what == MOTION:
-            _film(scene_runs, chosen, out)
-        else:
-            _picture(scene_runs, _parts(scene_runs, what, chosen), out)
+        with replacing(out) as new:
+            if what == MOTION:
+                _film(scene_runs, chosen, new)
+            else:
+                _picture(scene_runs, _parts(scene_runs, what, chosen), new)
     except ImportError:
         raise Complaint("needs matplotlib; 'pip install spincheck[plot]'", NOT_RUN) from None
     except (OSError, ValueError) as error:

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from ....scenarios import EFFECTS, is_scene_name, loads, printable
+from ....scenarios.regular_files import write_new
 from ..terminal import BAD_INPUT, Complaint
 
 TEMPLATE = """\
@@ -61,8 +62,7 @@ def new_scene(name: str) -> Path:
     path, text = Path(f"{name}.toml"), TEMPLATE.format(name=name, effects=_effects())
     loads(text, name)
     try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
+        write_new(path, text, replace=False)
     except FileExistsError:
         raise Complaint(f"{path}: exists already; choose another name", BAD_INPUT) from None
     return path

@@ -6,6 +6,7 @@ from typing import Any
 from ....engines.models.mjcf import mjcf
 from ....engines.models.urdf import urdf
 from ....scenarios import Scenario
+from ....scenarios.regular_files import write_new
 
 #: Default integrator of an exported MJCF, MuJoCo's most accurate, and the turn a step, rad, that it
 #: resolves to a few digits.
@@ -54,5 +55,5 @@ def export_scene(scenario: Scenario, folder: Path) -> list[Path]:
     }
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in texts.items():
-        (folder / name).write_text(text, encoding="utf-8")
+        write_new(folder / name, text)
     return [folder / name for name in texts]

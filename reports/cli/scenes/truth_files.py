@@ -9,6 +9,7 @@ from textwrap import wrap
 
 from ....reference import IntegrationError, Solution, solve
 from ....scenarios import FloatArray, Scenario, angular_momentum_world, energy, printable
+from ....scenarios.regular_files import write_new
 from ..terminal import NOT_RUN, Complaint
 
 #: What each column is, with its unit and its axes.
@@ -58,7 +59,7 @@ def write_truth(scenario: Scenario, folder: Path) -> list[Path]:
     }
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in texts.items():
-        (folder / name).write_text(text, encoding="utf-8")
+        write_new(folder / name, text)
     return [folder / name for name in texts]
 
 

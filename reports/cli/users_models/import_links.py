@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ....scenarios import printable
+from ....scenarios.regular_files import write_new
 from ....scenarios.users_models import ModelFileError, read_model
 from ....scenarios.users_models.scenes import LinkScene, link_scenes
 from ..terminal import BAD_INPUT, Complaint
@@ -43,7 +44,7 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
     try:
         out.mkdir(parents=True, exist_ok=True)
         for path, scene in paths.items():
-            path.write_text(scene.text, encoding="utf-8")
+            write_new(path, scene.text, replace=False)
     except OSError as error:
         where = error.filename or out
         raise Complaint(f"{where}: cannot be written: {error.strerror}", BAD_INPUT) from None

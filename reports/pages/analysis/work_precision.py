@@ -13,7 +13,8 @@ from typing import Literal
 import numpy as np
 
 from ...harness.observed_order import observed_order as observed_order_of
-from ...results.records import Row, VerdictWord
+from ...results.records import Row
+from ...results.verdict_words import VerdictWord
 from .report_data import MethodRuns, SceneRuns
 
 Signal = Literal["omega", "attitude", "angular_momentum", "energy"]

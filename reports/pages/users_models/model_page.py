@@ -23,7 +23,8 @@ from ...harness.users_models.motion_apart import attitude_apart
 from ...harness.users_models.remedy import line_without_rotation, remedies
 from ..analysis.trace_style import TraceStyle, trace_styles
 from ..tables import Cell, Table, figure, table
-from ..templating import templates, write, write_styles
+from ..templating import templates, write_assets
+from ..written import ReportFolder
 from .inertia_ellipsoid import Solid, View, solid_squares, views
 from .time_curves import TimeCurves, time_curves
 
@@ -59,11 +60,10 @@ def write_model_page(inspection: Inspection, folder: Path, name: str) -> Path:
     OSError
         If the folder cannot be written.
     """
-    (folder / "models").mkdir(parents=True, exist_ok=True)
-    write_styles(folder / "assets", "model.css")
-    page = folder / "models" / f"{name}.html"
-    write(page, templates().get_template("model.html").render(root="../", **_content(inspection)))
-    return page
+    written = ReportFolder(folder)
+    write_assets(written, "style.css", "model.css")
+    page = templates().get_template("model.html").render(root="../", **_content(inspection))
+    return written.write(f"models/{name}.html", page)
 
 
 def page_names(paths: Sequence[Path]) -> list[str]:

@@ -7,7 +7,8 @@ from ...harness.version_changes import NOTABLE, OverVersions, VersionChange
 from ...harness.version_runs import VersionRun
 from ..analysis.wording import number
 from ..tables import Cell, Table, figure, table, verdict_cell
-from ..templating import templates, write, write_styles
+from ..templating import templates, write_assets
+from ..written import ReportFolder
 
 #: Printed where there is no number.
 NONE = "–"
@@ -23,9 +24,8 @@ def write_version_page(
     OSError
         If the folder cannot be written.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    write_styles(folder / "assets")
-    page = folder / f"{engine}-versions.html"
+    written = ReportFolder(folder)
+    write_assets(written, "style.css")
     versions = [run.version for run in over[0].runs] if over else []
     changes = [change for one in over for change in one.changes]
     content = {
@@ -41,8 +41,8 @@ def write_version_page(
         "errors": _by_version(over, versions, _error),
         "times": _by_version(over, versions, _time),
     }
-    write(page, templates().get_template("versions.html").render(root="", **content))
-    return page
+    page = templates().get_template("versions.html").render(root="", **content)
+    return written.write(f"{engine}-versions.html", page)
 
 
 def _changes(changes: Sequence[VersionChange]) -> Table:

@@ -125,6 +125,30 @@ def test_in_a_process_that_has_another_version_it_is_not_run() -> None:
     assert "runs in a process of its own" in run.reason
 
 
+def test_whatever_an_engine_has_is_its_adapters() -> None:
+    """A method that is added to `Engine` too: nothing is inherited but what is final."""
+    members = {name for name in vars(Engine) if not name.startswith("_")}
+    final = {name for name in members if hasattr(vars(Engine)[name], "__final__")}
+    assert members - final - vars(VersionedEngine).keys() == set()
+    assert {"run", "method", "unsupported"} <= final
+
+
+@pytest.mark.needs_pybullet
+def test_its_defaults_and_speed_are_its_adapters() -> None:
+    newest, scene = engines()["pybullet"], SCENES["pivot"]
+    engine = VersionedEngine("pybullet", newest.version, newest.methods, Path("nowhere"))
+    method = engine.method("default")
+    assert engine.step_seconds == newest.step_seconds
+    assert engine.defaults(scene, method) == newest.defaults(scene, method) != ()
+    with (
+        engine.open_with_defaults(scene, method, TIMESTEP, ["damping"]) as at_version,
+        newest.open_with_defaults(scene, method, TIMESTEP, ["damping"]) as own,
+    ):
+        for session in (at_version, own):
+            session.advance(10)
+        assert np.array_equal(at_version.read_state().omega_body, own.read_state().omega_body)
+
+
 def test_its_worker_finds_its_folder_first() -> None:
     folder = pretend("mujoco@3.1.6")
     with LocalWorkers(1) as workers:

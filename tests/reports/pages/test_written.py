@@ -1,5 +1,7 @@
 """A report's folder holds the files of the last report, and other files that were there."""
 
+import os
+
 import pytest
 from spincheck.reports.pages.written import LIST, ReportFolder
 
@@ -35,15 +37,60 @@ def test_a_forged_list_removes_nothing_outside_the_folder(tmp_path, listed):
     assert outside.read_text() == "kept"
 
 
-def test_a_link_out_of_the_folder_is_not_followed(tmp_path):
+@pytest.mark.parametrize("listed", ["mine.txt", "scenes/mine.txt", "mine/index.html", ".git", "a"])
+def test_a_list_is_trusted_only_for_names_that_a_report_writes(tmp_path, listed):
+    report(tmp_path, "index.html", "scenes/a.html")
+    (tmp_path / listed).parent.mkdir(exist_ok=True)
+    (tmp_path / listed).write_text("kept")
+    (tmp_path / LIST).write_text(listed)
+    report(tmp_path, "index.html")
+    assert (tmp_path / listed).read_text() == "kept"
+
+
+def test_a_folder_of_links_is_not_written_through(tmp_path):
     outside, folder = tmp_path / "outside", tmp_path / "report"
     outside.mkdir()
     (outside / "a.html").write_text("kept")
-    report(folder, "index.html")
+    report(folder, "index.html", "scenes/a.html")
+    (folder / "scenes" / "a.html").unlink()
+    (folder / "scenes").rmdir()
     (folder / "scenes").symlink_to(outside)
-    (folder / LIST).write_text("scenes/a.html")
+    with pytest.raises(OSError, match="it is a link"):
+        report(folder, "index.html", "scenes/a.html")
     report(folder, "index.html")
     assert (outside / "a.html").read_text() == "kept"
+
+
+def test_a_page_that_is_a_link_becomes_a_page(tmp_path):
+    outside, folder = tmp_path / "outside", tmp_path / "report"
+    outside.write_text("kept")
+    report(folder, "index.html")
+    (folder / "index.html").unlink()
+    (folder / "index.html").symlink_to(outside)
+    report(folder, "index.html")
+    assert outside.read_text() == "kept"
+    assert (folder / "index.html").read_text() == "index.html"
+
+
+@pytest.mark.parametrize("name", ["index.html", LIST])
+def test_a_pipe_in_the_folder_is_one_message(tmp_path, name):
+    report(tmp_path, "index.html")
+    (tmp_path / name).unlink()
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(OSError, match=r"it is not a regular file|and no report"):
+        report(tmp_path, "index.html")
+
+
+def test_a_folder_of_somebody_elses_is_not_written_into(tmp_path):
+    (tmp_path / "index.html").write_text("mine")
+    with pytest.raises(OSError, match=r"it holds 'index.html' and no report; give a new"):
+        report(tmp_path, "index.html")
+    assert (tmp_path / "index.html").read_text() == "mine"
+
+
+def test_hidden_files_are_no_reason_to_refuse_a_folder(tmp_path):
+    (tmp_path / ".nojekyll").touch()
+    assert report(tmp_path, "index.html") == {".nojekyll", "index.html"}
 
 
 def test_a_list_that_is_no_text_is_ignored(tmp_path):

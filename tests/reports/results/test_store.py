@@ -1,5 +1,6 @@
 """A result file gives back what was put in, and anything else is refused in one message."""
 
+import math
 import os
 import sqlite3
 import subprocess
@@ -13,7 +14,7 @@ from library_scenes import library_scene
 from spincheck.reference import Solution
 from spincheck.reports.results.cost_records import StepCost
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
-from spincheck.reports.results.records import Key, Row, SignalVerdict, Verdict
+from spincheck.reports.results.records import Defect, Key, Row, SignalVerdict, Verdict
 from spincheck.reports.results.result_file import FORMAT, ResultFileError
 from spincheck.reports.results.store import open_store
 from spincheck.scenarios import Errors, Trajectory
@@ -46,6 +47,7 @@ def row() -> Row:
         printed="a warning",
         stock=True,
         unasked=("damping", "joint motor"),
+        defects={"omega": Defect(1e-9, 2e-9, math.inf, 0.5, 1e-15)},
     )
 
 

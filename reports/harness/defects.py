@@ -1,0 +1,98 @@
+"""The defects of a run: what it does between two samples, beside the exact flow.
+
+From each sample that an engine made the exact flow is followed to the next one, and compared with
+what the engine did. Errors that came before do not count: a defect means something where a motion
+is chaotic, and where errors have long saturated, and it shows a fault in the interval in which it
+acts (W. H. Enright, J. Comput. Appl. Math. 125 (2000) 159; L. F. Shampine, J. Comput. Appl. Math.
+175 (2005) 195). Every interval is followed from end to end, so that nothing falls between.
+
+Defects are in the norms of errors: relative to the same bases of the exact motion.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ...reference import IntegrationError, flow
+from ...scenarios import Errors, ErrorSeries, FloatArray, Scenario, Trajectory
+from ...scenarios.agreement import ErrorNorm
+from ...scenarios.fastest_rate import fastest_rate
+from ...scenarios.mechanics import RECENT
+from ..results.records import Defect
+
+#: rad; a motion that turns by more in all is not followed: it would take longer than a second.
+FARTHEST_TURN = 1e5
+#: Roundings of a step, in ulp of the engine's numbers, for a step that does more than one product.
+ULPS_A_STEP = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Defects:
+    """The defects of a run of n samples.
+
+    Attributes
+    ----------
+    t : (n − 1,) s, the ends of the intervals
+    series : the defects at these
+    rounding : the largest that the rounding of a state at the beginning of an interval
+        makes of it by its end: the defects of the exact motion, rounded to doubles
+    """
+
+    t: FloatArray
+    series: ErrorSeries
+    rounding: Errors
+
+    def summary(self, steps: int, ulp: float) -> dict[str, Defect]:
+        """The record to store, by signal.
+
+        Parameters
+        ----------
+        steps : of the whole run
+        ulp : relative, of the engine's numbers
+        """
+        roundings = np.sqrt(1 + steps / len(self.t)) * ulp / np.finfo(float).eps
+        return {
+            name: _summary(self.t, self.series[name], float(roundings * rounding))
+            for name, rounding in self.rounding
+        }
+
+
+def defects(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Defects | None:
+    """The defects of a run; None if it is of one sample, or turns too far to be followed.
+
+    Parameters
+    ----------
+    exact : the exact motion at the run's samples, or more
+    """
+    turn = fastest_rate(scenario, motion.omega_body) * float(motion.t[-1])
+    if len(motion.t) < 2 or turn > FARTHEST_TURN:
+        return None
+    try:
+        series = _series(scenario, motion, exact)
+        rounding = _rounding(scenario, exact)
+    except IntegrationError:
+        return None
+    return Defects(motion.t[1:], series, rounding)
+
+
+@lru_cache(maxsize=RECENT)
+def _rounding(scenario: Scenario, exact: Trajectory) -> Errors:
+    least = ULPS_A_STEP * float(np.finfo(float).eps)
+    of_exact = _series(scenario, exact, exact).worst()
+    return Errors(**{name: max(value, least) for name, value in of_exact})
+
+
+def _series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> ErrorSeries:
+    later = motion.at(np.arange(1, len(motion.t)))
+    flowed = flow(scenario, motion.until(len(motion.t) - 1), np.diff(motion.t))
+    # The sign of a quaternion is that of the flow's: the exact motion may be anywhere.
+    beside = ErrorNorm(scenario, flowed)
+    distances = ErrorNorm(scenario, exact).distances(beside.table(later), beside.true_table)
+    return ErrorSeries(distances)
+
+
+def _summary(t: FloatArray, values: FloatArray, floor: float) -> Defect:
+    p50, p95 = np.percentile(values, [50, 95])
+    worst = int(np.argmax(values))
+    return Defect(float(p50), float(p95), float(values[worst]), float(t[worst]), floor)

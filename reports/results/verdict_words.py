@@ -1,0 +1,108 @@
+"""The words of verdicts: what each means, how it looks, and what it does to an exit code, as data.
+
+Everything that ranks, counts, colours or explains verdicts iterates over `VERDICTS`: another word
+is an entry there and in `VerdictWord`, besides what gives it.
+"""
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+VerdictWord = Literal["converges", "unresolved", "unsupported", "diverges", "disagrees", "failed"]
+
+
+@dataclass(frozen=True)
+class VerdictKind:
+    """A verdict's word.
+
+    Attributes
+    ----------
+    sign : beside the word, as colour is never the only difference
+    phrases : what one pair of a scene and a method does, and what several do
+    meaning : the rule, in words
+    light, dark : colours of ground and text, on light and on dark pages. Every pair has a contrast
+        of 4.5 or more, and the grounds differ in lightness too
+    fails : whether it fails a run
+    is_unproven : whether it says neither that a method converges nor that it is wrong
+    """
+
+    word: VerdictWord
+    sign: str
+    phrases: tuple[str, str]
+    meaning: str
+    light: tuple[str, str]
+    dark: tuple[str, str]
+    fails: bool = False
+    is_unproven: bool = False
+
+    @property
+    def needs_reason(self) -> bool:
+        """Whether lists of what is wrong or open have it, with its reason."""
+        return self.fails or self.is_unproven
+
+
+#: From good to bad.
+VERDICTS = (
+    VerdictKind(
+        "converges",
+        sign="✓",
+        phrases=("converges to the exact motion", "converge to the exact motion"),
+        meaning="errors shrink at the declared order or faster, and the limit dt → 0 is the exact "
+        "motion; or errors are at round-off throughout",
+        light=("#cdeee4", "#07493a"),
+        dark=("#12453a", "#b9f2e0"),
+    ),
+    VerdictKind(
+        "unresolved",
+        sign="?",
+        phrases=("is unresolved", "are unresolved"),
+        meaning="the timesteps were too coarse to decide, and its reason says which one would; or "
+        "round-off hides the answer at every timestep",
+        light=("#fbf0b4", "#4f4000"),
+        dark=("#4b4212", "#fbeeb0"),
+        is_unproven=True,
+    ),
+    VerdictKind(
+        "unsupported",
+        sign="–",
+        phrases=("cannot be simulated", "cannot be simulated"),
+        meaning="the engine cannot simulate one of the scene's effects",
+        light=("#eceef1", "#4a525c"),
+        dark=("#262b31", "#aab3bd"),
+    ),
+    VerdictKind(
+        "diverges",
+        sign="↗",
+        phrases=("blows up", "blow up"),
+        meaning="the finest run still blew up: not a number, a reset, a clamp, or an absurd energy",
+        light=("#f8c99c", "#5a2800"),
+        dark=("#6b3a10", "#ffdcb8"),
+        is_unproven=True,
+    ),
+    VerdictKind(
+        "disagrees",
+        sign="✗",
+        phrases=("settles on a wrong one", "settle on a wrong one"),
+        meaning="it settles on another motion, is of a lower order than declared, or its first "
+        "steps break the equations of motion: no smaller timestep mends it",
+        light=("#b0261c", "#ffffff"),
+        dark=("#c8372c", "#ffffff"),
+        fails=True,
+    ),
+    VerdictKind(
+        "failed",
+        sign="!",
+        phrases=("failed", "failed"),
+        meaning="the engine crashed, hung, did not read back what was set, or simulated what the "
+        "scene does not call for",
+        light=("#5a2a75", "#ffffff"),
+        dark=("#7c45a0", "#ffffff"),
+        fails=True,
+    ),
+)
+#: The kinds by their words, and the words' ranks: a higher one is worse.
+VERDICT = {kind.word: kind for kind in VERDICTS}
+RANKS = {kind.word: rank for rank, kind in enumerate(VERDICTS)}
+assert tuple(VERDICT) == get_args(VerdictWord), "one entry a word, in one order"
+#: In the order in which verdicts are counted and listed: what converges, then from the worst on.
+LISTED = (VERDICTS[0], *reversed(VERDICTS[1:]))
+UNPROVEN = " or ".join(f"'{kind.word}'" for kind in VERDICTS if kind.is_unproven)

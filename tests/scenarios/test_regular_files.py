@@ -1,0 +1,122 @@
+"""Files are read if they are files, and written as new ones; nothing in between is ever seen."""
+
+import ast
+import errno
+import os
+from pathlib import Path
+
+import pytest
+from spincheck.scenarios.regular_files import read_regular, replacing, write_new
+
+ROOT = Path(__file__).parents[2]
+FOLDERS = ("scenarios", "reference", "engines", "reports")
+#: What opens a file for writing, or may.
+WRITERS = ("write_text", "write_bytes", "os.open", "shutil.copy", "shutil.copyfile", "mkstemp")
+MODES = ("w", "x", "a", "wb", "xb", "ab", "r+", "w+", "r+b", "w+b")
+#: Where it is allowed besides: in temporary folders of their own, in the cache, on descriptors.
+ALLOWED = {
+    "scenarios/regular_files.py",
+    "engines/adapters/pybullet/load.py",
+    "engines/adapters/pybullet/model_reader.py",
+    "engines/adapters/node/__main__.py",
+    "reports/cli/stopping.py",
+    "reports/harness/executors/worker_main.py",
+    "reports/results/result_file.py",
+}
+
+
+def writes(call: ast.Call) -> bool:
+    name = ast.unparse(call.func)
+    modes = [a.value for a in call.args if isinstance(a, ast.Constant) and a.value in MODES]
+    opens = name.rpartition(".")[2] == "open" and bool(modes)
+    return opens or name.endswith(WRITERS)
+
+
+def test_nothing_else_opens_a_file_to_be_written() -> None:
+    paths = [path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py")]
+    writing = {
+        path.relative_to(ROOT).as_posix()
+        for path in paths
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call) and writes(node)
+    }
+    assert writing == ALLOWED
+
+
+@pytest.mark.parametrize("content", [b"", b"12345", b"123456", b"12345678"])
+def test_as_many_bytes_are_read_as_tell_whether_there_are_too_many(tmp_path, content):
+    (tmp_path / "file").write_bytes(content)
+    assert read_regular(tmp_path / "file", 5) == content[:6]
+
+
+NOT_FILES = {
+    "a pipe": (os.mkfifo, "it is not a regular file"),
+    "a folder": (Path.mkdir, "it is a folder"),
+    "a device": (lambda path: path.symlink_to("/dev/zero"), "it is not a regular file"),
+    "nothing": (lambda path: None, "No such file"),
+    "a loop of links": (lambda path: path.symlink_to(path), "Too many levels"),
+}
+
+
+@pytest.mark.parametrize("kind", NOT_FILES)
+def test_what_is_no_file_is_not_read_and_not_waited_for(tmp_path, kind):
+    make, words = NOT_FILES[kind]
+    make(tmp_path / "file")
+    with pytest.raises(OSError, match=words) as refusal:
+        read_regular(tmp_path / "file", 5)
+    assert refusal.value.filename == str(tmp_path / "file")
+
+
+@pytest.mark.parametrize("kind", ["a pipe", "a folder"])
+def test_what_is_no_file_is_not_replaced(tmp_path, kind):
+    make, words = NOT_FILES[kind]
+    make(tmp_path / "file")
+    with pytest.raises(OSError, match=words):
+        write_new(tmp_path / "file", "new")
+    assert [entry.name for entry in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_link_is_replaced_and_what_it_leads_to_kept(tmp_path):
+    other, link = tmp_path / "other", tmp_path / "link"
+    other.write_text("kept")
+    link.symlink_to(other)
+    write_new(link, "new")
+    assert (other.read_text(), link.read_text(), link.is_symlink()) == ("kept", "new", False)
+
+
+def test_a_reader_has_the_old_file_until_the_new_one_is_whole(tmp_path):
+    path = tmp_path / "page.html"
+    write_new(path, "old")
+    with replacing(path) as new:
+        new.write_text("half")
+        assert path.read_text() == "old"
+        assert new.suffix == ".html"
+    assert path.read_text() == "half"
+
+
+def test_a_disk_that_fills_leaves_the_old_file_and_names_it(tmp_path):
+    path = tmp_path / "page.html"
+    write_new(path, "old")
+
+    def fill() -> None:
+        with replacing(path):
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    with pytest.raises(OSError, match="No space left") as full:
+        fill()
+    assert full.value.filename == str(path)
+    assert path.read_text() == "old"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["page.html"]
+
+
+def test_a_new_file_has_the_rights_that_files_have(tmp_path):
+    write_new(tmp_path / "new", "text")
+    (tmp_path / "usual").touch()
+    assert (tmp_path / "new").stat().st_mode == (tmp_path / "usual").stat().st_mode
+
+
+def test_one_that_may_not_be_replaced_is_not_even_as_a_link_to_nothing(tmp_path):
+    (tmp_path / "scene.toml").symlink_to(tmp_path / "nothing")
+    with pytest.raises(FileExistsError):
+        write_new(tmp_path / "scene.toml", "new", replace=False)
+    assert not (tmp_path / "nothing").exists()
