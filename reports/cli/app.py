@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
+from ..results.verdict_words import UNPROVEN
 from .engines.engine_commands import app as engine_commands
 from .engines.version_commands import app as version_commands
 from .grouped import GroupedCommands
@@ -131,9 +132,7 @@ def run(
     dask: Dask = None,
     strict: Annotated[
         bool,
-        typer.Option(
-            "--strict", help="Exit with 1 also if a verdict is 'unresolved' or 'diverges'."
-        ),
+        typer.Option("--strict", help=f"Exit with 1 also if a verdict is {UNPROVEN}."),
     ] = False,
     again: Again = False,
     verbose: Annotated[

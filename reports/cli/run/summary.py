@@ -7,6 +7,7 @@ from ....scenarios.fastest_rate import fastest_rate
 from ...pages.analysis.survival import Survival, survival
 from ...results.records import Key, Row, SignalVerdict, Verdict
 from ...results.store import Results
+from ...results.verdict_words import VERDICT
 from ..terminal import table
 
 
@@ -30,7 +31,7 @@ def print_results(results: Results) -> None:
             for scene in sorted({v.key.scenario for v in results.verdicts})
         ]
     )
-    differing = [v for v in results.verdicts if v.verdict not in ("converges", "unsupported")]
+    differing = [v for v in results.verdicts if VERDICT[v.verdict].needs_reason]
     for verdict in results.verdicts:
         if verdict.unmet or (verdict in differing and not verdict.as_shipped):
             print(_sentence(verdict))

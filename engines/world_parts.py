@@ -1,0 +1,29 @@
+"""What the stand-alone modules of adapters share, written out with them: numpy alone."""
+
+from typing import Any
+
+import numpy as np
+
+
+def matrix(q: Any) -> Any:
+    """Rotation matrix of a quaternion w x y z, (3, 3)."""
+    w, x, y, z = q
+    n = w * w + x * x + y * y + z * z
+    return np.eye(3) + 2 / n * np.array(
+        [
+            [-y * y - z * z, x * y - w * z, x * z + w * y],
+            [x * y + w * z, -x * x - z * z, y * z - w * x],
+            [x * z - w * y, y * z + w * x, -x * x - y * y],
+        ]
+    )
+
+
+def push(scene: Any, R_world_axes: Any, omega_world: Any) -> Any:
+    """The scene's torques and drag, N m, world axes, (3,)."""
+    turned = R_world_axes @ np.array(scene["torque_body"])
+    return turned + np.array(scene["torque_world"]) - scene["drag"] * np.array(omega_world)
+
+
+def is_pushed(scene: Any) -> bool:
+    """Whether the scene has torques or drag."""
+    return bool(np.any([*scene["torque_body"], *scene["torque_world"], scene["drag"]]))
