@@ -7,7 +7,7 @@ from .document import Document, Expect, Known, Published, Window
 from .effects import EFFECTS, PUSHED, Effects, push
 from .errors import Misfit, ScenarioError, did_you_mean, printable
 from .float_array import FloatArray
-from .load import is_scenario, is_scene_name, load, load_each, loads
+from .load import from_tables, is_scenario, is_scene_name, load, load_each, loads
 from .mechanics import angular_momentum_world, energy, energy_base, kinetic_energy, potential_energy
 from .scales import check_scales
 from .scenario import Scenario, Start
@@ -47,6 +47,7 @@ __all__ = [
     "error_series",
     "errors_between",
     "find",
+    "from_tables",
     "is_scenario",
     "is_scene_name",
     "kinetic_energy",
