@@ -103,7 +103,7 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
         torque = [fall[k] / norm - gyroscopic[k] for k in range(3)]
         if is_pushed:
             R = np.array(R_body_world) / norm
-            pushed = R @ push(scenario, R.T, np.array(omega))
+            pushed = R @ push(scenario.pushed, R.T, R.T @ omega)
             torque = [torque[k] + pushed[k] for k in range(3)]
         q_rate = [
             0.5 * (-x * a - y * b - z * c),

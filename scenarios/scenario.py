@@ -164,6 +164,12 @@ class Scenario:
         return read_only(torque.world if torque and torque.world else exact.ZERO)
 
     @cached_property
+    def pushed(self) -> dict[str, object]:
+        """What `push` takes."""
+        names = ("drag", "torque_body", "torque_world")
+        return {name: getattr(self, name) for name in names}
+
+    @cached_property
     def times(self) -> FloatArray:
         """The window's sample times, s, (samples,)."""
         return read_only(np.linspace(0.0, self.window.duration, self.window.samples))

@@ -59,7 +59,7 @@ class Equations:
         """The fastest rate at the start, 1/s: of rotation, or of an effect."""
         scenario, omega_body = self.scenario, self.scenario.start.omega_body
         moments = np.linalg.eigvalsh(self.inertia)
-        pushed = float(np.linalg.norm(push(scenario, np.eye(3), np.zeros(3))))
+        pushed = float(np.linalg.norm(push(scenario.pushed, np.eye(3), np.zeros(3))))
         return max(
             float(np.linalg.norm(omega_body)) * float(moments[-1] / moments[0]),
             fastest_rate(scenario, omega_body),
@@ -69,8 +69,8 @@ class Equations:
 
     def outer_body(self, R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
         """Torque of the scene's effects, N m."""
-        pushed_world = push(self.scenario, R_world_body, omega_body)
-        return gravity.torque_body(self.scenario, R_world_body) + pushed_world @ R_world_body
+        pushed: FloatArray = push(self.scenario.pushed, R_world_body, R_world_body @ omega_body)
+        return gravity.torque_body(self.scenario, R_world_body) + pushed @ R_world_body
 
     def torque_body(self, R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
         """I dω/dt, N m."""
@@ -165,7 +165,7 @@ def gain_sizes(equations: Equations, gain: Gain) -> FloatArray:
     R = matrix(gain.before.q_world_body_wxyz)
     L = float(np.linalg.norm(equations.inertia @ omega))
     speed = float(np.linalg.norm(omega))
-    still, pushed = (push(equations.scenario, R, spin) for spin in (np.zeros(3), omega))
+    still, pushed = (push(equations.scenario.pushed, R, R @ spin) for spin in (np.zeros(3), omega))
     outer = gravity.torque_body(equations.scenario, R), still, pushed - still
     torque = L * speed + sum(float(np.linalg.norm(one)) for one in outer)
     places = np.linalg.norm(gain.wanted[2:], axis=1)

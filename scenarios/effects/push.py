@@ -1,20 +1,23 @@
-"""The torques that whoever integrates a scene applies by hand. Goes into scripts as it stands."""
+"""The torques that whoever integrates a scene applies by hand; scripts have them as they stand."""
 
 from typing import Any
 
 import numpy as np
 
-from ..float_array import FloatArray
 
-
-def push(scene: Any, R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
+def push(scene: Any, R_world_body: Any, omega_world: Any) -> Any:
     """Torque of all effects but gravity and constraints, N m, world axes, (3,).
 
     Parameters
     ----------
-    scene : a `Scenario`, or what else has its `drag` (N m s), `torque_body` and `torque_world`
-    R_world_body : takes body to world components, (3, 3)
-    omega_body : rad/s, (3,)
+    scene : `drag`, N m s; `torque_body` and `torque_world`, N m: `Scenario.pushed`, or a record
+    R_world_body : takes components along the axes of `torque_body` to world components, (3, 3)
+    omega_world : rad/s, (3,)
     """
-    with_the_body = np.asarray(scene.torque_body) - scene.drag * np.asarray(omega_body)
-    return np.asarray(scene.torque_world + R_world_body @ with_the_body)
+    turned = R_world_body @ np.array(scene["torque_body"])
+    return turned + np.array(scene["torque_world"]) - scene["drag"] * np.array(omega_world)
+
+
+def is_pushed(scene: Any) -> bool:
+    """Whether `push` is not zero whatever the motion."""
+    return bool(np.any([*scene["torque_body"], *scene["torque_world"], scene["drag"]]))
