@@ -122,6 +122,28 @@ class SignalVerdict:
 
 
 @dataclass(frozen=True)
+class LocalCheck:
+    """What a method does from exact states along the motion.
+
+    Attributes
+    ----------
+    reason : how its steps are inconsistent with the equations of motion, in words; empty if not
+    tolerance : to which they are known to be consistent, relative to the largest terms
+    remembers : whether a step depends on more than the state before it
+    settles : whether a constraint holds the body, which takes some steps to settle
+    states : number of states
+    pieces : the verdicts on short runs from some of them
+    """
+
+    reason: str
+    tolerance: float
+    remembers: bool
+    settles: bool
+    states: int
+    pieces: tuple[SignalVerdict, ...] = ()
+
+
+@dataclass(frozen=True)
 class Verdict:
     """The verdict on a method on a scene: that of the signal with the worst verdict.
 
@@ -133,6 +155,7 @@ class Verdict:
     unmet : expectations in the scene's file that this method did not meet, in words
     as_shipped : whether the method is the engine with all its defaults
     is_expected_failure : whether it is an expected failure of the scene's file
+    ground : what a verdict `converges` rests on, in words
     """
 
     key: Key
@@ -146,6 +169,7 @@ class Verdict:
     unmet: tuple[str, ...] = ()
     as_shipped: bool = False
     is_expected_failure: bool = False
+    ground: str = ""
 
     @property
     def agrees(self) -> bool:
