@@ -10,10 +10,11 @@ import numpy as np
 from ...engines import Engine, Method, Run
 from ...reference import Solution
 from ...scenarios import Expect, Scenario
-from ..results.records import Defect, Key, Row
+from ..results.records import Defect, Key, LocalCheck, Row
 from .comparison import row_of, unmet_expectations
 from .defects import defects
 from .executors import Answer
+from .judging.places import Places
 from .ladder import MIN_RUNGS, Ladder, Rung
 from .ladder_judge import LadderJudge
 from .stock import StockRun, stock_timesteps
@@ -60,6 +61,10 @@ class ConvergenceStudy:
     stock : runs at stock timesteps
     rows, single_rows, above_rows, stock_rows : the runs so far
     unmet : expectations of the scene that were not met, in words
+    places : exact states that the method is tested from, if there are any
+    local : what it does from there
+    remembers : whether a run goes on otherwise than if restarted from its own states; None if that
+        is not known
     """
 
     scenario: Scenario
@@ -74,6 +79,9 @@ class ConvergenceStudy:
     above_rows: list[Row] = field(default_factory=list)
     stock_rows: list[Row] = field(default_factory=list)
     unmet: list[str] = field(default_factory=list)
+    places: Places | None = None
+    local: LocalCheck | None = None
+    remembers: bool | None = None
 
     @cached_property
     def judge(self) -> LadderJudge:
