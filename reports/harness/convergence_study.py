@@ -13,7 +13,7 @@ from ...scenarios import Expect, Scenario
 from ..results.records import Defect, Key, LocalCheck, Row
 from .comparison import row_of, unmet_expectations
 from .defects import defects
-from .executors import Answer
+from .executors import Answer, CallFailed
 from .judging.places import Places
 from .ladder import MIN_RUNGS, Ladder, Rung
 from .ladder_judge import LadderJudge
@@ -122,8 +122,8 @@ class ConvergenceStudy:
 
     def compare(self, asked: Asked, answer: Answer[Run]) -> Row:
         """Compare a run that was asked for with the exact motion; returns its row."""
-        version, rung = self.engine.version, asked.rung
-        row = row_of(self.scenario, self.key, version, rung, answer.value, asked.solution)
+        version, rung, run = self.engine.version, asked.rung, self._of_other_law(answer.value)
+        row = row_of(self.scenario, self.key, version, rung, run, asked.solution)
         is_stock = rung.timestep in stock_timesteps(self.engine)
         made = self._defects(row, asked.solution)
         row = replace(row, printed=answer.printed, stock=is_stock, defects=made)
@@ -131,6 +131,17 @@ class ConvergenceStudy:
             # Its samples are not needed: finer runs are judged and drawn.
             row = replace(row, motion=None)
         return row
+
+    def _of_other_law(self, run: Run | CallFailed) -> Run | CallFailed:
+        """The run, marked where single steps do not obey the scene's equations of motion."""
+        if isinstance(run, CallFailed) or not (self.local and self.local.reason):
+            return run
+        reason = "; ".join(filter(None, (run.reason, self.local.reason)))
+        if run.outcome == "ok":
+            return replace(run, cause="law", reason=reason)
+        # A lag at however small a step is not a clamp.
+        is_clock = run.cause == "lag" and self.local.at_any_timestep
+        return replace(run, outcome="failed", cause="clock", reason=reason) if is_clock else run
 
     def _defects(self, row: Row, solution: Solution) -> dict[str, Defect] | None:
         if row.motion is None or row.errors is None:

@@ -33,7 +33,7 @@ def _judged(study: ConvergenceStudy) -> Verdict:
         return Verdict(study.key, "unsupported", lacking, **attributes)
     if last and last.outcome in ("failed", "unsupported"):
         return Verdict(study.key, last.outcome, _with_time(last), **attributes)
-    if local and local.reason:
+    if local and local.reason and not (last and last.cause == "law"):
         return _of_signals(study, local.reason, is_wrong=True, **attributes)
     if last and last.outcome == "diverged":
         if sound := study.judge.blown_up_below:
@@ -41,9 +41,10 @@ def _judged(study: ConvergenceStudy) -> Verdict:
         return Verdict(study.key, "diverges", _with_time(last), **attributes)
     # For an engine as shipped: its differences from the scene.
     remark = last.reason if last else ""
-    is_wrong = last is not None and last.cause == "precision"
+    is_wrong = last is not None and last.cause in ("law", "precision")
     if not is_wrong and not study.method.as_shipped:
-        if wrong := next(contradictions(study.judge.rows, study.judge.sequences), ""):
+        evidence = contradictions(study.judge.rows, study.judge.sequences, study.engine.slack)
+        if wrong := next(evidence, ""):
             return _of_signals(study, wrong, is_wrong=True, **attributes)
         if local and (verdict := _by_pieces(study, local, attributes)):
             return verdict

@@ -242,6 +242,7 @@ class LocalCheck:
     tolerance : to which they are known to be consistent, relative to the largest terms
     remembers : whether a step depends on more than the state before it
     settles : whether a constraint holds the body, which takes some steps to settle
+    at_any_timestep : whether steps are inconsistent however short they are
     states : number of states
     pieces : the verdicts on short runs from some of them
     """
@@ -250,6 +251,7 @@ class LocalCheck:
     tolerance: float
     remembers: bool
     settles: bool
+    at_any_timestep: bool
     states: int
     pieces: tuple[SignalVerdict, ...] = ()
 

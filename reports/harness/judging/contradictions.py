@@ -32,19 +32,22 @@ class _Series:
     when: Sequence[str]
 
 
-def contradictions(rows: Sequence[Row], sequences: Sequence[SignalSequence]) -> Iterator[str]:
+def contradictions(
+    rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float
+) -> Iterator[str]:
     """In words, what of the judged rows no method that converges would do.
 
     Parameters
     ----------
     rows : of the ladder, all of them ok, coarse to fine
     sequences : the same in each signal
+    slack : relative, to which the engine holds a state
     """
     with np.errstate(all="ignore"):
-        yield from _all(rows, sequences)
+        yield from _all(rows, sequences, slack)
 
 
-def _all(rows: Sequence[Row], sequences: Sequence[SignalSequence]) -> Iterator[str]:
+def _all(rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float) -> Iterator[str]:
     yield from _lost(rows, sequences)
     for sequence in sequences:
         name = sequence.signal.label
@@ -66,7 +69,7 @@ def _all(rows: Sequence[Row], sequences: Sequence[SignalSequence]) -> Iterator[s
                 f"{name}: the largest defect between two samples",
                 sequence.timesteps,
                 np.array([one.max for one in found]),
-                np.array([one.floor for one in found]),
+                np.array([max(one.floor, slack) for one in found]),
                 sequence.declared_order,
                 [f", by t = {one.at:.3g} s" for one in found],
             )
@@ -116,7 +119,7 @@ def _level(series: _Series) -> Iterator[str]:
         return
     slopes = -np.diff(np.log2(values))
     is_clean = np.ptp(slopes) <= ORDER_SLACK and slopes.max() < series.order - SHORTFALL
-    if slopes.mean() < SETTLING_ORDER or is_clean:
+    if slopes.max() < SETTLING_ORDER or is_clean:
         yield (
             f"{series.name} shrinks at order {slopes.mean() + 0.0:.2f} over {SHOWN_OVER} rungs, "
             f"though {series.order} is declared: {values[0]:.1e} at "

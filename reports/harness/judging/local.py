@@ -34,6 +34,8 @@ SETTLING = 128
 NEGLIGIBLE = 2e-6
 #: Ulps of a step: what its rounding is taken to be at most, in a body whose moments are alike.
 ULPS_A_STEP = 16
+#: So many of the shortest steps have to show that an error does not depend on their length.
+LEAPS = 4
 #: Rungs of the pieces, and the uncertainty of their limits that is enough.
 PIECE_RUNGS, PIECE_GOAL = 7, 1e-4
 #: Intervals of a run that are gone through again, and the most steps of one.
@@ -73,6 +75,7 @@ def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) ->
         tolerance=float((found.tolerance / np.maximum(found.sizes, 1e-300)).max()),
         remembers=remembers,
         settles=settles,
+        at_any_timestep=bool(found.by_tolerance.max() > 1),
         states=len(at.times),
         pieces=() if wrong else _pieces(engine, scenario, method, at, eps),
     )
@@ -154,6 +157,8 @@ def _wrong(
 ) -> str:
     """In words, how steps are inconsistent with the equations of motion; else empty."""
     off = found.by_tolerance
+    if leap := _leap(found, at):
+        return leap
     if off.max() > 1:
         return _explained(equations, steps, found, at)
     if is_smooth and found.unsmooth.max() > 1:
@@ -166,6 +171,21 @@ def _wrong(
     return ""
 
 
+def _leap(found: Excess, at: Places) -> str:
+    """The reason if a step changes the state by as much however short it is; else empty."""
+    gains = found.by_timestep[-LEAPS:] * at.timesteps[-LEAPS:, None]
+    leaps = (np.ptp(gains, axis=0) < gains.min(axis=0) / 2) & (found.unsmooth.max(axis=0) > 1)
+    if not leaps.any():
+        return ""
+    quantity = int(np.argmax(leaps * gains.max(axis=0)))
+    what, unit = LEAPING[quantity]
+    return (
+        f"{what} is off by {gains[-1, quantity] * found.sizes[quantity]:.2g} {unit} after a step, "
+        f"however short it is, down to {at.timesteps[-1]:.2g} s"
+    )
+
+
+LEAPING = (("attitude", "rad"), ("I ω", "N m s"), ("the com's velocity", "m/s"), ("com", "m"))
 QUANTITY_NAMES = ("dR/dt", "I dω/dt", "the com's velocity", "the com's place")
 
 
