@@ -1,5 +1,4 @@
-"""No planted fault converges, whenever, wherever and at whichever timestep it acts; no honest engine
-is called wrong.
+"""No planted fault converges, whenever and wherever it acts; no honest engine is called wrong.
 
 An honest engine is stepped with one fault at a time (`stepped_faults`). At fourth order its own
 error hides nothing: each fault is told. At first order a fault that is smaller than the method's
