@@ -278,11 +278,13 @@ def restarted(
                 session.advance(int(steps[k]) - half)
                 return session.read_state()
 
-            again = _rows([gone_on(int(k)) for k in chosen])
-            apart = _apart(states.rows(chosen + 1), again)
+            again = [gone_on(int(k)) for k in chosen]
+            ran = [states.rows(int(k) + 1) for k in chosen]
+            apart = _apart(_rows(ran), _rows(again))
             worst = np.argsort(apart)[-INTERVALS:]
-            nudged = _rows([gone_on(int(chosen[k]), 1.0 + NUDGE) for k in worst])
+            nudged = [gone_on(int(chosen[k]), 1.0 + NUDGE) for k in worst]
     except EngineError:
         return None
-    tolerance = ABOVE * (engine.slack + _apart(nudged, again.rows(worst)))
+    by_nudge = _apart(_rows(nudged), _rows([again[k] for k in worst]))
+    tolerance = ABOVE * (engine.slack + by_nudge)
     return float((apart[worst] / tolerance).max())

@@ -82,6 +82,9 @@ MAY_STAY_OPEN = {
     planted.AfterAHundredSteps,
     planted.Slowed,
     planted.GravityInclined,
+    planted.Jumps,
+    planted.JumpsOnceByChance,
+    planted.EveryThousandthStep,
 }
 
 HONEST_SCENES = [BOOK, TOP, "chaos-beyond-the-horizon", "drag-until-rest", "flying-disc"]
