@@ -60,7 +60,9 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
     skipped = terminalreporter.stats.get("skipped", [])
     count = sum(_UNSUPPORTED in str(report.longrepr) for report in skipped)
     if count:
-        terminalreporter.write_line(f"spincheck: {count} items are {_UNSUPPORTED}skipped")
+        terminalreporter.write_line(
+            f"spincheck: {count} items were skipped, whose engine or method does not support the scene"
+        )
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
