@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..start_process import ISOLATED, run
 from ..user_cache import user_cache
 
 #: Wheels are of one minor version of Python.
@@ -91,12 +92,12 @@ def install_for(python: str, name: str, requirements: Sequence[str], code: Seque
         If there is no such Python, or pip cannot; with its last words.
     """
     _check(name)
-    tag = _call(f"'{python}' cannot be used", [python, "-c", _TAG]).strip()
+    tag = _call(f"'{python}' cannot be used", [python, ISOLATED, "-c", _TAG]).strip()
     if not _TAGGED.fullmatch(tag):
         raise VersionError(f"'{python}' is no Python 3: it printed '{tag[:40]}'")
 
     def fill(target: Path) -> None:
-        _call(f"'{python}' makes no environment", [python, "-m", "venv", str(target)])
+        _call(f"'{python}' makes no environment", [python, ISOLATED, "-m", "venv", str(target)])
         needed = [*RUNS_WITH, *requirements]
         # Only what is not copied knows where it is.
         _call(_not_there(name, needed), [*_pip(str(interpreter_of(target))), *needed])
@@ -120,8 +121,8 @@ def _check(name: str) -> None:
 
 
 def _pip(python: str) -> list[str]:
-    quietly = ["--quiet", "--only-binary", ":all:", "--disable-pip-version-check"]
-    return [python, "-m", "pip", "install", *quietly]
+    quietly = ["--quiet", "--no-input", "--only-binary", ":all:", "--disable-pip-version-check"]
+    return [python, ISOLATED, "-m", "pip", "install", *quietly]
 
 
 def _made(folder: Path, fill: Callable[[Path], None]) -> Path:
@@ -149,9 +150,7 @@ def _not_there(name: str, wanted: Sequence[str]) -> str:
 def _call(failing: str, command: Sequence[str]) -> str:
     """What a command prints; `failing` says what it means if it cannot."""
     try:
-        done = subprocess.run(
-            command, capture_output=True, text=True, timeout=_PATIENCE, check=False
-        )
+        done = run(command, _PATIENCE)
     except subprocess.TimeoutExpired:
         words = f"'{command[0]}' did not finish within {_PATIENCE} s"
         raise VersionError(f"{failing}: {words}") from None

@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import time
+from pathlib import Path
 
 FAULT = sys.argv[1] if len(sys.argv) > 1 else ""
 #: The call at which what is wrong with a process goes wrong.
@@ -103,6 +104,10 @@ def spoilt(call: dict, reply: dict) -> None:
 
 for line in sys.stdin:
     call = json.loads(line)
+    if FAULT == "busy":
+        Path(sys.argv[2]).write_text(f"{os.getppid()} {os.getpid()}")
+        while True:
+            pass
     if call["do"] == WHEN:
         if FAULT == "dies":
             print("assertion failed: norm(q) > 0", flush=True)
