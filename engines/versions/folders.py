@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ...scenarios import printable
 from ..start_process import ISOLATED, run
 from ..user_cache import user_cache
 
@@ -17,9 +18,11 @@ _PYTHON = f"cp{sys.version_info.major}{sys.version_info.minor}"
 #: Prints the same for another Python, run by that Python.
 _TAG = "import sys; print(f'cp{sys.version_info.major}{sys.version_info.minor}')"
 #: What that may print.
-_TAGGED = re.compile(r"cp3\d+")
+_TAGGED = re.compile(r"cp3(1[1-9]|[2-9]\d)")
 #: What a version may look like (PEP 440, without epochs and local versions).
 _VERSION = re.compile(r"\d+(\.\d+)*([a-z]+\d*)?(\.(post|dev)\d+)?")
+#: Characters of a version, at most.
+LONGEST_VERSION = 40
 #: What a worker of another Python needs besides the engine.
 RUNS_WITH = ("numpy", "scipy", "pydantic", "mpmath", "numba", "psutil")
 #: s that pip may take.
@@ -27,7 +30,16 @@ _PATIENCE = 600
 
 
 class VersionError(Exception):
-    """A version that cannot be had, and why."""
+    """A version that cannot be had, and why.
+
+    Attributes
+    ----------
+    is_usage : whether nothing could be had by what was typed
+    """
+
+    def __init__(self, message: str, *, is_usage: bool = False) -> None:
+        super().__init__(message)
+        self.is_usage = is_usage
 
 
 @dataclass(frozen=True)
@@ -69,7 +81,6 @@ def install(name: str, requirements: Sequence[str]) -> Path:
     VersionError
         If pip cannot; with its last words.
     """
-    _check(name)
 
     def fill(target: Path) -> None:
         command = [*_pip(sys.executable), "--no-deps", "--target", str(target), *requirements]
@@ -91,10 +102,16 @@ def install_for(python: str, name: str, requirements: Sequence[str], code: Seque
     VersionError
         If there is no such Python, or pip cannot; with its last words.
     """
-    _check(name)
-    tag = _call(f"'{python}' cannot be used", [python, ISOLATED, "-c", _TAG]).strip()
+    try:
+        tag = _call("it fails", [python, ISOLATED, "-c", _TAG]).strip()
+    except VersionError as error:
+        raise VersionError(f"'--python' {printable(python)}: {error}", is_usage=True) from None
     if not _TAGGED.fullmatch(tag):
-        raise VersionError(f"'{python}' is no Python 3: it printed '{tag[:40]}'")
+        raise VersionError(
+            f"'--python' must be Python 3.11 or later, '{printable(python)}' says "
+            f"'{printable(tag, 40)}'",
+            is_usage=True,
+        )
 
     def fill(target: Path) -> None:
         _call(f"'{python}' makes no environment", [python, ISOLATED, "-m", "venv", str(target)])
@@ -114,10 +131,19 @@ def interpreter_of(site: Path) -> Path:
     return site / "bin" / "python"
 
 
-def _check(name: str) -> None:
-    version = name.partition("@")[2]
-    if not _VERSION.fullmatch(version):
-        raise VersionError(f"a version must be like 3.1.6, got '{version}'")
+def check_version(version: str) -> None:
+    """See that a version looks like one.
+
+    Raises
+    ------
+    VersionError
+        If it does not.
+    """
+    if len(version) > LONGEST_VERSION or not _VERSION.fullmatch(version):
+        raise VersionError(
+            f"a version must be like 3.1.6, got '{printable(version, LONGEST_VERSION)}'",
+            is_usage=True,
+        )
 
 
 def _pip(python: str) -> list[str]:

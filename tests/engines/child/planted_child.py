@@ -98,6 +98,13 @@ def spoilt(call: dict, reply: dict) -> None:
     elif FAULT == "refuses" and do == WHEN:
         reply.clear()
         reply.update(id=call["id"], error="the solver\nwill not\x1b[2J")
+    elif FAULT == "refuses hello" and do == "hello":
+        reply.clear()
+        reply.update(id=call["id"], error="the licence has run out")
+    elif FAULT == "true for one":
+        reply["id"] = True
+    elif FAULT == "never says hello":
+        time.sleep(600)
     elif FAULT == "changes its name" and do == "hello":
         reply["version"] = str(os.getpid())
 
