@@ -93,6 +93,7 @@ class Hello(ChildAnswer):
     precision: Literal["double", "single"]
     stock_timestep: Positive | None
     methods: Annotated[list[ChildMethod], Field(min_length=1, max_length=MOST_NAMES)]
+    restart: bool = False
 
     @model_validator(mode="after")
     def _named_once(self) -> Self:

@@ -8,9 +8,11 @@ from typing import Annotated, Any
 
 import typer
 
+from ..results.verdict_words import UNPROVEN
 from .engines.engine_commands import app as engine_commands
 from .engines.version_commands import app as version_commands
 from .grouped import GroupedCommands
+from .judge.judge_command import app as judge_command
 from .options import (
     CORES,
     REPORT_FOLDER,
@@ -50,6 +52,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
+app.add_typer(judge_command)
 app.add_typer(result_commands)
 app.add_typer(scene_commands)
 app.add_typer(sweep_commands)
@@ -129,9 +132,7 @@ def run(
     dask: Dask = None,
     strict: Annotated[
         bool,
-        typer.Option(
-            "--strict", help="Exit with 1 also if a verdict is 'unresolved' or 'diverges'."
-        ),
+        typer.Option("--strict", help=f"Exit with 1 also if a verdict is {UNPROVEN}."),
     ] = False,
     again: Again = False,
     verbose: Annotated[

@@ -187,9 +187,7 @@ class EngineItem(SceneItem):
                     ]
                 )
             )
-        if verdict.verdict != "converges" and not (
-            verdict.as_shipped or verdict.is_expected_failure
-        ):
+        if verdict.verdict != "converges" and not (verdict.as_shipped or verdict.expected_failure):
             pytest.skip(f"{which}: {verdict.verdict}: {verdict.reason}")
 
 

@@ -11,7 +11,6 @@ from ...engines.models.mjcf import mjcf
 from ...engines.models.urdf import urdf
 from ...scenarios import Scenario
 from ..results.store import Results
-from ..results.verdict_words import VerdictWord
 from .analysis.report_data import ReportData, SceneRuns, report_data
 from .cost_section import cost_section, scene_costs
 from .figures.figures import figures
@@ -44,11 +43,6 @@ ASSETS = (
 )
 #: Timestep, s, and integrator of the MJCF that a page shows; runs differ only in these.
 SHOWN_TIMESTEP, SHOWN_INTEGRATOR = 0.002, "RK4"
-#: Verdicts that need attention; verdicts that are limits of a method, or not tried.
-WRONG: tuple[VerdictWord, ...] = ("disagrees", "failed")
-LIMITS: tuple[tuple[VerdictWord, ...], ...] = (("diverges", "unresolved"), ("unsupported",))
-#: Verdicts listed for engines as shipped.
-SHIPPED: tuple[VerdictWord, ...] = ("disagrees", "failed", "diverges", "unresolved")
 
 
 def render(results: Results, folder: Path) -> Path:
@@ -115,7 +109,6 @@ def _write_scenes(
 
 def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
     plain = gathered.plain
-    limits = [overview.complaints(plain, words) for words in LIMITS]
     return {
         "answer": answer(gathered, {name for cost in results.effects for name in cost.left_out}),
         "heat": heat_map(gathered),
@@ -126,8 +119,12 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
         "methods": overview.methods_table(plain),
         "costs": cost_section(plain),
         # Complaints include hard scenes.
-        "complaints": [overview.complaints(gathered, WRONG), *limits],
-        "shipped": overview.complaints(plain, SHIPPED, as_shipped=True),
+        "complaints": [
+            overview.complaints(gathered, lambda kind: kind.fails),
+            overview.complaints(plain, lambda kind: kind.is_unproven),
+            overview.complaints(plain, lambda kind: kind.word == "unsupported"),
+        ],
+        "shipped": overview.complaints(plain, lambda kind: kind.needs_reason, as_shipped=True),
         "environment": overview.environment_table(gathered),
     }
 

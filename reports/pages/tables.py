@@ -3,26 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ..results.verdict_words import VerdictWord
-
-#: Verdicts in the order in which they are counted and listed.
-VERDICTS: tuple[VerdictWord, ...] = (
-    "converges",
-    "disagrees",
-    "failed",
-    "diverges",
-    "unresolved",
-    "unsupported",
-)
-#: A sign beside each verdict's word: colour is never the only difference.
-SIGNS: dict[VerdictWord, str] = {
-    "converges": "✓",
-    "disagrees": "✗",
-    "failed": "!",
-    "diverges": "↗",
-    "unresolved": "?",
-    "unsupported": "–",
-}
+from ..results.verdict_words import VERDICT, VerdictWord
 
 
 @dataclass(frozen=True)
@@ -70,4 +51,4 @@ def figure(text: str) -> Cell:
 
 def verdict_cell(word: VerdictWord, detail: str = "", link: str = "") -> Cell:
     """A verdict's word with its sign, in its colour."""
-    return Cell(f"{SIGNS[word]} {word}", word, detail, link)
+    return Cell(f"{VERDICT[word].sign} {word}", word, detail, link)

@@ -7,6 +7,8 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
+from ...scenarios import SIGNALS
+from ..results.verdict_words import VERDICTS
 from .cost_section import LEGEND
 from .links import scene_page
 from .markdown import code_block, escaped, to_html
@@ -27,7 +29,7 @@ def templates() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.globals["cost_legend"] = LEGEND
+    environment.globals |= {"cost_legend": LEGEND, "verdicts": VERDICTS, "signals": SIGNALS}
     environment.filters |= {
         "markdown": lambda text: Markup(to_html(text)),
         "md": escaped,
@@ -38,8 +40,10 @@ def templates() -> Environment:
 
 
 def source(name: str) -> str:
-    """The text of a style sheet or script, as it stands in its page's folder."""
+    """The text of a style sheet, which is a template, or of a script, which is none."""
     environment = templates()
+    if name.endswith(".css"):
+        return environment.get_template(name).render()
     assert environment.loader is not None
     return environment.loader.get_source(environment, name)[0]
 

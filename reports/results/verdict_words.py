@@ -105,3 +105,4 @@ RANKS = {kind.word: rank for rank, kind in enumerate(VERDICTS)}
 assert tuple(VERDICT) == get_args(VerdictWord), "one entry a word, in one order"
 #: In the order in which verdicts are counted and listed: what converges, then from the worst on.
 LISTED = (VERDICTS[0], *reversed(VERDICTS[1:]))
+UNPROVEN = " or ".join(f"'{kind.word}'" for kind in VERDICTS if kind.is_unproven)

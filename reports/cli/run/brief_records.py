@@ -8,6 +8,7 @@ from itertools import groupby
 from typing import Any
 
 from ...results.records import Row, Verdict
+from ...results.verdict_words import VERDICT
 
 WIDTH = 80
 #: Columns of names in a line of a verdict.
@@ -18,7 +19,6 @@ REASON_LINES = 3
 PLACE = 26
 _ERRORS = ("omega_error", "attitude_error", "angular_momentum_error", "energy_error")
 _NAMES = ("ω", "attitude", "L", "energy")
-_EXPLAINED = ("disagrees", "failed", "diverges", "unresolved")
 
 
 def run_lines(rows: Sequence[Row]) -> Iterator[str]:
@@ -31,7 +31,7 @@ def run_lines(rows: Sequence[Row]) -> Iterator[str]:
 
 
 def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """One line a verdict, and below each that is not `converges` its reason."""
+    """One line a verdict, and below each that needs one its reason."""
     yield f"{'scene':{SCENE}} {'method':{METHOD}} {'verdict':11} {'order':>5} {'limit':>8}"
     for verdict in verdicts:
         key = verdict.key
@@ -42,7 +42,10 @@ def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
             f"{cut(key.scenario, SCENE):{SCENE}} {cut(method, METHOD):{METHOD}} "
             f"{verdict.verdict:11} {order:>5} {limit:>8}"
         ).rstrip()
-        reasons = [*verdict.unmet, *([verdict.reason] if verdict.verdict in _EXPLAINED else [])]
+        reasons = [
+            *verdict.unmet,
+            *([verdict.reason] if VERDICT[verdict.verdict].needs_reason else []),
+        ]
         yield from textwrap.wrap(
             "; ".join(reasons),
             WIDTH,

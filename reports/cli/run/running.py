@@ -12,6 +12,7 @@ from ...harness.study import run_study
 from ...results.records import UNSOLVED, Key, Row
 from ...results.result_file import ResultFileError
 from ...results.store import Results, open_store
+from ...results.verdict_words import UNPROVEN
 from ..choosing import check_timesteps, choose
 from ..executing import Where, executor_for
 from ..named_scenes import scenes_to_run
@@ -157,12 +158,12 @@ def tell_untrue(results: Results) -> None:
 
 
 def unproven_in_words(results: Results) -> str:
-    """How many verdicts are `unresolved` or `diverges`; empty if none is."""
+    """How many verdicts are unproven; empty if none is."""
     count = sum(verdict.is_unproven for verdict in results.verdicts)
     if not count:
         return ""
     return (
-        f"Unproven: {count} of {len(results.verdicts)} verdicts are 'unresolved' or 'diverges'; "
+        f"Unproven: {count} of {len(results.verdicts)} verdicts are {UNPROVEN}; "
         "'--strict' makes that exit code 1."
     )
 
@@ -172,7 +173,7 @@ def exit_code(results: Results, *, strict: bool = False) -> int:
 
     Parameters
     ----------
-    strict : whether unproven verdicts (`unresolved`, `diverges`) count as disagreement
+    strict : whether unproven verdicts count as disagreement
     """
     if results.rows and all(row.outcome == "failed" for row in results.rows):
         return NOT_RUN

@@ -17,7 +17,7 @@ from ...pages.analysis.timesteps import (
 from ...pages.analysis.wording import duration, plural
 from ...results.records import Row, Verdict
 from ...results.store import Results
-from ...results.verdict_words import VerdictWord
+from ...results.verdict_words import RANKS
 
 WIDTH = 80
 #: Lines that one reason may take, and scenes whose best choice is printed one by one.
@@ -27,15 +27,6 @@ REASON_LINES, SCENES_TOLD = 3, 3
 METHODS_SHOWN, OTHERS = 8, 3
 #: degrees; larger angles are printed as whole numbers.
 LEAST_WHOLE = 9.5
-#: Order in which verdicts are counted: what fails a run first.
-_WORDS: tuple[VerdictWord, ...] = (
-    "disagrees",
-    "failed",
-    "diverges",
-    "unresolved",
-    "unsupported",
-    "converges",
-)
 
 
 def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str]:
@@ -55,7 +46,7 @@ def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str
 def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
     clean = Counter(verdict.verdict for verdict in verdicts if not verdict.as_shipped)
     scenes = len({verdict.key.scenario for verdict in verdicts})
-    counted = ", ".join(f"{clean[word]} {word}" for word in _WORDS if clean[word])
+    counted = ", ".join(f"{clean[word]} {word}" for word in reversed(RANKS) if clean[word])
     total = plural(sum(clean.values()), "verdict")
     text = f"{plural(scenes, 'scene')}, {total}: {counted or 'none'}."
     yield from textwrap.wrap(text, WIDTH)

@@ -12,7 +12,7 @@ from ....engines import Outcome
 from ...harness.observed_order import ASYMPTOTIC
 from ...results.records import Key, Row, Verdict
 from ...results.store import Results, SceneResult
-from ...results.verdict_words import VerdictWord
+from ...results.verdict_words import RANKS
 
 #: An error has changed if it did by this factor: at the same timestep, an engine that computes the
 #: same makes the same error, to rounding.
@@ -23,14 +23,6 @@ ERROR_FACTOR = 1.1
 #: twice as much, 99 % are detected.
 COST_FACTOR = 1.25
 #: From good to bad.
-VERDICTS: tuple[VerdictWord, ...] = (
-    "converges",
-    "unresolved",
-    "unsupported",
-    "diverges",
-    "disagrees",
-    "failed",
-)
 OUTCOMES: tuple[Outcome, ...] = ("ok", "unsupported", "diverged", "failed")
 
 Kind = Literal[
@@ -134,7 +126,7 @@ def _presence(before: bool) -> tuple[str | None, str | None]:
 def _verdict(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
     before, after = old.verdict if old else None, new.verdict if new else None
     if before != after:
-        yield _in_words(key, "verdict", before, after, VERDICTS)
+        yield _in_words(key, "verdict", before, after, tuple(RANKS))
 
 
 def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
@@ -175,7 +167,7 @@ def _errors(
 def _noise(scene: SceneResult, row: Row) -> dict[str, float]:
     """The uncertainty of an error: the reference's, plus an ulp a step times its growth."""
     uncertainty, conditioning = dict(scene.solution.uncertainty), dict(scene.solution.conditioning)
-    uncertainty["omega"] = max(uncertainty["omega"], row.uncertainty)
+    uncertainty["omega"] = max(uncertainty["omega"], row.reference_uncertainty)
     return {name: bound + row.steps * conditioning[name] for name, bound in uncertainty.items()}
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from ...harness.observed_order import SETTLING_ORDER
+from ...results.verdict_words import VerdictWord
 from .work_precision import Curve, CurvePoint, observed_order, slope
 
 #: Errors at which methods are compared, relative (attitude: rad): useful to excellent.
@@ -25,11 +26,7 @@ Barrier = Literal[
     "no order",
     "not timed",
     "no verdict",
-    "disagrees",
-    "failed",
-    "diverges",
-    "unresolved",
-    "unsupported",
+    VerdictWord,
 ]
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from statistics import median, median_high
 
 from ...results.records import Pair, Row
+from ...results.verdict_words import VERDICT
 from ..analysis.gyroscopic import without_gyroscopic_torque
 from ..analysis.report_data import ReportData, SceneRuns
 from ..analysis.timesteps import as_shipped, row_at, stock_timesteps
@@ -168,7 +169,11 @@ def _why(shipped: _AtStock, scenes: Sequence[SceneRuns], harmless: Collection[st
         for runs in scene.methods
         if (runs.engine, runs.method) == shipped.pair and runs.verdict
     }
-    wrong = [name for name, word in verdicts.items() if word in ("disagrees", "diverges", "failed")]
+    wrong = [
+        name
+        for name, word in verdicts.items()
+        if VERDICT[word].needs_reason and word != "unresolved"
+    ]
     name = " ".join(shipped.pair)
     good = sum(word == "converges" for word in verdicts.values())
     if not wrong and not good:

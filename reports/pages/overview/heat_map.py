@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 
 from ...results.records import Pair, Row
+from ...results.verdict_words import LISTED, RANKS
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
 from ..analysis.timesteps import AT, as_shipped, best_choice, leading, row_at, stock_timesteps
 from ..analysis.wording import duration
 from ..analysis.work_precision import cost
 from ..links import method_anchor, scene_page
-from ..tables import SIGNS
 from .overview import GROUPS, group_of
 
 #: Significant digits that are carried; cells show two, their details three.
@@ -50,7 +50,8 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
         tried = {(runs.engine, runs.method): runs for runs in scene.methods}
         cells = [_cell(scene, tried.get(pair), steps.get(pair[0])) for pair in pairs]
         scenes.append(_scene(scene) | {"cells": cells, "best": _best(scene, steps)})
-    return {"columns": columns, "scenes": scenes, "kinds": GROUPS, "signs": SIGNS}
+    verdicts = {kind.word: {"sign": kind.sign, "rank": RANKS[kind.word]} for kind in LISTED}
+    return {"columns": columns, "scenes": scenes, "kinds": GROUPS, "verdicts": verdicts}
 
 
 def _label(pair: Pair, shipped: list[Pair]) -> str:

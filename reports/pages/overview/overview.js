@@ -49,7 +49,6 @@
   function isBound(run) {
     return state.signal !== "cost" && (run[2 + state.signal] < 0 || Object.is(run[2 + state.signal], -0));
   }
-  const worse = { converges: 0, unresolved: 1, disagrees: 2, failed: 3 };
 
   // ---- colours
   function paint(cell, value) {
@@ -92,7 +91,7 @@
     }
     const [verdict] = cell;
     const run = cell[state.at];
-    const sign = verdict && verdict !== "converges" ? `${data.signs[verdict]} ` : "";
+    const sign = verdict && verdict !== "converges" ? `${data.verdicts[verdict].sign} ` : "";
     const value = valueOf(run);
     let text;
     if (value !== null) {
@@ -198,7 +197,7 @@
     if (!cell || cell[0] === "unsupported") return null;
     const run = cell[state.at];
     if (!run || run[1] === "unsupported") return null;
-    return valueOf(run) ?? 1e300 * (1 + (worse[cell[0]] ?? 0));
+    return valueOf(run) ?? 1e300 * (1 + (data.verdicts[cell[0]]?.rank ?? 0));
   }
   function sorted(scenes) {
     if (state.sort === null) return scenes;
@@ -316,7 +315,7 @@
   offer("kind", data.kinds.filter((kind) => data.scenes.some((scene) => scene.kind === kind)), "all");
   offer("tag", unique(data.scenes.flatMap((scene) => scene.tags)).sort(), "all");
   offer("engine", unique(data.columns.map((column) => column.engine)), "all");
-  offer("verdict", Object.keys(data.signs).filter((word) => data.scenes.some((s) => s.cells.some((c) => c?.[0] === word))), "any");
+  offer("verdict", Object.keys(data.verdicts).filter((word) => data.scenes.some((s) => s.cells.some((c) => c?.[0] === word))), "any");
   if (data.columns.length > MOST_COLUMNS) {
     state.methods = "";
     const select = document.getElementById("methods-shown");

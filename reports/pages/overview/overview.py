@@ -1,27 +1,20 @@
 """The first page: headline, matrix of verdicts, methods and complaints."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import median
 
 from ....engines import Method
+from ....scenarios import PUSHED
 from ...results.records import Pair, Verdict
-from ...results.verdict_words import VerdictWord
+from ...results.verdict_words import LISTED, VerdictKind
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
 from ..analysis.wording import NOTHING, number, order, plural
 from ..links import method_anchor, scene_page
-from ..tables import VERDICTS, Cell, Table, figure, table, verdict_cell
+from ..tables import Cell, Table, figure, table, verdict_cell
 
-#: Words of the headline for each verdict, singular and plural.
-VERDICT_PHRASES: dict[VerdictWord, tuple[str, str]] = {
-    "converges": ("converges to the exact motion", "converge to the exact motion"),
-    "disagrees": ("settles on a wrong one", "settle on a wrong one"),
-    "failed": ("failed", "failed"),
-    "diverges": ("blows up", "blow up"),
-    "unresolved": ("is unresolved", "are unresolved"),
-    "unsupported": ("cannot be simulated", "cannot be simulated"),
-}
+WORDS = tuple(kind.word for kind in LISTED)
 #: Groups of scenes, in reading order.
 GROUPS = ("On a pivot", "Free", "Thrown", "Driven or damped", "Not solved")
 
@@ -50,9 +43,9 @@ def headline(gathered: ReportData) -> str:
     shipped = [verdict for verdict in plain.verdicts if verdict.as_shipped]
     counts = Counter(verdict.verdict for verdict in verdicts)
     parts = [
-        f"{counts[word]} {VERDICT_PHRASES[word][counts[word] > 1]}"
-        for word in VERDICTS
-        if counts[word]
+        f"{counts[kind.word]} {kind.phrases[counts[kind.word] > 1]}"
+        for kind in LISTED
+        if counts[kind.word]
     ]
     unmet = sum(bool(verdict.unmet) for verdict in verdicts)
     missed = (
@@ -75,7 +68,7 @@ def headline(gathered: ReportData) -> str:
 def counts(gathered: ReportData) -> list[Cell]:
     """How many pairs have each verdict; without engines as shipped."""
     counted = Counter(v.verdict for v in gathered.verdicts if not v.as_shipped)
-    return [verdict_cell(word, str(counted[word])) for word in VERDICTS if counted[word]]
+    return [verdict_cell(word, str(counted[word])) for word in WORDS if counted[word]]
 
 
 def matrix(gathered: ReportData) -> VerdictMatrix:
@@ -108,7 +101,7 @@ def group_of(scene: SceneRuns) -> str:
     if scene.solved is None:
         return "Not solved"
     effects = scene.solved.scenario.called_for
-    if effects & {"drag", "torque_body", "torque_world"}:
+    if effects & PUSHED:
         return "Driven or damped"
     if "pivot" in effects:
         return "On a pivot"
@@ -122,28 +115,27 @@ def methods_table(gathered: ReportData) -> Table:
         "version",
         "method",
         "declared order",
-        *VERDICTS,
+        *WORDS,
         "CPU a step, µs (median)",
     )
     return table(headings, [_method_row(pair, gathered) for pair in gathered.pairs])
 
 
 def complaints(
-    gathered: ReportData, words: Iterable[VerdictWord], *, as_shipped: bool = False
+    gathered: ReportData, is_listed: Callable[[VerdictKind], bool], *, as_shipped: bool = False
 ) -> Table:
-    """Every verdict out of `words`, and every unmet expectation, with its reason.
+    """Every verdict of the kinds listed, and every unmet expectation, with its reason.
 
     Either of engines as shipped or of the others.
     """
-    wanted = list(words)
     rows = []
-    for word in VERDICTS:
+    for kind in LISTED:
         for scene in gathered.scenes:
             for runs in scene.methods:
                 verdict = runs.verdict
-                if not verdict or verdict.as_shipped != as_shipped or verdict.verdict != word:
+                if not verdict or verdict.as_shipped != as_shipped or verdict.verdict != kind.word:
                     continue
-                if word in wanted or verdict.unmet:
+                if is_listed(kind) or verdict.unmet:
                     rows.append(_complaint(scene, runs, verdict))
     return table(("scene", "engine", "method", "verdict", "reason"), rows)
 
@@ -210,10 +202,7 @@ def _method_row(pair: tuple[str, str], gathered: ReportData) -> list[Cell | str]
         ", ".join(versions),
         Cell(method, "name", declared.summary if declared else ""),
         figure(_declared_orders(declared)),
-        *(
-            Cell(str(counts[word]), f"number {word if counts[word] else 'none'}")
-            for word in VERDICTS
-        ),
+        *(Cell(str(counts[word]), f"number {word if counts[word] else 'none'}") for word in WORDS),
         figure(number(1e6 * median(timed)) if timed else NOTHING),
     ]
 

@@ -3,11 +3,12 @@
 import math
 
 from ...results.records import Row
+from ...results.verdict_words import VERDICT
 from ..analysis.report_data import ReportData, SceneRuns
 from ..analysis.timesteps import as_shipped, best_choice, row_at, stock_timesteps
 from ..analysis.wording import NOTHING, duration, limited
 from ..links import scene_page
-from ..tables import SIGNS, Cell, Table, figure, table
+from ..tables import Cell, Table, figure, table
 
 
 def stock_table(gathered: ReportData) -> Table:
@@ -35,7 +36,7 @@ def _cell(scene: SceneRuns, pair: tuple[str, str], stock: float) -> Cell:
         return figure(NOTHING)
     row = row_at(runs, "stock", stock)
     word = runs.verdict.verdict if runs.verdict else None
-    sign = f"{SIGNS[word]} " if word and word != "converges" else ""
+    sign = f"{VERDICT[word].sign} " if word and word != "converges" else ""
     return figure(f"{sign}{_attitude(scene, row) if row else NOTHING}")
 
 

@@ -17,6 +17,7 @@ HELLO = {
     "version": "1",
     "precision": "double",
     "stock_timestep": None,
+    "restart": True,
     "methods": [
         {
             "name": "exact",
@@ -59,6 +60,11 @@ def answer(call: dict) -> dict:
             body = {"com": [0, 0, 0], "frame": [1, 0, 0, 0], "arm": None}
             body |= {"mass": scene["mass"], "moments": scene["moments"]}
             return {"body": body, "state": state()}
+        case "restart":
+            kept = {"omega": scene["omega"]} if FAULT == "restarts with its old spin" else {}
+            scene |= {name: call[name] for name in ("q", "omega", "com", "velocity")} | kept
+            timestep, taken = call["timestep"], 0 if FAULT != "restarts late" else taken
+            return state()
         case "run":
             taken += call["steps"]
             return state()

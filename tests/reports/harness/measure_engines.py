@@ -25,7 +25,7 @@ from spincheck.reports.pages.analysis.report_data import MethodRuns, SceneRuns, 
 from spincheck.reports.pages.analysis.survival import survival
 from spincheck.reports.pages.analysis.work_precision import curve_of
 from spincheck.reports.results.store import Store, open_store
-from spincheck.reports.results.verdict_words import VerdictWord
+from spincheck.reports.results.verdict_words import RANKS, VerdictWord
 
 ROOT = Path(__file__).parents[3]
 STORE = ROOT / "build" / "engines.sqlite"
@@ -50,15 +50,7 @@ MOST, HALF = 0.8, 0.5
 #: Errors of attitude, rad, whose cost is compared, with MuJoCo's RK4.
 LEVELS = (1e-2, 1e-4)
 YARDSTICK = ("mujoco", "RK4")
-VERDICTS: tuple[VerdictWord, ...] = (
-    "converges",
-    "unresolved",
-    "disagrees",
-    "diverges",
-    "failed",
-    "unsupported",
-)
-COLUMNS = ("engine", "method", "scenes", *VERDICTS, "error", "survives")
+COLUMNS = ("engine", "method", "scenes", *RANKS, "error", "survives")
 COSTS = tuple(f"cost, {level:g} rad" for level in LEVELS)
 HEAD = f"""# Which engines get tops right, and at what price
 
@@ -111,7 +103,7 @@ class Standing:
 
     def row(self, columns: Sequence[str]) -> str:
         """As a line of the table."""
-        cells = {word: str(self.verdicts[word] or "") for word in VERDICTS} | {
+        cells = {word: str(self.verdicts[word] or "") for word in RANKS} | {
             "engine": f"`{self.engine}`",
             "method": self.method,
             "scenes": str(self.verdicts.total()),

@@ -13,11 +13,11 @@ from spincheck.reports.pages.analysis.changes import (
     COST_FACTOR,
     ERROR_FACTOR,
     OUTCOMES,
-    VERDICTS,
     changes,
 )
 from spincheck.reports.results.records import Key, Row, Verdict
 from spincheck.reports.results.store import Results, open_store
+from spincheck.reports.results.verdict_words import RANKS
 from spincheck.scenarios import Errors, loads
 
 KEY = Key("made-up-top", "mujoco", "Euler")
@@ -79,12 +79,12 @@ def test_a_file_and_itself_do_not_differ(before, capsys):
     assert capsys.readouterr().out == "nothing changed\n"
 
 
-@pytest.mark.parametrize("old", VERDICTS)
-@pytest.mark.parametrize("new", VERDICTS)
+@pytest.mark.parametrize("old", RANKS)
+@pytest.mark.parametrize("new", RANKS)
 def test_a_worse_verdict_is_a_regression_and_a_better_one_is_not(before, old, new):
     differences = changes(with_verdict(before, verdict=old), with_verdict(before, verdict=new))
     assert [change.kind for change in differences] == ["verdict"] * (old != new)
-    assert exit_code(differences) == (VERDICTS.index(new) > VERDICTS.index(old))
+    assert exit_code(differences) == (RANKS[new] > RANKS[old])
 
 
 @pytest.mark.parametrize("old", OUTCOMES)
@@ -247,7 +247,7 @@ def stored(tmp_path):
         with open_store(tmp_path / name, create=True) as store:
             store.put_scene(scene.scenario, scene.solution)
             store.put_verdict(Verdict(KEY, word, ""))
-            store.put_row(Row(KEY, "1", 0.01, errors=Errors(*[1e-6] * 6), outcome="ok"))
+            store.put(Row(KEY, "1", 0.01, errors=Errors(*[1e-6] * 6), outcome="ok"))
         return tmp_path / name
 
     return write

@@ -1,0 +1,466 @@
+"""Faults planted in an honest engine's steps, each by its own trigger, and what is no fault.
+
+Sizes are relative to spin and moments: a torque of `size` changes ω by that fraction in a radian.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from stepped import GRAVITY, Stepped, with_omega
+
+#: A torque acts about this axis of the body, askew to all.
+ASKEW = np.array([0.62, 0.55, 0.56])
+#: h times the rate of the start, rad: a check of vanishing timesteps is below the first, the finest
+#: rungs of a ladder are below the second.
+TINY, FINE = 3e-5, 1e-2
+#: Draws that differ from run to run, and are the same in each test if its runs are.
+CHANCE = np.random.default_rng(20)
+
+
+class Pushed(Stepped):
+    """A torque acts whenever the fault is on."""
+
+    at_every_step = True
+
+    def is_on(self) -> bool:
+        return True
+
+    def torque(self):
+        return self.size * self.unit_torque * ASKEW if self.is_on() else None
+
+    @property
+    def turn(self) -> float:
+        """rad a step, at the speed of the start."""
+        return self.rate * self.timestep
+
+    @property
+    def share(self) -> float:
+        """Of the window that is over."""
+        return self.time / self.scenario.window.duration
+
+
+class ButForTinySteps(Pushed):
+    """At every timestep but tiny ones."""
+
+    def is_on(self):
+        return self.turn > TINY
+
+
+class AtFineSteps(Pushed):
+    """At the finest rungs, and not at tiny steps."""
+
+    def is_on(self):
+        return TINY < self.turn < FINE
+
+
+class AtTwoMilliseconds(Pushed):
+    """At one timestep exactly, at the nearest rung of a ladder to 2 ms."""
+
+    def is_on(self):
+        return 2e-3 / 2**0.5 < self.timestep <= 2e-3 * 2**0.5
+
+
+class FromHalfway(Pushed):
+    """From half of the window on."""
+
+    def is_on(self):
+        return self.share > 0.5
+
+
+class InOneInterval(Pushed):
+    """For a four-hundredth of the window, between two samples."""
+
+    def is_on(self):
+        return 0.37 < self.share <= 0.37 + 1 / 400
+
+
+class InAnOctant(Pushed):
+    """While the body's third axis points into an octant of the world."""
+
+    def is_on(self):
+        w, x, y, z = self.y[:4]
+        return x * z + w * y > 0 and y * z - w * x > 0 and w * w + z * z > 0.5
+
+
+class InAnOctantOfOmega(Pushed):
+    """While ω is in an octant of the body."""
+
+    def is_on(self):
+        return bool((self.omega > 0).all())
+
+
+class AtOneAttitude(Pushed):
+    """Near the attitude that it has at 0.61 of the window, and only there."""
+
+    there = None
+
+    def is_on(self):
+        if self.there is None and self.share > 0.61:
+            self.there = self.y[:4].copy()
+        return self.there is not None and abs(self.there @ self.y[:4]) > 0.995
+
+
+class AboveASpeed(Pushed):
+    """While the body spins faster than at its start."""
+
+    def is_on(self):
+        return float(np.linalg.norm(self.omega)) > 1.001 * self.rate
+
+
+class EveryThousandthStep(Pushed):
+    """In each thousandth step, a thousand times as strong."""
+
+    def torque(self):
+        return 1e3 * super().torque() if self.taken % 1000 == 999 else None
+
+
+class AfterAHundredSteps(Pushed):
+    """From the hundredth step on, whichever the timestep: no check of few steps sees it."""
+
+    def is_on(self):
+        return self.taken >= 100
+
+
+class InLongStrides(Pushed):
+    """Where it is asked for 16 steps at once, or more."""
+
+    stride = 1
+
+    def advance(self, steps):
+        self.stride = steps
+        super().advance(steps)
+
+    def is_on(self):
+        return self.stride >= 16
+
+
+class InTheLastTenth(Pushed):
+    """In the last tenth of the window."""
+
+    def is_on(self):
+        return self.share > 0.9
+
+
+class ByChanceARun(Pushed):
+    """Of a random size, and direction, a run."""
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        self.size *= CHANCE.uniform(-1, 1)
+
+
+class Slowed(Pushed):
+    """The spin is damped from a third of the window on."""
+
+    def torque(self):
+        return -self.size * self.rate * (self.inertia @ self.omega) if self.share > 1 / 3 else None
+
+
+class LeavesOneGyroscopicTermOut(Pushed):
+    """One component of the gyroscopic torque is short by its size."""
+
+    def torque(self):
+        gyroscopic = np.cross(self.inertia @ self.omega, self.omega)
+        return -self.size * gyroscopic * [0, 1, 0]
+
+
+class LagsAStep(Pushed):
+    """The gyroscopic torque is that of the step before: of first order, whatever is declared."""
+
+    before = None
+
+    def torque(self):
+        now = np.cross(self.inertia @ self.omega, self.omega)
+        push = None if self.before is None else self.size * (self.before - now)
+        self.before = now
+        return push
+
+    def set(self, state):
+        super().set(state)
+        self.before = None
+
+
+class Remembers(Pushed):
+    """A share of the last step's gain in ω is gained again: as if the body were lighter."""
+
+    last = None
+
+    def after_step(self):
+        gain = 0 if self.last is None else self.size * (self.omega - self.last)
+        self.last = self.omega.copy()
+        self.omega[:] += gain
+
+    def torque(self):
+        return None
+
+    def set(self, state):
+        super().set(state)
+        self.last = None
+
+
+class Jumps(Stepped):
+    """ω jumps by its size at step 3 000."""
+
+    at_every_step = True
+
+    def after_step(self):
+        if self.taken == 3000:
+            self.omega[:] *= 1 + self.size
+
+
+class JumpsInTheLastStep(Stepped):
+    """ω jumps by its size in the step to the last sample."""
+
+    at_every_step = True
+
+    def after_step(self):
+        if self.time > self.scenario.window.duration - 1.5 * self.timestep:
+            self.omega[:] *= 1 + self.size
+
+
+class JumpsOnceByChance(Stepped):
+    """ω jumps at a random time of the window."""
+
+    at_every_step = True
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        self.when = int(CHANCE.uniform(0.1, 0.9) * self.scenario.window.duration / self.timestep)
+
+    def after_step(self):
+        if self.taken == self.when:
+            self.omega[:] *= 1 + self.size
+
+
+class Clamped(Stepped):
+    """No component of ω may exceed the speed of the start by more than its size."""
+
+    at_every_step = True
+
+    def after_step(self):
+        most = (1 + self.size) * self.rate
+        np.clip(self.omega, -most, most, out=self.omega)
+
+
+class FallsAsleep(Stepped):
+    """Once slow, it stands still for good."""
+
+    at_every_step = True
+
+    def after_step(self):
+        if float(np.linalg.norm(self.omega)) < self.size * self.rate:
+            self.omega[:] = 0
+
+
+class AnotherMoment(Stepped):
+    """A moment is another, by its size times a factor of the timestep."""
+
+    def factor(self) -> float:
+        return 1.0
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        self.mistake()
+
+    def mistake(self):
+        moments = np.array(self.inertia)
+        moments[0, 0] *= 1 + self.size * self.factor()
+        self.constants = self.constants_with(moments)
+
+    def restart(self, state, timestep=None):
+        super().restart(state, timestep)
+        self.mistake()
+
+
+class AMomentBySignOfTheRung(AnotherMoment):
+    """A moment too large or too small, from rung to rung in turn."""
+
+    def factor(self):
+        return 1 - 2 * (int(np.floor(np.log2(self.timestep))) % 2)
+
+
+class AMomentByChance(AnotherMoment):
+    """A moment off by chance, drawn a run."""
+
+    def factor(self):
+        return CHANCE.uniform(-1, 1)
+
+
+class AMomentAtFineSteps(AnotherMoment):
+    """A moment off at the finest rungs only."""
+
+    def factor(self):
+        return float(TINY < self.rate * self.timestep < FINE)
+
+
+class GravityInclined(Stepped):
+    """Gravity is inclined by its size, rad, from a third of the window on."""
+
+    at_every_step = True
+    share = Pushed.share
+
+    def after_step(self):
+        x, y, z = self.scenario.gravity_world
+        size = self.size * (self.share > 1 / 3)
+        self.constants[GRAVITY] = [x - size * z, y, z + size * x]
+
+
+class TurnsTooFar(Stepped):
+    """The attitude turns by a little more than ω says."""
+
+    at_every_step = True
+
+    def after_step(self):
+        half = 0.5 * self.size * self.timestep * self.omega
+        w, v = self.y[0], self.y[1:4].copy()
+        self.y[0] -= v @ half
+        self.y[1:4] += w * half + np.cross(v, half)
+        self.y[:4] /= np.linalg.norm(self.y[:4])
+
+
+class SkipsSteps(Stepped):
+    """Every so often a step of the clock is none of the body."""
+
+    at_every_step = True
+
+    def advance(self, steps):
+        for _ in range(steps):
+            if self.taken % round(1 / self.size) == 50:
+                self.taken += 1
+            else:
+                self.take(1)
+
+
+class EulerLater(Stepped):
+    """From half of the window on a step is of first order."""
+
+    at_every_step = True
+    share = Pushed.share
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        self.declared = self.order
+
+    def after_step(self):
+        self.order = 1 if self.share > 0.5 else self.declared
+
+
+class HalfAnOrder(Pushed):
+    """A torque that vanishes with the root of the timestep."""
+
+    def torque(self):
+        return super().torque() * self.turn**0.5
+
+
+class ReadsConjugated(Stepped):
+    """Its attitude is that of the world as seen from the body."""
+
+    def reading(self, state):
+        return replace(state, q_world_body_wxyz=state.q_world_body_wxyz * [1, -1, -1, -1])
+
+
+class ReadsPermuted(Stepped):
+    """Its attitude is given scalar last."""
+
+    def reading(self, state):
+        return replace(state, q_world_body_wxyz=np.roll(state.q_world_body_wxyz, -1))
+
+
+class ReadsConjugatedLater(ReadsConjugated):
+    """From half of the window on the attitude is conjugated."""
+
+    def reading(self, state):
+        return super().reading(state) if self.time > self.scenario.window.duration / 2 else state
+
+
+class ReadsScattered(Stepped):
+    """What is read of ω scatters."""
+
+    def reading(self, state):
+        noise = self.size * self.rate * CHANCE.normal(size=3)
+        return with_omega(state, state.omega_body + noise)
+
+
+class ReadsOmegaOff(Stepped):
+    """What is read of ω is off by its size."""
+
+    def reading(self, state):
+        return with_omega(state, (1 + self.size) * state.omega_body)
+
+
+class ReadsOmegaDrifting(Stepped):
+    """What is read of ω drifts off in the course of the window."""
+
+    def reading(self, state):
+        drifted = 1 + self.size * self.time / self.scenario.window.duration
+        return with_omega(state, drifted * state.omega_body)
+
+
+class ReadsTurned(Stepped):
+    """What is read of the attitude is turned by its size, rad, about an axis of the body."""
+
+    def reading(self, state):
+        w, x, y, z = state.q_world_body_wxyz
+        s, c = np.sin(self.size / 2), np.cos(self.size / 2)
+        q = np.array([c * w - s * z, c * x + s * y, c * y - s * x, c * z + s * w])
+        return replace(state, q_world_body_wxyz=q)
+
+
+class ComJumps(Stepped):
+    """The centre of mass is read a little aside from half of the window on."""
+
+    def reading(self, state):
+        late = self.time > self.scenario.window.duration / 2
+        return replace(state, com_world=state.com_world + late * self.size)
+
+
+class Single(Pushed):
+    """The state is held in 24 bits, and a torque of its size acts."""
+
+    def after_step(self):
+        self.y[:] = self.y.astype(np.float32)
+
+
+class WrongWhenOpenedTwice(Pushed):
+    """Every second session that is opened has the fault."""
+
+    opened = 0
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        type(self).opened += 1
+        self.size *= self.opened % 2
+
+
+# No faults: these must never be called wrong.
+
+
+class Noisy(Stepped):
+    """Noise of its size, relative, is added to ω in each step: honest as rounding is."""
+
+    at_every_step = True
+
+    def after_step(self):
+        self.omega[:] += self.size * self.rate * CHANCE.normal(size=3)
+
+
+class HonestSingle(Stepped):
+    """The state is held in 24 bits, as is declared."""
+
+    at_every_step = True
+
+    def after_step(self):
+        self.y[:] = self.y.astype(np.float32)
+
+
+class ForgetsWithTheTimestep(Remembers):
+    """A memory that vanishes with the timestep: of first order, as Euler's own error."""
+
+    def after_step(self):
+        gain = 0 if self.last is None else self.turn_share * (self.omega - self.last)
+        self.last = self.omega.copy()
+        self.omega[:] += gain
+
+    @property
+    def turn_share(self) -> float:
+        return self.size * self.turn
