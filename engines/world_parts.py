@@ -18,6 +18,13 @@ def matrix(q: Any) -> Any:
     )
 
 
+def rotation_vector(q: Any) -> Any:
+    """Axis times angle, rad, of a quaternion w x y z, (3,)."""
+    w, vector = q[0], np.array(q[1:])
+    sine = np.linalg.norm(vector)
+    return vector * (2 * np.arctan2(sine, abs(w)) / sine * np.copysign(1, w) if sine else 0.0)
+
+
 def push(scene: Any, R_world_axes: Any, omega_world: Any) -> Any:
     """The scene's torques and drag, N m, world axes, (3,)."""
     turned = R_world_axes @ np.array(scene["torque_body"])
