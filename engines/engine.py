@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scenarios import Scenario, Trajectory
+from ..scenarios.fastest_rate import decay_rate
 from .checks.audit import audit
 from .checks.bounds import Bounds
 from .checks.faults import clamped_turn
@@ -273,7 +274,7 @@ class Engine(ABC):
                 if unlike and not method.as_shipped:
                     return ended("failed", unlike[0].complaint, "read-back")
                 arm = held[0].com if scenario.has_pivot else None
-                decay = scenario.drag / float(scenario.body.principal_moments[0]) + method.damping
+                decay = decay_rate(scenario) + method.damping
                 by_angles = method.by_angles and scenario.has_pivot
                 bounds = Bounds(timestep, most, self.slack, decay, arm, by_angles)
                 sampled = sample(session, sample_steps, bounds)

@@ -4,6 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from ..scenarios.effects.push import is_pushed as is_pushed
+from ..scenarios.effects.push import push as push
+
 
 def matrix(q: Any) -> Any:
     """Rotation matrix of a quaternion w x y z, (3, 3)."""
@@ -40,14 +43,3 @@ def rotation_vector(q: Any) -> Any:
     w, vector = q[0], np.array(q[1:])
     sine = np.linalg.norm(vector)
     return vector * (2 * np.arctan2(sine, abs(w)) / sine * np.copysign(1, w) if sine else 0.0)
-
-
-def push(scene: Any, R_world_axes: Any, omega_world: Any) -> Any:
-    """The scene's torques and drag, N m, world axes, (3,)."""
-    turned = R_world_axes @ np.array(scene["torque_body"])
-    return turned + np.array(scene["torque_world"]) - scene["drag"] * np.array(omega_world)
-
-
-def is_pushed(scene: Any) -> bool:
-    """Whether the scene has torques or drag."""
-    return bool(np.any([*scene["torque_body"], *scene["torque_world"], scene["drag"]]))

@@ -1,6 +1,7 @@
 """A scene in a world of an adapter's stand-alone module, which `reproduce` writes out whole."""
 
 import ast
+import inspect
 import re
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -11,13 +12,14 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ..scenarios import FloatArray, Scenario
+from ..scenarios.effects.push import is_pushed, push
 from .checks.read_back import BodyReading, EngineError, State
 from .scene_record import ABOUT, RecordFrame, scene_record
 from .session import Session
 
 #: The module that worlds share.
 PARTS = Path(__file__).with_name("world_parts.py")
-_RELATIVE_IMPORT = re.compile(r"^from \.+\w* import .+\n", re.MULTILINE)
+_RELATIVE_IMPORT = re.compile(r"^from \.[\w.]* import .+\n", re.MULTILINE)
 
 
 class World(Protocol):
@@ -106,7 +108,10 @@ def world_script(path: Path, scenario: Scenario, method: str) -> str:
     """A run as Python: the stand-alone module, the scene's record as data, and its steps."""
     record = scene_record(scenario)
     entries = "\n".join(f'    "{key}": {record[key]!r},  # {about}' for key, about in ABOUT.items())
+    pushing = "\n\n".join(inspect.getsource(function) for function in (is_pushed, push))
     return f"""{_code(PARTS)}
+
+{pushing}
 
 {_code(path)}
 

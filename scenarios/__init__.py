@@ -3,19 +3,21 @@
 from .agreement import ErrorNorm, ErrorSeries, error_series, errors_between
 from .body import Body
 from .catalogue import LIBRARY, find, scenario_files
-from .document import Document, Effects, Expect, Known, Published, Window
+from .document import Document, Expect, Known, Published, Window
+from .effects import EFFECTS, PUSHED, Effects, push
 from .errors import Misfit, ScenarioError, did_you_mean, printable
 from .float_array import FloatArray
-from .load import is_scenario, is_scene_name, load, load_each, loads
+from .load import from_tables, is_scenario, is_scene_name, load, load_each, loads
 from .mechanics import angular_momentum_world, energy, energy_base, kinetic_energy, potential_energy
 from .scales import check_scales
-from .scenario import EFFECTS, Scenario, Start
+from .scenario import Scenario, Start
 from .signals import SIGNAL, SIGNALS, Errors, Flight, Signal, SignalName, radius_of_gyration
 from .trajectory import Trajectory
 
 __all__ = [
     "EFFECTS",
     "LIBRARY",
+    "PUSHED",
     "SIGNAL",
     "SIGNALS",
     "Body",
@@ -45,6 +47,7 @@ __all__ = [
     "error_series",
     "errors_between",
     "find",
+    "from_tables",
     "is_scenario",
     "is_scene_name",
     "kinetic_energy",
@@ -53,6 +56,7 @@ __all__ = [
     "loads",
     "potential_energy",
     "printable",
+    "push",
     "radius_of_gyration",
     "scenario_files",
 ]

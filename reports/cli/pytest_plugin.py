@@ -181,9 +181,7 @@ class EngineItem(SceneItem):
                     ]
                 )
             )
-        if verdict.verdict != "converges" and not (
-            verdict.as_shipped or verdict.is_expected_failure
-        ):
+        if verdict.verdict != "converges" and not (verdict.as_shipped or verdict.expected_failure):
             pytest.skip(f"{verdict.verdict}: {verdict.reason}")
 
 

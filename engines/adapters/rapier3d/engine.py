@@ -10,7 +10,7 @@ from typing import final
 
 import numpy as np
 
-from ....scenarios import Scenario
+from ....scenarios import PUSHED, Scenario
 from ...checks.read_back import EngineError
 from ...engine import Engine, Method
 from ...session import Session
@@ -106,5 +106,5 @@ class Rapier3DSession(WorldSession):
             "a rotation clamp": not body.allow_fast_rotation,
         }
         acting = {name for name, acts in named.items() if acts}
-        stated_effects = scenario.called_for & {"drag", "torque_body", "torque_world"}
+        stated_effects = scenario.called_for & PUSHED
         return frozenset(acting | stated_effects if held.any() else acting)

@@ -104,7 +104,7 @@ class SceneRuns:
         """Uncertainty of the reference of a run; that of ω is stored with the run."""
         assert self.solved is not None, "a run with errors has a reference"
         of_reference = self.solved.solution.uncertainty
-        return replace(of_reference, omega=max(of_reference.omega, row.uncertainty))
+        return replace(of_reference, omega=max(of_reference.omega, row.reference_uncertainty))
 
 
 @dataclass(frozen=True, eq=False)
