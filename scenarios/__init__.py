@@ -10,7 +10,16 @@ from .load import is_scenario, is_scene_name, load, load_each, loads
 from .mechanics import angular_momentum_world, energy, energy_base, kinetic_energy, potential_energy
 from .scales import check_scales
 from .scenario import EFFECTS, Scenario, Start
-from .signals import SIGNAL, SIGNALS, Errors, Flight, Signal, SignalName, radius_of_gyration
+from .signals import (
+    SIGNAL,
+    SIGNALS,
+    Errors,
+    Flight,
+    Signal,
+    SignalName,
+    errors_by_key,
+    radius_of_gyration,
+)
 from .trajectory import Trajectory
 
 __all__ = [
@@ -44,6 +53,7 @@ __all__ = [
     "energy_base",
     "error_series",
     "errors_between",
+    "errors_by_key",
     "find",
     "is_scenario",
     "is_scene_name",

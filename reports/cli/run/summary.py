@@ -3,6 +3,7 @@
 from dataclasses import asdict
 from typing import Any
 
+from ....scenarios import errors_by_key
 from ....scenarios.fastest_rate import fastest_rate
 from ...pages.analysis.survival import Survival, survival
 from ...results.records import Key, Row, SignalVerdict, Verdict
@@ -75,7 +76,6 @@ def _survival_record(survival: Survival | None) -> dict[str, Any]:
 
 def row_record(row: Row) -> dict[str, Any]:
     """A run with the names that scripts rely on."""
-    errors = row.errors
     return asdict(row.key) | {
         "engine_version": row.engine_version,
         "timestep": row.timestep,
@@ -85,12 +85,7 @@ def row_record(row: Row) -> dict[str, Any]:
         "cause": row.cause,
         "survived": row.survived,
         "stopped_at": row.stopped_at,
-        "omega_error": errors.omega if errors else None,
-        "attitude_error": errors.attitude if errors else None,
-        "angular_momentum_error": errors.angular_momentum if errors else None,
-        "energy_error": errors.energy if errors else None,
-        "com_error": errors.com if errors else None,
-        "velocity_error": errors.velocity if errors else None,
+        **errors_by_key(row.errors),
         "drifts": row.drifts,
         "defects": {name: asdict(one) for name, one in (row.defects or {}).items()} or None,
         "reference_uncertainty": row.uncertainty,
