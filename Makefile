@@ -68,7 +68,7 @@ types: $(READY)
 	$(BIN)/mypy
 
 contract: $(READY)
-	$(BIN)/lint-imports
+	PYTHONPATH=.types $(BIN)/lint-imports
 
 schema: $(READY)
 	$(BIN)/python -m spincheck.scenarios.schema

@@ -4,5 +4,8 @@ from setuptools import find_packages, setup
 
 TOPS = ("engines", "reference", "reports", "scenarios")
 INCLUDED = (*TOPS, *(f"{top}.*" for top in TOPS))
+#: The folder that is the package `spincheck` itself.
+INTERFACE = "reports.interface"
 
-setup(packages=[f"spincheck.{name}" for name in find_packages(include=INCLUDED)])
+found = find_packages(include=INCLUDED, exclude=(f"{INTERFACE}*",))
+setup(packages=["spincheck", *(f"spincheck.{name}" for name in found)])

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scenarios import Scenario, Trajectory
+from ..scenarios.fastest_rate import decay_rate
 from .checks.audit import audit
 from .checks.bounds import Bounds
 from .checks.faults import clamped_turn
@@ -91,6 +92,7 @@ class Engine(ABC):
     step_seconds : CPU time of a step, roughly; what the estimate of a run's time rests on
     package : of an optional engine, the package that it needs, imported when a scene is opened
     extra : the extra of spincheck that installs that; the engine's name if empty
+    family : a name for several optional engines, by which users may ask for all of them
     of_file : whether it loads the link that a scene names out of the user's own model file
     script_language : what `script` is written in
     """
@@ -102,8 +104,14 @@ class Engine(ABC):
     step_seconds: float = 1e-6
     package: str = ""
     extra: str = ""
+    family: str = ""
     of_file: bool = False
     script_language: Literal["Python", "JavaScript"] = "Python"
+
+    @property
+    def is_optional(self) -> bool:
+        """Whether it runs only if it is named, wherever it is installed."""
+        return bool(self.package or self.family)
 
     @property
     def slack(self) -> float:
@@ -273,7 +281,7 @@ class Engine(ABC):
                 if unlike and not method.as_shipped:
                     return ended("failed", unlike[0].complaint, "read-back")
                 arm = held[0].com if scenario.has_pivot else None
-                decay = scenario.drag / float(scenario.body.principal_moments[0]) + method.damping
+                decay = decay_rate(scenario) + method.damping
                 by_angles = method.by_angles and scenario.has_pivot
                 bounds = Bounds(timestep, most, self.slack, decay, arm, by_angles)
                 sampled = sample(session, sample_steps, bounds)

@@ -12,13 +12,13 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from ..scenarios import FloatArray, Scenario, Trajectory
-from ..scenarios.fastest_rate import damping_rate, fastest_rate
+from ..scenarios import PUSHED, FloatArray, Scenario, Trajectory, push
+from ..scenarios.fastest_rate import decay_rate, fastest_rate
 
 EPS = float(np.finfo(float).eps)
 #: The tightest relative tolerance that scipy accepts without a warning, rounded up.
 RELATIVE_TOLERANCE = 1e-13
-#: How far it is followed, in radians turned or swung and in times of the drag: seconds of its time.
+#: How far it is followed, in radians turned or swung and in times of a decay: seconds of its time.
 REACH = 1e3
 
 
@@ -62,7 +62,7 @@ def cross_check(scenario: Scenario, times: FloatArray) -> CrossCheck:
         t_eval=times,
         rtol=tolerance,
         atol=tolerance * _sizes(scenario),
-        max_step=_time_of_drag(scenario),
+        max_step=_time_of_decay(scenario),
     )
     if not solution.success:
         raise RuntimeError(f"DOP853 gave up: {solution.message}")
@@ -86,8 +86,7 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
     differences = _differences(scenario).tolist()
     mass = scenario.body.mass * float(scenario.has_pivot)
     lever = (mass * scenario.body.com).tolist()
-    gravity, torque_world = scenario.gravity_world.tolist(), scenario.torque_world.tolist()
-    torque_body, drag = scenario.torque_body.tolist(), scenario.drag
+    gravity, is_pushed = scenario.gravity_world.tolist(), bool(scenario.called_for & PUSHED)
     falling = [0.0, 0.0, 0.0] if scenario.has_pivot else gravity
 
     def rate(_t: float, state: FloatArray) -> list[float]:
@@ -99,13 +98,13 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
             [2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z],
         ]
         pull = _product(R_body_world, gravity)
-        push = _product(R_body_world, torque_world)
         omega = [a, b, c]
         fall, gyroscopic = _cross(lever, pull), _cross(omega, _product(differences, omega))
-        torque = [
-            (fall[k] + push[k]) / norm + torque_body[k] - drag * omega[k] - gyroscopic[k]
-            for k in range(3)
-        ]
+        torque = [fall[k] / norm - gyroscopic[k] for k in range(3)]
+        if is_pushed:
+            R = np.array(R_body_world) / norm
+            pushed = R @ push(scenario.pushed, R.T, R.T @ omega)
+            torque = [torque[k] + pushed[k] for k in range(3)]
         q_rate = [
             0.5 * (-x * a - y * b - z * c),
             0.5 * (w * a + y * c - z * b),
@@ -155,12 +154,12 @@ def _tolerance(scenario: Scenario) -> float:
     return max(RELATIVE_TOLERANCE, EPS * float(np.linalg.norm(inverse @ differences, 2)))
 
 
-def _time_of_drag(scenario: Scenario) -> float:
-    """s, in which drag takes e from the fastest to slow down; inf without drag.
+def _time_of_decay(scenario: Scenario) -> float:
+    """s, in which the fastest decay of the spin takes e from it; inf without any.
 
     Stability alone would let DOP853 step six times as far, where it misjudges its error.
     """
-    rate = damping_rate(scenario)
+    rate = decay_rate(scenario)
     return 1 / rate if rate else np.inf
 
 

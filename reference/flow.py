@@ -4,6 +4,7 @@ It is integrated by the Taylor series of `taylor_coefficients`, as the exact mot
 double-doubles: over a radian rounding comes to a few ulp, and an engine's state is no better known.
 """
 
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -18,8 +19,10 @@ from .taylor import IntegrationError, constants_of, inverses_to, terms_of
 from .taylor_coefficients import COLUMNS, OMEGA, STATE, Q, Terms, extend
 from .taylor_march import start_from_state, step_size
 
-#: A step ends where the series is e⁻²ᴺ of the state: for N = 18 that is an ulp.
-ORDER = 18
+#: A step ends where the series is e⁻³⁶ of the state, an ulp. To a given end the lowest of these
+#: orders N is taken that gets there: by e⁻³⁶ᐟᴺ of the radius of convergence.
+ORDERS = (8, 12, 18)
+DIGITS = 2.0 * ORDERS[-1]
 #: Most steps of one state, some 3 µs each.
 MAX_STEPS = 100_000
 
@@ -31,7 +34,7 @@ def flow(scenario: Scenario, states: Trajectory, spans: FloatArray) -> Trajector
 
     Parameters
     ----------
-    states : n of them, at whatever times
+    states : n or more of them, at whatever times
     spans : (n,) s, not negative
 
     Returns
@@ -44,18 +47,19 @@ def flow(scenario: Scenario, states: Trajectory, spans: FloatArray) -> Trajector
         If a motion leaves the range of doubles, or takes more than `MAX_STEPS` steps.
     """
     problem, constants, terms = _posed(scenario)
-    inverses = inverses_to(ORDER)[0]
+    inverses = inverses_to(ORDERS[-1])[0]
     table = np.empty((len(spans), STATE))
     attitude, spin = table[:, Q : Q + 4], table[:, OMEGA : OMEGA + 3]
-    attitude[:], spin[:] = along_axes(problem, states)
+    q_world_axes, omega_axes = along_axes(problem, states)
+    attitude[:], spin[:] = q_world_axes[: len(spans)], omega_axes[: len(spans)]
     done = flow_each(constants, inverses, terms, table, spans, MAX_STEPS)
     if done < len(spans):
         raise IntegrationError(
             f"The motion from state {done} cannot be followed for {spans[done]:g} s: it is too "
             f"fast for doubles, or for {MAX_STEPS} steps. Ask for a shorter span."
         )
-    flight = Flight(spans, states.com_world, states.velocity_world)
-    return assembled(scenario, problem, states.t, (attitude, spin), flight)
+    flight = Flight(spans, states.com_world[: len(spans)], states.velocity_world[: len(spans)])
+    return assembled(scenario, problem, states.t[: len(spans)], (attitude, spin), flight)
 
 
 @lru_cache(maxsize=RECENT)
@@ -66,11 +70,11 @@ def _posed(scenario: Scenario) -> tuple[Problem, FloatArray, Terms]:
 
 
 @kernel
-def _advance(series: FloatArray, h: float) -> None:
+def _advance(series: FloatArray, order: int, h: float) -> None:
     """Move the state in order 0 on by a time h, by Horner's rule."""
     for i in range(STATE):
         total = 0.0
-        for n in range(series.shape[0] - 1, -1, -1):
+        for n in range(order, -1, -1):
             total = total * h + series[n, i]
         series[0, i] = total
 
@@ -88,8 +92,7 @@ def flow_each(
 
     Returns how many of them, from the first on, are done.
     """
-    order = inverses.shape[1] - 1
-    series = np.empty((order + 1, COLUMNS))
+    series = np.empty((ORDERS[-1] + 1, COLUMNS))
     for k in range(spans.size):
         for i in range(STATE):
             series[0, i] = states[k, i]
@@ -97,11 +100,15 @@ def flow_each(
         taken = 0
         while left > 0.0:
             start_from_state(series, constants, terms)
-            extend(series, constants, inverses, terms, 0, order)
-            h = min(step_size(series, order), left)
+            order, h = 0, 0.0
+            for next_order in ORDERS:
+                if h < left:
+                    extend(series, constants, inverses, terms, order, next_order)
+                    order = next_order
+                    h = step_size(series, order) * math.exp(2.0 - DIGITS / order)
             if not h > 0.0 or taken == steps:
                 return k
-            _advance(series, h)
+            _advance(series, order, min(h, left))
             left -= h
             taken += 1
         for i in range(STATE):

@@ -3,13 +3,14 @@
 from .agreement import ErrorNorm, ErrorSeries, error_series, errors_between
 from .body import Body
 from .catalogue import LIBRARY, find, scenario_files
-from .document import Document, Effects, Expect, Known, Published, Window
+from .document import Document, Expect, Known, Published, Window
+from .effects import EFFECTS, PUSHED, Effects, push
 from .errors import Misfit, ScenarioError, did_you_mean, printable
 from .float_array import FloatArray
-from .load import is_scenario, is_scene_name, load, load_each, loads
+from .load import from_tables, is_scenario, is_scene_name, load, load_each, loads
 from .mechanics import angular_momentum_world, energy, energy_base, kinetic_energy, potential_energy
 from .scales import check_scales
-from .scenario import EFFECTS, Scenario, Start
+from .scenario import Scenario, Start
 from .signals import (
     SIGNAL,
     SIGNALS,
@@ -25,6 +26,7 @@ from .trajectory import Trajectory
 __all__ = [
     "EFFECTS",
     "LIBRARY",
+    "PUSHED",
     "SIGNAL",
     "SIGNALS",
     "Body",
@@ -55,6 +57,7 @@ __all__ = [
     "errors_between",
     "errors_by_key",
     "find",
+    "from_tables",
     "is_scenario",
     "is_scene_name",
     "kinetic_energy",
@@ -63,6 +66,7 @@ __all__ = [
     "loads",
     "potential_energy",
     "printable",
+    "push",
     "radius_of_gyration",
     "scenario_files",
 ]

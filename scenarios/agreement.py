@@ -7,6 +7,7 @@ import numpy as np
 
 from .float_array import FloatArray
 from .mechanics import RECENT
+from .rotation import norms
 from .scenario import Scenario
 from .signals import SIGNAL, SIGNALS, Errors, Signal, Sizes
 from .trajectory import Trajectory
@@ -48,7 +49,7 @@ class ErrorNorm:
         return self.table(self.exact)
 
     def distances(self, table: FloatArray, other: FloatArray) -> FloatArray:
-        """Between two motions of n samples, by signal, (n, signals).
+        """Between two motions of n samples, by signal, (n, signals); q and −q are one attitude.
 
         Over a base of zero they are 0 where equal and inf elsewhere.
         """
@@ -57,9 +58,13 @@ class ErrorNorm:
         with np.errstate(over="ignore"):
             distances: FloatArray = np.sqrt(np.add.reduceat(apart * apart, _FIRST_COLUMNS, axis=1))
         for k, signal in enumerate(SIGNALS):
+            first = _FIRST_COLUMNS[k]
             if signal.kind == "scalar":
-                distances[:, k] = np.abs(apart[:, _FIRST_COLUMNS[k]])
+                distances[:, k] = np.abs(apart[:, first])
             elif signal.kind == "quaternion":
+                columns = slice(first, first + signal.columns)
+                opposite = norms(table[:, columns] + other[:, columns])
+                distances[:, k] = np.minimum(distances[:, k], opposite)
                 # The chord between unit quaternions is 2 sin of a quarter of the angle.
                 distances[:, k] = 4 * np.arcsin(np.minimum(distances[:, k] / 2, 1.0))
         if self._bases.all():

@@ -6,19 +6,13 @@ concern. `schema.json` is generated from these models.
 
 from typing import Annotated, Any, Literal, Self, TypeVar
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Discriminator,
-    Field,
-    Tag,
-    create_model,
-    model_validator,
-)
+from pydantic import BaseModel, Discriminator, Field, Tag, create_model, model_validator
 
 from .body import Body, body_about_com, body_about_origin, body_of_particles
+from .effects import Effects
 from .errors import Misfit
 from .signals import SIGNAL, SIGNALS
+from .table import Table
 from .values import (
     Digest,
     Inertia,
@@ -36,12 +30,6 @@ from .values import (
 T = TypeVar("T", bound=BaseModel)
 
 MAX_SAMPLES = 1_000_000
-
-
-class Table(BaseModel):
-    """A table of the file: immutable, and closed to unknown keys."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
 
 class BodyTable(Table):
@@ -145,46 +133,6 @@ class StartTable(Table):
         if len(stated_keys) != 1:
             got = _names(stated_keys) if stated_keys else "none"
             raise ValueError(f"{what} takes exactly one of {_names(keys)}; got {got}")
-
-
-class GravityTable(Table):
-    """A uniform gravitational field."""
-
-    acceleration: Vector = Field(description="m/s², world axes")
-
-
-class PivotTable(Table):
-    """The body's origin is held at the world's origin by a frictionless ball joint."""
-
-
-class DragTable(Table):
-    """A torque against the angular velocity."""
-
-    rotational: Positive = Field(description="N m s: torque −c ω")
-
-
-class TorqueTable(Table):
-    """A constant torque, in body axes or in world axes."""
-
-    body: Vector | None = Field(None, description="N m, constant in body axes")
-    world: Vector | None = Field(None, description="N m, constant in world axes")
-
-    @model_validator(mode="after")
-    def _one(self) -> Self:
-        if (self.body is None) == (self.world is None):
-            raise ValueError("takes exactly one of 'body' and 'world'")
-        return self
-
-
-class Effects(Table):
-    """What acts on the body: an effect is simulated if its table is here, and only then."""
-
-    gravity: GravityTable | None = Field(default=None, description="a uniform field")
-    pivot: PivotTable | None = Field(default=None, description="a ball joint at the body's origin")
-    drag: DragTable | None = Field(
-        default=None, description="a torque against the angular velocity"
-    )
-    torque: TorqueTable | None = Field(default=None, description="a constant torque")
 
 
 class Window(Table):

@@ -10,18 +10,14 @@ from pydantic.fields import FieldInfo
 from .document import (
     BodyTable,
     Document,
-    DragTable,
-    Effects,
     Expect,
-    GravityTable,
     Known,
-    PivotTable,
     Published,
     StartTable,
-    Table,
-    TorqueTable,
     Window,
 )
+from .effects import EFFECTS, Effects
+from .table import Table
 
 #: Every table of the file in the order it is written, with an example; together they are a scene.
 EXAMPLES: dict[str, tuple[type[Table], str]] = {
@@ -50,29 +46,13 @@ euler_zyz_rates = [2.0, 0.0, 80.0]  # rad/s: precession, nutation, spin
 """,
     ),
     "[effects]": (Effects, ""),
-    "[effects.gravity]": (
-        GravityTable,
-        """[effects.gravity]
-acceleration = [0.0, 0.0, -9.81]  # m/s²
-""",
-    ),
-    "[effects.pivot]": (
-        PivotTable,
-        """[effects.pivot]
-""",
-    ),
-    "[effects.drag]": (
-        DragTable,
-        """[effects.drag]
-rotational = 1e-4                 # N m s
-""",
-    ),
-    "[effects.torque]": (
-        TorqueTable,
-        """[effects.torque]
-body = [0.0, 0.0, 1e-3]           # N m
-""",
-    ),
+    **{
+        f"[effects.{effect.table}]": (
+            effect.model,
+            f"[effects.{effect.table}]\n{effect.model.EXAMPLE}",
+        )
+        for effect in EFFECTS.values()
+    },
     "[window]": (
         Window,
         """[window]
@@ -105,7 +85,7 @@ attitude = 1e-5                   # rad
 engine = "mujoco"
 method = "discrete"
 verdict = "disagrees"
-reason = "creeps on where drag has all but stopped a body"
+reason = "creeps on where a body has all but stopped"
 """,
     ),
 }

@@ -3,10 +3,11 @@
 import re
 import sys
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import ValidationError
 
 from .complaints import MAX_SHOWN, at, misfit, validation_message
@@ -16,6 +17,7 @@ from .read_text import first_key, is_nested_too_deeply, read_text
 from .scales import check_scales
 from .scenario import Scenario, build
 from .users_models.origin import check_origin
+from .write import to_toml
 
 MARKER = "spincheck"
 #: Bytes of a scene's name; a page's has an ending and perhaps a number more, and 255 at most.
@@ -71,6 +73,30 @@ def loads(text: str, name: str, path: Path | None = None) -> Scenario:
         raise ScenarioError(validation_message(error.errors(), text, where)) from None
     except Misfit as error:
         raise ScenarioError(misfit(error, text, where)) from None
+
+
+def from_tables(tables: Mapping[str, Any], name: str = "scene") -> Scenario:
+    """Return the scenario whose file would hold these tables; `spincheck = 1` may be left out.
+
+    Parameters
+    ----------
+    tables : as `tomllib` gives them; NumPy's arrays and numbers may stand for lists and numbers
+
+    Raises
+    ------
+    ScenarioError
+        As `load`.
+    """
+    return loads(to_toml({MARKER: 1, **_plain(tables)}), name)
+
+
+def _plain(value: Any) -> Any:
+    """Tables without NumPy's types."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
 
 
 def is_scene_name(name: str) -> bool:

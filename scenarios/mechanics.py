@@ -1,38 +1,23 @@
 """L and energy of a trajectory: one piece of code, for reference and engines alike."""
 
-from collections.abc import Hashable
 from functools import lru_cache
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .body import Body
 from .float_array import FloatArray
 from .rotation import cross
 from .trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from .scenario import Scenario
 
 #: Of so many motions L and energy are kept: errors, drifts and judgements all ask for them.
 RECENT = 16
 
 
-class BodyInGravity(Hashable, Protocol):
-    """What of a scene L and energy depend on."""
-
-    @property
-    def body(self) -> Body:
-        """The rigid body."""
-
-    @property
-    def has_pivot(self) -> bool:
-        """Whether the body's origin is held at the world's origin."""
-
-    @property
-    def gravity_world(self) -> FloatArray:
-        """Gravitational acceleration, m/s², (3,); zeros where there is none."""
-
-
 @lru_cache(maxsize=RECENT)
-def angular_momentum_world(scenario: BodyInGravity, motion: Trajectory) -> FloatArray:
+def angular_momentum_world(scenario: "Scenario", motion: Trajectory) -> FloatArray:
     """L about the pivot, or the com where there is none, kg m²/s, (n, 3), read-only.
 
     L = R I_com ω, and m r × v besides where there is a pivot
@@ -46,7 +31,7 @@ def angular_momentum_world(scenario: BodyInGravity, motion: Trajectory) -> Float
     return _readonly(L_world + cross(motion.com_world, momentum_world))
 
 
-def kinetic_energy(scenario: BodyInGravity, motion: Trajectory) -> FloatArray:
+def kinetic_energy(scenario: "Scenario", motion: Trajectory) -> FloatArray:
     """T = ½ m v² + ½ ω·I_com ω, J, (n,) (Goldstein, eq. 1.31 and 5.16)."""
     body = scenario.body
     omega = motion.omega_body
@@ -55,18 +40,22 @@ def kinetic_energy(scenario: BodyInGravity, motion: Trajectory) -> FloatArray:
     return 0.5 * (rotation + body.mass * speed_squared)
 
 
-def potential_energy(scenario: BodyInGravity, motion: Trajectory) -> FloatArray:
-    """V = −m g·r_com, J, zero at the world's origin, (n,)."""
-    return -scenario.body.mass * (motion.com_world @ scenario.gravity_world)
+def potential_energy(scenario: "Scenario", motion: Trajectory) -> FloatArray:
+    """V of all effects that have one, J, (n,)."""
+    total = np.zeros(len(motion.t))
+    for effect in scenario.acting:
+        if effect.potential is not None:
+            total += effect.potential(scenario, motion.com_world)
+    return total
 
 
 @lru_cache(maxsize=RECENT)
-def energy(scenario: BodyInGravity, motion: Trajectory) -> FloatArray:
+def energy(scenario: "Scenario", motion: Trajectory) -> FloatArray:
     """T + V, J, (n,), read-only."""
     return _readonly(kinetic_energy(scenario, motion) + potential_energy(scenario, motion))
 
 
-def energy_base(scenario: BodyInGravity, motion: Trajectory) -> float:
+def energy_base(scenario: "Scenario", motion: Trajectory) -> float:
     """The energy that errors in energy are measured against: max T + m |g| max |r_com|, J."""
     height = np.linalg.norm(motion.com_world, axis=1).max()
     weight = scenario.body.mass * np.linalg.norm(scenario.gravity_world)

@@ -12,12 +12,12 @@ from mpmath import mp
 
 from . import exact
 from .body import Body
-from .document import Document, Effects, Expect, Known, Published, StartTable, Table, Window
+from .document import Document, Expect, Known, Published, StartTable, Window
+from .effects import EFFECTS, Effect, Effects
 from .float_array import FloatArray, read_only
+from .table import Table
 from .write import to_toml
 
-#: Every effect a scene can call for; solvers and engines declare which of them they simulate.
-EFFECTS = ("gravity", "pivot", "drag", "torque_body", "torque_world")
 #: Tables that hold of one very scene: not of one with another start or another number in it.
 OF_THE_SCENE_ALONE = ("published", "expect", "known")
 #: Scenes that a process keeps of those it is sent: more than are run at a time.
@@ -125,18 +125,15 @@ class Scenario:
         """Whether the scene is tagged `hard`: runs may blow up on it at ordinary timesteps."""
         return "hard" in self.document.tags
 
-    @property
+    @cached_property
     def called_for(self) -> frozenset[str]:
         """The effects to simulate, names out of `EFFECTS`."""
-        effects = self.effects
-        present = {
-            "gravity": effects.gravity is not None,
-            "pivot": effects.pivot is not None,
-            "drag": effects.drag is not None,
-            "torque_body": effects.torque is not None and effects.torque.body is not None,
-            "torque_world": effects.torque is not None and effects.torque.world is not None,
-        }
-        return frozenset(name for name in EFFECTS if present[name])
+        return frozenset(effect.name for effect in self.acting)
+
+    @cached_property
+    def acting(self) -> tuple[Effect, ...]:
+        """The same, in the order of `EFFECTS`."""
+        return tuple(one for one in EFFECTS.values() if one.is_called_for(self.effects))
 
     @property
     def has_pivot(self) -> bool:
@@ -165,6 +162,12 @@ class Scenario:
         """Torque constant in world axes, N m, (3,); zeros where there is none."""
         torque = self.effects.torque
         return read_only(torque.world if torque and torque.world else exact.ZERO)
+
+    @cached_property
+    def pushed(self) -> dict[str, object]:
+        """What `push` takes."""
+        names = ("drag", "torque_body", "torque_world")
+        return {name: getattr(self, name) for name in names}
 
     @cached_property
     def times(self) -> FloatArray:

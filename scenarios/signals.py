@@ -12,8 +12,11 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from .float_array import FloatArray
-from .mechanics import BodyInGravity, angular_momentum_world, energy, energy_base
+from .mechanics import angular_momentum_world, energy, energy_base
 from .trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from .scenario import Scenario
 
 EPS = float(np.finfo(float).eps)
 
@@ -43,7 +46,7 @@ class Errors:
 class Sizes:
     """Sizes of an exact motion, which distances from it are relative to."""
 
-    scene: BodyInGravity
+    scene: "Scenario"
     exact: Trajectory
 
     @cached_property
@@ -83,7 +86,7 @@ class Flight:
     conditioning : what it does to the rotation
     """
 
-    scene: BodyInGravity
+    scene: "Scenario"
     exact: Trajectory
     conditioning: Errors
 
@@ -154,7 +157,7 @@ class Signal:
     quantity: str
     formula: str
     kind: Literal["vector", "quaternion", "scalar"]
-    values: Callable[[BodyInGravity, Trajectory], FloatArray]
+    values: Callable[["Scenario", Trajectory], FloatArray]
     base: Callable[[Sizes], float]
     unit: str = ""
     depends_on: tuple[str, ...] = ("omega", "attitude")
@@ -189,7 +192,7 @@ class Signal:
         return self.in_flight(flight) if self.in_flight else flight.conditioning[self.name]
 
 
-def radius_of_gyration(scene: BodyInGravity) -> float:
+def radius_of_gyration(scene: "Scenario") -> float:
     """√(tr I / 2m), m; I about the pivot, or the com where there is none."""
     body = scene.body
     inertia = body.inertia_origin if scene.has_pivot else body.inertia_com

@@ -9,8 +9,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ...scenarios import FloatArray, Scenario
-from ...scenarios.fastest_rate import swing_rate
+from ...scenarios import FloatArray, Scenario, push
+from ...scenarios.effects import gravity
+from ...scenarios.fastest_rate import fastest_rate
 from ...scenarios.rotation import cross, matrix, rotation_vectors
 from .read_back import State
 
@@ -55,38 +56,28 @@ class Equations:
 
     @cached_property
     def rate(self) -> float:
-        """The fastest rate at the start, 1/s: of rotation, swing or damping."""
-        scenario = self.scenario
+        """The fastest rate at the start, 1/s: of rotation, or of an effect."""
+        scenario, omega_body = self.scenario, self.scenario.start.omega_body
         moments = np.linalg.eigvalsh(self.inertia)
-        least = float(moments[0])
-        speed = float(np.linalg.norm(scenario.start.omega_body))
-        push = float(np.linalg.norm(scenario.torque_body) + np.linalg.norm(scenario.torque_world))
+        pushed = float(np.linalg.norm(push(scenario.pushed, np.eye(3), np.zeros(3))))
         return max(
-            speed * float(moments[-1]) / least,
-            scenario.drag / least,
-            float(np.sqrt(push / least)),
-            swing_rate(scenario),
+            float(np.linalg.norm(omega_body)) * float(moments[-1] / moments[0]),
+            fastest_rate(scenario, omega_body),
+            float(np.sqrt(pushed / moments[0])),
             1 / scenario.window.duration,
         )
 
-    def fall_body(self, R_world_body: FloatArray) -> FloatArray:
-        """Gravity's torque about the pivot, N m."""
-        if not self.scenario.has_pivot:
-            return np.zeros(3)
-        weight_body = self.scenario.body.mass * (self.scenario.gravity_world @ R_world_body)
-        return cross(self.scenario.body.com, weight_body)
-
-    def push_body(self, R_world_body: FloatArray) -> FloatArray:
-        """The scene's constant torques, N m."""
-        return self.scenario.torque_body + self.scenario.torque_world @ R_world_body
+    def outer_body(self, R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
+        """Torque of the scene's effects, N m."""
+        pushed: FloatArray = push(self.scenario.pushed, R_world_body, R_world_body @ omega_body)
+        return gravity.torque_body(self.scenario, R_world_body) + pushed @ R_world_body
 
     def torque_body(self, R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
         """I dω/dt, N m."""
-        outer = self.fall_body(R_world_body) + self.push_body(R_world_body)
         felt = self.inertia
         if not self.gyroscopic:
             felt = felt - self.scenario.body.inertia_com
-        return outer - self.scenario.drag * omega_body - cross(omega_body, felt @ omega_body)
+        return self.outer_body(R_world_body, omega_body) - cross(omega_body, felt @ omega_body)
 
     def after(self, state: State, span: float) -> State:
         """The state a time `span` later, s."""
@@ -174,8 +165,9 @@ def gain_sizes(equations: Equations, gain: Gain) -> FloatArray:
     R = matrix(gain.before.q_world_body_wxyz)
     L = float(np.linalg.norm(equations.inertia @ omega))
     speed = float(np.linalg.norm(omega))
-    outer = np.linalg.norm(equations.fall_body(R)) + np.linalg.norm(equations.push_body(R))
-    torque = L * speed + float(outer) + equations.scenario.drag * speed
+    still, pushed = (push(equations.scenario.pushed, R, R @ spin) for spin in (np.zeros(3), omega))
+    outer = gravity.torque_body(equations.scenario, R), still, pushed - still
+    torque = L * speed + sum(float(np.linalg.norm(one)) for one in outer)
     places = np.linalg.norm(gain.wanted[2:], axis=1)
     if equations.scenario.has_pivot:
         places = np.maximum(places, np.array([speed, 1.0]) * equations.reach)

@@ -158,7 +158,7 @@ class _Start:
 
     def scaled_omega(self) -> FloatArray:
         """Of a reading of ω that is too large: its gain is larger, and the body turns less."""
-        outer = self.equations.fall_body(self.R) + self.equations.push_body(self.R)
+        outer = self.equations.outer_body(self.R, np.zeros(3))
         added = self.torque(outer + self.gyroscopic)
         added[0] = -self.omega
         if self.equations.scenario.has_pivot:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...scenarios import Scenario
-from ..checks.read_back import EngineError
+from ..checks.read_back import EngineError, start_state
 from ..engine import Method
 from ..fault import Cause
 from ..run import Run
@@ -119,8 +119,31 @@ def _runs(engine: ChildEngine, method: Method, scenario: Scenario) -> Conformanc
             session.timed(STEPS)
     except EngineError as error:
         return ConformanceCheck(what, str(error))
+    if problem := _restarts(engine, method, scenario, timestep):
+        return ConformanceCheck(what, problem)
     residuals = engine.equation_residuals(scenario, method)
     return ConformanceCheck(what, remark="; ".join(filter(None, (first.reason, residuals))))
+
+
+def _restarts(engine: ChildEngine, method: Method, scenario: Scenario, timestep: float) -> str:
+    """How a restart after a run differs from a scene that is opened; empty if it does not."""
+    if not engine.hello.restart:
+        return ""
+    try:
+        with (
+            engine.open(scenario, method, timestep / 2) as session,
+            engine.open(scenario, method, timestep) as opened,
+        ):
+            session.advance(STEPS)
+            session.read_state()
+            session.restart(start_state(scenario), timestep)
+            for one in (session, opened):
+                one.advance(STEPS)
+            states = vars(session.read_state()).values(), vars(opened.read_state()).values()
+    except EngineError as error:
+        return str(error)
+    same = all(np.array_equal(one, other) for one, other in zip(*states, strict=True))
+    return "" if same else "restarted from its start it moves in another way"
 
 
 def _problem(run: Run, method: Method) -> str:

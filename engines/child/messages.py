@@ -93,6 +93,7 @@ class Hello(ChildAnswer):
     precision: Literal["double", "single"]
     stock_timestep: Positive | None
     methods: Annotated[list[ChildMethod], Field(min_length=1, max_length=MOST_NAMES)]
+    restart: bool = False
 
     @model_validator(mode="after")
     def _named_once(self) -> Self:
@@ -194,7 +195,9 @@ def parse(line: bytes, number: int, expected: type[A]) -> A | Refusal:
         raise Misanswer(fault) from None
     if not isinstance(answer, dict):
         raise Misanswer(f"is not a JSON object: {_quoted(line)}")
-    if answer.pop("id", None) != number:
+    its_id = answer.pop("id", None)
+    # True is 1 to Python.
+    if type(its_id) is not int or its_id != number:
         raise Misanswer(f"must have the call's 'id', {number}: {_quoted(line)}")
     kind: type[A] | type[Refusal] = Refusal if "error" in answer else expected
     try:

@@ -5,12 +5,11 @@ from collections.abc import Sequence
 from typing import Any, final
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from ...scenarios import FloatArray, Scenario
-from ...scenarios.rotation import matrices, times, turned_back
+from ...scenarios import Scenario
+from ...scenarios.rotation import matrix
 from ..checks.read_back import BodyReading, EngineError, State
-from ..models.principal_frame import principal_frame
+from ..scene_record import RecordFrame, scene_record
 from ..session import Session
 from .messages import Active, Done, Opened, Seconds, StateRow, Stepped
 from .process import ChildProcess, given_back
@@ -36,25 +35,34 @@ class ChildSession(Session):
     def __init__(
         self, child: ChildProcess, scenario: Scenario, method: str, timestep: float
     ) -> None:
-        self._child, self._scenario = child, scenario
-        self._body_from_axes = _rotation(principal_frame(scenario.body).q_body_axes_wxyz)
-        scene = scene_for_child(scenario)
+        self._child, self._timestep = child, timestep
+        self._frame = RecordFrame.of(scenario)
+        scene = scene_record(scenario)
         self._held = child.ask(Opened, "open", scene=scene, method=method, timestep=timestep)
         self._state: StateRow | Stepped = self._held.state
         self._left = 0
 
     def read_body(self) -> BodyReading:
         """The body as the child holds it, in the scene's body axes and from its origin."""
-        held, to_body = self._held.body, self._body_from_axes
-        axes = (to_body * _rotation(held.frame)).as_matrix()
-        # The origin is where the body is held; of a free one, where the scene has it.
-        arm = -self._scenario.body.com if held.arm is None else to_body.apply(np.array(held.arm))
-        com = to_body.apply(np.array(held.com)) - arm
-        return BodyReading(held.mass, com, axes @ np.diag(held.moments) @ axes.T)
+        held = self._held.body
+        axes = matrix(np.array(held.frame))
+        inertia_com = axes @ np.diag(held.moments) @ axes.T
+        return self._frame.body(held.mass, held.com, inertia_com, held.arm)
 
     def read_state(self) -> State:
         """The state now."""
         return self.states([self.snapshot()]).rows(0)
+
+    @property
+    def can_restart(self) -> bool:
+        """Whether the child says so."""
+        return self._child.hello is not None and self._child.hello.restart
+
+    def restart(self, state: State, timestep: float | None = None) -> None:
+        """As in `Session`, by the child."""
+        self._timestep = self._timestep if timestep is None else timestep
+        motion, self._left = self._frame.motion(state), 0
+        self._state = self._child.ask(StateRow, "restart", **motion, timestep=self._timestep)
 
     def advance(self, steps: int) -> None:
         """Take steps, in calls of a limited number."""
@@ -82,13 +90,7 @@ class ChildSession(Session):
 
     def states(self, snapshots: Sequence[Any]) -> State:
         """The states of n snapshots, in the scene's body axes."""
-        q_world_axes, omega_world, com_world, velocity_world = np.split(
-            np.array(snapshots, dtype=float), (4, 7, 10), axis=1
-        )
-        axes_from_body = self._body_from_axes.inv().as_quat(scalar_first=True)
-        q_world_body = q_world_axes @ times(axes_from_body)
-        omega_body = turned_back(matrices(q_world_body), omega_world)
-        return State(q_world_body, omega_body, com_world, velocity_world)
+        return self._frame.states(np.array(snapshots, dtype=float))
 
     def check(self) -> None:
         """Nothing to check: a child reports trouble in its answers."""
@@ -104,41 +106,3 @@ class ChildSession(Session):
                 self._child.ask(Done, "close")
         finally:
             given_back(self._child)
-
-
-def scene_for_child(scenario: Scenario) -> dict[str, object]:
-    """The scene as the protocol defines it: principal axes about the com, SI units."""
-    body, start = scenario.body, scenario.start
-    frame = principal_frame(body)
-    body_from_axes = _rotation(frame.q_body_axes_wxyz)
-    world_from_body = _rotation(start.q_world_body_wxyz)
-    to_axes = body_from_axes.inv()
-    com, velocity = start.position_world, start.velocity_world
-    if scenario.has_pivot:
-        com = _turned(world_from_body, body.com)
-        velocity = _turned(world_from_body, np.cross(start.omega_body, body.com))
-    return {
-        "mass": float(body.mass),
-        "moments": _numbers(frame.moments),
-        "arm": _numbers(_turned(to_axes, -body.com)) if scenario.has_pivot else None,
-        "gravity": _numbers(scenario.gravity_world),
-        "drag": float(scenario.drag),
-        "torque_body": _numbers(_turned(to_axes, scenario.torque_body)),
-        "torque_world": _numbers(scenario.torque_world),
-        "q": _numbers((world_from_body * body_from_axes).as_quat(scalar_first=True)),
-        "omega": _numbers(_turned(world_from_body, start.omega_body)),
-        "com": _numbers(com),
-        "velocity": _numbers(velocity),
-    }
-
-
-def _rotation(q_wxyz: Sequence[float] | FloatArray) -> Rotation:
-    return Rotation.from_quat(q_wxyz, scalar_first=True)
-
-
-def _turned(rotation: Rotation, vector: FloatArray) -> FloatArray:
-    return np.asarray(rotation.apply(np.array(vector)))
-
-
-def _numbers(vector: FloatArray) -> list[float]:
-    return [float(value) for value in vector]

@@ -12,6 +12,7 @@ from ..results.verdict_words import UNPROVEN
 from .engines.engine_commands import app as engine_commands
 from .engines.version_commands import app as version_commands
 from .grouped import GroupedCommands
+from .judge.judge_command import app as judge_command
 from .options import (
     CORES,
     REPORT_FOLDER,
@@ -50,6 +51,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
+app.add_typer(judge_command)
 app.add_typer(result_commands)
 app.add_typer(scene_commands)
 app.add_typer(sweep_commands)

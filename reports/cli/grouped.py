@@ -5,7 +5,7 @@ from typing import Any
 from typer.core import TyperGroup
 
 GROUPS = {
-    "Run and judge": ["run", "map", "report", "view", "plot", "versions"],
+    "Run and judge": ["run", "judge", "map", "report", "view", "plot", "versions"],
     "Choose and compare": ["recommend", "compare", "reproduce"],
     "Look at results": ["rows", "verdicts", "points"],
     "Scenes": ["list", "show", "new", "check", "reference", "export", "vary", "member"],

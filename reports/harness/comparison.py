@@ -35,7 +35,7 @@ def row_of(
         result.reason,
         result.cause,
         result.stopped_at,
-        uncertainty=solution.uncertainty.omega,
+        reference_uncertainty=solution.uncertainty.omega,
         steps=result.steps,
         unasked=tuple(sorted(result.active - scenario.called_for)),
     )

@@ -35,7 +35,7 @@ def take_defaults_away(study: ConvergenceStudy, executor: Executor, store: Store
     asked = (scenario, engine, method, rung, solution)
     effects = executor.call_at(engine.site, default_effects, *asked).value
     if isinstance(effects, DefaultEffects):
-        store.put_default_effects(effects)
+        store.put(effects)
 
 
 def default_effects(

@@ -23,8 +23,8 @@ from ..results.records import Defect
 
 #: rad; a motion that turns by more in all is not followed: it would take longer than a second.
 FARTHEST_TURN = 1e5
-#: Roundings of a step, in ulp of the engine's numbers, for a step that does more than one product.
-ULPS_A_STEP = 8
+#: What the rounding of a step makes at least, in doubles: it does more than one product.
+LEAST_ROUNDING = 8 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,9 +52,11 @@ class Defects:
         ulp : relative, of the engine's numbers
         """
         roundings = np.sqrt(1 + steps / len(self.t)) * ulp / np.finfo(float).eps
+        p50, p95 = np.percentile(self.series.distances, [50, 95], axis=0, method="higher")
+        largest, at = self.series.distances.max(axis=0), self.series.distances.argmax(axis=0)
         return {
-            name: _summary(self.t, self.series[name], float(roundings * rounding))
-            for name, rounding in self.rounding
+            name: Defect(*map(float, (p50[k], p95[k], largest[k], self.t[at[k]], roundings * ulps)))
+            for k, (name, ulps) in enumerate(self.rounding)
         }
 
 
@@ -78,21 +80,11 @@ def defects(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Defect
 
 @lru_cache(maxsize=RECENT)
 def _rounding(scenario: Scenario, exact: Trajectory) -> Errors:
-    least = ULPS_A_STEP * float(np.finfo(float).eps)
     of_exact = _series(scenario, exact, exact).worst()
-    return Errors(**{name: max(value, least) for name, value in of_exact})
+    return Errors(**{name: max(value, LEAST_ROUNDING) for name, value in of_exact})
 
 
 def _series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> ErrorSeries:
-    later = motion.at(np.arange(1, len(motion.t)))
-    flowed = flow(scenario, motion.until(len(motion.t) - 1), np.diff(motion.t))
-    # The sign of a quaternion is that of the flow's: the exact motion may be anywhere.
-    beside = ErrorNorm(scenario, flowed)
-    distances = ErrorNorm(scenario, exact).distances(beside.table(later), beside.true_table)
-    return ErrorSeries(distances)
-
-
-def _summary(t: FloatArray, values: FloatArray, floor: float) -> Defect:
-    p50, p95 = np.percentile(values, [50, 95])
-    worst = int(np.argmax(values))
-    return Defect(float(p50), float(p95), float(values[worst]), float(t[worst]), floor)
+    flowed = flow(scenario, motion, np.diff(motion.t))
+    made, right = (ErrorNorm(scenario, one).true_table for one in (motion, flowed))
+    return ErrorSeries(ErrorNorm(scenario, exact).distances(made[1:], right))

@@ -21,7 +21,7 @@ def compared_with_expected_failures(
             continue
         if verdict.verdict == fault.verdict:
             return replace(
-                verdict, reason=f"{verdict.reason}; known: {fault.reason}", is_expected_failure=True
+                verdict, reason=f"{verdict.reason}; known: {fault.reason}", expected_failure=True
             )
         if verdict.verdict == "converges" and not cut_short:
             unmet = f"{key.engine} {key.method} converges, known to disagree: {fault.reason}"

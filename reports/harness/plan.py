@@ -68,7 +68,8 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
         for scenario in scenarios
         for verdict in settled_verdicts(scenario, choice, store)
     }
-    timed = store.timed_on(processor())
+    store.forget_costs_of_other_processors(processor())
+    timed = store.timed()
     by_pass = _scene_for_passes([scenario for scenario in scenarios if choice.times(scenario)])
     scenes = [
         SceneLeft(

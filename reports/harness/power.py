@@ -6,9 +6,6 @@ from ...reference import IntegrationError, solve
 from ...scenarios import Errors, Scenario, errors_between
 from ...scenarios.scenario import with_tables
 
-#: Tables of effects that can be removed; without its pivot a scene is a different one.
-REMOVABLE = ("gravity", "drag", "torque")
-
 
 def powerless(scenario: Scenario) -> Iterator[str]:
     """Effects without which no signal of a scene would change, one sentence each.
@@ -18,7 +15,7 @@ def powerless(scenario: Scenario) -> Iterator[str]:
     IntegrationError
         If the exact motion cannot be found.
     """
-    present = [name for name in REMOVABLE if getattr(scenario.effects, name) is not None]
+    present = [effect.table for effect in scenario.acting if not effect.is_constraint]
     if not present:
         return
     solution = solve(scenario, scenario.times)

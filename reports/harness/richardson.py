@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from ...reference import Solution
 from ...scenarios import SIGNAL, SIGNALS, ErrorNorm, FloatArray, Scenario, Signal, Trajectory
-from ...scenarios.fastest_rate import fastest_rate, swing_rate
+from ...scenarios.effects.gravity import swing_rate
+from ...scenarios.fastest_rate import fastest_rate
 from .observed_order import ASYMPTOTIC, ORDER_SLACK
 from .rounding import roundings_in_flight, ulp_growth
 

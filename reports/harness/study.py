@@ -76,14 +76,15 @@ def study_method(
         if not may_succeed_if_repeated(row.cause, row.reason, choice.time_limit)
     }
     for row in run_rungs(study, executor, stored):
-        store.put_row(row)
+        store.put(row)
     for row in study.refusals():
-        store.put_row(row)
+        store.put(row)
     if method.as_shipped:
         take_defaults_away(study, executor, store)
     verdict = verdict_on(study)
     step_limit = choice.max_steps_on(scenario) if study.cut_short else None
-    store.put_verdict(verdict, choice.timesteps, step_limit, study.discardable_timesteps())
+    verdict = replace(verdict, timesteps=tuple(sorted(choice.timesteps)), step_limit=step_limit)
+    store.put_verdict(verdict, study.discardable_timesteps())
     return verdict
 
 
@@ -288,9 +289,9 @@ def _unsolved(
     key = Key(scenario.name, engine.name, method.name)
     reason = f"the exact motion could not be found: {failure.reason}"
     cause = failure.cause if is_environmental(failure.cause) else "unsolved"
-    store.put_row(Row(key, engine.version, UNSOLVED, "failed", reason, cause))
-    verdict = Verdict(key, "failed", reason)
-    store.put_verdict(verdict, choice.timesteps)
+    store.put(Row(key, engine.version, UNSOLVED, "failed", reason, cause))
+    verdict = Verdict(key, "failed", reason, timesteps=tuple(sorted(choice.timesteps)))
+    store.put_verdict(verdict)
     return verdict
 
 

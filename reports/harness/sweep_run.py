@@ -90,7 +90,7 @@ def _of_row(point: SweepPoint, row: Row) -> PointResult:
         row.reason,
         row.stopped_at,
         row.errors,
-        row.uncertainty,
+        row.reference_uncertainty,
         row.steps,
     )
 

@@ -5,6 +5,7 @@ from typing import Any
 
 from ...engines import Engine, Method
 from ...scenarios import Scenario
+from ..results.cost_records import MethodCost
 from ..results.environment import processor
 from ..results.store import Store
 from .choice import Choice
@@ -50,7 +51,7 @@ def _time_scene(
     }
     costs, complaints = measure(executor, scenario, list(pairs.values())) if pairs else ([], [])
     for key, cost in zip(pairs, costs, strict=True):
-        store.put_cost(key, processor(), cost)
+        store.put(MethodCost(key, processor(), cost))
     return complaints
 
 
@@ -68,4 +69,4 @@ def _time_left_out(
     for engine, chosen in methods.values():
         costs = timed(executor.call_at(engine.site, call, scenario, engine, chosen))
         for one in [] if isinstance(costs, CallFailed) else costs:
-            store.put_left_out(one)
+            store.put(one)

@@ -17,7 +17,7 @@ from ..results.verdict_words import RANKS, VerdictWord
 from .executors import Executor
 from .version_runs import SolvedScene, VersionRun, solved, version_runs
 
-#: The default scenes: a free body, a heavy top, and a body slowed by drag.
+#: The default scenes: a free body, a heavy top, and one whose spin decays.
 SCENES = ("tennis-racket", "fast-top", "book-with-drag")
 EPS = float(np.finfo(float).eps)
 #: Roundings a step by which two compilations of the same formulas may differ.

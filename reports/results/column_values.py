@@ -11,7 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from ...scenarios import Trajectory, is_scene_name, printable
 from .database import shown
-from .records import Defect, Row
+from .records import LARGEST
 from .result_file import ResultFileError
 from .sweep_records import PointResult
 
@@ -19,8 +19,6 @@ T = TypeVar("T")
 
 #: Characters; the two axes of a map have some 40 000.
 LONGEST_JSON = 1 << 20
-#: Largest of a run's times and counts, SI.
-LARGEST = 1e150
 #: Characters of a complaint about a record.
 SHOWN = 200
 
@@ -105,7 +103,7 @@ def typed(record: T) -> T:
         # A trajectory checks its own arrays when it is constructed.
         if not isinstance(value, Trajectory | None):
             check(name, value, declared)
-        if isinstance(record, Row | PointResult | Defect) and isinstance(value, float | int):
+        if isinstance(record, PointResult) and isinstance(value, float | int):
             _check_size(name, value)
     return record
 

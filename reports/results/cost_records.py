@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from .records import Key
+from .records import Key, Record
 
 
 @dataclass(frozen=True)
@@ -12,14 +12,23 @@ class StepCost:
     Attributes
     ----------
     seconds_per_step : CPU seconds of all threads; the minimum over the repeats
-    spread : maximum minus minimum over the repeats, CPU seconds
+    seconds_spread : maximum minus minimum over the repeats, CPU seconds
     wall_seconds_per_step : the minimum of the wall time; shorter than the CPU time only if threads
         share the work, longer if another program had the processor
     """
 
     seconds_per_step: float
-    spread: float
+    seconds_spread: float
     wall_seconds_per_step: float
+
+
+@dataclass(frozen=True)
+class MethodCost(Record):
+    """The cost of a step of a method on a scene, on one processor; None if it cannot be timed."""
+
+    key: Key
+    processor: str
+    cost: StepCost | None
 
 
 @dataclass(frozen=True)
@@ -36,7 +45,7 @@ class Ratio:
 
 
 @dataclass(frozen=True)
-class EffectsCost:
+class EffectsCost(Record):
     """A method on a scene, pruned to what the scene calls for, against what it is by default.
 
     Attributes
@@ -87,7 +96,7 @@ class PassCost:
 
 
 @dataclass(frozen=True)
-class PassCosts:
+class PassCosts(Record):
     """What each pass left out costs a method on a scene, one by one.
 
     Attributes

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from ...scenarios import Errors
-from .records import Key
+from .records import Key, Record
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class DefaultEffect:
 
 
 @dataclass(frozen=True)
-class DefaultEffects:
+class DefaultEffects(Record):
     """A method as shipped on a scene, its defaults taken away one at a time.
 
     Attributes

@@ -1,24 +1,102 @@
-"""The results of a study: one row a run, one verdict a method and scene."""
+"""The records of a result file: one row a run, one verdict a method and scene.
 
+A record's fields are what is stored of it (`tables`), and what JSON and CSV show (`as_json`): a
+field is added by adding it here, with a default that says that it is absent.
+"""
+
+import math
 from dataclasses import dataclass
+from typing import Annotated, ClassVar
 
-from ...engines import Cause, Outcome
-from ...scenarios import Errors, SignalName, Trajectory
+from pydantic import AfterValidator, ConfigDict
+
+from ...engines import Cause, Engine, Method, Outcome
+from ...reference import Solution
+from ...scenarios import Errors, Scenario, SignalName, Trajectory, is_scene_name, loads, printable
 from .verdict_words import VERDICT, VerdictWord
 
 #: Names of an engine and of one of its methods.
 Pair = tuple[str, str]
 #: s; the timestep of the one row of a method on a scene whose reference could not be solved.
 UNSOLVED = 0.0
+#: Fields that hold a motion.
+MOTIONS = ("motion", "trajectory")
+#: Largest of a run's times and counts, SI.
+LARGEST = 1e150
+
+
+def _size(value: float) -> float:
+    """The number, which must not be negative, nor so large that its square overflows."""
+    if not 0 <= value <= LARGEST and value != math.inf:
+        raise ValueError(f"must be from 0 to {LARGEST:g}")
+    return value
+
+
+def _name_of_scene(name: str) -> str:
+    """The name, which must be one of a scene: pages are named after scenes."""
+    if not is_scene_name(name):
+        raise ValueError(f"{printable(name)!r} is no scene's name")
+    return name
+
+
+def _name(name: str) -> str:
+    if not name:
+        raise ValueError("names no engine or no method")
+    return name
+
+
+#: Of numbers, and names, of a file that may come from anyone.
+Size = Annotated[float, AfterValidator(_size)]
+Count = Annotated[int, AfterValidator(_size)]
+SceneName = Annotated[str, AfterValidator(_name_of_scene)]
+Name = Annotated[str, AfterValidator(_name)]
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A dataclass that is stored; what is read is refused if it is not as declared."""
+
+    __pydantic_config__: ClassVar = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
 
 
 @dataclass(frozen=True)
 class Key:
     """Which scene, engine and method."""
 
-    scenario: str
+    scenario: SceneName
+    engine: Name
+    method: Name
+
+
+@dataclass(frozen=True)
+class EnvironmentEntry(Record):
+    """Name and value of something that results may depend on."""
+
+    name: str
+    value: str
+
+
+@dataclass(frozen=True)
+class DeclaredEngine(Record):
+    """What an adapter declares, so that a report needs no engine; `Engine` says what it means."""
+
+    name: Name
+    methods: tuple[Method, ...]
+    stock_timestep: Size | None = None
+
+    @staticmethod
+    def of(engine: Engine) -> "DeclaredEngine":
+        """What an engine's adapter declares."""
+        return DeclaredEngine(engine.name, tuple(engine.methods), engine.stock_timestep)
+
+
+@dataclass(frozen=True)
+class Fingerprint(Record):
+    """What results rest on: the engine, or where it is empty the scene and the program."""
+
+    scenario: SceneName
     engine: str
-    method: str
+    digest: str
 
 
 @dataclass(frozen=True)
@@ -32,15 +110,48 @@ class Defect:
     floor : the largest that round-off may make
     """
 
-    p50: float
-    p95: float
-    max: float
-    at: float
-    floor: float
+    p50: Size
+    p95: Size
+    max: Size
+    at: Size
+    floor: Size
 
 
 @dataclass(frozen=True, eq=False)
-class Row:
+class SolvedScene(Record):
+    """A scene's file and its exact motion at the sample times; the rest as in `Solution`."""
+
+    scenario: SceneName
+    toml: str
+    method: str
+    uncertainty: Errors
+    conditioning: Errors
+    horizon: Size | None = None
+    trajectory: Trajectory | None = None
+
+    @staticmethod
+    def of(scenario: Scenario, solution: Solution) -> "SolvedScene":
+        """A scene and its exact motion."""
+        return SolvedScene(scenario.name, scenario.text, **vars(solution))
+
+    def solved(self) -> tuple[Scenario, Solution]:
+        """The scene and its exact motion.
+
+        Raises
+        ------
+        ValueError
+            If the file is no scene's, or the motion is missing.
+        """
+        if self.trajectory is None:
+            raise ValueError("a scene without its exact motion")
+        solution = Solution(
+            self.trajectory, self.method, self.uncertainty, self.conditioning, self.horizon
+        )
+        return loads(self.toml, self.scenario), solution
+
+
+@dataclass(frozen=True, eq=False)
+class Row(Record):
     """One run against the reference.
 
     Attributes
@@ -52,7 +163,7 @@ class Row:
     stopped_at : s, when it diverged or failed
     errors : at the run's sample times; None unless it is ok
     drifts : largest change of each conserved quantity, relative, by name
-    uncertainty : the reference's, in ω, relative
+    reference_uncertainty : in ω, relative
     seconds_per_step, seconds_spread : CPU seconds, least over the repeats, and (max − min) of them;
         None where it was not timed
     wall_seconds_per_step : the least wall time; None where it was not timed
@@ -67,24 +178,24 @@ class Row:
 
     key: Key
     engine_version: str
-    timestep: float
+    timestep: Size
     outcome: Outcome
     reason: str = ""
     cause: Cause = ""
-    stopped_at: float | None = None
+    stopped_at: Size | None = None
     errors: Errors | None = None
     drifts: dict[str, float] | None = None
-    uncertainty: float = 0.0
-    steps: int = 0
-    seconds_per_step: float | None = None
-    seconds_spread: float | None = None
-    wall_seconds_per_step: float | None = None
+    reference_uncertainty: Size = 0.0
+    steps: Count = 0
+    seconds_per_step: Size | None = None
+    seconds_spread: Size | None = None
+    wall_seconds_per_step: Size | None = None
     motion: Trajectory | None = None
     printed: str = ""
     without_skill: bool = False
     stock: bool = False
     unasked: tuple[str, ...] = ()
-    defects: dict[str, Defect] | None = None
+    defects: dict[SignalName, Defect] | None = None
 
     def __post_init__(self) -> None:
         if self.errors is not None and self.outcome != "ok":
@@ -102,7 +213,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class SignalVerdict:
+class SignalVerdict(Record):
     """The verdict on a ladder in one signal.
 
     Attributes
@@ -122,7 +233,7 @@ class SignalVerdict:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Verdict(Record):
     """The verdict on a method on a scene: that of the signal with the worst verdict.
 
     Attributes
@@ -132,7 +243,9 @@ class Verdict:
     signals : the verdicts on all signals; empty if no ladder was judged
     unmet : expectations in the scene's file that this method did not meet, in words
     as_shipped : whether the method is the engine with all its defaults
-    is_expected_failure : whether it is an expected failure of the scene's file
+    expected_failure : whether it is an expected failure of the scene's file
+    timesteps : s, those asked for, increasing; empty for the verdict on a ladder
+    step_limit : of a ladder that this limit cut short; else None
     """
 
     key: Key
@@ -145,17 +258,19 @@ class Verdict:
     signals: tuple[SignalVerdict, ...] = ()
     unmet: tuple[str, ...] = ()
     as_shipped: bool = False
-    is_expected_failure: bool = False
+    expected_failure: bool = False
+    timesteps: tuple[Size, ...] = ()
+    step_limit: Count | None = None
 
     @property
     def agrees(self) -> bool:
         """Whether a study with this verdict passes."""
-        expected = self.as_shipped or self.is_expected_failure
+        expected = self.as_shipped or self.expected_failure
         wrong = VERDICT[self.verdict].fails and not expected
         return not wrong and not self.unmet
 
     @property
     def is_unproven(self) -> bool:
         """Whether a method, not as shipped, is shown neither to converge nor to be wrong."""
-        expected = self.as_shipped or self.is_expected_failure
+        expected = self.as_shipped or self.expected_failure
         return VERDICT[self.verdict].is_unproven and not expected

@@ -17,7 +17,7 @@ import secrets
 import sqlite3
 import stat
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
 from functools import cache
 from pathlib import Path
@@ -67,17 +67,23 @@ class OpenFile(NamedTuple):
     Attributes
     ----------
     check : raises `ResultFileError` if the file was removed or replaced
+    format : the version of its format; an older one than `FORMAT` is only read
     log_missing : whether it is a copy without its log, made while a run was writing
     """
 
     connection: sqlite3.Connection
     check: Callable[[], None]
     log_missing: bool
+    format: int = FORMAT
 
 
 @contextmanager
-def opened(path: Path, schema: str, *, writing: bool) -> Iterator[OpenFile]:
+def opened(path: Path, schemas: Mapping[int, str], *, writing: bool) -> Iterator[OpenFile]:
     """Open a result file for reading, or for writing; a new one is created if there is none.
+
+    Parameters
+    ----------
+    schemas : the tables as SQL, of `FORMAT` and of the older formats that are read
 
     Raises
     ------
@@ -85,7 +91,7 @@ def opened(path: Path, schema: str, *, writing: bool) -> Iterator[OpenFile]:
         If the file is missing, cannot be opened, read or written, is not a result file of this
         format, or is being written by another process.
     """
-    schema = _SCHEMA + schema
+    schemas = {version: _SCHEMA + schema for version, schema in schemas.items()}
     try:
         if not _is_there(path, "written" if writing else "read") and not writing:
             raise ResultFileError("no such result file; 'spincheck run' writes one")
@@ -93,7 +99,7 @@ def opened(path: Path, schema: str, *, writing: bool) -> Iterator[OpenFile]:
         place = path.resolve()
         _check_journals(place)
         _check_log(place)
-        with _to_write(place, schema) if writing else _to_read(place, schema) as file:
+        with _to_write(place, schemas[FORMAT]) if writing else _to_read(place, schemas) as file:
             yield file
     except sqlite3.DatabaseError as error:
         code = getattr(error, "sqlite_errorcode", 0)
@@ -153,21 +159,21 @@ def _last_bytes(path: Path, count: int) -> bytes:
 
 
 @contextmanager
-def _to_read(path: Path, schema: str) -> Iterator[OpenFile]:
+def _to_read(path: Path, schemas: Mapping[int, str]) -> Iterator[OpenFile]:
     # Before it is opened: opening creates an empty file.
     log_missing = not _has_log(path)
     with _connected(path, "mode=ro") as connection:
         connection.execute("PRAGMA query_only = ON")
-        _check(connection, schema)
+        version = _check(connection, schemas)
         (whole,) = connection.execute("SELECT min(whole) FROM file").fetchone()
-        yield OpenFile(connection, lambda: None, log_missing and not whole)
+        yield OpenFile(connection, lambda: None, log_missing and not whole, version)
 
 
 @contextmanager
 def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
     with _alone(path) as check, _connected(path, "mode=rw") as connection:
         if connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
-            _check(connection, schema)
+            _check(connection, {FORMAT: schema})
         else:
             _begin(connection, schema)
         # Before there is a log, so that the file records that it has one, and which.
@@ -303,13 +309,16 @@ def _begin(connection: sqlite3.Connection, schema: str) -> None:
     )
 
 
-def _check(connection: sqlite3.Connection, schema: str) -> None:
+def _check(connection: sqlite3.Connection, schemas: Mapping[int, str]) -> int:
+    """The file's format, after a check that it is one of ours and undamaged."""
     if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION_ID:
         raise ResultFileError("not a result file of spincheck")
     version = connection.execute("PRAGMA user_version").fetchone()[0]
-    if version != FORMAT:
-        raise ResultFileError(f"result file format {version}, this version reads {FORMAT}")
-    if strange := _objects(connection) ^ _objects_of(schema):
+    if version not in schemas:
+        known = " and ".join(map(str, sorted(schemas)))
+        does = "reads" if len(schemas) > 1 else "continues"
+        raise ResultFileError(f"result file format {version}, this version {does} {known}")
+    if strange := _objects(connection) ^ _objects_of(schemas[version]):
         name = min(named[1] for named in strange)
         raise ResultFileError(
             f"its schema is not that of a result file: '{printable(name, 100)}' differs"
@@ -318,6 +327,7 @@ def _check(connection: sqlite3.Connection, schema: str) -> None:
     first_damage = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
     if first_damage != "ok":
         raise ResultFileError(f"damaged: {printable(first_damage)}")
+    return int(version)
 
 
 def _objects(connection: sqlite3.Connection) -> frozenset[tuple[str, ...]]:

@@ -4,30 +4,49 @@ Before a study continues, results of another text of a scene, another engine or 
 are dropped (`Store.keep_matching`).
 """
 
+import json
 import sqlite3
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any, TypeVar
 
 from ...engines import Engine, Method
 from ...reference import Solution
 from ...scenarios import Scenario
-from . import table_records
-from .cost_records import EffectsCost, PassCosts, StepCost
+from . import format_12, tables
+from .cost_records import EffectsCost, PassCosts
 from .database import Database, put
 from .default_records import DefaultEffects
-from .records import UNSOLVED, Key, Pair, Row, Verdict
-from .result_file import OpenFile, ResultFileError, opened
-from .schema import SCHEMA
+from .records import (
+    UNSOLVED,
+    DeclaredEngine,
+    EnvironmentEntry,
+    Fingerprint,
+    Key,
+    Pair,
+    Record,
+    Row,
+    SolvedScene,
+    Verdict,
+)
+from .result_file import FORMAT, OpenFile, ResultFileError, opened
 from .sweep_records import EnsembleResult, MapResult
+from .sweep_tables import SCHEMA as SWEEPS_SCHEMA
 from .sweep_tables import SweepTables
+from .tables import Table, as_result_file_error
 
-_OF_STUDIES = ("rows", "costs", "left_out", "default_effects", "verdicts")
+R = TypeVar("R", bound=Record)
+
+SCHEMA = "".join(table.sql for table in tables.TABLES) + SWEEPS_SCHEMA
+_TABLE_OF: dict[type[Record], Table[Any]] = {table.record: table for table in tables.TABLES}
+_OF_STUDIES = tuple(table.name for table in tables.OF_STUDIES)
 _OF_ENGINES = (*_OF_STUDIES, "points")
 _OF_SCENES = ("fingerprints", "scenes", "sweeps", *_OF_ENGINES)
 _ONE_ENGINE = "scenario = ? AND engine = ?"
 _ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
+_SORTED = "scenario, engine, method"
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,23 +90,29 @@ class Store:
 
     def __init__(self, file: OpenFile) -> None:
         self._database = Database(file.connection, file.check)
-        self._select = self._database.select
         self.sweeps = SweepTables(self._database)
         self.log_missing = file.log_missing
 
+    def put(self, *records: Record) -> None:
+        """Store records, all or none; each replaces what is stored under its key."""
+        with self._database.transaction() as connection:
+            for record in records:
+                table = _TABLE_OF[type(record)]
+                put(connection, table.name, table.columns(record))
+
+    def select(
+        self, table: Table[R], where: str = "TRUE", values: Sequence[Any] = (), order: str = "rowid"
+    ) -> list[R]:
+        """The stored records of a table."""
+        return [table.read(one) for one in self._database.select(table.name, where, values, order)]
+
     def put_environment(self, environment: dict[str, str]) -> None:
         """Record machine and versions."""
-        with self._database.transaction() as connection:
-            for name, value in environment.items():
-                put(connection, "environment", {"name": name, "value": value})
+        self.put(*(EnvironmentEntry(name, value) for name, value in environment.items()))
 
     def put_methods(self, engines: Iterable[Engine]) -> None:
         """Record what adapters declare of all their methods."""
-        with self._database.transaction() as connection:
-            for engine in engines:
-                connection.execute("DELETE FROM methods WHERE engine = ?", (engine.name,))
-                for method in engine.methods:
-                    put(connection, "methods", table_records.of_method(engine, method))
+        self.put(*map(DeclaredEngine.of, engines))
 
     def keep_matching(self, scenario: str, digests: dict[str, str]) -> int:
         """Drop results of a scene whose digests differ; returns how many verdicts were dropped.
@@ -99,11 +124,10 @@ class Store:
         dropped = 0
         with self._database.transaction() as connection:
             for engine, digest in digests.items():
-                stored = self._select("fingerprints", _ONE_ENGINE, (scenario, engine))
-                if not (stored and stored[0]["digest"] == digest):
+                now = Fingerprint(scenario, engine, digest)
+                if now not in self.select(tables.FINGERPRINTS, _ONE_ENGINE, (scenario, engine)):
                     dropped += self._drop(connection, scenario, engine)
-                    record = {"scenario": scenario, "engine": engine, "digest": digest}
-                    put(connection, "fingerprints", record)
+                    put(connection, "fingerprints", tables.FINGERPRINTS.columns(now))
         return dropped
 
     def _drop(self, connection: sqlite3.Connection, scenario: str, engine: str) -> int:
@@ -127,55 +151,25 @@ class Store:
     def put_scene(self, scenario: Scenario, solution: Solution) -> None:
         """Record a scene and its exact motion."""
         with self._database.transaction() as connection:
-            put(connection, "scenes", table_records.of_scene(scenario, solution))
+            put(connection, "scenes", tables.SCENES.columns(SolvedScene.of(scenario, solution)))
             # That row says that the scene could not be solved, which is now outdated.
             unsolved = "DELETE FROM rows WHERE scenario = ? AND timestep = ?"
             connection.execute(unsolved, (scenario.name, UNSOLVED))
 
-    def put_row(self, row: Row) -> None:
-        """Store a run with its samples: another process may have to reach the verdict."""
-        with self._database.transaction() as connection:
-            put(connection, "rows", table_records.of_row(row))
-
-    def put_verdict(
-        self,
-        verdict: Verdict,
-        timesteps: Sequence[float] = (),
-        step_limit: int | None = None,
-        discardable: Sequence[float] = (),
-    ) -> None:
+    def put_verdict(self, verdict: Verdict, discardable: Sequence[float] = ()) -> None:
         """Store a verdict, and drop the samples that are no longer needed.
 
         Parameters
         ----------
-        timesteps : s, those that were asked for; none for a verdict on a ladder
-        step_limit : of a ladder that this limit cut short; else None
         discardable : timesteps, s, of the runs whose samples are dropped
         """
-        record = table_records.of_verdict(verdict)
-        record |= {"timesteps": _asked(timesteps), "step_limit": step_limit}
         names = _names(verdict.key)
         with self._database.transaction() as connection:
-            put(connection, "verdicts", record)
+            put(connection, "verdicts", tables.VERDICTS.columns(verdict))
             connection.executemany(
                 f"UPDATE rows SET motion = NULL WHERE {_ONE_METHOD} AND timestep = ?",
                 [(*names, timestep) for timestep in discardable],
             )
-
-    def put_cost(self, key: Key, processor: str, cost: StepCost | None) -> None:
-        """Store the cost of a step of a method on a scene; None if it cannot be timed."""
-        with self._database.transaction() as connection:
-            put(connection, "costs", table_records.of_cost(key, processor, cost))
-
-    def put_left_out(self, cost: EffectsCost | PassCosts) -> None:
-        """Store how much time is saved by what a method leaves out on a scene."""
-        with self._database.transaction() as connection:
-            put(connection, "left_out", table_records.of_left_out(cost))
-
-    def put_default_effects(self, effects: DefaultEffects) -> None:
-        """Store what each default of a method as shipped does to the motion of a scene."""
-        with self._database.transaction() as connection:
-            put(connection, "default_effects", table_records.of_default_effects(effects))
 
     def settled(self, scenario: str, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
         """The stored verdicts on a scene; without those that a smaller step limit cut short.
@@ -185,24 +179,29 @@ class Store:
         timesteps : s; none for verdicts on ladders
         step_limit : of the ladders asked for
         """
-        where = "scenario = ? AND timesteps = ? AND (step_limit IS NULL OR step_limit >= ?)"
-        records = self._select("verdicts", where, (scenario, _asked(timesteps), step_limit))
-        return [table_records.verdict(record) for record in records]
+        where = "scenario = ? AND timesteps = ?"
+        stored = self.select(tables.VERDICTS, where, (scenario, _asked(timesteps)))
+        return [v for v in stored if v.step_limit is None or v.step_limit >= step_limit]
 
     def rows_of(self, key: Key) -> list[Row]:
         """The stored runs of a method on a scene."""
-        return [table_records.row(r) for r in self._select("rows", _ONE_METHOD, _names(key))]
+        return self.select(tables.ROWS, _ONE_METHOD, _names(key))
 
     def failed_rows(self, scenario: str) -> list[Row]:
         """The runs of a scene that failed."""
-        records = self._select("rows", "scenario = ? AND outcome = 'failed'", (scenario,))
-        return [table_records.row(record) for record in records]
+        rows = self.select(tables.ROWS, "scenario = ?", (scenario,))
+        return [row for row in rows if row.outcome == "failed"]
 
-    def timed_on(self, processor: str) -> set[Key]:
-        """The methods whose steps were timed; times of another processor are dropped."""
+    def forget_costs_of_other_processors(self, processor: str) -> None:
+        """Drop times that were measured on another processor."""
+        others = [one.key for one in self.select(tables.COSTS) if one.processor != processor]
         with self._database.transaction() as connection:
-            connection.execute("DELETE FROM costs WHERE processor != ?", (processor,))
-        return {table_records.key(record) for record in self._select("costs")}
+            for key in others:
+                connection.execute(f"DELETE FROM costs WHERE {_ONE_METHOD}", _names(key))
+
+    def timed(self) -> set[Key]:
+        """The methods whose steps were timed."""
+        return {one.key for one in self.select(tables.COSTS)}
 
     def read(self, timesteps: Sequence[float] = ()) -> Results:
         """Everything in the file, with one verdict for each method and scene.
@@ -217,44 +216,42 @@ class Store:
         ResultFileError
             If a record cannot be read.
         """
-        costs = {table_records.key(record): record for record in self._select("costs")}
-        row_records = self._select("rows", order="scenario, engine, method, -timestep")
-        scene_records = self._select("scenes", order="scenario")
-        environment = self._select("environment", order="name")
-        methods = self._select("methods")
-        left_out = [
-            table_records.left_out(record)
-            for record in self._select("left_out", order="scenario, engine, method")
+        costs = {one.key: one.cost for one in self.select(tables.COSTS)}
+        rows = [
+            replace(row, **vars(cost)) if (cost := costs.get(row.key)) else row
+            for row in self.select(tables.ROWS, order=f"{_SORTED}, -timestep")
         ]
-        rows = [table_records.row(r, costs.get(table_records.key(r))) for r in row_records]
-        maps, ensembles = self.sweeps.read()
-        scenes = {r["scenario"]: SceneResult(*table_records.scene(r)) for r in scene_records}
+        scenes = {
+            stored.scenario: SceneResult(*as_result_file_error(stored.solved)())
+            for stored in self.select(tables.SCENES, order="scenario")
+        }
         for row in rows:
             if row.errors is not None and row.key.scenario not in scenes:
                 raise ResultFileError(f"a run has errors, but its scene is not there: {row.key}")
+        engines = self.select(tables.ENGINES)
+        maps, ensembles = self.sweeps.read()
         return Results(
-            environment=dict(table_records.environment(record) for record in environment),
+            environment={
+                one.name: one.value for one in self.select(tables.ENVIRONMENT, order="name")
+            },
             scenes=scenes,
             rows=rows,
             verdicts=self._verdicts(_asked(timesteps)),
-            effects=[cost for cost in left_out if isinstance(cost, EffectsCost)],
-            passes=[cost for cost in left_out if isinstance(cost, PassCosts)],
-            defaults=[
-                table_records.default_effects(record)
-                for record in self._select("default_effects", order="scenario, engine, method")
-            ],
+            effects=self.select(tables.EFFECTS_COSTS, order=_SORTED),
+            passes=self.select(tables.PASS_COSTS, order=_SORTED),
+            defaults=self.select(tables.DEFAULT_EFFECTS, order=_SORTED),
             maps=maps,
             ensembles=ensembles,
-            methods=dict(table_records.method(record) for record in methods),
-            stock_timesteps=dict(filter(None, map(table_records.stock_timestep, methods))),
+            methods={(e.name, method.name): method for e in engines for method in e.methods},
+            stock_timesteps={e.name: e.stock_timestep for e in engines if e.stock_timestep},
         )
 
     def _verdicts(self, asked: str) -> list[Verdict]:
-        order = "scenario, engine, method, timesteps = '' DESC, rowid DESC"
-        where = "timesteps = ?" if asked else "TRUE"
+        where, values = ("timesteps = ?", (asked,)) if asked != _LADDER else ("TRUE", ())
+        order = f"{_SORTED}, timesteps = '{_LADDER}' DESC, rowid DESC"
         first: dict[Key, Verdict] = {}
-        for record in self._select("verdicts", where, (asked,) if asked else (), order):
-            first.setdefault(table_records.key(record), table_records.verdict(record))
+        for verdict in self.select(tables.VERDICTS, where, values, order):
+            first.setdefault(verdict.key, verdict)
         return list(first.values())
 
 
@@ -263,7 +260,12 @@ def _names(key: Key) -> tuple[str, str, str]:
 
 
 def _asked(timesteps: Sequence[float]) -> str:
-    return " ".join(repr(timestep) for timestep in sorted(timesteps))
+    """The timesteps asked for, s, as `Verdict.timesteps` are stored."""
+    return json.dumps(sorted(timesteps))
+
+
+#: As they are stored of a ladder.
+_LADDER = _asked(())
 
 
 @contextmanager
@@ -275,5 +277,6 @@ def open_store(path: Path, *, create: bool = False) -> Iterator[Store]:
     ResultFileError
         As `result_file.opened`.
     """
-    with opened(path, SCHEMA, writing=create) as file:
-        yield Store(file)
+    schemas = {FORMAT: SCHEMA, 12: format_12.SCHEMA}
+    with opened(path, schemas, writing=create) as file:
+        yield Store(file if file.format == FORMAT else format_12.converted(file, SCHEMA))

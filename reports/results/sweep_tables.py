@@ -13,6 +13,7 @@ from ...scenarios import Errors, Scenario, loads
 from ...scenarios.vary import MAX_COUNT, Axis, check_path
 from .column_values import as_result_file_error, from_json, scene_name, typed
 from .database import Database, put
+from .records import Key
 from .sweep_records import (
     MAX_MEMBERS,
     MAX_SEED,
@@ -25,7 +26,6 @@ from .sweep_records import (
     SweepPoint,
     sweep_point,
 )
-from .table_records import point_key
 
 SCHEMA = """
 -- A Map or an Ensemble, as JSON, and the scene that is varied.
@@ -149,7 +149,7 @@ def _point(asked: Map | Ensemble, record: sqlite3.Row) -> SweepPoint | None:
 def _result(point: SweepPoint, record: sqlite3.Row) -> PointResult:
     result = PointResult(
         at=point.at,
-        key=point_key(record),
+        key=typed(Key(scene_name(record), record["engine"], record["method"])),
         errors=typed(Errors(**from_json(record["errors"], dict))) if record["errors"] else None,
         **{name: record[name] for name in _PLAIN},
     )

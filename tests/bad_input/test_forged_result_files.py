@@ -27,7 +27,7 @@ pytestmark = pytest.mark.slow
 
 #: Never read by a report: what results rest on, and which run wrote last.
 NOT_READ = ("fingerprints", "file")
-BLOBS = ("truth", "motion")
+BLOBS = ("trajectory", "motion")
 #: Bytes; unpacking refuses what is larger than a motion without having unpacked it.
 BOMB = 1 << 26
 #: Place of a byte of an archive's first array, after its header of 59.
@@ -68,12 +68,12 @@ SCHEMAS = {
         "UPDATE verdicts SET verdict = 'converges'; END",
     ),
     "a further table": lambda path: executed(path, "CREATE TABLE evil (x)"),
-    "a further index": lambda path: executed(path, "CREATE INDEX evil ON rows (reason)"),
+    "a further index": lambda path: executed(path, "CREATE INDEX evil ON rows (record)"),
     "a column that is computed": lambda path: executed(
-        path, "ALTER TABLE rows ADD COLUMN evil AS (reason || 'evil')"
+        path, "ALTER TABLE rows ADD COLUMN evil AS (record || 'evil')"
     ),
     "a check that is computed": lambda path: rewritten_schema(
-        path, "value TEXT NOT NULL", "'value TEXT NOT NULL CHECK (length(randomblob(1e9)))'"
+        path, "record TEXT NOT NULL", "'record TEXT NOT NULL CHECK (length(randomblob(1e9)))'"
     ),
     "a virtual table": lambda path: executed(
         path,
@@ -81,7 +81,7 @@ SCHEMAS = {
         "INSERT INTO sqlite_master VALUES "
         "('table', 'evil', 'evil', 0, 'CREATE VIRTUAL TABLE evil USING fts5(x)')",
     ),
-    "a byte that is no text": lambda path: rewritten_schema(path, "value", "x'd8'"),
+    "a byte that is no text": lambda path: rewritten_schema(path, "record", "x'd8'"),
 }
 
 
@@ -142,7 +142,7 @@ def complaint_of(path) -> str:
     return ""
 
 
-@pytest.mark.parametrize(("table", "column"), [("scenes", "truth"), ("rows", "motion")])
+@pytest.mark.parametrize(("table", "column"), [("scenes", "trajectory"), ("rows", "motion")])
 def test_a_motion_that_was_changed_is_reported(path, table, column):
     with closing(sqlite3.connect(path)) as connection, connection:
         (blob,) = connection.execute(f"SELECT {column} FROM {table}").fetchone()
@@ -254,12 +254,6 @@ def test_reading_the_largest_ensemble_takes_as_long_as_what_there_is_of_it(path)
     assert places < 10 * len(columns(path))
 
 
-def texts(path) -> list[tuple[str, str]]:
-    """Columns of texts that are no JSON, no scene file and no name."""
-    free = {"reason", "cause", "printed", "summary", "value", "engine_version", "method", "signal"}
-    return [(table, column) for table, column in columns(path) if column in free]
-
-
 OUTPUTS = (
     *(["rows"], ["rows", "--csv"], ["rows", "--json"], ["points"], ["points", "--csv"]),
     *(["verdicts"], ["verdicts", "--csv"], ["verdicts", "--json"], ["report"]),
@@ -268,9 +262,10 @@ OUTPUTS = (
 
 def test_nothing_in_a_file_commands_a_terminal_or_a_page(path):
     kept = {"rows": "printed", "verdicts": "reason", "environment": "value"}
-    forge(path, [("rows", "printed"), ("verdicts", "reason"), ("environment", "value")], HOSTILE)
-    forge(path, [("rows", "reason"), ("points", "reason"), ("rows", "engine_version")], HOSTILE)
-    forge(path, [("verdicts", "unmet")], json.dumps([HOSTILE]))
+    forge(path, [(table, f"record.{name}") for table, name in kept.items()], HOSTILE)
+    forge(path, [("rows", "record.reason"), ("rows", "record.engine_version")], HOSTILE)
+    forge(path, [("points", "reason")], HOSTILE)
+    forge(path, [("verdicts", "record.unmet")], [HOSTILE])
     shown = "".join(command_line.spincheck(*arguments, str(path)).stdout for arguments in OUTPUTS)
     pages = [page for page in path.parent.rglob("*") if page.suffix in (".html", ".md")]
     shown += "".join(page.read_text(encoding="utf-8") for page in pages)

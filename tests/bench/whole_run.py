@@ -65,7 +65,7 @@ PHASES: dict[str, list[tuple[Any, str]]] = {
     "first steps": [(study, "_equation_residuals")],
     "comparing": [(convergence_study, "row_of")],
     "judging": [(ladder_judge.LadderJudge, "take"), (ladder_judge, "judge")],
-    "storing": [(Store, "put_row"), (Store, "put_verdict"), (Store, "put_scene")],
+    "storing": [(Store, "put"), (Store, "put_verdict"), (Store, "put_scene")],
     "timing": [(study, "time_scene")],
 }
 

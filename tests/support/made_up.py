@@ -143,7 +143,7 @@ def _rows(scenario: Scenario, exact: Trajectory, key: Key, method: MadeUp) -> li
                 stopped_at=float(exact.t[n]) if diverged else None,
                 errors=None if diverged else errors_between(scenario, motion, exact),
                 drifts={"energy": 1e-3 * dt, "L_norm": 1e-4 * dt},
-                uncertainty=UNCERTAINTY.omega,
+                reference_uncertainty=UNCERTAINTY.omega,
                 steps=round(exact.t[n - 1] / dt),
                 seconds_per_step=SECONDS_PER_STEP,
                 seconds_spread=SECONDS_PER_STEP / 10,

@@ -7,6 +7,7 @@ import made_up
 import made_up_sweeps
 from spincheck.reports.results.cost_records import (
     EffectsCost,
+    MethodCost,
     PassCost,
     PassCosts,
     Ratio,
@@ -42,14 +43,14 @@ def write(path: Path) -> Path:
         store.put_scene(result.scenario, result.solution)
         rows = [row for row in stored.rows if row.key == KEY]
         for row in rows[-2:]:
-            store.put_row(row)
+            store.put(row)
         for verdict in stored.verdicts:
             if verdict.key == KEY:
                 store.put_verdict(verdict)
-        store.put_cost(KEY, "a processor", StepCost(1e-6, 1e-7, 1e-6))
-        store.put_left_out(EFFECTS)
-        store.put_left_out(PASSES)
-        store.put_default_effects(DEFAULTS)
+        store.put(MethodCost(KEY, "a processor", StepCost(1e-6, 1e-7, 1e-6)))
+        store.put(EFFECTS)
+        store.put(PASSES)
+        store.put(DEFAULTS)
         _put_sweeps(store)
     return path
 

@@ -9,28 +9,13 @@ import re
 from pathlib import Path
 
 from ....scenarios import Scenario
-from ...child.session import scene_for_child
 from ...engine import Method
-from ...models.principal_frame import principal_frame
-from ...models.text import python_list
+from ...scene_record import ABOUT, scene_record
 
 HERE = Path(__file__).parent
 _IMPORT = re.compile(r"^import \{ (.+) \} from '\./(parts/[\w-]+\.mjs)';\n", re.MULTILINE)
 #: The function that builds the scene, to its last line.
 _OPEN = re.compile(r"^function open\(.*?^\}\n", re.MULTILINE | re.DOTALL)
-_ABOUT = {
-    "mass": "kg",
-    "moments": "kg m^2, principal: the axes here are principal ones, from the com",
-    "arm": "m, from the com to the pivot, if there is one",
-    "gravity": "m/s^2",
-    "drag": "N m s",
-    "torque_body": "N m",
-    "torque_world": "N m",
-    "q": "w x y z, axes to world",
-    "omega": "rad/s, world axes",
-    "com": "m",
-    "velocity": "m/s",
-}
 _SCRIPT = """\
 // Run it with node in the folder in which `npm install {package}` was run, or give it the path of
 // that folder's node_modules.
@@ -39,7 +24,6 @@ _SCRIPT = """\
 const SCENE = {{
 {scene}
 }};
-const Q_BODY_AXES = {axes};  // w x y z: the principal axes in the body's
 const held = open(SCENE, {method}, TIMESTEP);
 
 function step(count) {{
@@ -49,7 +33,7 @@ function step(count) {{
 // Attitude, w x y z, body to world, and angular velocity in body axes.
 function state() {{
   const {{ q, omega }} = held.state();
-  const attitude = product(q.map((x) => x / Math.hypot(...q)), conjugate(Q_BODY_AXES));
+  const attitude = product(q.map((x) => x / Math.hypot(...q)), conjugate(SCENE.axes));
   return [attitude, turned(conjugate(attitude), omega)];
 }}
 """
@@ -72,7 +56,6 @@ def script(path: Path, scenario: Scenario, method: Method) -> str:
         parts="\n".join(parts),
         engine=engine,
         scene="\n".join(_entries(scenario)),
-        axes=python_list(principal_frame(scenario.body).q_body_axes_wxyz),
         method=json.dumps(method.name),
     )
 
@@ -89,5 +72,5 @@ def _package(text: str) -> str:
 
 
 def _entries(scenario: Scenario) -> list[str]:
-    told = scene_for_child(scenario)
-    return [f"  {key}: {json.dumps(told[key])},  // {about}" for key, about in _ABOUT.items()]
+    record = scene_record(scenario)
+    return [f"  {key}: {json.dumps(record[key])},  // {about}" for key, about in ABOUT.items()]

@@ -7,7 +7,7 @@ import atexit
 import shutil
 import tempfile
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from itertools import count
 from pathlib import Path
@@ -16,8 +16,8 @@ import numpy as np
 import pybullet as p
 from scipy.spatial.transform import Rotation
 
-from ....scenarios import FloatArray, Scenario
-from ....scenarios.document import Effects
+from ....scenarios import Effects, FloatArray, Scenario
+from ....scenarios.scenario import with_tables
 from ...checks.read_back import EngineError, UnsupportedError
 from ...models.urdf import urdf
 from .as_shipped import idle_motor, take_away_clamp, take_away_damping, take_away_motor
@@ -224,7 +224,7 @@ def _model_of_rigid_body(
 
 def set_free(scenario: Scenario) -> Scenario:
     """The scene's body without its pivot, which is then not part of the URDF."""
-    return replace(scenario, document=scenario.document.model_copy(update={"effects": Effects()}))
+    return with_tables(scenario, effects=Effects())
 
 
 def _gyration_radius(scenario: Scenario) -> float:

@@ -23,6 +23,7 @@ from ...pages.analysis.candidates import Candidate, ErrorBounds, candidates
 from ...pages.analysis.report_data import report_data
 from ...results.records import Key, Row
 from ...results.store import Results, open_store
+from ..choosing import choose
 from ..executing import Where, check_temporary_folder
 from ..named_scenes import one_scene
 from ..stopping import saying
@@ -118,13 +119,11 @@ def _check_bounds(bounds: ErrorBounds) -> None:
 
 
 def _methods(engine_names: Sequence[str]) -> list[str]:
-    """Names of the methods of the engines named (none named: all), except those as shipped.
-
-    Engines that are not installed are reported by the run.
-    """
-    chosen = [e for name, e in engines().items() if name in engine_names or not engine_names]
+    """Names of the methods of the engines named, except those as shipped."""
+    by_default = [engine for engine in engines().values() if not engine.is_optional]
+    chosen = choose(engine_names, [], []).engines if engine_names else by_default
     offered = [method.name for e in chosen for method in e.methods if not method.as_shipped]
-    if chosen and not offered:
+    if not offered:
         names = ", ".join(engine_names)
         raise Complaint(f"{names}: has no method but as shipped, which is not recommended", NOT_RUN)
     return list(dict.fromkeys(offered))
@@ -138,8 +137,8 @@ def _timed_runs(scene: str, engine_names: Sequence[str], stored: Path) -> Result
     solved = results.scenes.get(scenario.name)
     if solved is None or solved.scenario.digest != scenario.digest:
         return None
-    chosen = engine_names or list(engines())
-    versions = {name: engine.version for name, engine in engines().items() if name in chosen}
+    chosen = choose(engine_names or ["all"], [], [], scenarios=[scenario]).engines
+    versions = {engine.name: engine.version for engine in chosen}
     rows = [
         row
         for row in results.rows

@@ -1,12 +1,11 @@
 """Results on the terminal: a matrix of verdicts, the reasons, and the same as JSON."""
 
-from dataclasses import asdict
 from typing import Any
 
-from ....scenarios import errors_by_key
 from ....scenarios.fastest_rate import fastest_rate
 from ...pages.analysis.survival import Survival, survival
-from ...results.records import Key, Row, SignalVerdict, Verdict
+from ...results.as_json import as_json
+from ...results.records import Key, Row, Verdict
 from ...results.store import Results
 from ...results.verdict_words import VERDICT
 from ..terminal import table
@@ -76,44 +75,13 @@ def _survival_record(survival: Survival | None) -> dict[str, Any]:
 
 def row_record(row: Row) -> dict[str, Any]:
     """A run with the names that scripts rely on."""
-    return asdict(row.key) | {
-        "engine_version": row.engine_version,
-        "timestep": row.timestep,
-        "stock": row.stock,
-        "outcome": row.outcome,
-        "reason": row.reason,
-        "cause": row.cause,
-        "survived": row.survived,
-        "stopped_at": row.stopped_at,
-        **errors_by_key(row.errors),
-        "drifts": row.drifts,
-        "defects": {name: asdict(one) for name, one in (row.defects or {}).items()} or None,
-        "reference_uncertainty": row.uncertainty,
-        "steps": row.steps,
-        "seconds_per_step": row.seconds_per_step,
-        "seconds_spread": row.seconds_spread,
-        "wall_seconds_per_step": row.wall_seconds_per_step,
-    }
+    return as_json(row) | {"survived": row.survived}
 
 
 def verdict_record(verdict: Verdict) -> dict[str, Any]:
-    """A verdict with the names that scripts rely on."""
-    return asdict(verdict.key) | {
-        "verdict": verdict.verdict,
-        "reason": verdict.reason,
-        "signal": verdict.signal,
-        "order": verdict.order,
-        "limit_error": verdict.limit_error,
-        "tolerance": verdict.tolerance,
-        "signals": {one.signal: _signal_record(one) for one in verdict.signals} or None,
-        "unmet": list(verdict.unmet),
-        "as_shipped": verdict.as_shipped,
-        "known": verdict.is_expected_failure,
-    }
-
-
-def _signal_record(signal: SignalVerdict) -> dict[str, Any]:
-    return {name: value for name, value in asdict(signal).items() if name != "signal"}
+    """A verdict with the names that scripts rely on; its signals by their names."""
+    record = as_json(verdict)
+    return record | {"signals": {one.pop("signal"): one for one in record["signals"]} or None}
 
 
 def _sentence(verdict: Verdict) -> str:

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ....scenarios import is_scene_name, loads, printable
+from ....scenarios import EFFECTS, is_scene_name, loads, printable
 from ....scenarios.regular_files import write_new
 from ..terminal import BAD_INPUT, Complaint
 
@@ -22,18 +22,26 @@ euler_zyz_deg = [0.0, 30.0, 0.0]   # α β γ; or quaternion_wxyz, or rotation_v
 omega_body = [0.0, 0.0, 80.0]      # rad/s; or omega_world, or euler_zyz_rates
 
 # An effect is simulated if its table is here, and only then.
-[effects.gravity]
-acceleration = [0.0, 0.0, -9.81]   # m/s², world axes
-[effects.pivot]                    # the body's origin is held by a frictionless ball joint
-# [effects.drag]
-# rotational = 1e-4                # N m s: torque −c ω
-# [effects.torque]
-# body = [0.0, 0.0, 0.01]          # N m, constant in body axes; or world = […]
-
+{effects}
 [window]
 duration = 2.0                     # s
 samples = 201                      # including t = 0
 """
+
+
+#: Names of the tables that the scene begins with; the others are there as comments.
+BEGINS_WITH = ("gravity", "pivot")
+
+
+def _effects() -> str:
+    """The tables of all effects."""
+    models = {effect.table: effect.model for effect in EFFECTS.values()}
+    texts = {name: f"[effects.{name}]\n{model.EXAMPLE}" for name, model in models.items()}
+    return "".join(
+        line if name in BEGINS_WITH else f"# {line}"
+        for name, text in texts.items()
+        for line in text.splitlines(keepends=True)
+    )
 
 
 def new_scene(name: str) -> Path:
@@ -51,7 +59,7 @@ def new_scene(name: str) -> Path:
             f"got '{printable(name)}'",
             BAD_INPUT,
         )
-    path, text = Path(f"{name}.toml"), TEMPLATE.format(name=name)
+    path, text = Path(f"{name}.toml"), TEMPLATE.format(name=name, effects=_effects())
     loads(text, name)
     try:
         write_new(path, text, replace=False)

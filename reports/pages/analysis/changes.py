@@ -168,7 +168,7 @@ def _errors(
 def _noise(scene: SceneResult, row: Row) -> dict[str, float]:
     """The uncertainty of an error: the reference's, plus an ulp a step times its growth."""
     uncertainty, conditioning = dict(scene.solution.uncertainty), dict(scene.solution.conditioning)
-    uncertainty["omega"] = max(uncertainty["omega"], row.uncertainty)
+    uncertainty["omega"] = max(uncertainty["omega"], row.reference_uncertainty)
     return {name: bound + row.steps * conditioning[name] for name, bound in uncertainty.items()}
 
 

@@ -7,8 +7,9 @@ import numpy as np
 
 from ....engines import Method
 from ....reference import ExactMotion
-from ....scenarios import Errors, ErrorSeries, Scenario, Trajectory, error_series
+from ....scenarios import Errors, ErrorSeries, FloatArray, Scenario, Trajectory, error_series
 from ....scenarios.fastest_rate import fastest_rate
+from ...harness.defects import defects
 from ...results.default_records import DefaultEffects
 from ...results.records import Pair, Row, Verdict
 from ...results.store import Results, SceneResult
@@ -104,18 +105,30 @@ class SceneRuns:
         """Uncertainty of the reference of a run; that of ω is stored with the run."""
         assert self.solved is not None, "a run with errors has a reference"
         of_reference = self.solved.solution.uncertainty
-        return replace(of_reference, omega=max(of_reference.omega, row.uncertainty))
+        return replace(of_reference, omega=max(of_reference.omega, row.reference_uncertainty))
 
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """A run, the exact motion, and the four errors, sample by sample."""
+    """A run, the exact motion, and the errors, sample by sample."""
 
+    scenario: Scenario
     runs: MethodRuns
     row: Row
     motion: Trajectory
     exact: Trajectory
     series: ErrorSeries
+
+    @cached_property
+    def defect(self) -> FloatArray:
+        """The largest over the signals of the defects that end at each sample, (n,).
+
+        NaN at the start, and everywhere if the motion turns too far to be followed.
+        """
+        values = np.full(len(self.motion.t), np.nan)
+        if found := defects(self.scenario, self.motion, self.exact):
+            values[1:] = found.series.distances.max(axis=1)
+        return values
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +193,7 @@ def report_data(results: Results) -> ReportData:
 def _compared(
     scenario: Scenario, runs: MethodRuns, row: Row, motion: Trajectory, exact: Trajectory
 ) -> Compared:
-    return Compared(runs, row, motion, exact, error_series(scenario, motion, exact))
+    return Compared(scenario, runs, row, motion, exact, error_series(scenario, motion, exact))
 
 
 class _ExactMotions:

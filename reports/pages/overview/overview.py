@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from statistics import median
 
 from ....engines import Method
+from ....scenarios import PUSHED
 from ...results.records import Pair, Verdict
 from ...results.verdict_words import LISTED, VerdictKind
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
@@ -100,7 +101,7 @@ def group_of(scene: SceneRuns) -> str:
     if scene.solved is None:
         return "Not solved"
     effects = scene.solved.scenario.called_for
-    if effects & {"drag", "torque_body", "torque_world"}:
+    if effects & PUSHED:
         return "Driven or damped"
     if "pivot" in effects:
         return "On a pivot"

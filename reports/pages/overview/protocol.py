@@ -2,6 +2,7 @@
 
 from ....engines.checks.read_back import READ_BACK_SLACK, READ_BACK_SLACK_SINGLE
 from ....reference.solution import MAX_UNCERTAINTY
+from ....scenarios import EFFECTS
 from ...harness import (
     best_window,
     choice,
@@ -20,6 +21,7 @@ from ..analysis.wording import count, number
 def constants() -> dict[str, str]:
     """Name and printed value of every constant in the text of the protocol."""
     return {
+        "rates": " and ".join(e.rate_formula for e in EFFECTS.values() if e.rate_formula),
         "coarsest_turn": number(ladder.COARSEST_TURN),
         "largest_turn": number(ladder.LARGEST_TURN),
         "least_steps": str(ladder.LEAST_STEPS),

@@ -11,6 +11,8 @@ from spincheck.engines import EngineError, Run
 from spincheck.engines.child import ChildEngine, ProtocolError, child_engine
 from spincheck.engines.child.messages import Stepped
 from spincheck.engines.child.process import ChildProcess, end_idle
+from spincheck.engines.contract import ContractBroken
+from spincheck.engines.contract.checks import restarts_as_it_opens
 from spincheck.engines.contract.scenes import scene
 from spincheck.reports.harness.executors import CallFailed, LocalWorkers
 
@@ -75,6 +77,14 @@ def test_a_child_that_misbehaves_costs_its_run_and_is_reported_by_name(fault: st
     cause, words = FAULTS[fault]
     assert (run.outcome, run.cause) == ("failed", cause)
     assert words in run.reason
+
+
+def test_a_child_that_restarts_keeps_the_contract() -> None:
+    engine = planted()
+    with engine.open(SPHERE, engine.methods[0], TIMESTEP) as session:
+        assert session.can_restart
+    with pytest.raises(ContractBroken, match="restarted, 'omega_body' must read back"):
+        restarts_as_it_opens(planted("restarts with its old spin"), engine.methods[0])
 
 
 def test_a_number_that_is_not_finite_is_a_motion_that_diverged() -> None:

@@ -34,6 +34,7 @@ def test_an_engine_of_fifty_lines_in_another_language_conforms() -> None:
         "heavier": "'mass' must read back as",
         "confesses": "active though the scene does not call for it: wind",
         "faster than time": "it says that 64 steps took",
+        "restarts late": "restarted from its start it moves in another way",
     }.items(),
     ids=str,
 )

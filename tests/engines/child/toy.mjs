@@ -28,13 +28,17 @@ const advance = (steps) => {
 const state = () => ({ q: s[0], omega: turned(s[0], s[1]), com: s[2], velocity: s[3] });
 const nonzero = (vector) => vector.some((x) => x !== 0);
 const answers = {
-  hello: () => ({ protocol: 1, name: 'toy', version: '1.0', precision: 'double', stock_timestep: null,
+  hello: () => ({ protocol: 1, name: 'toy', version: '1.0', precision: 'double', stock_timestep: null, restart: true,
     methods: [{ name: 'midpoint', order: 2, attitude_order: 2, summary: 'explicit midpoint rule',
       effects: ['gravity', 'drag', 'torque_body', 'torque_world'] }] }),
   open: (call) => {
-    ({ scene, timestep: h } = call);
-    s = [scene.q, turned(scene.q, scene.omega, -1), scene.com, scene.velocity];
-    return { state: state(), body: { mass: scene.mass, com: [0, 0, 0], moments: scene.moments, frame: [1, 0, 0, 0], arm: null } };
+    scene = call.scene;
+    return { state: answers.restart({ ...scene, timestep: call.timestep }), body: { mass: scene.mass, com: [0, 0, 0], moments: scene.moments, frame: [1, 0, 0, 0], arm: null } };
+  },
+  restart: ({ q, omega, com, velocity, timestep }) => {
+    h = timestep;
+    s = [q, turned(q, omega, -1), com, velocity];
+    return state();
   },
   run: ({ steps }) => { advance(steps); return state(); },
   time: ({ steps }) => { const t = performance.now(); advance(steps); return { seconds: (performance.now() - t) / 1e3 }; },

@@ -54,7 +54,7 @@ def test_what_the_library_knows_of_engines_is_so():
         for fault in scene.expected_failures:
             engine = engines()[fault.engine]
             study = convergence_study_of(scene, engine, engine.method(fault.method), prepared)
-            assert verdict_of(study).is_expected_failure
+            assert verdict_of(study).expected_failure
 
 
 def test_a_ladder_that_was_cut_short_does_not_refute_it():

@@ -18,7 +18,7 @@ from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import CallFailed, Executor
 from spincheck.reports.harness.study import prepare, simulate
 from spincheck.reports.results import fingerprints as fingerprints
-from spincheck.reports.results.records import Row
+from spincheck.reports.results.records import Record, Row
 from spincheck.reports.results.store import Results, Store, open_store
 from spincheck.scenarios import loads
 from studies import study as study_of
@@ -73,13 +73,13 @@ def undisturbed(tmp_path_factory) -> Results:
 def runs(monkeypatch) -> list[Row]:
     """The rows stored from now on."""
     stored: list[Row] = []
-    put_row = Store.put_row
+    put = Store.put
 
-    def counting(store: Store, row: Row) -> None:
-        put_row(store, row)
-        stored.append(row)
+    def counting(store: Store, *records: Record) -> None:
+        put(store, *records)
+        stored.extend(record for record in records if isinstance(record, Row))
 
-    monkeypatch.setattr(Store, "put_row", counting)
+    monkeypatch.setattr(Store, "put", counting)
     return stored
 
 
@@ -95,15 +95,15 @@ def test_a_study_that_is_complete_runs_nothing(path, runs, undisturbed):
 def test_a_study_stopped_after_some_rows_runs_only_the_others(
     path, runs, undisturbed, monkeypatch, rows
 ):
-    put_row = Store.put_row
+    put = Store.put
 
-    def stopping(store: Store, row: Row) -> None:
-        if len(runs) == rows:
+    def stopping(store: Store, *records: Record) -> None:
+        if len(runs) == rows and isinstance(records[0], Row):
             raise KeyboardInterrupt
-        put_row(store, row)
+        put(store, *records)
 
     with monkeypatch.context() as patch:
-        patch.setattr(Store, "put_row", stopping)
+        patch.setattr(Store, "put", stopping)
         with pytest.raises(KeyboardInterrupt):
             run(path)
     run(path)
@@ -190,7 +190,7 @@ def test_an_unmet_expectation_is_reported_by_a_study_that_was_gone_on_with(path,
     run(path)
     again = [verdict.unmet for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
     assert unmet == again
-    assert "omega error" in unmet[0][0]
+    assert "ω error" in unmet[0][0]
 
 
 def test_a_timestep_is_run_once_however_often_it_is_asked_for(path, runs):
@@ -289,7 +289,7 @@ def overrun(path: Path, reason: str) -> None:
         stored = store.read()
         (verdict,) = (v for v in stored.verdicts if v.key.engine == "Heun")
         row = next(row for row in stored.rows if row.key == verdict.key)
-        store.put_row(replace(row, outcome="failed", reason=reason, errors=None))
+        store.put(replace(row, outcome="failed", reason=reason, errors=None))
         store.put_verdict(replace(verdict, verdict="failed", reason=reason))
 
 

@@ -72,14 +72,14 @@ def test_nor_is_it_if_single_stretches_are_disturbed(clock: Clock) -> None:
 def test_the_first_steps_are_not_timed(clock: Clock) -> None:
     slow = Clockwork(clock, lambda steps, taken: steps * TAKES * (1 if taken else 1000))
     measured = cost_of(slow)
-    assert measured.seconds_per_step + measured.spread == pytest.approx(TAKES, rel=TICK)
+    assert measured.seconds_per_step + measured.seconds_spread == pytest.approx(TAKES, rel=TICK)
 
 
 def test_the_least_is_quoted_and_the_spread_beside_it(clock: Clock) -> None:
     noise = iter(np.tile([1.5, 1.0, 1.25], 100))
     measured = cost_of(Clockwork(clock, lambda steps, _: steps * TAKES * float(next(noise))))
     assert measured.seconds_per_step == pytest.approx(TAKES, rel=TICK)
-    assert measured.spread == pytest.approx(0.5 * TAKES, rel=2 * TICK)
+    assert measured.seconds_spread == pytest.approx(0.5 * TAKES, rel=2 * TICK)
 
 
 def test_the_wall_clocks_time_is_distinguished(clock: Clock) -> None:

@@ -12,7 +12,7 @@ from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.stock import COMMON_TIMESTEP, STEP_BUDGET, stock_rung
 from spincheck.reports.harness.study import run_study
-from spincheck.reports.results.records import Row
+from spincheck.reports.results.records import Record, Row
 from spincheck.reports.results.store import Results, Store, open_store
 from spincheck.scenarios import loads
 
@@ -75,27 +75,35 @@ def test_a_blow_up_at_a_stock_timestep_leaves_the_verdict(tmp_path, monkeypatch)
     assert results.verdicts[0].verdict == "converges"
 
 
+def rows_of(records: tuple[Record, ...]) -> list[Row]:
+    return [record for record in records if isinstance(record, Row)]
+
+
 def test_stock_runs_are_not_made_again(tmp_path, monkeypatch):
     path, put = tmp_path / "r.sqlite", []
     study(path, HeunAsSold())
-    monkeypatch.setattr(Store, "put_row", lambda _, row: put.append(row))
+    monkeypatch.setattr(Store, "put", lambda _, *records: put.extend(rows_of(records)))
     study(path, HeunAsSold())
     assert put == []
 
 
 def test_a_study_stopped_before_its_stock_runs_makes_them_alone(tmp_path, monkeypatch):
-    path, put_row, stored = tmp_path / "r.sqlite", Store.put_row, []
+    path, put, stored = tmp_path / "r.sqlite", Store.put, []
 
-    def stopping(store: Store, row: Row) -> None:
-        if row.stock:
+    def stopping(store: Store, *records: Record) -> None:
+        if any(row.stock for row in rows_of(records)):
             raise KeyboardInterrupt
-        put_row(store, row)
+        put(store, *records)
+
+    def storing(store: Store, *records: Record) -> None:
+        put(store, *records)
+        stored.extend(rows_of(records))
 
     with monkeypatch.context() as patch:
-        patch.setattr(Store, "put_row", stopping)
+        patch.setattr(Store, "put", stopping)
         with pytest.raises(KeyboardInterrupt):
             study(path, HeunAsSold())
-    monkeypatch.setattr(Store, "put_row", lambda s, row: (stored.append(row), put_row(s, row)))
+    monkeypatch.setattr(Store, "put", storing)
     study(path, HeunAsSold())
     assert {row.timestep for row in stored} == {STOCK, COMMON_TIMESTEP}
 

@@ -48,7 +48,7 @@ def put_results(store: Store) -> None:
     for scene_result in stored.scenes.values():
         store.put_scene(scene_result.scenario, scene_result.solution)
     for row in stored.rows:
-        store.put_row(row)
+        store.put(row)
     for verdict in stored.verdicts:
         store.put_verdict(verdict)
 

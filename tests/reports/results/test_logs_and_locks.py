@@ -9,7 +9,6 @@ import command_line
 import pytest
 import small_result_file
 from spincheck.reports.results import result_file
-from spincheck.reports.results.environment import processor
 from spincheck.reports.results.result_file import ResultFileError
 from spincheck.reports.results.store import open_store
 
@@ -147,7 +146,7 @@ def test_what_is_forgotten_is_gone_and_nothing_else(path):
         store.forget([key])
         results = store.read()
         assert (results.rows, results.verdicts, results.effects) == ([], [], [])
-        assert store.timed_on(processor()) == set()
+        assert store.timed() == set()
         assert results.scenes
         assert results.maps[0].points
 

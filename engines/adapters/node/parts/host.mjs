@@ -24,11 +24,14 @@ function acting(scene, { gravity, joints, others = {} }) {
 // An engine has open(scene, method, timestep) → what it holds, with state, advance, close; and of what it holds
 // body(held, scene), and acts(held, scene): gravity, joints, others.
 export async function serve({ open, body, acts, ...engine }) {
-  let held = null, scene = null;
+  let held = null, opened = null, scene = null;
+  // A world is built in less time than an engine takes to forget: a restart is a new one.
+  const build = (call) => { held?.close(); opened = call; scene = call.scene; held = open(scene, call.method, call.timestep); };
   const answers = {
-    hello: () => ({ protocol: 1, ...engine }),
-    open: (call) => { held?.close(); scene = call.scene; held = open(scene, call.method, call.timestep);
-      return { body: body(held, scene), state: held.state() }; },
+    hello: () => ({ protocol: 1, restart: true, ...engine }),
+    open: (call) => { build(call); return { body: body(held, scene), state: held.state() }; },
+    restart: ({ q, omega, com, velocity, timestep }) => {
+      build({ ...opened, timestep, scene: { ...scene, q, omega, com, velocity } }); return held.state(); },
     run: ({ steps }) => { held.advance(steps); return held.state(); },
     time: ({ steps }) => { const begun = performance.now(); held.advance(steps); return { seconds: (performance.now() - begun) / 1e3 }; },
     active: () => ({ active: acting(scene, acts(held, scene)) }),

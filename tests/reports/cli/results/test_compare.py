@@ -247,7 +247,7 @@ def stored(tmp_path):
         with open_store(tmp_path / name, create=True) as store:
             store.put_scene(scene.scenario, scene.solution)
             store.put_verdict(Verdict(KEY, word, ""))
-            store.put_row(Row(KEY, "1", 0.01, errors=Errors(*[1e-6] * 6), outcome="ok"))
+            store.put(Row(KEY, "1", 0.01, errors=Errors(*[1e-6] * 6), outcome="ok"))
         return tmp_path / name
 
     return write

@@ -11,7 +11,7 @@ import pytest
 from command_line import spincheck
 from spincheck.reports.cli.results.csv_export import csv_text
 from spincheck.reports.cli.run.summary import results_as_json, row_record, verdict_record
-from spincheck.reports.results.cost_records import StepCost
+from spincheck.reports.results.cost_records import MethodCost, StepCost
 from spincheck.reports.results.store import open_store
 
 RESULTS = made_up.results(samples=11)
@@ -40,8 +40,8 @@ def path(tmp_path_factory):
         for scene_result in RESULTS.scenes.values():
             store.put_scene(scene_result.scenario, scene_result.solution)
         for row in RESULTS.rows:
-            store.put_row(row)
-            store.put_cost(row.key, "a processor", StepCost(1e-6, 1e-7, 2e-6))
+            store.put(row)
+            store.put(MethodCost(row.key, "a processor", StepCost(1e-6, 1e-7, 2e-6)))
         for verdict in RESULTS.verdicts:
             store.put_verdict(verdict)
     return path

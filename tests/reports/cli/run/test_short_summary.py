@@ -28,7 +28,7 @@ def test_what_fails_is_reported_with_its_reason_and_how_many_more_there_are():
             verdict,
             verdict="disagrees",
             reason="R" * 500,
-            is_expected_failure=False,
+            expected_failure=False,
             as_shipped=False,
         )
         for verdict in FOUND.verdicts

@@ -63,11 +63,12 @@ def brick() -> dict[str, Titled]:
 
 
 def test_a_heavy_top_has_its_figures(top: dict[str, Titled]) -> None:
-    assert list(top) == ["tilt", "omega", "convergence", "cost", "axis", "polhode", "potential"]
+    motion, ladder = ["tilt", "omega", "defect"], ["convergence", "cost"]
+    assert list(top) == [*motion, *ladder, "axis", "polhode", "potential"]
 
 
 def test_a_free_body_has_its_figures(brick: dict[str, Titled]) -> None:
-    assert list(brick) == ["tilt", "omega", "convergence", "cost", "polhode"]
+    assert list(brick) == ["tilt", "omega", "defect", "convergence", "cost", "polhode"]
 
 
 def test_a_scene_without_an_exact_motion_has_none() -> None:

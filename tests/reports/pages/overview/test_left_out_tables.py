@@ -26,7 +26,7 @@ BY_PASS = PassCosts(
 @pytest.mark.parametrize("cost", [WHOLE, BY_PASS], ids=["as a whole", "pass by pass"])
 def test_it_comes_back_from_the_result_file(tmp_path, cost):
     with open_store(tmp_path / "results.sqlite", create=True) as store:
-        store.put_left_out(cost)
+        store.put(cost)
         results = store.read()
     assert [*results.effects, *results.passes] == [cost]
 

@@ -1,0 +1,1 @@
+../../reports/interface/__init__.py

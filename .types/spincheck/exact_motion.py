@@ -1,0 +1,1 @@
+../../reports/interface/exact_motion.py

@@ -1,0 +1,1 @@
+../../reports/interface/single_run.py

@@ -1,0 +1,140 @@
+"""A scene in a world of an adapter's stand-alone module, which `reproduce` writes out whole."""
+
+import ast
+import inspect
+import re
+from abc import abstractmethod
+from collections.abc import Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from ..scenarios import FloatArray, Scenario
+from ..scenarios.effects.push import is_pushed, push
+from .checks.read_back import BodyReading, EngineError, State
+from .scene_record import ABOUT, RecordFrame, scene_record
+from .session import Session
+
+#: The module that worlds share.
+PARTS = Path(__file__).with_name("world_parts.py")
+_RELATIVE_IMPORT = re.compile(r"^from \.[\w.]* import .+\n", re.MULTILINE)
+
+
+class World(Protocol):
+    """What a stand-alone module has: `World(scene, method, timestep)`, the scene as a record."""
+
+    def advance(self, steps: int) -> None:
+        """Take whole steps."""
+
+    def motion(self) -> Sequence[float]:
+        """Attitude w x y z and ω of the record's axes, com and its velocity, world axes, (13,)."""
+
+    def restart(self, motion: dict[str, list[float]], timestep: float) -> None:
+        """Set another motion and timestep, as if the world were new."""
+
+
+class HeldBody(NamedTuple):
+    """A body as a world holds it, as `RecordFrame.body` takes it."""
+
+    mass: float
+    com: Sequence[float] | FloatArray
+    inertia_com: FloatArray
+    arm: Sequence[float] | FloatArray | None
+
+
+class WorldSession(Session):
+    """One body in a world; adapters add how it is read.
+
+    Parameters
+    ----------
+    module : the name of the adapter's stand-alone module, which imports the engine
+    """
+
+    def __init__(self, module: str, scenario: Scenario, method: str, timestep: float) -> None:
+        self.module = import_module(module)
+        self.scenario, self.timestep = scenario, timestep
+        self.scene, self.frame = scene_record(scenario), RecordFrame.of(scenario)
+        self.world: Any = self.module.World(self.scene, method, timestep)
+
+    @abstractmethod
+    def held(self) -> HeldBody:
+        """The body as the engine holds it."""
+
+    @property
+    def can_restart(self) -> bool:
+        """Always."""
+        return True
+
+    def restart(self, state: State, timestep: float | None = None) -> None:
+        """As in `Session`."""
+        self.timestep = self.timestep if timestep is None else timestep
+        self.world.restart(self.frame.motion(state), self.timestep)
+
+    def read_body(self) -> BodyReading:
+        """In the scene's body axes."""
+        return self.frame.body(*self.held())
+
+    def read_state(self) -> State:
+        """The state now."""
+        return self.states([self.snapshot()]).rows(0)
+
+    def snapshot(self) -> Sequence[float]:
+        """The motion in the record's frames, of an engine without trouble."""
+        self.check()
+        motion: Sequence[float] = self.world.motion()
+        if not np.isfinite(motion).all():
+            raise EngineError("the state is no longer finite", "not-finite")
+        return motion
+
+    def states(self, snapshots: Sequence[Any]) -> State:
+        """The states of n snapshots, in the scene's body axes."""
+        return self.frame.states(np.array(snapshots, dtype=float))
+
+    def advance(self, steps: int) -> None:
+        """As the world does."""
+        self.world.advance(steps)
+
+    def check(self) -> None:
+        """Nothing to do: a state that is not finite raises when it is read."""
+
+    def close(self) -> None:
+        """Drop the world."""
+        del self.world
+
+
+def world_script(path: Path, scenario: Scenario, method: str) -> str:
+    """A run as Python: the stand-alone module, the scene's record as data, and its steps."""
+    record = scene_record(scenario)
+    entries = "\n".join(f'    "{key}": {record[key]!r},  # {about}' for key, about in ABOUT.items())
+    pushing = "\n\n".join(inspect.getsource(function) for function in (is_pushed, push))
+    return f"""{_code(PARTS)}
+
+{pushing}
+
+{_code(path)}
+
+SCENE = {{
+{entries}
+}}
+world = World(SCENE, {method!r}, TIMESTEP)
+
+
+def step(count):
+    world.advance(count)
+
+
+def state():
+    \"\"\"Attitude, w x y z, body to world, and angular velocity in body axes.\"\"\"
+    motion = np.array(world.motion())
+    q = product(motion[:4] / np.linalg.norm(motion[:4]), conjugate(np.array(SCENE["axes"])))
+    return q, turned(conjugate(q), motion[4:7])
+"""
+
+
+def _code(path: Path) -> str:
+    """A module's text without its docstring and what it imports from the folders around it."""
+    text = path.read_text(encoding="utf-8")
+    docstring = ast.parse(text).body[0].end_lineno or 0
+    return _RELATIVE_IMPORT.sub("", "\n".join(text.splitlines()[docstring:])).strip() + "\n"

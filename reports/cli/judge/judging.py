@@ -1,0 +1,174 @@
+"""What the command `judge` does, and prints."""
+
+import textwrap
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from math import pi
+from pathlib import Path
+from typing import Any, get_args
+
+from ....scenarios import SIGNAL, Scenario, did_you_mean, printable
+from ...harness.recorded.judged import JudgedMotion, judged_motion
+from ...harness.recorded.motion import OmegaFrame, QuaternionOrder
+from ...harness.recorded.read import RecordingError, read_recording
+from ..terminal import AGREES, BAD_INPUT, DISAGREES, Complaint, table
+
+#: Columns that reasons are wrapped at.
+WIDTH = 80
+#: By the unit behind a bound on the attitude, what it is multiplied by to be in rad.
+ANGLES = {"deg": pi / 180, "°": pi / 180, "rad": 1.0}
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """Recorded motions of a scene beside the exact one.
+
+    Attributes
+    ----------
+    motions : by the name of their file
+    beyond : what exceeds a bound that the user gave, one sentence each
+    """
+
+    scenario: Scenario
+    motions: dict[str, JudgedMotion]
+    beyond: list[str]
+
+    @property
+    def exit_code(self) -> int:
+        """1 if a motion is another one, or beyond a bound."""
+        explained = any(motion.explained_by for motion in self.motions.values())
+        return DISAGREES if self.beyond or explained else AGREES
+
+
+def judged_files(
+    scenario: Scenario,
+    files: Sequence[Path],
+    quaternion: str | None,
+    omega: str | None,
+    timesteps: Sequence[float],
+    bounds: Sequence[str],
+) -> Judgement:
+    """Read and judge files.
+
+    Raises
+    ------
+    Complaint
+        If a file, flag or bound cannot be used.
+    """
+    order: QuaternionOrder | None = _one_of("--quaternion", quaternion, QuaternionOrder)
+    frame: OmegaFrame | None = _one_of("--omega", omega, OmegaFrame)
+    if timesteps and len(timesteps) != len(files):
+        raise Complaint(
+            f"'--timestep' must be given once for each file, got {len(timesteps)} for {len(files)}",
+            BAD_INPUT,
+        )
+    wanted = dict(_bound(bound) for bound in bounds)
+    motions = {}
+    for k, file in enumerate(files):
+        timestep = timesteps[k] if timesteps else None
+        try:
+            recording = read_recording(file)
+            motions[str(file)] = judged_motion(scenario, recording, order, frame, timestep)
+        except RecordingError as error:
+            where = "" if str(error).startswith(printable(str(file))) else f"{file}: "
+            raise Complaint(f"{where}{error}", BAD_INPUT) from None
+    beyond = [
+        f"{name}: {sentence}"
+        for name, motion in motions.items()
+        for sentence in motion.beyond(wanted)
+    ]
+    return Judgement(scenario, motions, beyond)
+
+
+def _one_of(option: str, value: str | None, words: Any) -> Any:
+    known = get_args(words)
+    if value is not None and value not in known:
+        raise Complaint(f"'{option}' must be {' or '.join(known)}, got '{value}'", BAD_INPUT)
+    return value
+
+
+def _bound(text: str) -> tuple[str, float]:
+    """A signal and the largest error allowed, relative or in rad."""
+    name, _, number = text.partition("=")
+    if name not in SIGNAL:
+        hint = did_you_mean(name, SIGNAL)
+        known = ", ".join(SIGNAL)
+        raise Complaint(
+            f"'--fail-above' must begin with one of {known}, got '{name}'{hint}", BAD_INPUT
+        )
+    factor = 1.0
+    if SIGNAL[name].unit == "rad":
+        unit = next((unit for unit in ANGLES if number.endswith(unit)), "rad")
+        number, factor = number.removesuffix(unit), ANGLES[unit]
+    try:
+        bound = float(number) * factor
+    except ValueError:
+        bound = -1.0
+    if not 0 <= bound < float("inf"):
+        raise Complaint(
+            f"'--fail-above' must be SIGNAL=BOUND, such as {name}=1e-3, got '{text}'", BAD_INPUT
+        )
+    return name, bound
+
+
+def judgement_as_json(judgement: Judgement) -> dict[str, Any]:
+    """Scene, and by file the errors and what explains them."""
+    return {
+        "scenario": judgement.scenario.name,
+        "files": [
+            {
+                "file": name,
+                "timestep": motion.timestep,
+                **{SIGNAL[signal].key: error for signal, error in motion.errors.items()},
+                "exceeds_1deg_at": motion.exceeds_1deg_at,
+                "drifts": motion.drifts,
+                "explained_by": motion.explained_by,
+                "defect": {signal: asdict(defect) for signal, defect in motion.defects.items()},
+                "ignored": motion.ignored,
+            }
+            for name, motion in judgement.motions.items()
+        ],
+        "beyond": judgement.beyond,
+    }
+
+
+def print_judgement(judgement: Judgement) -> None:
+    """Print each file's errors, the mistakes that explain them, and the bounds exceeded."""
+    for name, motion in judgement.motions.items():
+        print("\n".join(_lines(name, motion)))
+        table(_rows(motion))
+    for sentence in judgement.beyond:
+        print(sentence)
+
+
+def _lines(name: str, motion: JudgedMotion) -> Iterator[str]:
+    t = motion.recorded.trajectory.t
+    yield f"{printable(name)}: {len(t)} samples from {t[0]:g} to {t[-1]:g} s"
+    sentences = [f"Explained by: {words}." for words in motion.explained_by]
+    if not motion.recorded.has_omega:
+        sentences.append("ω was not recorded; L and energy are of ω found from the attitudes.")
+    if motion.ignored:
+        sentences.append(f"Columns that mean nothing here: {', '.join(motion.ignored)}.")
+    when = motion.exceeds_1deg_at
+    sentences.append(
+        "The attitude is within 1° of the exact one throughout."
+        if when is None
+        else f"The attitude is off by more than 1° from t = {when:.4g} s on."
+    )
+    for sentence in sentences:
+        yield from textwrap.wrap(printable(sentence), WIDTH)
+
+
+def _rows(motion: JudgedMotion) -> list[dict[str, object]]:
+    """A row a signal: the largest error, and its defects from sample to sample."""
+    return [
+        {
+            "signal": f"{SIGNAL[name].label}, {SIGNAL[name].unit or 'relative'}",
+            "largest error": error,
+            "defect, median": motion.defects[name].p50 if name in motion.defects else None,
+            "largest": motion.defects[name].max if name in motion.defects else None,
+            "at, s": motion.defects[name].at if name in motion.defects else None,
+        }
+        for name, error in motion.errors.items()
+        if error is not None
+    ]

@@ -1,0 +1,1 @@
+"""Motions that somebody recorded: read, compared with the exact motion, explained."""

@@ -1,0 +1,130 @@
+"""A recorded motion beside the exact one: its errors, and what explains them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from ....reference import ExactMotion, IntegrationError, Solution, drifts
+from ....scenarios import SIGNAL, FloatArray, Misfit, Scenario, check_scales, error_series
+from ...results.records import Defect
+from ..defects import defects
+from .mistakes import Reading, mistakes
+from .motion import OmegaFrame, QuaternionOrder, RecordedMotion, recorded_motion
+from .read import Recording, RecordingError
+
+EPS = float(np.finfo(float).eps)
+#: rad; the bound that is reported where a user names none.
+DEGREE = pi / 180
+#: The signals that a recording without a quantity says nothing of.
+WITHOUT = {"com": ("com",), "velocity": ("velocity",)}
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedMotion:
+    """A recorded motion beside the exact one.
+
+    Attributes
+    ----------
+    recorded : the motion as it was read
+    solution : the exact motion at its times
+    timestep : s, if the file or the user states it
+    errors : the largest of each signal, by name; None for a signal that was not recorded
+    exceeds_1deg_at : s, the first time at which the attitude is off by more than 1°; None if never
+    drifts : the largest change of each conserved quantity, relative
+    defects : of the steps from sample to sample, by signal; empty if they cannot be followed
+    explained_by : mistakes in recording that explain the difference, in words
+    ignored : headings of the file that mean nothing here
+    """
+
+    recorded: RecordedMotion
+    solution: Solution
+    timestep: float | None
+    errors: dict[str, float | None]
+    exceeds_1deg_at: float | None
+    drifts: dict[str, float]
+    defects: dict[str, Defect]
+    explained_by: tuple[str, ...]
+    ignored: tuple[str, ...]
+
+    def beyond(self, bounds: Mapping[str, float]) -> list[str]:
+        """The bounds that are not kept, one sentence each.
+
+        Parameters
+        ----------
+        bounds : largest error allowed, by signal, relative or in rad
+        """
+        return [
+            f"{SIGNAL[name].label} is off by {error:.3g} {SIGNAL[name].unit or '(relative)'}, "
+            f"more than {bound:.3g}"
+            for name, bound in bounds.items()
+            if (error := self.errors[name]) is not None and not error <= bound
+        ]
+
+
+def judged_motion(
+    scenario: Scenario,
+    recording: Recording,
+    quaternion: QuaternionOrder | None = None,
+    omega: OmegaFrame | None = None,
+    timestep: float | None = None,
+) -> JudgedMotion:
+    """Compare a recorded motion with the exact one at the same times.
+
+    Parameters
+    ----------
+    quaternion, omega, timestep : how its columns are to be read, and the timestep it was made with,
+        s; where None, as the file states, else w x y z and body axes
+
+    Raises
+    ------
+    RecordingError
+        If its times are beyond those at which the exact motion is known, or ω is missing and cannot
+        be found from the attitudes.
+    """
+    stated = recording.settings
+    order: QuaternionOrder = quaternion or (
+        "xyzw" if stated.get("quaternion") == "xyzw" else "wxyz"
+    )
+    frame: OmegaFrame = omega or ("world" if stated.get("omega") == "world" else "body")
+    solution = _solution(scenario, recording.arrays["t"])
+    exact = solution.trajectory
+    recorded = recorded_motion(scenario, recording, exact, order, frame)
+    series = error_series(scenario, recorded.trajectory, exact)
+    errors: dict[str, float | None] = dict(series.worst())
+    for name, signals in WITHOUT.items():
+        if name not in recording.arrays and not scenario.has_pivot:
+            errors |= dict.fromkeys(signals)
+    if not recorded.has_omega:
+        errors["omega"] = None
+    of_steps = defects(scenario, recorded.trajectory, exact)
+    beyond = np.flatnonzero(series["attitude"] > DEGREE)
+    return JudgedMotion(
+        recorded,
+        solution,
+        timestep or (float(stated["timestep"]) if "timestep" in stated else None),
+        errors,
+        float(exact.t[beyond[0]]) if len(beyond) else None,
+        drifts(scenario, recorded.trajectory),
+        of_steps.summary(len(exact.t) - 1, EPS) if of_steps else {},
+        tuple(mistakes(scenario, exact, Reading(recording, order, frame))),
+        recording.ignored,
+    )
+
+
+def _solution(scenario: Scenario, times: FloatArray) -> Solution:
+    """The exact motion at all of the times."""
+    try:
+        check_scales(scenario, until=max(scenario.window.duration, float(times[-1])))
+        solution = ExactMotion(scenario).solve(times)
+    except (Misfit, IntegrationError) as error:
+        raise RecordingError(f"{scenario.name} until {times[-1]:g} s: {error}") from None
+    known = len(solution.trajectory.t)
+    if known < len(times):
+        raise RecordingError(
+            f"the exact motion of {scenario.name} is known until {solution.horizon:.6g} s only, "
+            f"since it is chaotic; sample {known + 1} is at {times[known]:.6g} s: leave out what "
+            "comes after"
+        )
+    return solution

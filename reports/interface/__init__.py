@@ -1,0 +1,127 @@
+"""Exact motions of spinning bodies, and what physics engines make of them.
+
+The Python interface: what stands in `__all__`, and in `spincheck.testing`, is stable; everything
+else is private. Modules are imported when a function is called: `import spincheck` takes no time.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+    from spincheck.reports.harness.recorded.judged import JudgedMotion
+    from spincheck.reports.results.records import Row
+    from spincheck.scenarios import Scenario
+
+    from .exact_motion import ExactMotion
+    from .stored import StoredResults
+
+    #: A scene's name in the library, the path of its file, its tables, or the scene itself.
+    Scene = str | Path | Mapping[str, Any] | Scenario
+
+__all__ = ["exact", "judge", "load", "results", "run"]
+
+
+def load(scene: "Scene", name: str = "scene") -> "Scenario":
+    """Return a scene.
+
+    Parameters
+    ----------
+    scene : its name in the library, the path of its file, or its tables as a dict, as the file has
+        them; NumPy's arrays may stand for lists
+    name : of a scene from a dict
+
+    Raises
+    ------
+    spincheck.scenarios.ScenarioError
+        If there is no such scene, or it breaks a rule of the format.
+    """
+    from spincheck.scenarios import Scenario, find, from_tables
+    from spincheck.scenarios import load as load_file
+
+    if isinstance(scene, Scenario):
+        return scene
+    if isinstance(scene, Mapping):
+        return from_tables(scene, name)
+    (path,) = find([str(scene)])
+    return load_file(path)
+
+
+def exact(scene: "Scene") -> "ExactMotion":
+    """Return the exact motion of a scene; its method `at` gives states at any times.
+
+    Raises
+    ------
+    spincheck.scenarios.ScenarioError
+        As `load`.
+    """
+    from .exact_motion import ExactMotion
+
+    return ExactMotion(load(scene))
+
+
+def judge(
+    scene: "Scene",
+    *,
+    t: "ArrayLike",
+    q_wxyz: "ArrayLike | None" = None,
+    q_xyzw: "ArrayLike | None" = None,
+    omega_body: "ArrayLike | None" = None,
+    omega_world: "ArrayLike | None" = None,
+    com: "ArrayLike | None" = None,
+    velocity: "ArrayLike | None" = None,
+) -> "JudgedMotion":
+    """Return the errors of a recorded motion, and what explains them.
+
+    Parameters
+    ----------
+    t : (n,) s, increasing, from 0 on
+    q_wxyz, q_xyzw : (n, 4) attitudes, body to world components; one of the two
+    omega_body, omega_world : (n, 3) rad/s; at most one, else ω is found from the attitudes
+    com, velocity : (n, 3) m and m/s, world axes, of the centre of mass, if there
+
+    Raises
+    ------
+    ValueError
+        If the arrays are no motion, or go beyond the time to which the exact motion is known.
+    spincheck.scenarios.ScenarioError
+        As `load`.
+    """
+    from .recorded import judged
+
+    arrays = {"t": t, "q_wxyz": q_wxyz, "q_xyzw": q_xyzw, "omega_body": omega_body}
+    arrays |= {"omega_world": omega_world, "com": com, "velocity": velocity}
+    return judged(load(scene), {name: a for name, a in arrays.items() if a is not None})
+
+
+def run(scene: "Scene", *, engine: str, method: str, timestep: float) -> "Row":
+    """Simulate a scene with one method and timestep, in a process of its own.
+
+    Returns
+    -------
+    The run: its `outcome` and `reason`, its `errors` if it is ok, its `motion`.
+
+    Raises
+    ------
+    ValueError
+        If there is no such engine or method, or the timestep does not fit the scene's window.
+    spincheck.scenarios.ScenarioError
+        As `load`.
+    """
+    from .single_run import single_run
+
+    return single_run(load(scene), engine, method, timestep)
+
+
+def results(path: "str | Path") -> "StoredResults":
+    """Return the runs and verdicts of a result file, as lists of records.
+
+    Raises
+    ------
+    spincheck.reports.results.result_file.ResultFileError
+        If the file is missing or cannot be read.
+    """
+    from .stored import StoredResults
+
+    return StoredResults.read(Path(path))

@@ -1,0 +1,86 @@
+"""The exact motion of a scene at any times, with its uncertainty."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import ArrayLike
+from spincheck.reference import ExactMotion as Solver
+from spincheck.scenarios import (
+    Errors,
+    FloatArray,
+    Scenario,
+    angular_momentum_world,
+    check_scales,
+    energy,
+)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class ExactStates:
+    """States of the exact motion; arrays are read-only, SI.
+
+    Attributes
+    ----------
+    t : (n,) s
+    q_world_body_wxyz : (n, 4) unit quaternions, scalar first: body to world components
+    omega_body, omega_world : (n, 3) rad/s
+    com_world, velocity_world : (n, 3) m and m/s, of the centre of mass
+    angular_momentum_world : (n, 3) kg m²/s, about the pivot, or the com where there is none
+    energy : (n,) J, kinetic and potential, the latter zero at the world's origin
+    uncertainty : an upper bound on the error in each signal: `uncertainty["attitude"]` in rad,
+        others relative
+    method : how the motion was solved, in words
+    """
+
+    t: FloatArray
+    q_world_body_wxyz: FloatArray
+    omega_body: FloatArray
+    omega_world: FloatArray
+    com_world: FloatArray
+    velocity_world: FloatArray
+    angular_momentum_world: FloatArray
+    energy: FloatArray
+    uncertainty: Errors
+    method: str
+
+
+@final
+class ExactMotion:
+    """The exact motion of one scene."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario, self._solver = scenario, Solver(scenario)
+
+    def at(self, times: ArrayLike) -> ExactStates:
+        """Return the states at times, s, (n,), increasing, from 0 on; one time is taken too.
+
+        Raises
+        ------
+        ValueError
+            If the times are not such, or beyond the horizon of a chaotic motion.
+        spincheck.reference.IntegrationError
+            If the motion cannot be integrated that far.
+        """
+        wanted = np.atleast_1d(np.asarray(times, dtype=float))
+        check_scales(self._scenario, until=max(self._scenario.window.duration, float(wanted[-1])))
+        solution = self._solver.solve(wanted)
+        motion = solution.trajectory
+        if len(motion.t) < len(wanted):
+            raise ValueError(
+                f"'times' must not exceed {solution.horizon:.6g} s, up to which this chaotic "
+                f"motion is known; got {wanted[-1]:.6g}."
+            )
+        return ExactStates(
+            motion.t,
+            motion.q_world_body_wxyz,
+            motion.omega_body,
+            motion.to_world(motion.omega_body),
+            motion.com_world,
+            motion.velocity_world,
+            angular_momentum_world(self._scenario, motion),
+            energy(self._scenario, motion),
+            solution.uncertainty,
+            solution.method,
+        )

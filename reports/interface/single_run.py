@@ -1,0 +1,42 @@
+"""One run, for scripts."""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from spincheck.engines import engines, missing
+from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.executors import LocalWorkers
+from spincheck.reports.harness.plan import plan
+from spincheck.reports.harness.study import run_study
+from spincheck.reports.results.records import Row
+from spincheck.reports.results.store import open_store
+from spincheck.scenarios import Scenario
+
+
+def single_run(scenario: Scenario, engine: str, method: str, timestep: float) -> Row:
+    """Run one method with one timestep, in a worker process.
+
+    Raises
+    ------
+    ValueError
+        If there is no such engine or method, or the timestep does not fit the window.
+    """
+    known = engines()
+    if engine not in known:
+        why = next((f" ({m.reason})" for m in missing() if m.name == engine), "")
+        raise ValueError(f"'engine' must be one of {', '.join(known)}, got '{engine}'{why}.")
+    methods = [one.name for one in known[engine].methods]
+    if method not in methods:
+        raise ValueError(f"'method' must be one of {', '.join(methods)}, got '{method}'.")
+    if not 0 < timestep <= scenario.window.duration:
+        longest = scenario.window.duration
+        raise ValueError(f"'timestep' must be above 0 and at most {longest:g} s, got {timestep}.")
+    choice = Choice((known[engine],), (method,), (timestep,), timed=False)
+    with (
+        TemporaryDirectory() as folder,
+        open_store(Path(folder) / "run.sqlite", create=True) as store,
+        LocalWorkers(1) as executor,
+    ):
+        run_study(plan([scenario], choice, store), choice, store, executor, lambda _: None)
+        rows = store.read(choice.timesteps).rows
+    return next(row for row in rows if row.timestep in (timestep, 0.0))

@@ -1,0 +1,56 @@
+"""The contents of a result file for scripts and notebooks."""
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, replace
+from importlib import import_module
+from pathlib import Path
+from typing import Any, Self, final
+
+from spincheck.reports.results.records import Row, Verdict
+from spincheck.reports.results.store import open_store
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class StoredResults:
+    """Runs and verdicts of a result file; both also as a `pandas.DataFrame`, with pandas installed.
+
+    Attributes
+    ----------
+    rows : the runs
+    verdicts : one for each scene and method
+    """
+
+    rows: list[Row]
+    verdicts: list[Verdict]
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """Return what a result file holds."""
+        with open_store(path) as store:
+            results = store.read()
+        return cls(results.rows, results.verdicts)
+
+    def rows_frame(self) -> Any:
+        """Return the runs as a table, a column a field; those of errors are `errors.omega` etc.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        return _frame(asdict(replace(row, motion=None)) for row in self.rows)
+
+    def verdicts_frame(self) -> Any:
+        """Return the verdicts as a table, a column a field.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        return _frame(asdict(verdict) for verdict in self.verdicts)
+
+
+def _frame(records: Iterable[dict[str, Any]]) -> Any:
+    return import_module("pandas").json_normalize(list(records))

@@ -1,0 +1,64 @@
+"""Assertions for tests, in the manner of `numpy.testing`."""
+
+from typing import TYPE_CHECKING
+
+from spincheck import judge
+from spincheck.scenarios import SIGNAL
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+    from spincheck import Scene
+
+__all__ = ["assert_matches_exact"]
+
+
+def assert_matches_exact(
+    scene: "Scene",
+    *,
+    t: "ArrayLike",
+    q_wxyz: "ArrayLike | None" = None,
+    q_xyzw: "ArrayLike | None" = None,
+    omega_body: "ArrayLike | None" = None,
+    omega_world: "ArrayLike | None" = None,
+    com: "ArrayLike | None" = None,
+    velocity: "ArrayLike | None" = None,
+    **bounds: float,
+) -> None:
+    """Raise if a motion is further from the exact one than bounds allow.
+
+    Parameters
+    ----------
+    scene, t, q_wxyz, q_xyzw, omega_body, omega_world, com, velocity : as of `spincheck.judge`
+    bounds : largest error of each signal that is to be checked: `attitude` in rad; `omega`,
+        `angular_momentum`, `energy`, relative. Those of com and velocity are `com_error` and
+        `velocity_error`
+
+    Raises
+    ------
+    AssertionError
+        With each signal beyond its bound, by how much, from when on, and the usual mistake that
+        explains it, if one does.
+    ValueError
+        If a bound names no signal, or one that was not recorded; and as `spincheck.judge`.
+    """
+    wanted = {name.removesuffix("_error"): bound for name, bound in bounds.items()}
+    if unknown := [name for name in wanted if name not in SIGNAL]:
+        raise ValueError(f"'{unknown[0]}' must be one of {', '.join(SIGNAL)}.")
+    if not wanted:
+        raise ValueError("a bound must be given, such as attitude=1e-3.")
+    motion = judge(
+        scene,
+        t=t,
+        q_wxyz=q_wxyz,
+        q_xyzw=q_xyzw,
+        omega_body=omega_body,
+        omega_world=omega_world,
+        com=com,
+        velocity=velocity,
+    )
+    if unrecorded := [name for name in wanted if motion.errors[name] is None]:
+        raise ValueError(f"'{unrecorded[0]}' cannot be checked: it was not given.")
+    if beyond := motion.beyond(wanted):
+        explained = [f"Explained by: {words}." for words in motion.explained_by]
+        lines = ["The motion is not the exact one:", *beyond, *explained]
+        raise AssertionError("\n".join(lines))

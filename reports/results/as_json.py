@@ -1,0 +1,23 @@
+"""Records as JSON objects, with the names that scripts rely on."""
+
+from dataclasses import fields
+from typing import Any
+
+from pydantic_core import to_jsonable_python
+
+from ...scenarios import errors_by_key
+from .records import MOTIONS, Key, Record
+
+
+def as_json(record: Record) -> dict[str, Any]:
+    """Every field of a record but its motion; errors have a field each, null if there are none."""
+    content: dict[str, Any] = {}
+    for field in fields(record):
+        value = getattr(record, field.name)
+        if isinstance(value, Key):
+            content |= vars(value)
+        elif field.name == "errors":
+            content |= errors_by_key(value)
+        elif field.name not in MOTIONS:
+            content[field.name] = to_jsonable_python(value, inf_nan_mode="constants")
+    return content

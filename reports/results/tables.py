@@ -1,0 +1,179 @@
+"""The tables of a result file: one for each kind of record, made from its dataclass.
+
+The fields that identify a record have a column each, its motion is a blob, and all others are one
+JSON object. A field added to a record is stored and read with no change here; records stored
+before it have its default. A changed table is another format: `result_file.FORMAT`.
+"""
+
+import json
+import sqlite3
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from functools import cached_property, wraps
+from typing import Any, Generic, ParamSpec, TypeVar
+
+from pydantic import TypeAdapter, ValidationError
+from pydantic_core import to_jsonable_python
+
+from ...scenarios import printable
+from .cost_records import EffectsCost, MethodCost, PassCosts
+from .database import shown
+from .default_records import DefaultEffects
+from .motion_blobs import pack, unpack
+from .records import (
+    MOTIONS,
+    DeclaredEngine,
+    EnvironmentEntry,
+    Fingerprint,
+    Key,
+    Record,
+    Row,
+    SolvedScene,
+    Verdict,
+)
+from .result_file import ResultFileError
+
+T = TypeVar("T")
+R = TypeVar("R", bound=Record)
+P = ParamSpec("P")
+
+#: Characters; the two axes of a map have some 40 000.
+LONGEST_JSON = 1 << 20
+#: Characters of a complaint about a record.
+SHOWN = 200
+#: Columns that are no text: a number, and lists as JSON.
+_NUMBER, _AS_JSON = "timestep", ("timesteps",)
+_NAMES_OF_KEY = tuple(field.name for field in fields(Key))
+
+
+def as_result_file_error(read: Callable[P, T]) -> Callable[P, T]:
+    """Turn what a damaged record raises into one kind of error."""
+
+    @wraps(read)
+    def reading(*arguments: P.args, **named: P.kwargs) -> T:
+        try:
+            return read(*arguments, **named)
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+            words = f"{'.'.join(map(str, first['loc']))}: {first['msg']}, got {first['input']!r}"
+            raise ResultFileError(f"a record cannot be read: {printable(words, SHOWN)}") from error
+        # Damaged JSON, archives, arrays and scenes raise different errors of their parsers.
+        except Exception as error:
+            words = printable(str(error), SHOWN)
+            raise ResultFileError(f"a record cannot be read: {words}") from error
+
+    return reading
+
+
+@dataclass(frozen=True)
+class Table(Generic[R]):
+    """The records of one dataclass.
+
+    Attributes
+    ----------
+    key : the columns that identify a record: fields of it, or of its `Key`
+    """
+
+    name: str
+    record: type[R]
+    key: tuple[str, ...]
+
+    @property
+    def sql(self) -> str:
+        """The statement that creates it."""
+        columns = [f"{name} {'REAL' if name == _NUMBER else 'TEXT'}" for name in self.key]
+        columns += ["record TEXT NOT NULL", *(f"{name} BLOB" for name in self.motions)]
+        columns += ["checksum TEXT NOT NULL", f"PRIMARY KEY ({', '.join(self.key)})"]
+        return f"CREATE TABLE {self.name} ({', '.join(columns)});\n"
+
+    @cached_property
+    def motions(self) -> tuple[str, ...]:
+        """The columns of blobs."""
+        return tuple(field.name for field in fields(self.record) if field.name in MOTIONS)
+
+    def columns(self, record: R) -> dict[str, Any]:
+        """A record as it is stored; a field that is None, as it is by default, is left out."""
+        values = {field.name: getattr(record, field.name) for field in fields(self.record)}
+        motions = {name: values.pop(name) for name in self.motions}
+        content = _shown(to_jsonable_python(values, inf_nan_mode="constants"))
+        content |= content.pop("key", {})
+        identity = {name: content.pop(name) for name in self.key}
+        identity |= {n: json.dumps(value) for n, value in identity.items() if n in _AS_JSON}
+        absent = {f.name for f in fields(self.record) if f.default is None}
+        content = {n: v for n, v in content.items() if v is not None or n not in absent}
+        return {
+            **identity,
+            "record": json.dumps(content, ensure_ascii=False),
+            **{name: pack(motion) if motion else None for name, motion in motions.items()},
+        }
+
+    @as_result_file_error
+    def read(self, columns: sqlite3.Row) -> R:
+        """The record in a row of the table.
+
+        Raises
+        ------
+        ResultFileError
+            If a value is not of its field's declared type, or a field is missing or unknown.
+        """
+        content = from_json(columns["record"])
+        content |= {
+            name: json.loads(columns[name]) if name in _AS_JSON else columns[name]
+            for name in self.key
+        }
+        if self._has_key:
+            content["key"] = {name: content.pop(name, None) for name in _NAMES_OF_KEY}
+        record = self._adapter.validate_json(json.dumps(content), strict=True)
+        return replace(
+            record, **{name: unpack(columns[name]) for name in self.motions if columns[name]}
+        )
+
+    @cached_property
+    def _has_key(self) -> bool:
+        return any(field.name == "key" for field in fields(self.record))
+
+    @cached_property
+    def _adapter(self) -> TypeAdapter[R]:
+        return TypeAdapter(self.record)
+
+
+def from_json(text: Any) -> dict[str, Any]:
+    """The JSON object in a column, with control characters of its texts escaped.
+
+    Raises
+    ------
+    ValueError
+        If it is no JSON object, or too long.
+    """
+    if not isinstance(text, str) or len(text) > LONGEST_JSON:
+        raise ValueError(f"JSON must be a text of at most {LONGEST_JSON} characters")
+    content = json.loads(text)
+    if not isinstance(content, dict):
+        raise ValueError(f"must be a JSON object, got {content!r}")
+    shown_content: dict[str, Any] = _shown(content)
+    return shown_content
+
+
+def _shown(value: Any) -> Any:
+    """The value with control characters of its texts escaped, which JSON's own escapes hide."""
+    if isinstance(value, str):
+        return shown(value)
+    if isinstance(value, dict):
+        return {shown(name): _shown(entry) for name, entry in value.items()}
+    return [_shown(entry) for entry in value] if isinstance(value, list) else value
+
+
+_ONE_METHOD = ("scenario", "engine", "method")
+ENVIRONMENT = Table("environment", EnvironmentEntry, ("name",))
+ENGINES = Table("engines", DeclaredEngine, ("name",))
+FINGERPRINTS = Table("fingerprints", Fingerprint, ("scenario", "engine"))
+SCENES = Table("scenes", SolvedScene, ("scenario",))
+ROWS = Table("rows", Row, (*_ONE_METHOD, "timestep"))
+VERDICTS = Table("verdicts", Verdict, (*_ONE_METHOD, "timesteps"))
+COSTS = Table("costs", MethodCost, _ONE_METHOD)
+EFFECTS_COSTS = Table("effects_costs", EffectsCost, _ONE_METHOD)
+PASS_COSTS = Table("pass_costs", PassCosts, _ONE_METHOD)
+DEFAULT_EFFECTS = Table("default_effects", DefaultEffects, _ONE_METHOD)
+#: Results of a method on a scene.
+OF_STUDIES = (ROWS, VERDICTS, COSTS, EFFECTS_COSTS, PASS_COSTS, DEFAULT_EFFECTS)
+TABLES: tuple[Table[Any], ...] = (ENVIRONMENT, ENGINES, FINGERPRINTS, SCENES, *OF_STUDIES)

@@ -1,0 +1,34 @@
+"""The effects that a scene can call for, one module each."""
+
+from pydantic import Field
+
+from ..table import Table
+from .drag import EFFECT as DRAG
+from .drag import DragTable
+from .effect import Effect, EffectTable
+from .gravity import EFFECT as GRAVITY
+from .gravity import GravityTable
+from .pivot import EFFECT as PIVOT
+from .pivot import PivotTable
+from .push import push
+from .torque import TORQUE_BODY, TORQUE_WORLD, TorqueTable
+
+__all__ = ["EFFECTS", "PUSHED", "Effect", "EffectTable", "Effects", "push"]
+
+#: All of them by name, in the order in which they are listed everywhere.
+EFFECTS: dict[str, Effect] = {
+    effect.name: effect for effect in (GRAVITY, PIVOT, DRAG, TORQUE_BODY, TORQUE_WORLD)
+}
+#: Names of those that `push` includes.
+PUSHED = frozenset(name for name, effect in EFFECTS.items() if effect.is_pushed)
+
+
+class Effects(Table):
+    """What acts on the body: an effect is simulated if its table is here, and only then."""
+
+    gravity: GravityTable | None = Field(default=None, description="a uniform field")
+    pivot: PivotTable | None = Field(default=None, description="a ball joint at the body's origin")
+    drag: DragTable | None = Field(
+        default=None, description="a torque against the angular velocity"
+    )
+    torque: TorqueTable | None = Field(default=None, description="a constant torque")

@@ -1,0 +1,116 @@
+"""What the rest of the program has to know of an effect."""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from mpmath import mp, mpf
+
+from ..float_array import FloatArray
+from ..table import Table
+
+if TYPE_CHECKING:
+    from ..scenario import Scenario
+
+#: Where a quantity is written in a file, what it is, its size and its unit.
+Size = tuple[tuple[str, ...], str, mpf, str]
+#: Where a rate is written, what it is, and 1/s.
+Rate = tuple[tuple[str, ...], str, mpf]
+
+
+class EffectTable(Table):
+    """Base of the tables in `[effects]`.
+
+    Attributes
+    ----------
+    EXAMPLE : its keys in a scene, with their units
+    """
+
+    EXAMPLE: ClassVar[str] = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Extent:
+    """A scene over a time, as checks of size and of rate see it: mpmath numbers, SI.
+
+    Attributes
+    ----------
+    span : s
+    moments : principal, about the fixed point, ascending, kg m²
+    decay : 1/s, at which effects slow the body
+    """
+
+    scenario: "Scenario"
+    span: mpf
+    moments: tuple[mpf, mpf, mpf]
+    decay: mpf
+
+    @cached_property
+    def arm(self) -> mpf:
+        """m, from the body's origin to the com."""
+        return length(self.scenario.body.com_exact)
+
+    @cached_property
+    def speed(self) -> mpf:
+        """m/s, the greatest of a free body's com."""
+        start, pull = self.scenario.start, length(self.scenario.gravity_world)
+        return length(start.velocity_world) + pull * self.span
+
+    @cached_property
+    def distance(self) -> mpf:
+        """m, the greatest of the com from the world's origin."""
+        if self.scenario.has_pivot:
+            return self.arm
+        start, pull = self.scenario.start, length(self.scenario.gravity_world)
+        flown = length(start.velocity_world) * self.span + pull * self.span**2 / 2
+        return length(start.position_world) + flown
+
+
+def _nothing(extent: Extent) -> Iterator[Any]:  # noqa: ARG001
+    yield from ()
+
+
+def _no_rate(scenario: "Scenario") -> float:  # noqa: ARG001
+    return 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Effect:
+    """An effect, by what differs from one to the next; scenes without it are not asked about it.
+
+    Attributes
+    ----------
+    name : as engines claim it and results show it
+    table, model : its table in `[effects]`, by name and format
+    key : what that table must hold; empty if it need not hold anything
+    is_constraint : whether it holds the body, so that without it the scene would be another one
+    is_pushed : whether it is a torque that `push` includes
+    sizes, rates : its numbers that must be computable, each with where it is written
+    rate : 1/s, the fastest at which it changes a state; `rate_formula` is that in words
+    decay : 1/s, the fastest at which it slows the body
+    potential : J, (n,), at positions of the com, m, world axes, (n, 3); None if it has none
+    """
+
+    name: str
+    table: str
+    model: type[EffectTable]
+    key: str = ""
+    is_constraint: bool = False
+    is_pushed: bool = False
+    sizes: Callable[[Extent], Iterator[Size]] = _nothing
+    rates: Callable[[Extent], Iterator[Rate]] = _nothing
+    rate: Callable[["Scenario"], float] = _no_rate
+    rate_formula: str = ""
+    decay: Callable[["Scenario"], float] = _no_rate
+    potential: Callable[["Scenario", FloatArray], FloatArray] | None = None
+
+    def is_called_for(self, tables: Table) -> bool:
+        """Whether the tables of a scene's `[effects]` call for it."""
+        table = getattr(tables, self.table, None)
+        return table is not None and (not self.key or getattr(table, self.key) is not None)
+
+
+def length(vector: Iterable[Any]) -> mpf:
+    """Euclidean length, at the caller's precision."""
+    return mp.sqrt(mp.fsum(mpf(component) ** 2 for component in vector))

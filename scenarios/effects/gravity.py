@@ -1,0 +1,79 @@
+"""Gravity: a force m g on the centre of mass, of potential −m g·r."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from mpmath import mp
+from pydantic import Field
+
+from ..float_array import FloatArray
+from ..rotation import cross
+from ..values import Vector
+from .effect import Effect, EffectTable, Extent, Rate, Size, length
+
+if TYPE_CHECKING:
+    from ..scenario import Scenario
+
+
+class GravityTable(EffectTable):
+    """A uniform gravitational field."""
+
+    EXAMPLE: ClassVar[str] = "acceleration = [0.0, 0.0, -9.81]  # m/s², world axes\n"
+
+    acceleration: Vector = Field(description="m/s², world axes")
+
+
+def potential(scenario: "Scenario", com_world: FloatArray) -> FloatArray:
+    """V = −m g·r, J, zero at the world's origin, (n,), of the com's positions, m, (n, 3)."""
+    return np.asarray(-scenario.body.mass * (com_world @ scenario.gravity_world))
+
+
+def torque_body(scenario: "Scenario", R_world_body: FloatArray) -> FloatArray:
+    """r × m g about the pivot, N m, body axes, (3,); zeros without a pivot."""
+    if not scenario.has_pivot:
+        return np.zeros(3)
+    return cross(scenario.body.com, scenario.body.mass * (scenario.gravity_world @ R_world_body))
+
+
+def swing_rate(scenario: "Scenario") -> float:
+    """√(m g l / I) for the axis across the lever about which I is least, rad/s; 0 if free.
+
+    Gravity's torque is across the lever, so that the moment about the lever does not count: a
+    needle hanging by its end swings slowly, however easily it spins.
+    """
+    arm = float(np.linalg.norm(scenario.body.com))
+    if not (scenario.has_pivot and arm):
+        return 0.0
+    inverse = np.asarray(np.linalg.inv(scenario.body.inertia_origin), dtype=float)
+    direction = scenario.body.com / arm
+    across = np.eye(3) - np.outer(direction, direction)
+    pull = scenario.body.mass * float(np.linalg.norm(scenario.gravity_world)) * arm
+    return float(np.sqrt(pull * np.linalg.norm(across @ inverse @ across, 2)))
+
+
+def _sizes(extent: Extent) -> Iterator[Size]:
+    where = ("effects", "gravity", "acceleration")
+    g = length(extent.scenario.gravity_world)
+    energy = extent.scenario.body.mass_exact * g * extent.distance
+    yield where, "the acceleration", g, "m/s²"
+    yield where, "the potential energy", energy, "J"
+
+
+def _rates(extent: Extent) -> Iterator[Rate]:
+    if extent.scenario.has_pivot:
+        lever = extent.scenario.body.mass_exact * extent.arm
+        pull = lever * length(extent.scenario.gravity_world)
+        yield ("effects", "gravity"), "a swing under gravity", mp.sqrt(pull / extent.moments[1])
+
+
+EFFECT = Effect(
+    "gravity",
+    "gravity",
+    GravityTable,
+    sizes=_sizes,
+    rates=_rates,
+    rate=swing_rate,
+    rate_formula="√(m g l/I) of a small swing under gravity",
+    potential=potential,
+)

@@ -1,0 +1,23 @@
+"""The torques that whoever integrates a scene applies by hand; scripts have them as they stand."""
+
+from typing import Any
+
+import numpy as np
+
+
+def push(scene: Any, R_world_body: Any, omega_world: Any) -> Any:
+    """Torque of all effects but gravity and constraints, N m, world axes, (3,).
+
+    Parameters
+    ----------
+    scene : `drag`, N m s; `torque_body` and `torque_world`, N m: `Scenario.pushed`, or a record
+    R_world_body : takes components along the axes of `torque_body` to world components, (3, 3)
+    omega_world : rad/s, (3,)
+    """
+    turned = R_world_body @ np.array(scene["torque_body"])
+    return turned + np.array(scene["torque_world"]) - scene["drag"] * np.array(omega_world)
+
+
+def is_pushed(scene: Any) -> bool:
+    """Whether `push` is not zero whatever the motion."""
+    return bool(np.any([*scene["torque_body"], *scene["torque_world"], scene["drag"]]))

@@ -1,0 +1,55 @@
+"""Constant torques: in body axes, as of a thruster, and in world axes. Two effects of one table."""
+
+from collections.abc import Iterator
+from typing import ClassVar, Self
+
+from mpmath import mpf
+from pydantic import Field, model_validator
+
+from ..values import Vector
+from .effect import Effect, EffectTable, Extent, Rate, Size, length
+
+_WHERE = ("effects", "torque")
+
+
+class TorqueTable(EffectTable):
+    """A constant torque, in body axes or in world axes."""
+
+    EXAMPLE: ClassVar[str] = (
+        "body = [0.0, 0.0, 1e-3]           # N m, in body axes; or world = […]\n"
+    )
+
+    body: Vector | None = Field(None, description="N m, constant in body axes")
+    world: Vector | None = Field(None, description="N m, constant in world axes")
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        if (self.body is None) == (self.world is None):
+            raise ValueError("takes exactly one of 'body' and 'world'")
+        return self
+
+
+def _sizes(extent: Extent) -> Iterator[Size]:
+    yield _WHERE, "the torque", _torque(extent), "N m"
+
+
+def _rates(extent: Extent) -> Iterator[Rate]:
+    """The spin that it leads to: without end, or up to where what slows the body holds it."""
+    torque, least = _torque(extent), extent.moments[0]
+    reached = torque * extent.span / least
+    if extent.decay:
+        reached = min(reached, torque / least / extent.decay)
+    yield _WHERE, "a spin that the torque leads to,", reached
+
+
+def _torque(extent: Extent) -> mpf:
+    scenario = extent.scenario
+    return max(length(torque) for torque in (scenario.torque_body, scenario.torque_world))
+
+
+TORQUE_BODY, TORQUE_WORLD = (
+    Effect(
+        f"torque_{axes}", "torque", TorqueTable, axes, is_pushed=True, sizes=_sizes, rates=_rates
+    )
+    for axes in ("body", "world")
+)

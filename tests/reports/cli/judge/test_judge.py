@@ -1,0 +1,75 @@
+"""`spincheck judge`: what it prints of a recorded motion, as JSON, and its exit codes."""
+
+import json
+
+import command_line
+import numpy as np
+import pytest
+import spincheck as interface
+
+
+@pytest.fixture
+def recorded(tmp_path):
+    """Write motions into an empty folder; returns the command that judges there."""
+    states = interface.exact("fast-top").at(np.linspace(0, 1, 201))
+
+    def write(name, omega, header=""):
+        table = np.column_stack([states.t, states.q_world_body_wxyz, omega])
+        heads = "t,qw,qx,qy,qz,wx,wy,wz"
+        np.savetxt(tmp_path / name, table, delimiter=",", header=f"{header}{heads}", comments="")
+
+    write("exact.csv", states.omega_body)
+    write("world.csv", states.omega_world)
+    write("stated.csv", states.omega_world, "# omega = world\n")
+
+    def run(*arguments):
+        done = command_line.spincheck("judge", "fast-top", *arguments, cwd=tmp_path)
+        return done.returncode, done.stdout, done.stderr
+
+    return run
+
+
+def test_an_exact_motion_is_found_exact(recorded):
+    code, out, _ = recorded("exact.csv", "--json")
+    (file,) = json.loads(out)["files"]
+    assert code == 0
+    assert file["file"] == "exact.csv"
+    assert file["attitude_error"] < 1e-13
+    assert (file["exceeds_1deg_at"], file["explained_by"]) == (None, [])
+    assert file["defect"]["omega"]["max"] < 1e-13
+
+
+@pytest.mark.parametrize("arguments", [("stated.csv",), ("world.csv", "--omega", "world")])
+def test_frames_are_read_from_the_file_or_a_flag(recorded, arguments):
+    code, out, _ = recorded(*arguments)
+    assert (code, "Explained by" in out) == (0, False)
+
+
+def test_a_mistake_is_named_and_fails(recorded):
+    code, out, _ = recorded("world.csv")
+    assert (code, "Explained by: ω is in world axes." in out) == (1, True)
+
+
+@pytest.mark.parametrize(
+    ("bound", "code"), [("omega=1e-3", 1), ("omega=1", 0), ("attitude=0.1deg", 0)]
+)
+def test_bounds_fail_where_they_are_exceeded(recorded, bound, code):
+    exit_code, out, _ = recorded("world.csv", "--omega", "body", "exact.csv", "--fail-above", bound)
+    assert ("world.csv: ω is off by" in out) == bool(code)
+    # The mistake is named whatever the bound.
+    assert exit_code == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("none.csv",), "none.csv: cannot be read: No such file or directory"),
+        (("exact.csv", "--omega", "wrld"), "'--omega' must be body or world, got 'wrld'"),
+        (("exact.csv", "--fail-above", "tilt=1"), "must begin with one of omega, attitude"),
+        (("exact.csv", "--fail-above", "omega"), "must be SIGNAL=BOUND, such as omega=1e-3"),
+        (("exact.csv", "--timestep", "1", "--timestep", "2"), "once for each file, got 2 for 1"),
+    ],
+)
+def test_what_cannot_be_judged_is_one_message(recorded, arguments, words):
+    code, _, err = recorded(*arguments)
+    assert (code, words in err, err.count("\n")) == (2, True, 1)

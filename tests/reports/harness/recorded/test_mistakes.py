@@ -1,0 +1,91 @@
+"""Usual mistakes in recording a motion, planted in an exact one, are named, and no others."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from library_scenes import library_scene
+from spincheck.reference import solve
+from spincheck.reports.harness.recorded.judged import judged_motion
+from spincheck.reports.harness.recorded.read import Recording
+
+TO_WORLD = "the quaternion takes world to body components"
+
+
+def exact_at(scene, delay=0.0):
+    """Arrays of a recording: states of a time `delay` in samples after the times beside them."""
+    times = scene.times
+    motion = solve(scene, times + delay * times[1]).trajectory
+    return {
+        "t": times,
+        "q": motion.q_world_body_wxyz,
+        "omega": motion.omega_body,
+        "omega_world": motion.to_world(motion.omega_body),
+    }
+
+
+def rolled(q_wxyz):
+    return np.roll(q_wxyz, -1, axis=1)
+
+
+CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
+PLANTED = {
+    "none": (lambda a, later: {}, []),
+    "order": (lambda a, later: {"q": rolled(a["q"])}, ["the quaternion's order is x y z w"]),
+    "conjugate": (lambda a, later: {"q": a["q"] * CONJUGATE}, [f"{TO_WORLD} (it is conjugated)"]),
+    "both": (
+        lambda a, later: {"q": rolled(a["q"] * CONJUGATE)},
+        ["the quaternion's order is x y z w, and it takes world to body components"],
+    ),
+    "world": (lambda a, later: {"omega": a["omega_world"]}, ["ω is in world axes"]),
+    "sign": (lambda a, later: {"omega": -a["omega"]}, ["ω has the opposite sign"]),
+    "degrees": (lambda a, later: {"omega": np.degrees(a["omega"])}, ["ω is in degrees a second"]),
+    "turns": (lambda a, later: {"omega": a["omega"] / 2 / np.pi}, ["ω is in turns a second"]),
+    "late": (
+        lambda a, later: {"q": later(1)["q"], "omega": later(1)["omega"]},
+        ["the states are one sample later than their times"],
+    ),
+    "half a sample": (
+        lambda a, later: {"q": later(0.5)["q"], "omega": later(0.5)["omega"]},
+        ["the states are half a sample later than their times"],
+    ),
+    "stale": (
+        lambda a, later: {"q": later(1)["q"], "omega": a["omega"], "t": a["t"] + a["t"][1]},
+        ["ω is one sample older than the attitude"],
+    ),
+    "two at once": (
+        lambda a, later: {"q": rolled(a["q"]), "omega": a["omega_world"]},
+        ["the quaternion's order is x y z w", "ω is in world axes"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ["fast-top", "book-middle-axis"])
+@pytest.mark.parametrize("mistake", PLANTED)
+def test_a_planted_mistake_is_named_and_no_other(name, mistake):
+    scene = library_scene(name)
+    plant, words = PLANTED[mistake]
+    arrays = exact_at(scene)
+    arrays |= plant(arrays, lambda delay: exact_at(scene, delay))
+    arrays.pop("omega_world")
+    judged = judged_motion(scene, Recording(Path("motion.csv"), arrays))
+    assert list(judged.explained_by) == words
+    assert (judged.exceeds_1deg_at is None) or words
+
+
+def test_a_start_that_is_not_the_scenes_is_told_with_its_size():
+    scene = library_scene("fast-top")
+    arrays = exact_at(scene)
+    arrays |= {"q": np.tile([1.0, 0, 0, 0], (len(arrays["t"]), 1)), "omega": 0 * arrays["omega"]}
+    arrays.pop("omega_world")
+    (words,) = judged_motion(scene, Recording(Path("motion.csv"), arrays)).explained_by
+    assert words == "it started elsewhere: at t = 0 s the attitude is off by 30° and ω by 40 rad/s"
+
+
+def test_an_error_that_no_mistake_explains_has_no_explanation():
+    scene = library_scene("fast-top")
+    arrays = exact_at(scene)
+    drifting = 1 + 0.01 * arrays["t"][:, None]
+    arrays |= {"omega": arrays["omega"] * drifting}
+    arrays.pop("omega_world")
+    assert judged_motion(scene, Recording(Path("motion.csv"), arrays)).explained_by == ()

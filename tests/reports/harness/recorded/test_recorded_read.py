@@ -1,0 +1,166 @@
+"""Recorded motions are read as written; files that hold none are refused in a sentence."""
+
+import os
+
+import numpy as np
+import pytest
+from spincheck.reports.harness.recorded.read import MAX_SAMPLES, RecordingError, read_recording
+
+ROW = "0,1,0,0,0,0.5,0,2"
+GOOD = f"t,qw,qx,qy,qz,wx,wy,wz\n{ROW}\n0.1,1,0,0,0,0.5,0,2\n"
+
+
+def written(folder, text, name="motion.csv"):
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_a_table_is_read_by_the_names_of_its_columns(tmp_path):
+    recording = read_recording(
+        written(
+            tmp_path, "wz,t,qw,qx,qy,qz,wx,wy,load\n2,0,1,0,0,0,0.5,0,7\n2,0.1,1,0,0,0,0.5,0,7\n"
+        )
+    )
+    assert recording.arrays["omega"].tolist() == [[0.5, 0, 2], [0.5, 0, 2]]
+    assert recording.arrays["t"].tolist() == [0, 0.1]
+    assert recording.ignored == ("load",)
+
+
+@pytest.mark.parametrize("delimiter", [";", "\t", " "])
+def test_other_delimiters_mean_the_same(tmp_path, delimiter):
+    recording = read_recording(written(tmp_path, GOOD.replace(",", delimiter)))
+    assert recording.arrays["q"].tolist() == [[1, 0, 0, 0]] * 2
+
+
+def test_units_in_brackets_become_si(tmp_path):
+    text = (
+        "t [ms],qw,qx,qy,qz,wx[deg/s],wy[deg/s],wz [rpm]\n0,1,0,0,0,180,0,60\n5,1,0,0,0,180,0,60\n"
+    )
+    recording = read_recording(written(tmp_path, text))
+    assert recording.arrays["t"].tolist() == [0, 0.005]
+    assert recording.arrays["omega"][0] == pytest.approx([np.pi, 0, 2 * np.pi], rel=1e-15)
+
+
+def test_a_file_states_its_frames_in_comments(tmp_path):
+    text = "# omega = world\n# quaternion = xyzw\n# timestep = 0.002\n# made by hand\n" + GOOD
+    settings = {"omega": "world", "quaternion": "xyzw", "timestep": "0.002"}
+    assert read_recording(written(tmp_path, text)).settings == settings
+
+
+def test_lines_of_json_are_read_with_lists_or_single_numbers(tmp_path):
+    text = (
+        '{"omega": "world"}\n{"t": 0, "q": [1, 0, 0, 0], "omega": [1, 2, 3], "note": [1]}\n'
+        '{"t": 0.1, "q": [1, 0, 0, 0], "omega": [1, 2, 3], "note": [1]}\n'
+    )
+    recording = read_recording(written(tmp_path, text, "motion.jsonl"))
+    assert recording.arrays["omega"].tolist() == [[1, 2, 3]] * 2
+    assert recording.settings == {"omega": "world"}
+
+
+def test_arrays_are_read_from_npz(tmp_path):
+    path = tmp_path / "motion.npz"
+    np.savez(path, t=[0, 0.1], q=[[1, 0, 0, 0]] * 2, com=[[1, 2, 3]] * 2, timestep=0.1, other=[1])
+    recording = read_recording(path)
+    assert recording.arrays["com"].tolist() == [[1, 2, 3]] * 2
+    assert recording.settings == {"timestep": "0.1"}
+    assert recording.ignored == ("other",)
+
+
+def test_parquet_is_read(tmp_path):
+    pyarrow = pytest.importorskip("pyarrow")
+    from pyarrow import parquet
+
+    columns = {"t": [0.0, 0.1], "qw": [1.0, 1.0], "qx": [0.0] * 2, "qy": [0.0] * 2, "qz": [0.0] * 2}
+    path = tmp_path / "motion.parquet"
+    parquet.write_table(pyarrow.table(columns), path)
+    assert read_recording(path).arrays["q"].tolist() == [[1, 0, 0, 0]] * 2
+
+
+WRONG = {
+    "empty": ("", "is empty"),
+    "no time": ("qw,qx,qy,qz\n1,0,0,0\n", "'t' must be columns of the file, got qw, qx, qy, qz"),
+    "part of omega": ("t,qw,qx,qy,qz,wx\n0,1,0,0,0,1\n", "'wx', 'wy', 'wz' must be columns"),
+    "a column twice": ("t,t,qw,qx,qy,qz\n0,0,1,0,0,0\n", "'t' must be one column each"),
+    "unknown unit": (GOOD.replace("wx", "wx [furlong]"), "must be one of rad/s, deg/s, rpm"),
+    "not a number": (GOOD.replace("0.5", "nan", 1), "line 2: 'nan' must be a finite number"),
+    "text": (GOOD.replace("0.5", "fast", 1), "line 2: 'fast' must be a finite number"),
+    "a short row": (GOOD + "0.2,1\n", "line 4 must have 8 columns, got 2"),
+    "times back": (
+        GOOD + ROW + "\n",
+        "times must increase, got 0.10000000000000001 s and then 0 s",
+    ),
+    "times twice": (GOOD + "0.1,1,0,0,0,0.5,0,2\n", "times must increase"),
+    "before the start": (GOOD.replace("\n0,", "\n-1,"), "must be counted from the scene's start"),
+    "one sample": (f"t,qw,qx,qy,qz,wx,wy,wz\n{ROW}\n", "at least two samples, got 1"),
+    "no length": (GOOD.replace("0.1,1,", "0.1,0,"), "unit norm, that of sample 1 is 0 long"),
+    "a wrong frame": ("# omega = local\n" + GOOD, "line 1: 'omega' must be body or world"),
+    "a wrong timestep": ("# timestep = -1\n" + GOOD, "'timestep' must be a positive number"),
+    "a long line": ("t" * (1 << 15), "line 1 must be shorter than"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_is_no_motion_is_refused_in_a_sentence(tmp_path, case):
+    text, words = WRONG[case]
+    with pytest.raises(RecordingError) as refused:
+        read_recording(written(tmp_path, text))
+    assert words in str(refused.value)
+    assert str(refused.value).startswith(f"{tmp_path}/motion.csv: ")
+
+
+@pytest.mark.parametrize(
+    ("arrays", "words"),
+    [
+        ({"t": [0, 1], "q": [[1, 0, 0]] * 2}, "'q.npy' must have the shape (n, 4), got (2, 3)"),
+        ({"t": [0, 1]}, "must have an array 'q'"),
+        ({"t": [0, 1, 2], "q": [[1, 0, 0, 0]] * 2}, "'q' must have a row for each time, got 2"),
+        ({"t": [0, 1], "q": [[1, 0, 0, np.inf]] * 2}, "'q' must be finite, sample 1 is not"),
+        ({"t": ["a", "b"], "q": [[1, 0, 0, 0]] * 2}, "'t.npy' must hold numbers, got <U1"),
+        ({"t": np.array([{}, {}]), "q": [[1, 0, 0, 0]] * 2}, "must hold numbers, got object"),
+    ],
+)
+def test_archives_of_other_arrays_are_refused(tmp_path, arrays, words):
+    path = tmp_path / "motion.npz"
+    np.savez(path, **arrays)
+    with pytest.raises(RecordingError, match=r"motion\.npz: ") as refused:
+        read_recording(path)
+    assert words in str(refused.value)
+
+
+def test_an_array_that_claims_to_be_huge_is_not_unpacked(tmp_path):
+    path = tmp_path / "motion.npz"
+    np.savez_compressed(path, t=np.zeros(MAX_SAMPLES + 1), q=np.zeros((2, 4)))
+    with pytest.raises(RecordingError, match=f"at most {MAX_SAMPLES} samples"):
+        read_recording(path)
+
+
+def test_an_endless_file_is_read_no_further_than_samples_go(tmp_path, monkeypatch):
+    monkeypatch.setattr("spincheck.reports.harness.recorded.read.MAX_SAMPLES", 10)
+    rows = "".join(f"{k},1,0,0,0,0.5,0,2\n" for k in range(20)) + "not a row\n"
+    with pytest.raises(RecordingError, match="at most 10 samples"):
+        read_recording(written(tmp_path, GOOD.splitlines()[0] + "\n" + rows))
+
+
+@pytest.mark.parametrize("name", ["motion.xls", "motion"])
+def test_other_kinds_of_files_are_refused(tmp_path, name):
+    with pytest.raises(RecordingError, match=r"its name must end in one of \.csv"):
+        read_recording(written(tmp_path, GOOD, name))
+
+
+def test_a_pipe_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "motion.csv")
+    with pytest.raises(RecordingError, match="is not a regular file"):
+        read_recording(tmp_path / "motion.csv")
+
+
+def test_bytes_that_are_no_text_are_refused(tmp_path):
+    (tmp_path / "motion.csv").write_bytes(b"t,qw\xff\n")
+    with pytest.raises(RecordingError, match="must be text in UTF-8"):
+        read_recording(tmp_path / "motion.csv")
+
+
+def test_a_damaged_archive_is_refused(tmp_path):
+    (tmp_path / "motion.npz").write_bytes(b"PK\x03\x04 and nothing else")
+    with pytest.raises(RecordingError, match="is no npz archive that can be read"):
+        read_recording(tmp_path / "motion.npz")

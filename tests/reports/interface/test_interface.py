@@ -1,0 +1,153 @@
+"""The Python interface: what is exported, its values, and its complaints."""
+
+import subprocess
+import sys
+import tomllib
+
+import numpy as np
+import pytest
+import spincheck
+from library_scenes import library_scene
+from spincheck.scenarios import Scenario, ScenarioError
+from spincheck.testing import assert_matches_exact
+
+
+@pytest.fixture(scope="module")
+def exact():
+    return spincheck.exact("fast-top").at(np.linspace(0, 2, 401))
+
+
+def test_importing_it_imports_no_numpy():
+    code = "import sys, spincheck; sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_scenes_are_loaded_by_name_path_or_tables():
+    scene = spincheck.load("fast-top")
+    assert isinstance(scene, Scenario)
+    assert spincheck.load(scene) is scene
+    assert spincheck.load(scene.path).digest == scene.digest
+    tables = tomllib.loads(scene.text)
+    tables["body"]["inertia"] = np.array(tables["body"]["inertia"])
+    assert spincheck.load(tables).digest == scene.digest
+    del tables["spincheck"]
+    assert spincheck.load(tables, "mine").name == "mine"
+
+
+def test_a_wrong_scene_is_refused_as_its_file_would_be():
+    tables = tomllib.loads(spincheck.load("fast-top").text)
+    tables["body"]["mass"] = -1.0
+    with pytest.raises(ScenarioError, match="mass"):
+        spincheck.load(tables)
+    with pytest.raises(ScenarioError, match="neither a file, a folder, nor a scene"):
+        spincheck.load("no-such-top")
+
+
+def test_exact_states_have_what_their_names_say(exact):
+    assert exact.energy == pytest.approx(exact.energy[0], rel=1e-14)
+    assert exact.angular_momentum_world[:, 2] == pytest.approx(
+        exact.angular_momentum_world[0, 2], rel=1e-14
+    )
+    norms = [np.linalg.norm(a, axis=1) for a in (exact.omega_body, exact.omega_world)]
+    assert norms[0] == pytest.approx(norms[1], rel=1e-14)
+    assert 0 < exact.uncertainty["attitude"] < 1e-13
+    with pytest.raises(ValueError, match="read-only"):
+        exact.energy[0] = 0
+
+
+def test_times_beyond_the_horizon_are_refused():
+    scene = library_scene("chaos-beyond-the-horizon")
+    with pytest.raises(ValueError, match=r"'times' must not exceed .* this chaotic motion"):
+        spincheck.exact(scene).at([0.0, scene.window.duration * 10])
+
+
+def test_a_motion_is_judged_in_every_form_that_it_may_have(exact):
+    xyzw = np.roll(exact.q_world_body_wxyz, -1, axis=1)
+    forms = [
+        {"q_wxyz": exact.q_world_body_wxyz, "omega_body": exact.omega_body},
+        {"q_xyzw": xyzw, "omega_world": exact.omega_world},
+        {"q_wxyz": exact.q_world_body_wxyz},
+    ]
+    for form in forms:
+        judged = spincheck.judge("fast-top", t=exact.t, **form)
+        assert judged.errors["attitude"] < 1e-14
+        assert judged.explained_by == ()
+    assert judged.errors["omega"] is None
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"q_wxyz": None}, "'q_wxyz' or 'q_xyzw' must be given"),
+        ({"q_wxyz": np.ones((401, 3))}, r"'q_wxyz' must have the shape \(n, 4\), got \(401, 3\)"),
+        ({"q_xyzw": np.ones((401, 4))}, "'q_xyzw' must not be given besides the same"),
+        ({"t": np.zeros(401)}, "times must increase"),
+        ({"omega_body": np.full((401, 3), np.nan)}, "'omega' must be finite"),
+        ({"omega_body": np.ones((3, 3))}, "'omega' must have a row for each time, got 3"),
+    ],
+)
+def test_arrays_that_are_no_motion_are_refused(exact, changed, words):
+    arrays = {"t": exact.t, "q_wxyz": exact.q_world_body_wxyz} | changed
+    with pytest.raises(ValueError, match=words):
+        spincheck.judge("fast-top", **arrays)
+
+
+def test_the_assertion_passes_on_the_exact_motion(exact):
+    states = {"t": exact.t, "q_wxyz": exact.q_world_body_wxyz, "omega_body": exact.omega_body}
+    assert_matches_exact("fast-top", **states, attitude=1e-12, omega=1e-12, energy=1e-12)
+
+
+def test_the_assertion_fails_with_signal_size_and_explanation(exact):
+    with pytest.raises(AssertionError) as failed:
+        assert_matches_exact(
+            "fast-top",
+            t=exact.t,
+            q_wxyz=exact.q_world_body_wxyz,
+            omega_body=exact.omega_world,
+            attitude=1e-3,
+            omega=1e-3,
+        )
+    assert "ω is off by 0.6" in str(failed.value)
+    assert "attitude" not in str(failed.value)
+    assert "Explained by: ω is in world axes." in str(failed.value)
+
+
+@pytest.mark.parametrize(
+    ("bounds", "words"),
+    [
+        ({}, "a bound must be given"),
+        ({"atitude": 1e-3}, "'atitude' must be one of omega, attitude"),
+        ({"omega": 1e-3}, "'omega' cannot be checked: it was not given"),
+    ],
+)
+def test_bounds_that_check_nothing_are_refused(exact, bounds, words):
+    with pytest.raises(ValueError, match=words):
+        assert_matches_exact("fast-top", t=exact.t, q_wxyz=exact.q_world_body_wxyz, **bounds)
+
+
+@pytest.mark.processes
+def test_one_run_is_made_in_a_process_of_its_own():
+    row = spincheck.run("fast-top", engine="mujoco", method="RK4", timestep=2e-3)
+    assert (row.outcome, row.steps) == ("ok", 2500)
+    assert 0 < row.errors["attitude"] < 1e-4
+    judged = spincheck.judge(
+        "fast-top",
+        t=row.motion.t,
+        q_wxyz=row.motion.q_world_body_wxyz,
+        omega_body=row.motion.omega_body,
+    )
+    assert judged.errors["attitude"] == row.errors["attitude"]
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"engine": "mujocoo"}, "'engine' must be one of .*mujoco"),
+        ({"method": "rk5"}, "'method' must be one of .*RK4"),
+        ({"timestep": 0.0}, "'timestep' must be above 0"),
+    ],
+)
+def test_runs_that_cannot_be_made_are_refused(changed, words):
+    asked = {"engine": "mujoco", "method": "RK4", "timestep": 2e-3} | changed
+    with pytest.raises(ValueError, match=words):
+        spincheck.run("fast-top", **asked)
