@@ -50,12 +50,6 @@ Timesteps = Annotated[
         help="Run this timestep, s, instead of a ladder; may be repeated.",
     ),
 ]
-BoundOption = Annotated[
-    float | None, typer.Option(metavar="E", help="Largest error allowed, relative.")
-]
-AttitudeBound = Annotated[
-    float | None, typer.Option("--attitude", metavar="RAD", help="Largest error allowed, rad.")
-]
 Jobs = Annotated[int, typer.Option("--jobs", metavar="N", min=1, help="Worker processes.")]
 TimeLimit = Annotated[
     float | None,

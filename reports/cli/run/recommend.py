@@ -14,7 +14,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ....engines import engines
-from ....scenarios import Scenario
+from ....scenarios import SIGNAL, Scenario
 from ...harness.choice import Choice
 from ...harness.executors import TIME_LIMIT, LocalWorkers
 from ...harness.plan import plan
@@ -29,6 +29,7 @@ from ..named_scenes import one_scene
 from ..stopping import saying
 from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say
 from . import running
+from .error_bounds import option
 
 #: Checks before it is given up.
 CHECKS = 4
@@ -100,8 +101,7 @@ def within(row: Row, bounds: ErrorBounds) -> bool:
     """Whether a run ended well and kept every bound."""
     if row.outcome != "ok" or row.errors is None:
         return False
-    errors = dict(row.errors)
-    return all(errors[signal] <= bound for signal, bound in bounds.items())
+    return all(row.errors[signal] <= bound for signal, bound in bounds.items())
 
 
 def exit_code(recommendation: Recommendation) -> int:
@@ -111,13 +111,11 @@ def exit_code(recommendation: Recommendation) -> int:
 
 def _check_bounds(bounds: ErrorBounds) -> None:
     if not bounds:
-        raise Complaint(
-            "takes a bound: '--omega', '--attitude', '--angular-momentum' or '--energy'", BAD_INPUT
-        )
+        *options, last = (f"'{option(name)}'" for name in SIGNAL)
+        raise Complaint(f"takes a bound: {', '.join(options)} or {last}", BAD_INPUT)
     for signal, bound in bounds.items():
         if not 0 < bound < math.inf:
-            option = signal.replace("_", "-")
-            raise Complaint(f"'--{option}' must be positive, got {bound:g}", BAD_INPUT)
+            raise Complaint(f"'{option(signal)}' must be positive, got {bound:g}", BAD_INPUT)
 
 
 def _methods(engine_names: Sequence[str]) -> list[str]:
