@@ -8,6 +8,7 @@ from pathlib import Path
 from types import FrameType
 
 import pytest
+from case_loops import each_case
 from command_line import spincheck
 from spincheck.engines import Session
 
@@ -106,7 +107,7 @@ def test_the_pages_name_files() -> None:
     assert len(NAMED) > 30
 
 
-@pytest.mark.parametrize(("page", "name"), NAMED, ids=lambda value: str(value))
+@each_case(("page", "name"), NAMED)
 def test_every_file_and_function_they_name_exists(page: str, name: str) -> None:
     path, _, definition = name.partition(":")
     text = (ROOT / path).read_text(encoding="utf-8") if definition else ""

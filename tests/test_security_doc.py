@@ -3,14 +3,14 @@
 import re
 from pathlib import Path
 
-import pytest
+from case_loops import each_case
 
 ROOT = Path(__file__).parents[1]
 NAMED = sorted(set(re.findall(r"`(test_\w+)`", (ROOT / "SECURITY.md").read_text("utf-8"))))
 SOURCES = "\n".join(path.read_text("utf-8") for path in (ROOT / "tests").rglob("test_*.py"))
 
 
-@pytest.mark.parametrize("name", NAMED)
+@each_case("name", NAMED)
 def test_a_test_that_is_named_is_there(name: str) -> None:
     assert f"def {name}(" in SOURCES
 
@@ -27,7 +27,7 @@ def test_every_attack_names_a_test() -> None:
 OF_ATTACKS = ("test_forged_result_files", "test_full_disks", "test_machine_faults")
 
 
-@pytest.mark.parametrize("file", OF_ATTACKS)
+@each_case("file", OF_ATTACKS)
 def test_every_test_of_an_attack_is_named(file: str) -> None:
     (path,) = (ROOT / "tests").rglob(f"{file}.py")
     assert set(re.findall(r"^def (test_\w+)", path.read_text("utf-8"), re.M)) <= set(NAMED)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from case_loops import each_case
 from mutated_scenes import LEAST, Raw, changed, leaves, with_entries, written
 from spincheck.reference import IntegrationError, solve
 from spincheck.scenarios import Scenario, ScenarioError, loads
@@ -39,21 +40,21 @@ def assert_solved_or_refused(scene: Scenario | str) -> None:
     assert all(np.isfinite(value) for _, value in solution.uncertainty)
 
 
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("leaf", MOVING.values(), ids=MOVING)
+@each_case("size", SIZES)
+@each_case("leaf", MOVING)
 def test_an_extreme_size_is_solved_or_refused(leaf, size):
     for _, value in list(with_entries(leaf.example, Raw(size)))[:1]:
         assert_solved_or_refused(scene_or_refusal(changed(leaf.file, leaf.keys, value)))
 
 
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("keys", [("body", "mass"), ("body", "com"), ("start", "omega_body")])
+@each_case("size", SIZES)
+@each_case("keys", [("body", "mass"), ("body", "com"), ("start", "omega_body")])
 def test_an_extreme_heavy_top_is_solved_or_refused(keys, size):
     value = Raw(size) if keys[-1] == "mass" else [0.0, 0.0, Raw(size)]
     assert_solved_or_refused(scene_or_refusal(changed({**LEAST, "effects": HEAVY}, keys, value)))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("keys", "value", "rule"),
     [
         (("window", "duration"), 1e15, "cannot be followed"),
@@ -61,13 +62,12 @@ def test_an_extreme_heavy_top_is_solved_or_refused(keys, size):
         (("body", "mass"), 1e-300, "too small to be computed with"),
         (("body", "inertia"), [1e-20, 1.0, 1.0], "times the least"),
     ],
-    ids=["a long window", "a fast spin", "a light body", "a needle"],
 )
 def test_what_cannot_be_computed_is_refused_as_it_is_read(keys, value, rule):
     assert rule in scene_or_refusal(changed(LEAST, keys, value))
 
 
-@pytest.mark.parametrize("turns", [0.99e9, 1.01e9])
+@each_case("turns", [0.99e9, 1.01e9])
 def test_the_span_is_refused_just_where_it_is_said_to_be(turns):
     file = changed(LEAST, ("start", "omega_body"), [0.0, 0.0, turns])
     assert isinstance(scene_or_refusal(file), Scenario) == (turns < 1e9)

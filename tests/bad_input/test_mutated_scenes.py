@@ -7,6 +7,7 @@ import re
 from functools import cache
 
 import pytest
+from case_loops import each_case
 from mutated_scenes import (
     LEAST,
     Leaf,
@@ -72,10 +73,8 @@ def assert_reported(file, leaf: Leaf) -> None:
 
 def each(values: dict[str, str], kept: dict[str, Leaf]):
     """A test for each value in each key."""
-    return pytest.mark.parametrize(
-        ("leaf", "value"),
-        [(leaf, value) for leaf in kept.values() for value in values.values()],
-        ids=[f"{name}-{kind}" for name in kept for kind in values],
+    return each_case(
+        ("leaf", "value"), [(leaf, value) for leaf in kept.values() for value in values.values()]
     )
 
 
@@ -108,7 +107,7 @@ def test_a_text_cannot_command_a_terminal(leaf, value):
         assert_reported(file, leaf)
 
 
-@pytest.mark.parametrize("leaf", LEAVES.values(), ids=LEAVES)
+@each_case("leaf", LEAVES)
 def test_a_missing_key_is_named_unless_it_may_be_left_out(leaf):
     file = without(leaf.file, leaf.keys)
     if not is_scene(file):
@@ -119,14 +118,14 @@ def test_a_missing_key_is_named_unless_it_may_be_left_out(leaf):
         assert message.startswith(at_table)
 
 
-@pytest.mark.parametrize("keys", tables(), ids=lambda keys: ".".join(map(str, keys)))
+@each_case("keys", tables())
 def test_a_missing_table_is_named_unless_it_may_be_left_out(keys):
     file = without(LEAST, keys) if holds(LEAST, keys) else LEAST
     if not is_scene(file):
         assert complaint_about(written(file)) == f"{NAME}: [{keys[0]}]: is missing"
 
 
-@pytest.mark.parametrize("leaf", LEAVES.values(), ids=LEAVES)
+@each_case("leaf", LEAVES)
 def test_a_misspelt_key_is_reported_beside_the_known_ones(leaf):
     misspelt = f"{leaf.keys[-1]}{leaf.keys[-1][-1]}"
     file = changed(leaf.file, (*leaf.keys[:-1], misspelt), leaf.example)
@@ -135,7 +134,7 @@ def test_a_misspelt_key_is_reported_beside_the_known_ones(leaf):
     assert f"{misspelt}: unknown key; did you mean '{leaf.keys[-1]}'? known keys: " in message
 
 
-@pytest.mark.parametrize("leaf", LEAVES.values(), ids=LEAVES)
+@each_case("leaf", LEAVES)
 def test_a_key_given_twice_is_reported_in_its_second_line(leaf):
     lines = written(leaf.file).splitlines()
     line = line_of(leaf.file, leaf.keys)
@@ -143,11 +142,7 @@ def test_a_key_given_twice_is_reported_in_its_second_line(leaf):
     assert re.match(rf"{NAME}:{line + 1}: not valid TOML: Cannot overwrite a value", message)
 
 
-@pytest.mark.parametrize(
-    "keys",
-    [keys for keys in tables() if all(isinstance(key, str) for key in keys)],
-    ids=".".join,
-)
+@each_case("keys", [keys for keys in tables() if all(isinstance(key, str) for key in keys)])
 def test_a_table_given_twice_is_reported(keys):
     head = f"[{'.'.join(keys)}]"
     file = changed(LEAST, keys, {}) if not holds(LEAST, keys) else LEAST
@@ -155,8 +150,8 @@ def test_a_table_given_twice_is_reported(keys):
     assert "not valid TOML: Cannot declare" in message
 
 
-@pytest.mark.parametrize("keys", tables(), ids=lambda keys: ".".join(map(str, keys)))
-@pytest.mark.parametrize("value", ["true", "1", '"x"', "nan", "1979-05-27", "[1]"])
+@each_case("keys", tables())
+@each_case("value", ["true", "1", '"x"', "nan", "1979-05-27", "[1]"])
 def test_what_is_no_table_is_refused_where_a_table_belongs(keys, value):
     place = tuple(key for key in keys if isinstance(key, str))
     message = complaint_about(written(changed(_without_table(place), place, Raw(value))))
@@ -168,7 +163,7 @@ def _without_table(place):
     return without(LEAST, place) if holds(LEAST, place) else LEAST
 
 
-@pytest.mark.parametrize("leaf", ARRAYS.values(), ids=ARRAYS)
+@each_case("leaf", ARRAYS)
 def test_an_array_of_another_length_is_reported_once(leaf):
     for entries in ([], leaf.example[:-1], [*leaf.example, leaf.example[0]]):
         file = changed(leaf.file, leaf.keys, entries)
@@ -186,7 +181,7 @@ def test_every_way_of_giving_an_attitude_excludes_the_others():
             assert "[start]: attitude takes exactly one of" in message
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("keys", "value", "rule"),
     {
         "triangle": (("body", "inertia"), [1.0, 2.0, 3.5], "may exceed the sum"),

@@ -11,6 +11,7 @@ from types import GenericAlias, UnionType
 from typing import Any, get_args, get_type_hints
 
 import pytest
+from case_loops import each_case
 from mutated_scenes import LEAST, written
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.terminal import BAD_INPUT, NOT_RUN, Complaint
@@ -113,7 +114,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.parametrize(("command", "flag", "value"), CASES.values(), ids=map(ascii, CASES))
+@each_case(("command", "flag", "value"), CASES)
 def test_a_wrong_value_is_reported_and_nothing_is_begun(command, flag, value, folder):
     code, message = refusal_of([command, *needed(command), f"{flag}={value}"])
     assert code == BAD_INPUT, message
@@ -121,22 +122,22 @@ def test_a_wrong_value_is_reported_and_nothing_is_begun(command, flag, value, fo
     assert not list(folder.glob("*.sqlite*"))
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@each_case("command", [*COMMANDS])
 def test_an_option_that_there_is_not_is_reported(command):
     code, message = refusal_of([command, "--no-such-option"])
     assert code == BAD_INPUT
     assert "No such option: --no-such-option" in message
 
 
-@pytest.mark.parametrize("command", [command for command in COMMANDS if needed(command)])
+@each_case("command", [command for command in COMMANDS if needed(command)])
 def test_an_argument_that_is_missing_is_reported(command):
     code, message = refusal_of([command])
     assert code == BAD_INPUT
     assert "Missing argument" in message
 
 
-@pytest.mark.parametrize("value", ["nowhere.toml", "", "\x1b[31m", "a\nb", "x" * 300], ids=ascii)
-@pytest.mark.parametrize("command", WITH_ARGUMENTS)
+@each_case("value", ["nowhere.toml", "", "\x1b[31m", "a\nb", "x" * 300])
+@each_case("command", WITH_ARGUMENTS)
 def test_an_argument_that_names_nothing_is_reported(command, value):
     if command == "new" and value == "nowhere.toml":
         pytest.skip("it is the file that is to be made")

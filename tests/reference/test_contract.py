@@ -11,6 +11,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from case_loops import each_case
 from contract_references import (
     SIXTY_DIGITS,
     at,
@@ -97,7 +98,7 @@ def test_it_is_finite_up_to_its_end_or_a_stated_horizon(name):
     assert max(solution.uncertainty.omega, solution.uncertainty.attitude) <= MAX_UNCERTAINTY
 
 
-@pytest.mark.parametrize("name", [name for name in SCENES if name not in SIXTY_DIGITS])
+@each_case("name", [name for name in SCENES if name not in SIXTY_DIGITS])
 def test_a_dearer_series_finds_the_same_within_the_stated_uncertainty(name):
     assert agree_within_uncertainty(name, by_series(*solved(name)))
 
@@ -111,7 +112,7 @@ def test_integrals_in_120_digits_find_the_same(name):
     assert agree_within_uncertainty(name, other)
 
 
-@pytest.mark.parametrize("name", SIXTY_DIGITS)
+@each_case("name", SIXTY_DIGITS)
 def test_sixty_digits_find_the_same(name):
     assert agree_within_uncertainty(name, in_sixty_digits(*solved(name)))
 
@@ -210,6 +211,6 @@ def test_a_few_ulp_move_it_no_further_than_its_conditioning_says(name):
     assert moved_too_far(name, ULPS) == []
 
 
-@pytest.mark.parametrize("name", ["through-the-upright", "t-handle", "sphere", "tiring-top"])
+@each_case("name", ["through-the-upright", "t-handle", "sphere", "tiring-top"])
 def test_a_few_thousand_do(name):
     assert moved_too_far(name, 1e3 * ULPS)

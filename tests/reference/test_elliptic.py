@@ -1,6 +1,7 @@
 """Elliptic and theta functions: mpmath's own, and elementary ones in the limits."""
 
 import pytest
+from case_loops import each_case
 from mpmath import mp, mpf
 from spincheck.reference.elliptic import Lattice, first_kind, jacobi, theta
 
@@ -26,23 +27,23 @@ def jacobi_at(of: Lattice, u: str) -> tuple[mpf, ...]:
     return jacobi(of)(mpf(u) * of.scale)
 
 
-@pytest.mark.parametrize("m", PARAMETERS)
+@each_case("m", PARAMETERS)
 def test_quarter_periods_are_complete_integrals(m):
     of = lattice(m)
     assert abs(of.K / mp.ellipk(of.m) - 1) < BOUND
     assert abs(of.K1 / mp.ellipk(of.m1) - 1) < BOUND
 
 
-@pytest.mark.parametrize("m", PARAMETERS)
-@pytest.mark.parametrize("phi", ["0.001", "0.8", "1.57"])
+@each_case("m", PARAMETERS)
+@each_case("phi", ["0.001", "0.8", "1.57"])
 def test_integrals_of_the_first_kind_are_mpmaths(m, phi):
     of, phi = lattice(m), mpf(phi)
     ours = first_kind(mp.sin(phi) ** 2, mp.cos(phi) ** 2, of.m1)
     assert abs(ours / mp.ellipf(phi, of.m) - 1) < BOUND
 
 
-@pytest.mark.parametrize("m", PARAMETERS)
-@pytest.mark.parametrize("u", ARGUMENTS)
+@each_case("m", PARAMETERS)
+@each_case("u", ARGUMENTS)
 def test_jacobi_functions_are_mpmaths(m, u):
     of = lattice(m)
     theirs = [mp.ellipfun(name, mpf(u), m=of.m) for name in ("sn", "cn", "dn")]
@@ -67,9 +68,9 @@ def test_at_parameter_one_they_are_hyperbolic():
     assert max(abs(sn - mp.tanh(u)), abs(cn - mp.sech(u)), abs(dn - mp.sech(u))) < BOUND
 
 
-@pytest.mark.parametrize("doubled", [False, True], ids=["single", "doubled"])
-@pytest.mark.parametrize("m", PARAMETERS)
-@pytest.mark.parametrize("n", [1, 2, 3, 4])
+@each_case("doubled", [False, True])
+@each_case("m", PARAMETERS)
+@each_case("n", [1, 2, 3, 4])
 def test_shifted_theta_functions_are_mpmaths_up_to_the_factor_left_out(n, m, doubled):
     """Two ratios at different x agree, the Gaussian of Jacobi's transformation put back."""
     of, y, tall = lattice(m), mpf("0.3"), 2 if doubled else 1
@@ -87,8 +88,8 @@ def test_shifted_theta_functions_are_mpmaths_up_to_the_factor_left_out(n, m, dou
     assert abs(ratios[1] / ratios[0] - 1) < BOUND
 
 
-@pytest.mark.parametrize("m", ["0.3", "0.7"])
-@pytest.mark.parametrize("n", [1, 2, 3, 4])
+@each_case("m", ["0.3", "0.7"])
+@each_case("n", [1, 2, 3, 4])
 def test_slopes_are_derivatives(n, m):
     function = theta(n, lattice(m), mpf("0.3"), doubled=True)
     x, step = mpf("0.4"), mpf(10) ** (-DIGITS // 3)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from case_loops import each_case
 from spincheck.reference.facts import facts
 from spincheck.scenarios import find, load
 from top_scenes import ASYMMETRIC, GRAVITY, HEAVY, TOP, scene
@@ -53,13 +54,13 @@ def values(scenario):
     return {fact.name: fact.value for fact in facts(scenario)}
 
 
-@pytest.mark.parametrize(("scenario", "names"), SCENES.values(), ids=SCENES)
+@each_case(("scenario", "names"), SCENES)
 def test_a_scene_has_the_facts_that_apply(scenario, names):
     assert set(values(scenario)) == names
 
 
-@pytest.mark.parametrize(("scenario", "_names"), SCENES.values(), ids=SCENES)
-def test_a_fact_stands_once(scenario, _names):
+@each_case("scenario", [scenario for scenario, _ in SCENES.values()])
+def test_a_fact_stands_once(scenario):
     names = [fact.name for fact in facts(scenario)]
     assert len(names) == len(set(names))
 
@@ -127,6 +128,6 @@ def test_the_spin_down_time_is_the_axial_moment_over_the_drag():
     assert values(scene(TOP, SPUN, DRAG))["spin-down time"] == 2.0
 
 
-@pytest.mark.parametrize("path", find([]), ids=lambda path: path.stem)
+@each_case("path", find([]))
 def test_every_scene_of_the_library_has_facts_without_nan(path):
     assert not any(math.isnan(fact.value) for fact in facts(load(path)))

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from case_loops import each_case
 from closed_form_checks import (
     GOAL,
     LATE,
@@ -56,7 +57,7 @@ def motion(request):
     return p, lagrange(p), repeated_heavy(p)
 
 
-@pytest.mark.parametrize("periods", LATE)
+@each_case("periods", LATE)
 def test_the_motion_is_exact_after_any_number_of_periods(motion, periods):
     p, closed, exact = motion
     assert apart_at(closed, p, exact, periods) < GOAL
@@ -107,7 +108,7 @@ def test_any_motion_is_that_of_the_ode(I3, omega, q, kappa):
     assert apart(closed_form(p).states(times), integrate(p, times, FINE_ORDERS)) < GOAL
 
 
-@pytest.mark.parametrize(
+@each_case(
     "p",
     [
         problem((1.0, 2.0, 2.5), (1.0, 1.0, 1.0), lever_axes=(0, 0, 1), gravity_world=(0, 0, -1)),
@@ -115,14 +116,13 @@ def test_any_motion_is_that_of_the_ode(I3, omega, q, kappa):
         replace(LOOP, lever_axes=(mpf(0), mpf(0), mpf(0))),
         replace(LOOP, drag=mpf(1)),
     ],
-    ids=["asymmetric", "lever beside the axis", "no lever", "drag"],
 )
 def test_what_is_not_lagranges_is_refused(p):
     with pytest.raises(ValueError, match="symmetric about the lever that gravity alone pulls at"):
         lagrange(p)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "change",
     [
         {"drag": mpf(1)},
@@ -130,7 +130,6 @@ def test_what_is_not_lagranges_is_refused(p):
         {"torque_world": (mpf(0), mpf(0), mpf(1))},
         {"moments": (mpf(1), mpf(1) + mpf(10) ** -14, mpf(1) / 2)},
     ],
-    ids=["drag", "torque in the body", "torque in the world", "asymmetric by 1e-14"],
 )
 def test_no_closed_form_is_claimed_for_what_has_none(change):
     assert closed_form(LOOP) is not None

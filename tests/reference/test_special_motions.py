@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from case_loops import each_case
 from closed_form_checks import GOAL, apart
 from heavy_tops import DOWN, UP, tilted, top
 from mpmath import mp, mpf
@@ -82,10 +83,10 @@ def disturbed_top(kind: str, epsilon: float) -> Problem:
         )
 
 
-SPECIAL = [
-    *(pytest.param(disturbed_free_body, kind, UNSTABLE_FREE, id=f"free, {kind}") for kind in FREE),
-    *(pytest.param(disturbed_top, kind, UNSTABLE_TOPS, id=f"heavy, {kind}") for kind in TOPS),
-]
+SPECIAL = {
+    **{f"free, {kind}": (disturbed_free_body, kind, UNSTABLE_FREE) for kind in FREE},
+    **{f"heavy, {kind}": (disturbed_top, kind, UNSTABLE_TOPS) for kind in TOPS},
+}
 
 
 def reach(kind: str, unstable: dict[str, float], epsilon: float) -> float:
@@ -93,14 +94,14 @@ def reach(kind: str, unstable: dict[str, float], epsilon: float) -> float:
     return GROWTH * np.exp(unstable.get(kind, 0.0) * TIMES[-1]) * epsilon + GOAL
 
 
-@pytest.mark.parametrize("epsilon", [1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-30])
-@pytest.mark.parametrize(("disturbed", "kind", "unstable"), SPECIAL)
+@each_case("epsilon", [1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-30])
+@each_case(("disturbed", "kind", "unstable"), SPECIAL)
 def test_a_special_motion_is_the_limit_of_its_neighbours(disturbed, kind, unstable, epsilon):
     special, near = (closed_form(disturbed(kind, e)).states(TIMES) for e in (0.0, epsilon))
     assert apart(near, special) < reach(kind, unstable, epsilon)
 
 
-@pytest.mark.parametrize(("disturbed", "kind", "unstable"), SPECIAL)
+@each_case(("disturbed", "kind", "unstable"), SPECIAL)
 def test_a_neighbour_further_away_is_not_that_close(disturbed, kind, unstable):
     special, far = (closed_form(disturbed(kind, e)).states(TIMES) for e in (0.0, 1e-2))
     assert apart(far, special) > reach(kind, unstable, 1e-6)

@@ -1,6 +1,7 @@
 """What the format allows and what it refuses; each complaint names the place and the rule."""
 
 import pytest
+from case_loops import each_case
 from scene_texts import TEXT, changed, scene
 from spincheck.scenarios import ScenarioError, loads
 
@@ -51,7 +52,7 @@ ALLOWED = {
 }
 
 
-@pytest.mark.parametrize("text", ALLOWED.values(), ids=ALLOWED)
+@each_case("text", ALLOWED)
 def test_it_is_a_scene(text):
     assert loads(text, name="made").title == "t"
 
@@ -139,7 +140,7 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize(("replacement", "complaint"), REFUSED.values(), ids=REFUSED)
+@each_case(("replacement", "complaint"), REFUSED)
 def test_it_is_refused(replacement, complaint):
     with pytest.raises(ScenarioError, match=complaint):
         scene(replacement)
@@ -184,7 +185,7 @@ REFUSED_TABLES = {
 }
 
 
-@pytest.mark.parametrize(("more", "complaint"), REFUSED_TABLES.values(), ids=REFUSED_TABLES)
+@each_case(("more", "complaint"), REFUSED_TABLES)
 def test_a_table_is_refused(more, complaint):
     with pytest.raises(ScenarioError, match=complaint):
         scene(more=more)
@@ -195,7 +196,7 @@ def test_a_pivot_needs_to_know_where_the_com_is():
         scene(("com = [0.1, 0.2, 0.3]\n", ""), more=PIVOT)
 
 
-@pytest.mark.parametrize("key", ["position", "velocity"])
+@each_case("key", ["position", "velocity"])
 def test_a_body_on_a_pivot_has_no_flight(key):
     with pytest.raises(
         ScenarioError, match=rf":11: \[start\] {key}: for free bodies; this one has"
@@ -211,7 +212,7 @@ def test_every_complaint_is_reported_at_once():
     assert [line.split(":")[1] for line in str(complaint.value).splitlines()] == ["5", "10", "13"]
 
 
-@pytest.mark.parametrize("text", ALLOWED.values(), ids=ALLOWED)
+@each_case("text", ALLOWED)
 def test_a_document_cannot_be_changed(text):
     document = loads(text, name="made").document
     with pytest.raises(ValueError, match="frozen"):

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-import pytest
+from case_loops import each_case
 from spincheck.scenarios import EFFECTS, LIBRARY, Scenario, find, load
 from spincheck.scenarios.document import BodyTable, StartTable
 
@@ -27,7 +27,7 @@ def scene_ids(scenario: Scenario) -> str:
     return scenario.name
 
 
-every_scene = pytest.mark.parametrize("scenario", SCENES, ids=scene_ids)
+every_scene = each_case("scenario", SCENES)
 
 
 def folder(scenario: Scenario) -> str:
@@ -126,17 +126,17 @@ def test_every_effect_appears() -> None:
     assert set().union(*(scenario.called_for for scenario in SCENES)) == set(EFFECTS)
 
 
-@pytest.mark.parametrize("effect", EFFECTS)
+@each_case("effect", [*EFFECTS])
 def test_every_effect_appears_alone(effect: str) -> None:
     assert any(scenario.called_for == {effect} for scenario in SCENES)
 
 
-@pytest.mark.parametrize("effect", EFFECTS)
+@each_case("effect", [*EFFECTS])
 def test_every_effect_appears_mixed_with_others(effect: str) -> None:
     assert any(scenario.called_for > {effect} for scenario in SCENES)
 
 
-@pytest.mark.parametrize("key", StartTable.model_fields)
+@each_case("key", [*StartTable.model_fields])
 def test_every_way_to_start_is_used(key: str) -> None:
     assert any(key in scenario.document.start.model_fields_set for scenario in SCENES)
 
@@ -145,12 +145,12 @@ def test_every_way_to_start_is_used(key: str) -> None:
 OF_A_MODEL = {"model", "link", "sha256"}
 
 
-@pytest.mark.parametrize("key", sorted(set(BodyTable.model_fields) - OF_A_MODEL))
+@each_case("key", sorted(set(BodyTable.model_fields) - OF_A_MODEL))
 def test_every_way_to_describe_a_body_is_used(key: str) -> None:
     assert any(key in scenario.document.body.model_fields_set for scenario in SCENES)
 
 
-@pytest.mark.parametrize("about", ["com", "origin"])
+@each_case("about", ["com", "origin"])
 def test_inertia_is_given_about_either_point(about: str) -> None:
     assert any(
         scenario.document.body.inertia_about == about
@@ -171,7 +171,7 @@ def test_gravity_also_pulls_along_another_axis_than_z_and_on_another_body_than_e
     assert any(0 < np.linalg.norm(pull) < 2 for pull in pulls)
 
 
-@pytest.mark.parametrize("kind", [*KINDS, HARD])
+@each_case("kind", [*KINDS, HARD])
 def test_the_page_lists_the_scenes_of_each_folder(kind: str) -> None:
     section = PAGE.read_text(encoding="utf-8").split(f"\n## {kind}/\n")[1].split("\n## ")[0]
     listed = [line for line in section.splitlines() if line.startswith("| `")]

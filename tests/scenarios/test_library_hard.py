@@ -5,6 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from case_loops import each_case
 from mpmath import mp
 from spincheck.scenarios import LIBRARY, Scenario, find, load
 from spincheck.scenarios.exact import DIGITS
@@ -46,14 +47,14 @@ def scene_ids(scenario: Scenario) -> str:
     return scenario.name
 
 
-every_hard_scene = pytest.mark.parametrize("scenario", HARD, ids=scene_ids)
+every_hard_scene = each_case("scenario", HARD)
 
 
 def test_there_are_enough_hard_scenes() -> None:
     assert len(HARD) >= FEWEST_SCENES
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_case("kind", KINDS)
 def test_hard_scenes_are_of_every_kind(kind: str) -> None:
     assert any(kind in scenario.document.tags for scenario in HARD)
 
@@ -88,7 +89,7 @@ def beyond_separatrix(scenario: Scenario) -> Fraction:
     return L_squared / (twice_energy * sorted(inertia)[1]) - 1
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("name", "distance"),
     [
         ("separatrix-within-1e-3", 1e-3),
@@ -133,7 +134,7 @@ def test_all_but_1e_8_of_the_spin_is_about_the_middle_axis() -> None:
     assert omega[2] == 0
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("name", "pair"),
     [
         ("moments-equal-to-1e-14-prolate", (1, 2)),
@@ -152,7 +153,7 @@ def test_three_moments_agree_to_1e_14() -> None:
     assert near(float(high / middle - 1), 1e-14, ROUNDED)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("name", "ratio"), [("rod-1e-6", 1e-6), ("rod-1e-12", 1e-12), ("needle-in-skew-axes", 1e-8)]
 )
 def test_the_moment_about_a_rod_is_the_share_stated(name: str, ratio: float) -> None:
@@ -161,7 +162,7 @@ def test_the_moment_about_a_rod_is_the_share_stated(name: str, ratio: float) -> 
     assert not near(least / most, FAULT * ratio, ROUNDED)
 
 
-@pytest.mark.parametrize("name", ["rod-1e-12", "needle-in-skew-axes"])
+@each_case("name", ["rod-1e-12", "needle-in-skew-axes"])
 def test_its_other_moments_differ_by_half_of_it(name: str) -> None:
     """Where rounding of the large ones leaves some digits of that."""
     least, middle, most = scene(name).body.principal_moments
@@ -177,7 +178,7 @@ def test_the_plate_has_no_thickness_in_exact_numbers() -> None:
         assert abs(excess) <= EPS**2 * tensor[2][2]
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("name", "mass", "length"),
     [
         ("dust-grain", 1e-15, 1e-6),
@@ -195,7 +196,7 @@ def test_body_is_of_the_size_stated(name: str, mass: float, length: float) -> No
     assert 1 / FAULT < gyration / length < FAULT
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("name", "speed"),
     [("spin-of-1e-6", 1e-6), ("steel-ball-at-40-million-rpm", 40e6 * 2 * np.pi / 60)],
 )
@@ -209,7 +210,7 @@ def test_a_million_turns_are_a_million_turns() -> None:
     assert near(turns, 1e6, ROUNDED)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("name", "cosine"),
     [
         ("wobble-through-the-pole", 1),
@@ -252,9 +253,7 @@ def test_stiff_drag_has_rates_ten_thousand_times_apart() -> None:
     assert scenario.drag / least * scenario.window.duration >= 1e4
 
 
-@pytest.mark.parametrize(
-    "name", ["torque-to-high-spin", "torque-about-the-middle-axis", "pushed-from-rest"]
-)
+@each_case("name", ["torque-to-high-spin", "torque-about-the-middle-axis", "pushed-from-rest"])
 def test_driven_from_exactly_zero(name: str) -> None:
     assert not scene(name).start.omega_body.any()
 

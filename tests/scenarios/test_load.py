@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from case_loops import each_case
 from scene_texts import TEXT
 from spincheck.scenarios import ScenarioError, is_scenario, load, loads
 from spincheck.scenarios.read_text import MAX_BYTES
@@ -50,13 +51,13 @@ def test_toml_of_another_kind_is_no_scene():
         loads("[tool]\nname = 1\n", name="made")
 
 
-@pytest.mark.parametrize("name", ["", "a b", "-a", ".hidden", "a/b", "a'b", "é;"])
+@each_case("name", ["", "a b", "-a", ".hidden", "a/b", "a'b", "é;"])
 def test_a_name_that_could_be_mistaken_is_refused(name):
     with pytest.raises(ScenarioError, match="a scenario's name is its file's stem; use letters"):
         loads(TEXT, name=name)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "answer"),
     [
         ("spincheck = 1\n", True),
@@ -67,7 +68,6 @@ def test_a_name_that_could_be_mistaken_is_refused(name):
         ("spincheckers = 1\n", False),
         ("", False),
     ],
-    ids=["first", "after comments", "broken but claimed", "second", "a table", "longer", "empty"],
 )
 def test_a_scene_is_known_by_its_first_key(tmp_path, text, answer):
     path = tmp_path / "file.toml"
@@ -97,8 +97,8 @@ def complaint_about(text):
     return None
 
 
-@pytest.mark.parametrize("value", VALUES, ids=lambda value: value[:12])
-@pytest.mark.parametrize("number", LINES, ids=lambda n: TEXT.splitlines()[n].split(" = ")[0])
+@each_case("value", VALUES)
+@each_case("number", LINES)
 def test_any_value_anywhere_is_taken_or_complained_of_in_its_line(number, value):
     lines = TEXT.splitlines()
     lines[number] = f"{lines[number].split(' = ')[0]} = {value}"

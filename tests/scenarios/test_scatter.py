@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from case_loops import each_case
 from scipy.spatial.transform import Rotation
 from spincheck.scenarios import find, load, loads
 from spincheck.scenarios.scatter import SCATTER, member
@@ -83,7 +84,7 @@ def test_a_member_reads_back_from_its_text():
     assert np.array_equal(again.body.inertia_com, one.body.inertia_com)
 
 
-@pytest.mark.parametrize("path", find([]), ids=lambda path: path.stem)
+@each_case("path", find([]))
 def test_every_scene_of_the_library_can_be_scattered(path):
     base = load(path)
     scattered = member(base, 1, 0)

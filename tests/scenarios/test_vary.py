@@ -4,6 +4,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from case_loops import each_case
 from spincheck.scenarios import ScenarioError, find, load, loads
 from spincheck.scenarios.vary import (
     DEFAULT_COUNT,
@@ -52,26 +53,25 @@ LIBRARY_FILES = find([])
 OTHER = 1.6009765625
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "axis"),
     [
         ("a.b[2]=1:3:3", Axis("a.b[2]", (1.0, 2.0, 3.0), False)),
         ("a=-1:1:2", Axis("a", (-1.0, 1.0), False)),
         ("timestep=0.25:4:3:log", Axis("timestep", (0.25, 1.0, 4.0), True)),
     ],
-    ids=["linear", "negative", "logarithmic"],
 )
 def test_a_range_is_read(text, axis):
     assert parse_axis(text) == axis
 
 
-@pytest.mark.parametrize("tail", ["", ":log"])
+@each_case("tail", ["", ":log"])
 def test_without_a_count_there_is_the_default_one(tail):
     assert len(parse_axis(f"a=1:2{tail}").values) == DEFAULT_COUNT
 
 
-@pytest.mark.parametrize("spacing", ["", ":log"])
-@pytest.mark.parametrize("low", [1e-300, 1e-4, 3.0])
+@each_case("spacing", ["", ":log"])
+@each_case("low", [1e-300, 1e-4, 3.0])
 def test_the_ends_are_the_very_numbers_asked_for(low, spacing):
     axis = parse_axis(f"a={low!r}:{7 * low!r}:13{spacing}")
     assert (axis.values[0], axis.values[-1]) == (low, 7 * low)
@@ -82,7 +82,7 @@ def test_logarithmic_values_are_evenly_spaced_in_their_logarithms():
     assert np.ptp(steps) <= 16 * EPS * np.log(1e3)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "complaint"),
     [
         ("a", "must be 'PATH=LO:HI"),
@@ -134,7 +134,7 @@ def test_every_number_of_a_scene_has_a_path():
     ]
 
 
-@pytest.mark.parametrize("path", [*numbers(tomllib.loads(TEXT)), "timestep"])
+@each_case("path", [*numbers(tomllib.loads(TEXT)), "timestep"])
 def test_known_paths_pass(path):
     check_path(TOP, path)
 
@@ -148,7 +148,7 @@ def test_an_unknown_path_names_the_near_one_and_all_of_them():
     assert "window.duration" in str(refusal.value)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "path",
     ["body", "body.inertia", "body.inertia[3]", "title", "spincheck", "effects.drag.rotational"],
 )
@@ -157,7 +157,7 @@ def test_a_path_that_names_no_number_of_the_scene_is_refused(path):
         check_path(TOP, path)
 
 
-@pytest.mark.parametrize("path", list(numbers(tomllib.loads(TEXT))))
+@each_case("path", list(numbers(tomllib.loads(TEXT))))
 def test_one_number_is_set_and_no_other(path):
     """Compared by the paths' own list, so that a wrong place or a second one is seen."""
     value = 12.0 if path == "window.samples" else OTHER
@@ -193,7 +193,7 @@ def test_the_scene_itself_is_not_changed():
     assert TOP.text == before
 
 
-@pytest.mark.parametrize("path", LIBRARY_FILES, ids=lambda path: path.stem)
+@each_case("path", LIBRARY_FILES)
 def test_every_scene_of_the_library_is_written_as_it_was_read(path):
     tables = tomllib.loads(load(path).text)
     assert tomllib.loads(to_toml(tables)) == tables

@@ -3,7 +3,7 @@
 from functools import cache
 
 import numpy as np
-import pytest
+from case_loops import each_case
 from spincheck.reference import Solution, solve
 from spincheck.reference.closed_forms import closed_form
 from spincheck.reference.problem import Problem
@@ -11,7 +11,7 @@ from spincheck.reference.taylor import integrate
 from spincheck.scenarios import Scenario, find, load
 
 SCENES = {path.stem: path for path in find([])}
-every_scene = pytest.mark.parametrize("name", SCENES)
+every_scene = each_case("name", [*SCENES])
 
 
 @cache

@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ET
 
 import mujoco
 import numpy as np
-import pytest
+from case_loops import each_case
 from scenes import DRAG, PIVOT, SCENES, TILTED, TORQUE_BODY, scene
 from scipy.spatial.transform import Rotation
 from spincheck.engines.models.mjcf import mjcf, start_coordinates, switched_off
@@ -53,21 +53,20 @@ def relative_misfit(model_of: Scenario, hand: Scenario, integrator: str) -> floa
     return float(np.abs(data.qacc - wanted).max() / np.abs(wanted).max())
 
 
-@pytest.mark.parametrize("integrator", CONTINUOUS)
-@pytest.mark.parametrize("name", SCENES)
+@each_case("integrator", CONTINUOUS)
+@each_case("name", [*SCENES])
 def test_the_first_acceleration_is_eulers(name: str, integrator: str) -> None:
     assert relative_misfit(SCENES[name], SCENES[name], integrator) < ROUNDOFF
 
 
-@pytest.mark.parametrize("pivot", ["", PIVOT], ids=["free", "pivot"])
-@pytest.mark.parametrize(
+@each_case("pivot", ["", PIVOT])
+@each_case(
     ("effect", "fault"),
     [
         (TORQUE_BODY, TORQUE_BODY.replace("body", "world")),
         (TORQUE_BODY, TORQUE_BODY.replace("0.4", "-0.4")),
         (DRAG, DRAG.replace("0.3", "0.6")),
     ],
-    ids=["other-axes", "sign", "twice"],
 )
 def test_the_first_acceleration_distinguishes_effects(pivot: str, effect: str, fault: str) -> None:
     right = scene("right", body=TILTED, effects=pivot + effect)
@@ -75,7 +74,7 @@ def test_the_first_acceleration_distinguishes_effects(pivot: str, effect: str, f
     assert relative_misfit(wrong, right, "RK4") > 1e9 * ROUNDOFF
 
 
-@pytest.mark.parametrize("name", SCENES)
+@each_case("name", [*SCENES])
 def test_numbers_are_read_back_bit_for_bit(name: str) -> None:
     scene = SCENES[name]
     model, data = compiled(mjcf(scene, 0.1 / 3, "RK4"))
@@ -89,7 +88,7 @@ def test_numbers_are_read_back_bit_for_bit(name: str) -> None:
     assert np.abs(data.qpos - qpos).max() <= EPS
 
 
-@pytest.mark.parametrize("integrator", [*CONTINUOUS, "discrete"])
+@each_case("integrator", [*CONTINUOUS, "discrete"])
 def test_the_integrator_is_the_one_asked_for(integrator: str) -> None:
     model, _ = compiled(mjcf(SCENES["free"], TIMESTEP, integrator))
     enum = mujoco.mjtIntegrator.__members__[f"mjINT_{integrator.upper()}"]
@@ -105,7 +104,7 @@ def test_a_model_that_names_no_integrator_gets_euler_at_2_ms() -> None:
     assert (model.opt.integrator, model.opt.timestep) == (mujoco.mjtIntegrator.mjINT_EULER, 2e-3)
 
 
-@pytest.mark.parametrize("name", SCENES)
+@each_case("name", [*SCENES])
 def test_only_passes_that_the_scene_needs_are_left_on(name: str) -> None:
     called_for = SCENES[name].called_for
     torques = {"torque_body", "torque_world"} & called_for
@@ -118,7 +117,7 @@ def test_only_passes_that_the_scene_needs_are_left_on(name: str) -> None:
     assert {"constraint", "contact", "sensor", "spring", "autoreset", "warmstart"} <= set(disabled)
 
 
-@pytest.mark.parametrize("name", SCENES)
+@each_case("name", [*SCENES])
 def test_the_model_has_one_body_one_joint_and_no_geometry(name: str) -> None:
     model, _ = compiled(mjcf(SCENES[name], TIMESTEP, "RK4"))
     assert (model.nbody, model.njnt, model.ngeom, model.nsensor, model.neq) == (2, 1, 0, 0, 0)

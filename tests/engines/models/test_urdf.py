@@ -3,7 +3,7 @@
 import xml.etree.ElementTree as ET
 
 import numpy as np
-import pytest
+from case_loops import each_case
 from scenes import SCENES
 from scipy.spatial.transform import Rotation
 from spincheck.engines.checks.read_back import BodyReading
@@ -41,14 +41,14 @@ def relative_misfit(scene: Scenario, inertia_com: np.ndarray) -> float:
     return float(np.abs(inertia_com - wanted).max() / np.abs(wanted).max())
 
 
-@pytest.mark.parametrize("name", SCENES)
+@each_case("name", [*SCENES])
 def test_mass_and_com_are_there_bit_for_bit(name: str) -> None:
     body, held = SCENES[name].body, read(urdf(SCENES[name]))
     assert held.mass == body.mass
     assert held.com.tolist() == body.com.tolist()
 
 
-@pytest.mark.parametrize("name", SCENES)
+@each_case("name", [*SCENES])
 def test_the_tensor_is_the_scenes(name: str) -> None:
     assert relative_misfit(SCENES[name], read(urdf(SCENES[name])).inertia_com) < ROUNDOFF
 
@@ -63,7 +63,7 @@ def test_the_tensor_is_missed_where_the_inertial_frame_is_dropped() -> None:
     assert relative_misfit(scene, held.inertia_com) > 1e9 * ROUNDOFF
 
 
-@pytest.mark.parametrize("name", PIVOTED)
+@each_case("name", PIVOTED)
 def test_a_pivoted_body_hangs_on_the_world_by_a_ball_at_its_origin(name: str) -> None:
     joint = ET.fromstring(urdf(SCENES[name])).find("joint")
     assert joint is not None
@@ -74,12 +74,12 @@ def test_a_pivoted_body_hangs_on_the_world_by_a_ball_at_its_origin(name: str) ->
     assert joint.find("axis") is not None
 
 
-@pytest.mark.parametrize("name", FREE)
+@each_case("name", FREE)
 def test_a_free_body_is_the_only_link(name: str) -> None:
     assert [child.tag for child in ET.fromstring(urdf(SCENES[name]))] == ["link"]
 
 
-@pytest.mark.parametrize("name", SCENES)
+@each_case("name", [*SCENES])
 def test_nothing_but_bodies_and_the_pivot_is_written(name: str) -> None:
     tags = {element.tag for element in ET.fromstring(urdf(SCENES[name])).iter()}
     pivot = {"joint", "parent", "child", "axis"} if SCENES[name].has_pivot else set()
