@@ -64,7 +64,7 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
     count = sum(_UNSUPPORTED in str(report.longrepr) for report in skipped)
     if count:
         terminalreporter.write_line(
-            f"spincheck: {count} items were skipped, whose engine or method does not support the scene"
+            f"spincheck: {count} items were skipped: their method does not support the scene"
         )
 
 
