@@ -62,7 +62,8 @@ def _by_pieces(
     if worst.verdict == "disagrees":
         return Verdict(study.key, "disagrees", where, *found, **attributes)
     is_known = local.tolerance <= CONSISTENT and worst.verdict == "converges"
-    if word != "unresolved" or not is_known or study.remembers:
+    # Single timesteps are asked about as they are.
+    if study.ladder is None or word != "unresolved" or not is_known or study.remembers:
         return None
     reason = (
         f"steps from {local.states} exact states are consistent to {local.tolerance:.1e}; "

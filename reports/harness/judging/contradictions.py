@@ -82,7 +82,7 @@ def _all(rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float)
                 largest,
             )
             yield from _worse(defects)
-            yield from _level(defects)
+            yield from _level(defects, follows=bool(sequence.errors[-1] < ASYMPTOTIC))
 
 
 def _largest_defects(row: Row) -> list[float]:
@@ -135,15 +135,22 @@ def _worse_than(series: _Series, rungs: int, factor: float) -> Iterator[str]:
             )
 
 
-def _level(series: _Series) -> Iterator[str]:
-    """The finest rungs, if they do not shrink, or at a lower order than declared."""
+def _level(series: _Series, *, follows: bool) -> Iterator[str]:
+    """The finest rungs, if they do not shrink, or at a lower order than declared.
+
+    Parameters
+    ----------
+    follows : whether the runs follow the exact motion; where not, each takes a way of its own, with
+        defects of other sizes
+    """
     values, floors = series.values[-SHOWN_OVER:], series.floors[-SHOWN_OVER:]
     is_used = (values < ASYMPTOTIC) & (values > DISTINCT * floors)
     if len(values) < SHOWN_OVER or not is_used.all():
         return
     slopes = -np.diff(np.log2(values))
     is_clean = np.ptp(slopes) <= ORDER_SLACK and slopes.max() < series.order - SHORTFALL
-    if slopes.max() < SETTLING_ORDER or is_clean:
+    is_level = slopes.max() < (SETTLING_ORDER if follows else SETTLING_ORDER / 2)
+    if is_level or (is_clean and follows):
         yield (
             f"{series.name} shrinks at order {slopes.mean() + 0.0:.2f} over {SHOWN_OVER} rungs, "
             f"though {series.order} is declared: {values[0]:.1e} at "
