@@ -269,11 +269,11 @@ class Engine(ABC):
             return ended("unsupported", turn, "clamp")
         try:
             with self.open(scenario, method, timestep) as session:
-                held = session.read_body(), session.read_state()
-                unlike = self.differences(scenario, method.name, *held)
+                read_back = session.read_body(), session.read_state()
+                unlike = self.differences(scenario, method.name, *read_back)
                 if unlike and not method.as_shipped:
                     return ended("failed", unlike[0].complaint, "read-back")
-                arm = held[0].com if scenario.has_pivot else None
+                arm = read_back[0].com if scenario.has_pivot else None
                 decay = decay_rate(scenario) + method.damping
                 by_angles = method.by_angles and scenario.has_pivot
                 bounds = Bounds(timestep, most, self.slack, decay, arm, by_angles)

@@ -131,10 +131,10 @@ def _wrong_strengths(
         "torque_body": (effects.torque_body, scenario.torque_body),
         "torque_world": (effects.torque_world, scenario.torque_world),
     }
-    for name, (held, wanted) in pairs.items():
+    for name, (got, wanted) in pairs.items():
         # Effects not called for, or missing, are reported elsewhere.
-        if wanted.any() and held.any() and (held != wanted.astype(held.dtype)).any():
-            yield f"{name} of {held.tolist()}, not {wanted.tolist()}"
+        if wanted.any() and got.any() and (got != wanted.astype(got.dtype)).any():
+            yield f"{name} of {got.tolist()}, not {wanted.tolist()}"
 
 
 def read_effects(model: Any) -> EffectsReading:

@@ -21,7 +21,7 @@ from ...results.verdict_words import RANKS
 
 WIDTH = 80
 #: Lines that one reason may take, and scenes whose best choice is printed one by one.
-REASON_LINES, SCENES_TOLD = 3, 3
+REASON_LINES, SCENES_PRINTED = 3, 3
 #: Methods whose errors are printed, at most: engines as shipped, smallest errors first, then each
 #: engine's most accurate method, at least `OTHERS` of them.
 METHODS_SHOWN, OTHERS = 8, 3
@@ -105,7 +105,7 @@ def _best(report: ReportData) -> Iterator[str]:
     best = {name: choice for name, choice in choices.items() if choice is not None}
     if not best:
         return
-    if len(best) > SCENES_TOLD:
+    if len(best) > SCENES_PRINTED:
         methods = Counter(_named(choice.runs) for choice in best.values())
         often = ", ".join(f"{name} on {count}" for name, count in methods.most_common(3))
         yield from textwrap.wrap(f"Best choice (within 0.1° and 1e-3 in ω): {often}.", WIDTH)
