@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ....scenarios import errors_by_key
 from ...results.sweep_records import EnsembleResult, MapResult, PointResult, sweep_points
 from ..terminal import table
 
@@ -39,7 +40,6 @@ def point_record(point: PointResult, names: Sequence[str]) -> dict[str, Any]:
     ----------
     names : of the numbers that are varied
     """
-    errors = point.errors
     return {
         "at": dict(zip(names, point.at, strict=True)),
         **asdict(point.key),
@@ -48,10 +48,7 @@ def point_record(point: PointResult, names: Sequence[str]) -> dict[str, Any]:
         "cause": point.cause,
         "reason": point.reason,
         "stopped_at": point.stopped_at,
-        "omega_error": errors.omega if errors else None,
-        "attitude_error": errors.attitude if errors else None,
-        "angular_momentum_error": errors.angular_momentum if errors else None,
-        "energy_error": errors.energy if errors else None,
+        **errors_by_key(point.errors),
         "reference_uncertainty": point.uncertainty,
         "steps": point.steps,
     }
