@@ -222,7 +222,7 @@ class Engine(ABC):
     def equation_residuals(
         self, scenario: Scenario, method: Method, *, single_precision: bool = False
     ) -> str:
-        """In words, how the engine's first steps differ from the scene's equations; else empty.
+        """How the engine's first steps differ from the scene's equations, in words; else empty.
 
         Empty also for an engine as shipped, which need not obey them, and where the engine raises
         an `EngineError` before these steps are done.

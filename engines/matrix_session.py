@@ -47,6 +47,6 @@ class MatrixSession(Session):
         return self.states([self.snapshot()]).rows(0)
 
     def states(self, snapshots: Sequence[MatrixReading]) -> State:
-        """Of n snapshots, one a row of each column."""
+        """The states of n snapshots, one a row of each column."""
         matrices, *columns = map(np.array, zip(*snapshots, strict=True))
         return State(Rotation.from_matrix(matrices).as_quat(scalar_first=True), *columns)

@@ -84,7 +84,7 @@ class _NoisyGain:
 def equation_residuals(
     open_at: Open, scenario: Scenario, epsilon: float, negligible: float = NEGLIGIBLE
 ) -> list[str]:
-    """In words, what an engine's first steps gain beyond the scene's equations of motion.
+    """What an engine's first steps gain beyond the scene's equations of motion, in words.
 
     Parameters
     ----------

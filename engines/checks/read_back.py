@@ -63,7 +63,7 @@ class State:
     velocity_world: FloatArray
 
     def rows(self, kept: int | slice | NDArray[np.bool_]) -> "State":
-        """Of n states, one by its index, or several by a slice or a mask, (n,)."""
+        """One of n states by its index, or several by a slice or a mask, (n,)."""
         return State(*(column[kept] for column in vars(self).values()))
 
 

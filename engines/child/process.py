@@ -181,7 +181,7 @@ class ChildProcess:
             if left < 0:
                 # A process that it has started may hold its pipe open.
                 if self._process.poll() is not None and not self._streams.select(0):
-                    raise self._ended(self._asked)
+                    raise self._ended(self._request)
                 return False
             for key, _ in self._streams.select(left):
                 self._take(key.fd, self._request)

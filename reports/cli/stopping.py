@@ -70,7 +70,7 @@ def say_last_words(number: int) -> None:
 
 
 def raise_when_stopped() -> None:
-    """From now on the signals raise `Stopped`, except those that are ignored, as by nohup."""
+    """Let signals raise `Stopped` from now on, except those that are ignored, as by nohup."""
     # Asked now: `isatty` is false once the terminal has closed.
     terminals = [descriptor for descriptor in (STDOUT, STDERR) if os.isatty(descriptor)]
 

@@ -124,7 +124,7 @@ def _has(model: Any, part: Callable[[Any], Any]) -> bool:
 def _wrong_strengths(
     effects: EffectsReading, drag: FloatArray, scenario: Scenario
 ) -> Iterator[str]:
-    """In words, the effects that act with another strength than the scene says."""
+    """The effects that act with another strength than the scene says, in words."""
     pairs = {
         "gravity": (effects.gravity_world, scenario.gravity_world),
         "drag": (np.diag(drag), np.full(3, scenario.drag)),
@@ -194,7 +194,7 @@ def _add_actuators(model: Any, reading: EffectsReading) -> list[str]:
 
 
 def _idle_passes(model: Any, effects: EffectsReading) -> frozenset[str]:
-    """In words, the passes that are on though nothing in the scene needs them."""
+    """The passes that are on though nothing in the scene needs them, in words."""
     has_damping = effects.joint_damping.any()
     needed = {"gravity"} | CONTACT_CHOICES
     needed |= {"damper", "eulerdamp"} if has_damping else set()

@@ -66,7 +66,7 @@ class MuJoCoSession(Session):
         self._clock = clock.SHIPPED if has_clock else None
 
     def read_body(self) -> BodyReading:
-        """From the compiled model, its principal moments turned back into body axes."""
+        """The body of the compiled model, its principal moments turned back into body axes."""
         return body_of(self.model)
 
     def read_state(self) -> State:
@@ -138,7 +138,7 @@ class MuJoCoSession(Session):
         return self._bytes()
 
     def states(self, snapshots: Sequence[Snapshot]) -> State:
-        """From qpos and qvel alone: derived data (xipos, cvel) is one step old after a step."""
+        """The states, from qpos and qvel alone: derived data (xipos, cvel) is one step old."""
         nq = self.model.nq
         rows = _rows(snapshots)
         return states_of(rows[:, 2 : 2 + nq], rows[:, 2 + nq :], self._com_body)

@@ -103,7 +103,7 @@ def _at_stock(report: ReportData) -> Iterator[str]:
 
 
 def _best(report: ReportData) -> Iterator[str]:
-    """Of few scenes, the cheapest accurate run of each; of many, the method most often best."""
+    """The cheapest accurate run of each of few scenes; the methods most often best on many."""
     choices = {scene.name: best_choice(scene) for scene in report.scenes if scene.solved}
     best = {name: choice for name, choice in choices.items() if choice is not None}
     if not best:

@@ -62,7 +62,7 @@ def stated_mass(inspection: Inspection) -> float:
 
 
 def added_masses(inspection: Inspection) -> dict[str, float]:
-    """By configuration, the total mass, kg, of bodies for which the file states nothing."""
+    """The total mass, kg, of bodies for which the file states nothing, by configuration."""
     added: dict[str, float] = {}
     for link in inspection.links:
         for reading in link.readings:

@@ -140,10 +140,10 @@ def _compared(
             yield link, LinkReading(*who, None, None, reason)
             continue
         parts = welded(model.links, link.name, gone)
-        yield link, _held(model, parts, body, who, configuration, faults)
+        yield link, _link_reading(model, parts, body, who, configuration, faults)
 
 
-def _held(
+def _link_reading(
     model: ModelFile,
     parts: list[tuple[Link, Pose]],
     body: BodyReading,
@@ -183,7 +183,7 @@ def _held(
 
 
 def _hosts(model: ModelFile, gone: frozenset[str]) -> dict[str, str]:
-    """For each link without a body of its own, the link it is fused with; empty for the world."""
+    """The link that each one without a body of its own is fused with; empty for the world."""
     parents = {link.name: link.parent for link in model.links}
     hosts = {}
     for name in gone:

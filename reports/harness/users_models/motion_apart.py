@@ -63,7 +63,7 @@ def attitude_apart(stated: FloatArray, got: FloatArray, times: FloatArray) -> Fl
 
 
 def _attitudes(tensor: FloatArray, omega: FloatArray, times: FloatArray) -> Rotation | None:
-    """At each time, of a body that starts unturned.
+    """The attitude at each time of a body that starts unturned.
 
     Solved along its principal axes: the reference would look for them in 60 digits.
     """

@@ -123,5 +123,5 @@ def _of_refusals(inspection: Inspection) -> Iterator[Remedy]:
 
 
 def _reader(engine: str) -> ModelReader:
-    """Of an engine, at whichever version."""
+    """The reader of an engine, at whichever version."""
     return model_readers()[engine.partition("@")[0]]
