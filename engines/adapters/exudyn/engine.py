@@ -136,9 +136,11 @@ class ExudynSession(WorldSession):
         return name if np.array_equal(vector, wanted) else f"a load of {vector.tolist()}"
 
     def _of_damper(self, found: Any) -> str:
-        wanted = np.diag([0.0] * 3 + [self.scene["drag"]] * 3)
-        is_drag = np.array_equal(found["damping"], wanted) and not np.any(found["stiffness"])
-        return "drag" if is_drag else "a spring or damper"
+        damping = np.diag(found["damping"])
+        # Rotations come last.
+        (name,) = self.damped_by(np.roll(damping, 3).tolist())
+        is_damper = np.array_equal(found["damping"], np.diag(damping))
+        return name if is_damper and not np.any(found["stiffness"]) else "a spring or damper"
 
     def close(self) -> None:
         """Drop the system."""
