@@ -31,6 +31,10 @@ from .run import Outcome, Run
 from .sampling import Sampled, sample
 from .session import Session
 
+#: What engines of jointed rigid bodies can simulate: not all that a scene can call for. A method
+#: that has a further effect names it besides.
+COMMON_EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
+
 
 @dataclass(frozen=True)
 class Method:

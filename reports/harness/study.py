@@ -23,7 +23,7 @@ from ..results.store import Store
 from .choice import Choice
 from .convergence_study import ConvergenceStudy, SingleRun
 from .default_effects import take_defaults_away
-from .executors import CallFailed, Executor, is_environmental, may_succeed_if_repeated
+from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
 from .ladder import Ladder, Rung, ladder, single
 from .plan import Plan, SceneLeft
 from .stock import StockRun, stock_rung, stock_timesteps
@@ -288,8 +288,8 @@ def _unsolved(
     """Store rows that say that the exact motion could not be found."""
     key = Key(scenario.name, engine.name, method.name)
     reason = f"the exact motion could not be found: {failure.reason}"
-    cause = failure.cause if is_environmental(failure.cause) else "unsolved"
-    store.put(Row(key, engine.version, UNSOLVED, "failed", reason, cause))
+    row = Row(key, engine.version, UNSOLVED, "failed", reason, cause_of_unsolved(failure))
+    store.put(row)
     verdict = Verdict(key, "failed", reason, timesteps=tuple(sorted(choice.timesteps)))
     store.put_verdict(verdict)
     return verdict

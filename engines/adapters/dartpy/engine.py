@@ -10,12 +10,10 @@ from typing import final
 import numpy as np
 
 from ....scenarios import Scenario
-from ...engine import Engine, Method
+from ...engine import COMMON_EFFECTS, Engine, Method
 from ...session import Session
-from ...world_parts import matrix, push
 from ...world_session import WorldBody, WorldSession, world_script
 
-EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 TORQUES = frozenset({"torque_body", "torque_world"})
 #: Number of coordinates that turn the body; they come first in a joint.
 TURNING = 3
@@ -34,8 +32,8 @@ class Dart(Engine):
     # getTimeStep() of a new World.
     stock_timestep = 1e-3
     methods = (
-        Method("semi-implicit", 1, 1, "semi-implicit Euler in joint coordinates", EFFECTS),
-        Method("default", 1, 1, "as shipped: may fall asleep", EFFECTS, as_shipped=True),
+        Method("semi-implicit", 1, 1, "semi-implicit Euler in joint coordinates", COMMON_EFFECTS),
+        Method("default", 1, 1, "as shipped: may fall asleep", COMMON_EFFECTS, as_shipped=True),
     )
 
     @property
@@ -71,14 +69,13 @@ class DartSession(WorldSession):
         right = np.array_equal(gravity, scenario.gravity_world)
         count = joint.getNumDofs()
         damping = [joint.getDampingCoefficient(k) for k in range(count)]
-        is_drag = damping == [scenario.drag] * TURNING + [0.0] * (count - TURNING)
-        wanted = push(self.scene | {"drag": 0.0}, matrix(self.world.motion()[:4]), np.zeros(3))
+        wanted = self.constant_push()
         self.world.push()
         torque = np.array(self.world.body.getExternalForceGlobal()[:TURNING])
         pushes = np.linalg.norm(torque - wanted) <= SLACK * np.linalg.norm(wanted)
         named = {
             "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
-            "drag" if is_drag else f"a joint damping of {damping} N m s": any(damping),
+            **self.damped_by(damping),
             "pivot": joint.getType() == "BallJoint",
             f"a torque of {torque.tolist()} N m": not pushes,
             "springs": any(joint.getSpringStiffness(k) for k in range(count)),

@@ -12,12 +12,11 @@ import numpy as np
 
 from ....scenarios import Scenario
 from ...checks.read_back import EngineError
-from ...engine import Engine, Method
+from ...engine import COMMON_EFFECTS, Engine, Method
 from ...native_output import native_output
 from ...session import Session
 from ...world_session import WorldBody, WorldSession, world_script
 
-EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 #: Types of the objects that a scene needs.
 KINDS = frozenset({"RigidBody", "Ground", "ConnectorCoordinate", "ConnectorRigidBodySpringDamper"})
 WORLD = Path(__file__).with_name("world.py")
@@ -26,7 +25,7 @@ CLOCK_SLACK = 1e-6
 
 
 def _method(name: str, order: int, summary: str) -> Method:
-    return Method(name, order, order, summary, EFFECTS)
+    return Method(name, order, order, summary, COMMON_EFFECTS)
 
 
 @final
@@ -52,7 +51,7 @@ class Exudyn(Engine):
             2,
             2,
             "as shipped: generalised α, spectral radius 0.9",
-            EFFECTS,
+            COMMON_EFFECTS,
             as_shipped=True,
         ),
     )
@@ -137,9 +136,11 @@ class ExudynSession(WorldSession):
         return name if np.array_equal(vector, wanted) else f"a load of {vector.tolist()}"
 
     def _of_damper(self, found: Any) -> str:
-        wanted = np.diag([0.0] * 3 + [self.scene["drag"]] * 3)
-        is_drag = np.array_equal(found["damping"], wanted) and not np.any(found["stiffness"])
-        return "drag" if is_drag else "a spring or damper"
+        damping = np.diag(found["damping"])
+        # Rotations come last.
+        (name,) = self.damped_by(np.roll(damping, 3).tolist())
+        is_damper = np.array_equal(found["damping"], np.diag(damping))
+        return name if is_damper and not np.any(found["stiffness"]) else "a spring or damper"
 
     def close(self) -> None:
         """Drop the system."""

@@ -31,14 +31,14 @@ def settings(solver):
     """How the solver steps; of a default step that fails, Exudyn takes halves."""
     own = OF_TRAPEZOIDAL_RULE if solver == "TrapezoidalIndex2" else {}
     steady = {} if solver == AS_SHIPPED else {"adaptiveStep": False}
-    entry = exudyn.SimulationSettings()
-    entry.solution.file.write = False
-    entry.timeIntegration.numberOfSteps = 1
-    entry.timeIntegration.solverType = getattr(exudyn.DynamicSolverType, solver)
+    simulation = exudyn.SimulationSettings()
+    simulation.solution.file.write = False
+    simulation.timeIntegration.numberOfSteps = 1
+    simulation.timeIntegration.solverType = getattr(exudyn.DynamicSolverType, solver)
     for name, value in (own | steady).items():
         *group, setting = name.split(".")
-        setattr(reduce(getattr, group, entry.timeIntegration), setting, value)
-    return entry
+        setattr(reduce(getattr, group, simulation.timeIntegration), setting, value)
+    return simulation
 
 
 class World:

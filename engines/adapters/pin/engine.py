@@ -10,12 +10,11 @@ from typing import final
 
 import numpy as np
 
-from ....scenarios import Scenario
-from ...engine import Engine, Method
+from ....scenarios import PUSHED, Scenario
+from ...engine import COMMON_EFFECTS, Engine, Method
 from ...session import Session
 from ...world_session import WorldBody, WorldSession, world_script
 
-EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 WORLD = Path(__file__).with_name("world.py")
 
 
@@ -27,14 +26,14 @@ class Pinocchio(Engine):
     package = "pinocchio"
     step_seconds = 30e-6
     methods = (
-        Method("semi-implicit", 1, 1, "aba, then integrate with the new velocity", EFFECTS),
-        Method("RK4", 4, 4, "aba, in classical Runge-Kutta steps of its state", EFFECTS),
+        Method("semi-implicit", 1, 1, "aba, then integrate with the new velocity", COMMON_EFFECTS),
+        Method("RK4", 4, 4, "aba, in classical Runge-Kutta steps of its state", COMMON_EFFECTS),
         Method(
             "default",
             1,
             1,
             "the loop of its examples, which is semi-implicit: it has no integrator",
-            EFFECTS,
+            COMMON_EFFECTS,
             as_shipped=True,
         ),
     )
@@ -72,9 +71,7 @@ class PinocchioSession(WorldSession):
             "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
             "pivot": model.joints[1].shortname() == "JointModelSpherical",
             "more bodies": model.njoints > 2,
-            "drag": scenario.drag > 0,
-            "torque_body": scenario.torque_body.any(),
-            "torque_world": scenario.torque_world.any(),
+            **dict.fromkeys(scenario.called_for & PUSHED, True),
             "armature": model.armature.any(),
             "joint friction": model.damping.any() or model.friction.any(),
         }
