@@ -16,6 +16,7 @@ from ..scenarios.effects.push import is_pushed, push
 from .checks.read_back import BodyReading, EngineError, State
 from .scene_record import ABOUT, RecordFrame, scene_record
 from .session import Session
+from .world_parts import matrix
 
 #: The module that worlds share.
 PARTS = Path(__file__).with_name("world_parts.py")
@@ -35,7 +36,7 @@ class World(Protocol):
         """Set another motion and timestep, as if the world were new."""
 
 
-class HeldBody(NamedTuple):
+class WorldBody(NamedTuple):
     """A body as a world holds it, as `RecordFrame.body` takes it."""
 
     mass: float
@@ -59,7 +60,7 @@ class WorldSession(Session):
         self.world: Any = self.module.World(self.scene, method, timestep)
 
     @abstractmethod
-    def held(self) -> HeldBody:
+    def world_body(self) -> WorldBody:
         """The body as the engine holds it."""
 
     @property
@@ -72,9 +73,20 @@ class WorldSession(Session):
         self.timestep = self.timestep if timestep is None else timestep
         self.world.restart(self.frame.motion(state), self.timestep)
 
+    def constant_push(self) -> FloatArray:
+        """Torque of the scene's effects on the body at rest, N m, world axes, (3,)."""
+        torque: FloatArray = push(self.scene, matrix(self.world.motion()[:4]), np.zeros(3))
+        return torque
+
+    def damped_by(self, damping: Sequence[float]) -> dict[str, bool]:
+        """What the damping of a joint's velocities, rotations first, is, and whether it acts."""
+        wanted = [self.scene["drag"]] * 3 + [0.0] * (len(damping) - 3)
+        name = "drag" if list(damping) == wanted else f"a joint damping of {damping} N m s"
+        return {name: any(damping)}
+
     def read_body(self) -> BodyReading:
-        """In the scene's body axes."""
-        return self.frame.body(*self.held())
+        """The body in the scene's axes."""
+        return self.frame.body(*self.world_body())
 
     def read_state(self) -> State:
         """The state now."""

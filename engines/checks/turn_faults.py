@@ -3,7 +3,7 @@
 Both are read before and after single steps. However coarse the step, a correct rule turns the body
 at a rate between the ω before and the ω after the step, with a margin of their difference: explicit
 and implicit rules use one or the other, rules of higher order a value in between, a multistep rule
-exceeds one of them by half their difference. If drag or the engine's own damping acts, the ω in
+exceeds one of them by half their difference. If an effect or the engine slows it, the ω in
 between may differ further, by as much as that changes it. If ω is constant, the remaining error is
 that of a rotation about a fixed axis: the coarsest rules, q (1, hω/2) normalised and Cayley's, turn
 by 2 atan(h|ω|/2), less than h|ω| by at most (h|ω|)³/12. A rule that steps roll, pitch β and yaw
@@ -107,7 +107,7 @@ def _turns(reading: Reading, pairs: NDArray[np.int64], bounds: Bounds) -> Iterat
 def _allowed(
     own_change: FloatArray, fastest: FloatArray, q_world_body: FloatArray, bounds: Bounds
 ) -> FloatArray:
-    """By how much the rate of each turn may differ from the mean ω, rad/s, (n,).
+    """The most by which the rate of each turn may differ from the mean ω, rad/s, (n,).
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def _were_of_one_frame(omega_body: FloatArray, q_world_body: FloatArray, apart: 
 
 
 def _digits(angle: float, makes: float) -> int:
-    """So many that a step that is a little too long shows."""
+    """The number of digits that shows a step that is a little too long."""
     apart = abs(angle - makes) / max(angle, makes)
     return min(MOST_DIGITS, DIGITS + max(0, math.ceil(-math.log10(apart or 1.0)) - 1))
 

@@ -23,7 +23,7 @@ from ..results.store import Store
 from .choice import Choice
 from .convergence_study import ConvergenceStudy, SingleRun
 from .default_effects import take_defaults_away
-from .executors import CallFailed, Executor, is_environmental, may_succeed_if_repeated
+from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
 from .ladder import Ladder, Rung, ladder, single
 from .plan import Plan, SceneLeft
 from .stock import StockRun, stock_rung, stock_timesteps
@@ -103,18 +103,18 @@ def run_rungs(
     """
     scenario, engine, method = study.scenario, study.engine, study.method
     runs = study.runs()
-    asked = next(runs, None)
-    while asked is not None:
-        rung = asked.rung
+    planned = next(runs, None)
+    while planned is not None:
+        rung = planned.rung
         row = (stored or {}).get(rung.timestep)
-        if row is None or not asked.is_answered_by(row):
+        if row is None or not planned.is_answered_by(row):
             answer = executor.call_at(engine.site, simulate, engine, scenario, method.name, rung)
-            row = study.compare(asked, answer)
+            row = study.compare(planned, answer)
             yield row
         try:
-            asked = runs.send(row)
+            planned = runs.send(row)
         except StopIteration:
-            asked = None
+            planned = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +144,7 @@ class SceneReference:
         max_steps: int,
         stock: Sequence[float] = (),
     ) -> None:
-        self._asked = (scenario, timesteps, max_steps, stock)
+        self._arguments = (scenario, timesteps, max_steps, stock)
         self._solving = Lock()
         self._solved: Prepared | CallFailed | None = None
 
@@ -152,9 +152,9 @@ class SceneReference:
         """The exact motion, which is also stored, or the reason why it could not be solved."""
         with self._solving:
             if self._solved is None:
-                self._solved = executor.call(prepare, *self._asked).value
+                self._solved = executor.call(prepare, *self._arguments).value
                 if isinstance(self._solved, Prepared):
-                    store.put_scene(self._asked[0], self._solved.solution)
+                    store.put_scene(self._arguments[0], self._solved.solution)
             return self._solved
 
 
@@ -288,8 +288,8 @@ def _unsolved(
     """Store rows that say that the exact motion could not be found."""
     key = Key(scenario.name, engine.name, method.name)
     reason = f"the exact motion could not be found: {failure.reason}"
-    cause = failure.cause if is_environmental(failure.cause) else "unsolved"
-    store.put(Row(key, engine.version, UNSOLVED, "failed", reason, cause))
+    row = Row(key, engine.version, UNSOLVED, "failed", reason, cause_of_unsolved(failure))
+    store.put(row)
     verdict = Verdict(key, "failed", reason, timesteps=tuple(sorted(choice.timesteps)))
     store.put_verdict(verdict)
     return verdict

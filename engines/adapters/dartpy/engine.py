@@ -10,12 +10,10 @@ from typing import final
 import numpy as np
 
 from ....scenarios import Scenario
-from ...engine import Engine, Method
+from ...engine import COMMON_EFFECTS, Engine, Method
 from ...session import Session
-from ...world_parts import matrix, push
-from ...world_session import HeldBody, WorldSession, world_script
+from ...world_session import WorldBody, WorldSession, world_script
 
-EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 TORQUES = frozenset({"torque_body", "torque_world"})
 #: Number of coordinates that turn the body; they come first in a joint.
 TURNING = 3
@@ -34,13 +32,13 @@ class Dart(Engine):
     # getTimeStep() of a new World.
     stock_timestep = 1e-3
     methods = (
-        Method("semi-implicit", 1, 1, "semi-implicit Euler in joint coordinates", EFFECTS),
-        Method("default", 1, 1, "as shipped: may fall asleep", EFFECTS, as_shipped=True),
+        Method("semi-implicit", 1, 1, "semi-implicit Euler in joint coordinates", COMMON_EFFECTS),
+        Method("default", 1, 1, "as shipped: may fall asleep", COMMON_EFFECTS, as_shipped=True),
     )
 
     @property
     def version(self) -> str:
-        """Of the installed package."""
+        """The version of the installed package."""
         return version("dartpy")
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
@@ -56,11 +54,13 @@ class Dart(Engine):
 class DartSession(WorldSession):
     """One body in a world of its own; its frame is at the joint."""
 
-    def held(self) -> HeldBody:
+    def world_body(self) -> WorldBody:
         """The body as its body node holds it, from the joint."""
-        held = self.world.body.getInertia()
+        inertia = self.world.body.getInertia()
         arm = np.zeros(3) if self.scenario.has_pivot else None
-        return HeldBody(held.getMass(), held.getLocalCOM(), np.array(held.getMoment()), arm)
+        return WorldBody(
+            inertia.getMass(), inertia.getLocalCOM(), np.array(inertia.getMoment()), arm
+        )
 
     def active(self) -> frozenset[str]:
         """What acts, as reported by world, joint and body node."""
@@ -69,14 +69,13 @@ class DartSession(WorldSession):
         right = np.array_equal(gravity, scenario.gravity_world)
         count = joint.getNumDofs()
         damping = [joint.getDampingCoefficient(k) for k in range(count)]
-        is_drag = damping == [scenario.drag] * TURNING + [0.0] * (count - TURNING)
-        wanted = push(self.scene | {"drag": 0.0}, matrix(self.world.motion()[:4]), np.zeros(3))
+        wanted = self.constant_push()
         self.world.push()
         torque = np.array(self.world.body.getExternalForceGlobal()[:TURNING])
         pushes = np.linalg.norm(torque - wanted) <= SLACK * np.linalg.norm(wanted)
         named = {
             "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
-            "drag" if is_drag else f"a joint damping of {damping} N m s": any(damping),
+            **self.damped_by(damping),
             "pivot": joint.getType() == "BallJoint",
             f"a torque of {torque.tolist()} N m": not pushes,
             "springs": any(joint.getSpringStiffness(k) for k in range(count)),

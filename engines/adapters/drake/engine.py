@@ -11,12 +11,10 @@ import numpy as np
 
 from ....scenarios import FloatArray, Scenario
 from ...checks.read_back import EngineError
-from ...engine import Engine, Method
+from ...engine import COMMON_EFFECTS, Engine, Method
 from ...session import Session
-from ...world_parts import matrix, push
-from ...world_session import HeldBody, WorldSession, world_script
+from ...world_session import WorldBody, WorldSession, world_script
 
-EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 TORQUES = frozenset({"torque_body", "torque_world"})
 #: Relative rounding of a torque that was rotated.
 SLACK = 16 * float(np.finfo(float).eps)
@@ -24,7 +22,9 @@ WORLD = Path(__file__).with_name("world.py")
 
 
 def _method(name: str, order: int, summary: str, as_shipped: bool = False) -> Method:
-    return Method(name, order, order, summary, EFFECTS, as_shipped=as_shipped, by_angles=True)
+    return Method(
+        name, order, order, summary, COMMON_EFFECTS, as_shipped=as_shipped, by_angles=True
+    )
 
 
 @final
@@ -47,7 +47,7 @@ class Drake(Engine):
 
     @property
     def version(self) -> str:
-        """Of the installed package."""
+        """The version of the installed package."""
         return version("drake")
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
@@ -74,14 +74,14 @@ class DrakeSession(WorldSession):
         """Not where the plant steps itself: its timestep is built in."""
         return not self.world.is_discrete
 
-    def held(self) -> HeldBody:
+    def world_body(self) -> WorldBody:
         """The body as the plant's context holds it, from the joint."""
-        held = self.world.body.CalcSpatialInertiaInBodyFrame(self.world.context)
-        mass, com = held.get_mass(), np.array(held.get_com())
-        about_origin = held.CalcRotationalInertia()
+        spatial = self.world.body.CalcSpatialInertiaInBodyFrame(self.world.context)
+        mass, com = spatial.get_mass(), np.array(spatial.get_com())
+        about_origin = spatial.CalcRotationalInertia()
         about_com = about_origin.ShiftToCenterOfMass(mass, com).CopyToFullMatrix3()
         arm = None if self.world.is_free else np.zeros(3)
-        return HeldBody(mass, com, np.array(about_com), arm)
+        return WorldBody(mass, com, np.array(about_com), arm)
 
     def advance(self, steps: int) -> None:
         """As the world does."""
@@ -108,16 +108,12 @@ class DrakeSession(WorldSession):
         gravity = np.array(plant.gravity_field().gravity_vector())
         right = np.array_equal(gravity, scenario.gravity_world)
         damping = np.array(joint.GetDampingVector(self.world.context))
-        # The first three velocities of its joints are rotations.
-        wanted_damping = [scenario.drag] * 3 + [0.0] * (joint.num_velocities() - 3)
-        is_drag = np.array_equal(damping, wanted_damping)
-        R_world_axes = matrix(self.world.motion()[:4])
         torque = self._felt_torque()
-        wanted = push(self.scene | {"drag": 0.0}, R_world_axes, np.zeros(3))
+        wanted = self.constant_push()
         pushes = np.linalg.norm(torque - wanted) <= SLACK * np.linalg.norm(wanted)
         named = {
             "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
-            "drag" if is_drag else f"a joint damping of {damping.tolist()}": damping.any(),
+            **self.damped_by(damping.tolist()),
             "pivot": joint.type_name() == self.module.drake.BallRpyJoint.kTypeName,
             f"a torque of {torque.tolist()} N m": not pushes,
             "joints": plant.num_joints() > 1,

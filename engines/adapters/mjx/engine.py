@@ -6,7 +6,7 @@ from typing import final
 import mujoco
 
 from ....scenarios import Scenario
-from ...engine import Engine, Method
+from ...engine import COMMON_EFFECTS, Engine, Method
 from ...models.mjcf import mjcf
 from ...session import Session
 from ..mujoco.session import check_not_too_small
@@ -14,7 +14,7 @@ from .script import left_in, script
 from .session import MJXSession
 
 #: Torques along the world's axes come out wrong on a free body: docs/engines-more.md.
-EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body"})
+EFFECTS = COMMON_EFFECTS - {"torque_world"}
 CLEAN = (
     Method("Euler", 1, 1, "semi-implicit Euler, joint damping implicit", EFFECTS),
     Method("implicitfast", 1, 1, "implicit in velocity, without gyroscopic terms", EFFECTS),
@@ -34,7 +34,7 @@ class MJX(Engine):
 
     @property
     def version(self) -> str:
-        """Of the installed package, and of the MuJoCo that compiles its models."""
+        """The versions of the package and of the MuJoCo that compiles its models."""
         return f"{version('mujoco-mjx')} (MuJoCo {mujoco.mj_versionString()})"
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:

@@ -10,12 +10,11 @@ from typing import final
 
 import numpy as np
 
-from ....scenarios import Scenario
-from ...engine import Engine, Method
+from ....scenarios import PUSHED, Scenario
+from ...engine import COMMON_EFFECTS, Engine, Method
 from ...session import Session
-from ...world_session import HeldBody, WorldSession, world_script
+from ...world_session import WorldBody, WorldSession, world_script
 
-EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 WORLD = Path(__file__).with_name("world.py")
 
 
@@ -27,21 +26,21 @@ class Pinocchio(Engine):
     package = "pinocchio"
     step_seconds = 30e-6
     methods = (
-        Method("semi-implicit", 1, 1, "aba, then integrate with the new velocity", EFFECTS),
-        Method("RK4", 4, 4, "aba, in classical Runge-Kutta steps of its state", EFFECTS),
+        Method("semi-implicit", 1, 1, "aba, then integrate with the new velocity", COMMON_EFFECTS),
+        Method("RK4", 4, 4, "aba, in classical Runge-Kutta steps of its state", COMMON_EFFECTS),
         Method(
             "default",
             1,
             1,
             "the loop of its examples, which is semi-implicit: it has no integrator",
-            EFFECTS,
+            COMMON_EFFECTS,
             as_shipped=True,
         ),
     )
 
     @property
     def version(self) -> str:
-        """Of the installed package."""
+        """The version of the installed package."""
         return version("pin")
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
@@ -57,11 +56,11 @@ class Pinocchio(Engine):
 class PinocchioSession(WorldSession):
     """One body; its joint is at the pivot, or else at the com."""
 
-    def held(self) -> HeldBody:
+    def world_body(self) -> WorldBody:
         """The body as the model holds it, from the joint."""
-        held = self.world.model.inertias[1]
+        inertia = self.world.model.inertias[1]
         arm = None if self.world.is_free else np.zeros(3)
-        return HeldBody(held.mass, np.array(held.lever), np.array(held.inertia), arm)
+        return WorldBody(inertia.mass, np.array(inertia.lever), np.array(inertia.inertia), arm)
 
     def active(self) -> frozenset[str]:
         """Gravity and pivot as in the model; torques as passed to `aba`."""
@@ -72,9 +71,7 @@ class PinocchioSession(WorldSession):
             "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
             "pivot": model.joints[1].shortname() == "JointModelSpherical",
             "more bodies": model.njoints > 2,
-            "drag": scenario.drag > 0,
-            "torque_body": scenario.torque_body.any(),
-            "torque_world": scenario.torque_world.any(),
+            **dict.fromkeys(scenario.called_for & PUSHED, True),
             "armature": model.armature.any(),
             "joint friction": model.damping.any() or model.friction.any(),
         }
