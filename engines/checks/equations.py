@@ -74,10 +74,10 @@ class Equations:
 
     def torque_body(self, R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
         """I dω/dt, N m."""
-        felt = self.inertia
+        inertia = self.inertia
         if not self.gyroscopic:
-            felt = felt - self.scenario.body.inertia_com
-        return self.outer_body(R_world_body, omega_body) - cross(omega_body, felt @ omega_body)
+            inertia = inertia - self.scenario.body.inertia_com
+        return self.outer_body(R_world_body, omega_body) - cross(omega_body, inertia @ omega_body)
 
     def after(self, state: State, span: float) -> State:
         """The state a time `span` later, s."""

@@ -198,7 +198,7 @@ def restarts_as_it_opens(engine: Engine, method: Method) -> None:
 
 
 def differs_from_every_other_method(engine: Engine, method: Method) -> None:
-    """On some scene its motion differs; a method as shipped may equal another."""
+    """Its motion differs on some scene; a method as shipped may equal another."""
     if method.as_shipped:
         return
     for other in engine.methods:

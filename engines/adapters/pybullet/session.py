@@ -79,7 +79,7 @@ class PyBulletSession(Session):
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Of a body on a joint; the pose of any other is composed by PyBullet when it is loaded."""
+        """Whether the body is on a joint; any other pose is composed as it is loaded."""
         return self.model.link == HUNG
 
     def restart(self, state: State, timestep: float | None = None) -> None:

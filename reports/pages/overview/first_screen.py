@@ -193,7 +193,7 @@ def _why(shipped: _AtStock, scenes: Sequence[SceneRuns], harmless: Collection[st
 
 
 def _by_each_default(pair: Pair, scenes: Sequence[SceneRuns]) -> str:
-    """On how many scenes each default alone causes an error of ω, if that was measured."""
+    """The number of scenes on which each default alone causes an error of ω, if measured."""
     measured = [
         one
         for scene in scenes
