@@ -104,18 +104,18 @@ def run_rungs(
     if not engine.unsupported(scenario, method):
         _examine(study, executor)
     runs = study.runs()
-    asked = next(runs, None)
-    while asked is not None:
-        rung = asked.rung
+    planned = next(runs, None)
+    while planned is not None:
+        rung = planned.rung
         row = (stored or {}).get(rung.timestep)
-        if row is None or not asked.is_answered_by(row):
+        if row is None or not planned.is_answered_by(row):
             answer = executor.call_at(engine.site, simulate, engine, scenario, method.name, rung)
-            row = study.compare(asked, answer)
+            row = study.compare(planned, answer)
             yield row
         try:
-            asked = runs.send(row)
+            planned = runs.send(row)
         except StopIteration:
-            asked = None
+            planned = None
     _restart(study, executor)
 
 
@@ -147,7 +147,7 @@ class SceneReference:
         max_steps: int,
         stock: Sequence[float] = (),
     ) -> None:
-        self._asked = (scenario, timesteps, max_steps, stock)
+        self._arguments = (scenario, timesteps, max_steps, stock)
         self._solving = Lock()
         self._solved: Prepared | CallFailed | None = None
 
@@ -155,9 +155,9 @@ class SceneReference:
         """The exact motion, which is also stored, or the reason why it could not be solved."""
         with self._solving:
             if self._solved is None:
-                self._solved = executor.call(prepare, *self._asked).value
+                self._solved = executor.call(prepare, *self._arguments).value
                 if isinstance(self._solved, Prepared):
-                    store.put_scene(self._asked[0], self._solved.solution)
+                    store.put_scene(self._arguments[0], self._solved.solution)
             return self._solved
 
 
