@@ -107,14 +107,15 @@ def _lost(rows: Sequence[Row], sequences: Sequence[SignalSequence]) -> Iterator[
 def _worse(series: _Series) -> Iterator[str]:
     """A rung that is worse than the last of some coarser ones that shrink as they should.
 
-    Three of these are enough for one that is a little worse, two for one that is far worse.
+    Three of these are enough for one that is a little worse; two, if of the declared order, for one
+    that is far worse.
     """
-    yield from islice(
-        chain(_worse_than(series, FITTED_RUNGS, DISTINCT), _worse_than(series, 2, FAR_WORSE)), 1
-    )
+    by_three = _worse_than(series, FITTED_RUNGS, DISTINCT, np.inf)
+    by_two = _worse_than(series, 2, FAR_WORSE, SHORTFALL)
+    yield from islice(chain(by_three, by_two), 1)
 
 
-def _worse_than(series: _Series, rungs: int, factor: float) -> Iterator[str]:
+def _worse_than(series: _Series, rungs: int, factor: float, off_order: float) -> Iterator[str]:
     values, floors = series.values, series.floors
     for end in range(rungs - 1, len(values) - 1):
         window = slice(end - rungs + 1, end + 1)
@@ -122,6 +123,8 @@ def _worse_than(series: _Series, rungs: int, factor: float) -> Iterator[str]:
             continue
         slopes = -np.diff(np.log2(values[window]))
         if np.ptp(slopes) > 2 * ORDER_SLACK or slopes.min() < SETTLING_ORDER:
+            continue
+        if np.abs(slopes - series.order).max() > off_order:
             continue
         # Where no interval is worse, errors of another sign have added up, or noise has.
         has_cause = (series.defects >= series.defects[end]).any(axis=1)

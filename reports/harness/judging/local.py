@@ -40,7 +40,7 @@ LEAPS = 4
 PIECE_RUNGS, PIECE_GOAL = 7, 1e-4
 #: Intervals of a run that are gone through again, and the most steps of one; a run of few steps is
 #: gone through from end to end.
-INTERVALS, MOST_STEPS, FEW_STEPS = 5, 1 << 12, 1 << 13
+INTERVALS, MOST_STEPS, FEW_STEPS = 5, 1 << 12, 1 << 12
 #: Relative change of a state that shows what rounding does to an interval.
 NUDGE = 2.0**-46
 
