@@ -150,18 +150,26 @@ def run(
     from .run.short_summary import short_summary
     from .run.summary import print_results, results_as_json
 
-    asked = (engine or [], method or [], timestep or [])
+    named = (engine or [], method or [], timestep or [])
     if ensemble is not None:
         if quick:
             raise Complaint("'--quick' is for ladders; an ensemble has none", BAD_INPUT)
         code = run_members(
-            scenes or [], ensemble, seed, asked, time_limit, again, Where(jobs, dask), out, as_json
+            scenes or [],
+            ensemble,
+            seed,
+            named,
+            time_limit,
+            again,
+            Where(jobs, dask),
+            out,
+            as_json,
         )
         raise typer.Exit(code)
     where = Where(jobs, dask)
     results = running.run(
         scenes or [],
-        *asked,
+        *named,
         where,
         out,
         quick=quick,

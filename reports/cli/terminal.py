@@ -118,7 +118,7 @@ def _beside(columns: Sequence[object]) -> int:
 
 
 def _least_width(text: str) -> int:
-    """Of a cell: its longest number, and as much of its names as can be read."""
+    """The least width of a cell: of its longest number, or of a readable part of its names."""
     words = text.split()
     return max((len(w) if _is_number(w) else min(len(w), NAME) for w in words), default=0)
 

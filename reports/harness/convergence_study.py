@@ -10,10 +10,11 @@ import numpy as np
 from ...engines import Engine, Method, Run
 from ...reference import Solution
 from ...scenarios import Expect, Scenario
-from ..results.records import Defect, Key, Row
+from ..results.records import Defect, Key, LocalCheck, Row
 from .comparison import row_of, unmet_expectations
 from .defects import defects
-from .executors import Answer
+from .executors import Answer, CallFailed
+from .judging.places import Places
 from .ladder import MIN_RUNGS, Ladder, Rung
 from .ladder_judge import LadderJudge
 from .stock import StockRun, stock_timesteps
@@ -29,7 +30,7 @@ class SingleRun:
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class PlannedRun:
     """A run that a study asks for.
 
     Attributes
@@ -60,6 +61,10 @@ class ConvergenceStudy:
     stock : runs at stock timesteps
     rows, single_rows, above_rows, stock_rows : the runs so far
     unmet : expectations of the scene that were not met, in words
+    places : exact states that the method is tested from, if there are any
+    local : what it does from there
+    remembers : whether a run goes on otherwise than if restarted from its own states; None if that
+        is not known
     """
 
     scenario: Scenario
@@ -74,6 +79,9 @@ class ConvergenceStudy:
     above_rows: list[Row] = field(default_factory=list)
     stock_rows: list[Row] = field(default_factory=list)
     unmet: list[str] = field(default_factory=list)
+    places: Places | None = None
+    local: LocalCheck | None = None
+    remembers: bool | None = None
 
     @cached_property
     def judge(self) -> LadderJudge:
@@ -85,44 +93,57 @@ class ConvergenceStudy:
         """Scene, engine and method."""
         return Key(self.scenario.name, self.engine.name, self.method.name)
 
-    def runs(self) -> Generator[Asked, Row]:
+    def runs(self) -> Generator[PlannedRun, Row]:
         """Ask for one run after the other, and take its row: just made, or stored.
 
         First the single timesteps, then the ladder down to where it can be judged, then timesteps
         above it as long as they survive, then stock timesteps.
         """
         for single in self.singles:
-            row = yield Asked(single.rung, single.solution, "single")
+            row = yield PlannedRun(single.rung, single.solution, "single")
             self.single_rows.append(row)
             for expectation in single.expectations:
                 self.unmet += unmet_expectations(expectation, row)
         if self.ladder is None:
             return
         for rung in self.ladder.rungs:
-            self.rows.append((yield Asked(rung, self.solution, "ladder")))
+            self.rows.append((yield PlannedRun(rung, self.solution, "ladder")))
             self.judge.take(self.rows[-1])
             if self._is_down:
                 break
         is_alive = not self.rows or self.rows[0].survived
         for rung in self.ladder.above if is_alive else ():
-            self.above_rows.append((yield Asked(rung, thinned(self.solution, rung.every), "above")))
+            self.above_rows.append(
+                (yield PlannedRun(rung, thinned(self.solution, rung.every), "above"))
+            )
             if not self.above_rows[-1].survived:
                 break
         for run in self._stock_left:
             if run.rung and run.solution:
-                self.stock_rows.append((yield Asked(run.rung, run.solution, "stock")))
+                self.stock_rows.append((yield PlannedRun(run.rung, run.solution, "stock")))
 
-    def compare(self, asked: Asked, answer: Answer[Run]) -> Row:
+    def compare(self, planned: PlannedRun, answer: Answer[Run]) -> Row:
         """Compare a run that was asked for with the exact motion; returns its row."""
-        version, rung = self.engine.version, asked.rung
-        row = row_of(self.scenario, self.key, version, rung, answer.value, asked.solution)
+        version, rung, run = self.engine.version, planned.rung, self._of_other_law(answer.value)
+        row = row_of(self.scenario, self.key, version, rung, run, planned.solution)
         is_stock = rung.timestep in stock_timesteps(self.engine)
-        made = self._defects(row, asked.solution)
+        made = self._defects(row, planned.solution)
         row = replace(row, printed=answer.printed, stock=is_stock, defects=made)
-        if self.rows and asked.use == "above" and not is_stock:
+        if self.rows and planned.use == "above" and not is_stock:
             # Its samples are not needed: finer runs are judged and drawn.
             row = replace(row, motion=None)
         return row
+
+    def _of_other_law(self, run: Run | CallFailed) -> Run | CallFailed:
+        """The run, marked where single steps do not obey the scene's equations of motion."""
+        if isinstance(run, CallFailed) or not (self.local and self.local.reason):
+            return run
+        reason = "; ".join(filter(None, (run.reason, self.local.reason)))
+        if run.outcome == "ok":
+            return replace(run, cause="law", reason=reason)
+        # A lag at however small a step is not a clamp.
+        is_clock = run.cause == "lag" and self.local.at_any_timestep
+        return replace(run, outcome="failed", cause="clock", reason=reason) if is_clock else run
 
     def _defects(self, row: Row, solution: Solution) -> dict[str, Defect] | None:
         if row.motion is None or row.errors is None:

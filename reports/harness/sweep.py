@@ -69,7 +69,7 @@ class SweepPlan:
                 yield PointLeft(point, to_run)
 
     def __str__(self) -> str:
-        """In words, how many stored points are used again; empty if none."""
+        """How many stored points are used again, in words; empty if none."""
         if not self.complete:
             return ""
         return f"{self.complete} of {self.total} points are stored already"

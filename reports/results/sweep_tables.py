@@ -72,12 +72,12 @@ class SweepTables:
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    def put(self, asked: Map | Ensemble, scenario: Scenario) -> None:
+    def put(self, sweep: Map | Ensemble, scenario: Scenario) -> None:
         """Store the definition of a sweep."""
         record = {
             "scenario": scenario.name,
-            "kind": type(asked).__name__,
-            "asked": json.dumps(asdict(asked)),
+            "kind": type(sweep).__name__,
+            "asked": json.dumps(asdict(sweep)),
             "toml": scenario.text,
         }
         with self._database.transaction() as connection:
@@ -94,9 +94,9 @@ class SweepTables:
         for record in self._database.select("points", "scenario = ?", (scenario,)):
             yield StoredPoint(*(record[name] for name in _STORED))
 
-    def points(self, asked: Map | Ensemble) -> tuple[PointResult, ...]:
+    def points(self, sweep: Map | Ensemble) -> tuple[PointResult, ...]:
         """The stored results of a sweep, in the order of its points."""
-        return _results(asked, self._database.select("points", "scenario = ?", (asked.scenario,)))
+        return _results(sweep, self._database.select("points", "scenario = ?", (sweep.scenario,)))
 
     def read(self) -> tuple[list[MapResult], list[EnsembleResult]]:
         """Every map and every ensemble, with their points."""
@@ -105,23 +105,23 @@ class SweepTables:
             points[record["scenario"]].append(record)
         maps, ensembles = [], []
         for record in self._database.select("sweeps", order="scenario, asked"):
-            asked, scenario = _asked(record), _scene(record)
-            results = _results(asked, points[scenario.name])
-            if isinstance(asked, Map):
-                maps.append(MapResult(asked, scenario, results))
+            sweep, scenario = _sweep(record), _scene(record)
+            results = _results(sweep, points[scenario.name])
+            if isinstance(sweep, Map):
+                maps.append(MapResult(sweep, scenario, results))
             else:
-                ensembles.append(EnsembleResult(asked, scenario, results))
+                ensembles.append(EnsembleResult(sweep, scenario, results))
         return maps, ensembles
 
 
-def _results(asked: Map | Ensemble, records: Iterable[sqlite3.Row]) -> tuple[PointResult, ...]:
+def _results(sweep: Map | Ensemble, records: Iterable[sqlite3.Row]) -> tuple[PointResult, ...]:
     """The results of a sweep among those of its scene, in the order of its points.
 
     It loops over the stored results, not over all points of the sweep: few may have been run.
     """
     results: dict[SweepPoint, list[PointResult]] = defaultdict(list)
     for record in records:
-        if (point := _point(asked, record)) is not None:
+        if (point := _point(sweep, record)) is not None:
             results[point].append(_result(point, record))
     return tuple(
         result
@@ -140,9 +140,9 @@ def _record(point: SweepPoint, result: PointResult) -> dict[str, Any]:
 
 
 @as_result_file_error
-def _point(asked: Map | Ensemble, record: sqlite3.Row) -> SweepPoint | None:
+def _point(sweep: Map | Ensemble, record: sqlite3.Row) -> SweepPoint | None:
     """The point of a sweep that a record belongs to; None if it belongs to another sweep only."""
-    return sweep_point(asked, from_json(record["place"], dict))
+    return sweep_point(sweep, from_json(record["place"], dict))
 
 
 @as_result_file_error
@@ -162,33 +162,33 @@ def _scene(record: sqlite3.Row) -> Scenario:
 
 
 @as_result_file_error
-def _asked(record: sqlite3.Row) -> Map | Ensemble:
+def _sweep(record: sqlite3.Row) -> Map | Ensemble:
     """The stored definition of a sweep, checked to be one that a user can ask for."""
-    asked = from_json(record["asked"], dict)
+    sweep = from_json(record["asked"], dict)
     if record["kind"] == Ensemble.__name__:
-        return _ensemble(asked, scene_name(record))
+        return _ensemble(sweep, scene_name(record))
     if record["kind"] == Map.__name__:
-        return _map(asked, _scene(record))
+        return _map(sweep, _scene(record))
     raise ValueError(f"a sweep of kind '{record['kind']}'")
 
 
-def _map(asked: dict[str, Any], scene: Scenario) -> Map:
+def _map(sweep: dict[str, Any], scene: Scenario) -> Map:
     first, second = (
         typed(Axis(axis["path"], tuple(axis["values"]), axis["logarithmic"]))
-        for axis in asked["axes"]
+        for axis in sweep["axes"]
     )
     for axis in (first, second):
         check_path(scene, axis.path)
         _check_axis(axis)
     if first.path == second.path:
         raise ValueError(f"{first.path}: varied twice")
-    grid = typed(Map(scene.name, (first, second), asked["timestep"]))
+    grid = typed(Map(scene.name, (first, second), sweep["timestep"]))
     _check_timestep(grid.timestep)
     return grid
 
 
-def _ensemble(asked: dict[str, Any], scene: str) -> Ensemble:
-    ensemble = typed(Ensemble(**{**asked, "scenario": scene}))
+def _ensemble(sweep: dict[str, Any], scene: str) -> Ensemble:
+    ensemble = typed(Ensemble(**{**sweep, "scenario": scene}))
     if not (0 < ensemble.members <= MAX_MEMBERS and 0 <= ensemble.seed <= MAX_SEED):
         raise ValueError(f"an ensemble of {ensemble.members} members and seed {ensemble.seed}")
     _check_timestep(ensemble.timestep)

@@ -30,7 +30,7 @@ ZEROS = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class Compiler:
-    """Of MuJoCo's compiler settings, those that say what the numbers of a file mean."""
+    """The settings of MuJoCo's compiler that say what the numbers of a file mean."""
 
     degrees: bool
     eulerseq: str
@@ -238,7 +238,7 @@ def _pose(element: Element, compiler: Compiler) -> Pose:
 
 
 def _rotation(element: Element, compiler: Compiler) -> FloatArray:
-    """By whichever of MJCF's five ways it is given (XML reference, *Frame orientations*)."""
+    """The rotation, given in one of MJCF's five ways (XML reference, *Frame orientations*)."""
     stated_keys = [key for key in _BY if key in element.attributes]
     if len(stated_keys) > 1:
         element.refuse(

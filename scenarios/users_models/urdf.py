@@ -115,7 +115,7 @@ def _stated(inertial: Element | None) -> Stated | None:
 
 
 def _pose(element: Element) -> Pose:
-    """Of the element's `origin`; R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    """The pose in the element's `origin`; R = Rz(yaw) Ry(pitch) Rx(roll)."""
     origin = element.only("origin")
     if origin is None:
         return IDENTITY

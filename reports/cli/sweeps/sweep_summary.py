@@ -28,9 +28,9 @@ def print_sweep(sweep: MapResult | EnsembleResult) -> None:
 
 def sweep_as_json(sweep: MapResult | EnsembleResult) -> dict[str, Any]:
     """What was asked for, and its points, with the names that scripts rely on."""
-    asked = sweep.map if isinstance(sweep, MapResult) else sweep.ensemble
+    kind = sweep.map if isinstance(sweep, MapResult) else sweep.ensemble
     names = _names(sweep)
-    return asdict(asked) | {"points": [point_record(point, names) for point in sweep.points]}
+    return asdict(kind) | {"points": [point_record(point, names) for point in sweep.points]}
 
 
 def point_record(point: PointResult, names: Sequence[str]) -> dict[str, Any]:
@@ -104,7 +104,7 @@ def _place(point: PointResult, names: Sequence[str]) -> str:
 
 def flat_records(sweep: MapResult | EnsembleResult) -> list[dict[str, Any]]:
     """Points as flat records: their coordinates are one column of JSON, as they differ by sweep."""
-    asked = f"seed {sweep.ensemble.seed}" if isinstance(sweep, EnsembleResult) else "map"
+    kind = f"seed {sweep.ensemble.seed}" if isinstance(sweep, EnsembleResult) else "map"
     names = _names(sweep)
     records = [point_record(point, names) for point in sweep.points]
-    return [{"sweep": asked, **record, "at": json.dumps(record["at"])} for record in records]
+    return [{"sweep": kind, **record, "at": json.dumps(record["at"])} for record in records]
