@@ -115,10 +115,10 @@ SEVENTH_SIGNAL = {
         name="upright",
         label="Lz",
         quantity="vertical angular momentum",
-        formula="max |Lz_e − Lz_r| / max |L_r|",
+        formula="max |Lz_e − Lz_r| / (1 s × the base of the energy)",
         kind="scalar",
         values=lambda scene, motion: angular_momentum_world(scene, motion)[:, 2],
-        base=lambda sizes: sizes.angular_momentum,
+        base=energy_base,
     ),
 )
 
