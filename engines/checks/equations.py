@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...scenarios import FloatArray, Scenario, push
+from ...scenarios import PUSHED, FloatArray, Scenario, push
 from ...scenarios.effects import gravity
 from ...scenarios.fastest_rate import fastest_rate
 from ...scenarios.rotation import cross, matrix, rotation_vectors
@@ -69,8 +69,11 @@ class Equations:
 
     def outer_body(self, R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
         """Torque of the scene's effects, N m."""
+        pulled = gravity.torque_body(self.scenario, R_world_body)
+        if not self.scenario.called_for & PUSHED:
+            return pulled
         pushed: FloatArray = push(self.scenario.pushed, R_world_body, R_world_body @ omega_body)
-        return gravity.torque_body(self.scenario, R_world_body) + pushed @ R_world_body
+        return pulled + pushed @ R_world_body
 
     def torque_body(self, R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
         """I dω/dt, N m."""

@@ -189,6 +189,7 @@ def restarts_as_it_opens(engine: Engine, method: Method) -> None:
                 words = f"restarted, {unlike[0].complaint}" if unlike else ""
                 _require(not words or method.as_shipped, engine, method, scene, words)
                 _moves_as_opened(engine, method, start, session)
+                session.check()
                 first = _numbers(session)
                 session.restart(start_state(start))
                 for steps in RESTART_STRIDES:

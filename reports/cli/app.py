@@ -197,17 +197,12 @@ def report(
         Path | None, typer.Argument(metavar="[RESULT FILE]", help="What 'spincheck run' wrote.")
     ] = None,
     out: Annotated[Path, typer.Option(help="The folder to write.")] = REPORT_FOLDER,
-    jobs: Jobs = CORES,
 ) -> None:
-    """Make HTML and Markdown pages of a result file; run the library first if there is none."""
+    """Make HTML and Markdown pages of a result file."""
     from ..pages.render import render
-    from .executing import Where
     from .run import running
 
-    if results is None and not RESULT_FILE.exists():
-        stored = running.run([], [], [], [], Where(jobs), RESULT_FILE)
-    else:
-        stored = running.read(results or RESULT_FILE)
+    stored = running.read(results or RESULT_FILE)
     try:
         print(f"The report is {render(stored, out)}")
     except OSError as error:

@@ -6,7 +6,16 @@ import numpy as np
 
 from ...engines import Run
 from ...reference import Solution, drifts
-from ...scenarios import SIGNAL, Expect, Scenario, Trajectory, energy, energy_base, errors_between
+from ...scenarios import (
+    SIGNAL,
+    Expect,
+    FloatArray,
+    Scenario,
+    Trajectory,
+    energy,
+    energy_base,
+    error_series,
+)
 from ..results.records import Key, Row
 from .executors import CallFailed
 from .ladder import Rung
@@ -14,6 +23,8 @@ from .without_skill import no_better_than_rest
 
 #: An energy error of more than this many times the base is a blow-up.
 ABSURD_ENERGY = 10.0
+#: rad; turns are counted until the attitude is off by this.
+DEGREE = np.pi / 180
 
 
 def row_of(
@@ -54,8 +65,24 @@ def row_of(
         reason = "; ".join(filter(None, (row.reason, no_skill)))
         row = replace(row, cause=row.cause or "lost", reason=reason, without_skill=True)
     # A run that stopped early has no errors: those up to that time may be arbitrarily small.
-    errors = errors_between(scenario, motion, exact) if row.outcome == "ok" else None
-    return replace(row, errors=errors, drifts=drifts(scenario, motion), motion=motion)
+    series = error_series(scenario, motion, exact)
+    turned = _turns(exact)
+    beyond = np.flatnonzero(series["attitude"] > DEGREE)
+    return replace(
+        row,
+        errors=series.worst() if row.outcome == "ok" else None,
+        drifts=drifts(scenario, motion),
+        motion=motion,
+        turns=float(turned[-1]),
+        turns_within_1deg=float(turned[beyond[0]]) if len(beyond) else None,
+    )
+
+
+def _turns(exact: Trajectory) -> FloatArray:
+    """The turns that the exact motion has made by each sample, 2π rad each, (n,)."""
+    rates = np.linalg.norm(exact.omega_body, axis=1)
+    steps = (rates[1:] + rates[:-1]) / 2 * np.diff(exact.t)
+    return np.concatenate([[0.0], np.cumsum(steps)]) / (2 * np.pi)
 
 
 def unmet_expectations(expected: Expect, row: Row) -> list[str]:

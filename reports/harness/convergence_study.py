@@ -10,10 +10,11 @@ import numpy as np
 from ...engines import Engine, Method, Run
 from ...reference import Solution
 from ...scenarios import Expect, Scenario
-from ..results.records import Defect, Key, Row
+from ..results.records import Defect, Key, LocalCheck, Row
 from .comparison import row_of, unmet_expectations
 from .defects import defects
-from .executors import Answer
+from .executors import Answer, CallFailed
+from .judging.places import Places
 from .ladder import MIN_RUNGS, Ladder, Rung
 from .ladder_judge import LadderJudge
 from .stock import StockRun, stock_timesteps
@@ -60,6 +61,10 @@ class ConvergenceStudy:
     stock : runs at stock timesteps
     rows, single_rows, above_rows, stock_rows : the runs so far
     unmet : expectations of the scene that were not met, in words
+    places : exact states that the method is tested from, if there are any
+    local : what it does from there
+    remembers : whether a run goes on otherwise than if restarted from its own states; None if that
+        is not known
     """
 
     scenario: Scenario
@@ -74,6 +79,9 @@ class ConvergenceStudy:
     above_rows: list[Row] = field(default_factory=list)
     stock_rows: list[Row] = field(default_factory=list)
     unmet: list[str] = field(default_factory=list)
+    places: Places | None = None
+    local: LocalCheck | None = None
+    remembers: bool | None = None
 
     @cached_property
     def judge(self) -> LadderJudge:
@@ -116,8 +124,8 @@ class ConvergenceStudy:
 
     def compare(self, planned: PlannedRun, answer: Answer[Run]) -> Row:
         """Compare a run that was asked for with the exact motion; returns its row."""
-        version, rung = self.engine.version, planned.rung
-        row = row_of(self.scenario, self.key, version, rung, answer.value, planned.solution)
+        version, rung, run = self.engine.version, planned.rung, self._of_other_law(answer.value)
+        row = row_of(self.scenario, self.key, version, rung, run, planned.solution)
         is_stock = rung.timestep in stock_timesteps(self.engine)
         made = self._defects(row, planned.solution)
         row = replace(row, printed=answer.printed, stock=is_stock, defects=made)
@@ -125,6 +133,17 @@ class ConvergenceStudy:
             # Its samples are not needed: finer runs are judged and drawn.
             row = replace(row, motion=None)
         return row
+
+    def _of_other_law(self, run: Run | CallFailed) -> Run | CallFailed:
+        """The run, marked where single steps do not obey the scene's equations of motion."""
+        if isinstance(run, CallFailed) or not (self.local and self.local.reason):
+            return run
+        reason = "; ".join(filter(None, (run.reason, self.local.reason)))
+        if run.outcome == "ok":
+            return replace(run, cause="law", reason=reason)
+        # A lag at however small a step is not a clamp.
+        is_clock = run.cause == "lag" and self.local.at_any_timestep
+        return replace(run, outcome="failed", cause="clock", reason=reason) if is_clock else run
 
     def _defects(self, row: Row, solution: Solution) -> dict[str, Defect] | None:
         if row.motion is None or row.errors is None:

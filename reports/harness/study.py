@@ -7,7 +7,7 @@ everything else here prepares it or runs many of them.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
+from functools import partial
 from threading import Lock
 
 import numpy as np
@@ -24,14 +24,13 @@ from .choice import Choice
 from .convergence_study import ConvergenceStudy, SingleRun
 from .default_effects import take_defaults_away
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
+from .judging.local import examine, restarted
+from .judging.places import Places, places
 from .ladder import Ladder, Rung, ladder, single
 from .plan import Plan, SceneLeft
 from .stock import StockRun, stock_rung, stock_timesteps
 from .study_verdict import verdict_on
 from .timing import time_scene
-
-#: Models kept: more than the methods of the scenes that run at the same time.
-MODELS = 64
 
 Progress = Callable[[str], None]
 
@@ -102,6 +101,8 @@ def run_rungs(
     The runs made now, each compared with the exact motion.
     """
     scenario, engine, method = study.scenario, study.engine, study.method
+    if not engine.unsupported(scenario, method):
+        _examine(study, executor)
     runs = study.runs()
     planned = next(runs, None)
     while planned is not None:
@@ -115,6 +116,7 @@ def run_rungs(
             planned = runs.send(row)
         except StopIteration:
             planned = None
+    _restart(study, executor)
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +127,7 @@ class Prepared:
     ladder: Ladder
     singles: list[tuple[Rung, Solution]]
     stock: list[StockRun] = field(default_factory=list)
+    places: Places | None = None
 
 
 class SceneReference:
@@ -186,7 +189,9 @@ def prepare(
         for timestep, rung in zip(stock, at_stock, strict=True)
     ]
     ladder_rungs = rungs.until(len(solution.trajectory.t))
-    return Prepared(solution, ladder_rungs, runs[: len(alone)], stock_runs)
+    coarsest = ladder_rungs.rungs[0].timestep if ladder_rungs.rungs else None
+    at = places(scenario, outline, coarsest)
+    return Prepared(solution, ladder_rungs, runs[: len(alone)], stock_runs, at)
 
 
 def convergence_study_of(
@@ -207,49 +212,48 @@ def convergence_study_of(
         if expectations or rung.timestep in timesteps:
             singles.append(SingleRun(rung, solution, expectations))
     if timesteps:
-        return ConvergenceStudy(scenario, engine, method, prepared.solution, None, singles)
+        return ConvergenceStudy(
+            scenario, engine, method, prepared.solution, None, singles, places=prepared.places
+        )
     own = stock_timesteps(engine)
     stock = [run for run in prepared.stock if run.timestep in own]
     return ConvergenceStudy(
-        scenario, engine, method, prepared.solution, prepared.ladder, singles, stock
+        scenario,
+        engine,
+        method,
+        prepared.solution,
+        prepared.ladder,
+        singles,
+        stock,
+        places=prepared.places,
     )
 
 
 def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
-    """One run, in a worker; if it is ok or lags, with the equation residuals of its first steps."""
-    run = engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
-    if not (run.outcome == "ok" or run.cause == "lag"):
-        return run
-    is_single = run.cause == "precision"
-    model = _Model(engine.name, method, scenario.digest, is_single, engine, scenario)
-    residuals = _equation_residuals(model)
-    if not residuals:
-        return run
-    reason = "; ".join(filter(None, (run.reason, residuals)))
-    if run.outcome == "ok":
-        return replace(run, cause="law", reason=reason)
-    # A lag at however small a step is not a clamp.
-    return replace(run, outcome="failed", cause="clock", reason=reason)
+    """One run, in a worker."""
+    return engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
 
 
-@dataclass(frozen=True)
-class _Model:
-    """A scene in an engine, by one method; equal by names and digest."""
-
-    engine_name: str
-    method: str
-    digest: str
-    single_precision: bool
-    engine: Engine = field(compare=False)
-    scenario: Scenario = field(compare=False)
+def _examine(study: ConvergenceStudy, executor: Executor) -> None:
+    """Examine the method from exact states of the motion, in a worker."""
+    at, site = study.places, study.engine.site
+    if at is not None and not study.method.as_shipped:
+        asked = (study.engine, study.scenario, study.method.name, at)
+        found = executor.call_at(site, examine, *asked).value
+        study.local = None if isinstance(found, CallFailed) else found
 
 
-@lru_cache(maxsize=MODELS)
-def _equation_residuals(model: _Model) -> str:
-    """The residuals of its first steps, independent of the timestep: measured once a process."""
-    method = model.engine.method(model.method)
-    single = model.single_precision
-    return model.engine.equation_residuals(model.scenario, method, single_precision=single)
+def _restart(study: ConvergenceStudy, executor: Executor) -> None:
+    """Go through some of the finest run again, from its own states, in a worker."""
+    runs = [row for row in study.rows if row.outcome == "ok" and row.motion is not None]
+    if not runs or study.ladder is None or study.local is None or study.local.reason:
+        return
+    motion = runs[-1].motion
+    assert motion is not None, "only runs with samples are gone through"
+    rung = next(one for one in study.ladder.rungs if one.timestep == runs[-1].timestep)
+    asked = (study.engine, study.scenario, study.method.name, rung, motion)
+    found = executor.call_at(study.engine.site, restarted, *asked).value
+    study.remembers = found > 1 if isinstance(found, float) else None
 
 
 def _methods_left(

@@ -174,6 +174,8 @@ class Row(Record):
     unasked : of an engine as shipped, what acted though the scene does not call for it, by the
         engine's names
     defects : by signal (`harness/defects.py`); None where the motion turns too far to be followed
+    turns : of the exact motion over the samples; 2π rad each
+    turns_within_1deg : likewise until the attitude is off by more than 1°; None if it never is
     """
 
     key: Key
@@ -196,6 +198,8 @@ class Row(Record):
     stock: bool = False
     unasked: tuple[str, ...] = ()
     defects: dict[SignalName, Defect] | None = None
+    turns: Size | None = None
+    turns_within_1deg: Size | None = None
 
     def __post_init__(self) -> None:
         if self.errors is not None and self.outcome != "ok":
@@ -205,6 +209,18 @@ class Row(Record):
     def made(self) -> bool:
         """Whether the run was made: a stock timestep may be too coarse or too fine for a scene."""
         return self.cause != "timestep"
+
+    @property
+    def simulated(self) -> bool:
+        """Whether the engine can simulate the scene, with this timestep."""
+        return self.outcome != "unsupported"
+
+    @property
+    def attitude_a_turn(self) -> float | None:
+        """The median error that a turn adds to the attitude, rad, of its defects; None without."""
+        if not (self.defects and self.turns and self.motion):
+            return None
+        return self.defects["attitude"].p50 * (len(self.motion.t) - 1) / self.turns
 
     @property
     def survived(self) -> bool:
@@ -233,6 +249,30 @@ class SignalVerdict(Record):
 
 
 @dataclass(frozen=True)
+class LocalCheck:
+    """What a method does from exact states along the motion.
+
+    Attributes
+    ----------
+    reason : how its steps are inconsistent with the equations of motion, in words; empty if not
+    tolerance : to which they are known to be consistent, relative to the largest terms
+    remembers : whether a step depends on more than the state before it
+    settles : whether a constraint holds the body, which takes some steps to settle
+    at_any_timestep : whether steps are inconsistent however short they are
+    states : number of states
+    pieces : the verdicts on short runs from some of them
+    """
+
+    reason: str
+    tolerance: float
+    remembers: bool
+    settles: bool
+    at_any_timestep: bool
+    states: int
+    pieces: tuple[SignalVerdict, ...] = ()
+
+
+@dataclass(frozen=True)
 class Verdict(Record):
     """The verdict on a method on a scene: that of the signal with the worst verdict.
 
@@ -246,6 +286,7 @@ class Verdict(Record):
     expected_failure : whether it is an expected failure of the scene's file
     timesteps : s, those asked for, increasing; empty for the verdict on a ladder
     step_limit : of a ladder that this limit cut short; else None
+    ground : what a verdict `converges` rests on, in words
     """
 
     key: Key
@@ -261,6 +302,7 @@ class Verdict(Record):
     expected_failure: bool = False
     timesteps: tuple[Size, ...] = ()
     step_limit: Count | None = None
+    ground: str = ""
 
     @property
     def agrees(self) -> bool:
