@@ -41,7 +41,7 @@ from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last
 from .sweeps.sweep_commands import app as sweep_commands
 from .sweeps.sweep_commands import run_members
 from .terminal import BAD_INPUT, Complaint, escape_what_turns_text, say, to_json
-from .users_models.model_commands import app as model_commands
+from .users_models import app as model_commands
 
 app = typer.Typer(
     name="spincheck",

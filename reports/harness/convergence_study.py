@@ -17,7 +17,7 @@ from .executors import Answer, CallFailed
 from .judging.places import Places
 from .ladder import MIN_RUNGS, Ladder, Rung
 from .ladder_judge import LadderJudge
-from .stock import StockRun, stock_timesteps
+from .stock import STEP_BUDGET, StockRun, stock_timesteps
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +177,8 @@ class ConvergenceStudy:
         if not self.rows:
             return self.ladder.least_steps > 0
         settled = self._hopeless(self.rows[-1]) or self._diverges_at_any_timestep
-        return not (settled or self.judge.is_known)
+        decided = self.local is not None and self.local.converges
+        return not (settled or decided or self.judge.is_known)
 
     def discardable_timesteps(self) -> list[float]:
         """Timesteps of the runs whose samples are not needed after the verdict.
@@ -210,6 +211,9 @@ class ConvergenceStudy:
         """Whether no finer rung is needed, or can succeed."""
         assert self.ladder is not None, "only a ladder has an end"
         if self._hopeless(self.rows[-1]) or self._diverges_at_any_timestep:
+            return True
+        if self.local and self.local.converges and self.rows[-1].steps >= STEP_BUDGET:
+            # The verdict does not need them: errors and costs are shown down to here.
             return True
         finest = self.ladder.rungs[-1].timestep
         settled = self.judge.is_known or self.judge.is_out_of_reach(finest)

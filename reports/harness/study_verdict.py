@@ -8,12 +8,9 @@ from ..results.records import LocalCheck, Row, Verdict
 from .convergence_study import ConvergenceStudy
 from .expected_failures import compared_with_expected_failures
 from .judging.contradictions import contradictions
-from .judging.places import PIECES
+from .judging.places import PIECES, rounding_of_body
 from .ladder import COARSEST_TURN, Ladder
 from .ladder_judge import RUNGS_OF_A_LIMIT, WORST_LAST
-
-#: Steps must be known to be consistent to this, relative to the largest terms.
-CONSISTENT = 1e-4
 
 
 def verdict_on(study: ConvergenceStudy) -> Verdict:
@@ -43,7 +40,11 @@ def _judged(study: ConvergenceStudy) -> Verdict:
     remark = last.reason if last else ""
     is_wrong = last is not None and last.cause in ("law", "precision")
     if not is_wrong and not study.method.as_shipped:
-        evidence = contradictions(study.judge.rows, study.judge.sequences, study.engine.slack)
+        slack = study.engine.slack
+        if study.places:
+            # Of a body whose moments differ much no engine holds the least.
+            slack = max(slack, rounding_of_body(study.places.condition))
+        evidence = contradictions(study.judge.rows, study.judge.sequences, slack)
         if wrong := next(evidence, ""):
             return _of_signals(study, wrong, is_wrong=True, **attributes)
         if local and (verdict := _by_pieces(study, local, attributes)):
@@ -61,9 +62,8 @@ def _by_pieces(
     found = (worst.signal, worst.order, worst.limit_error, worst.tolerance, local.pieces)
     if worst.verdict == "disagrees":
         return Verdict(study.key, "disagrees", where, *found, **attributes)
-    is_known = local.tolerance <= CONSISTENT and worst.verdict == "converges"
     # Single timesteps are asked about as they are.
-    if study.ladder is None or word != "unresolved" or not is_known or study.remembers:
+    if study.ladder is None or word != "unresolved" or not local.converges or study.remembers:
         return None
     reason = (
         f"steps from {local.states} exact states are consistent to {local.tolerance:.1e}; "

@@ -17,6 +17,8 @@ from .verdict_words import VERDICT, VerdictWord
 
 #: Names of an engine and of one of its methods.
 Pair = tuple[str, str]
+#: Steps must be known to be consistent to this, relative to the largest terms.
+CONSISTENT = 1e-4
 #: s; the timestep of the one row of a method on a scene whose reference could not be solved.
 UNSOLVED = 0.0
 #: Fields that hold a motion.
@@ -270,6 +272,12 @@ class LocalCheck:
     at_any_timestep: bool
     states: int
     pieces: tuple[SignalVerdict, ...] = ()
+
+    @property
+    def converges(self) -> bool:
+        """Whether steps are known to be consistent, and all pieces converge."""
+        is_known = not self.reason and self.tolerance <= CONSISTENT
+        return is_known and all(piece.verdict == "converges" for piece in self.pieces)
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,8 @@ HALVINGS = 10
 PIECES, PIECE_STEPS, SAMPLE_EVERY = 8, 10, 2
 #: Relative rounding of the exact flow.
 FLOW_ROUNDING = 64 * float(np.finfo(float).eps)
+#: Ulps of a step: what its rounding is taken to be at most, in a body whose moments are alike.
+ULPS_A_STEP = 16
 #: What an ulp in the start grows to over a piece, in ulp, for a body whose moments are alike.
 PIECE_GROWTH = 16
 
@@ -72,6 +74,11 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
     pieces = _pieces(scenario, states.rows(starts), timestep, condition)
     timesteps = timestep / 2.0 ** np.arange(HALVINGS)
     return Places(states, times, np.asarray(timesteps), pieces, starts, condition)
+
+
+def rounding_of_body(condition: float) -> float:
+    """What rounding of its moments changes of a body's angular acceleration, relative."""
+    return ULPS_A_STEP * float(np.finfo(float).eps) * condition
 
 
 def flowed(scenario: Scenario, states: State, spans: FloatArray) -> State:
