@@ -6,18 +6,20 @@ everything else here prepares it or runs many of them.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
+from functools import partial
 from threading import Lock
 
 import numpy as np
 
-from ...engines import Engine, Method, Run
+from ...engines import Engine, Method
 from ...reference import ExactMotion, Solution
 from ...reference.compiled import compile_kernels, is_compiled
 from ...scenarios import FloatArray, Scenario
 from ...scenarios.fastest_rate import fastest_rate
 from ..results.environment import environment
+from ..results.evidence import Evidence, JudgedRung
 from ..results.records import UNSOLVED, Key, Row, Verdict
 from ..results.store import Store
 from .choice import Choice
@@ -26,12 +28,10 @@ from .default_effects import take_defaults_away
 from .executors import CallFailed, Executor, is_environmental, may_succeed_if_repeated
 from .ladder import Ladder, Rung, ladder, single
 from .plan import Plan, SceneLeft
+from .simulation import simulate
 from .stock import StockRun, stock_rung, stock_timesteps
 from .study_verdict import verdict_on
 from .timing import time_scene
-
-#: Models kept: more than the methods of the scenes that run at the same time.
-MODELS = 64
 
 Progress = Callable[[str], None]
 
@@ -69,23 +69,40 @@ def study_method(
     solved = reference.get(executor, store)
     if isinstance(solved, CallFailed):
         return _unsolved(scenario, engine, method, solved, choice, store)
-    study = convergence_study_of(scenario, engine, method, solved, choice.timesteps)
+    begin = partial(convergence_study_of, scenario, engine, method, solved, choice.timesteps)
+    key = Key(scenario.name, engine.name, method.name)
     stored = {
         row.timestep: row
-        for row in store.rows_of(study.key)
+        for row in store.rows_of(key)
         if not may_succeed_if_repeated(row.cause, row.reason, choice.time_limit)
     }
-    for row in run_rungs(study, executor, stored):
-        store.put(row)
-    for row in study.refusals():
-        store.put(row)
-    if method.as_shipped:
-        take_defaults_away(study, executor, store)
+    # What has been run is judged again by the numbers that are stored of it.
+    study = begin(store.judged_rungs(key))
+    if not is_run(study, stored):
+        study = begin()
+        for row in run_rungs(study, executor, stored):
+            store.put(row)
+        if method.as_shipped:
+            take_defaults_away(study, executor, store)
+    store.put(*study.refusals())
     verdict = verdict_on(study)
     step_limit = choice.max_steps_on(scenario) if study.cut_short else None
     verdict = replace(verdict, timesteps=tuple(sorted(choice.timesteps)), step_limit=step_limit)
-    store.put_verdict(verdict, study.discardable_timesteps())
+    store.put_verdict(
+        verdict, Evidence(key, tuple(study.judge.rungs)), study.discardable_timesteps()
+    )
     return verdict
+
+
+def is_run(study: ConvergenceStudy, stored: Mapping[float, Row]) -> bool:
+    """Whether all runs of a study are stored; if so, it has taken them."""
+    runs = study.runs()
+    with suppress(StopIteration):
+        asked = next(runs)
+        while (row := stored.get(asked.rung.timestep)) and asked.is_answered_by(row):
+            asked = runs.send(row)
+        return False
+    return True
 
 
 def run_rungs(
@@ -195,10 +212,14 @@ def convergence_study_of(
     method: Method,
     prepared: Prepared,
     timesteps: Sequence[float] = (),
+    judged: tuple[JudgedRung, ...] = (),
 ) -> ConvergenceStudy:
     """The runs of a method: single timesteps, ladder, stock timesteps.
 
-    If timesteps are asked for, only these are run.
+    Parameters
+    ----------
+    timesteps : s; if there are any, only these are run
+    judged : rungs of the ladder as they were judged before
     """
     singles = []
     for rung, solution in prepared.singles:
@@ -211,45 +232,8 @@ def convergence_study_of(
     own = stock_timesteps(engine)
     stock = [run for run in prepared.stock if run.timestep in own]
     return ConvergenceStudy(
-        scenario, engine, method, prepared.solution, prepared.ladder, singles, stock
+        scenario, engine, method, prepared.solution, prepared.ladder, singles, stock, judged
     )
-
-
-def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
-    """One run, in a worker; if it is ok or lags, with the equation residuals of its first steps."""
-    run = engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
-    if not (run.outcome == "ok" or run.cause == "lag"):
-        return run
-    is_single = run.cause == "precision"
-    model = _Model(engine.name, method, scenario.digest, is_single, engine, scenario)
-    residuals = _equation_residuals(model)
-    if not residuals:
-        return run
-    reason = "; ".join(filter(None, (run.reason, residuals)))
-    if run.outcome == "ok":
-        return replace(run, cause="law", reason=reason)
-    # A lag at however small a step is not a clamp.
-    return replace(run, outcome="failed", cause="clock", reason=reason)
-
-
-@dataclass(frozen=True)
-class _Model:
-    """A scene in an engine, by one method; equal by names and digest."""
-
-    engine_name: str
-    method: str
-    digest: str
-    single_precision: bool
-    engine: Engine = field(compare=False)
-    scenario: Scenario = field(compare=False)
-
-
-@lru_cache(maxsize=MODELS)
-def _equation_residuals(model: _Model) -> str:
-    """The residuals of its first steps, independent of the timestep: measured once a process."""
-    method = model.engine.method(model.method)
-    single = model.single_precision
-    return model.engine.equation_residuals(model.scenario, method, single_precision=single)
 
 
 def _methods_left(

@@ -12,8 +12,9 @@ from ..results.records import Verdict
 from .choice import QUICK_STEPS
 from .executors import CallFailed, Executor
 from .ladder import Rung, single
+from .simulation import simulate
 from .step_cost import step_costs
-from .study import Prepared, convergence_study_of, prepare, run_rungs, simulate
+from .study import Prepared, convergence_study_of, prepare, run_rungs
 from .study_verdict import verdict_on
 
 #: Rounds in which versions are timed in turn.

@@ -64,8 +64,18 @@ class Key:
     """Which scene, engine and method."""
 
     scenario: SceneName
-    engine: Name
-    method: Name
+    engine: str
+    method: str
+
+
+def _named(key: Key) -> Key:
+    _name(key.engine)
+    _name(key.method)
+    return key
+
+
+#: Of a result of one method.
+MethodKey = Annotated[Key, AfterValidator(_named)]
 
 
 @dataclass(frozen=True)
@@ -92,10 +102,11 @@ class DeclaredEngine(Record):
 
 @dataclass(frozen=True)
 class Fingerprint(Record):
-    """What results rest on: the engine, or where it is empty the scene and the program."""
+    """What results of a scene rest on (`fingerprints`); the engine is empty where all do."""
 
     scenario: SceneName
     engine: str
+    kind: str
     digest: str
 
 
@@ -176,7 +187,7 @@ class Row(Record):
     defects : by signal (`harness/defects.py`); None where the motion turns too far to be followed
     """
 
-    key: Key
+    key: MethodKey
     engine_version: str
     timestep: Size
     outcome: Outcome
@@ -248,7 +259,7 @@ class Verdict(Record):
     step_limit : of a ladder that this limit cut short; else None
     """
 
-    key: Key
+    key: MethodKey
     verdict: VerdictWord
     reason: str
     signal: SignalName = "omega"

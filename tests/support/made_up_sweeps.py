@@ -85,7 +85,9 @@ def point(
     error = timestep ** ORDERS[pair[1]]
     errors = Errors(*(k * error for k in range(1, 7)))
     steps = round(base.window.duration / timestep)
-    return PointResult(at, key, timestep, "ok", errors=errors, uncertainty=UNCERTAINTY, steps=steps)
+    return PointResult(
+        at, key, timestep, "ok", errors=errors, reference_uncertainty=UNCERTAINTY, steps=steps
+    )
 
 
 def map_result(text: str = DISC, name: str = "disc") -> MapResult:

@@ -32,7 +32,6 @@ from spincheck.reports.results.sweep_records import (
     Map,
     PointResult,
     SweepPoint,
-    sweep_points,
 )
 from spincheck.scenarios import loads
 from spincheck.scenarios.scatter import member
@@ -298,7 +297,7 @@ def test_a_scene_that_cannot_be_solved_is_reported_of_every_method(path, monkeyp
 
     monkeypatch.setattr(sweep_run, "solve", unsolvable)
     pairs = [(planted(HeunSession), METHOD), (planted(RaisingSession), METHOD)]
-    points = sweep_run.run_point(SCENE, next(sweep_points(MAP)), pairs)
+    points = sweep_run.run_point(SCENE, next(MAP.points()), pairs)
     assert [(p.outcome, p.cause) for p in points] == [("failed", "unsolved")] * 2
     assert "no series converges" in points[0].reason
 
@@ -340,7 +339,7 @@ def test_ensembles_are_read_back_with_their_scene(path):
     points = sweep(path, ENSEMBLE)
     with open_store(path) as store:
         (ensemble,) = store.read().ensembles
-    assert (ensemble.ensemble, ensemble.points, ensemble.scenario.text) == (
+    assert (ensemble.sweep, ensemble.points, ensemble.scenario.text) == (
         ENSEMBLE,
         points,
         SCENE.text,
