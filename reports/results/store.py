@@ -196,8 +196,9 @@ class Store:
             if evidence and evidence.rungs:
                 self._put(connection, evidence)
             digest = self._digest(tables.ROWS, vars(verdict.key))
+            where = f"{_ONE_METHOD} AND timestep = ? AND {DIGEST} = ?"
             connection.executemany(
-                f"UPDATE rows SET motion = NULL WHERE {_ONE_METHOD} AND timestep = ? AND digest = ?",
+                f"UPDATE rows SET motion = NULL WHERE {where}",
                 [(*_names(verdict.key), timestep, digest) for timestep in discardable],
             )
 

@@ -112,7 +112,7 @@ def test_what_is_read_back_is_what_was_put(finished):
     path, points = finished
     with open_store(path) as store:
         (stored_map,) = store.read().maps
-    assert (stored_map.map, stored_map.points) == (MAP, points)
+    assert (stored_map.sweep, stored_map.points) == (MAP, points)
     assert stored_map.scenario.text == SCENE.text
 
 
@@ -139,7 +139,7 @@ def test_points_that_rest_on_something_else_are_dropped(path, monkeypatch, what)
     sweep(path)
     scene = loads(BOX.replace("2.5]", "2.6]"), "box") if what == "scene" else SCENE
     if what == "program":
-        monkeypatch.setattr(fingerprints, "program", lambda: b"another")
+        monkeypatch.setattr(fingerprints, "program", lambda kind: f"another {kind}")
     assert points_missing(path, scene=scene) == len(SPIN.values) * len(STEPS.values)
 
 
