@@ -31,6 +31,10 @@ from .run import Outcome, Run
 from .sampling import Sampled, sample
 from .session import Session
 
+#: What engines of jointed rigid bodies can simulate: not all that a scene can call for. A method
+#: that has a further effect names it besides.
+COMMON_EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
+
 
 @dataclass(frozen=True)
 class Method:
@@ -92,6 +96,7 @@ class Engine(ABC):
     step_seconds : CPU time of a step, roughly; what the estimate of a run's time rests on
     package : of an optional engine, the package that it needs, imported when a scene is opened
     extra : the extra of spincheck that installs that; the engine's name if empty
+    family : a name for several optional engines, by which users may ask for all of them
     of_file : whether it loads the link that a scene names out of the user's own model file
     script_language : what `script` is written in
     """
@@ -103,8 +108,14 @@ class Engine(ABC):
     step_seconds: float = 1e-6
     package: str = ""
     extra: str = ""
+    family: str = ""
     of_file: bool = False
     script_language: Literal["Python", "JavaScript"] = "Python"
+
+    @property
+    def is_optional(self) -> bool:
+        """Whether it runs only if it is named, wherever it is installed."""
+        return bool(self.package or self.family)
 
     @property
     def slack(self) -> float:

@@ -19,3 +19,27 @@ def matrix(q: Any) -> Any:
             [x * z - w * y, y * z + w * x, -x * x - y * y],
         ]
     )
+
+
+def quaternion(R: Any) -> Any:
+    """Quaternion w x y z of a rotation matrix, (4,) (Shepperd, J. Guidance 1 (1978) 223)."""
+    squares = (1 + np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) @ np.diag(R)) / 4
+    k = int(np.argmax(squares))
+    products = np.array(
+        [
+            [0.0, R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]],
+            [R[2, 1] - R[1, 2], 0.0, R[0, 1] + R[1, 0], R[0, 2] + R[2, 0]],
+            [R[0, 2] - R[2, 0], R[0, 1] + R[1, 0], 0.0, R[1, 2] + R[2, 1]],
+            [R[1, 0] - R[0, 1], R[0, 2] + R[2, 0], R[1, 2] + R[2, 1], 0.0],
+        ]
+    )
+    q = products[k] / (4 * np.sqrt(squares[k]))
+    q[k] = np.sqrt(squares[k])
+    return q / np.linalg.norm(q)
+
+
+def rotation_vector(q: Any) -> Any:
+    """Axis times angle, rad, of a quaternion w x y z, (3,)."""
+    w, vector = q[0], np.array(q[1:])
+    sine = np.linalg.norm(vector)
+    return vector * (2 * np.arctan2(sine, abs(w)) / sine * np.copysign(1, w) if sine else 0.0)

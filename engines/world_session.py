@@ -16,6 +16,7 @@ from ..scenarios.effects.push import is_pushed, push
 from .checks.read_back import BodyReading, EngineError, State
 from .scene_record import ABOUT, RecordFrame, scene_record
 from .session import Session
+from .world_parts import matrix
 
 #: The module that worlds share.
 PARTS = Path(__file__).with_name("world_parts.py")
@@ -71,6 +72,17 @@ class WorldSession(Session):
         """As in `Session`."""
         self.timestep = self.timestep if timestep is None else timestep
         self.world.restart(self.frame.motion(state), self.timestep)
+
+    def constant_push(self) -> FloatArray:
+        """Torque of the scene's effects on the body at rest, N m, world axes, (3,)."""
+        torque: FloatArray = push(self.scene, matrix(self.world.motion()[:4]), np.zeros(3))
+        return torque
+
+    def damped_by(self, damping: Sequence[float]) -> dict[str, bool]:
+        """What the damping of a joint's velocities, rotations first, is, and whether it acts."""
+        wanted = [self.scene["drag"]] * 3 + [0.0] * (len(damping) - 3)
+        name = "drag" if list(damping) == wanted else f"a joint damping of {damping} N m s"
+        return {name: any(damping)}
 
     def read_body(self) -> BodyReading:
         """In the scene's body axes."""

@@ -9,12 +9,11 @@ import numpy as np
 from ..scenarios import FloatArray, Scenario, Trajectory, angular_momentum_world
 from ..scenarios import energy as energy_of
 from . import integrable_cases
+from .effect_terms import turning
 from .problem import Problem
 from .symmetry import (
     angular_momentum_axes,
     gravity_torque_scale,
-    is_free,
-    is_undriven,
     norm,
     symmetry_axis,
     to_body,
@@ -159,41 +158,24 @@ def _pivot(scene: InvariantScales, motion: Trajectory) -> FloatArray:
     return motion.com_world - motion.R_world_body.apply(np.array(scene.scenario.body.com))
 
 
-def _is_undriven(scene: InvariantScales) -> bool:
-    """No drag, no torque but gravity's."""
-    return is_undriven(scene.problem)
-
-
-def _is_free(scene: InvariantScales) -> bool:
-    """No drag, no torque, no gravity about a pivot."""
-    return is_free(scene.problem)
-
-
-def _turns_by_the_world_alone(scene: InvariantScales) -> bool:
-    """No drag, no torque fixed in the body."""
-    problem = scene.problem
-    return not problem.drag and not any(problem.torque_axes)
-
-
-def _is_unpulled(scene: InvariantScales) -> bool:
-    """No drag, no torque fixed in the body, no gravity about a pivot."""
-    return _turns_by_the_world_alone(scene) and scene.pull == 0
+def _turned_by_at_most(*names: str) -> Callable[[InvariantScales], bool]:
+    """The rule that no effect but these turns the body; one that is new breaks every law."""
+    return lambda scene: turning(scene.problem) <= set(names)
 
 
 def _is_heavy(scene: InvariantScales) -> bool:
-    """Gravity about a pivot; no drag, no torque fixed in the body."""
-    return _turns_by_the_world_alone(scene) and scene.pull > 0
+    """Gravity about a pivot, and at most a torque fixed in the world."""
+    return {"gravity"} <= turning(scene.problem) <= {"gravity", "torque_world"}
 
 
 def _is_symmetric(scene: InvariantScales) -> bool:
-    """A symmetric body with its com on the axis; no drag, no torque fixed in the world."""
-    problem = scene.problem
-    undragged = not problem.drag and not any(problem.torque_world)
-    return undragged and symmetry_axis(problem) is not None
+    """A symmetric body with its com on the axis, and at most a torque fixed in it."""
+    is_spun_at_most = turning(scene.problem) <= {"gravity", "torque_body"}
+    return is_spun_at_most and symmetry_axis(scene.problem) is not None
 
 
 def _is_thrown(scene: InvariantScales) -> bool:
-    return not scene.scenario.has_pivot
+    return not any(effect.is_constraint for effect in scene.scenario.acting)
 
 
 LAWS = (
@@ -201,7 +183,7 @@ LAWS = (
         name="energy",
         formula="E = T + V",
         unit="J",
-        holds=_is_undriven,
+        holds=_turned_by_at_most("gravity"),
         values=lambda scene, motion: energy_of(scene.scenario, motion),
         scale=lambda scene: scene.energy,
     ),
@@ -209,7 +191,7 @@ LAWS = (
         name="L_world",
         formula="L − τ t, as vectors",
         unit="kg m²/s",
-        holds=_is_unpulled,
+        holds=_turned_by_at_most("torque_world"),
         values=_L_world,
         scale=lambda scene: scene.angular_momentum,
     ),
@@ -217,7 +199,7 @@ LAWS = (
         name="L_norm",
         formula="‖L‖",
         unit="kg m²/s",
-        holds=_is_free,
+        holds=_turned_by_at_most(),
         values=_L_norm,
         scale=lambda scene: scene.angular_momentum,
     ),

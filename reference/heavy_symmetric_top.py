@@ -91,7 +91,7 @@ class HeavySymmetricTop:
 def heavy_symmetric_top(problem: Problem) -> HeavySymmetricTop | None:
     """The top of a problem at t = 0; None where it is not symmetric or gravity cannot turn it.
 
-    Drag and torques are not looked at: with them the "constants" hold at t = 0 only.
+    Other effects are not looked at: with them the "constants" hold at t = 0 only.
     """
     axis = symmetry_axis(problem)
     with mp.workdps(DIGITS):

@@ -1,10 +1,13 @@
 """Poses a scenario as an initial value problem about its fixed point, in principal axes."""
 
-from mpmath import mp, mpf
+from typing import Any
+
+from mpmath import mp
 
 from ..scenarios import Scenario
-from ..scenarios.exact import DIGITS, ZERO, Vector, conjugate, product, rotate, vector
+from ..scenarios.exact import DIGITS, conjugate, product, rotate
 from ..scenarios.principal import from_matrix, principal_axes
+from .effect_terms import TERMS
 from .problem import Problem
 
 
@@ -12,29 +15,26 @@ def rotational_problem(scenario: Scenario) -> Problem:
     """The rotational problem of a scene: about its pivot, or else its centre of mass.
 
     Nothing is rounded: every double of the file is taken exactly.
+
+    Raises
+    ------
+    NotImplementedError
+        If `effect_terms` lacks an effect of the scene.
     """
+    if unknown := scenario.called_for - TERMS.keys() - {"pivot"}:
+        raise NotImplementedError(f"the exact motion with {', '.join(sorted(unknown))} is unknown")
     body, start = scenario.body, scenario.start
     tensor = body.inertia_origin_exact if scenario.has_pivot else body.inertia_com_exact
     with mp.workdps(DIGITS):
         moments, R_body_axes = principal_axes(tensor)
         q_axes_body = conjugate(from_matrix(R_body_axes))
+        posed: dict[str, Any] = {}
+        for terms in TERMS.values():
+            posed |= terms.posed(scenario, q_axes_body)
         return Problem(
             moments=moments,
             q_world_axes=product(start.q_exact, conjugate(q_axes_body)),
             omega_axes=rotate(q_axes_body, start.omega_body_exact),
-            lever_axes=rotate(q_axes_body, _lever_body(scenario)),
-            gravity_world=vector(scenario.gravity_world),
-            torque_axes=rotate(q_axes_body, vector(scenario.torque_body)),
-            torque_world=vector(scenario.torque_world),
-            drag=mpf(scenario.drag),
             q_axes_body=q_axes_body,
+            **posed,
         )
-
-
-def _lever_body(scenario: Scenario) -> Vector:
-    """Mass times com, kg m, where gravity has a pivot to pull about."""
-    if not {"pivot", "gravity"} <= scenario.called_for:
-        return ZERO
-    x, y, z = scenario.body.com_exact
-    mass = scenario.body.mass_exact
-    return (mass * x, mass * y, mass * z)

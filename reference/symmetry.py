@@ -8,6 +8,7 @@ from mpmath import mp, mpf
 from ..scenarios import FloatArray
 from ..scenarios.exact import DIGITS, Vector, conjugate, cross, dot, rotate
 from ..scenarios.principal import EQUAL_TO_WORKING_PRECISION
+from .effect_terms import turning
 from .problem import Problem
 
 UNIT_VECTORS: tuple[Vector, Vector, Vector] = (
@@ -40,13 +41,13 @@ def gravity_torque_scale(problem: Problem) -> mpf:
 
 
 def is_undriven(problem: Problem) -> bool:
-    """Whether neither drag nor a torque acts: at most gravity does."""
-    return not (problem.drag or any(problem.torque_axes) or any(problem.torque_world))
+    """Whether at most gravity turns the body."""
+    return turning(problem) <= {"gravity"}
 
 
 def is_free(problem: Problem) -> bool:
     """Whether no torque of any kind acts about the fixed point."""
-    return is_undriven(problem) and gravity_torque_scale(problem) == 0
+    return not turning(problem)
 
 
 def symmetry_axis(problem: Problem) -> Vector | None:

@@ -3,6 +3,7 @@
 What is integrated and how well: docs/ode.md.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
@@ -12,8 +13,20 @@ from mpmath import mpf, workprec
 
 from ..scenarios import FloatArray
 from .doubledouble import split
+from .effect_terms import TERMS, turning
 from .problem import Problem
-from .taylor_coefficients import AFTER, COLUMNS, NEXT, OMEGA, STATE, Q, Terms
+from .taylor_coefficients import (
+    AFTER,
+    COLUMNS,
+    EULER,
+    INVERSE_MOMENT,
+    NEXT,
+    OMEGA,
+    ROWS,
+    STATE,
+    Q,
+    Terms,
+)
 from .taylor_march import PAUSED, STUCK, Tables, march
 
 #: A step takes 2 to 10 µs; more than this would take minutes, and a study does not wait for it.
@@ -139,28 +152,21 @@ def _march(problem: Problem, times: FloatArray, orders: Orders, states: Tables) 
 
 def terms_of(problem: Problem) -> Terms:
     """Return which terms a motion calls for."""
-    gravity = any(problem.lever_axes) and any(problem.gravity_world)
-    return Terms(world_vectors=(gravity, any(problem.torque_world)), drag=bool(problem.drag))
+    forms = {TERMS[name].form for name in turning(problem)}
+    return Terms(world_vectors=("lever" in forms, "world" in forms), linear="linear" in forms)
 
 
 def constants_of(problem: Problem) -> Tables:
     """Return the table of constants that `taylor_coefficients` names, (hi, lo), once rounded."""
-    moments, lever = problem.moments, problem.lever_axes
+    moments, rows = problem.moments, np.full((ROWS, 3), mpf(0))
     with workprec(_CONSTANT_BITS):
-        by_axis = [
-            (
-                (moments[j] - moments[k]) / moments[i],
-                lever[j] / moments[i],
-                -lever[k] / moments[i],
-                problem.torque_axes[i] / moments[i],
-                1 / moments[i],
-                -problem.drag / moments[i],
-                problem.gravity_world[i],
-                problem.torque_world[i],
-            )
-            for i, j, k in zip(range(3), NEXT, AFTER, strict=True)
-        ]
-    return _tables([list(row) for row in zip(*by_axis, strict=True)])
+        for i, j, k in zip(range(3), NEXT, AFTER, strict=True):
+            rows[EULER, i] = (moments[j] - moments[k]) / moments[i]
+            rows[INVERSE_MOMENT, i] = 1 / moments[i]
+            for terms in TERMS.values():
+                for row, value in terms.constants(problem, i, j, k).items():
+                    rows[row, i] = value
+    return _tables(rows)
 
 
 @cache
@@ -172,6 +178,6 @@ def inverses_to(order: int) -> Tables:
         )
 
 
-def _tables(rows: list[list[mpf]]) -> Tables:
+def _tables(rows: Iterable[Iterable[mpf]]) -> Tables:
     pairs = np.array([[split(x) for x in row] for row in rows])
     return np.ascontiguousarray(pairs[..., 0]), np.ascontiguousarray(pairs[..., 1])

@@ -1,7 +1,7 @@
 """Taylor coefficients of a top's motion about one instant, order by order.
 
-With ' the time derivative, moments I, drag c, ℓ = M r_com, and Γ, Σ the gravity and the torque
-that are constant in the world as seen from the principal axes::
+With ' the time derivative, moments I, ℓ = M r_com, and Γ, Σ the gravity and the torque that are
+constant in the world as seen from the principal axes::
 
     I ω' = (I ω) × ω + ℓ × Γ + torque_axes + Σ − c ω       Euler
     q'   = ½ q ⊗ (0, ω)                                    q takes axes to world
@@ -41,11 +41,12 @@ OMEGA, Q, STATE, GRAVITY, TORQUE, COLUMNS = 0, 3, 7, 7, 10, 13
 EULER = 0  # (I₂ − I₃)/I₁ and cyclic
 LEVER_NEXT = 1  # ℓ₂/I₁ and cyclic, 1/m
 LEVER_AFTER = 2  # −ℓ₃/I₁ and cyclic, 1/m
-TORQUE_AXES = 3  # torque_axes/I, rad/s²
+CONSTANT = 3  # torque_axes/I, rad/s²
 INVERSE_MOMENT = 4  # 1/I, 1/(kg m²)
-DRAG = 5  # −c/I, 1/s
+LINEAR = 5  # −c/I, 1/s
 GRAVITY_WORLD = 6  # m/s²
 TORQUE_WORLD = 7  # N m
+ROWS = 8
 
 # The vectors constant in the world: where the constants hold them, where the series does.
 WORLD_CONSTANTS = (GRAVITY_WORLD, TORQUE_WORLD)
@@ -59,11 +60,12 @@ AFTER = (2, 0, 1)
 class Terms(NamedTuple):
     """Which terms the motion calls for; the others are not computed.
 
-    `world_vectors` tells of gravity and of a torque constant in the world, in this order.
+    `world_vectors` tells of gravity and of a torque constant in the world, in this order; `linear`
+    of a torque −c ω.
     """
 
     world_vectors: tuple[bool, bool]
-    drag: bool
+    linear: bool
 
 
 @kernel
@@ -127,10 +129,10 @@ def _acceleration(
     if terms.world_vectors[1]:
         torque = load(series, n, TORQUE + i)
         total = add_product(total, load(constants, INVERSE_MOMENT, i), torque)
-    if terms.drag:
-        total = add_product(total, load(constants, DRAG, i), load(series, n, OMEGA + i))
+    if terms.linear:
+        total = add_product(total, load(constants, LINEAR, i), load(series, n, OMEGA + i))
     if n == 0:
-        total = add(total, load(constants, TORQUE_AXES, i))
+        total = add(total, load(constants, CONSTANT, i))
     return rounded(total)
 
 

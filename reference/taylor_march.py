@@ -32,7 +32,7 @@ DONE, PAUSED, STUCK = 0, 1, 2
 STEP = math.exp(-2.0)
 #: A coefficient smaller than this may have lost its digits to underflow: taken as this large.
 SMALLEST = 1e-290
-#: rad/s; a body that drag has slowed to this has stopped. Decay goes on until underflow spoils it.
+#: rad/s; a spin decayed to this has stopped. Decay goes on until underflow spoils it.
 STOPPED = 1e-240
 #: A step below this share of the time is lost on a double-double clock.
 CLOCK_TICK = 2.0**-104
@@ -99,7 +99,7 @@ def _stop_if_stopped(series: Table) -> None:
 @kernel
 def start_from_state(series: Table, constants: Table, terms: Terms) -> None:
     """Make order 0 of the series whole: its state is given, the world's vectors follow."""
-    if terms.drag:
+    if terms.linear:
         _stop_if_stopped(series)
     for v in range(len(WORLD_VECTORS)):
         if terms.world_vectors[v]:

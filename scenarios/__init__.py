@@ -11,7 +11,16 @@ from .load import from_tables, is_scenario, is_scene_name, load, load_each, load
 from .mechanics import angular_momentum_world, energy, energy_base, kinetic_energy, potential_energy
 from .scales import check_scales
 from .scenario import Scenario, Start
-from .signals import SIGNAL, SIGNALS, Errors, Flight, Signal, SignalName, radius_of_gyration
+from .signals import (
+    SIGNAL,
+    SIGNALS,
+    Errors,
+    Flight,
+    Signal,
+    SignalName,
+    errors_by_key,
+    radius_of_gyration,
+)
 from .trajectory import Trajectory
 
 __all__ = [
@@ -46,6 +55,7 @@ __all__ = [
     "energy_base",
     "error_series",
     "errors_between",
+    "errors_by_key",
     "find",
     "from_tables",
     "is_scenario",

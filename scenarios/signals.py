@@ -177,6 +177,11 @@ class Signal:
         """Label and unit: `ω, relative`."""
         return f"{self.label}, {self.unit or 'relative'}"
 
+    @property
+    def error_title(self) -> str:
+        """The same of its error: `ω error, relative`."""
+        return f"{self.label} error, {self.unit or 'relative'}"
+
     def declared_order(self, order: int, attitude_order: int) -> int:
         """The order of accuracy of a method that declares those of ω and of the attitude."""
         orders = {"omega": order, "attitude": attitude_order}
@@ -268,6 +273,13 @@ SIGNALS = (
         in_flight=lambda flight: flight.velocity,
     ),
 )
+
+
+def errors_by_key(errors: Errors | None) -> dict[str, float | None]:
+    """The errors with their names in JSON and CSV; all None where a run has none."""
+    return {signal.key: errors[signal.name] if errors else None for signal in SIGNALS}
+
+
 #: The signals by their names.
 SIGNAL = {signal.name: signal for signal in SIGNALS}
 assert tuple(SIGNAL) == tuple(field.name for field in fields(Errors)), "one field a signal"

@@ -195,7 +195,9 @@ def parse(line: bytes, number: int, expected: type[A]) -> A | Refusal:
         raise Misanswer(fault) from None
     if not isinstance(answer, dict):
         raise Misanswer(f"is not a JSON object: {_quoted(line)}")
-    if answer.pop("id", None) != number:
+    its_id = answer.pop("id", None)
+    # True is 1 to Python.
+    if type(its_id) is not int or its_id != number:
         raise Misanswer(f"must have the call's 'id', {number}: {_quoted(line)}")
     kind: type[A] | type[Refusal] = Refusal if "error" in answer else expected
     try:

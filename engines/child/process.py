@@ -20,6 +20,7 @@ import psutil
 from ...scenarios import printable
 from ..checks.read_back import EngineError
 from ..lost_process import cpu_seconds, death, is_stopped, wait_for_answer
+from ..start_process import kill, start
 from .messages import ChildAnswer, Hello, Misanswer, Refusal, parse
 
 #: Names the descriptor that a child writes its answers to.
@@ -87,7 +88,7 @@ class ChildProcess:
         self._broken: ProtocolError | None = None
         self._answers, theirs = os.pipe()
         try:
-            self._process = subprocess.Popen(
+            self._process = start(
                 command,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
@@ -178,6 +179,9 @@ class ChildProcess:
         while b"\n" not in self._heard:
             left = until - time.monotonic()
             if left < 0:
+                # A process that it has started may hold its pipe open.
+                if self._process.poll() is not None and not self._streams.select(0):
+                    raise self._ended(self._asked)
                 return False
             for key, _ in self._streams.select(left):
                 self._take(key.fd, self._asked)
@@ -222,7 +226,7 @@ class ChildProcess:
         return ProtocolError(f"it {how} instead of answering '{do}'{last}", cause)
 
     def end(self) -> bool:
-        """Close its input, and kill it if it does not end; returns whether it ended by itself."""
+        """Close its input, and kill what does not end; returns whether it ended by itself."""
         if self._streams.get_map() is None:
             return True
         self._streams.close()
@@ -231,10 +235,9 @@ class ChildProcess:
             self._process.wait(END_LIMIT if self.usable else 0)
             return True
         except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
             return False
         finally:
+            kill(self._process)
             self._output.close()
             os.close(self._answers)
 

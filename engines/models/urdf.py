@@ -1,6 +1,6 @@
 """A scene's body as URDF: what PyBullet loads, and a second way into MuJoCo.
 
-URDF describes bodies and joints only. Gravity, drag, torques, the timestep and the start are set by
+URDF describes bodies and joints only. Gravity, other effects, the timestep and the start are set by
 the adapters that load it.
 """
 

@@ -6,12 +6,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, final
 
-from ...scenarios import Scenario
+from ...scenarios import Scenario, printable
 from ..checks.read_back import EngineError
 from ..discovery import engines
 from ..engine import Engine, Method
 from ..session import Session
-from .folders import VersionError, install, install_for
+from .folders import VersionError, check_version, install, install_for
 
 #: What a worker of another Python imports of spincheck.
 PACKAGES = tuple(f"spincheck.{part}" for part in ("engines", "reference", "reports", "scenarios"))
@@ -100,11 +100,13 @@ def versioned(name: str, python: str = "") -> VersionedEngine:
         If there is no such engine, it has no other versions, or pip cannot install it.
     """
     base, _, version = name.partition("@")
-    if base not in engines():
-        raise VersionError(f"'{base}' must be one of {', '.join(engines())}")
+    there = [one for one, engine in engines().items() if engine.at_version("1") is not None]
+    if base not in there:
+        words = f"'{printable(base)}' cannot be had in other versions, only {', '.join(there)}"
+        raise VersionError(words, is_usage=True)
+    check_version(version)
     release = engines()[base].at_version(version)
-    if release is None:
-        raise VersionError(f"'{base}' cannot be had in other versions")
+    assert release is not None, "it can be had in other versions"
     installed_as = f"{release.installed_as or base}@{version}"
     if python:
         code = [Path(next(iter(import_module(name).__path__))) for name in PACKAGES]

@@ -9,6 +9,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ...scenarios import printable
+from ..start_process import ISOLATED, run
 from ..user_cache import user_cache
 
 #: Wheels are of one minor version of Python.
@@ -16,9 +18,11 @@ _PYTHON = f"cp{sys.version_info.major}{sys.version_info.minor}"
 #: Prints the same for another Python, run by that Python.
 _TAG = "import sys; print(f'cp{sys.version_info.major}{sys.version_info.minor}')"
 #: What that may print.
-_TAGGED = re.compile(r"cp3\d+")
+_TAGGED = re.compile(r"cp3(1[1-9]|[2-9]\d)")
 #: What a version may look like (PEP 440, without epochs and local versions).
 _VERSION = re.compile(r"\d+(\.\d+)*([a-z]+\d*)?(\.(post|dev)\d+)?")
+#: Characters of a version, at most.
+LONGEST_VERSION = 40
 #: What a worker of another Python needs besides the engine.
 RUNS_WITH = ("numpy", "scipy", "pydantic", "mpmath", "numba", "psutil")
 #: s that pip may take.
@@ -26,7 +30,16 @@ _PATIENCE = 600
 
 
 class VersionError(Exception):
-    """A version that cannot be had, and why."""
+    """A version that cannot be had, and why.
+
+    Attributes
+    ----------
+    is_usage : whether nothing could be had by what was typed
+    """
+
+    def __init__(self, message: str, *, is_usage: bool = False) -> None:
+        super().__init__(message)
+        self.is_usage = is_usage
 
 
 @dataclass(frozen=True)
@@ -68,7 +81,6 @@ def install(name: str, requirements: Sequence[str]) -> Path:
     VersionError
         If pip cannot; with its last words.
     """
-    _check(name)
 
     def fill(target: Path) -> None:
         command = [*_pip(sys.executable), "--no-deps", "--target", str(target), *requirements]
@@ -90,13 +102,19 @@ def install_for(python: str, name: str, requirements: Sequence[str], code: Seque
     VersionError
         If there is no such Python, or pip cannot; with its last words.
     """
-    _check(name)
-    tag = _call(f"'{python}' cannot be used", [python, "-c", _TAG]).strip()
+    try:
+        tag = _call("it fails", [python, ISOLATED, "-c", _TAG]).strip()
+    except VersionError as error:
+        raise VersionError(f"'--python' {printable(python)}: {error}", is_usage=True) from None
     if not _TAGGED.fullmatch(tag):
-        raise VersionError(f"'{python}' is no Python 3: it printed '{tag[:40]}'")
+        raise VersionError(
+            f"'--python' must be Python 3.11 or later, '{printable(python)}' says "
+            f"'{printable(tag, 40)}'",
+            is_usage=True,
+        )
 
     def fill(target: Path) -> None:
-        _call(f"'{python}' makes no environment", [python, "-m", "venv", str(target)])
+        _call(f"'{python}' makes no environment", [python, ISOLATED, "-m", "venv", str(target)])
         needed = [*RUNS_WITH, *requirements]
         # Only what is not copied knows where it is.
         _call(_not_there(name, needed), [*_pip(str(interpreter_of(target))), *needed])
@@ -113,15 +131,24 @@ def interpreter_of(site: Path) -> Path:
     return site / "bin" / "python"
 
 
-def _check(name: str) -> None:
-    version = name.partition("@")[2]
-    if not _VERSION.fullmatch(version):
-        raise VersionError(f"a version must be like 3.1.6, got '{version}'")
+def check_version(version: str) -> None:
+    """See that a version looks like one.
+
+    Raises
+    ------
+    VersionError
+        If it does not.
+    """
+    if len(version) > LONGEST_VERSION or not _VERSION.fullmatch(version):
+        raise VersionError(
+            f"a version must be like 3.1.6, got '{printable(version, LONGEST_VERSION)}'",
+            is_usage=True,
+        )
 
 
 def _pip(python: str) -> list[str]:
-    quietly = ["--quiet", "--only-binary", ":all:", "--disable-pip-version-check"]
-    return [python, "-m", "pip", "install", *quietly]
+    quietly = ["--quiet", "--no-input", "--only-binary", ":all:", "--disable-pip-version-check"]
+    return [python, ISOLATED, "-m", "pip", "install", *quietly]
 
 
 def _made(folder: Path, fill: Callable[[Path], None]) -> Path:
@@ -149,9 +176,7 @@ def _not_there(name: str, wanted: Sequence[str]) -> str:
 def _call(failing: str, command: Sequence[str]) -> str:
     """What a command prints; `failing` says what it means if it cannot."""
     try:
-        done = subprocess.run(
-            command, capture_output=True, text=True, timeout=_PATIENCE, check=False
-        )
+        done = run(command, _PATIENCE)
     except subprocess.TimeoutExpired:
         words = f"'{command[0]}' did not finish within {_PATIENCE} s"
         raise VersionError(f"{failing}: {words}") from None

@@ -4,7 +4,7 @@ import sys
 from importlib.metadata import version
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -19,8 +19,6 @@ from .options import (
     RESULT_FILE,
     Again,
     AsJson,
-    AttitudeBound,
-    BoundOption,
     Dask,
     Engines,
     From,
@@ -37,6 +35,7 @@ from .options import (
 from .pictures.picture_commands import app as picture_commands
 from .refusals import refusal, unusable
 from .results.result_commands import app as result_commands
+from .run.error_bounds import ErrorBoundsCommand, error_bounds
 from .scenes.scene_commands import app as scene_commands
 from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last_words
 from .sweeps.sweep_commands import app as sweep_commands
@@ -226,13 +225,10 @@ def compare(
     raise typer.Exit(exit_code(changed))
 
 
-@app.command(epilog="Example: spincheck recommend fast-top --omega 1e-4")
+@app.command(cls=ErrorBoundsCommand, epilog="Example: spincheck recommend fast-top --omega 1e-4")
 def recommend(
+    context: typer.Context,
     scenario: Scene,
-    omega: BoundOption = None,
-    attitude: AttitudeBound = None,
-    angular_momentum: BoundOption = None,
-    energy: BoundOption = None,
     engine: Engines = None,
     stored: From = RESULT_FILE,
     as_json: AsJson = False,
@@ -248,13 +244,7 @@ def recommend(
     from .run.recommendation_words import print_recommendation, recommendation_as_json
 
     one_scene(scenario)
-    wanted = {
-        "omega": omega,
-        "attitude": attitude,
-        "angular_momentum": angular_momentum,
-        "energy": energy,
-    }
-    bounds: Any = {signal: bound for signal, bound in wanted.items() if bound is not None}
+    bounds = error_bounds(context)
     recommendation = find_cheapest(scenario, bounds, engine or [], CORES, stored)
     if as_json:
         print(to_json(recommendation_as_json(recommendation)))

@@ -2,7 +2,6 @@
 
 import shlex
 from collections.abc import Sequence
-from dataclasses import replace
 
 from ...engines import Engine, add, engines, missing
 from ...scenarios import Scenario, did_you_mean
@@ -11,6 +10,8 @@ from .terminal import BAD_INPUT, NOT_RUN, Complaint
 
 #: Begins the name of an engine that is a command: docs/engine-protocol.md.
 CHILD = "child:"
+#: Stands for every engine that is installed, optional ones too.
+ALL = "all"
 #: s; a system's clocks wait for no more than 2³¹ ms at once.
 MOST_TIME = 1e6
 
@@ -19,24 +20,36 @@ def choose(
     engine_names: Sequence[str],
     methods: Sequence[str],
     timesteps: Sequence[float],
+    *,
+    scenarios: Sequence[Scenario] = (),
     python: str = "",
+    time_limit: float | None = None,
 ) -> Choice:
-    """The engines, methods and timesteps that were asked for.
+    """The engines, methods and timesteps that were asked for; no optional engine if none is named.
 
     Parameters
     ----------
+    scenarios : to be run; engines that load users' files are left out if no scene names one
     python : the command of the interpreter that versions run under; this one if empty
+    time_limit : s, that a run may take
 
     Raises
     ------
     Complaint
-        If there is no such engine, method or timestep.
+        If there is no such engine, method or timestep, or the limit is not positive or longer than
+        the system's clocks can wait.
     """
-    generated = [name for name, engine in engines().items() if not engine.of_file]
-    names = dict.fromkeys(engine_names or generated)
+    if time_limit is not None and not 0 < time_limit <= MOST_TIME:
+        raise Complaint(
+            f"'--time-limit' must be positive and at most {MOST_TIME:g} s, got {time_limit:g} s",
+            BAD_INPUT,
+        )
+    names = dict.fromkeys(engine_names)
     if python and not any("@" in name for name in names):
         raise Complaint("'--python' is for versions, such as '--engine mujoco@3.1.6'", BAD_INPUT)
-    chosen = tuple(_engine(name, python) for name in names)
+    chosen = [engine for name in names for engine in _engines(name, python, time_limit, scenarios)]
+    if not names:
+        chosen = [one for one in _applying(scenarios) if not one.is_optional]
     if not chosen:
         raise Complaint("no engine is installed; 'pip install mujoco pybullet'", NOT_RUN)
     by_lower = {method.name.lower(): method.name for engine in chosen for method in engine.methods}
@@ -51,41 +64,43 @@ def choose(
     for timestep in timesteps:
         if not 0 < timestep < float("inf"):
             raise Complaint(f"'--timestep' must be positive, got {timestep:g} s", BAD_INPUT)
-    return Choice(chosen, tuple(methods), tuple(timesteps))
+    engines_once = tuple({engine.name: engine for engine in chosen}.values())
+    return Choice(engines_once, tuple(methods), tuple(timesteps), time_limit=time_limit)
 
 
-def limited(choice: Choice, time_limit: float | None) -> Choice:
-    """The choice with a time limit, s, if one was given.
-
-    Raises
-    ------
-    Complaint
-        If it is not positive, or longer than the system's clocks can wait.
-    """
-    if time_limit is not None and not 0 < time_limit <= MOST_TIME:
-        raise Complaint(
-            f"'--time-limit' must be positive and at most {MOST_TIME:g} s, got {time_limit:g} s",
-            BAD_INPUT,
-        )
-    return replace(choice, time_limit=time_limit)
+def _applying(scenarios: Sequence[Scenario]) -> list[Engine]:
+    """The engines that are here and apply to one of the scenes."""
+    return [
+        engine
+        for engine in engines().values()
+        if any(map(engine.applies_to, scenarios)) or not (scenarios or engine.of_file)
+    ]
 
 
-def _engine(name: str, python: str) -> Engine:
+def _engines(
+    name: str, python: str, time_limit: float | None, scenarios: Sequence[Scenario]
+) -> Sequence[Engine]:
+    """The engines of a name, in any case; several of 'all' and of a family."""
     if name.startswith(CHILD):
-        return _child(name.removeprefix(CHILD))
-    if name in engines():
-        return engines()[name]
-    if "@" in name:
-        return _at_version(name, python)
+        return [_child(name.removeprefix(CHILD), time_limit)]
+    if "@" in name and name not in engines():
+        return [_at_version(name, python)]
+    lower = name.lower()
+    families = {one.family for one in engines().values()} | {one.family for one in missing()}
+    families.discard("")
+    if lower == ALL or lower in families:
+        several = [one for one in _applying(scenarios) if lower in (ALL, one.family)]
+        if several:
+            return several
+    for engine in engines().values():
+        if engine.name.lower() == lower:
+            return [engine]
     for absent in missing():
-        if absent.name == name:
-            raise Complaint(
-                f"engine '{name}' cannot be used: {absent.reason}",
-                NOT_RUN,
-            )
+        if lower in (absent.name.lower(), absent.family):
+            raise Complaint(f"engine '{name}' cannot be used: {absent.reason}", NOT_RUN)
+    known = [*engines(), *sorted(families), ALL]
     raise Complaint(
-        f"'--engine' must be one of {', '.join(engines())}, got '{name}'"
-        f"{did_you_mean(name, engines())}",
+        f"'--engine' must be one of {', '.join(known)}, got '{name}'{did_you_mean(lower, known)}",
         BAD_INPUT,
     )
 
@@ -97,19 +112,24 @@ def _at_version(name: str, python: str) -> Engine:
     try:
         engine = versioned(name, python)
     except VersionError as error:
-        raise Complaint(f"'--engine' {error}", NOT_RUN) from None
+        raise Complaint(str(error), BAD_INPUT if error.is_usage else NOT_RUN) from None
     add(engine)
     return engine
 
 
-def _child(command: str) -> Engine:
+def _child(command: str, time_limit: float | None) -> Engine:
     """The engine that a command starts; from now on in the list of engines, under its own name."""
-    from ...engines.child import ProtocolError, child_engine
+    from ...engines import EngineError
+    from ...engines.child import ANSWER_LIMIT, ChildEngine, child_engine
 
     try:
-        engine = child_engine(words_of(command))
+        words = words_of(command)
+        for known in engines().values():
+            if isinstance(known, ChildEngine) and known.command == tuple(words):
+                return known
+        engine = child_engine(words, min(time_limit or ANSWER_LIMIT, ANSWER_LIMIT))
         add(engine)
-    except ProtocolError as error:
+    except EngineError as error:
         raise Complaint(f"'--engine' {CHILD}{command}: {error}", NOT_RUN) from None
     except ValueError as error:
         raise Complaint(f"'--engine' {CHILD}{command}: {error}", BAD_INPUT) from None

@@ -25,8 +25,9 @@ Engines = Annotated[
     typer.Option(
         "--engine",
         metavar="ENGINE",
-        help="Only this engine; may be repeated. 'mujoco@3.1.6' is a version, 'child:COMMAND' one "
-        "in another language.",
+        help="Only this engine; may be repeated. 'all' is every one that is installed, 'node' is "
+        "those under node, 'mujoco@3.1.6' a version, 'child:COMMAND' one in another language. If "
+        "left out, all but the optional ones of 'spincheck engines'.",
     ),
 ]
 Python = Annotated[
@@ -48,12 +49,6 @@ Timesteps = Annotated[
         metavar="S",
         help="Run this timestep, s, instead of a ladder; may be repeated.",
     ),
-]
-BoundOption = Annotated[
-    float | None, typer.Option(metavar="E", help="Largest error allowed, relative.")
-]
-AttitudeBound = Annotated[
-    float | None, typer.Option("--attitude", metavar="RAD", help="Largest error allowed, rad.")
 ]
 Jobs = Annotated[int, typer.Option("--jobs", metavar="N", min=1, help="Worker processes.")]
 TimeLimit = Annotated[

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from ...engines import Engine, Method
+    from ...engines import Engine, Method, Missing
     from ...scenarios import Scenario
     from ..harness.executors import LocalWorkers
     from ..harness.study import Prepared
@@ -27,7 +27,10 @@ _ENGINES, _MAX_STEPS = "spincheck_engines", "spincheck_max_steps"
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the settings of the plugin to pytest's configuration file."""
     parser.addini(
-        _ENGINES, "engines that spincheck's scenes are run on; all there are if left out", "args"
+        _ENGINES,
+        "engines that spincheck's scenes are run on, or 'all'; if left out, those that a scene's "
+        "[[expect]] names, else all but the optional ones",
+        "args",
     )
     parser.addini(
         _MAX_STEPS,
@@ -79,15 +82,17 @@ class ScenarioFile(pytest.File):
             raise self.CollectError("\n".join(unknown))
         yield ReferenceItem.from_parent(self, name="reference")
         expected = {(expect.engine, expect.method) for expect in self.scenario.expect}
+        names = {name for name, _ in expected}
         for engine in engines().values():
-            if not (engine.applies_to(self.scenario) and _is_asked_for(self.config, engine.name)):
+            asked = _is_asked_for(self.config, engine, names, by_default=not engine.is_optional)
+            if not (asked and engine.applies_to(self.scenario)):
                 continue
             for method in engine.methods:
                 if method.as_shipped and (engine.name, method.name) not in expected:
                     continue
                 name = f"{engine.name}-{method.name}"
                 yield EngineItem.from_parent(self, name=name, engine=engine, method=method)
-        yield from self._not_tested({name for name, _ in expected})
+        yield from self._not_tested(names)
 
     def _not_tested(self, expected: set[str]) -> Iterator[pytest.Item]:
         """Yield an item for each engine that should be here and is not: it is skipped, not passed.
@@ -103,7 +108,7 @@ class ScenarioFile(pytest.File):
         needed = [line for line in requires("spincheck") or [] if "extra ==" not in line]
         for absent in missing():
             required = any(line.lower().startswith(absent.name.lower()) for line in needed)
-            if (required or absent.name in expected) and _is_asked_for(self.config, absent.name):
+            if _is_asked_for(self.config, absent, expected, by_default=required):
                 yield MissingEngineItem.from_parent(self, name=absent.name, reason=absent.reason)
 
     @cached_property
@@ -164,8 +169,9 @@ class EngineItem(SceneItem):
         from ..harness.study_verdict import verdict_on
 
         scenario = self.parent.scenario
+        which = f"{scenario.name}, {self.engine.name} {self.method.name}"
         if reason := self.engine.unsupported(scenario, self.method):
-            pytest.skip(reason)
+            pytest.skip(f"{which}: {reason}")
         study = convergence_study_of(scenario, self.engine, self.method, self.parent.prepared)
         for _ in run_rungs(study, _worker(self.config)):
             pass
@@ -174,15 +180,15 @@ class EngineItem(SceneItem):
             raise Disagreement(
                 "\n".join(
                     [
-                        f"{verdict.verdict}: {verdict.reason}",
                         *verdict.unmet,
+                        f"{verdict.verdict}: {verdict.reason}",
                         f"reproduce with: spincheck run {self.path} "
                         f"--engine {self.engine.name} --method {self.method.name}",
                     ]
                 )
             )
         if verdict.verdict != "converges" and not (verdict.as_shipped or verdict.expected_failure):
-            pytest.skip(f"{verdict.verdict}: {verdict.reason}")
+            pytest.skip(f"{which}: {verdict.verdict}: {verdict.reason}")
 
 
 class MissingEngineItem(SceneItem):
@@ -214,10 +220,19 @@ def _asked_steps(config: pytest.Config) -> int | None:
     return int(setting)
 
 
-def _is_asked_for(config: pytest.Config, engine: str) -> bool:
-    """Whether items are made for an engine."""
-    names = config.getini(_ENGINES)
-    return not names or engine in names
+def _is_asked_for(
+    config: pytest.Config, engine: "Engine | Missing", expected: set[str], *, by_default: bool
+) -> bool:
+    """Whether items are made for an engine.
+
+    Parameters
+    ----------
+    expected : engines that the scene has expectations of
+    by_default : whether there are items if it has none and no setting names engines
+    """
+    if names := config.getini(_ENGINES):
+        return not {"all", engine.name, engine.family or engine.name}.isdisjoint(names)
+    return engine.name in expected if expected else by_default
 
 
 def _unknown_engines(config: pytest.Config) -> str:
@@ -225,7 +240,8 @@ def _unknown_engines(config: pytest.Config) -> str:
     from ...engines import engines, missing
     from ...scenarios import did_you_mean
 
-    names = [*engines(), *(absent.name for absent in missing())]
+    known: list[Engine | Missing] = [*engines().values(), *missing()]
+    names = ["all", *sorted({one.name for one in known} | {one.family for one in known} - {""})]
     for name in config.getini(_ENGINES):
         if name not in names:
             one_of = f"'{_ENGINES}' must be of {', '.join(names)}, got '{name}'"

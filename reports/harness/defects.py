@@ -23,8 +23,8 @@ from ..results.records import Defect
 
 #: rad; a motion that turns by more in all is not followed: it would take longer than a second.
 FARTHEST_TURN = 1e5
-#: Roundings of a step, in ulp of the engine's numbers, for a step that does more than one product.
-ULPS_A_STEP = 8
+#: What the rounding of a step makes at least, in doubles: it does more than one product.
+LEAST_ROUNDING = 8 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +80,8 @@ def defects(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Defect
 
 @lru_cache(maxsize=RECENT)
 def _rounding(scenario: Scenario, exact: Trajectory) -> Errors:
-    least = ULPS_A_STEP * float(np.finfo(float).eps)
     of_exact = _series(scenario, exact, exact).worst()
-    return Errors(**{name: max(value, least) for name, value in of_exact})
+    return Errors(**{name: max(value, LEAST_ROUNDING) for name, value in of_exact})
 
 
 def _series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> ErrorSeries:

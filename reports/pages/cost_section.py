@@ -2,19 +2,18 @@
 
 from dataclasses import dataclass
 
+from ...scenarios import SIGNALS
 from .analysis.profiles import profile
 from .analysis.report_data import ReportData, SceneRuns
 from .analysis.trace_style import TraceStyle, trace_styles
-from .analysis.wording import SIGNALS
-from .analysis.work_precision import SIGNALS as ERRORS
-from .analysis.work_precision import Signal, curves
+from .analysis.work_precision import curves
 from .cost_tables import median_table, ratio_table, reach_table, reached_table
 from .figures.figures import Titled
 from .figures.profile_figure import profile_figures
 from .tables import Table
 
-#: The error by which methods are compared over all scenes; every scene's page has all four.
-COMPARED: Signal = "omega"
+#: The error by which methods are compared over all scenes; every scene's page has all.
+COMPARED = "omega"
 #: Errors with a profile each: for everyday use, and beyond what first-order methods reach.
 PROFILED = (1e-3, 1e-6)
 #: Explanation of the costs in the tables.
@@ -72,5 +71,5 @@ def cost_section(gathered: ReportData) -> CostSection:
 
 
 def scene_costs(scene: SceneRuns) -> list[tuple[str, Table]]:
-    """A table for each of the four errors, with its name."""
-    return [(SIGNALS[signal], reach_table(scene, signal)) for signal in ERRORS]
+    """A table for the errors of each signal, with its name."""
+    return [(str(signal), reach_table(scene, signal.name)) for signal in SIGNALS]

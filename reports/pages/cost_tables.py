@@ -7,7 +7,7 @@ from .analysis.cost_to_reach import LEVELS, Reach, reach
 from .analysis.profiles import SceneCurves, order_ratios, tally
 from .analysis.report_data import MethodRuns, ReportData, SceneRuns
 from .analysis.wording import NOTHING, number
-from .analysis.work_precision import Signal, curve_of
+from .analysis.work_precision import curve_of
 from .tables import Cell, Table, figure, table
 
 #: Microseconds in a second.
@@ -16,7 +16,7 @@ MICROSECONDS = 1e6
 MARKS = {"measured": "", "at most": "≤ ", "extrapolated": "≈ "}
 
 
-def reach_table(scene: SceneRuns, signal: Signal) -> Table:
+def reach_table(scene: SceneRuns, signal: str) -> Table:
     """Table of CPU seconds a simulated second that each method needs to stay within each error.
 
     Second lines, shown in HTML only: the timestep, or the error that rounding may cause at it.

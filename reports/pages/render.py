@@ -16,7 +16,7 @@ from .cost_section import cost_section, scene_costs
 from .figures.figures import figures
 from .overview import hard_cases, overview
 from .overview.first_screen import answer
-from .overview.heat_map import heat_map
+from .overview.heat_map import FIRST_SIGNAL, heat_map
 from .overview.left_out_tables import effects_table, harm_in_words, passes_tables
 from .overview.protocol import constants
 from .overview.stock_table import stock_table
@@ -112,6 +112,7 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
     return {
         "answer": answer(gathered, {name for cost in results.effects for name in cost.left_out}),
         "heat": heat_map(gathered),
+        "first_signal": FIRST_SIGNAL,
         "stock": stock_table(plain),
         "headline": overview.headline(gathered),
         "counts": overview.counts(plain),

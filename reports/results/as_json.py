@@ -5,7 +5,7 @@ from typing import Any
 
 from pydantic_core import to_jsonable_python
 
-from ...scenarios import Errors
+from ...scenarios import errors_by_key
 from .records import MOTIONS, Key, Record
 
 
@@ -17,8 +17,7 @@ def as_json(record: Record) -> dict[str, Any]:
         if isinstance(value, Key):
             content |= vars(value)
         elif field.name == "errors":
-            named = dict(value) if value else {one.name: None for one in fields(Errors)}
-            content |= {f"{signal}_error": error for signal, error in named.items()}
+            content |= errors_by_key(value)
         elif field.name not in MOTIONS:
             content[field.name] = to_jsonable_python(value, inf_nan_mode="constants")
     return content

@@ -36,7 +36,7 @@ def half_written(path: Path) -> bytes:
         connection.execute("PRAGMA cache_size = 1")
         connection.execute("BEGIN IMMEDIATE")
         connection.execute("UPDATE file SET commits = commits + 1")
-        connection.execute("UPDATE rows SET reason = reason || 'later'")
+        connection.execute("UPDATE rows SET record = record || ' '")
         return beside(path, "-journal").read_bytes()
 
 

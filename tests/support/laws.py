@@ -32,7 +32,7 @@ def curve_of_law(
         points=points,
         stable=points,
         seconds_per_step=seconds,
-        reference_uncertainty=EPS,
+        uncertainty=EPS,
         rounding=0.0,
         declared=1,
         verdict="converges",

@@ -4,32 +4,28 @@ What it does to a top by default, and how each effect was measured: docs/engines
 """
 
 import warnings
-from functools import reduce
-from importlib import import_module
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any, final
 
 import numpy as np
 
 from ....scenarios import Scenario
-from ...checks.read_back import BodyReading, EngineError
-from ...engine import Engine, Method
-from ...matrix_session import MatrixReading, MatrixSession
+from ...checks.read_back import EngineError
+from ...engine import COMMON_EFFECTS, Engine, Method
 from ...native_output import native_output
 from ...session import Session
-from .held import R_BODY_NODE, Held, held, of_point
-from .script import script
-from .solvers import AS_SHIPPED, main_solver, solver_settings
+from ...world_session import HeldBody, WorldSession, world_script
 
-EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
-#: Numbers of a node's coordinates that are its position.
-PLACE = range(3)
+#: Types of the objects that a scene needs.
+KINDS = frozenset({"RigidBody", "Ground", "ConnectorCoordinate", "ConnectorRigidBodySpringDamper"})
+WORLD = Path(__file__).with_name("world.py")
 #: Relative difference allowed of a step's length, as Exudyn sums up the time.
 CLOCK_SLACK = 1e-6
 
 
 def _method(name: str, order: int, summary: str) -> Method:
-    return Method(name, order, order, summary, EFFECTS)
+    return Method(name, order, order, summary, COMMON_EFFECTS)
 
 
 @final
@@ -55,7 +51,7 @@ class Exudyn(Engine):
             2,
             2,
             "as shipped: generalised α, spectral radius 0.9",
-            EFFECTS,
+            COMMON_EFFECTS,
             as_shipped=True,
         ),
     )
@@ -67,185 +63,84 @@ class Exudyn(Engine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Assemble the system and set its start."""
-        solver = AS_SHIPPED if method.as_shipped else method.name
         with native_output() as printed, warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            session = ExudynSession(scenario, solver, timestep)
+            session = ExudynSession(f"{__package__}.world", scenario, method.name, timestep)
         if "ERROR" in printed.text:
             raise EngineError(f"Exudyn: {' '.join(printed.text.split())}")
         return session
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
         """The system as Python."""
-        solver = AS_SHIPPED if method.as_shipped else method.name
-        return script(held(scenario), scenario.has_pivot, solver)
+        return world_script(WORLD, scenario, method.name)
 
 
 @final
-class ExudynSession(MatrixSession):
+class ExudynSession(WorldSession):
     """One body; with a pivot, its rotation about the pivot is stepped."""
 
-    def __init__(self, scenario: Scenario, solver: str, timestep: float) -> None:
-        exudyn: Any = import_module("exudyn")
-        self._scenario, self._timestep = scenario, timestep
-        self._variables = exudyn.OutputVariableType
-        self._container = exudyn.SystemContainer()
-        self._system = self._container.AddSystem()
-        self._told = held(scenario)
-        self._node, self._body, self._com = _assembled(self._system, self._told, scenario.has_pivot)
-        self._settings = _settings(exudyn, solver, timestep)
-        self._solver = getattr(exudyn, main_solver(solver))()
-        self._system.Assemble()
-        self._solver.InitializeSolver(self._system, self._settings)
+    @property
+    def restarts_to_the_last_bit(self) -> bool:
+        """No: its node keeps the axes that suit the start it was opened with."""
+        return False
 
-    def read_body(self) -> BodyReading:
+    def held(self) -> HeldBody:
         """The body as the object holds it, from the node; its com is where gravity acts."""
-        found = self._system.GetObject(self._body)
-        com = R_BODY_NODE @ self._system.GetMarker(self._com)["localPosition"]
+        system, R_axes_node = self.world.system, self.world.R_axes_node
+        found = system.GetObject(self.world.body)
+        com = R_axes_node @ system.GetMarker(self.world.com)["localPosition"]
         xx, yy, zz, yz, xz, xy = found["inertia"]
         of_node = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        inertia = R_BODY_NODE @ of_node @ R_BODY_NODE.T
         mass = float(found["mass"])
-        if self._scenario.has_pivot:
-            inertia -= of_point(mass, com)
-        else:
-            com = com + self._scenario.body.com
-        return BodyReading(mass, com, inertia)
-
-    def read_matrix(self) -> MatrixReading:
-        """The state now."""
-        of_node, of_marker = self._system.GetNodeOutput, self._system.GetMarkerOutput
-        names = self._variables
-        R_world_node = np.array(of_node(self._node, names.RotationMatrix)).reshape(3, 3)
-        return MatrixReading(
-            R_world_node @ R_BODY_NODE.T,
-            R_BODY_NODE @ of_node(self._node, names.AngularVelocityLocal),
-            np.array(of_marker(self._com, names.Position)),
-            np.array(of_marker(self._com, names.Velocity)),
-        )
+        of_com = mass * (com @ com * np.eye(3) - np.outer(com, com))
+        inertia_com = R_axes_node @ of_node @ R_axes_node.T - of_com
+        return HeldBody(mass, com, inertia_com, None if self.world.is_free else np.zeros(3))
 
     def advance(self, steps: int) -> None:
-        """One native loop; Exudyn's clock starts at 0 in each call, and sums up the steps.
-
-        At another end, such as the product, a sliver of a step may be missing to it.
-        """
-        progress, end = self._solver.it, 0.0
-        for _ in range(steps):
-            end += self._timestep
-        progress.currentTime, progress.endTime = 0.0, end
-        if not self._solver.SolveSteps(self._system, self._settings):
-            raise EngineError("Exudyn's solver gave up", "warning")
+        """As the world does; checks that it took so many steps of the right length."""
+        try:
+            self.world.advance(steps)
+        except RuntimeError as error:
+            raise EngineError(str(error), "warning") from None
         # It counts from 1; as shipped, a step is halved if the solver fails.
+        progress = self.world.solver.it
         taken, last = progress.currentStepIndex - 1, progress.currentStepSize
-        if taken != steps or abs(last - self._timestep) > CLOCK_SLACK * self._timestep:
+        if taken != steps or abs(last - self.timestep) > CLOCK_SLACK * self.timestep:
             words = f"Exudyn took {taken} steps, the last of {last!r} s"
-            raise EngineError(f"{words}, not {steps} of {self._timestep!r} s", "clock")
-
-    def check(self) -> None:
-        """Nothing to do: `advance` checks after each step."""
+            raise EngineError(f"{words}, not {steps} of {self.timestep!r} s", "clock")
 
     def active(self) -> frozenset[str]:
         """What acts, from the loads and objects of the system and their strengths."""
-        system, numbers = self._system, self._system.systemData
-        acting = set()
-        for number in range(numbers.NumberOfLoads()):
-            acting.add(self._of_load(system.GetLoad(number)))
-        kinds = []
-        for number in range(numbers.NumberOfObjects()):
-            found = system.GetObject(number)
-            kinds.append(found["objectType"])
-            if found["objectType"] == "ConnectorRigidBodySpringDamper":
-                acting.add(self._of_damper(found))
-        if kinds.count("ConnectorCoordinate") == len(PLACE):
-            acting.add("pivot")
-        expected_kinds = {
-            "RigidBody",
-            "Ground",
-            "ConnectorCoordinate",
-            "ConnectorRigidBodySpringDamper",
+        system = self.world.system
+        numbers = system.systemData
+        acting = {self._of_load(system.GetLoad(k)) for k in range(numbers.NumberOfLoads())}
+        objects = [system.GetObject(k) for k in range(numbers.NumberOfObjects())]
+        kinds = [found["objectType"] for found in objects]
+        acting |= {
+            self._of_damper(found)
+            for found in objects
+            if found["objectType"] == "ConnectorRigidBodySpringDamper"
         }
-        return frozenset(
-            acting | {f"an object of type {kind}" for kind in set(kinds) - expected_kinds}
-        )
+        if kinds.count("ConnectorCoordinate") == 3:
+            acting.add("pivot")
+        return frozenset(acting | {f"an object of type {kind}" for kind in {*kinds} - KINDS})
 
     def _of_load(self, found: Any) -> str:
-        vector, told = np.array(found["loadVector"]), self._told
+        vector, scene = np.array(found["loadVector"]), self.scene
         if found["loadType"] == "ForceVector":
-            name, wanted = "gravity", told.weight
+            name, wanted = "gravity", scene["mass"] * np.array(scene["gravity"])
         elif found["bodyFixed"]:
-            name, wanted = "torque_body", told.torque_node
+            name, wanted = "torque_body", self.world.R_axes_node.T @ scene["torque_body"]
         else:
-            name, wanted = "torque_world", told.torque_world
+            name, wanted = "torque_world", scene["torque_world"]
         return name if np.array_equal(vector, wanted) else f"a load of {vector.tolist()}"
 
     def _of_damper(self, found: Any) -> str:
-        wanted = self._told.damping
+        wanted = np.diag([0.0] * 3 + [self.scene["drag"]] * 3)
         is_drag = np.array_equal(found["damping"], wanted) and not np.any(found["stiffness"])
         return "drag" if is_drag else "a spring or damper"
 
     def close(self) -> None:
         """Drop the system."""
-        self._solver.FinalizeSolver(self._system, self._settings)
-        self._container.Reset()
-
-
-def _settings(exudyn: Any, solver: str, timestep: float) -> Any:
-    settings = exudyn.SimulationSettings()
-    settings.solution.file.write = False
-    integration = settings.timeIntegration
-    integration.numberOfSteps, integration.endTime = 1, timestep
-    integration.solverType = getattr(exudyn.DynamicSolverType, solver)
-    for name, value in solver_settings(solver).items():
-        *group, setting = name.split(".")
-        setattr(reduce(getattr, group, integration), setting, value)
-    return settings
-
-
-def _assembled(system: Any, told: Held, has_pivot: bool) -> tuple[int, int, int]:
-    """Build the body; returns the numbers of its node, object, and marker at the com."""
-    items = import_module("exudyn.itemInterface")
-    node = system.AddNode(
-        items.NodeRigidBodyRotVecLG(
-            referenceCoordinates=[*told.place], initialVelocities=[*told.velocity]
-        )
-    )
-    number = system.AddObject(
-        items.ObjectRigidBody(mass=told.mass, inertia=[*told.inertia], nodeNumber=node)
-    )
-    com = system.AddMarker(items.MarkerBodyPosition(bodyNumber=number, localPosition=[*told.com]))
-    if has_pivot:
-        _hold(system, items, node)
-    _load(system, items, told, number, com)
-    return node, number, com
-
-
-def _hold(system: Any, items: Any, node: int) -> None:
-    """Constrain the node's position."""
-    ground = system.AddNode(items.NodePointGround())
-    still = system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
-    for coordinate in PLACE:
-        pinned = system.AddMarker(
-            items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate)
-        )
-        system.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[still, pinned]))
-
-
-def _load(system: Any, items: Any, told: Held, body: int, com: int) -> None:
-    """Add the scene's torques, drag and gravity."""
-    if told.weight.any():
-        system.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[*told.weight]))
-    whole = system.AddMarker(items.MarkerBodyRigid(bodyNumber=body))
-    for torque, turns in ((told.torque_node, True), (told.torque_world, False)):
-        if torque.any():
-            system.AddLoad(
-                items.LoadTorqueVector(markerNumber=whole, loadVector=[*torque], bodyFixed=turns)
-            )
-    if told.damping.any():
-        still = system.AddMarker(
-            items.MarkerBodyRigid(bodyNumber=system.AddObject(items.ObjectGround()))
-        )
-        system.AddObject(
-            items.ObjectConnectorRigidBodySpringDamper(
-                markerNumbers=[still, whole], damping=told.damping
-            )
-        )
+        self.world.solver.FinalizeSolver(self.world.system, self.world.settings)
+        self.world.container.Reset()

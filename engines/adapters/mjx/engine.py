@@ -6,7 +6,7 @@ from typing import final
 import mujoco
 
 from ....scenarios import Scenario
-from ...engine import Engine, Method
+from ...engine import COMMON_EFFECTS, Engine, Method
 from ...models.mjcf import mjcf
 from ...session import Session
 from ..mujoco.session import check_not_too_small
@@ -14,7 +14,7 @@ from .script import left_in, script
 from .session import MJXSession
 
 #: Torques along the world's axes come out wrong on a free body: docs/engines-more.md.
-EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body"})
+EFFECTS = COMMON_EFFECTS - {"torque_world"}
 CLEAN = (
     Method("Euler", 1, 1, "semi-implicit Euler, joint damping implicit", EFFECTS),
     Method("implicitfast", 1, 1, "implicit in velocity, without gyroscopic terms", EFFECTS),

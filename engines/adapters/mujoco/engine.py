@@ -10,7 +10,7 @@ import mujoco
 
 from ....scenarios import Scenario
 from ...checks.read_back import UnsupportedError
-from ...engine import Engine, Method, Release
+from ...engine import COMMON_EFFECTS, Engine, Method, Release
 from ...models.mjcf import mjcf, switched_off
 from ...release import numbers_of
 from .audit import disable
@@ -18,7 +18,6 @@ from .clock import CLOCK
 from .script import script
 from .session import MuJoCoSession, check_not_too_small, compiled, left_out
 
-EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 #: The version that introduced an integrator (changelog).
 SINCE = {"discrete": "3.13.0"}
 #: Number of compiled models kept: a ladder uses each at every timestep.
@@ -37,24 +36,31 @@ class MuJoCo(Engine):
     # Orders: MuJoCo documentation, "Numerical integration" and changelog 4.0.0, item 5; measured
     # in docs/engines-mujoco.md.
     methods = (
-        Method("Euler", 1, 1, "semi-implicit Euler, joint damping implicit", EFFECTS),
+        Method("Euler", 1, 1, "semi-implicit Euler, joint damping implicit", COMMON_EFFECTS),
         Method(
             "implicitfast",
             1,
             1,
             "implicit in velocity; gyroscopic terms of free bodies only",
-            EFFECTS,
+            COMMON_EFFECTS,
         ),
-        Method("implicit", 1, 1, "implicit in velocity, gyroscopic terms included", EFFECTS),
-        Method("RK4", 4, 4, "Runge-Kutta of fourth order", EFFECTS),
+        Method("implicit", 1, 1, "implicit in velocity, gyroscopic terms included", COMMON_EFFECTS),
+        Method("RK4", 4, 4, "Runge-Kutta of fourth order", COMMON_EFFECTS),
         Method(
             "discrete",
             1,
             1,
             "implicit in velocity and position, one solve with the constraints",
-            EFFECTS,
+            COMMON_EFFECTS,
         ),
-        Method("default", 1, 1, "as shipped: Euler, with every pass on", EFFECTS, as_shipped=True),
+        Method(
+            "default",
+            1,
+            1,
+            "as shipped: Euler, with every pass on",
+            COMMON_EFFECTS,
+            as_shipped=True,
+        ),
     )
 
     @property

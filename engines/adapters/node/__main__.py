@@ -1,12 +1,15 @@
 """Installs the packages of the engines under node: `npm ci` in a folder of the user's cache."""
 
 import shutil
-import subprocess
 import sys
 
 from ...child.process import end_idle
 from ...missing import Missing
+from ...start_process import run
 from .discovered import HERE, discovered, modules_folder
+
+#: s that npm may take.
+PATIENCE = 3600.0
 
 
 def main() -> int:
@@ -24,7 +27,7 @@ def main() -> int:
         for name in ("package.json", "package-lock.json"):
             shutil.copy(HERE / name, modules.parent)
         quietly = ("--no-audit", "--no-fund", "--ignore-scripts", "--loglevel=error")
-        done = subprocess.run([npm, "ci", *quietly], cwd=modules.parent, check=False)
+        done = run([npm, "ci", *quietly], PATIENCE, cwd=modules.parent, stdout=None, stderr=None)
         if done.returncode:
             shutil.rmtree(modules.parent)
             print("npm could not install the engines under node (above: why).", file=sys.stderr)

@@ -21,6 +21,8 @@ HERE = Path(__file__).parent
 #: The folder of modules that engines import.
 PARTS = tuple(sorted((HERE / "parts").glob("*.mjs")))
 LOCK = HERE / "package-lock.json"
+#: By which users ask for all of them.
+FAMILY = "node"
 HOW = "python -m spincheck.engines.adapters.node"
 
 
@@ -28,7 +30,7 @@ def discovered() -> Iterator[Engine | Missing]:
     """Every engine that has a file in this folder, or why it is missing."""
     files = sorted(HERE.glob("*.mjs"))
     if shutil.which("node") is None:
-        yield from (Missing(path.stem, "node", "node is not installed") for path in files)
+        yield from (Missing(f.stem, "node", "node is not installed", FAMILY) for f in files)
         return
     modules = modules_folder()
     for path in files:
@@ -36,7 +38,7 @@ def discovered() -> Iterator[Engine | Missing]:
             yield _engine(path, modules)
         else:
             reason = f"its npm package is not installed; '{HOW}' does it, for all of them"
-            yield Missing(path.stem, path.stem, reason)
+            yield Missing(path.stem, path.stem, reason, FAMILY)
 
 
 def modules_folder() -> Path:
@@ -53,7 +55,7 @@ def _engine(path: Path, modules: Path) -> ChildEngine | Missing:
     try:
         engine = child_engine(command)
     except EngineError as error:
-        return Missing(path.stem, "", f"it does not start: {error}")
+        return Missing(path.stem, "", f"it does not start: {error}", FAMILY)
     with suppress(OSError):
         write_new(_memory(path, modules), engine.hello.model_dump_json())
     return _child_engine(command, engine.hello, path)
@@ -61,7 +63,9 @@ def _engine(path: Path, modules: Path) -> ChildEngine | Missing:
 
 def _child_engine(command: tuple[str, ...], hello: Hello, path: Path) -> ChildEngine:
     sources = (path, *PARTS, LOCK)
-    return ChildEngine(command, hello, sources=sources, script=partial(script, path))
+    engine = ChildEngine(command, hello, sources=sources, script=partial(script, path))
+    engine.family = FAMILY
+    return engine
 
 
 def _said_before(path: Path, modules: Path) -> Hello | None:

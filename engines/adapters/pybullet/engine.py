@@ -12,7 +12,7 @@ from math import pi
 from ....scenarios import Scenario
 from ...checks.equations import Equations
 from ...checks.read_back import start_state
-from ...engine import Engine, Method, Release
+from ...engine import COMMON_EFFECTS, Engine, Method, Release
 from ...native_output import native_output
 from ...release import numbers_of
 from ...session import Session
@@ -25,7 +25,6 @@ with native_output():
     from .script import script
     from .session import PyBulletSession
 
-EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 #: rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h, for every kind of body.
 #: Beyond it the attitude turns only by this much a step, while ω still reads its full value.
 MOST_ROTATION_A_STEP = pi / 4
@@ -53,7 +52,7 @@ class PyBullet(Engine):
             1,
             1,
             "joint coordinates, a pivot as a spherical joint",
-            EFFECTS,
+            COMMON_EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
         ),
         Method(
@@ -61,7 +60,7 @@ class PyBullet(Engine):
             1,
             1,
             "joint coordinates, the pivot as a point-to-point constraint",
-            EFFECTS,
+            COMMON_EFFECTS,
             requires=frozenset({"pivot"}),
             max_rotation_per_step=MOST_ROTATION_A_STEP,
         ),
@@ -70,7 +69,7 @@ class PyBullet(Engine):
             1,
             1,
             "six coordinates a body, gyroscopic term implicit, the pivot as a constraint",
-            EFFECTS,
+            COMMON_EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
         ),
         Method(
@@ -78,7 +77,7 @@ class PyBullet(Engine):
             1,
             1,
             "as shipped: the URDF without flags, with damping, joint motor and velocity clamp",
-            EFFECTS,
+            COMMON_EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             as_shipped=True,
             damping=DEFAULT_DAMPING,
@@ -88,7 +87,7 @@ class PyBullet(Engine):
             1,
             1,
             "as shipped, but for the inertia, which is the file's (URDF_USE_INERTIA_FROM_FILE)",
-            EFFECTS,
+            COMMON_EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             as_shipped=True,
             damping=DEFAULT_DAMPING,

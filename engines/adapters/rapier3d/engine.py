@@ -12,12 +12,11 @@ import numpy as np
 
 from ....scenarios import PUSHED, Scenario
 from ...checks.read_back import EngineError
-from ...engine import Engine, Method
+from ...engine import COMMON_EFFECTS, Engine, Method
 from ...session import Session
 from ...world_parts import matrix, push
 from ...world_session import HeldBody, WorldSession, world_script
 
-EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 #: rad: ANGULAR_MOTION_THRESHOLD of its sources: by default a body turns no further in a step.
 MOST_ROTATION_A_STEP = pi / 4
 #: Relative rounding of numbers in single precision.
@@ -36,13 +35,15 @@ class Rapier3D(Engine):
     # IntegrationParameters.dt of its documentation.
     stock_timestep = 1 / 60
     methods = (
-        Method("impulse", 1, 1, "semi-implicit Euler, the pivot as an impulse joint", EFFECTS),
+        Method(
+            "impulse", 1, 1, "semi-implicit Euler, the pivot as an impulse joint", COMMON_EFFECTS
+        ),
         Method(
             "default",
             1,
             1,
             "as shipped: may fall asleep, and clamps the rotation a step",
-            EFFECTS,
+            COMMON_EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             as_shipped=True,
         ),

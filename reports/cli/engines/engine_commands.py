@@ -74,7 +74,8 @@ def _methods_of(engine: "Engine") -> Iterator[str]:
     """An engine, and below it a line a method; what a method cannot simulate is named."""
     from ....scenarios import EFFECTS
 
-    yield f"{engine.name} {engine.version}"
+    optional = f" (optional: runs only with '--engine {engine.name}')" if engine.is_optional else ""
+    yield f"{engine.name} {engine.version}{optional}"
     for method in engine.methods:
         orders = f"order {method.order}"
         if method.attitude_order != method.order:
@@ -105,7 +106,7 @@ def conform(
 
     Exits with 1 if it does not, with 3 if it cannot be started.
     """
-    from ....engines.child import ProtocolError
+    from ....engines import EngineError
     from ....engines.child.conformance import conformance
 
     checks = []
@@ -116,7 +117,7 @@ def conform(
                 verdict = "FAILS" if check.problem else "ok"
                 words = check.problem or check.remark
                 print(f"{verdict:5}  {check.what}{f': {words}' if words else ''}", flush=True)
-    except ProtocolError as error:
+    except EngineError as error:
         raise Complaint(str(error), NOT_RUN) from None
     problems = sum(bool(check.problem) for check in checks)
     if as_json:

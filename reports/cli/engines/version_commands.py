@@ -79,7 +79,7 @@ def versions(
     try:
         chosen = [versioned(f"{engine}@{number}", python) for number in numbers]
     except VersionError as error:
-        raise Complaint(str(error), NOT_RUN) from None
+        raise Complaint(str(error), BAD_INPUT if error.is_usage else NOT_RUN) from None
     over = []
     with LocalWorkers(1) as executor:
         for one in over_versions(chosen, scenes, timestep, executor):

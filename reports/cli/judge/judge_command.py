@@ -27,7 +27,7 @@ def judge(
     ] = None,
     timestep: Annotated[
         list[float] | None,
-        typer.Option("--timestep", metavar="S", help="s, of each file, in their order."),
+        typer.Option("--timestep", metavar="S", help="s, of each file; may be repeated."),
     ] = None,
     fail_above: Annotated[
         list[str] | None,

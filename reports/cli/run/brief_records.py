@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import Any
 
+from ....scenarios import SIGNALS
 from ...results.records import Row, Verdict
 from ...results.verdict_words import VERDICT
 
@@ -16,16 +17,15 @@ SCENE, METHOD = 25, 25
 #: Lines that a reason takes at most.
 REASON_LINES = 3
 #: Columns of the coordinates of a point.
-PLACE = 26
-_ERRORS = ("omega_error", "attitude_error", "angular_momentum_error", "energy_error")
-_NAMES = ("ω", "attitude", "L", "energy")
+PLACE = 23
+_HEADINGS = "".join(f"{signal.label:>9}" for signal in SIGNALS)
 
 
 def run_lines(rows: Sequence[Row]) -> Iterator[str]:
     """The runs of each method below its name, coarse to fine; a star marks a stock timestep."""
     for key, runs in groupby(rows, key=lambda row: row.key):
         yield cut(f"{key.scenario}: {key.engine} {key.method}", WIDTH)
-        yield f"  {'timestep, s':>11} {''.join(f'{name:>9}' for name in _NAMES)}{'CPU s/s':>9}"
+        yield f"  {'timestep, s':>11} {_HEADINGS}{'CPU s/s':>9}"
         for row in runs:
             yield cut(_run(row), WIDTH)
 
@@ -66,17 +66,17 @@ def point_lines(records: Sequence[dict[str, Any]]) -> Iterator[str]:
 
     for title, points in groupby(records, key=sweep_of):
         yield cut(title, WIDTH)
-        yield f"  {'at':{PLACE}} {''.join(f'{name:>9}' for name in _NAMES)}"
+        yield f"  {'at':{PLACE}} {_HEADINGS}"
         for point in points:
             place = "  ".join(f"{value:<11.6g}" for value in _at(point).values())
             begun = f"  {cut(place.rstrip(), PLACE):{PLACE}} "
-            if point["omega_error"] is None:
+            if point[SIGNALS[0].key] is None:
                 stopped = point["stopped_at"]
                 when = f" at {stopped:.3g} s" if stopped is not None else ""
                 why = f": {point['reason']}" if point["reason"] else ""
                 yield cut(f"{begun}{point['outcome']}{when}{why}", WIDTH)
             else:
-                yield begun + "".join(f"{point[name]:9.1e}" for name in _ERRORS)
+                yield begun + "".join(f"{point[signal.key]:9.1e}" for signal in SIGNALS)
 
 
 def _at(point: dict[str, Any]) -> dict[str, float]:
@@ -95,8 +95,7 @@ def _run(row: Row) -> str:
     if row.errors is None:
         when = f" at {row.stopped_at:.3g} s" if row.stopped_at is not None else ""
         return f"{begun}{row.outcome if row.made else 'not run'}{when}: {row.reason}"
-    e = row.errors
-    numbers = (e.omega, e.attitude, e.angular_momentum, e.energy, _cost(row))
+    numbers = (*(error for _, error in row.errors), _cost(row))
     return begun + "".join(f"{number:9.1e}" if number is not None else "" for number in numbers)
 
 

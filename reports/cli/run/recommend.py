@@ -14,7 +14,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ....engines import engines
-from ....scenarios import Scenario
+from ....scenarios import SIGNAL, Scenario
 from ...harness.choice import Choice
 from ...harness.executors import TIME_LIMIT, LocalWorkers
 from ...harness.plan import plan
@@ -23,11 +23,13 @@ from ...pages.analysis.candidates import Candidate, ErrorBounds, candidates
 from ...pages.analysis.report_data import report_data
 from ...results.records import Key, Row
 from ...results.store import Results, open_store
+from ..choosing import choose
 from ..executing import Where, check_temporary_folder
 from ..named_scenes import one_scene
 from ..stopping import saying
 from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say
 from . import running
+from .error_bounds import option
 
 #: Checks before it is given up.
 CHECKS = 4
@@ -99,8 +101,7 @@ def within(row: Row, bounds: ErrorBounds) -> bool:
     """Whether a run ended well and kept every bound."""
     if row.outcome != "ok" or row.errors is None:
         return False
-    errors = dict(row.errors)
-    return all(errors[signal] <= bound for signal, bound in bounds.items())
+    return all(row.errors[signal] <= bound for signal, bound in bounds.items())
 
 
 def exit_code(recommendation: Recommendation) -> int:
@@ -110,23 +111,19 @@ def exit_code(recommendation: Recommendation) -> int:
 
 def _check_bounds(bounds: ErrorBounds) -> None:
     if not bounds:
-        raise Complaint(
-            "takes a bound: '--omega', '--attitude', '--angular-momentum' or '--energy'", BAD_INPUT
-        )
+        *options, last = (f"'{option(name)}'" for name in SIGNAL)
+        raise Complaint(f"takes a bound: {', '.join(options)} or {last}", BAD_INPUT)
     for signal, bound in bounds.items():
         if not 0 < bound < math.inf:
-            option = signal.replace("_", "-")
-            raise Complaint(f"'--{option}' must be positive, got {bound:g}", BAD_INPUT)
+            raise Complaint(f"'{option(signal)}' must be positive, got {bound:g}", BAD_INPUT)
 
 
 def _methods(engine_names: Sequence[str]) -> list[str]:
-    """Names of the methods of the engines named (none named: all), except those as shipped.
-
-    Engines that are not installed are reported by the run.
-    """
-    chosen = [e for name, e in engines().items() if name in engine_names or not engine_names]
+    """Names of the methods of the engines named, except those as shipped."""
+    by_default = [engine for engine in engines().values() if not engine.is_optional]
+    chosen = choose(engine_names, [], []).engines if engine_names else by_default
     offered = [method.name for e in chosen for method in e.methods if not method.as_shipped]
-    if chosen and not offered:
+    if not offered:
         names = ", ".join(engine_names)
         raise Complaint(f"{names}: has no method but as shipped, which is not recommended", NOT_RUN)
     return list(dict.fromkeys(offered))
@@ -140,8 +137,8 @@ def _timed_runs(scene: str, engine_names: Sequence[str], stored: Path) -> Result
     solved = results.scenes.get(scenario.name)
     if solved is None or solved.scenario.digest != scenario.digest:
         return None
-    chosen = engine_names or list(engines())
-    versions = {name: engine.version for name, engine in engines().items() if name in chosen}
+    chosen = choose(engine_names or ["all"], [], [], scenarios=[scenario]).engines
+    versions = {engine.name: engine.version for engine in chosen}
     rows = [
         row
         for row in results.rows

@@ -3,6 +3,7 @@
 from dataclasses import asdict
 from typing import Any
 
+from ....scenarios import SIGNAL
 from ...pages.analysis.candidates import Candidate, ErrorBounds, as_cheap
 from ...results.records import Row
 from ..terminal import table
@@ -33,7 +34,7 @@ def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
 def print_recommendation(recommendation: Recommendation) -> None:
     """Print every method with its cost, the choice, its checks, and how to run it again."""
     bounds = ", ".join(
-        f"{_named(signal)} to {bound:g}" for signal, bound in recommendation.bounds.items()
+        f"{SIGNAL[signal].label} to {bound:g}" for signal, bound in recommendation.bounds.items()
     )
     print(f"{recommendation.scenario}: {bounds}")
     table([_line(candidate) for candidate in recommendation.candidates])
@@ -76,7 +77,7 @@ def _line(candidate: Candidate) -> dict[str, object]:
         "timestep, s": candidate.timestep,
         "CPU s a simulated s": candidate.cost,
         "known": candidate.word,
-        "decided by": _named(candidate.decided_by),
+        "decided by": SIGNAL[candidate.decided_by].label,
         "stable to, s": candidate.largest_stable,
     }
 
@@ -85,12 +86,7 @@ def _check_line(row: Row, bounds: ErrorBounds) -> str:
     run = f"{row.key.engine} {row.key.method} at {row.timestep!r} s"
     if row.outcome != "ok" or row.errors is None:
         return f"Check of {run}: {row.outcome}: {row.reason}"
-    errors = dict(row.errors)
-    errors_in_words = ", ".join(f"{_named(name)} {errors[name]:.3g}" for name in errors)
-    missed = [_named(name) for name, bound in bounds.items() if not errors[name] <= bound]
+    errors_in_words = ", ".join(f"{SIGNAL[name].label} {error:.3g}" for name, error in row.errors)
+    missed = [SIGNAL[name].label for name, bound in bounds.items() if not row.errors[name] <= bound]
     outcome = f"misses the bound on {' and '.join(missed)}" if missed else "within every bound"
     return f"Check of {run}: {outcome}: {errors_in_words}"
-
-
-def _named(signal: str) -> str:
-    return {"omega": "ω", "angular_momentum": "L"}.get(signal, signal)

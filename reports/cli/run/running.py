@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ....engines import engines
 from ....scenarios import Scenario, printable
 from ...harness.choice import QUICK_STEPS, Choice
 from ...harness.plan import plan
@@ -14,7 +13,7 @@ from ...results.records import UNSOLVED, Key, Row
 from ...results.result_file import ResultFileError
 from ...results.store import Results, open_store
 from ...results.verdict_words import UNPROVEN
-from ..choosing import check_timesteps, choose, limited
+from ..choosing import check_timesteps, choose
 from ..executing import Where, executor_for
 from ..named_scenes import scenes_to_run
 from ..stopping import saying
@@ -49,8 +48,14 @@ def run(
         written.
     """
     scenarios = scenes_of(scenes, quick=quick)
-    wanted = engine_names or _engines_for(scenarios)
-    choice = limited(choose(wanted, methods, timesteps, python), time_limit)
+    choice = choose(
+        engine_names,
+        methods,
+        timesteps,
+        scenarios=scenarios,
+        python=python,
+        time_limit=time_limit,
+    )
     _check_all_apply(choice, scenarios)
     choice = replace(choice, hard_in_passing=not scenes, again=again)
     if quick:
@@ -76,15 +81,6 @@ def run(
 def gone_on_with(out: Path) -> str:
     """The message of a run that is stopped."""
     return f"finished results are in {printable(str(out))}; the same command continues from there"
-
-
-def _engines_for(scenarios: Sequence[Scenario]) -> list[str]:
-    """All engines; those that load users' files only if a scene names one."""
-    return [
-        name
-        for name, engine in engines().items()
-        if any(engine.applies_to(scenario) for scenario in scenarios)
-    ]
 
 
 def _check_all_apply(choice: Choice, scenarios: Sequence[Scenario]) -> None:

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from statistics import median_high
 
+from ....scenarios import SIGNALS, Signal
 from ...pages.analysis.report_data import MethodRuns, ReportData, report_data
 from ...pages.analysis.timesteps import (
     as_shipped,
@@ -25,6 +26,8 @@ REASON_LINES, SCENES_TOLD = 3, 3
 #: Methods whose errors are printed, at most: engines as shipped, smallest errors first, then each
 #: engine's most accurate method, at least `OTHERS` of them.
 METHODS_SHOWN, OTHERS = 8, 3
+#: Columns of scene, method and timestep beside the errors of a run.
+NAMES = 34
 #: degrees; larger angles are printed as whole numbers.
 LEAST_WHOLE = 9.5
 
@@ -120,23 +123,31 @@ def _best(report: ReportData) -> Iterator[str]:
 
 def _asked_for(rows: Sequence[Row], timesteps: Sequence[float]) -> Iterator[str]:
     """The errors measured at timesteps that were asked for."""
-    yield f"{'scene, method, timestep':46}{'ω':>8}{'attitude':>10}{'L':>8}{'energy':>8}"
+    headings = "".join(f"{signal.label:>{_width(signal)}}" for signal in SIGNALS)
+    yield f"{'scene, method, timestep':{NAMES}}{headings}"
     for row in rows:
         if row.timestep not in timesteps:
             continue
-        name = f"{row.key.scenario} {row.key.engine} {row.key.method} {duration(row.timestep)}"
+        name = _named_run(row)
         if row.errors is None:
-            yield f"{_cut(name):46} {row.outcome}: {row.cause or row.reason}"[:WIDTH]
+            yield f"{name} {row.outcome}: {row.cause or row.reason}"[:WIDTH]
             continue
-        e = row.errors
-        yield (
-            f"{_cut(name):46}{e.omega:8.0e}{_degrees(e.attitude):>10}"
-            f"{e.angular_momentum:8.0e}{e.energy:8.0e}"
+        yield name + "".join(
+            f"{_degrees(error) if signal.unit == 'rad' else f'{error:.0e}':>{_width(signal)}}"
+            for signal, (_, error) in zip(SIGNALS, row.errors, strict=True)
         )
 
 
-def _cut(name: str) -> str:
-    return name if len(name) < 46 else f"{name[:44]}…"
+def _width(signal: Signal) -> int:
+    """Columns of a signal's errors."""
+    return max(len(signal.label), len(f"{1e-100:.0e}")) + 1
+
+
+def _named_run(row: Row) -> str:
+    """Scene, method and timestep in `NAMES` columns; of a long name the timestep is kept."""
+    timestep = f" {duration(row.timestep)}"
+    name, room = f"{row.key.scenario} {row.key.engine} {row.key.method}", NAMES - len(timestep) - 1
+    return f"{name if len(name) <= room else f'{name[: room - 1]}…'}{timestep}".ljust(NAMES)
 
 
 def _named(runs: MethodRuns) -> str:

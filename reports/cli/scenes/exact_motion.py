@@ -8,7 +8,7 @@ import numpy as np
 
 from ....reference import IntegrationError, drifts, facts, solve
 from ....reference.euler_angles import euler_zyz_from_quaternion, rates_from_omega_body
-from ....scenarios import Misfit, Scenario, angular_momentum_world, check_scales, energy
+from ....scenarios import SIGNALS, Misfit, Scenario, angular_momentum_world, check_scales, energy
 from ..terminal import BAD_INPUT, NOT_RUN, Complaint, table
 
 #: Where a user names no times: the start, the end, and three between.
@@ -72,8 +72,7 @@ def print_truth(truth: dict[str, Any]) -> None:
         print(
             f"Chaotic: beyond t = {truth['horizon']:.6g} s the exact motion is not known to 1e-9.\n"
         )
-    errors = ("omega", "attitude", "angular_momentum", "energy")
-    table([{"": what} | {e: truth[what][e] for e in errors} for what in _ERRORS])
+    table([{"": what} | {s.label: truth[what][s.name] for s in SIGNALS} for what in _ERRORS])
     table([{"conserved": name, "drift": drift} for name, drift in truth["drifts"].items()])
     table([{**fact, "value": _shown(fact["value"])} for fact in truth["facts"]])
 

@@ -20,7 +20,7 @@ from ...results.sweep_records import (
     MapResult,
     PointResult,
 )
-from ..choosing import check_timesteps, choose, limited
+from ..choosing import check_timesteps, choose
 from ..executing import Where, executor_for
 from ..named_scenes import one_scene
 from ..run.running import gone_on_with
@@ -143,7 +143,8 @@ def choose_for_sweep(
             f"'--timestep' may be given once here, got {len(timesteps)}; or vary it in a map",
             BAD_INPUT,
         )
-    return replace(limited(choose(engine_names, methods, timesteps), time_limit), again=again)
+    choice = choose(engine_names, methods, timesteps, time_limit=time_limit)
+    return replace(choice, again=again)
 
 
 def exit_code(points: Iterable[PointResult]) -> int:

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 LENGTH = struct.Struct("<Q")
 #: <stdio.h>, _IONBF: no buffer, so that nothing printed before a crash is lost.
 UNBUFFERED = 2
-#: <sys/prctl.h>, Linux: choose the signal to be sent when the parent is gone.
-PR_SET_PDEATHSIG = 1
 #: Fraction of the machine's memory that one worker may hold (RLIMIT_DATA of getrlimit(2)).
 MEMORY_SHARE = 0.5
 #: Errors of the operating system that are not the engine's fault and may pass.
@@ -39,17 +37,15 @@ PASSING = frozenset(
 NO_THREAD = "can't start new thread"
 
 
-def serve(mark: bytes, parent: int) -> None:
+def serve(mark: bytes) -> None:
     """Take calls until the parent is gone.
 
     Parameters
     ----------
     mark : printed at the end of each call
-    parent : its process id
     """
     # The parent decides about Ctrl-C, should it reach this process.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _die_with(parent)
     _bound_memory()
     calls, answers, output = _pipes_of_its_own()
     _print_at_once()
@@ -155,19 +151,6 @@ def _pipes_of_its_own() -> tuple[IO[bytes], IO[bytes], int]:
     return calls, answers, os.dup(2)
 
 
-def _die_with(parent: int) -> None:
-    """Have the system kill this process as soon as the thread that started it ends.
-
-    On Linux, by prctl(2). Elsewhere the process ends when its standard input does, after the call
-    under way.
-    """
-    if sys.platform != "linux":
-        return
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-    if os.getppid() != parent:
-        os._exit(1)
-
-
 def _bound_memory() -> None:
     """Limit the memory of this process, so that an engine that leaks does not take all of it."""
     if sys.platform == "win32":
@@ -197,7 +180,7 @@ def _print_at_once() -> None:
 
 
 if __name__ == "__main__":
-    _, mark_hex, parent_id, search_path = sys.argv
+    _, mark_hex, search_path = sys.argv
     # None of another Python, which has its own.
     sys.path[:] = json.loads(search_path) or sys.path
-    serve(bytes.fromhex(mark_hex), int(parent_id))
+    serve(bytes.fromhex(mark_hex))

@@ -10,11 +10,9 @@ import json
 import os
 import pickle
 import secrets
-import signal
 import subprocess
 import sys
 import threading
-from contextlib import suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import IO, Any
@@ -23,6 +21,7 @@ import psutil
 
 from ....engines import Cause
 from ....engines.lost_process import cpu_seconds, is_stopped
+from ....engines.start_process import kill, start
 from ....engines.versions.folders import interpreter_of
 from . import worker_main
 from .worker_main import receive, send
@@ -39,7 +38,7 @@ ONE_THREAD = dict.fromkeys(THREAD_COUNTS, "1")
 
 
 class WorkerProcess:
-    """The parent's side of a worker. On Linux the process ends with the thread that starts it.
+    """The parent's side of a worker.
 
     Raises
     ------
@@ -49,23 +48,21 @@ class WorkerProcess:
 
     def __init__(self, site: str = "") -> None:
         self._mark = secrets.token_bytes(16)
-        # -P: modules of the current folder do not shadow Python's own. A process group of
-        # its own: Ctrl-C is for the program that the user sees, which ends its workers.
-        program: str = sys.executable
-        started: dict[str, Any] = {"process_group": 0, "env": os.environ | ONE_THREAD}
+        program, environment = sys.executable, os.environ | ONE_THREAD
         if sys.platform == "win32":
-            program, started = _on_windows()
+            program, environment = _on_windows()
         path = [site] * bool(site) + sys.path
         if site and interpreter_of(Path(site)).exists():
             program, path = str(interpreter_of(Path(site))), []
-        arguments = (self._mark.hex(), os.getpid(), json.dumps(path))
-        self._process = subprocess.Popen(
-            [program, "-P", worker_main.__file__, *map(str, arguments)],
+        # -P: modules of the current folder do not shadow Python's own. Not -I, by which a package
+        # that is installed for the user alone is not found.
+        self._process = start(
+            [program, "-P", worker_main.__file__, self._mark.hex(), json.dumps(path)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             bufsize=0,
-            **started,
+            env=environment,
         )
         try:
             self._of_system = psutil.Process(self._process.pid)
@@ -138,25 +135,17 @@ class WorkerProcess:
 
     def kill(self) -> None:
         """Kill the process, from any thread; `end` must still be called."""
-        self._kill_group()
+        kill(self._process)
 
     def end(self) -> int:
         """Kill the process and close its pipes; returns its exit code."""
-        self._kill_group()
-        code = self._process.wait()
+        code = kill(self._process)
         for listener in getattr(self, "_listeners", []):
             if listener.ident is not None:
                 listener.join()
         for stream in (self._process.stdin, self._process.stdout, self._process.stderr):
             _raw(stream).close()
         return code
-
-    def _kill_group(self) -> None:
-        """Kill the whole process group: the worker may have started an engine as a child."""
-        self._process.kill()
-        if sys.platform != "win32":
-            with suppress(ProcessLookupError, PermissionError):
-                os.killpg(self._process.pid, signal.SIGKILL)
 
     def _take_answers(self) -> None:
         """Run in a thread: put answers into the queue until the process ends, then None."""
@@ -177,7 +166,7 @@ class WorkerProcess:
         self._printed_all.set()
 
 
-def _on_windows() -> tuple[str, dict[str, Any]]:
+def _on_windows() -> tuple[str, dict[str, str]]:
     """The interpreter and the environment to start it with, on Windows.
 
     In a virtual environment `sys.executable` only launches the real interpreter, whose CPU time
@@ -187,8 +176,7 @@ def _on_windows() -> tuple[str, dict[str, Any]]:
     environment = os.environ | ONE_THREAD
     if program != sys.executable:
         environment |= {"__PYVENV_LAUNCHER__": sys.executable}
-    flags = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
-    return program, {"creationflags": flags, "env": environment}
+    return program, environment
 
 
 def _raw(stream: Any) -> IO[bytes]:

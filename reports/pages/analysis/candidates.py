@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from ...results.records import Key
 from .cost_to_reach import Barrier, How, reach
 from .report_data import MethodRuns, SceneRuns
-from .work_precision import Signal, curve_of
+from .work_precision import curve_of
 
-ErrorBounds = Mapping[Signal, float]
+ErrorBounds = Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Candidate:
     key: Key
     word: How | Barrier
     reason: str
-    decided_by: Signal
+    decided_by: str
     largest_stable: float | None
     timestep: float | None = None
     cost: float | None = None

@@ -158,7 +158,8 @@ def _errors(
     old: Row, new: Row, old_noise: Mapping[str, float], new_noise: Mapping[str, float]
 ) -> Iterator[Change]:
     for signal, error in old.errors or ():
-        sizes = error, getattr(new.errors, signal)
+        assert new.errors is not None, "a run that ended ok has errors"
+        sizes = error, new.errors[signal]
         if direction := _grown(*sizes, old_noise[signal] + new_noise[signal]):
             where = _where(old.key, old.timestep)
             yield Change("error", signal, *sizes, direction, direction == "worse", **where)

@@ -8,7 +8,6 @@ from ....scenarios import FloatArray
 from ...results.records import Pair
 from ...results.sweep_records import PointResult
 from .map_marks import is_coloured
-from .work_precision import Signal
 
 #: Quantiles that are shown, as order statistics: each is the error of some member.
 QUANTILES = (0.5, 0.9, 1.0)
@@ -32,16 +31,16 @@ class Members:
         """The members whose runs finished."""
         return tuple(point for point in self.points if is_coloured(point))
 
-    def errors(self, signal: Signal) -> FloatArray:
+    def errors(self, signal: str) -> FloatArray:
         """Errors of finished members, ascending; in ω at least the reference's uncertainty."""
         errors = []
         for point in self.finished:
             assert point.errors is not None
-            error = float(getattr(point.errors, signal))
+            error = point.errors[signal]
             errors.append(max(error, point.reference_uncertainty) if signal == "omega" else error)
         return np.sort(np.array(errors, dtype=float))
 
-    def quantiles(self, signal: Signal) -> tuple[float, ...] | None:
+    def quantiles(self, signal: str) -> tuple[float, ...] | None:
         """The errors at `QUANTILES`; None if no member finished."""
         errors = self.errors(signal)
         if not len(errors):

@@ -12,7 +12,7 @@ from statistics import median, median_high
 
 from ...results.records import Pair
 from .cost_to_reach import Reach, cheapest, order_ratio, reach
-from .work_precision import Curve, Signal
+from .work_precision import Curve
 
 #: One scene's curves, in one error, one a method.
 SceneCurves = Sequence[Curve]
@@ -28,7 +28,7 @@ class Profile:
     ratios : by method, ascending: its cost over the cheapest, on each scene that it reaches
     """
 
-    signal: Signal
+    signal: str
     level: float
     scenes: int
     ratios: dict[Pair, tuple[float, ...]]
@@ -67,7 +67,7 @@ class OrderRatio:
     largest: float | None
 
 
-def profile(scenes: Sequence[SceneCurves], signal: Signal, level: float) -> Profile:
+def profile(scenes: Sequence[SceneCurves], signal: str, level: float) -> Profile:
     """Profiles of every method that was tried on any of the scenes."""
     ratios: dict[Pair, list[float]] = {_pair(curve): [] for curves in scenes for curve in curves}
     for curves in scenes:

@@ -7,8 +7,9 @@ import numpy as np
 
 from ....engines import Method
 from ....reference import ExactMotion
-from ....scenarios import Errors, ErrorSeries, Scenario, Trajectory, error_series
+from ....scenarios import Errors, ErrorSeries, FloatArray, Scenario, Trajectory, error_series
 from ....scenarios.fastest_rate import fastest_rate
+from ...harness.defects import defects
 from ...results.default_records import DefaultEffects
 from ...results.records import Pair, Row, Verdict
 from ...results.store import Results, SceneResult
@@ -109,13 +110,25 @@ class SceneRuns:
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """A run, the exact motion, and the four errors, sample by sample."""
+    """A run, the exact motion, and the errors, sample by sample."""
 
+    scenario: Scenario
     runs: MethodRuns
     row: Row
     motion: Trajectory
     exact: Trajectory
     series: ErrorSeries
+
+    @cached_property
+    def defect(self) -> FloatArray:
+        """The largest over the signals of the defects that end at each sample, (n,).
+
+        NaN at the start, and everywhere if the motion turns too far to be followed.
+        """
+        values = np.full(len(self.motion.t), np.nan)
+        if found := defects(self.scenario, self.motion, self.exact):
+            values[1:] = found.series.distances.max(axis=1)
+        return values
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +193,7 @@ def report_data(results: Results) -> ReportData:
 def _compared(
     scenario: Scenario, runs: MethodRuns, row: Row, motion: Trajectory, exact: Trajectory
 ) -> Compared:
-    return Compared(runs, row, motion, exact, error_series(scenario, motion, exact))
+    return Compared(scenario, runs, row, motion, exact, error_series(scenario, motion, exact))
 
 
 class _ExactMotions:

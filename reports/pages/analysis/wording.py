@@ -2,23 +2,13 @@
 
 import math
 
-from ....scenarios import Errors
+from ....scenarios import SIGNALS, Errors
 
 #: Printed where there is no number.
 NOTHING = "—"
 #: Numbers from 0.01 up to 1000 are printed without a power of ten.
 PLAIN_POWERS = range(-2, 3)
 SIGNIFICANT_DIGITS, COMPARED_DIGITS, READABLE_DIGITS = 3, 5, 2
-#: The signals, in the order of `Errors`, with the units of their errors.
-SIGNALS = {
-    "omega": "ω, relative",
-    "attitude": "attitude, rad",
-    "angular_momentum": "L, relative",
-    "energy": "energy, relative",
-    "com": "com, relative",
-    "velocity": "velocity, relative",
-}
-ERROR_HEADINGS = {name: title.replace(",", " error,") for name, title in SIGNALS.items()}
 
 #: Common step rates, 1/s: their timesteps are printed as fractions, such as 1/240 s.
 RATES = range(30, 1000, 30)
@@ -87,11 +77,10 @@ def limited(error: float | None, uncertainty: float) -> str:
 
 
 def limited_errors(errors: Errors | None, uncertainty: Errors) -> tuple[str, ...]:
-    """The errors of a run, in the order of `ERROR_HEADINGS`."""
+    """The errors of a run, in the order of `SIGNALS`."""
     if errors is None:
-        return (NOTHING,) * len(ERROR_HEADINGS)
-    limits = dict(uncertainty)
-    return tuple(limited(error, limits[name]) for name, error in errors)
+        return (NOTHING,) * len(SIGNALS)
+    return tuple(limited(error, uncertainty[name]) for name, error in errors)
 
 
 def order(value: float | None) -> str:

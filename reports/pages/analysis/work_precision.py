@@ -8,7 +8,6 @@ sets each: docs/cost.md.
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -17,9 +16,6 @@ from ...results.records import Row
 from ...results.verdict_words import VerdictWord
 from .report_data import MethodRuns, SceneRuns
 
-Signal = Literal["omega", "attitude", "angular_momentum", "energy"]
-#: The four errors, in the order of `Errors`.
-SIGNALS: tuple[Signal, ...] = ("omega", "attitude", "angular_momentum", "energy")
 #: Two doubles are not known to differ by less, relative to their size.
 EPS = float(np.finfo(float).eps)
 
@@ -38,7 +34,7 @@ class CurvePoint:
 
 @dataclass(frozen=True)
 class Curve:
-    """One method on one scene, in one of the four errors.
+    """One method on one scene, in the errors of one signal.
 
     Attributes
     ----------
@@ -53,7 +49,7 @@ class Curve:
 
     engine: str
     method: str
-    signal: Signal
+    signal: str
     points: tuple[CurvePoint, ...]
     stable: tuple[CurvePoint, ...]
     seconds_per_step: float | None
@@ -74,12 +70,12 @@ class Curve:
         return self.uncertainty + self.rounding / timestep
 
 
-def curves(scene: SceneRuns, signal: Signal) -> list[Curve]:
+def curves(scene: SceneRuns, signal: str) -> list[Curve]:
     """Every method's curve on a scene; none where the scene could not be solved."""
     return [curve_of(scene, runs, signal) for runs in scene.methods] if scene.solved else []
 
 
-def curve_of(scene: SceneRuns, runs: MethodRuns, signal: Signal) -> Curve:
+def curve_of(scene: SceneRuns, runs: MethodRuns, signal: str) -> Curve:
     """One method's curve on a scene that was solved."""
     assert scene.solved is not None, "errors are against a reference"
     solution = scene.solved.solution
@@ -99,8 +95,8 @@ def curve_of(scene: SceneRuns, runs: MethodRuns, signal: Signal) -> Curve:
             if point.timestep < min(unfinished, default=math.inf) and not row.stock
         ),
         seconds_per_step=finished[-1].seconds_per_step if finished else None,
-        uncertainty=max(getattr(solution.uncertainty, signal), EPS),
-        rounding=duration * getattr(solution.conditioning, signal),
+        uncertainty=max(solution.uncertainty[signal], EPS),
+        rounding=duration * solution.conditioning[signal],
         declared=runs.declared.order if runs.declared else None,
         verdict=runs.verdict.verdict if runs.verdict else None,
         reason=runs.verdict.reason if runs.verdict else "the study was stopped before a verdict",
@@ -148,6 +144,7 @@ def front(drawn: Iterable[Curve]) -> list[tuple[Curve, CurvePoint]]:
     return best
 
 
-def _point(scene: SceneRuns, row: Row, signal: Signal) -> CurvePoint:
-    least = max(float(getattr(scene.uncertainty(row), signal)), EPS)
-    return CurvePoint(row.timestep, cost(row), max(float(getattr(row.errors, signal)), least))
+def _point(scene: SceneRuns, row: Row, signal: str) -> CurvePoint:
+    least = max(scene.uncertainty(row)[signal], EPS)
+    assert row.errors is not None, "only a run with errors is a point"
+    return CurvePoint(row.timestep, cost(row), max(row.errors[signal], least))

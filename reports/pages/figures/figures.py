@@ -11,7 +11,7 @@ from .ladder_figures import convergence, work_precision
 from .plot import Figure
 from .polhode import polhode
 from .potential import potential
-from .signal_figures import omega_figures, tilt_figure
+from .signal_figures import defect_figure, omega_figures, tilt_figure
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +65,14 @@ def _signals(scene: SceneRuns) -> Iterator[Titled]:
         "ω(t)",
         "In body axes. The exact solution is the thick line.",
         omega_figures(scene),
+    )
+    yield Titled(
+        "defect",
+        "Defect: which intervals go wrong",
+        "What a run does from one of its samples to the next, beside the exact motion from the "
+        "same sample: the largest over all signals, in their errors' norms. What went wrong "
+        "before does not count. Grey: round-off.",
+        defect_figure(scene),
     )
 
 

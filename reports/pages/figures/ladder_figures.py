@@ -5,12 +5,12 @@ from html import escape
 
 import numpy as np
 
-from ....scenarios import FloatArray
+from ....scenarios import SIGNALS, FloatArray, Signal
 from ...harness.observed_order import ABOVE_UNCERTAINTY, ASYMPTOTIC
 from ...results.records import Row
 from ..analysis.report_data import MethodRuns, SceneRuns
 from ..analysis.wording import number
-from ..analysis.work_precision import Signal, cost, curves, front
+from ..analysis.work_precision import cost, curves, front
 from .plot import (
     WIRE,
     Figure,
@@ -24,8 +24,6 @@ from .plot import (
     method_style,
 )
 
-SIGNALS = {"omega": "ω error, relative", "attitude": "attitude error, rad"}
-HEADINGS = {"omega": "Angular velocity", "attitude": "Attitude"}
 #: A guide line is drawn this factor below its curve, over this factor of timesteps.
 GUIDE_BELOW, GUIDE_SPAN = 4.0, 8.0
 #: Number of points of a guide line.
@@ -47,7 +45,7 @@ Abscissa = Callable[[Row], float | None]
 
 
 def convergence(scene: SceneRuns) -> list[Figure]:
-    """ω and attitude errors against the timestep, with the slopes of the declared orders."""
+    """Errors in each signal against the timestep, with the slopes of the declared orders."""
     return [
         _with(figure, [], [*_guides(scene, signal)])
         for signal, figure in _against(scene, lambda row: row.timestep, "timestep, s")
@@ -67,13 +65,12 @@ def _with(figure: Figure, below: list[Trace], above: list[Trace]) -> Figure:
 
 
 def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Iterator[tuple[Signal, Figure]]:
-    """A figure for each of the two signals."""
+    """A figure for each signal."""
     assert scene.solved is not None, "errors are drawn where there is a reference"
     x_range = _x_range(scene, abscissa)
     ended = list(_ended(scene, abscissa))
-    signals: tuple[Signal, ...] = ("omega", "attitude")
-    for signal in signals:
-        floor = float(getattr(scene.solved.solution.uncertainty, signal))
+    for signal in SIGNALS:
+        floor = scene.solved.solution.uncertainty[signal.name]
         traces = [
             trace for runs in scene.methods for trace in _curves(runs, scene, signal, abscissa)
         ]
@@ -82,8 +79,8 @@ def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Iterator[tup
         panels = [
             Panel(
                 "" if ended else x_title,
-                SIGNALS[signal],
-                HEADINGS[signal],
+                signal.error_title,
+                signal.quantity.capitalize(),
                 log_x=True,
                 y_range=y_range,
                 x_range=x_range,
@@ -141,7 +138,7 @@ def _ended(scene: SceneRuns, abscissa: Abscissa) -> Iterator[Trace]:
 
 def _front(scene: SceneRuns, signal: Signal) -> Trace:
     """The Pareto front as steps: the runs more accurate than all cheaper ones."""
-    best = [point for _, point in front(curves(scene, signal))]
+    best = [point for _, point in front(curves(scene, signal.name))]
     return line(
         np.array([point.cost for point in best], dtype=float),
         np.array([point.error for point in best]),
@@ -152,7 +149,9 @@ def _front(scene: SceneRuns, signal: Signal) -> Trace:
     )
 
 
-def _curves(runs: MethodRuns, scene: SceneRuns, signal: str, abscissa: Abscissa) -> Iterator[Trace]:
+def _curves(
+    runs: MethodRuns, scene: SceneRuns, signal: Signal, abscissa: Abscissa
+) -> Iterator[Trace]:
     """The runs that ended well joined by a line, those at stock timesteps with a ring."""
     rows = [row for row in _finished(runs) if abscissa(row) is not None]
     stock = [row for row in rows if row.stock]
@@ -175,9 +174,9 @@ def _places(rows: Sequence[Row], abscissa: Abscissa) -> FloatArray:
     return np.array([abscissa(row) for row in rows], dtype=float)
 
 
-def _claimed(scene: SceneRuns, rows: Sequence[Row], signal: str) -> FloatArray:
+def _claimed(scene: SceneRuns, rows: Sequence[Row], signal: Signal) -> FloatArray:
     errors = [
-        max(float(getattr(row.errors, signal)), getattr(scene.uncertainty(row), signal))
+        max(row.errors[signal.name], scene.uncertainty(row)[signal.name])
         for row in rows
         if row.errors
     ]
@@ -212,15 +211,18 @@ def _x_range(scene: SceneRuns, abscissa: Abscissa) -> Range:
     return min(values) / BESIDE, max(values) * BESIDE
 
 
-def _guides(scene: SceneRuns, signal: str) -> Iterator[Trace]:
+def _guides(scene: SceneRuns, signal: Signal) -> Iterator[Trace]:
     """One dotted line for each declared order, below the lowest curve of that order."""
-    attribute = {"omega": "order", "attitude": "attitude_order"}[signal]
-    orders = {getattr(runs.declared, attribute) for runs in scene.methods if runs.declared}
-    for order in sorted(orders):
+    orders = {
+        runs.label: signal.declared_order(runs.declared.order, runs.declared.attitude_order)
+        for runs in scene.methods
+        if runs.declared
+    }
+    for order in sorted(set(orders.values())):
         points = [
-            (row.timestep, float(getattr(row.errors, signal)))
+            (row.timestep, row.errors[signal.name])
             for runs in scene.methods
-            if runs.declared and getattr(runs.declared, attribute) == order
+            if orders.get(runs.label) == order
             for row in runs.rows
             if row.errors and row.outcome == "ok" and _readable(scene, row, signal)
         ]
@@ -230,15 +232,15 @@ def _guides(scene: SceneRuns, signal: str) -> Iterator[Trace]:
             yield _guide((middle, lowest * middle**order), order, scene, signal)
 
 
-def _readable(scene: SceneRuns, row: Row, signal: str) -> bool:
-    error = float(getattr(row.errors, signal))
-    uncertainty = float(getattr(scene.uncertainty(row), signal))
-    return ABOVE_UNCERTAINTY * uncertainty < error < ASYMPTOTIC
+def _readable(scene: SceneRuns, row: Row, signal: Signal) -> bool:
+    assert row.errors is not None, "only a run with errors is drawn"
+    uncertainty = scene.uncertainty(row)[signal.name]
+    return ABOVE_UNCERTAINTY * uncertainty < row.errors[signal.name] < ASYMPTOTIC
 
 
-def _guide(anchor: tuple[float, float], order: int, scene: SceneRuns, signal: str) -> Trace:
+def _guide(anchor: tuple[float, float], order: int, scene: SceneRuns, signal: Signal) -> Trace:
     assert scene.solved is not None, "a guide runs beside a curve of errors"
-    floor = float(getattr(scene.solved.solution.uncertainty, signal))
+    floor = scene.solved.solution.uncertainty[signal.name]
     taken = [row.timestep for runs in scene.methods for row in runs.rows if row.errors]
     timestep, error = anchor
     timesteps = timestep * np.geomspace(GUIDE_SPAN, 1 / GUIDE_SPAN, num=GUIDE_POINTS)

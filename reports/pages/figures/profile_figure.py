@@ -4,10 +4,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ....scenarios import SIGNAL
 from ...results.records import Pair
 from ..analysis.profiles import Profile
 from ..analysis.trace_style import TraceStyle
-from ..analysis.wording import SIGNALS, number
+from ..analysis.wording import number
 from .plot import Figure, Panel, Range, Trace, layout, line, method_style
 
 #: Margin beside the largest factor of the log axis, as a factor.
@@ -26,7 +27,7 @@ def profile_figures(
 
 
 def _figure(profile: Profile, drawn: Mapping[Pair, TraceStyle], x_range: Range) -> Figure:
-    heading = f"{SIGNALS[profile.signal]}: error up to {number(profile.level, 1)}"
+    heading = f"{SIGNAL[profile.signal]}: error up to {number(profile.level, 1)}"
     x_title = "cost over the cheapest method's, τ"
     panel = Panel(x_title, "fraction of scenes", heading, True, FRACTIONS, x_range)
     traces = _steps(profile, drawn, x_range[1])

@@ -100,4 +100,5 @@ MOTIONS: dict[str, Lines] = {
 ERRORS: dict[str, Callable[[Compared], FloatArray]] = {
     "attitude_error": lambda run: np.degrees(run.series["attitude"]),
     "omega_error": lambda run: run.series["omega"],
+    "defect": lambda run: run.defect,
 }

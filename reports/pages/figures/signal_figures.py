@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from ....scenarios import FloatArray
+from ...harness.defects import LEAST_ROUNDING
 from ...results.store import SceneResult
 from ..analysis.report_data import SceneRuns
 from .drawn_body import drawn_body
@@ -59,19 +60,27 @@ def omega_figures(scene: SceneRuns) -> list[Figure]:
     assert scene.solved is not None, "what is exact is known of a solved scene"
     solved, runs = scene.solved, scene.compared
     figures = [_component(solved, k) for k in range(3)]
-    floor = solved.solution.uncertainty.omega
-    panel = Panel(
-        "t, s",
-        "‖Δω‖ / max ‖ω‖",
-        "Difference",
-        y_range=_errors([run.series["omega"] for run in runs], floor),
-        x_range=_window(solved),
-        log_y=True,
-        floor=floor,
-    )
-    overlays = [{"kind": "omega_error", "panel": 1}]
-    laid_out = layout([[panel]], height=HEIGHT)
-    return [*figures, {"data": [], "layout": laid_out, "overlays": overlays}]
+    curves = [run.series["omega"] for run in runs]
+    axes = "‖Δω‖ / max ‖ω‖", "Difference"
+    drawn = _over_time(solved, "omega_error", axes, curves, solved.solution.uncertainty.omega)
+    return [*figures, drawn]
+
+
+def defect_figure(scene: SceneRuns) -> Figure:
+    """The largest defect of any signal, interval by interval."""
+    assert scene.solved is not None, "what is exact is known of a solved scene"
+    curves = [run.defect for run in scene.compared]
+    return _over_time(scene.solved, "defect", ("relative, or rad", ""), curves, LEAST_ROUNDING)
+
+
+def _over_time(
+    solved: SceneResult, kind: str, axes: tuple[str, str], curves: list[FloatArray], floor: float
+) -> Figure:
+    """One panel of errors, with a title of its axis and a heading."""
+    y_range, x_range = _errors(curves, floor), _window(solved)
+    panel = Panel("t, s", *axes, y_range=y_range, x_range=x_range, log_y=True, floor=floor)
+    overlays = [{"kind": kind, "panel": 1}]
+    return {"data": [], "layout": layout([[panel]], height=HEIGHT), "overlays": overlays}
 
 
 HEIGHT = 300

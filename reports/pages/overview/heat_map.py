@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ....scenarios import SIGNALS
 from ...results.records import Pair, Row
 from ...results.verdict_words import LISTED, RANKS
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
@@ -15,8 +16,8 @@ from .overview import GROUPS, group_of
 
 #: Significant digits that are carried; cells show two, their details three.
 DIGITS = 3
-#: Names of the timesteps in the script's switch.
-SHOWN_SIGNALS = ("attitude", "omega", "angular_momentum", "energy")
+#: The signal whose errors are shown at first.
+FIRST_SIGNAL = "attitude"
 #: Characters of the reason of a run that is not ok.
 REASON = 160
 
@@ -24,10 +25,9 @@ REASON = 160
 def heat_map(gathered: ReportData) -> dict[str, Any]:
     """Columns, and for each scene a cell a column and the best choice.
 
-    A cell is None where a method was not tried, else `[verdict, stock, 1 ms, finest]`, each of the
-    three None, or `[timestep, cost, attitude, ω, L, energy]` of a run that ended ok, or
-    `[timestep, outcome, when, why]` of one that did not. An error below the reference's uncertainty
-    is given as that uncertainty with a minus sign.
+    A cell is None where a method was not tried. Its runs are by the names in `AT`, None where there
+    is none. An error below the reference's uncertainty is given as that uncertainty with a minus
+    sign.
     """
     steps = stock_timesteps(gathered)
     shipped = as_shipped(gathered)
@@ -51,7 +51,14 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
         cells = [_cell(scene, tried.get(pair), steps.get(pair[0])) for pair in pairs]
         scenes.append(_scene(scene) | {"cells": cells, "best": _best(scene, steps)})
     verdicts = {kind.word: {"sign": kind.sign, "rank": RANKS[kind.word]} for kind in LISTED}
-    return {"columns": columns, "scenes": scenes, "kinds": GROUPS, "verdicts": verdicts}
+    signals = [{"name": s.name, "label": s.label, "unit": s.unit} for s in SIGNALS]
+    return {
+        "columns": columns,
+        "scenes": scenes,
+        "kinds": GROUPS,
+        "verdicts": verdicts,
+        "signals": signals,
+    }
 
 
 def _label(pair: Pair, shipped: list[Pair]) -> str:
@@ -75,23 +82,30 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
     }
 
 
-def _cell(scene: SceneRuns, runs: MethodRuns | None, stock: float | None) -> list[Any] | None:
+def _cell(scene: SceneRuns, runs: MethodRuns | None, stock: float | None) -> dict[str, Any] | None:
     if runs is None:
         return None
-    rows = [row_at(runs, at, stock or 0.0) for at in AT]
-    verdict = runs.verdict.verdict if runs.verdict else ""
-    return [verdict, *(_run(scene, row) if row else None for row in rows)]
+    rows = {at: row_at(runs, at, stock or 0.0) for at in AT}
+    return {
+        "verdict": runs.verdict.verdict if runs.verdict else "",
+        "runs": {at: _run(scene, row) if row else None for at, row in rows.items()},
+    }
 
 
-def _run(scene: SceneRuns, row: Row) -> list[Any]:
+def _run(scene: SceneRuns, row: Row) -> dict[str, Any]:
     if row.errors is None:
-        return [row.timestep, row.outcome, _rounded(row.stopped_at), row.reason[:REASON]]
-    limits = dict(scene.uncertainty(row))
-    errors = dict(row.errors)
-    drawn = [
-        -limits[name] if errors[name] <= limits[name] else errors[name] for name in SHOWN_SIGNALS
-    ]
-    return [_rounded(row.timestep), _rounded(cost(row)), *(_rounded(error) for error in drawn)]
+        return {
+            "timestep": row.timestep,
+            "outcome": row.outcome,
+            "when": _rounded(row.stopped_at),
+            "why": row.reason[:REASON],
+        }
+    limits = scene.uncertainty(row)
+    errors = {
+        name: _rounded(-limits[name] if error <= limits[name] else error)
+        for name, error in row.errors
+    }
+    return {"timestep": _rounded(row.timestep), "cost": _rounded(cost(row)), "errors": errors}
 
 
 def _best(scene: SceneRuns, steps: dict[str, float]) -> dict[str, Any] | None:

@@ -4,20 +4,21 @@
   const data = spincheck.items[document.getElementById("packed").dataset.heat];
   const table = document.getElementById("heat");
   const detail = document.getElementById("detail");
-  const SIGNALS = [
-    { name: "attitude", unit: "attitude error, degrees", low: -8, high: 2, factor: 180 / Math.PI, suffix: "°" },
-    { name: "ω", unit: "ω error, relative", low: -12, high: 0 },
-    { name: "L", unit: "error of L, relative", low: -12, high: 0 },
-    { name: "energy", unit: "energy error, relative", low: -12, high: 0 },
-  ];
-  const COST = { name: "CPU", unit: "CPU seconds a simulated second", low: -5, high: -1 };
-  const AT = ["", "stock timestep", "1 ms", "finest timestep"];
+  // Angles are shown in degrees.
+  const SIGNALS = data.signals.map((signal) =>
+    signal.unit === "rad"
+      ? { ...signal, title: `${signal.label} error, degrees`, low: -8, high: 2, factor: 180 / Math.PI, suffix: "°" }
+      : { ...signal, title: `${signal.label} error, relative`, low: -12, high: 0 },
+  );
+  const COST = { name: "cost", title: "CPU seconds a simulated second", low: -5, high: -1 };
+  const AT = { stock: "stock timestep", common: "1 ms", finest: "finest timestep" };
   // Monotone in lightness, so that they tell without hue: YlOrRd of ColorBrewer on white, and
   // inferno (van der Walt and Smith) on black; a larger error stands out more.
   const LIGHT = ["#ffffe5", "#fff3b2", "#fee187", "#fec561", "#fd9f44", "#fb7434", "#ee3423", "#c20325", "#800026"];
   const DARK = ["#1f1235", "#320a5e", "#57106e", "#7c1d6d", "#a32c61", "#c83f4b", "#e65d2f", "#f8850f", "#fcc22c"];
   const dark = matchMedia("(prefers-color-scheme: dark)");
-  const state = { signal: 0, at: 1, find: "", kind: "", tag: "", engine: "", verdict: "", methods: "all", sort: null, up: false };
+  const checked = (name) => document.querySelector(`.controls input[name=${name}]:checked`).value;
+  const state = { signal: checked("signal"), at: checked("at"), find: "", kind: "", tag: "", engine: "", verdict: "", methods: "all", sort: null, up: false };
   // More columns do not fit a window; of each engine two are shown then, unless all are asked for.
   const MOST_COLUMNS = 14;
   const open = new Set();
@@ -39,15 +40,15 @@
   }
   // In a cell: what stands with a power of ten has one digit, or the table would not fit a window.
   const short = (value) => number(value, value < 0.01 ? 1 : 2);
-  const quantity = () => (state.signal === "cost" ? COST : SIGNALS[state.signal]);
+  const quantity = () => SIGNALS.find((signal) => signal.name === state.signal) ?? COST;
   // What a run shows: its number, whether it is a bound, and null where it has none.
   function valueOf(run) {
-    if (!run || typeof run[1] === "string") return null;
-    const value = state.signal === "cost" ? run[1] : run[2 + state.signal];
+    if (!run?.errors) return null;
+    const value = quantity() === COST ? run.cost : run.errors[state.signal];
     return value === null ? null : Math.abs(value) * (quantity().factor ?? 1);
   }
   function isBound(run) {
-    return state.signal !== "cost" && (run[2 + state.signal] < 0 || Object.is(run[2 + state.signal], -0));
+    return quantity() !== COST && (run.errors[state.signal] < 0 || Object.is(run.errors[state.signal], -0));
   }
 
   // ---- colours
@@ -64,17 +65,18 @@
   // ---- cells
   function said(run, name) {
     if (!run) return "not run";
-    if (typeof run[1] === "string") {
-      const when = run[2] === null ? "" : ` at ${number(run[2], 3)} s`;
-      return `${number(run[0], 3)} s: ${run[1]}${when}: ${run[3]}`;
+    if (!run.errors) {
+      const when = run.when === null ? "" : ` at ${number(run.when, 3)} s`;
+      return `${number(run.timestep, 3)} s: ${run.outcome}${when}: ${run.why}`;
     }
-    const errors = SIGNALS.map((signal, k) => {
-      const value = Math.abs(run[2 + k]) * (signal.factor ?? 1);
-      const bound = run[2 + k] < 0 ? "≤ " : "";
-      return `${signal.name} ${bound}${number(value, 3)}${signal.suffix ?? ""}`;
+    const errors = SIGNALS.map((signal) => {
+      if (run.errors[signal.name] === null) return `${signal.label} ∞`;
+      const value = Math.abs(run.errors[signal.name]) * (signal.factor ?? 1);
+      const bound = run.errors[signal.name] < 0 ? "≤ " : "";
+      return `${signal.label} ${bound}${number(value, 3)}${signal.suffix ?? ""}`;
     });
-    const cost = run[1] === null ? "" : `; ${number(run[1], 3)} CPU s a simulated second`;
-    return `${name}${number(run[0], 3)} s: ${errors.join(", ")}${cost}`;
+    const cost = run.cost === null ? "" : `; ${number(run.cost, 3)} CPU s a simulated second`;
+    return `${name}${number(run.timestep, 3)} s: ${errors.join(", ")}${cost}`;
   }
   function linked(cell, href, text, tell) {
     const link = element("a", text, { href, tabindex: "-1" });
@@ -89,17 +91,17 @@
       td.textContent = "not run";
       return td;
     }
-    const [verdict] = cell;
-    const run = cell[state.at];
+    const { verdict } = cell;
+    const run = cell.runs[state.at];
     const sign = verdict && verdict !== "converges" ? `${data.verdicts[verdict].sign} ` : "";
     const value = valueOf(run);
     let text;
     if (value !== null) {
       text = `${sign}${isBound(run) ? "≤ " : ""}${short(value)}${quantity().suffix ?? ""}`;
       paint(td, value);
-    } else if (run && typeof run[1] === "string") {
-      td.className = run[1];
-      text = run[1] === "diverged" && run[2] !== null ? `↗ ${number(run[2])} s` : run[1] === "unsupported" ? "n/a" : `! ${run[1]}`;
+    } else if (run?.outcome) {
+      td.className = run.outcome;
+      text = run.outcome === "diverged" && run.when !== null ? `↗ ${number(run.when)} s` : run.outcome === "unsupported" ? "n/a" : `! ${run.outcome}`;
     } else {
       td.className = verdict || "absent";
       text = verdict === "unsupported" ? "–" : run ? "—" : `${sign}—`;
@@ -163,14 +165,14 @@
     head.append(button);
     row.append(head);
     for (const { column, index } of columns) {
-      const cells = scenes.map((scene) => scene.cells[index]).filter((cell) => cell && cell[0] !== "unsupported");
+      const cells = scenes.map((scene) => scene.cells[index]).filter((cell) => cell && cell.verdict !== "unsupported");
       const td = element("td");
       // A run that blew up is worse than any number; one that was not made is not counted.
       const values = cells
-        .filter((cell) => cell[state.at] && cell[state.at][1] !== "unsupported")
-        .map((cell) => valueOf(cell[state.at]) ?? Infinity);
+        .filter((cell) => cell.runs[state.at] && cell.runs[state.at].outcome !== "unsupported")
+        .map((cell) => valueOf(cell.runs[state.at]) ?? Infinity);
       const middle = median(values);
-      const good = cells.filter((cell) => cell[0] === "converges").length;
+      const good = cells.filter((cell) => cell.verdict === "converges").length;
       td.textContent = middle === undefined ? "–" : middle === Infinity ? "↗" : `${short(middle)}${quantity().suffix ?? ""}`;
       if (middle < Infinity) paint(td, middle);
       td.append(element("small", cells.length ? `✓ ${good}/${cells.length}` : ""));
@@ -188,16 +190,16 @@
     if (!state.find.toLowerCase().split(/\s+/).every((word) => text.includes(word))) return false;
     if (state.kind && scene.kind !== state.kind) return false;
     if (state.tag && !scene.tags.includes(state.tag)) return false;
-    return !state.verdict || columns.some(({ index }) => scene.cells[index]?.[0] === state.verdict);
+    return !state.verdict || columns.some(({ index }) => scene.cells[index]?.verdict === state.verdict);
   }
   function key(scene) {
     if (state.sort === "scene") return scene.name;
     if (state.sort === "best") return scene.best ? (valueOf(scene.best.run) ?? Infinity) : Infinity;
     const cell = scene.cells[state.sort];
-    if (!cell || cell[0] === "unsupported") return null;
-    const run = cell[state.at];
-    if (!run || run[1] === "unsupported") return null;
-    return valueOf(run) ?? 1e300 * (1 + (data.verdicts[cell[0]]?.rank ?? 0));
+    if (!cell || cell.verdict === "unsupported") return null;
+    const run = cell.runs[state.at];
+    if (!run || run.outcome === "unsupported") return null;
+    return valueOf(run) ?? 1e300 * (1 + (data.verdicts[cell.verdict]?.rank ?? 0));
   }
   function sorted(scenes) {
     if (state.sort === null) return scenes;
@@ -267,7 +269,7 @@
     const methods = element("tr");
     methods.append(heading("scene", "scene"));
     for (const { column, index } of columns) {
-      const note = state.at === 1 ? column.stock : state.at === 2 ? "1 ms" : "";
+      const note = state.at === "stock" ? column.stock : state.at === "common" ? AT.common : "";
       methods.append(heading(column.label, index, note));
     }
     methods.append(heading("cheapest run within 0.1°", "best", "timestep, CPU time of the default"));
@@ -289,9 +291,9 @@
     scale();
   }
   function scale() {
-    const { unit, low, high, suffix = "" } = quantity();
+    const { title, low, high, suffix = "" } = quantity();
     const power = (exponent) => (exponent === 0 ? "1" : exponent === 2 ? "100" : number(10 ** exponent, 1).replace("1×", ""));
-    document.getElementById("unit").textContent = `${unit}:`;
+    document.getElementById("unit").textContent = `${title}:`;
     document.getElementById("low").textContent = `${power(low)}${suffix}`;
     document.getElementById("high").textContent = `${power(high)}${suffix}`;
     const ramp = (dark.matches ? DARK : LIGHT).map((colour) => {
@@ -315,7 +317,7 @@
   offer("kind", data.kinds.filter((kind) => data.scenes.some((scene) => scene.kind === kind)), "all");
   offer("tag", unique(data.scenes.flatMap((scene) => scene.tags)).sort(), "all");
   offer("engine", unique(data.columns.map((column) => column.engine)), "all");
-  offer("verdict", Object.keys(data.verdicts).filter((word) => data.scenes.some((s) => s.cells.some((c) => c?.[0] === word))), "any");
+  offer("verdict", Object.keys(data.verdicts).filter((word) => data.scenes.some((s) => s.cells.some((c) => c?.verdict === word))), "any");
   if (data.columns.length > MOST_COLUMNS) {
     state.methods = "";
     const select = document.getElementById("methods-shown");
@@ -332,7 +334,7 @@
   });
   for (const input of document.querySelectorAll(".controls input[type=radio]"))
     input.addEventListener("change", () => {
-      state[input.name] = input.value === "cost" ? "cost" : Number(input.value);
+      state[input.name] = input.value;
       draw();
     });
 

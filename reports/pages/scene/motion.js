@@ -142,7 +142,7 @@ Object.assign(spincheck, (() => {
       // A run that nobody could tell from the exact motion is drawn as that.
       run.motion = run.q ? motion(run) : data.exact;
       run.t = spincheck.restored(run.t);
-      for (const name of ["attitude", "omega"])
+      for (const name of ["attitude", "omega", "defect"])
         run[name] = spincheck.restored(run[name]).map((decades) => 10 ** decades);
       run.end = run.t.at(-1);
     }
@@ -161,6 +161,7 @@ Object.assign(spincheck, (() => {
     },
     attitude_error: (motion, run) => ({ x: run.t, y: run.attitude.map(degrees) }),
     omega_error: (motion, run) => ({ x: run.t, y: run.omega }),
+    defect: (motion, run) => ({ x: run.t, y: run.defect }),
     omega(motion, run, overlay) {
       const { t, points } = motion.rates();
       return { x: t, y: column(points, overlay.component) };

@@ -131,6 +131,7 @@ def _run(run: Compared, scene: SceneRuns, fastest: float) -> dict[str, Any]:
         "t": differenced(run.motion.t[kept], run.row.timestep),
         "attitude": _decades(attitude[kept]),
         "omega": _decades(omega[kept]),
+        "defect": _decades(claimed(_largest_since(run.defect, kept), 0.0)),
         # Nothing smaller is claimed.
         "uncertainty": uncertainty.attitude,
     }
@@ -147,6 +148,12 @@ def _kept(run: Compared, most: int, attitude: FloatArray, omega: FloatArray) -> 
     }
     kept |= set(np.flatnonzero(run.series["attitude"] > NOTICEABLE)[:1].tolist())
     return np.array(sorted(kept), dtype=np.intp)
+
+
+def _largest_since(values: FloatArray, kept: NDArray[np.intp]) -> FloatArray:
+    """The largest value after each kept sample but the last, up to the next; NaN first."""
+    largest = np.fmax.reduceat(values, kept[:-1] + 1) if len(kept) > 1 else values[:0]
+    return np.append(np.nan, largest)
 
 
 def _turns(scene: SceneRuns) -> float:

@@ -185,8 +185,7 @@ def _errors(scene: SceneRuns, row: Row, noticed: float | None) -> list[Cell]:
         return [Cell(word, kind, note=row.reason), *[figure(NOTHING)] * 3]
     limits = scene.uncertainty(row)
     of_signal = [
-        figure(limited(getattr(row.errors, signal), getattr(limits, signal)))
-        for signal in ("omega", "energy")
+        figure(limited(row.errors[signal], limits[signal])) for signal in ("omega", "energy")
     ]
     begins = f"{number(noticed)} s" if noticed is not None else "never"
     if row.errors.attitude > math.radians(1) and noticed is None:

@@ -5,16 +5,14 @@ from dataclasses import dataclass
 
 from ....reference import facts, invariants
 from ....reference.observables import observables
-from ....scenarios import EFFECTS, SIGNAL, FloatArray, Scenario, Trajectory
+from ....scenarios import EFFECTS, SIGNAL, SIGNALS, FloatArray, Scenario, Trajectory
 from ...harness.published import published_values
 from ...results.records import Row
 from ...results.store import SceneResult
 from ..analysis.report_data import MethodRuns, SceneRuns
 from ..analysis.survival import in_words, survival
 from ..analysis.wording import (
-    ERROR_HEADINGS,
     NOTHING,
-    SIGNALS,
     count,
     limited,
     limited_errors,
@@ -43,9 +41,12 @@ def effects_table(scenario: Scenario) -> Table:
 
 def exact_motion_table(solved: SceneResult) -> Table:
     """Table of the reference's uncertainty and conditioning."""
-    growth = dict(solved.solution.conditioning)
     rows = [
-        (Cell(SIGNALS[name], "name"), figure(number(value)), figure(number(growth[name])))
+        (
+            Cell(str(SIGNAL[name]), "name"),
+            figure(number(value)),
+            figure(number(solved.solution.conditioning[name])),
+        )
         for name, value in solved.solution.uncertainty
     ]
     return table(("signal", "uncertainty", "what one ulp in the start does"), rows)
@@ -178,7 +179,7 @@ def runs_tables(scene: SceneRuns) -> list[MethodRunsTable]:
     headings = (
         "timestep, s",
         "steps",
-        *ERROR_HEADINGS.values(),
+        *(signal.error_title for signal in SIGNALS),
         "largest drift, relative",
         "CPU s a simulated s",
         "outcome",
@@ -259,7 +260,7 @@ def _observables_row(
 
 
 def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:
-    errors = (NOTHING,) * len(ERROR_HEADINGS)
+    errors = (NOTHING,) * len(SIGNALS)
     if row.errors is not None:
         errors = limited_errors(row.errors, scene.uncertainty(row))
     when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""

@@ -3,12 +3,11 @@
 import shlex
 from collections.abc import Iterator, Sequence
 
+from ....scenarios import SIGNALS
 from ...results.sweep_records import Ensemble, PointResult
 from ..analysis.ensemble_numbers import QUANTILE_NAMES, Members
 from ..analysis.map_marks import is_coloured
-from ..analysis.wording import NOTHING, SIGNALS, limited, number
-from ..analysis.work_precision import SIGNALS as SIGNAL_NAMES
-from ..analysis.work_precision import Signal
+from ..analysis.wording import NOTHING, limited, number
 from ..tables import Cell, Table, figure, table
 from .map_tables import percent
 
@@ -18,7 +17,7 @@ WORST = 3
 
 def quantile_tables(members: Sequence[Members]) -> list[tuple[str, Table]]:
     """Title and table of quantiles, for each error."""
-    return [(SIGNALS[signal], _quantiles(members, signal)) for signal in SIGNAL_NAMES]
+    return [(str(signal), _quantiles(members, signal.name)) for signal in SIGNALS]
 
 
 def worst_table(ensemble: Ensemble, members: Sequence[Members]) -> Table:
@@ -39,14 +38,14 @@ def member_command(ensemble: Ensemble, number_of_member: int) -> str:
     return f"{shlex.join([*words, '--seed', str(ensemble.seed)])} > {shlex.quote(path)}"
 
 
-def _quantiles(members: Sequence[Members], signal: Signal) -> Table:
+def _quantiles(members: Sequence[Members], signal: str) -> Table:
     return table(
         ("engine", "method", "members", "finished", *QUANTILE_NAMES),
         (list(_quantile_row(of_method, signal)) for of_method in members),
     )
 
 
-def _quantile_row(of_method: Members, signal: Signal) -> Iterator[Cell]:
+def _quantile_row(of_method: Members, signal: str) -> Iterator[Cell]:
     engine, method = of_method.pair
     run, finished = len(of_method.points), len(of_method.finished)
     yield Cell(engine, "name")

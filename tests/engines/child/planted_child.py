@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import time
+from pathlib import Path
 
 FAULT = sys.argv[1] if len(sys.argv) > 1 else ""
 #: The call at which what is wrong with a process goes wrong.
@@ -103,12 +104,23 @@ def spoilt(call: dict, reply: dict) -> None:
     elif FAULT == "refuses" and do == WHEN:
         reply.clear()
         reply.update(id=call["id"], error="the solver\nwill not\x1b[2J")
+    elif FAULT == "refuses hello" and do == "hello":
+        reply.clear()
+        reply.update(id=call["id"], error="the licence has run out")
+    elif FAULT == "true for one":
+        reply["id"] = True
+    elif FAULT == "never says hello":
+        time.sleep(600)
     elif FAULT == "changes its name" and do == "hello":
         reply["version"] = str(os.getpid())
 
 
 for line in sys.stdin:
     call = json.loads(line)
+    if FAULT == "busy":
+        Path(sys.argv[2]).write_text(f"{os.getppid()} {os.getpid()}")
+        while True:
+            pass
     if call["do"] == WHEN:
         if FAULT == "dies":
             print("assertion failed: norm(q) > 0", flush=True)

@@ -14,7 +14,7 @@ from pathlib import Path
 from statistics import median
 
 from spincheck.engines import engines
-from spincheck.reports.cli.choosing import choose, limited
+from spincheck.reports.cli.choosing import choose
 from spincheck.reports.cli.run.running import scenes_of
 from spincheck.reports.harness.choice import QUICK_STEPS
 from spincheck.reports.harness.executors import LocalWorkers
@@ -120,7 +120,7 @@ def measure(store: Store) -> None:
     library = scenes_of((), quick=False)
     timed = [scene for scene in library if scene.name in TIMED]
     others = sorted((scene for scene in library if scene not in timed), key=lambda one: one.hard)
-    chosen = limited(choose([], [], []), TIME_LIMIT)
+    chosen = choose(["all"], [], [], time_limit=TIME_LIMIT)
     with LocalWorkers(2, TIME_LIMIT) as executor:
         for scenes, choice in (
             (timed, replace(chosen, max_steps=QUICK_STEPS)),

@@ -13,9 +13,10 @@ from plotted import coloured, values_of
 from spincheck.reports.pages.analysis.cost_to_reach import LEVELS
 from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.pages.analysis.wording import number
-from spincheck.reports.pages.analysis.work_precision import SIGNALS, Signal, curves, front
+from spincheck.reports.pages.analysis.work_precision import curves, front
 from spincheck.reports.pages.cost_section import PROFILED, cost_section
 from spincheck.reports.pages.figures.ladder_figures import work_precision
+from spincheck.scenarios import SIGNAL, SIGNALS
 
 TOP = "made-up-top"
 LABELS = [f"{method.engine} {method.method}" for method in METHODS]
@@ -73,8 +74,7 @@ def test_the_first_page_has_reach_medians_and_ratios(first: Page, folder: Path) 
 def test_a_scene_has_a_table_an_error(folder: Path) -> None:
     page = read_page(folder / "scenes" / f"{TOP}.html")
     assert len(columns_of_levels(page.tables())) == len(SIGNALS)
-    # Markdown has those in ω and attitude.
-    assert len(columns_of_levels(markdown_tables(folder / "scenes" / f"{TOP}.md"))) == 2
+    assert len(columns_of_levels(markdown_tables(folder / "scenes" / f"{TOP}.md"))) == len(SIGNALS)
 
 
 def test_the_time_of_a_step_is_reported_in_cpu_time_and_on_the_wall(folder: Path) -> None:
@@ -87,8 +87,8 @@ def test_the_time_of_a_step_is_reported_in_cpu_time_and_on_the_wall(folder: Path
         assert [cell.partition("+")[0].strip() for cell in row[2:4]] == expected
 
 
-@pytest.mark.parametrize(("part", "signal"), [(0, "omega"), (1, "attitude")])
-def test_the_front_is_drawn_behind_the_curves(part: int, signal: Signal) -> None:
+@pytest.mark.parametrize(("part", "signal"), [*enumerate(SIGNAL)])
+def test_the_front_is_drawn_behind_the_curves(part: int, signal: str) -> None:
     scene = next(scene for scene in report_data(results()).scenes if scene.name == TOP)
     traces = work_precision(scene)[part]["data"]
     assert [trace["name"] for trace in traces].index("Pareto front") == 0

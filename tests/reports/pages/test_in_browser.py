@@ -200,7 +200,9 @@ def test_filters_leave_the_scenes_that_match(visit, folder, control, value, left
 def test_a_verdict_chosen_leaves_the_scenes_where_any_method_got_it(visit, folder):
     page = open_table(visit, folder)
     carried = page.evaluate("spincheck.items[document.querySelector('#packed').dataset.heat]")
-    carried_pairs = {s["name"]: {cell[0] for cell in s["cells"] if cell} for s in carried["scenes"]}
+    carried_pairs = {
+        s["name"]: {cell["verdict"] for cell in s["cells"] if cell} for s in carried["scenes"]
+    }
     for word in set.union(*carried_pairs.values()):
         page.locator("#verdict").select_option(word)
         assert set(rows(page)) == {name for name, words in carried_pairs.items() if word in words}

@@ -13,13 +13,14 @@ from made_up import METHODS, MISCHIEF, PRINTED, UNCERTAINTY, MadeUp, results
 from markdown_text import markdown_tables, outside_code, plain
 from page import Page, read_page
 from spincheck.reports.pages.analysis.report_data import report_data
-from spincheck.reports.pages.analysis.wording import ERROR_HEADINGS, number
+from spincheck.reports.pages.analysis.wording import number
 from spincheck.reports.pages.overview.overview import complaints, headline
 from spincheck.reports.pages.render import render
 from spincheck.reports.pages.scene import scene_tables
 from spincheck.reports.pages.templating import source
 from spincheck.reports.results.records import Verdict
 from spincheck.reports.results.store import SceneResult
+from spincheck.scenarios import SIGNAL
 
 pytestmark = pytest.mark.slow
 
@@ -274,7 +275,7 @@ def test_the_protocol_prints_the_code_s_own_numbers(
 def _errors_too_small(page: Page) -> list[str]:
     """Printed errors below the uncertainty in the tables of runs."""
     tables = [table for table in page.tables() if "steps" in table[0]]
-    columns = {tables[0][0].index(ERROR_HEADINGS[name]): limit for name, limit in UNCERTAINTY}
+    columns = {tables[0][0].index(SIGNAL[name].error_title): limit for name, limit in UNCERTAINTY}
     return [
         row[column]
         for runs in tables

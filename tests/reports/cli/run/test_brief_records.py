@@ -6,10 +6,10 @@ import pytest
 from made_up import MadeUp, at_stock, results
 from spincheck.reports.cli.run.brief_records import WIDTH, run_lines, verdict_lines
 from spincheck.reports.results.records import Key, Row
-from spincheck.scenarios import Errors
+from spincheck.scenarios import SIGNALS, Errors
 
 LONG = "a-scene-with-a-name-of-more-than-the-columns-there-are-for-one"
-TINY = Errors(1.2e-300, 2.3e-300, 3.4e-300, 4.5e-300, 0.0, 0.0)
+TINY = Errors(*(k * 1.1e-300 for k in range(1, len(SIGNALS) + 1)))
 ROW = Row(Key(LONG, "an-engine", "a-method"), "1", 1.2345e-300, "ok", errors=TINY)
 
 
@@ -28,7 +28,7 @@ def test_no_line_is_wider_than_a_terminal(lines):
 
 def test_no_exponent_is_cut():
     *_, line = run_lines([ROW])
-    assert line.split() == ["1.2345e-300", "1.2e-300", "2.3e-300", "3.4e-300", "4.5e-300"]
+    assert line.split() == ["1.2345e-300", *(f"{error:.1e}" for _, error in TINY)]
 
 
 def test_a_run_without_errors_says_how_it_ended_and_when():

@@ -13,6 +13,7 @@ from box import BOX
 from clockwork import METHOD, Works
 from ladders import BELOW, BETWEEN, TOP, Law, errors_of, straight, with_law
 from spincheck.engines import engines
+from spincheck.reports.cli import choosing
 from spincheck.reports.cli.run import recommend as recommend_module
 from spincheck.reports.cli.run import running
 from spincheck.reports.cli.run.recommend import CHECKS, exit_code, recommend
@@ -94,7 +95,8 @@ def test_engines_as_shipped_are_not_even_run(monkeypatch: pytest.MonkeyPatch) ->
 
     monkeypatch.setattr(running, "run", run)
     recommend(TOP, {"omega": 1e-300}, [], 1, NO_FILE)
-    every = [method for engine in engines().values() for method in engine.methods]
+    chosen = [engine for engine in engines().values() if not engine.is_optional]
+    every = [method for engine in chosen for method in engine.methods]
     assert any(method.as_shipped for method in every)
     assert set(methods_asked[0]) == {method.name for method in every if not method.as_shipped}
 
@@ -124,7 +126,8 @@ def test_an_engine_that_is_there_as_shipped_only_is_one_message(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     raw = type("Raw", (Works,), {"name": "raw", "methods": (replace(METHOD, as_shipped=True),)})
-    monkeypatch.setattr(recommend_module, "engines", lambda: {"raw": raw(lambda _: None)})
+    for module in (recommend_module, choosing):
+        monkeypatch.setattr(module, "engines", lambda: {"raw": raw(lambda _: None)})
     with pytest.raises(Complaint, match="raw: has no method but as shipped"):
         recommend(TOP, {"omega": BETWEEN}, ["raw"], 1, NO_FILE)
 

@@ -12,12 +12,12 @@ from made_up import METHODS, SECONDS_PER_STEP, TIMESTEPS, UNCERTAINTY, results
 from spincheck.reports.harness.observed_order import ASYMPTOTIC
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
 from spincheck.reports.pages.analysis.work_precision import (
-    SIGNALS,
     cost,
     curves,
     front,
     observed_order,
 )
+from spincheck.scenarios import SIGNAL
 
 
 def test_cost_is_seconds_a_simulated_second(top: SceneRuns) -> None:
@@ -34,7 +34,7 @@ def test_every_run_that_ended_well_is_a_point_and_no_other_is(top: SceneRuns) ->
     assert points_of == wanted
 
 
-@pytest.mark.parametrize("signal", SIGNALS)
+@pytest.mark.parametrize("signal", SIGNAL)
 def test_no_error_is_below_what_the_reference_is_good_for(top: SceneRuns, signal: str) -> None:
     limit = getattr(UNCERTAINTY, signal)
     assert all(p.error >= limit for curve in curves(top, signal) for p in curve.points)

@@ -16,7 +16,6 @@ from plotted import coloured, values_of
 from spincheck.reference import facts, solve
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
 from spincheck.reports.pages.analysis.trace_style import COLOURS, DASHES, SYMBOLS, trace_styles
-from spincheck.reports.pages.analysis.work_precision import Signal
 from spincheck.reports.pages.figures import ladder_figures
 from spincheck.reports.pages.figures.dense_motion import MOST as MOST_DENSE
 from spincheck.reports.pages.figures.figures import Titled, figures
@@ -35,14 +34,13 @@ from spincheck.reports.pages.scene.motion_data import motion_data
 from spincheck.reports.pages.templating import source
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.store import Results
+from spincheck.scenarios import SIGNAL
 
 pytestmark = pytest.mark.slow
 
 TOP, BRICK, UNSOLVED = "made-up-top", "made-up-brick", "unsolved"
 #: WCAG 2.1, 1.4.11: contrast of what must be seen in a figure.
 GRAPHICS = 3.0
-#: The signal of each part of a figure of errors.
-SIGNALS: tuple[Signal, ...] = ("omega", "attitude")
 LADDER = ("convergence", "cost")
 
 
@@ -65,11 +63,12 @@ def brick() -> dict[str, Titled]:
 
 
 def test_a_heavy_top_has_its_figures(top: dict[str, Titled]) -> None:
-    assert list(top) == ["tilt", "omega", "convergence", "cost", "axis", "polhode", "potential"]
+    motion, ladder = ["tilt", "omega", "defect"], ["convergence", "cost"]
+    assert list(top) == [*motion, *ladder, "axis", "polhode", "potential"]
 
 
 def test_a_free_body_has_its_figures(brick: dict[str, Titled]) -> None:
-    assert list(brick) == ["tilt", "omega", "convergence", "cost", "polhode"]
+    assert list(brick) == ["tilt", "omega", "defect", "convergence", "cost", "polhode"]
 
 
 def test_a_scene_without_an_exact_motion_has_none() -> None:
@@ -313,7 +312,7 @@ def test_blow_ups_do_not_squeeze_the_rest() -> None:
 
 def _errors_too_small(figures: dict[str, Titled]) -> Iterator[tuple[str, float]]:
     for name in LADDER:
-        for signal, part in zip(SIGNALS, figures[name].parts, strict=True):
+        for signal, part in zip(SIGNAL, figures[name].parts, strict=True):
             # Values are drawn in single precision, and so is their limit.
             limit = np.float32(getattr(UNCERTAINTY, signal))
             for trace in part["data"]:

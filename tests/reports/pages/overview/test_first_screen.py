@@ -15,7 +15,7 @@ from spincheck.reports.pages.render import render
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.store import Results
-from spincheck.scenarios import Errors
+from spincheck.scenarios import SIGNAL, Errors
 
 STOCK = TIMESTEPS[1]
 SHIPPED = MadeUp("mujoco", "default", 1)
@@ -135,26 +135,28 @@ def test_without_engines_as_shipped_there_is_nothing_to_answer():
 
 
 def test_a_run_that_did_not_end_ok_has_no_number_in_the_table(gathered):
-    verdict, at_stock, *_ = cell(gathered, "default", "pybullet")
-    assert verdict == "diverges"
-    assert at_stock[:2] == [STOCK, "diverged"]
-    assert not any(isinstance(entry, float) for entry in at_stock[3:])
+    shown = cell(gathered, "default", "pybullet")
+    assert shown["verdict"] == "diverges"
+    at_stock = shown["runs"]["stock"]
+    assert (at_stock["timestep"], at_stock["outcome"]) == (STOCK, "diverged")
+    assert "errors" not in at_stock
 
 
-def test_a_run_that_ended_ok_has_its_cost_and_four_errors(gathered):
-    _, at_stock, at_common, finest = cell(gathered, "Euler")
-    timestep, cost, attitude, *others = at_stock
-    assert (timestep, cost) == (STOCK, pytest.approx(SECONDS_PER_STEP / STOCK, rel=1e-2))
-    assert attitude == pytest.approx(SIZE[1] / 2, rel=1e-2)
-    assert len(others) == 3
-    assert at_common is None
-    assert finest[0] == pytest.approx(TIMESTEPS[-1], rel=1e-2)
+def test_a_run_that_ended_ok_has_its_cost_and_an_error_in_every_signal(gathered):
+    runs = cell(gathered, "Euler")["runs"]
+    at_stock = runs["stock"]
+    assert at_stock["timestep"] == STOCK
+    assert at_stock["cost"] == pytest.approx(SECONDS_PER_STEP / STOCK, rel=1e-2)
+    assert at_stock["errors"]["attitude"] == pytest.approx(SIZE[1] / 2, rel=1e-2)
+    assert list(at_stock["errors"]) == list(SIGNAL)
+    assert runs["common"] is None
+    assert runs["finest"]["timestep"] == pytest.approx(TIMESTEPS[-1], rel=1e-2)
 
 
 def test_an_error_below_what_the_reference_is_good_for_is_a_bound(gathered):
-    *_, finest = cell(gathered, "RK4")
-    assert finest[2] < 0
-    assert -finest[2] == scene(gathered).solved.solution.uncertainty.attitude
+    bound = cell(gathered, "RK4")["runs"]["finest"]["errors"]["attitude"]
+    assert bound < 0
+    assert -bound == scene(gathered).solved.solution.uncertainty.attitude
 
 
 def test_the_table_is_json_of_numbers_that_there_are(gathered):

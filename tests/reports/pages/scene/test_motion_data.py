@@ -114,6 +114,17 @@ def test_the_largest_error_survives_the_thinning(top: SceneRuns, data: dict[str,
         assert largest / half < np.nanmax(errors(run["attitude"])) < largest * half
 
 
+def test_a_defect_is_the_largest_since_the_sample_drawn_before(
+    top: SceneRuns, data: dict[str, Any]
+) -> None:
+    half = 10 ** (0.51 * DECADES_STEP)
+    for compared, run in zip(top.compared, data["runs"], strict=True):
+        at, drawn = samples(compared, run), errors(run["defect"])
+        assert np.isnan(drawn[0])
+        for first, last, defect in zip(at[:-1], at[1:], drawn[1:], strict=True):
+            assert 1 / half < defect / compared.defect[first + 1 : last + 1].max() < half
+
+
 def test_no_error_is_carried_below_the_reference(data: dict[str, Any]) -> None:
     half = 10 ** (0.51 * DECADES_STEP)
     for run in data["runs"]:

@@ -1,0 +1,125 @@
+"""A Drake plant of one body and its simulator, which need `pydrake` and numpy alone."""
+
+import numpy as np
+import pydrake.all as drake
+
+from ...world_parts import matrix, push
+
+#: Methods in which the plant steps itself, without an integrator.
+DISCRETE = ("discrete", "default")
+
+
+class Torque(drake.LeafSystem):
+    """The scene's constant torques, computed at each evaluation."""
+
+    def __init__(self, scene, body):
+        super().__init__()
+        # Drag is a damping of the joint.
+        self.scene, self.body = scene | {"drag": 0.0}, body
+        poses = drake.Value[list[drake.RigidTransform]]()
+        self.poses = self.DeclareAbstractInputPort("poses", poses)
+        kind = drake.Value[list[drake.ExternallyAppliedSpatialForce]]
+        self.DeclareAbstractOutputPort("torque", kind, self.torque)
+
+    def torque(self, context, output):
+        """The torque at the attitude now."""
+        R = self.poses.Eval(context)[int(self.body.index())].rotation().matrix()
+        force = drake.ExternallyAppliedSpatialForce()
+        force.body_index = self.body.index()
+        force.F_Bq_W = drake.SpatialForce(push(self.scene, R, np.zeros(3)), np.zeros(3))
+        output.set_value([force])
+
+
+class World:
+    """One body, on a ball joint of roll, pitch and yaw at its pivot, or on a quaternion joint."""
+
+    def __init__(self, scene, method, timestep):
+        self.is_discrete, self.is_free = method in DISCRETE, scene["arm"] is None
+        builder = drake.DiagramBuilder()
+        own_timestep = timestep if self.is_discrete else 0.0
+        if method == "default":
+            config = drake.MultibodyPlantConfig(time_step=own_timestep)
+            self.plant, _ = drake.AddMultibodyPlant(config, builder)
+        else:
+            self.plant = builder.AddSystem(drake.MultibodyPlant(time_step=own_timestep))
+        self.add_body(scene)
+        if np.any([scene["torque_body"], scene["torque_world"]]):
+            torque = builder.AddSystem(Torque(scene, self.body))
+            builder.Connect(self.plant.get_body_poses_output_port(), torque.get_input_port())
+            applied = self.plant.get_applied_spatial_force_input_port()
+            builder.Connect(torque.get_output_port(), applied)
+        self.simulator = drake.Simulator(builder.Build())
+        root = self.simulator.get_mutable_context()
+        self.context = self.plant.GetMyMutableContextFromRoot(root)
+        if not self.is_discrete:
+            config = drake.SimulatorConfig(
+                integration_scheme=method, max_step_size=timestep, use_error_control=False
+            )
+            drake.ApplySimulatorConfig(config, self.simulator)
+        self.restart(scene, timestep)
+
+    def add_body(self, scene):
+        """Add the body, its frame along the principal axes and at its joint."""
+        lever = -np.array(scene["arm"] or (0.0, 0.0, 0.0))  # from the joint to the com
+        inertia = drake.SpatialInertia.MakeFromCentralInertia(
+            scene["mass"], lever, drake.RotationalInertia(*scene["moments"])
+        )
+        self.body = self.plant.AddRigidBody("top", inertia)
+        world, frame = self.plant.world_frame(), self.body.body_frame()
+        # Roll, pitch and yaw are those of the body's own axes.
+        self.R_frame_own = np.eye(3) if self.is_free else matrix(scene["axes"]).T
+        if self.is_free:
+            joint = drake.QuaternionFloatingJoint("free", world, frame, scene["drag"])
+        else:
+            turned = drake.RigidTransform(drake.RotationMatrix(self.R_frame_own))
+            own = self.plant.AddFrame(drake.FixedOffsetFrame("own", frame, turned))
+            joint = drake.BallRpyJoint("pivot", world, own, scene["drag"])
+        self.joint = self.plant.AddJoint(joint)
+        self.plant.mutable_gravity_field().set_gravity_vector(scene["gravity"])
+        self.plant.Finalize()
+
+    def restart(self, motion, timestep):
+        """Set another motion and timestep; a plant that steps itself keeps its own."""
+        self.timestep, self.taken, self.clock = timestep, 0, 0.0
+        self.simulator.get_mutable_context().SetTime(0.0)
+        if not self.is_discrete:
+            self.simulator.get_mutable_integrator().set_maximum_step_size(timestep)
+        joint, context = self.joint, self.context
+        if self.is_free:
+            joint.SetQuaternion(context, drake.Quaternion(motion["q"]))
+            joint.SetTranslation(context, motion["com"])
+            joint.set_translational_velocity(context, motion["velocity"])
+        else:
+            attitude = drake.RotationMatrix(matrix(motion["q"]) @ self.R_frame_own)
+            joint.set_angles(context, drake.RollPitchYaw(attitude).vector())
+        joint.set_angular_velocity(context, motion["omega"])
+        self.simulator.Initialize()
+        self.simulator.ResetStatistics()
+
+    def motion(self):
+        """Attitude, w x y z, ω, com and its velocity, world axes."""
+        body, context = self.body, self.context
+        pose, moving = body.EvalPoseInWorld(context), body.EvalSpatialVelocityInWorld(context)
+        return np.concatenate(
+            [
+                pose.rotation().ToQuaternion().wxyz(),
+                moving.rotational(),
+                pose @ body.CalcCenterOfMassInBodyFrame(context),
+                body.CalcCenterOfMassTranslationalVelocityInWorld(context),
+            ]
+        )
+
+    def advance(self, steps):
+        """One native loop, up to the time that Drake's own clock reaches by summing steps.
+
+        A discrete plant steps at multiples of the timestep, the first at 0, so it is advanced to a
+        time between two of them. With any other end time Drake would take a tiny extra step, or one
+        step less.
+        """
+        self.taken += steps
+        until = (self.taken - 0.5) * self.timestep
+        if not self.is_discrete:
+            for _ in range(steps):
+                self.clock += self.timestep
+            until = self.clock
+        self.simulator.AdvanceTo(until)

@@ -1,0 +1,32 @@
+"""Kills process groups when the process that started them is gone, however it ended.
+
+A program of its own (`start_process`): each line of its standard input is the number of a group,
+with a minus once that has ended. The input ends when the process at its other end does.
+"""
+
+import os
+import signal
+import sys
+from contextlib import suppress
+
+
+def main() -> None:
+    """Listen until the input ends; then kill the groups that are left."""
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        if number := getattr(signal, name, None):
+            signal.signal(number, signal.SIG_IGN)
+    groups: set[int] = set()
+    for line in sys.stdin:
+        number = int(line)
+        if number > 0:
+            groups.add(number)
+        else:
+            groups.discard(-number)
+    for group in groups:
+        with suppress(OSError):
+            # Windows has no groups.
+            getattr(os, "killpg", os.kill)(group, getattr(signal, "SIGKILL", signal.SIGTERM))
+
+
+if __name__ == "__main__":
+    main()

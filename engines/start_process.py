@@ -1,0 +1,134 @@
+"""Starts every process that spincheck starts, and sees to it that none is left behind.
+
+Each is in a process group of its own. One small process a parent (`guard`) kills the groups if the
+parent is gone without having ended them, as after `kill -9`: an engine that is busy does not notice
+that nobody listens any more. A worker that starts an engine has a guard of its own, so that the
+engine goes with it.
+"""
+
+import atexit
+import os
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import Any
+
+from . import guard
+
+#: Options of Python by which neither the current folder nor the environment adds modules.
+ISOLATED = "-I"
+#: s that a guard has to end.
+END_LIMIT = 1.0
+_GROUPED: dict[str, Any] = (
+    {"creationflags": getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)}
+    if sys.platform == "win32"
+    else {"process_group": 0}
+)
+_KILL = getattr(signal, "SIGKILL", signal.SIGTERM)
+
+
+def start(command: Sequence[str], **options: Any) -> "subprocess.Popen[Any]":
+    """Start a process as `subprocess.Popen` does; `kill` must be called, even when it has ended.
+
+    Raises
+    ------
+    OSError
+        If it cannot be started.
+    """
+    _guard.begin()
+    process = subprocess.Popen(command, **_GROUPED, **options)
+    try:
+        _guard.tell(process.pid)
+    except OSError:
+        kill(process)
+        raise
+    return process
+
+
+def kill(process: "subprocess.Popen[Any]") -> int:
+    """Kill a process and what is left of its group; returns its exit code."""
+    with suppress(OSError):
+        getattr(os, "killpg", os.kill)(process.pid, _KILL)
+    code = process.wait()
+    with suppress(OSError):
+        _guard.tell(-process.pid)
+    return code
+
+
+def run(command: Sequence[str], limit: float, **options: Any) -> "subprocess.CompletedProcess[str]":
+    """Run a command to its end, with nothing to read; what it prints is in the result.
+
+    Raises
+    ------
+    OSError
+        If it cannot be started.
+    subprocess.TimeoutExpired
+        If it takes longer than `limit`, s.
+    """
+    pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    pipes |= {"stdin": subprocess.DEVNULL, "text": True, "errors": "replace"} | options
+    process = start(command, **pipes)
+    try:
+        out, err = process.communicate(timeout=limit)
+    finally:
+        code = kill(process)
+    return subprocess.CompletedProcess(command, code, out, err)
+
+
+class _Guard:
+    """The guard of this process, started with the first group."""
+
+    def __init__(self) -> None:
+        self._groups: set[int] = set()
+        self._process: subprocess.Popen[bytes] | None = None
+        self._telling = threading.Lock()
+
+    def begin(self) -> None:
+        """Start it, unless it runs: it is there before what it guards."""
+        with self._telling:
+            self._started()
+
+    def tell(self, group: int) -> None:
+        """Have a group guarded from now on, or no longer if it is negative."""
+        with self._telling:
+            self._groups = self._groups | {group} if group > 0 else self._groups - {-group}
+            if not self._groups and self._process is None:
+                return
+            try:
+                self._write(self._started(), [group])
+            except BrokenPipeError:
+                # It was killed itself.
+                self.end()
+                self._write(self._started(), sorted(self._groups))
+
+    def end(self) -> None:
+        """End it; it kills what is left."""
+        if self._process is not None:
+            assert self._process.stdin is not None, "it is a pipe"
+            self._process.stdin.close()
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(END_LIMIT)
+            self._process = None
+
+    def _started(self) -> "subprocess.Popen[bytes]":
+        if self._process is None:
+            self._process = subprocess.Popen(
+                [sys.executable, ISOLATED, "-S", guard.__file__],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                bufsize=0,
+                start_new_session=True,
+            )
+        return self._process
+
+    def _write(self, process: "subprocess.Popen[bytes]", groups: list[int]) -> None:
+        assert process.stdin is not None, "it is a pipe"
+        process.stdin.write("".join(f"{group}\n" for group in groups).encode())
+
+
+_guard = _Guard()
+atexit.register(_guard.end)

@@ -1,0 +1,93 @@
+"""Which engines run, and which only if they are named; what is typed wrongly is one message."""
+
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from library_scenes import library_scene
+from spincheck.engines import Missing, engines
+from spincheck.engines.adapters.node.discovered import FAMILY
+from spincheck.reports.cli import choosing
+from spincheck.reports.cli.choosing import choose
+from spincheck.reports.cli.terminal import BAD_INPUT, NOT_RUN, Complaint
+
+PLANTED = Path(__file__).parents[2] / "engines" / "child" / "planted_child.py"
+#: What `pip install spincheck` installs where PyBullet has a wheel.
+ALWAYS = {"mujoco", "mujoco-urdf", "pybullet"}
+
+
+def names(*asked: str) -> set[str]:
+    return {engine.name for engine in choose(asked, [], []).engines}
+
+
+def refused(*asked: str, **options: object) -> Complaint:
+    with pytest.raises(Complaint) as complaint:
+        choose(asked, [], [], **options)  # type: ignore[arg-type]
+    return complaint.value
+
+
+def test_an_optional_engine_runs_only_if_it_is_named() -> None:
+    assert names() <= ALWAYS
+    here = {name for name, engine in engines().items() if not engine.of_file}
+    assert names("all") == here
+    for engine in engines().values():
+        assert engine.is_optional == (engine.name not in ALWAYS and not engine.of_file)
+        assert engine.name in names(engine.name.upper())
+
+
+def test_a_family_is_asked_for_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    family = {name for name, engine in engines().items() if engine.family == FAMILY}
+    if family:
+        assert names("node", "jolt") == family
+    without = {name: engine for name, engine in engines().items() if name not in family}
+    monkeypatch.setattr(choosing, "engines", lambda: without)
+    absent = (Missing("jolt", "node", "node is not installed", FAMILY),)
+    monkeypatch.setattr(choosing, "missing", lambda: absent)
+    assert refused("node").exit_code == NOT_RUN
+    assert "node is not installed" in str(refused("node"))
+
+
+def test_engines_of_users_files_run_where_a_scene_names_one() -> None:
+    chosen = choose(["all"], [], [], scenarios=[library_scene("fast-top")]).engines
+    assert not any(engine.of_file for engine in chosen)
+
+
+MALFORMED = ("mujoco@", "mujoco@abc", "mujoco@1..2", f"mujoco@{'9' * 5000}", "sphere@1", "@1")
+
+
+@pytest.mark.parametrize("name", MALFORMED, ids=lambda name: name[:12])
+def test_a_malformed_version_is_bad_input(name: str) -> None:
+    assert refused(name).exit_code == BAD_INPUT
+
+
+@pytest.mark.processes
+@pytest.mark.parametrize("python", ["no-such-python", "/bin/true"])
+def test_a_wrong_python_is_reported_as_that(python: str) -> None:
+    complaint = refused("mujoco@3.1.6", python=python)
+    assert complaint.exit_code == BAD_INPUT
+    assert "'--python'" in str(complaint)
+
+
+def child(fault: str) -> str:
+    return f"child:{sys.executable} -S {PLANTED} '{fault}'"
+
+
+@pytest.mark.processes
+def test_a_child_that_answers_hello_with_an_error_is_quoted() -> None:
+    complaint = refused(child("refuses hello"))
+    assert complaint.exit_code == NOT_RUN
+    assert str(complaint).endswith("the licence has run out")
+
+
+@pytest.mark.processes
+def test_a_child_whose_id_is_true_breaks_the_protocol() -> None:
+    assert "must have the call's 'id', 1" in str(refused(child("true for one")))
+
+
+@pytest.mark.processes
+def test_the_time_limit_is_that_of_the_first_call_too() -> None:
+    began = time.monotonic()
+    complaint = refused(child("never says hello"), time_limit=0.5)
+    assert "did not answer 'hello' within 0.5 s" in str(complaint)
+    assert time.monotonic() - began < 30
