@@ -226,7 +226,7 @@ class Engine(ABC):
     def equation_residuals(
         self, scenario: Scenario, method: Method, *, single_precision: bool = False
     ) -> str:
-        """In words, how the engine's first steps differ from the scene's equations; else empty.
+        """How the engine's first steps differ from the scene's equations, in words; else empty.
 
         Empty also for an engine as shipped, which need not obey them, and where the engine raises
         an `EngineError` before these steps are done.
@@ -280,11 +280,11 @@ class Engine(ABC):
             return ended("unsupported", turn, "clamp")
         try:
             with self.open(scenario, method, timestep) as session:
-                held = session.read_body(), session.read_state()
-                unlike = self.differences(scenario, method.name, *held)
+                read_back = session.read_body(), session.read_state()
+                unlike = self.differences(scenario, method.name, *read_back)
                 if unlike and not method.as_shipped:
                     return ended("failed", unlike[0].complaint, "read-back")
-                arm = held[0].com if scenario.has_pivot else None
+                arm = read_back[0].com if scenario.has_pivot else None
                 decay = decay_rate(scenario) + method.damping
                 by_angles = method.by_angles and scenario.has_pivot
                 bounds = Bounds(timestep, most, self.slack, decay, arm, by_angles)

@@ -85,9 +85,9 @@ class RecordFrame:
         inertia_com : kg m², (3, 3)
         """
         # The origin is where the body is held; of a free one, where the scene has it.
-        held = -self.com_body if arm is None else self.body_from_axes.apply(np.array(arm))
+        pivot_body = -self.com_body if arm is None else self.body_from_axes.apply(np.array(arm))
         R_body_axes = self.body_from_axes.as_matrix()
-        com_body = self.body_from_axes.apply(np.array(com)) - held
+        com_body = self.body_from_axes.apply(np.array(com)) - pivot_body
         return BodyReading(float(mass), com_body, R_body_axes @ inertia_com @ R_body_axes.T)
 
 

@@ -36,7 +36,7 @@ class World(Protocol):
         """Set another motion and timestep, as if the world were new."""
 
 
-class HeldBody(NamedTuple):
+class WorldBody(NamedTuple):
     """A body as a world holds it, as `RecordFrame.body` takes it."""
 
     mass: float
@@ -60,7 +60,7 @@ class WorldSession(Session):
         self.world: Any = self.module.World(self.scene, method, timestep)
 
     @abstractmethod
-    def held(self) -> HeldBody:
+    def world_body(self) -> WorldBody:
         """The body as the engine holds it."""
 
     @property
@@ -85,8 +85,8 @@ class WorldSession(Session):
         return {name: any(damping)}
 
     def read_body(self) -> BodyReading:
-        """In the scene's body axes."""
-        return self.frame.body(*self.held())
+        """The body in the scene's axes."""
+        return self.frame.body(*self.world_body())
 
     def read_state(self) -> State:
         """The state now."""

@@ -65,5 +65,5 @@ def _placed(scenario: Scenario, motion: Trajectory) -> Trajectory:
 
 
 def _largest(changes: FloatArray) -> float:
-    """Of numbers (n,) or of the lengths of vectors (n, 3)."""
+    """The largest of numbers (n,), or of the lengths of vectors (n, 3)."""
     return float(np.linalg.norm(changes.reshape(len(changes), -1), axis=1).max())

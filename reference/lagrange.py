@@ -87,7 +87,7 @@ def _upright(up: Vector) -> Quaternion:
 
 
 def _attitude(problem: Problem, frames: Frames) -> CayleyKlein:
-    """From the frame of the top to the upright one, of unit norm to the caller's precision."""
+    """The turn from the top's frame to the upright one, of unit norm to the caller's precision."""
     q = product(product(conjugate(frames.q_left), problem.q_world_axes), conjugate(frames.q_right))
     length = mp.sqrt(mp.fsum(c * c for c in q))
     w, x, y, z = (c / length for c in q)

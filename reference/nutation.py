@@ -23,7 +23,7 @@ from .symmetry import equal
 
 
 class Constants(NamedTuple):
-    """Of a top at t = 0.
+    """The constants of a top at t = 0.
 
     Attributes
     ----------

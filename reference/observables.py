@@ -84,7 +84,7 @@ class AxisMotion:
     along: CubicHermiteSpline
 
     def angle(self, times: FloatArray) -> FloatArray:
-        """Between axis and direction, rad; by an arctangent, good at 0 and π too."""
+        """The angle of axis and direction, rad; by an arctangent, good at 0 and π too."""
         x, y, z = self.along(times).T
         return np.asarray(np.arctan2(np.hypot(x, y), z))
 
@@ -96,14 +96,14 @@ class AxisMotion:
         return turning_times[bend < 0], turning_times[bend > 0]
 
     def azimuth_rate(self) -> FloatArray:
-        """Of the axis about the direction, at the samples, rad/s; NaN where they coincide."""
+        """The rate of the azimuth at the samples, rad/s; NaN where axis and direction coincide."""
         x, y, _ = self.along(self.t).T
         x_rate, y_rate, _ = self.along(self.t, 1).T
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.asarray((x * y_rate - y * x_rate) / (x**2 + y**2))
 
     def azimuth(self) -> CubicHermiteSpline:
-        """Of the axis about the direction, rad, without jumps of full turns."""
+        """The azimuth of the axis about the direction, rad, without jumps of full turns."""
         x, y, _ = self.along(self.t).T
         return CubicHermiteSpline(self.t, np.unwrap(np.arctan2(y, x)), self.azimuth_rate())
 

@@ -109,7 +109,7 @@ class InitialValue(NamedTuple):
 
 
 class Frames(NamedTuple):
-    """From the frames of A, B and W to the world and the principal axes.
+    """The turns from the frames of A, B and W to the world and the principal axes.
 
     Attributes
     ----------

@@ -49,7 +49,7 @@ class ErrorNorm:
         return self.table(self.exact)
 
     def distances(self, table: FloatArray, other: FloatArray) -> FloatArray:
-        """Between two motions of n samples, by signal, (n, signals); q and −q are one attitude.
+        """The distances of two motions of n samples, (n, signals); q and −q are one attitude.
 
         Over a base of zero they are 0 where equal and inf elsewhere.
         """

@@ -12,7 +12,6 @@ from .body import Body, body_about_com, body_about_origin, body_of_particles
 from .effects import Effects
 from .errors import Misfit
 from .signals import SIGNAL, SIGNALS
-from .table import Table
 from .values import (
     Digest,
     Inertia,
@@ -21,6 +20,7 @@ from .values import (
     Positive,
     Prose,
     Quaternion,
+    Table,
     Text,
     Vector,
     Version,

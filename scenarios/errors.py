@@ -4,9 +4,6 @@ import unicodedata
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-#: Bidirectional classes (Unicode, UAX #9) of characters that may reverse the text after them.
-TURNING = ("LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI")
-
 
 class ScenarioError(ValueError):
     """A scenario file is wrong; the message names file, line, table, key, value and rule."""
@@ -32,9 +29,8 @@ def did_you_mean(name: str, names: Iterable[str]) -> str:
 
 
 def is_control(character: str) -> bool:
-    """Whether a character commands the terminal: ends a line, moves, colours, turns text about."""
-    turns = unicodedata.bidirectional(character) in TURNING
-    return turns or unicodedata.category(character) in ("Cc", "Zl", "Zp", "Cs")
+    """Whether a character ends a line, commands the terminal, turns text about or is not seen."""
+    return unicodedata.category(character) in ("Cc", "Cf", "Cs", "Zl", "Zp")
 
 
 def printable(text: str, limit: int | None = None) -> str:

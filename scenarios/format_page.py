@@ -17,7 +17,7 @@ from .document import (
     Window,
 )
 from .effects import EFFECTS, Effects
-from .table import Table
+from .values import Table
 
 #: Every table of the file in the order it is written, with an example; together they are a scene.
 EXAMPLES: dict[str, tuple[type[Table], str]] = {

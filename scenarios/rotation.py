@@ -55,7 +55,7 @@ def turned_back(R: FloatArray, vectors: FloatArray) -> FloatArray:
 
 
 def norms(vectors: FloatArray) -> FloatArray:
-    """Of rows; in half the time that numpy's own takes."""
+    """The norms of rows, in half the time that numpy's own takes."""
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
 
 

@@ -88,7 +88,7 @@ def _inertia(body: Body, n: FloatArray) -> list[Any]:
 
 
 def _alike(sizes: FloatArray) -> list[int]:
-    """Of each size, the index of the first that is equal to it."""
+    """The index of the first size that is equal to each."""
     slack = _EQUAL * float(np.abs(sizes).max())
     return [int(np.flatnonzero(np.abs(sizes - size) <= slack)[0]) for size in sizes]
 

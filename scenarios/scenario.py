@@ -15,7 +15,7 @@ from .body import Body
 from .document import Document, Expect, Known, Published, StartTable, Window
 from .effects import EFFECTS, Effect, Effects
 from .float_array import FloatArray, read_only
-from .table import Table
+from .values import Table
 from .write import to_toml
 
 #: Tables that hold of one very scene: not of one with another start or another number in it.

@@ -1,14 +1,28 @@
-"""What a value of a scenario file may be: numbers, vectors, texts."""
+"""What tables of a scenario file and values in them may be: numbers, vectors, texts."""
 
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+)
 
 from .errors import Misfit, is_control
 
 #: Slack of a typed quaternion's norm from 1: typed digits rarely give 1 exactly.
 QUATERNION_NORM_SLACK = 1e-3
+
+
+class Table(BaseModel):
+    """A table of the file: immutable, and closed to unknown keys."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
 
 
 def _line(text: str) -> str:

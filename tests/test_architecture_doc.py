@@ -13,7 +13,7 @@ from command_line import spincheck
 from spincheck.engines import Session
 
 ROOT = Path(__file__).parents[1]
-PAGES = ("architecture.md", "glossary.md", "add-an-engine.md")
+PAGES = ("architecture.md", "glossary.md", "add-an-engine.md", "add-an-effect.md")
 NAMED = [
     (page.name, name)
     for page in (ROOT / "CONTRIBUTING.md", *(ROOT / "docs" / name for name in PAGES))

@@ -1,4 +1,4 @@
-"""Parameters and attributes that docstrings describe exist."""
+"""What docstrings describe exists; they begin with what is returned or done; names are nouns."""
 
 import ast
 import re
@@ -57,3 +57,49 @@ def test_a_stale_name_is_noticed() -> None:
         'def f(a):\n    """Do.\n\n    Parameters\n    ----------\n    a, b : numbers\n    """\n'
     )
     assert unknown(source) == ["f: b"]
+
+
+#: A sentence that begins so has no subject.
+PREPOSITIONS = {"At", "Between", "By", "For", "From", "In", "Of", "On", "So", "To", "With"}
+#: Participles that say what was done, and not what a thing is.
+PARTICIPLES = {"asked", "felt", "heard", "held", "told"}
+
+
+def subjectless(source: str) -> list[str]:
+    """Functions and classes whose docstring begins with a preposition."""
+    return [
+        node.name
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.FunctionDef | ast.ClassDef)
+        and (ast.get_docstring(node) or "The").split()[0].strip(",;:") in PREPOSITIONS
+    ]
+
+
+def participles(source: str) -> list[str]:
+    """Names of classes, functions, parameters, variables and attributes that are one."""
+    nodes = list(ast.walk(ast.parse(source)))
+    names = [node.name for node in nodes if isinstance(node, ast.FunctionDef | ast.ClassDef)]
+    names += [node.arg for node in nodes if isinstance(node, ast.arg)]
+    names += [n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)]
+    names += [
+        n.attr for n in nodes if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store)
+    ]
+    return [name for name in names if name.strip("_").lower() in PARTICIPLES]
+
+
+def test_docstrings_begin_with_what_is_returned_or_done() -> None:
+    by_file = {str(path): subjectless(path.read_text(encoding="utf-8")) for path in SOURCES}
+    assert {path: names for path, names in by_file.items() if names} == {}
+
+
+def test_names_say_what_a_thing_is() -> None:
+    by_file = {str(path): participles(path.read_text(encoding="utf-8")) for path in SOURCES}
+    assert {path: names for path, names in by_file.items() if names} == {}
+
+
+def test_a_riddle_is_noticed() -> None:
+    source = (
+        'class _Told:\n    """Of rows."""\n\n    def f(self, held):\n        self.asked = held\n'
+    )
+    assert subjectless(source) == ["_Told"]
+    assert sorted(participles(source)) == ["_Told", "asked", "held"]

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...scenarios import FloatArray, Scenario, push
+from ...scenarios import PUSHED, FloatArray, Scenario, push
 from ...scenarios.effects import gravity
 from ...scenarios.fastest_rate import fastest_rate
 from ...scenarios.rotation import cross, matrix, rotation_vectors
@@ -69,15 +69,18 @@ class Equations:
 
     def outer_body(self, R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
         """Torque of the scene's effects, N m."""
+        pulled = gravity.torque_body(self.scenario, R_world_body)
+        if not self.scenario.called_for & PUSHED:
+            return pulled
         pushed: FloatArray = push(self.scenario.pushed, R_world_body, R_world_body @ omega_body)
-        return gravity.torque_body(self.scenario, R_world_body) + pushed @ R_world_body
+        return pulled + pushed @ R_world_body
 
     def torque_body(self, R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
         """I dω/dt, N m."""
-        felt = self.inertia
+        inertia = self.inertia
         if not self.gyroscopic:
-            felt = felt - self.scenario.body.inertia_com
-        return self.outer_body(R_world_body, omega_body) - cross(omega_body, felt @ omega_body)
+            inertia = inertia - self.scenario.body.inertia_com
+        return self.outer_body(R_world_body, omega_body) - cross(omega_body, inertia @ omega_body)
 
     def after(self, state: State, span: float) -> State:
         """The state a time `span` later, s."""

@@ -43,7 +43,7 @@ class _Change:
 
 
 def explanation(equations: Equations, gains: Sequence[Gain], noise: FloatArray) -> str:
-    """In words, the change of the model that explains the gains; empty if no single one does.
+    """The change of the model that explains the gains, in words; empty if no single one does.
 
     Parameters
     ----------
@@ -142,22 +142,22 @@ class _Start:
         self.is_rate = np.array([1, 1, not pivot, not pivot], dtype=float)[:, None]
 
     def torque(self, torque_body: FloatArray) -> FloatArray:
-        """Of an additional torque."""
+        """The change of the gain by an additional torque."""
         return np.array([np.zeros(3), torque_body, np.zeros(3), np.zeros(3)])
 
     def of_tensor(self, tensor: FloatArray) -> FloatArray:
-        """Of an additional tensor: the torque that it causes."""
+        """The torque that an additional tensor causes."""
         return -tensor @ self.omega_rate - cross(self.omega, tensor @ self.omega)
 
     def gravity(self, gravity_world: FloatArray) -> FloatArray:
-        """Of additional gravity."""
+        """The change of the gain by additional gravity."""
         if not self.equations.scenario.has_pivot:
             return np.array([np.zeros(3), np.zeros(3), gravity_world, np.zeros(3)])
         body = self.equations.scenario.body
         return self.torque(body.mass * cross(body.com, gravity_world @ self.R))
 
     def scaled_omega(self) -> FloatArray:
-        """Of a reading of ω that is too large: its gain is larger, and the body turns less."""
+        """The effect of a reading of ω too large: a larger gain, and the body turns less."""
         outer = self.equations.outer_body(self.R, np.zeros(3))
         added = self.torque(outer + self.gyroscopic)
         added[0] = -self.omega
@@ -166,7 +166,7 @@ class _Start:
         return added
 
     def scaled_velocity(self) -> FloatArray:
-        """Of a reading of the com's velocity that is too large."""
+        """The effect of a reading of the com's velocity that is too large."""
         added = np.zeros((4, 3))
         if self.equations.scenario.has_pivot:
             added[2] = self.gain.wanted[2]

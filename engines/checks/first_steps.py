@@ -54,7 +54,7 @@ Open = Callable[[Scenario, float], Session]
 
 
 @dataclass(frozen=True, eq=False)
-class _Turned:
+class _FirstStates:
     """The states read from one start: at the start, in the middle and at the end, by timestep.
 
     Attributes
@@ -67,7 +67,7 @@ class _Turned:
 
 
 @dataclass(frozen=True, eq=False)
-class _Felt:
+class _NoisyGain:
     """Result from one start: the gain with the shortest steps, and its extrapolated excess.
 
     Attributes
@@ -84,7 +84,7 @@ class _Felt:
 def equation_residuals(
     open_at: Open, scenario: Scenario, epsilon: float, negligible: float = NEGLIGIBLE
 ) -> list[str]:
-    """In words, what an engine's first steps gain beyond the scene's equations of motion.
+    """What an engine's first steps gain beyond the scene's equations of motion, in words.
 
     Parameters
     ----------
@@ -106,21 +106,21 @@ def _residuals_of(
 ) -> list[str]:
     """As `equation_residuals`, with these timesteps."""
     equations = Equations(scenario)
-    turned = [_turned(open_at, scenario, equations, epsilon, halvings)]
-    if leap := _leap(turned[0], equations):
+    starts = [_first_states(open_at, scenario, equations, epsilon, halvings)]
+    if leap := _leap(starts[0], equations):
         return [leap]
-    turned += [
-        _turned(open_at, start, equations, epsilon, halvings)
+    starts += [
+        _first_states(open_at, start, equations, epsilon, halvings)
         for start in _askew(scenario, equations.rate)
     ]
-    felt = [_felt(one, equations, epsilon, negligible) for one in turned]
-    residuals = list(_residuals([felt[0]])) or list(_residuals(felt[1:]))[:1]
+    gains = [_noisy_gain(one, equations, epsilon, negligible) for one in starts]
+    residuals = list(_residuals([gains[0]])) or list(_residuals(gains[1:]))[:1]
     if not residuals:
         return []
     without = Equations(scenario, gyroscopic=False)
-    if any(_residuals([_felt(one, without, epsilon, negligible) for one in turned])):
-        noise = np.array([one.noise for one in felt])
-        as_if = explanation(equations, [one.gain for one in felt], noise)
+    if any(_residuals([_noisy_gain(one, without, epsilon, negligible) for one in starts])):
+        noise = np.array([one.noise for one in gains])
+        as_if = explanation(equations, [one.gain for one in gains], noise)
     else:
         as_if = NO_GYROSCOPIC_TORQUE
     return [f"behaves as if {as_if}: {residuals[0]}", *residuals[1:]] if as_if else residuals
@@ -139,13 +139,13 @@ def _askew(scenario: Scenario, rate: float) -> tuple[Scenario, ...]:
     return tuple(starting_with(scenario, speed * np.array(direction)) for direction in ASKEW)
 
 
-def _turned(
+def _first_states(
     open_at: Open,
     start: Scenario,
     equations: Equations,
     epsilon: float,
     halvings: tuple[int, ...],
-) -> _Turned:
+) -> _FirstStates:
     """Take the first steps from one start, with each of the timesteps."""
     longest = halvings[-1] * _shortest_step(start, equations.rate, epsilon)
     states = []
@@ -156,13 +156,15 @@ def _turned(
             before = session.read_state()
             session.advance(STEPS * halving)
             states.append((first, before, session.read_state()))
-    return _Turned(states, STEPS * longest)
+    return _FirstStates(states, STEPS * longest)
 
 
-def _felt(turned: _Turned, equations: Equations, epsilon: float, negligible: float) -> _Felt:
+def _noisy_gain(
+    start: _FirstStates, equations: Equations, epsilon: float, negligible: float
+) -> _NoisyGain:
     """The gains of states in excess of these equations."""
     gains = [
-        gain_between(equations, before, after, turned.span) for _, before, after in turned.states
+        gain_between(equations, before, after, start.span) for _, before, after in start.states
     ]
     extrapolated = [2 * fine.excess - coarse.excess for coarse, fine in pairwise(gains)]
     apart = np.zeros(len(extrapolated[0]))
@@ -174,7 +176,7 @@ def _felt(turned: _Turned, equations: Equations, epsilon: float, negligible: flo
     noise = ABOVE_NOISE * apart + roundings * rounded(equations, gains[-1], epsilon)
     noise += negligible * gain_sizes(equations, gains[-1])
     is_held = equations.scenario.has_pivot
-    return _Felt(replace(gains[-1], excess=extrapolated[-1]), noise, is_held)
+    return _NoisyGain(replace(gains[-1], excess=extrapolated[-1]), noise, is_held)
 
 
 def _shortest_step(scenario: Scenario, rate: float, epsilon: float) -> float:
@@ -188,14 +190,14 @@ def _shortest_step(scenario: Scenario, rate: float, epsilon: float) -> float:
     return float(2.0 ** np.floor(np.log2(balance / rate)))
 
 
-def _leap(turned: _Turned, equations: Equations) -> str:
+def _leap(first: _FirstStates, equations: Equations) -> str:
     """The message if ω jumps at the start, before any time has passed; else empty."""
-    for start, soon, _ in turned.states:
+    for start, soon, _ in first.states:
         size = float(np.linalg.norm(start.omega_body))
-        exact = equations.after(start, turned.span)
+        exact = equations.after(start, first.span)
         # From rest any ω would be a jump; its gain is compared below.
         apart = [np.linalg.norm(soon.omega_body - other.omega_body) for other in (start, exact)]
-        if size and min(apart) > (LEAP + equations.rate * turned.span) * size:
+        if size and min(apart) > (LEAP + equations.rate * first.span) * size:
             reads, soon_reads = _numbers(start.omega_body), _numbers(soon.omega_body)
             return f"ω, rad/s in body axes, reads {reads} at the start and leaps to {soon_reads}"
     return ""
@@ -206,9 +208,9 @@ _WHAT_FREE = ("dv/dt, m/s² in world axes,", "dr/dt, m/s in world axes,")
 _WHAT_HELD = ("the com's velocity, m/s,", "the com, m,")
 
 
-def _residuals(felt: list[_Felt]) -> Iterator[str]:
+def _residuals(gains: list[_NoisyGain]) -> Iterator[str]:
     """The residuals that exceed their noise, one sentence each."""
-    for one in felt:
+    for one in gains:
         for k, what in enumerate((*_WHAT, *(_WHAT_HELD if one.is_held else _WHAT_FREE))):
             excess, wanted = one.gain.excess[k], one.gain.wanted[k]
             if np.abs(excess).max() > one.noise[k]:

@@ -18,7 +18,7 @@ SHARE_AT_FIRST = 0.5
 
 
 def single_precision(states: State) -> str:
-    """In words, that attitudes have unit norm to 24 bits only; else empty.
+    """The message that attitudes have unit norm to 24 bits only; else empty.
 
     Parameters
     ----------

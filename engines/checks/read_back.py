@@ -63,7 +63,7 @@ class State:
     velocity_world: FloatArray
 
     def rows(self, kept: int | slice | NDArray[np.bool_]) -> "State":
-        """Of n states, one by its index, or several by a slice or a mask, (n,)."""
+        """One of n states by its index, or several by a slice or a mask, (n,)."""
         return State(*(column[kept] for column in vars(self).values()))
 
 
@@ -96,7 +96,7 @@ class Difference:
 
 
 def differences(
-    scenario: Scenario, held: BodyReading, state: State, slack: float
+    scenario: Scenario, reading: BodyReading, state: State, slack: float
 ) -> list[Difference]:
     """Compare a freshly loaded model and state with the scene.
 
@@ -105,7 +105,7 @@ def differences(
     slack : allowed difference, relative to the size of each quantity
     """
     differing = []
-    for what, got, wanted, size in _pairs(scenario, held, state):
+    for what, got, wanted, size in _pairs(scenario, reading, state):
         largest = float(np.abs(np.subtract(got, wanted)).max())
         if not largest <= slack * size:
             differing.append(Difference(what, wanted, got, largest / size if size else np.inf))
@@ -128,16 +128,16 @@ def start_state(scenario: Scenario) -> State:
 
 
 def _pairs(
-    scenario: Scenario, held: BodyReading, state: State
+    scenario: Scenario, reading: BodyReading, state: State
 ) -> Iterator[tuple[str, FloatArray, FloatArray, float]]:
     """Name, value got, value wanted, and the size its difference is measured against."""
     body, start = scenario.body, start_state(scenario)
     arm = float(np.linalg.norm(body.com))
     speed = float(np.linalg.norm(start.omega_body))
-    yield "mass", np.array(held.mass), np.array(body.mass), body.mass
-    yield "com", held.com, body.com, arm
+    yield "mass", np.array(reading.mass), np.array(body.mass), body.mass
+    yield "com", reading.com, body.com, arm
     # Not of the tensor about the origin: with a long arm that would hide faults of this one.
-    yield "inertia_com", held.inertia_com, body.inertia_com, float(body.principal_moments[-1])
+    yield "inertia_com", reading.inertia_com, body.inertia_com, float(body.principal_moments[-1])
     yield "omega_body", state.omega_body, start.omega_body, speed
     size = arm + float(np.linalg.norm(start.com_world))
     yield "com_world", state.com_world, start.com_world, size

@@ -107,7 +107,7 @@ def _turns(reading: Reading, pairs: NDArray[np.int64], bounds: Bounds) -> Iterat
 def _allowed(
     own_change: FloatArray, fastest: FloatArray, q_world_body: FloatArray, bounds: Bounds
 ) -> FloatArray:
-    """By how much the rate of each turn may differ from the mean ω, rad/s, (n,).
+    """The most by which the rate of each turn may differ from the mean ω, rad/s, (n,).
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def _were_of_one_frame(omega_body: FloatArray, q_world_body: FloatArray, apart: 
 
 
 def _digits(angle: float, makes: float) -> int:
-    """So many that a step that is a little too long shows."""
+    """The number of digits that shows a step that is a little too long."""
     apart = abs(angle - makes) / max(angle, makes)
     return min(MOST_DIGITS, DIGITS + max(0, math.ceil(-math.log10(apart or 1.0)) - 1))
 

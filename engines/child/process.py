@@ -83,7 +83,7 @@ class ChildProcess:
         self.hello: Hello | None = None
         self._limit = limit
         self._number = 0
-        self._heard = b""
+        self._received = b""
         self._printed = b""
         self._broken: ProtocolError | None = None
         self._answers, theirs = os.pipe()
@@ -108,7 +108,7 @@ class ChildProcess:
         assert self._process.stdin is not None, "it is a pipe"
         assert self._process.stdout is not None, "it is a pipe"
         self._of_system = psutil.Process(self._process.pid)
-        self._asked = ""
+        self._request = ""
         self._calls, self._output = self._process.stdin, self._process.stdout
         self._streams = selectors.DefaultSelector()
         self._streams.register(self._answers, selectors.EVENT_READ)
@@ -146,7 +146,7 @@ class ChildProcess:
     def _ask(self, expected: type[A], do: str, arguments: dict[str, Any]) -> A:
         self._number += 1
         call = json.dumps({"id": self._number, "do": do} | arguments, allow_nan=False)
-        if self._heard:
+        if self._received:
             raise ProtocolError(f"it sent a line unasked, before '{do}'", "protocol")
         with suppress(BrokenPipeError):  # It has died; the message below says how.
             self._calls.write(call.encode() + b"\n")
@@ -161,10 +161,10 @@ class ChildProcess:
 
     def _line(self, do: str) -> bytes:
         """The next line of the answers; output that the child prints is read too."""
-        self._asked = do
+        self._request = do
         if overdue := wait_for_answer(self, self._limit):
             raise ProtocolError(f"it did not answer '{do}' within {overdue.words}", overdue.cause)
-        line, _, self._heard = self._heard.partition(b"\n")
+        line, _, self._received = self._received.partition(b"\n")
         return line
 
     def has_answered(self, seconds: float) -> bool:
@@ -176,15 +176,15 @@ class ChildProcess:
             If it has died, or its line is too long.
         """
         until = time.monotonic() + seconds
-        while b"\n" not in self._heard:
+        while b"\n" not in self._received:
             left = until - time.monotonic()
             if left < 0:
                 # A process that it has started may hold its pipe open.
                 if self._process.poll() is not None and not self._streams.select(0):
-                    raise self._ended(self._asked)
+                    raise self._ended(self._request)
                 return False
             for key, _ in self._streams.select(left):
-                self._take(key.fd, self._asked)
+                self._take(key.fd, self._request)
         return True
 
     def cpu_seconds(self) -> float:
@@ -204,8 +204,8 @@ class ChildProcess:
             return
         if not part:
             raise self._ended(do)
-        self._heard += part
-        if len(self._heard) > LONGEST_ANSWER:
+        self._received += part
+        if len(self._received) > LONGEST_ANSWER:
             raise ProtocolError(
                 f"its answer to '{do}' is longer than {LONGEST_ANSWER} bytes", "protocol"
             )

@@ -38,16 +38,16 @@ class ChildSession(Session):
         self._child, self._timestep = child, timestep
         self._frame = RecordFrame.of(scenario)
         scene = scene_record(scenario)
-        self._held = child.ask(Opened, "open", scene=scene, method=method, timestep=timestep)
-        self._state: StateRow | Stepped = self._held.state
+        self._opened = child.ask(Opened, "open", scene=scene, method=method, timestep=timestep)
+        self._state: StateRow | Stepped = self._opened.state
         self._left = 0
 
     def read_body(self) -> BodyReading:
         """The body as the child holds it, in the scene's body axes and from its origin."""
-        held = self._held.body
-        axes = matrix(np.array(held.frame))
-        inertia_com = axes @ np.diag(held.moments) @ axes.T
-        return self._frame.body(held.mass, held.com, inertia_com, held.arm)
+        body = self._opened.body
+        axes = matrix(np.array(body.frame))
+        inertia_com = axes @ np.diag(body.moments) @ axes.T
+        return self._frame.body(body.mass, body.com, inertia_com, body.arm)
 
     def read_state(self) -> State:
         """The state now."""

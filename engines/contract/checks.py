@@ -189,6 +189,7 @@ def restarts_as_it_opens(engine: Engine, method: Method) -> None:
                 words = f"restarted, {unlike[0].complaint}" if unlike else ""
                 _require(not words or method.as_shipped, engine, method, scene, words)
                 _moves_as_opened(engine, method, start, session)
+                session.check()
                 first = _numbers(session)
                 session.restart(start_state(start))
                 for steps in RESTART_STRIDES:
@@ -198,7 +199,7 @@ def restarts_as_it_opens(engine: Engine, method: Method) -> None:
 
 
 def differs_from_every_other_method(engine: Engine, method: Method) -> None:
-    """On some scene its motion differs; a method as shipped may equal another."""
+    """Its motion differs on some scene; a method as shipped may equal another."""
     if method.as_shipped:
         return
     for other in engine.methods:

@@ -31,7 +31,7 @@ Kind = Literal[
 NEAR_ONE = 0.1
 
 
-def held_of_nothing(body: BodyReading) -> str:
+def unstated_body(body: BodyReading) -> str:
     """The cause where an engine holds a body and the file has none."""
     return (
         f"held as {body.mass:.3g} kg, {_moments(body.inertia_com)} kg m²: the file states nothing"
@@ -67,26 +67,26 @@ def cause(
 
 def _of_tensor(
     stated: Stated,
-    held: FloatArray,
+    got: FloatArray,
     apart: BodyDifference,
     problems: tuple[FileProblem, ...],
     made_up: str,
 ) -> tuple[Kind, str]:
-    size = _size(stated.inertia, held, apart)
-    if not held.any():
+    size = _size(stated.inertia, got, apart)
+    if not got.any():
         why = next((f": {_reason(problem)}" for problem in problems if problem.impossible), "")
         return "zero", f"tensor set to zero{why}"
     if not stated.inertia.any():
         made = f"{made_up}: " if made_up else ""
-        return "no tensor", f"{made}{_moments(held)} kg m², the file states a tensor of zero"
+        return "no tensor", f"{made}{_moments(got)} kg m², the file states a tensor of zero"
     if made_up:
         return "made up", f"{made_up}: {size}"
-    if moments_alike(stated.inertia, held):
-        rotation_lost = _close(held, stated.unturned)
+    if moments_alike(stated.inertia, got):
+        rotation_lost = _close(got, stated.unturned)
         why = ": the rotation of its inertial frame is lost" if rotation_lost else ""
         sentence = f"moments kept, axes turned by {apart.axes_deg:.3g}°{why}"
         return ("rotation lost" if rotation_lost else "turned"), sentence
-    if _close(held, np.diag(np.diag(stated.inertia))):
+    if _close(got, np.diag(np.diag(stated.inertia))):
         return "products dropped", f"products of inertia dropped: {size}"
     return "other", size
 
@@ -97,9 +97,9 @@ def _reason(problem: FileProblem) -> str:
     return f"{rule}, {text}" if colon else text
 
 
-def _size(stated: FloatArray, held: FloatArray, apart: BodyDifference) -> str:
+def _size(stated: FloatArray, got: FloatArray, apart: BodyDifference) -> str:
     total = float(np.trace(stated))
-    ratio = float(np.trace(held)) / total if total > 0 else 0.0
+    ratio = float(np.trace(got)) / total if total > 0 else 0.0
     if ratio <= 0 or abs(ratio - 1) < NEAR_ONE:
         turned = f", axes turned by {apart.axes_deg:.3g}°" if apart.axes_deg > 1 else ""
         return f"tensor off by {apart.inertia:.2%}{turned}"

@@ -39,16 +39,16 @@ class BodyDifference:
         return max(self.mass, self.com, self.inertia)
 
 
-def difference(stated: Stated, held: BodyReading) -> BodyDifference:
+def difference(stated: Stated, got: BodyReading) -> BodyDifference:
     """The difference of the body that an engine holds from the one that a file states."""
     size = float(np.linalg.norm(stated.inertia))
     gyration = np.sqrt(abs(np.trace(stated.inertia)) / (2 * stated.mass)) if stated.mass else 0.0
     arm = max(float(gyration), float(np.linalg.norm(stated.com)))
     return BodyDifference(
-        mass=_relative(abs(held.mass - stated.mass), abs(stated.mass)),
-        com=_relative(float(np.linalg.norm(held.com - stated.com)), arm),
-        inertia=_relative(float(np.linalg.norm(held.inertia_com - stated.inertia)), size),
-        axes_deg=float(np.degrees(angle_between_axes(stated.inertia, held.inertia_com))),
+        mass=_relative(abs(got.mass - stated.mass), abs(stated.mass)),
+        com=_relative(float(np.linalg.norm(got.com - stated.com)), arm),
+        inertia=_relative(float(np.linalg.norm(got.inertia_com - stated.inertia)), size),
+        axes_deg=float(np.degrees(angle_between_axes(stated.inertia, got.inertia_com))),
     )
 
 

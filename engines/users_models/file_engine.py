@@ -16,7 +16,7 @@ OF_BODY = frozenset({"mass", "com", "inertia_com"})
 
 
 class FileEngine(Engine):
-    """For scenes that name a link of a model file, and for no others.
+    """An engine for scenes that name a link of a model file, and for no others.
 
     Bodies are compared with the tolerance of `inspect`, as engines diagonalise tensors loosely.
 

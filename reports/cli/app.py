@@ -40,7 +40,7 @@ from .scenes.scene_commands import app as scene_commands
 from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last_words
 from .sweeps.sweep_commands import app as sweep_commands
 from .sweeps.sweep_commands import run_members
-from .terminal import BAD_INPUT, Complaint, say, to_json
+from .terminal import BAD_INPUT, Complaint, escape_what_turns_text, say, to_json
 from .users_models.model_commands import app as model_commands
 
 app = typer.Typer(
@@ -86,6 +86,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+        escape_what_turns_text(stream)
     try:
         raise_when_stopped()
         _run_and_flush()
@@ -149,18 +150,26 @@ def run(
     from .run.short_summary import short_summary
     from .run.summary import print_results, results_as_json
 
-    asked = (engine or [], method or [], timestep or [])
+    named = (engine or [], method or [], timestep or [])
     if ensemble is not None:
         if quick:
             raise Complaint("'--quick' is for ladders; an ensemble has none", BAD_INPUT)
         code = run_members(
-            scenes or [], ensemble, seed, asked, time_limit, again, Where(jobs, dask), out, as_json
+            scenes or [],
+            ensemble,
+            seed,
+            named,
+            time_limit,
+            again,
+            Where(jobs, dask),
+            out,
+            as_json,
         )
         raise typer.Exit(code)
     where = Where(jobs, dask)
     results = running.run(
         scenes or [],
-        *asked,
+        *named,
         where,
         out,
         quick=quick,

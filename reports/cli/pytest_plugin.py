@@ -84,8 +84,8 @@ class ScenarioFile(pytest.File):
         expected = {(expect.engine, expect.method) for expect in self.scenario.expect}
         names = {name for name, _ in expected}
         for engine in engines().values():
-            asked = _is_asked_for(self.config, engine, names, by_default=not engine.is_optional)
-            if not (asked and engine.applies_to(self.scenario)):
+            chosen = _is_asked_for(self.config, engine, names, by_default=not engine.is_optional)
+            if not (chosen and engine.applies_to(self.scenario)):
                 continue
             for method in engine.methods:
                 if method.as_shipped and (engine.name, method.name) not in expected:

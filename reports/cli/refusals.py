@@ -14,6 +14,8 @@ def refusal(error: Exception) -> Complaint | None:
     """The message for an error of the operating system; None for any other error."""
     from ..harness.executors import cause_of
 
+    if isinstance(error, FileNotFoundError) and error.filename is None:
+        return Complaint("the current folder was deleted; change to another", NOT_RUN)
     if isinstance(error, OSError) and error.filename is not None:
         return unusable(error.filename, error)
     if isinstance(error, OSError) and error.errno in _OF_OUTPUT:

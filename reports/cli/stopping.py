@@ -70,14 +70,14 @@ def say_last_words(number: int) -> None:
 
 
 def raise_when_stopped() -> None:
-    """From now on the signals raise `Stopped`, except those that are ignored, as by nohup."""
+    """Let signals raise `Stopped` from now on, except those that are ignored, as by nohup."""
     # Asked now: `isatty` is false once the terminal has closed.
     terminals = [descriptor for descriptor in (STDOUT, STDERR) if os.isatty(descriptor)]
 
-    heard = threading.Event()
+    received = threading.Event()
 
     def stop(number: int, frame: FrameType | None) -> None:
-        heard.set()
+        received.set()
         for each in obeyed:
             signal.signal(each, _leave)
         if number == _HANGUP:
@@ -90,7 +90,7 @@ def raise_when_stopped() -> None:
     obeyed = [each for each in _STOPPING if signal.getsignal(each) != signal.SIG_IGN]
     for each in obeyed:
         signal.signal(each, stop)
-    _watch(obeyed, heard)
+    _watch(obeyed, received)
 
 
 def _imports(frame: FrameType | None) -> bool:
@@ -101,7 +101,7 @@ def _imports(frame: FrameType | None) -> bool:
     return False
 
 
-def _watch(obeyed: list[signal.Signals], heard: threading.Event) -> None:
+def _watch(obeyed: list[signal.Signals], received: threading.Event) -> None:
     """Start a thread that ends the program if a signal is not handled in time."""
     try:
         wakes, woken = os.pipe()
@@ -115,7 +115,7 @@ def _watch(obeyed: list[signal.Signals], heard: threading.Event) -> None:
         number = 0
         while number not in obeyed:
             (number,) = os.read(wakes, 1)
-        if heard.wait(HEARING):
+        if received.wait(HEARING):
             # A daemon: it ends with the program.
             threading.Event().wait(ENDING)
         say_last_words(number)

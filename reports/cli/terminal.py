@@ -7,7 +7,7 @@ import textwrap
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TextIO
 
 from .stopping import STDERR, print_nowhere
 
@@ -36,6 +36,23 @@ def say(text: str) -> None:
     except OSError:
         # On a full disk or a closed pipe the message is lost; that does not end the program.
         print_nowhere(STDERR)
+
+
+def escape_what_turns_text(stream: TextIO) -> None:
+    """Have a stream print as escapes what cannot be seen or turns text about: of any message.
+
+    Commands of the terminal itself go through: tables and progress bars are drawn by them.
+    """
+    write = stream.write
+
+    def escaped(text: str) -> int:
+        if text.isascii():
+            return write(text)
+        from ...scenarios import printable
+
+        return write("".join(c if c.isascii() else printable(c) for c in text))
+
+    stream.write = escaped  # type: ignore[method-assign]
 
 
 def to_json(value: Any) -> str:
@@ -101,7 +118,7 @@ def _beside(columns: Sequence[object]) -> int:
 
 
 def _least_width(text: str) -> int:
-    """Of a cell: its longest number, and as much of its names as can be read."""
+    """The least width of a cell: of its longest number, or of a readable part of its names."""
     words = text.split()
     return max((len(w) if _is_number(w) else min(len(w), NAME) for w in words), default=0)
 

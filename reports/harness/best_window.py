@@ -76,8 +76,8 @@ def _convergence_indices(sequence: SignalSequence) -> FloatArray:
     after = np.concatenate([changes[1:], [0.0]])
     # A change may be small by accident, and an order above the declared one need not last.
     least = sequence.declared_order + 1
-    held = np.maximum(changes, before / 2**least)
-    clean_index = SAFE / (2 ** (least - 2 * ORDER_SLACK) - 1) * held
+    bounded = np.maximum(changes, before / 2**least)
+    clean_index = SAFE / (2 ** (least - 2 * ORDER_SLACK) - 1) * bounded
     stalls = np.maximum(after, np.where(changes > before / 2, before, 0.0)) > changes / 2
     around = np.where(stalls, np.maximum(before, after), np.maximum(before, after) / 4)
     unclean_index = CAUTIOUS * np.maximum(changes, around)

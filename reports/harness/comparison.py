@@ -1,12 +1,22 @@
-"""Compares one run with the exact motion and with the scene's expectations of it."""
+"""Simulates one run, and compares it with the exact motion and with what the scene expects."""
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 
-from ...engines import Run
+from ...engines import Engine, Run
 from ...reference import Solution, drifts
-from ...scenarios import SIGNAL, Expect, Scenario, Trajectory, energy, energy_base, errors_between
+from ...scenarios import (
+    SIGNAL,
+    Expect,
+    FloatArray,
+    Scenario,
+    Trajectory,
+    energy,
+    energy_base,
+    error_series,
+)
 from ..results.records import Key, Row
 from .executors import CallFailed
 from .ladder import Rung
@@ -14,6 +24,48 @@ from .without_skill import no_better_than_rest
 
 #: An energy error of more than this many times the base is a blow-up.
 ABSURD_ENERGY = 10.0
+#: rad; turns are counted until the attitude is off by this.
+DEGREE = np.pi / 180
+
+#: Models kept: more than the methods of the scenes that run at the same time.
+MODELS = 64
+
+
+def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
+    """One run, in a worker; if it is ok or lags, with the equation residuals of its first steps."""
+    run = engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
+    if not (run.outcome == "ok" or run.cause == "lag"):
+        return run
+    is_single = run.cause == "precision"
+    model = _Model(engine.name, method, scenario.digest, is_single, engine, scenario)
+    residuals = _equation_residuals(model)
+    if not residuals:
+        return run
+    reason = "; ".join(filter(None, (run.reason, residuals)))
+    if run.outcome == "ok":
+        return replace(run, cause="law", reason=reason)
+    # A lag at however small a step is not a clamp.
+    return replace(run, outcome="failed", cause="clock", reason=reason)
+
+
+@dataclass(frozen=True)
+class _Model:
+    """A scene in an engine, by one method; equal by names and digest."""
+
+    engine_name: str
+    method: str
+    digest: str
+    single_precision: bool
+    engine: Engine = field(compare=False)
+    scenario: Scenario = field(compare=False)
+
+
+@lru_cache(maxsize=MODELS)
+def _equation_residuals(model: _Model) -> str:
+    """The residuals of its first steps, independent of the timestep: measured once a process."""
+    method = model.engine.method(model.method)
+    single = model.single_precision
+    return model.engine.equation_residuals(model.scenario, method, single_precision=single)
 
 
 def row_of(
@@ -54,8 +106,24 @@ def row_of(
         reason = "; ".join(filter(None, (row.reason, no_skill)))
         row = replace(row, cause=row.cause or "lost", reason=reason, without_skill=True)
     # A run that stopped early has no errors: those up to that time may be arbitrarily small.
-    errors = errors_between(scenario, motion, exact) if row.outcome == "ok" else None
-    return replace(row, errors=errors, drifts=drifts(scenario, motion), motion=motion)
+    series = error_series(scenario, motion, exact)
+    turned = _turns(exact)
+    beyond = np.flatnonzero(series["attitude"] > DEGREE)
+    return replace(
+        row,
+        errors=series.worst() if row.outcome == "ok" else None,
+        drifts=drifts(scenario, motion),
+        motion=motion,
+        turns=float(turned[-1]),
+        turns_within_1deg=float(turned[beyond[0]]) if len(beyond) else None,
+    )
+
+
+def _turns(exact: Trajectory) -> FloatArray:
+    """The turns that the exact motion has made by each sample, 2π rad each, (n,)."""
+    rates = np.linalg.norm(exact.omega_body, axis=1)
+    steps = (rates[1:] + rates[:-1]) / 2 * np.diff(exact.t)
+    return np.concatenate([[0.0], np.cumsum(steps)]) / (2 * np.pi)
 
 
 def unmet_expectations(expected: Expect, row: Row) -> list[str]:

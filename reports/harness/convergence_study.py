@@ -30,7 +30,7 @@ class SingleRun:
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class PlannedRun:
     """A run that a study asks for.
 
     Attributes
@@ -91,14 +91,14 @@ class ConvergenceStudy:
         """Scene, engine and method."""
         return Key(self.scenario.name, self.engine.name, self.method.name)
 
-    def runs(self) -> Generator[Asked, Row]:
+    def runs(self) -> Generator[PlannedRun, Row]:
         """Ask for one run after the other, and take its row: just made, or stored.
 
         First the single timesteps, then the ladder down to where it can be judged, then timesteps
         above it as long as they survive, then stock timesteps.
         """
         for single in self.singles:
-            row = yield Asked(single.rung, single.solution, "single")
+            row = yield PlannedRun(single.rung, single.solution, "single")
             self.single_rows.append(row)
             for expectation in single.expectations:
                 self.unmet += unmet_expectations(expectation, row)
@@ -106,27 +106,29 @@ class ConvergenceStudy:
             return
         for rung in self.ladder.rungs:
             judged = rung.timestep in self.judge.judged
-            self.rows.append((yield Asked(rung, self.solution, "ladder", judged)))
+            self.rows.append((yield PlannedRun(rung, self.solution, "ladder", judged)))
             self.judge.take(self.rows[-1])
             if self._is_down:
                 break
         is_alive = not self.rows or self.rows[0].survived
         for rung in self.ladder.above if is_alive else ():
-            self.above_rows.append((yield Asked(rung, thinned(self.solution, rung.every), "above")))
+            self.above_rows.append(
+                (yield PlannedRun(rung, thinned(self.solution, rung.every), "above"))
+            )
             if not self.above_rows[-1].survived:
                 break
         for run in self._stock_left:
             if run.rung and run.solution:
-                self.stock_rows.append((yield Asked(run.rung, run.solution, "stock")))
+                self.stock_rows.append((yield PlannedRun(run.rung, run.solution, "stock")))
 
-    def compare(self, asked: Asked, answer: Answer[Run]) -> Row:
+    def compare(self, planned: PlannedRun, answer: Answer[Run]) -> Row:
         """Compare a run that was asked for with the exact motion; returns its row."""
-        version, rung = self.engine.version, asked.rung
-        row = row_of(self.scenario, self.key, version, rung, answer.value, asked.solution)
+        version, rung = self.engine.version, planned.rung
+        row = row_of(self.scenario, self.key, version, rung, answer.value, planned.solution)
         is_stock = rung.timestep in stock_timesteps(self.engine)
-        made = self._defects(row, asked.solution)
+        made = self._defects(row, planned.solution)
         row = replace(row, printed=answer.printed, stock=is_stock, defects=made)
-        if self.rows and asked.use == "above" and not is_stock:
+        if self.rows and planned.use == "above" and not is_stock:
             # Its samples are not needed: finer runs are judged and drawn.
             row = replace(row, motion=None)
         return row

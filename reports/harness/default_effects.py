@@ -32,8 +32,8 @@ def take_defaults_away(study: ConvergenceStudy, executor: Executor, store: Store
     speed = float(np.linalg.norm(scenario.start.omega_body))
     if clamped_turn(speed, rung.timestep, method.max_rotation_per_step):
         return
-    asked = (scenario, engine, method, rung, solution)
-    effects = executor.call_at(engine.site, default_effects, *asked).value
+    arguments = (scenario, engine, method, rung, solution)
+    effects = executor.call_at(engine.site, default_effects, *arguments).value
     if isinstance(effects, DefaultEffects):
         store.put(effects)
 

@@ -27,11 +27,20 @@ CONTROLS = 3
 def effects_costs(
     scenario: Scenario, engine: Engine, methods: Sequence[Method]
 ) -> list[EffectsCost]:
-    """Time every distinct set of passes left out of a scene, by one method each."""
-    first: dict[tuple[str, ...], Method] = {}
+    """Time every distinct set of passes left out of a scene.
+
+    Of the methods that leave out the same, the first is timed, and one of the highest order, which
+    reports recommend.
+    """
+    alike: dict[tuple[str, ...], list[Method]] = {}
     for method in _able(scenario, engine, methods):
-        first.setdefault(engine.left_out(scenario, method), method)
-    costs = (effects_cost(scenario, engine, method) for method in first.values())
+        alike.setdefault(engine.left_out(scenario, method), []).append(method)
+    timed = {
+        method.name: method
+        for group in alike.values()
+        for method in (group[0], max(group, key=lambda one: one.order))
+    }
+    costs = (effects_cost(scenario, engine, method) for method in timed.values())
     return [one for one in costs if one is not None]
 
 

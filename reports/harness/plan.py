@@ -50,7 +50,7 @@ class Plan:
         return sum(len(scene.to_run) + scene.to_time for scene in self.scenes)
 
     def __str__(self) -> str:
-        """In words, how many stored results are used again; empty if none."""
+        """How many stored results are used again, in words; empty if none."""
         verdicts = self.there + sum(len(scene.to_run) for scene in self.scenes)
         counts = [f"{self.there} of {verdicts} results are stored already"] if self.there else []
         if self.outdated:

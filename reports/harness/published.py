@@ -57,7 +57,7 @@ def published_values(scenario: Scenario) -> Iterator[PublishedValue]:
 
 
 def published_that_do_not_hold(scenario: Scenario) -> Iterator[str]:
-    """In words, published values that differ from the exact motion by more than their tolerance."""
+    """The published values that differ from the exact motion by more than their tolerance."""
     for value in published_values(scenario):
         if not value.holds:
             yield (

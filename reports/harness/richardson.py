@@ -204,7 +204,7 @@ class RichardsonLadder:
         return np.where(is_clean, np.minimum(bound, CAUTIOUS * changes), bound)
 
     def _deviations(self, errors: FloatArray, allowed: FloatArray) -> tuple[Deviation | None, ...]:
-        """Of every signal; both are running maxima, (n, 6)."""
+        """The deviations of every signal; both are running maxima, (n, 6)."""
         is_wrong = (errors > DISTINCT * allowed) & (allowed <= ASYMPTOTIC)
         samples = [np.flatnonzero(one) for one in is_wrong[: self._samples_in_range()].T]
         times = self._exact.t

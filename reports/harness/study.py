@@ -23,12 +23,12 @@ from ..results.evidence import Evidence, JudgedRung
 from ..results.records import UNSOLVED, Key, Row, Verdict
 from ..results.store import Store
 from .choice import Choice
+from .comparison import simulate
 from .convergence_study import ConvergenceStudy, SingleRun
 from .default_effects import take_defaults_away
-from .executors import CallFailed, Executor, is_environmental, may_succeed_if_repeated
+from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
 from .ladder import Ladder, Rung, ladder, single
 from .plan import Plan, SceneLeft
-from .simulation import simulate
 from .stock import StockRun, stock_rung, stock_timesteps
 from .study_verdict import verdict_on
 from .timing import time_scene
@@ -120,18 +120,18 @@ def run_rungs(
     """
     scenario, engine, method = study.scenario, study.engine, study.method
     runs = study.runs()
-    asked = next(runs, None)
-    while asked is not None:
-        rung = asked.rung
+    planned = next(runs, None)
+    while planned is not None:
+        rung = planned.rung
         row = (stored or {}).get(rung.timestep)
-        if row is None or not asked.is_answered_by(row):
+        if row is None or not planned.is_answered_by(row):
             answer = executor.call_at(engine.site, simulate, engine, scenario, method.name, rung)
-            row = study.compare(asked, answer)
+            row = study.compare(planned, answer)
             yield row
         try:
-            asked = runs.send(row)
+            planned = runs.send(row)
         except StopIteration:
-            asked = None
+            planned = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +161,7 @@ class SceneReference:
         max_steps: int,
         stock: Sequence[float] = (),
     ) -> None:
-        self._asked = (scenario, timesteps, max_steps, stock)
+        self._arguments = (scenario, timesteps, max_steps, stock)
         self._solving = Lock()
         self._solved: Prepared | CallFailed | None = None
 
@@ -169,9 +169,9 @@ class SceneReference:
         """The exact motion, which is also stored, or the reason why it could not be solved."""
         with self._solving:
             if self._solved is None:
-                self._solved = executor.call(prepare, *self._asked).value
+                self._solved = executor.call(prepare, *self._arguments).value
                 if isinstance(self._solved, Prepared):
-                    store.put_scene(self._asked[0], self._solved.solution)
+                    store.put_scene(self._arguments[0], self._solved.solution)
             return self._solved
 
 
@@ -272,8 +272,8 @@ def _unsolved(
     """Store rows that say that the exact motion could not be found."""
     key = Key(scenario.name, engine.name, method.name)
     reason = f"the exact motion could not be found: {failure.reason}"
-    cause = failure.cause if is_environmental(failure.cause) else "unsolved"
-    store.put(Row(key, engine.version, UNSOLVED, "failed", reason, cause))
+    row = Row(key, engine.version, UNSOLVED, "failed", reason, cause_of_unsolved(failure))
+    store.put(row)
     verdict = Verdict(key, "failed", reason, timesteps=tuple(sorted(choice.timesteps)))
     store.put_verdict(verdict)
     return verdict

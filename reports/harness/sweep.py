@@ -23,7 +23,7 @@ from ..results.sweep_records import (
 )
 from ..results.sweep_tables import NO_SCENE
 from .choice import Choice, EngineMethod
-from .executors import CallFailed, Executor, is_environmental, may_succeed_if_repeated
+from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
 from .sweep_run import failed_point, run_point
 
 Progress = Callable[[str], None]
@@ -66,7 +66,7 @@ class SweepPlan:
                 yield PointLeft(point, to_run)
 
     def __str__(self) -> str:
-        """In words, how many stored points are used again; empty if none."""
+        """How many stored points are used again, in words; empty if none."""
         if not self.complete:
             return ""
         return f"{self.complete} of {self.total} points are stored already"
@@ -125,8 +125,7 @@ def _one_by_one(
     solved = executor.call(run_point, base, left.point, ()).value
     if isinstance(solved, CallFailed):
         reason = f"the exact motion could not be found: {solved.reason}"
-        cause = solved.cause if is_environmental(solved.cause) else "unsolved"
-        unsolved = CallFailed(reason, cause)
+        unsolved = CallFailed(reason, cause_of_unsolved(solved))
         return [failed_point(base, left.point, pair, unsolved) for pair in left.to_run]
     if len(left.to_run) == 1:
         return [failed_point(base, left.point, left.to_run[0], failure)]

@@ -206,7 +206,7 @@ def _unresolved(window: BestWindow, limit: str) -> tuple[str, float | None]:
 
 
 def _no_better(sequence: SignalSequence, a_step: float, all_steps: float) -> str:
-    """In words, the lowest error of a ladder that no finer timestep would resolve, and why.
+    """The lowest error of a ladder that no finer timestep would resolve, and why.
 
     Parameters
     ----------

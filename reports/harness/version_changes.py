@@ -137,7 +137,7 @@ def _in_words(
 
 
 def _equal(scene: SolvedScene, older: VersionRun, newer: VersionRun) -> str:
-    """In words, how equal two motions are; empty if they differ, or one is incomplete."""
+    """How equal two motions are, in words; empty if they differ, or one is incomplete."""
     if older.motion is None or newer.motion is None:
         return ""
     first, second = (

@@ -23,7 +23,7 @@ from ...scenarios import FloatArray, Scenario, Trajectory, angular_momentum_worl
 
 
 def no_better_than_rest(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> str:
-    """In words, the signals in which a run is no better than no motion; empty if there is none.
+    """The signals in which a run is no better than no motion, in words; empty if there is none.
 
     Parameters
     ----------

@@ -110,7 +110,7 @@ def _write_scenes(
 def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
     plain = gathered.plain
     return {
-        "answer": answer(gathered, {name for cost in results.effects for name in cost.left_out}),
+        "answer": answer(gathered, results.effects),
         "heat": heat_map(gathered),
         "first_signal": FIRST_SIGNAL,
         "stock": stock_table(plain),

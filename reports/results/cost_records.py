@@ -74,7 +74,7 @@ class EffectsCost(Record):
 
     @property
     def same_motion(self) -> str:
-        """In words, whether leaving things out changed the motion."""
+        """The answer whether leaving things out changed the motion, in words."""
         if self.difference == 0:
             return "the motion is identical to the last bit"
         return f"the motion differs by {self.difference:.1e}"

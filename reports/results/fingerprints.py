@@ -33,7 +33,6 @@ DECIDING = {
         "reports.harness.defects",
         "reports.harness.ladder",
         "reports.harness.richardson",
-        "reports.harness.simulation",
         "reports.harness.stock",
         "reports.harness.sweep_run",
     ),

@@ -185,6 +185,8 @@ class Row(Record):
     unasked : of an engine as shipped, what acted though the scene does not call for it, by the
         engine's names
     defects : by signal (`harness/defects.py`); None where the motion turns too far to be followed
+    turns : of the exact motion over the samples; 2π rad each
+    turns_within_1deg : likewise until the attitude is off by more than 1°; None if it never is
     """
 
     key: MethodKey
@@ -207,6 +209,8 @@ class Row(Record):
     stock: bool = False
     unasked: tuple[str, ...] = ()
     defects: dict[SignalName, Defect] | None = None
+    turns: Size | None = None
+    turns_within_1deg: Size | None = None
 
     def __post_init__(self) -> None:
         if self.errors is not None and self.outcome != "ok":
@@ -216,6 +220,18 @@ class Row(Record):
     def made(self) -> bool:
         """Whether the run was made: a stock timestep may be too coarse or too fine for a scene."""
         return self.cause != "timestep"
+
+    @property
+    def simulated(self) -> bool:
+        """Whether the engine can simulate the scene, with this timestep."""
+        return self.outcome != "unsupported"
+
+    @property
+    def attitude_a_turn(self) -> float | None:
+        """The median error that a turn adds to the attitude, rad, of its defects; None without."""
+        if not (self.defects and self.turns and self.motion):
+            return None
+        return self.defects["attitude"].p50 * (len(self.motion.t) - 1) / self.turns
 
     @property
     def survived(self) -> bool:

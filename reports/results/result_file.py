@@ -209,6 +209,11 @@ def _connected(path: Path, options: str) -> Iterator[sqlite3.Connection]:
         connection.text_factory = _text
         connection.execute("PRAGMA trusted_schema = OFF")
         connection.execute("PRAGMA cell_size_check = ON")
+        try:
+            connection.execute("SELECT count(*) FROM sqlite_master")
+        except UnicodeDecodeError:
+            # SQLite quotes what it cannot read of a schema, in bytes that are no text.
+            raise sqlite3.DatabaseError("its schema is not text") from None
         yield connection
 
 

@@ -215,7 +215,7 @@ class Store:
         step_limit : of the ladders asked for
         """
         where = "scenario = ? AND timesteps = ?"
-        stored = self.select(tables.VERDICTS, where, (scenario, _asked(timesteps)))
+        stored = self.select(tables.VERDICTS, where, (scenario, _as_stored(timesteps)))
         return [v for v in stored if v.step_limit is None or v.step_limit >= step_limit]
 
     def rows_of(self, key: Key) -> list[Row]:
@@ -271,7 +271,7 @@ class Store:
             },
             scenes=scenes,
             rows=rows,
-            verdicts=self._verdicts(_asked(timesteps)),
+            verdicts=self._verdicts(_as_stored(timesteps)),
             effects=self.select(tables.EFFECTS_COSTS, order=_SORTED),
             passes=self.select(tables.PASS_COSTS, order=_SORTED),
             defaults=self.select(tables.DEFAULT_EFFECTS, order=_SORTED),
@@ -281,8 +281,8 @@ class Store:
             stock_timesteps={e.name: e.stock_timestep for e in engines if e.stock_timestep},
         )
 
-    def _verdicts(self, asked: str) -> list[Verdict]:
-        where, values = ("timesteps = ?", (asked,)) if asked != _LADDER else ("TRUE", ())
+    def _verdicts(self, timesteps: str) -> list[Verdict]:
+        where, values = ("timesteps = ?", (timesteps,)) if timesteps != _LADDER else ("TRUE", ())
         order = f"{_SORTED}, timesteps = '{_LADDER}' DESC, rowid DESC"
         first: dict[Key, Verdict] = {}
         for verdict in self.select(tables.VERDICTS, where, values, order):
@@ -294,13 +294,13 @@ def _names(key: Key) -> tuple[str, str, str]:
     return key.scenario, key.engine, key.method
 
 
-def _asked(timesteps: Sequence[float]) -> str:
+def _as_stored(timesteps: Sequence[float]) -> str:
     """The timesteps asked for, s, as `Verdict.timesteps` are stored."""
     return json.dumps(sorted(timesteps))
 
 
 #: As they are stored of a ladder.
-_LADDER = _asked(())
+_LADDER = _as_stored(())
 
 
 @contextmanager

@@ -55,7 +55,7 @@ class SweepPoint:
         return json.dumps(parts, sort_keys=True)
 
     def __str__(self) -> str:
-        """In words."""
+        """The sweep in words."""
         parts = [f"{path} {value:.6g}" for path, value in self.numbers]
         if self.member is not None:
             parts.append(f"member {self.member[1]}")
@@ -238,7 +238,7 @@ class PointResult(Record):
 
 
 @dataclass(frozen=True)
-class AskedSweep(Record):
+class DefinedSweep(Record):
     """A sweep that was asked for, and the file of the scene that is varied."""
 
     scenario: SceneName

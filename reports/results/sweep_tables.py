@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...scenarios import Scenario
 from .sweep_records import (
-    AskedSweep,
+    DefinedSweep,
     Ensemble,
     EnsembleResult,
     Map,
@@ -36,7 +36,7 @@ class SweepTables:
 
     def put(self, sweep: Map | Ensemble, scenario: Scenario) -> None:
         """Store the definition of a sweep."""
-        self._store.put(AskedSweep(scenario.name, sweep, scenario.text))
+        self._store.put(DefinedSweep(scenario.name, sweep, scenario.text))
 
     def put_points(self, point: SweepPoint, results: Iterable[PointResult]) -> None:
         """Record the results at one point."""
@@ -57,13 +57,13 @@ class SweepTables:
             points[result.key.scenario].append(result)
         maps: list[MapResult] = []
         ensembles: list[EnsembleResult] = []
-        for asked in self._store.select(SWEEPS, order="scenario, sweep"):
-            scenario = as_result_file_error(asked.varied)()
-            results = as_result_file_error(_results)(asked.sweep, points[asked.scenario])
-            if isinstance(asked.sweep, Map):
-                maps.append(MapResult(asked.sweep, scenario, results))
+        for defined in self._store.select(SWEEPS, order="scenario, sweep"):
+            scenario = as_result_file_error(defined.varied)()
+            results = as_result_file_error(_results)(defined.sweep, points[defined.scenario])
+            if isinstance(defined.sweep, Map):
+                maps.append(MapResult(defined.sweep, scenario, results))
             else:
-                ensembles.append(EnsembleResult(asked.sweep, scenario, results))
+                ensembles.append(EnsembleResult(defined.sweep, scenario, results))
         return maps, ensembles
 
 

@@ -34,7 +34,7 @@ from .records import (
     Verdict,
 )
 from .result_file import ResultFileError
-from .sweep_records import AskedSweep, PointResult
+from .sweep_records import DefinedSweep, PointResult
 
 T = TypeVar("T")
 R = TypeVar("R", bound=Record)
@@ -189,7 +189,7 @@ PASS_COSTS = Table("pass_costs", PassCosts, _ONE_METHOD, _COST)
 DEFAULT_EFFECTS = Table("default_effects", DefaultEffects, _ONE_METHOD, _RUN)
 #: Results of a method on a scene.
 OF_STUDIES = (ROWS, EVIDENCE, VERDICTS, COSTS, EFFECTS_COSTS, PASS_COSTS, DEFAULT_EFFECTS)
-SWEEPS = Table("sweeps", AskedSweep, ("scenario", "sweep"), ("motion",))
+SWEEPS = Table("sweeps", DefinedSweep, ("scenario", "sweep"), ("motion",))
 POINTS = Table("points", PointResult, ("scenario", "place", "engine", "method"), _RUN)
 TABLES: tuple[Table[Any], ...] = (
     *(ENVIRONMENT, ENGINES, FINGERPRINTS, SCENES, SWEEPS, POINTS),

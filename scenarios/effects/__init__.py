@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from ..table import Table
+from ..values import Table
 from .drag import EFFECT as DRAG
 from .drag import DragTable
 from .effect import Effect, EffectTable

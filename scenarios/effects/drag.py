@@ -19,7 +19,7 @@ _WHERE = ("effects", "drag", "rotational")
 class DragTable(EffectTable):
     """A torque against the angular velocity."""
 
-    EXAMPLE: ClassVar[str] = "rotational = 1e-4                 # N m s: torque −c ω\n"
+    EXAMPLE: ClassVar[str] = "rotational = 1e-4                # N m s: torque −c ω\n"
 
     rotational: Positive = Field(description="N m s: torque −c ω")
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from mpmath import mp, mpf
 
 from ..float_array import FloatArray
-from ..table import Table
+from ..values import Table
 
 if TYPE_CHECKING:
     from ..scenario import Scenario

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 class GravityTable(EffectTable):
     """A uniform gravitational field."""
 
-    EXAMPLE: ClassVar[str] = "acceleration = [0.0, 0.0, -9.81]  # m/s², world axes\n"
+    EXAMPLE: ClassVar[str] = "acceleration = [0.0, 0.0, -9.81]   # m/s², world axes\n"
 
     acceleration: Vector = Field(description="m/s², world axes")
 

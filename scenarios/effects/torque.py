@@ -16,7 +16,7 @@ class TorqueTable(EffectTable):
     """A constant torque, in body axes or in world axes."""
 
     EXAMPLE: ClassVar[str] = (
-        "body = [0.0, 0.0, 1e-3]           # N m, in body axes; or world = […]\n"
+        "body = [0.0, 0.0, 1e-3]          # N m, in body axes; or world = […]\n"
     )
 
     body: Vector | None = Field(None, description="N m, constant in body axes")

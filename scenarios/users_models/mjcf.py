@@ -13,6 +13,12 @@ from .xml_tree import Element, read_xml, shown
 
 #: More bodies than any robot has; `replicate` can ask for any number.
 MAX_BODIES = 10_000
+#: Elements that counts may make together, and the elements that have counts: MuJoCo takes the
+#: square of their number in time.
+MAX_MADE = 4096
+COUNTED = ("replicate", "composite", "flexcomp")
+#: Of a number in <size>: keyframes, user data.
+MAX_SIZE = 10_000
 #: Included files, at most.
 MAX_INCLUDES = 256
 #: Elements that generate bodies.
@@ -24,7 +30,7 @@ ZEROS = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class Compiler:
-    """Of MuJoCo's compiler settings, those that say what the numbers of a file mean."""
+    """The settings of MuJoCo's compiler that say what the numbers of a file mean."""
 
     degrees: bool
     eulerseq: str
@@ -41,6 +47,8 @@ def read_mjcf(root: Element, folders: Folders) -> tuple[tuple[Link, ...], tuple[
     """
     _include(root, folders)
     _check_read(root, folders)
+    _check_made(root)
+    _check_sizes(root)
     reader = _Reader(_compiler(root))
     for world in root.all("worldbody"):
         reader.read(world, "", IDENTITY)
@@ -95,6 +103,33 @@ def _check_read(root: Element, folders: Folders) -> None:
                 f"<{element.tag}> of {shown(name)}: there is no such file inside the model's "
                 "folder or one given by '--package-path'"
             )
+
+
+def _check_made(root: Element) -> None:
+    """See that elements that are counted make no more than MuJoCo makes within a second."""
+    made = 0
+    left = [(root, 1)]
+    while left:
+        element, times = left.pop()
+        if element.tag in COUNTED and "count" in element.attributes:
+            counts = element.attributes["count"].split()
+            for count in numbers(element, "count", " ".join(counts), len(counts)):
+                times *= max(1, int(count))
+            made += times
+        elif times > 1:
+            made += times
+        if made > MAX_MADE:
+            element.refuse(f"<{element.tag}> makes more than {MAX_MADE} elements, nested ones too")
+        left += [(child, times) for child in element.children]
+
+
+def _check_sizes(root: Element) -> None:
+    """See that no table is asked for that fills the memory."""
+    for size in root.all("size"):
+        for key, text in size.attributes.items():
+            # The others are of motions, which are not computed here.
+            if key.startswith(("nkey", "nuser")) and numbers(size, key, text, 1)[0] > MAX_SIZE:
+                size.refuse(f"'{key}' of <size> must be at most {MAX_SIZE}, got {shown(text)}")
 
 
 def _compiler(root: Element) -> Compiler:
@@ -160,13 +195,9 @@ class _Reader:
 
     def _replicate(self, element: Element, parent: str, frame: Pose) -> None:
         count = int(vector(element, "count", 1)[0])
-        if count > MAX_BODIES:
-            element.refuse(f"'count' of <replicate> must be at most {MAX_BODIES}, got {count}")
         before, separator = len(self.links), element.attributes.get("sep", "")
         self.read(element, parent, frame)
         once = self.links[before:]
-        if len(once) * count > MAX_BODIES:
-            element.refuse(f"more than {MAX_BODIES} bodies")
         del self.links[before:]
         own = {link.name for link in once}
         for index in range(count):
@@ -207,7 +238,7 @@ def _pose(element: Element, compiler: Compiler) -> Pose:
 
 
 def _rotation(element: Element, compiler: Compiler) -> FloatArray:
-    """By whichever of MJCF's five ways it is given (XML reference, *Frame orientations*)."""
+    """The rotation, given in one of MJCF's five ways (XML reference, *Frame orientations*)."""
     stated_keys = [key for key in _BY if key in element.attributes]
     if len(stated_keys) > 1:
         element.refuse(

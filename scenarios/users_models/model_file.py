@@ -14,7 +14,7 @@ Format = Literal["urdf", "mjcf"]
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Of a frame in another: `p = position + R @ p_inner`; m."""
+    """The pose of a frame in another: `p = position + R @ p_inner`; m."""
 
     position: FloatArray
     R: FloatArray

@@ -21,7 +21,7 @@ def number(element: Element, key: str) -> float:
 def vector(
     element: Element, key: str, length: int, default: Sequence[float] | None = None
 ) -> tuple[float, ...]:
-    """So many finite numbers.
+    """A vector of so many finite numbers.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 from ..float_array import FloatArray
 from .model_file import IDENTITY, Link, Pose, Shape, Stated
 from .quantities import number, vector
-from .xml_tree import Element, shown
+from .xml_tree import MAX_DEPTH, Element, shown
 
 ZEROS = (0.0, 0.0, 0.0)
 _TENSOR = (("ixx", "ixy", "ixz"), ("ixy", "iyy", "iyz"), ("ixz", "iyz", "izz"))
@@ -71,15 +71,18 @@ def _check_tree(
             f"links {shown(roots[0])} and {shown(roots[1])} both hang on no joint; engines want "
             "one root"
         )
-    connected = set(roots)
+    depths = dict.fromkeys(roots, 0)
     for name in links:
-        path: list[str] = []
-        while name not in connected:
+        path: dict[str, None] = {}
+        while name not in depths:
             if name in path:
                 robot.refuse(f"joints lead from the link {shown(name)} back to itself")
-            path.append(name)
+            path[name] = None
             name = joints[name][0]
-        connected.update(path)
+        for below in reversed(path):
+            depths[below] = depths[joints[below][0]] + 1
+            if depths[below] > MAX_DEPTH:
+                links[below].refuse(f"links hang on each other more than {MAX_DEPTH} deep")
 
 
 def _link(name: str, element: Element, joint: tuple[str, Element] | None) -> Link:
@@ -112,7 +115,7 @@ def _stated(inertial: Element | None) -> Stated | None:
 
 
 def _pose(element: Element) -> Pose:
-    """Of the element's `origin`; R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    """The pose in the element's `origin`; R = Rz(yaw) Ry(pitch) Rx(roll)."""
     origin = element.only("origin")
     if origin is None:
         return IDENTITY

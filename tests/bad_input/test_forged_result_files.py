@@ -31,7 +31,7 @@ BLOBS = ("trajectory", "motion")
 BOMB = 1 << 26
 #: Place of a byte of an archive's first array, after its header of 59.
 IN_THE_FIRST_ARRAY = 100
-COMMANDS = ("\x1b[2J", "\x9b31m", "\u202e", "\x07", "\r")
+COMMANDS = ("\x1b[2J", "\x9b31m", "\u202e", "\u200e", "\ufeff", "\x07", "\r")
 HOSTILE = f"evil{''.join(COMMANDS)}"
 
 

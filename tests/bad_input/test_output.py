@@ -8,13 +8,14 @@ import subprocess
 import sys
 import tempfile
 import time
+from io import StringIO
 
 import command_line
 import pytest
 from default_signals import WITH_DEFAULT_SIGNALS
 from mutated_scenes import LEAST, written
 from spincheck.engines import engines
-from spincheck.reports.cli import executing
+from spincheck.reports.cli import executing, terminal
 from spincheck.reports.cli.stopping import ENDING, HEARING
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, NOT_RUN, to_json
 
@@ -175,3 +176,43 @@ def test_no_temporary_folder_is_reported_before_anything_is_run(tmp_path, monkey
     done = command_line.spincheck(command, "gazebo-box-tumbling", "--engine", "mujoco", *options)
     assert (done.returncode, done.stdout) == (NOT_RUN, "")
     assert done.stderr.endswith("'TMPDIR' names another\n")
+
+
+#: Turns text about, cannot be seen, begins a file.
+UNSEEN = ("\u202e", "\u200e", "\ufeff", "\u2066", "\u061c")
+
+
+@pytest.mark.parametrize("words", [("show",), ("run", "--engine"), ("--",), ("report",)])
+@pytest.mark.parametrize("character", UNSEEN, ids=ascii)
+def test_no_message_turns_text_about(words, character, tmp_path):
+    """Nor those that the libraries of the command line print themselves."""
+    name = f"evil{character}.toml"
+    (tmp_path / name).write_text("spincheck = 1")
+    done = command_line.spincheck(*words, name, cwd=tmp_path)
+    assert done.returncode == BAD_INPUT
+    assert "evil" in done.stderr
+    assert character not in done.stdout + done.stderr
+
+
+def test_tables_of_a_terminal_are_drawn(capsys):
+    stream = StringIO()
+    terminal.escape_what_turns_text(stream)
+    print("\x1b[1mθ\x1b[0m \u202etop", file=stream)
+    assert stream.getvalue() == "\x1b[1mθ\x1b[0m \\u202etop\n"
+
+
+@pytest.mark.parametrize("command", ["inspect", "import", "run", "report", "check", "list", "new"])
+def test_a_current_folder_that_was_deleted_is_no_traceback(tmp_path, command):
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    program = f"import os; os.rmdir({str(folder)!r}); {SPINCHECK}"
+    arguments = [] if command in ("list", "report") else ["robot.urdf"]
+    done = subprocess.run(
+        [sys.executable, "-c", program, command, *arguments],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "Traceback" not in done.stderr
+    assert done.returncode in (AGREES, BAD_INPUT, NOT_RUN)

@@ -12,7 +12,7 @@ import numpy as np
 from ....scenarios import Scenario
 from ...engine import COMMON_EFFECTS, Engine, Method
 from ...session import Session
-from ...world_session import HeldBody, WorldSession, world_script
+from ...world_session import WorldBody, WorldSession, world_script
 
 TORQUES = frozenset({"torque_body", "torque_world"})
 #: Number of coordinates that turn the body; they come first in a joint.
@@ -38,7 +38,7 @@ class Dart(Engine):
 
     @property
     def version(self) -> str:
-        """Of the installed package."""
+        """The version of the installed package."""
         return version("dartpy")
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
@@ -54,11 +54,13 @@ class Dart(Engine):
 class DartSession(WorldSession):
     """One body in a world of its own; its frame is at the joint."""
 
-    def held(self) -> HeldBody:
+    def world_body(self) -> WorldBody:
         """The body as its body node holds it, from the joint."""
-        held = self.world.body.getInertia()
+        inertia = self.world.body.getInertia()
         arm = np.zeros(3) if self.scenario.has_pivot else None
-        return HeldBody(held.getMass(), held.getLocalCOM(), np.array(held.getMoment()), arm)
+        return WorldBody(
+            inertia.getMass(), inertia.getLocalCOM(), np.array(inertia.getMoment()), arm
+        )
 
     def active(self) -> frozenset[str]:
         """What acts, as reported by world, joint and body node."""

@@ -13,7 +13,7 @@ from ....scenarios import FloatArray, Scenario
 from ...checks.read_back import EngineError
 from ...engine import COMMON_EFFECTS, Engine, Method
 from ...session import Session
-from ...world_session import HeldBody, WorldSession, world_script
+from ...world_session import WorldBody, WorldSession, world_script
 
 TORQUES = frozenset({"torque_body", "torque_world"})
 #: Relative rounding of a torque that was rotated.
@@ -47,7 +47,7 @@ class Drake(Engine):
 
     @property
     def version(self) -> str:
-        """Of the installed package."""
+        """The version of the installed package."""
         return version("drake")
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
@@ -74,14 +74,14 @@ class DrakeSession(WorldSession):
         """Not where the plant steps itself: its timestep is built in."""
         return not self.world.is_discrete
 
-    def held(self) -> HeldBody:
+    def world_body(self) -> WorldBody:
         """The body as the plant's context holds it, from the joint."""
-        held = self.world.body.CalcSpatialInertiaInBodyFrame(self.world.context)
-        mass, com = held.get_mass(), np.array(held.get_com())
-        about_origin = held.CalcRotationalInertia()
+        spatial = self.world.body.CalcSpatialInertiaInBodyFrame(self.world.context)
+        mass, com = spatial.get_mass(), np.array(spatial.get_com())
+        about_origin = spatial.CalcRotationalInertia()
         about_com = about_origin.ShiftToCenterOfMass(mass, com).CopyToFullMatrix3()
         arm = None if self.world.is_free else np.zeros(3)
-        return HeldBody(mass, com, np.array(about_com), arm)
+        return WorldBody(mass, com, np.array(about_com), arm)
 
     def advance(self, steps: int) -> None:
         """As the world does."""

@@ -15,7 +15,7 @@ from ...checks.read_back import EngineError
 from ...engine import COMMON_EFFECTS, Engine, Method
 from ...native_output import native_output
 from ...session import Session
-from ...world_session import HeldBody, WorldSession, world_script
+from ...world_session import WorldBody, WorldSession, world_script
 
 #: Types of the objects that a scene needs.
 KINDS = frozenset({"RigidBody", "Ground", "ConnectorCoordinate", "ConnectorRigidBodySpringDamper"})
@@ -58,7 +58,7 @@ class Exudyn(Engine):
 
     @property
     def version(self) -> str:
-        """Of the installed package."""
+        """The version of the installed package."""
         return version("exudyn")
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
@@ -84,7 +84,7 @@ class ExudynSession(WorldSession):
         """No: its node keeps the axes that suit the start it was opened with."""
         return False
 
-    def held(self) -> HeldBody:
+    def world_body(self) -> WorldBody:
         """The body as the object holds it, from the node; its com is where gravity acts."""
         system, R_axes_node = self.world.system, self.world.R_axes_node
         found = system.GetObject(self.world.body)
@@ -94,7 +94,7 @@ class ExudynSession(WorldSession):
         mass = float(found["mass"])
         of_com = mass * (com @ com * np.eye(3) - np.outer(com, com))
         inertia_com = R_axes_node @ of_node @ R_axes_node.T - of_com
-        return HeldBody(mass, com, inertia_com, None if self.world.is_free else np.zeros(3))
+        return WorldBody(mass, com, inertia_com, None if self.world.is_free else np.zeros(3))
 
     def advance(self, steps: int) -> None:
         """As the world does; checks that it took so many steps of the right length."""
@@ -136,9 +136,11 @@ class ExudynSession(WorldSession):
         return name if np.array_equal(vector, wanted) else f"a load of {vector.tolist()}"
 
     def _of_damper(self, found: Any) -> str:
-        wanted = np.diag([0.0] * 3 + [self.scene["drag"]] * 3)
-        is_drag = np.array_equal(found["damping"], wanted) and not np.any(found["stiffness"])
-        return "drag" if is_drag else "a spring or damper"
+        damping = np.diag(found["damping"])
+        # Rotations come last.
+        (name,) = self.damped_by(np.roll(damping, 3).tolist())
+        is_damper = np.array_equal(found["damping"], np.diag(damping))
+        return name if is_damper and not np.any(found["stiffness"]) else "a spring or damper"
 
     def close(self) -> None:
         """Drop the system."""

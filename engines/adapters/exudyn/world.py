@@ -31,14 +31,14 @@ def settings(solver):
     """How the solver steps; of a default step that fails, Exudyn takes halves."""
     own = OF_TRAPEZOIDAL_RULE if solver == "TrapezoidalIndex2" else {}
     steady = {} if solver == AS_SHIPPED else {"adaptiveStep": False}
-    told = exudyn.SimulationSettings()
-    told.solution.file.write = False
-    told.timeIntegration.numberOfSteps = 1
-    told.timeIntegration.solverType = getattr(exudyn.DynamicSolverType, solver)
+    simulation = exudyn.SimulationSettings()
+    simulation.solution.file.write = False
+    simulation.timeIntegration.numberOfSteps = 1
+    simulation.timeIntegration.solverType = getattr(exudyn.DynamicSolverType, solver)
     for name, value in (own | steady).items():
         *group, setting = name.split(".")
-        setattr(reduce(getattr, group, told.timeIntegration), setting, value)
-    return told
+        setattr(reduce(getattr, group, simulation.timeIntegration), setting, value)
+    return simulation
 
 
 class World:

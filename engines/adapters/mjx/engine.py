@@ -34,7 +34,7 @@ class MJX(Engine):
 
     @property
     def version(self) -> str:
-        """Of the installed package, and of the MuJoCo that compiles its models."""
+        """The versions of the package and of the MuJoCo that compiles its models."""
         return f"{version('mujoco-mjx')} (MuJoCo {mujoco.mj_versionString()})"
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:

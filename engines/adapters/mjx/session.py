@@ -33,15 +33,15 @@ class MJXSession(Session):
         model = mjx.put_model(compiled(lambda: _nameless(text).compile()))
         qpos, qvel = (jnp.array(numbers) for numbers in start_coordinates(scenario))
         data = mjx.make_data(model).replace(qpos=qpos, qvel=qvel)
-        self._held, model_tree = self._jax.tree.flatten(model)
+        self._still, model_tree = self._jax.tree.flatten(model)
         moving, data_tree = self._jax.tree.flatten(data)
         # As numpy's: the compiled loop takes none of JAX's weak types.
         self._moving = self._at_start = [np.asarray(leaf) for leaf in moving]
         self._trees = model_tree, data_tree
-        self._loop = _loop(self._trees, _kinds(self._held), _kinds(self._moving))
+        self._loop = _loop(self._trees, _kinds(self._still), _kinds(self._moving))
         # All else that it holds follows from the arrays; as numpy's, for MuJoCo's audit.
-        held = [np.asarray(leaf) for leaf in self._held]
-        self._model = self._jax.tree.unflatten(self._trees[0], held)
+        still = [np.asarray(leaf) for leaf in self._still]
+        self._model = self._jax.tree.unflatten(self._trees[0], still)
         self.record((), lambda _: None)
 
     @property
@@ -61,14 +61,14 @@ class MJXSession(Session):
             self._model = self._model.tree_replace(
                 {"opt.timestep": np.asarray(timestep, dtype=old.dtype)}
             )
-            self._held = self._jax.tree.leaves(self._model)
+            self._still = self._jax.tree.leaves(self._model)
         data = self._jax.tree.unflatten(self._trees[1], self._at_start)
         coordinates = coordinates_of(state, self._model.nv, self._model.body_ipos[-1])
         qpos, qvel = (numbers.astype(data.qpos.dtype) for numbers in coordinates)
         self._moving = self._jax.tree.leaves(data.replace(qpos=qpos, qvel=qvel))
 
     def read_body(self) -> BodyReading:
-        """From MJX's model."""
+        """The body in MJX's model."""
         return body_of(self._model)
 
     def read_state(self) -> State:
@@ -81,7 +81,7 @@ class MJXSession(Session):
         return np.concatenate([data.qpos, data.qvel])
 
     def states(self, snapshots: Sequence[FloatArray]) -> State:
-        """From qpos and qvel alone."""
+        """The states, read from qpos and qvel alone."""
         qpos, qvel = np.split(np.array(snapshots, dtype=float), [self._model.nq], axis=1)
         return states_of(qpos, qvel, self._model.body_ipos[-1])
 
@@ -105,7 +105,7 @@ class MJXSession(Session):
 
     def close(self) -> None:
         """Drop model and data."""
-        del self._held, self._moving, self._model
+        del self._still, self._moving, self._model
 
     def _data(self) -> Any:
         return self._jax.tree.unflatten(self._trees[1], [np.asarray(x) for x in self._moving])
@@ -115,7 +115,7 @@ class MJXSession(Session):
         padded = np.zeros(SAMPLES_A_CALL, dtype=np.int32)
         padded[: len(strides)] = strides
         _jax(self._is_double)
-        ended = self._loop(self._held, self._moving, padded, np.int32(len(strides)))
+        ended = self._loop(self._still, self._moving, padded, np.int32(len(strides)))
         self._moving, rows = self._jax.block_until_ready(ended)
         return np.asarray(rows)[: len(strides)]
 
@@ -148,13 +148,13 @@ def _kinds(arrays: Sequence[Any]) -> tuple[Kind, ...]:
 
 
 @cache
-def _loop(trees: Any, held: tuple[Kind, ...], moving: tuple[Kind, ...]) -> Any:
+def _loop(trees: Any, still: tuple[Kind, ...], moving: tuple[Kind, ...]) -> Any:
     """The compiled loop of steps: numbers are arguments; only the model's structure is compiled."""
     jax, jnp, mjx = import_module("jax"), import_module("jax.numpy"), import_module("mujoco.mjx")
     model_tree, data_tree = trees
 
-    def run(held: Any, moving: Any, strides: Any, count: Any) -> Any:
-        model = jax.tree.unflatten(model_tree, held)
+    def run(still: Any, moving: Any, strides: Any, count: Any) -> Any:
+        model = jax.tree.unflatten(model_tree, still)
 
         def step(_: int, moving: Any) -> Any:
             return jax.tree.leaves(mjx.step(model, jax.tree.unflatten(data_tree, moving)))
@@ -171,7 +171,7 @@ def _loop(trees: Any, held: tuple[Kind, ...], moving: tuple[Kind, ...]) -> Any:
 
     # Functions that were traced in the other precision do not fit MJX's any more.
     jax.clear_caches()
-    kinds = (held, moving, (((SAMPLES_A_CALL,), "int32"),), (((), "int32"),))
+    kinds = (still, moving, (((SAMPLES_A_CALL,), "int32"),), (((), "int32"),))
     held_as, moving_as, (strides_as,), (count_as,) = (
         [jax.ShapeDtypeStruct(*kind) for kind in part] for part in kinds
     )

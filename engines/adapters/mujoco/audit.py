@@ -124,17 +124,17 @@ def _has(model: Any, part: Callable[[Any], Any]) -> bool:
 def _wrong_strengths(
     effects: EffectsReading, drag: FloatArray, scenario: Scenario
 ) -> Iterator[str]:
-    """In words, the effects that act with another strength than the scene says."""
+    """The effects that act with another strength than the scene says, in words."""
     pairs = {
         "gravity": (effects.gravity_world, scenario.gravity_world),
         "drag": (np.diag(drag), np.full(3, scenario.drag)),
         "torque_body": (effects.torque_body, scenario.torque_body),
         "torque_world": (effects.torque_world, scenario.torque_world),
     }
-    for name, (held, wanted) in pairs.items():
+    for name, (got, wanted) in pairs.items():
         # Effects not called for, or missing, are reported elsewhere.
-        if wanted.any() and held.any() and (held != wanted.astype(held.dtype)).any():
-            yield f"{name} of {held.tolist()}, not {wanted.tolist()}"
+        if wanted.any() and got.any() and (got != wanted.astype(got.dtype)).any():
+            yield f"{name} of {got.tolist()}, not {wanted.tolist()}"
 
 
 def read_effects(model: Any) -> EffectsReading:
@@ -194,7 +194,7 @@ def _add_actuators(model: Any, reading: EffectsReading) -> list[str]:
 
 
 def _idle_passes(model: Any, effects: EffectsReading) -> frozenset[str]:
-    """In words, the passes that are on though nothing in the scene needs them."""
+    """The passes that are on though nothing in the scene needs them, in words."""
     has_damping = effects.joint_damping.any()
     needed = {"gravity"} | CONTACT_CHOICES
     needed |= {"damper", "eulerdamp"} if has_damping else set()

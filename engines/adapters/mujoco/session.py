@@ -66,7 +66,7 @@ class MuJoCoSession(Session):
         self._clock = clock.SHIPPED if has_clock else None
 
     def read_body(self) -> BodyReading:
-        """From the compiled model, its principal moments turned back into body axes."""
+        """The body of the compiled model, its principal moments turned back into body axes."""
         return body_of(self.model)
 
     def read_state(self) -> State:
@@ -138,7 +138,7 @@ class MuJoCoSession(Session):
         return self._bytes()
 
     def states(self, snapshots: Sequence[Snapshot]) -> State:
-        """From qpos and qvel alone: derived data (xipos, cvel) is one step old after a step."""
+        """The states, from qpos and qvel alone: derived data (xipos, cvel) is one step old."""
         nq = self.model.nq
         rows = _rows(snapshots)
         return states_of(rows[:, 2 : 2 + nq], rows[:, 2 + nq :], self._com_body)
@@ -249,9 +249,9 @@ def compiled(build: Callable[[], Any]) -> Any:
     MemoryError
         If there is not enough memory.
     """
-    heard: list[str] = []
+    messages: list[str] = []
     # Warnings of an editable model (MjSpec) are Python warnings.
-    with _hearing(heard), warnings.catch_warnings(record=True) as recorded:
+    with _hearing(messages), warnings.catch_warnings(record=True) as recorded:
         warnings.simplefilter("always")
         try:
             model = build()
@@ -259,17 +259,17 @@ def compiled(build: Callable[[], Any]) -> Any:
             if NO_MEMORY in str(error):
                 raise MemoryError(str(error)) from None
             raise EngineError(f"MuJoCo's compiler: {' '.join(str(error).split())}") from None
-    heard += [str(warning.message) for warning in recorded]
-    if heard:
-        raise EngineError(f"MuJoCo's compiler warned: {heard[0]}")
+    messages += [str(warning.message) for warning in recorded]
+    if messages:
+        raise EngineError(f"MuJoCo's compiler warned: {messages[0]}")
     return model
 
 
 @contextmanager
-def _hearing(heard: list[str]) -> Iterator[None]:
+def _hearing(messages: list[str]) -> Iterator[None]:
     """Collect MuJoCo's warnings; by default they go to the terminal and to MUJOCO_LOG.TXT."""
     previous = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(heard.append)
+    mujoco.set_mju_user_warning(messages.append)
     try:
         yield
     finally:

@@ -13,7 +13,7 @@ import numpy as np
 from ....scenarios import PUSHED, Scenario
 from ...engine import COMMON_EFFECTS, Engine, Method
 from ...session import Session
-from ...world_session import HeldBody, WorldSession, world_script
+from ...world_session import WorldBody, WorldSession, world_script
 
 WORLD = Path(__file__).with_name("world.py")
 
@@ -40,7 +40,7 @@ class Pinocchio(Engine):
 
     @property
     def version(self) -> str:
-        """Of the installed package."""
+        """The version of the installed package."""
         return version("pin")
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
@@ -56,11 +56,11 @@ class Pinocchio(Engine):
 class PinocchioSession(WorldSession):
     """One body; its joint is at the pivot, or else at the com."""
 
-    def held(self) -> HeldBody:
+    def world_body(self) -> WorldBody:
         """The body as the model holds it, from the joint."""
-        held = self.world.model.inertias[1]
+        inertia = self.world.model.inertias[1]
         arm = None if self.world.is_free else np.zeros(3)
-        return HeldBody(held.mass, np.array(held.lever), np.array(held.inertia), arm)
+        return WorldBody(inertia.mass, np.array(inertia.lever), np.array(inertia.inertia), arm)
 
     def active(self) -> frozenset[str]:
         """Gravity and pivot as in the model; torques as passed to `aba`."""

@@ -88,7 +88,7 @@ class World:
         return np.array([*moving, *(part / 2 for part in turning)])
 
     def acceleration(self, q, v):
-        """From the articulated-body algorithm."""
+        """The acceleration by the articulated-body algorithm."""
         torque = np.zeros(len(v))
         if self.is_pushed:
             R = pinocchio.Quaternion(q[-4:]).matrix()

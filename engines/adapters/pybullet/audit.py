@@ -48,7 +48,7 @@ def what_acts(steps: Steps, model: Model, scenario: Scenario) -> frozenset[str]:
     """
     acting = {*_world(model, scenario), *_holds(model), *_extras(model)}
     if np.isfinite(model.read_state().omega_body).all():
-        acting |= _felt(_Probe.of(steps, model, scenario))
+        acting |= _acting(_Probe.of(steps, model, scenario))
     return frozenset(acting)
 
 
@@ -77,7 +77,7 @@ def _holds(model: Model) -> set[str]:
 
 
 def _extras(model: Model) -> set[str]:
-    """In words, shapes that can collide, and other bodies that move."""
+    """The shapes that can collide, and other bodies that move, in words."""
     acting = set()
     for index in range(p.getNumBodies(model.client)):
         body = p.getBodyUniqueId(index, model.client)
@@ -108,7 +108,7 @@ class _Probe:
 
     Attributes
     ----------
-    held : the body as PyBullet holds it, already compared with the scene by the read-back
+    reading : the body as PyBullet holds it, already compared with the scene by the read-back
     push_world : N m, the scene's torques at the attitude of all probes, (3,)
     spin_world : rad/s, slow, (3,)
     """
@@ -116,7 +116,7 @@ class _Probe:
     steps: Steps
     model: Model
     scenario: Scenario
-    held: BodyReading
+    reading: BodyReading
     push_world: FloatArray
     spin_world: FloatArray
 
@@ -147,7 +147,7 @@ class _Probe:
     def gains(self, omega_world: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Momentum gained, N, and angular momentum, N m, a second of such a step; (3,) each."""
         before, after = self.after(omega_world)
-        force = self.held.mass * (after.velocity_world - before.velocity_world) / PROBE_STEP
+        force = self.reading.mass * (after.velocity_world - before.velocity_world) / PROBE_STEP
         return force, (self._momentum(after) - self._momentum(before)) / PROBE_STEP
 
     def resistance(self) -> FloatArray:
@@ -155,7 +155,7 @@ class _Probe:
         return self.gains(self.spin_world)[1] - self.gains(np.zeros(3))[1]
 
     def unlike(self) -> tuple[str, str, str]:
-        """In words, how torque, resistance and force differ from the scene's; empty if they do not.
+        """How torque, resistance and force differ from the scene's; empty if they do not.
 
         Gravity is off and so not part of the force; a body on a pivot has no force to compare.
         """
@@ -167,7 +167,7 @@ class _Probe:
             torque = f"a torque of {_size(at_rest)} N m at rest"
         if not _near(spinning - at_rest, -self.scenario.drag * self.spin_world, self.noise):
             resistance = f"a resistance of {_size(spinning - at_rest)} N m at {slow} rad/s"
-        faint = SLACK * PROBE_SPIN * self.held.mass
+        faint = SLACK * PROBE_SPIN * self.reading.mass
         if not (self.scenario.has_pivot or _near(momentum, np.zeros(3), faint)):
             force = f"a force of {_size(momentum)} N at {slow} m/s"
         return torque, resistance, force
@@ -175,9 +175,9 @@ class _Probe:
     @property
     def noise(self) -> float:
         """Noise of the measured torque, N m."""
-        arm = float(np.linalg.norm(self.held.com))
-        moments = np.linalg.eigvalsh(self.held.inertia_com)
-        largest_moment = float(moments[-1]) + self.held.mass * arm**2
+        arm = float(np.linalg.norm(self.reading.com))
+        moments = np.linalg.eigvalsh(self.reading.inertia_com)
+        largest_moment = float(moments[-1]) + self.reading.mass * arm**2
         push = float(np.linalg.norm(self.push_world))
         # What a torque adds to ω in the step also turns the body, and with it L.
         turned = (push + self.scenario.drag * PROBE_SPIN) * largest_moment / float(moments[0])
@@ -188,14 +188,14 @@ class _Probe:
         # Normalised to the last digit, as differences are divided by a very short time.
         q_world_body = state.q_world_body_wxyz / np.linalg.norm(state.q_world_body_wxyz)
         R_world_body = matrix(q_world_body)
-        L_world = R_world_body @ (self.held.inertia_com @ state.omega_body)
+        L_world = R_world_body @ (self.reading.inertia_com @ state.omega_body)
         if self.scenario.has_pivot:
-            L_world += self.held.mass * cross(state.com_world, state.velocity_world)
+            L_world += self.reading.mass * cross(state.com_world, state.velocity_world)
         return np.asarray(L_world)
 
 
-def _felt(probe: _Probe) -> set[str]:
-    """In words and names, torques, drag and damping, from the momentum gained in a step."""
+def _acting(probe: _Probe) -> set[str]:
+    """The names of effects that the momentum gained in a step shows: torques, drag, damping."""
     torque, resistance, force = probe.unlike()
     acting = {words for words in (torque, resistance, force) if words}
     if acting:

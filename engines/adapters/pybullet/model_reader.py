@@ -96,8 +96,8 @@ def _bodies(client: int, body: int) -> dict[str, BodyReading]:
             name = p.getJointInfo(body, link, client)[LINK_NAME]
         mass, _, moments, com, q_body_principal_xyzw, *_ = p.getDynamicsInfo(body, link, client)
         R = Rotation.from_quat(q_body_principal_xyzw).as_matrix()
-        held = BodyReading(mass, np.array(com), R @ np.diag(moments) @ R.T)
-        bodies[name.decode(errors="replace")] = held
+        reading = BodyReading(mass, np.array(com), R @ np.diag(moments) @ R.T)
+        bodies[name.decode(errors="replace")] = reading
     return bodies
 
 

@@ -1,7 +1,7 @@
 """A scene running in PyBullet: its steps, and the torques that no model element gives."""
 
 from collections.abc import Callable, Collection, Sequence
-from functools import cache, cached_property, partial
+from functools import cache, cached_property
 from math import isnan
 from struct import Struct
 from typing import final
@@ -21,6 +21,7 @@ from .audit import what_acts
 from .load import CLAMP, BodyRepresentation, load
 from .model import BASE, HUNG, Model
 from .pivot_limit import check_borne
+from .torques import torques
 from .worlds import give_back, take_world
 
 #: Largest number of steps in a native call, some 20 ms, as a call cannot be interrupted.
@@ -56,7 +57,7 @@ class PyBulletSession(Session):
         self._scenario, self._is_maximal = scenario, representation.maximal
         self.client, self.model = _open(scenario, representation, left_in)
         self._clamp = DEFAULT_CLAMP if CLAMP in representation.defaults else UNREACHED_VELOCITY
-        self._torques, self.at_once = _torques(self.model, scenario)
+        self._torques, self.at_once = torques(self.model, scenario)
         self.set_timestep(timestep)
 
     def read_body(self) -> BodyReading:
@@ -79,7 +80,7 @@ class PyBulletSession(Session):
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Of a body on a joint; the pose of any other is composed by PyBullet when it is loaded."""
+        """Whether the body is on a joint; any other pose is composed as it is loaded."""
         return self.model.link == HUNG
 
     def restart(self, state: State, timestep: float | None = None) -> None:
@@ -244,54 +245,6 @@ def _open(
         warning = f"; PyBullet printed: {printed.text.strip()}" if printed.text.strip() else ""
         raise type(error)(f"{error}{warning}", error.cause) from None
     return client, model
-
-
-def _torques(model: Model, scenario: Scenario) -> tuple[list[Callable[[], None]], bool]:
-    """What to apply before a call, and whether that call may take many steps.
-
-    PyBullet applies a torque in all steps of a call and clears it afterwards. A torque constant in
-    world axes, or on a joint, is right for all of them; any other must be set again every step.
-    """
-    torques: list[Callable[[], None]] = []
-    at_once = True
-    if scenario.torque_world.any():
-        torques.append(partial(_push, model, scenario.torque_world.tolist(), p.WORLD_FRAME))
-    if scenario.torque_body.any():
-        principal = model.body_from_principal.inv().apply(np.array(scenario.torque_body)).tolist()
-        if model.link == BASE:
-            torques.append(partial(_push, model, principal, p.LINK_FRAME))
-            at_once = False
-        else:
-            torques.append(partial(_push_joint, model, principal))
-    if scenario.drag:
-        if model.link == BASE:
-            torques.append(partial(_drag, model, scenario.drag))
-        else:
-            p.changeDynamics(
-                model.body, model.link, jointDamping=scenario.drag, physicsClientId=model.client
-            )
-        at_once = False
-    return torques, at_once
-
-
-def _push(model: Model, torque: list[float], frame: int) -> None:
-    p.applyExternalTorque(model.body, model.link, torque, frame, model.client)
-
-
-def _push_joint(model: Model, torque_principal: list[float]) -> None:
-    p.setJointMotorControlMultiDof(
-        model.body,
-        model.link,
-        p.TORQUE_CONTROL,
-        force=torque_principal,
-        physicsClientId=model.client,
-    )
-
-
-def _drag(model: Model, coefficient: float) -> None:
-    _, (x, y, z) = p.getBaseVelocity(model.body, model.client)
-    torque = (-coefficient * x, -coefficient * y, -coefficient * z)
-    p.applyExternalTorque(model.body, model.link, torque, p.WORLD_FRAME, model.client)
 
 
 @cache

@@ -15,7 +15,7 @@ from ...checks.read_back import EngineError
 from ...engine import COMMON_EFFECTS, Engine, Method
 from ...session import Session
 from ...world_parts import matrix, push
-from ...world_session import HeldBody, WorldSession, world_script
+from ...world_session import WorldBody, WorldSession, world_script
 
 #: rad: ANGULAR_MOTION_THRESHOLD of its sources: by default a body turns no further in a step.
 MOST_ROTATION_A_STEP = pi / 4
@@ -51,7 +51,7 @@ class Rapier3D(Engine):
 
     @property
     def version(self) -> str:
-        """Of the installed package."""
+        """The version of the installed package."""
         return version("rapier3d")
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
@@ -67,13 +67,13 @@ class Rapier3D(Engine):
 class Rapier3DSession(WorldSession):
     """One body, its origin the com."""
 
-    def held(self) -> HeldBody:
+    def world_body(self) -> WorldBody:
         """Its principal moments in the axes that they belong to, and the joint's anchor."""
-        held, joint, xyz = self.world.body.mass_properties, self.world.joint, self.module.xyz
-        axes = matrix(self.module.wxyz(held.principal_inertia_local_frame))
-        inertia = axes @ np.diag(xyz(held.principal_inertia)) @ axes.T
+        properties, joint, xyz = self.world.body.mass_properties, self.world.joint, self.module.xyz
+        axes = matrix(self.module.wxyz(properties.principal_inertia_local_frame))
+        inertia = axes @ np.diag(xyz(properties.principal_inertia)) @ axes.T
         arm = None if joint is None else xyz(joint.data.local_anchor2)
-        return HeldBody(self.world.body.mass, xyz(held.local_com), inertia, arm)
+        return WorldBody(self.world.body.mass, xyz(properties.local_com), inertia, arm)
 
     def advance(self, steps: int) -> None:
         """Step; Rapier reports a body whose numbers are not finite only after that step."""
@@ -91,15 +91,15 @@ class Rapier3DSession(WorldSession):
         motion = self.world.motion()
         wanted = push(self.scene, matrix(motion[:4]), motion[4:7])
         self.world.push()
-        held = self.module.xyz(body.user_torque)
-        torque = np.linalg.norm(held - wanted) <= SLACK * np.linalg.norm(held)
+        got = self.module.xyz(body.user_torque)
+        torque = np.linalg.norm(got - wanted) <= SLACK * np.linalg.norm(got)
         gravity = self.module.xyz(world.gravity) * body.gravity_scale
         right = np.allclose(gravity, scenario.gravity_world, rtol=SLACK, atol=0)
         named = {
             "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
             "pivot": len(world.impulse_joints) == 1,
             "joints": len(world.impulse_joints) > 1 or len(world.multibody_joints) > 0,
-            f"a torque of {held.tolist()} N m": not torque,
+            f"a torque of {got.tolist()} N m": not torque,
             "damping": body.linear_damping or body.angular_damping,
             "sleeping": body.activation.angular_threshold > 0,
             "a collision shape": len(world.colliders) > 0,
@@ -108,4 +108,4 @@ class Rapier3DSession(WorldSession):
         }
         acting = {name for name, acts in named.items() if acts}
         stated_effects = scenario.called_for & PUSHED
-        return frozenset(acting | stated_effects if held.any() else acting)
+        return frozenset(acting | stated_effects if got.any() else acting)

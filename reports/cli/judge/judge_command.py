@@ -47,8 +47,8 @@ def judge(
     from ..named_scenes import one_scene
     from .judging import judged_files, judgement_as_json, print_judgement
 
-    asked = (quaternion, omega, timestep or [], fail_above or [])
-    judgement = judged_files(one_scene(scenario), files, *asked)
+    options = (quaternion, omega, timestep or [], fail_above or [])
+    judgement = judged_files(one_scene(scenario), files, *options)
     if as_json:
         print(to_json(judgement_as_json(judgement)))
     else:

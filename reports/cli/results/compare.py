@@ -75,7 +75,7 @@ def _line(group: Sequence[Change]) -> dict[str, object]:
 
 
 def _ratio(change: Change) -> float:
-    """By what factor an error changed, at least 1; 0 for any other kind of change."""
+    """The factor by which an error changed, at least 1; 0 for any other kind of change."""
     if not isinstance(change.old, float) or not isinstance(change.new, float):
         return 0.0
     low, high = sorted((change.old, change.new))

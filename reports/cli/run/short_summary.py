@@ -22,7 +22,7 @@ from ...results.verdict_words import RANKS
 
 WIDTH = 80
 #: Lines that one reason may take, and scenes whose best choice is printed one by one.
-REASON_LINES, SCENES_TOLD = 3, 3
+REASON_LINES, SCENES_PRINTED = 3, 3
 #: Methods whose errors are printed, at most: engines as shipped, smallest errors first, then each
 #: engine's most accurate method, at least `OTHERS` of them.
 METHODS_SHOWN, OTHERS = 8, 3
@@ -103,12 +103,12 @@ def _at_stock(report: ReportData) -> Iterator[str]:
 
 
 def _best(report: ReportData) -> Iterator[str]:
-    """Of few scenes, the cheapest accurate run of each; of many, the method most often best."""
+    """The cheapest accurate run of each of few scenes; the methods most often best on many."""
     choices = {scene.name: best_choice(scene) for scene in report.scenes if scene.solved}
     best = {name: choice for name, choice in choices.items() if choice is not None}
     if not best:
         return
-    if len(best) > SCENES_TOLD:
+    if len(best) > SCENES_PRINTED:
         methods = Counter(_named(choice.runs) for choice in best.values())
         often = ", ".join(f"{name} on {count}" for name, count in methods.most_common(3))
         yield from textwrap.wrap(f"Best choice (within 0.1° and 1e-3 in ω): {often}.", WIDTH)

@@ -95,7 +95,7 @@ def run_members(
     scenes: list[str],
     members: int,
     seed: int,
-    asked: tuple[list[str], list[str], list[float]],
+    selection: tuple[list[str], list[str], list[float]],
     time_limit: float | None,
     again: bool,
     where: "Where",
@@ -106,7 +106,7 @@ def run_members(
 
     Parameters
     ----------
-    asked : engines, methods, timesteps
+    selection : engines, methods, timesteps
     time_limit : s, that a call may take, if one was chosen
     again : whether members that the file holds already are run again
     where, out : where runs are made, and the result file
@@ -117,7 +117,7 @@ def run_members(
 
     if len(scenes) != 1:
         raise Complaint(f"'--ensemble' takes one scene, got {len(scenes)}", BAD_INPUT)
-    choice = choose_for_sweep(*asked, time_limit, again=again)
+    choice = choose_for_sweep(*selection, time_limit, again=again)
     sweep = run_ensemble(scenes[0], members, seed, choice, where, out)
     if as_json:
         print(to_json(sweep_as_json(sweep)))

@@ -53,10 +53,10 @@ def run_map(
         If an argument cannot be used, or the run was stopped.
     """
     base = one_scene(scene)
-    asked = _map(base, ranges, choice)
-    if _DURATION not in (axis.path for axis in asked.axes):
+    sweep = _map(base, ranges, choice)
+    if _DURATION not in (axis.path for axis in sweep.axes):
         check_timesteps([base], choice)
-    return MapResult(asked, base, _carried_out(asked, base, choice, where, out))
+    return MapResult(sweep, base, _carried_out(sweep, base, choice, where, out))
 
 
 def run_ensemble(
@@ -76,8 +76,8 @@ def run_ensemble(
     base = one_scene(scene)
     check_timesteps([base], choice)
     _check_members(members, seed)
-    asked = Ensemble(base.name, members, seed, _timestep(choice))
-    return EnsembleResult(asked, base, _carried_out(asked, base, choice, where, out))
+    sweep = Ensemble(base.name, members, seed, _timestep(choice))
+    return EnsembleResult(sweep, base, _carried_out(sweep, base, choice, where, out))
 
 
 def member_text(scene: str, seed: int, number: int) -> str:
@@ -185,7 +185,7 @@ def _timestep(choice: Choice) -> float | None:
 
 
 def _carried_out(
-    asked: Map | Ensemble,
+    sweep: Map | Ensemble,
     base: Scenario,
     choice: Choice,
     where: Where,
@@ -194,7 +194,7 @@ def _carried_out(
     """Run what is missing, and return the points of the methods chosen."""
     try:
         with saying(gone_on_with(out)), open_store(out, create=True) as store:
-            left = plan_sweep(asked, base, choice, store)
+            left = plan_sweep(sweep, base, choice, store)
             if str(left):
                 say(f"{out}: {left}")
             if left.missing:
@@ -204,7 +204,7 @@ def _carried_out(
                 ):
                     run_sweep(left, base, store, executor, advance)
             pairs = {(engine.name, method.name) for engine, method in choice.pairs()} | {("", "")}
-            points = store.sweeps.points(asked)
+            points = store.sweeps.points(sweep)
             return tuple(p for p in points if (p.key.engine, p.key.method) in pairs)
     except ResultFileError as error:
         raise Complaint(str(error), BAD_INPUT) from None

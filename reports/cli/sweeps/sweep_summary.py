@@ -89,7 +89,7 @@ def _place(point: PointResult, names: Sequence[str]) -> str:
 
 def flat_records(sweep: MapResult | EnsembleResult) -> list[dict[str, Any]]:
     """Points as flat records: their coordinates are one column of JSON, as they differ by sweep."""
-    asked = "map" if isinstance(sweep.sweep, Map) else f"seed {sweep.sweep.seed}"
+    kind = "map" if isinstance(sweep.sweep, Map) else f"seed {sweep.sweep.seed}"
     names = sweep.sweep.names
     records = [point_record(point, names) for point in sweep.points]
-    return [{"sweep": asked, **record, "at": json.dumps(record["at"])} for record in records]
+    return [{"sweep": kind, **record, "at": json.dumps(record["at"])} for record in records]

@@ -11,8 +11,8 @@ from ...harness.users_models import (
     CannotInspectError,
     InspectedLink,
     Inspection,
-    asked_engines,
     inspect_model,
+    reader_engines,
 )
 from ...harness.users_models.findings import (
     cell_text,
@@ -55,12 +55,12 @@ def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator
         If no engine can be asked.
     """
     try:
-        asked = asked_engines(engines)
-        if not asked:
+        readers = reader_engines(engines)
+        if not readers:
             raise Complaint("no engine is installed that reads model files", NOT_RUN)
         with LocalWorkers(1, READ_LIMIT) as worker:
             for model in models:
-                yield inspect_model(model, worker, asked)
+                yield inspect_model(model, worker, readers)
     except CannotInspectError as error:
         raise Complaint(str(error), BAD_INPUT) from None
 
@@ -113,15 +113,15 @@ def print_inspection(inspection: Inspection) -> None:
 def _has_something(link: InspectedLink) -> bool:
     """Whether the file states an inertial of a link, or an engine derives it from its shapes."""
     return link.link.stated is not None or any(
-        held.agrees is None and held.body is not None for held in link.held
+        reading.agrees is None and reading.body is not None for reading in link.readings
     )
 
 
 def _row(link: InspectedLink, heads: Sequence[tuple[str, str]]) -> dict[str, object]:
     stated = link.link.stated
     cells = {
-        _heading(engine, configuration): cell_text(held)
-        for (engine, configuration), held in zip(heads, link.held, strict=True)
+        _heading(engine, configuration): cell_text(reading)
+        for (engine, configuration), reading in zip(heads, link.readings, strict=True)
     }
     return {"link": link.link.name, "kg": stated and stated.mass, **cells}
 

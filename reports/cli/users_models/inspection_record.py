@@ -4,7 +4,7 @@ from typing import Any
 
 from ....engines.checks.read_back import BodyReading
 from ....scenarios.users_models import Stated
-from ...harness.users_models import Held, InspectedLink, Inspection
+from ...harness.users_models import InspectedLink, Inspection, LinkReading
 from ...harness.users_models.findings import added_masses, stated_mass
 
 
@@ -22,10 +22,10 @@ def record(inspection: Inspection) -> dict[str, Any]:
             ),
             "held_wrongly": {
                 f"{engine} {configuration}": sum(
-                    held.agrees is False
+                    reading.agrees is False
                     for link in inspection.links
-                    for held in link.held
-                    if (held.engine, held.configuration) == (engine, configuration)
+                    for reading in link.readings
+                    if (reading.engine, reading.configuration) == (engine, configuration)
                 )
                 for engine, configuration in columns(inspection)
             },
@@ -43,21 +43,21 @@ def _link_record(link: InspectedLink) -> dict[str, Any]:
         "problems": [
             {"kind": p.kind, "impossible": p.impossible, "text": p.text} for p in link.problems
         ],
-        "held": [_held_record(held) for held in link.held],
+        "held": [_reading_record(reading) for reading in link.readings],
     }
 
 
-def _held_record(held: Held) -> dict[str, Any]:
-    difference = held.difference
-    apart = held.attitude_apart_deg
+def _reading_record(reading: LinkReading) -> dict[str, Any]:
+    difference = reading.difference
+    apart = reading.attitude_apart_deg
     return {
-        "engine": held.engine,
-        "engine_version": held.engine_version,
-        "configuration": held.configuration,
-        **(_body_record(held.body) or {"mass": None, "com": None, "inertia": None}),
-        "agrees": held.agrees,
-        "cause": held.cause,
-        "fused": list(held.fused),
+        "engine": reading.engine,
+        "engine_version": reading.engine_version,
+        "configuration": reading.configuration,
+        **(_body_record(reading.body) or {"mass": None, "com": None, "inertia": None}),
+        "agrees": reading.agrees,
+        "cause": reading.cause,
+        "fused": list(reading.fused),
         "difference": None if difference is None else vars(difference),
         "attitude_apart_deg": apart and {f"{time:g}": angle for time, angle in apart.items()},
     }
@@ -72,7 +72,7 @@ def _body_record(body: Stated | BodyReading | None) -> dict[str, Any] | None:
 
 def columns(inspection: Inspection) -> list[tuple[str, str]]:
     """Engine and configuration of each reading of the file."""
-    return [(held.engine, held.configuration) for held in inspection.links[0].held]
+    return [(reading.engine, reading.configuration) for reading in inspection.links[0].readings]
 
 
 def is_stated(link: InspectedLink) -> bool:

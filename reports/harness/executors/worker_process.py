@@ -159,8 +159,8 @@ class WorkerProcess:
     def _take_output(self) -> None:
         """Run in a thread: read all output and keep the end of it."""
         descriptor = _raw(self._process.stderr).fileno()
-        while heard := os.read(descriptor, PIPE_SIZE):
-            self._printed = (self._printed + heard)[-KEPT_OUTPUT - len(self._mark) :]
+        while received := os.read(descriptor, PIPE_SIZE):
+            self._printed = (self._printed + received)[-KEPT_OUTPUT - len(self._mark) :]
             if self._mark in self._printed:
                 self._printed_all.set()
         self._printed_all.set()

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from ....engines.fault import ENVIRONMENTAL
+from ....engines.fault import ENVIRONMENTAL, Cause
 from ....engines.lost_process import Overdue, death, wait_for_answer
 from ....scenarios import printable
 from .executor import Answer, CallFailed, ExecutorStopped
@@ -123,6 +123,16 @@ class WorkerSlot:
 def is_environmental(cause: str) -> bool:
     """Whether a cause lies in the machine, not in what was called."""
     return cause in ENVIRONMENTAL
+
+
+def cause_of_unsolved(failure: CallFailed) -> Cause:
+    """The cause of a run that was not made because the exact motion could not be found.
+
+    A solver that was killed, by whatever signal, is one that is tried again: no engine is in it.
+    """
+    if failure.cause in ENVIRONMENTAL:
+        return failure.cause
+    return "killed" if failure.cause == "crash" else "unsolved"
 
 
 def may_succeed_if_repeated(cause: str, reason: str, time_limit: float | None) -> bool:

@@ -52,7 +52,7 @@ Mistake = Callable[[Reading], Reading | None]
 
 
 def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[str]:
-    """In words, the mistakes that explain why a recording is not the exact motion; often none.
+    """The mistakes that explain why a recording is not the exact motion; often none.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
 
 
 def _starts_elsewhere(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[str]:
-    """In words, that the first sample is none of the scene's; empty if it is, or nearly so."""
+    """The message that the first sample is not on the scene's motion; empty if it nearly is."""
     first = reading.with_arrays(**{k: v[:1] for k, v in reading.recording.arrays.items()})
     if "omega" not in first.recording.arrays:
         return []

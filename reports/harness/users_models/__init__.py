@@ -1,14 +1,14 @@
 """Compares users' models as engines hold them with what their files state."""
 
-from .inspect import Asked, CannotInspectError, asked_engines, inspect_model
-from .records import Held, InspectedLink, Inspection
+from .inspect import CannotInspectError, ReaderEngine, inspect_model, reader_engines
+from .records import InspectedLink, Inspection, LinkReading
 
 __all__ = [
-    "Asked",
     "CannotInspectError",
-    "Held",
     "InspectedLink",
     "Inspection",
-    "asked_engines",
+    "LinkReading",
+    "ReaderEngine",
     "inspect_model",
+    "reader_engines",
 ]

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from .records import Held, InspectedLink, Inspection
+from .records import InspectedLink, Inspection, LinkReading
 
 #: Links that a line names.
 MOST_NAMES = 3
@@ -43,15 +43,15 @@ def differences(inspection: Inspection) -> list[Finding]:
         for (engine, configuration), reason in inspection.refusals.items()
     ]
     wrong = [
-        (held, link.link.name)
+        (reading, link.link.name)
         for link in inspection.links
-        for held in link.held
-        if held.agrees is False
+        for reading in link.readings
+        if reading.agrees is False
     ]
     wrong.sort(key=lambda one: badness(one[0]), reverse=True)
     return refused + _grouped(
-        (f"{held.engine} {held.configuration}", f"{held.cause}{_apart(held)}", name)
-        for held, name in wrong
+        (f"{reading.engine} {reading.configuration}", f"{reading.cause}{_apart(reading)}", name)
+        for reading, name in wrong
     )
 
 
@@ -62,13 +62,13 @@ def stated_mass(inspection: Inspection) -> float:
 
 
 def added_masses(inspection: Inspection) -> dict[str, float]:
-    """By configuration, the total mass, kg, of bodies for which the file states nothing."""
+    """The total mass, kg, of bodies for which the file states nothing, by configuration."""
     added: dict[str, float] = {}
     for link in inspection.links:
-        for held in link.held:
-            if held.kind == "nothing stated" and held.body is not None and held.body.mass:
-                who = f"{held.engine} {held.configuration}"
-                added[who] = added.get(who, 0.0) + held.body.mass
+        for reading in link.readings:
+            if reading.kind == "nothing stated" and reading.body is not None and reading.body.mass:
+                who = f"{reading.engine} {reading.configuration}"
+                added[who] = added.get(who, 0.0) + reading.body.mass
     return added
 
 
@@ -80,8 +80,8 @@ def weight_in_words(inspection: Inspection) -> str:
         by_mass.setdefault(f"{stated + added:.4g} kg in", []).append(who)
     if not by_mass:
         return ""
-    held = "; ".join(f"{mass} {' and '.join(who)}" for mass, who in by_mass.items())
-    return f"Its links weigh {stated:.4g} kg together; {held}."
+    masses = "; ".join(f"{mass} {' and '.join(who)}" for mass, who in by_mass.items())
+    return f"Its links weigh {stated:.4g} kg together; {masses}."
 
 
 def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
@@ -103,21 +103,21 @@ def worst_links(inspection: Inspection) -> list[InspectedLink]:
         if link.link.stated is not None and (not link.is_well or link.problems)
     ]
     return sorted(
-        wrong, key=lambda link: max(map(badness, link.held), default=(0.0, 0.0)), reverse=True
+        wrong, key=lambda link: max(map(badness, link.readings), default=(0.0, 0.0)), reverse=True
     )
 
 
-def badness(held: Held) -> tuple[float, float]:
+def badness(reading: LinkReading) -> tuple[float, float]:
     """Attitude apart at the latest time, degrees, and the size of the difference.
 
     A body for which the file states nothing counts as worse than any that is held wrongly.
     """
-    if held.agrees is not False:
+    if reading.agrees is not False:
         return (0.0, 0.0)
-    if held.kind == "nothing stated":
-        return (float("inf"), held.body.mass if held.body else 0.0)
-    apart = held.attitude_apart_deg
-    worst = held.difference.worst if held.difference is not None else 0.0
+    if reading.kind == "nothing stated":
+        return (float("inf"), reading.body.mass if reading.body else 0.0)
+    apart = reading.attitude_apart_deg
+    worst = reading.difference.worst if reading.difference is not None else 0.0
     return (max(apart.values()) if apart else 0.0, worst)
 
 
@@ -132,28 +132,28 @@ def _grouped(entries: Iterable[tuple[str, str, str]]) -> list[Finding]:
     return [Finding(who, tuple(names), text) for (who, text), names in alike.items()]
 
 
-def _apart(held: Held) -> str:
-    apart = held.attitude_apart_deg
+def _apart(reading: LinkReading) -> str:
+    apart = reading.attitude_apart_deg
     if apart is None:
         return ""
     angles = " and ".join(f"{angle:.3g}° after {time:g} s" for time, angle in apart.items())
     return f"; attitude off by {angles} of tumbling"
 
 
-def cell_text(held: Held) -> str:
+def cell_text(reading: LinkReading) -> str:
     """The text of a cell: how one configuration holds one link."""
-    if held.kind == "refused":
+    if reading.kind == "refused":
         return "refused"
-    if held.agrees is None:
-        if held.body is None and held.cause:
+    if reading.agrees is None:
+        if reading.body is None and reading.cause:
             return "fused"
-        return "by shapes" if held.body is not None and held.cause else NOTHING
-    if held.agrees:
+        return "by shapes" if reading.body is not None and reading.cause else NOTHING
+    if reading.agrees:
         return FINE
-    if held.difference is None:
-        return f"{held.body.mass:.3g} kg" if held.body else NOTHING
-    apart = held.attitude_apart_deg
-    return _share(held.difference.worst) + (f", {apart[1.0]:.0f}°" if apart is not None else "")
+    if reading.difference is None:
+        return f"{reading.body.mass:.3g} kg" if reading.body else NOTHING
+    apart = reading.attitude_apart_deg
+    return _share(reading.difference.worst) + (f", {apart[1.0]:.0f}°" if apart is not None else "")
 
 
 def _share(share: float) -> str:

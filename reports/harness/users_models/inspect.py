@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from ....engines import EngineError
 from ....engines.checks.read_back import BodyReading
-from ....engines.users_models import AGREES, cause, difference, held_of_nothing
+from ....engines.users_models import AGREES, cause, difference, unstated_body
 from ....engines.users_models.model_reader import Configuration, ModelReader, model_readers
 from ....engines.versions import VersionError, versioned
 from ....scenarios import did_you_mean
@@ -13,7 +13,7 @@ from ....scenarios.users_models import FileProblem, Link, ModelFile, fused, prob
 from ....scenarios.users_models.model_file import Pose, welded
 from ..executors import CallFailed, Executor
 from .motion_apart import attitude_apart_deg
-from .records import Held, InspectedLink, Inspection
+from .records import InspectedLink, Inspection, LinkReading
 
 #: CPU s for one engine to read one file, meshes included; the largest take a few.
 READ_LIMIT = 60.0
@@ -28,7 +28,7 @@ class CannotInspectError(Exception):
 
 
 @dataclass(frozen=True)
-class Asked:
+class ReaderEngine:
     """An engine that reads model files, at some version.
 
     Attributes
@@ -43,7 +43,7 @@ class Asked:
     reader: ModelReader
 
 
-def asked_engines(names: Sequence[str] = ()) -> list[Asked]:
+def reader_engines(names: Sequence[str] = ()) -> list[ReaderEngine]:
     """The engines of those names; all that are installed if no name is given.
 
     An engine@version is installed first if necessary.
@@ -54,7 +54,7 @@ def asked_engines(names: Sequence[str] = ()) -> list[Asked]:
         If there is no such engine, or version of it.
     """
     readers = model_readers()
-    asked = []
+    chosen = []
     for name in dict.fromkeys(names or readers):
         base, at, _ = name.partition("@")
         if base not in readers:
@@ -68,11 +68,13 @@ def asked_engines(names: Sequence[str] = ()) -> list[Asked]:
         except VersionError as error:
             raise CannotInspectError(f"'--engine' {error}") from None
         version, site = (engine.version, engine.site) if engine else (reader.version, "")
-        asked.append(Asked(name, version, site, reader))
-    return asked
+        chosen.append(ReaderEngine(name, version, site, reader))
+    return chosen
 
 
-def inspect_model(model: ModelFile, executor: Executor, engines: Sequence[Asked]) -> Inspection:
+def inspect_model(
+    model: ModelFile, executor: Executor, engines: Sequence[ReaderEngine]
+) -> Inspection:
     """Read a model with every configuration of some engines, and compare.
 
     Parameters
@@ -89,7 +91,7 @@ def inspect_model(model: ModelFile, executor: Executor, engines: Sequence[Asked]
         names = ", ".join(engine.name for engine in engines) or "no installed engine"
         raise CannotInspectError(f"{names} cannot read {model.format.upper()}")
     faults = {link.name: problems(link) for link in model.links}
-    held: dict[str, list[Held]] = {link.name: [] for link in model.links}
+    readings: dict[str, list[LinkReading]] = {link.name: [] for link in model.links}
     refusals: dict[tuple[str, str], str] = {}
     for engine, setting in [
         (one, setting) for one in able for setting in one.reader.configurations
@@ -99,12 +101,12 @@ def inspect_model(model: ModelFile, executor: Executor, engines: Sequence[Asked]
         if isinstance(answer.value, CallFailed | str):
             reason = answer.value if isinstance(answer.value, str) else answer.value.reason
             refusals[engine.name, setting.name] = reason
-            for name in held:
-                held[name].append(Held(*who, None, None, reason, "refused"))
+            for name in readings:
+                readings[name].append(LinkReading(*who, None, None, reason, "refused"))
             continue
         for link, one in _compared(model, answer.value, who, setting, faults):
-            held[link.name].append(one)
-    links = [InspectedLink(li, faults[li.name], tuple(held[li.name])) for li in model.links]
+            readings[link.name].append(one)
+    links = [InspectedLink(li, faults[li.name], tuple(readings[li.name])) for li in model.links]
     return Inspection(model, tuple(links), refusals)
 
 
@@ -125,7 +127,7 @@ def _compared(
     who: tuple[str, str, str],
     configuration: Configuration,
     faults: dict[str, tuple[FileProblem, ...]],
-) -> Iterator[tuple[Link, Held]]:
+) -> Iterator[tuple[Link, LinkReading]]:
     """Compare every link of the file with the body that one configuration holds."""
     gone = frozenset(link.name for link in model.links) - set(bodies)
     hosts = _hosts(model, gone)
@@ -135,29 +137,31 @@ def _compared(
             host = hosts[link.name]
             where = f"'{host}'" if host else "the world: it cannot move"
             reason = "" if link.name == WORLD else f"fused with {where}"
-            yield link, Held(*who, None, None, reason)
+            yield link, LinkReading(*who, None, None, reason)
             continue
         parts = welded(model.links, link.name, gone)
-        yield link, _held(model, parts, body, who, configuration, faults)
+        yield link, _link_reading(model, parts, body, who, configuration, faults)
 
 
-def _held(
+def _link_reading(
     model: ModelFile,
     parts: list[tuple[Link, Pose]],
     body: BodyReading,
     who: tuple[str, str, str],
     configuration: Configuration,
     faults: dict[str, tuple[FileProblem, ...]],
-) -> Held:
+) -> LinkReading:
     stated = [(link.stated, pose) for link, pose in parts if link.stated is not None]
     others = tuple(link.name for link, _ in parts[1:])
     if not stated:
         empty = body.mass == 0 and not body.inertia_com.any()
         if model.format == "mjcf":
-            return Held(*who, body, None, "" if empty else "taken from its shapes, as MJCF has it")
+            return LinkReading(
+                *who, body, None, "" if empty else "taken from its shapes, as MJCF has it"
+            )
         if empty:
-            return Held(*who, body, True, fused=others)
-        return Held(*who, body, False, held_of_nothing(body), "nothing stated", others)
+            return LinkReading(*who, body, True, fused=others)
+        return LinkReading(*who, body, False, unstated_body(body), "nothing stated", others)
     whole = fused(stated) if others else stated[0][0]
     apart = difference(whole, body)
     agrees = apart.worst <= AGREES
@@ -165,7 +169,7 @@ def _held(
     kind, sentence = cause(whole, body, apart, wrong, configuration.made_up)
     if others and kind in ("other", "turned", "rotation lost"):
         kind, sentence = "sum", f"the sum of its fused parts is wrong: {sentence}"
-    return Held(
+    return LinkReading(
         *who,
         body,
         agrees,
@@ -179,7 +183,7 @@ def _held(
 
 
 def _hosts(model: ModelFile, gone: frozenset[str]) -> dict[str, str]:
-    """For each link without a body of its own, the link it is fused with; empty for the world."""
+    """The link that each one without a body of its own is fused with; empty for the world."""
     parents = {link.name: link.parent for link in model.links}
     hosts = {}
     for name in gone:

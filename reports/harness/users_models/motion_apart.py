@@ -31,24 +31,24 @@ samples = 2
 """
 
 
-def attitude_apart_deg(stated: FloatArray, held: FloatArray) -> dict[float, float] | None:
+def attitude_apart_deg(stated: FloatArray, got: FloatArray) -> dict[float, float] | None:
     """The angle between the two bodies after each of `TIMES` s, degrees.
 
     Parameters
     ----------
-    stated, held : tensors about the com in the link's axes, (3, 3); a common factor has no effect
+    stated, got : tensors about the com in the link's axes, (3, 3); a common factor has no effect
 
     Returns
     -------
     None if one of them is a tensor that no body can have
     """
-    apart = attitude_apart(stated, held, np.array(TIMES))
+    apart = attitude_apart(stated, got, np.array(TIMES))
     if apart is None:
         return None
     return {time: float(angle) for time, angle in zip(TIMES, np.degrees(apart), strict=True)}
 
 
-def attitude_apart(stated: FloatArray, held: FloatArray, times: FloatArray) -> FloatArray | None:
+def attitude_apart(stated: FloatArray, got: FloatArray, times: FloatArray) -> FloatArray | None:
     """The angle between the two bodies, rad, (n,); None as above.
 
     Parameters
@@ -56,14 +56,14 @@ def attitude_apart(stated: FloatArray, held: FloatArray, times: FloatArray) -> F
     times : s, (n,), at most the scene's 3
     """
     omega = np.linalg.eigh(stated)[1] @ START
-    one, other = (_attitudes(tensor, omega, times) for tensor in (stated, held))
+    one, other = (_attitudes(tensor, omega, times) for tensor in (stated, got))
     if one is None or other is None:
         return None
     return np.asarray((one.inv() * other).magnitude())
 
 
 def _attitudes(tensor: FloatArray, omega: FloatArray, times: FloatArray) -> Rotation | None:
-    """At each time, of a body that starts unturned.
+    """The attitude at each time of a body that starts unturned.
 
     Solved along its principal axes: the reference would look for them in 60 digits.
     """

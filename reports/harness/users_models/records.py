@@ -11,7 +11,7 @@ TIMES = (1.0, 3.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
+class LinkReading:
     """One link as one engine holds it.
 
     Attributes
@@ -45,13 +45,13 @@ class InspectedLink:
 
     link: Link
     problems: tuple[FileProblem, ...]
-    held: tuple[Held, ...]
+    readings: tuple[LinkReading, ...]
 
     @property
     def is_well(self) -> bool:
         """Whether the numbers in the file are possible and every engine holds them."""
         impossible = any(problem.impossible for problem in self.problems)
-        return not impossible and all(held.agrees is not False for held in self.held)
+        return not impossible and all(reading.agrees is not False for reading in self.readings)
 
 
 @dataclass(frozen=True, eq=False)

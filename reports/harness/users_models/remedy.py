@@ -8,7 +8,7 @@ from ....engines.users_models import Kind
 from ....engines.users_models.model_reader import ModelReader, model_readers
 from ....scenarios.users_models import Stated
 from .findings import listed
-from .records import Held, InspectedLink, Inspection
+from .records import InspectedLink, Inspection, LinkReading
 
 #: The `<inertial>` of a frame without a mass.
 NO_INERTIA = (
@@ -41,9 +41,11 @@ def remedies(inspection: Inspection) -> list[Remedy]:
     """All remedies, each once: of refusals first, then in the order of the table's columns."""
     wrong: dict[tuple[str, str, Kind], list[str]] = {}
     for link in inspection.links:
-        for held in link.held:
-            if held.agrees is False:
-                link_names = wrong.setdefault((held.engine, held.configuration, held.kind), [])
+        for reading in link.readings:
+            if reading.agrees is False:
+                link_names = wrong.setdefault(
+                    (reading.engine, reading.configuration, reading.kind), []
+                )
                 link_names.append(link.link.name)
     by_kind = [
         Remedy((f"{engine} {configuration}",), tuple(names), text, line)
@@ -58,9 +60,9 @@ def remedies(inspection: Inspection) -> list[Remedy]:
     return list(alike.values())
 
 
-def line_without_rotation(link: InspectedLink, held: Held) -> str:
+def line_without_rotation(link: InspectedLink, reading: LinkReading) -> str:
     """The link's `<inertial>` without a rotation, if an engine loses the rotation; else empty."""
-    if held.kind != "rotation lost" or link.link.stated is None:
+    if reading.kind != "rotation lost" or link.link.stated is None:
         return ""
     return inertial_line(link.link.stated)
 
@@ -121,5 +123,5 @@ def _of_refusals(inspection: Inspection) -> Iterator[Remedy]:
 
 
 def _reader(engine: str) -> ModelReader:
-    """Of an engine, at whichever version."""
+    """The reader of an engine, at whichever version."""
     return model_readers()[engine.partition("@")[0]]

@@ -68,7 +68,7 @@ class Grid:
 
     @cached_property
     def points(self) -> dict[Pair, dict[Node, PointResult]]:
-        """By method and grid point; points invalid for all methods appear for each."""
+        """The points by method and grid point; points invalid for all methods appear for each."""
         across, up = ({value: k for k, value in enumerate(axis.values)} for axis in self.axes)
         sorted_points: dict[Pair, dict[Node, PointResult]] = {pair: {} for pair in self.methods}
         for point in self.result.points:

@@ -83,7 +83,7 @@ def profile(scenes: Sequence[SceneCurves], signal: str, level: float) -> Profile
 
 
 def tally(scenes: Sequence[SceneCurves], pair: Pair, level: float) -> Tally:
-    """On how many scenes a method reaches an error, and what that costs it."""
+    """The number of scenes on which a method reaches an error, and what that costs it."""
     reached: list[Reach] = []
     for curves in scenes:
         reached += [reach(curve, level) for curve in curves if _pair(curve) == pair]

@@ -74,7 +74,7 @@ def attitudes_at(gathered: ReportData, pair: Pair, timestep: float) -> dict[str,
     for scene in gathered.scenes:
         runs = next((r for r in scene.methods if (r.engine, r.method) == pair), None)
         row = row_at(runs, "stock", timestep) if runs else None
-        if row is not None and row.made:
+        if row is not None and row.simulated:
             errors[scene.name] = row.errors.attitude if row.errors else math.inf
     return errors
 

@@ -21,7 +21,7 @@ STEADY, STEADY_ROOM = 1e-6, 0.5
 
 
 def axis_path(scene: SceneRuns) -> list[Figure]:
-    """On the sphere, from above, and unrolled into azimuth and tilt."""
+    """The path on the sphere, from above, and unrolled into azimuth and tilt."""
     assert scene.solved is not None, "what is exact is known of a solved scene"
     scenario, motion = scene.solved.scenario, dense_motion(scene)
     R_upright_world = _upright(scenario)

@@ -91,7 +91,7 @@ def _up(solved: SceneResult) -> tuple[FloatArray, str]:
 
 
 def _half_sides(mass: float, moments: FloatArray, shape: float) -> FloatArray:
-    """Of the homogeneous solid with these moments: h₁² = (shape / 2 m) (I₂ + I₃ − I₁), m, (3,)."""
+    """Half sides of the solid with these moments: h₁² = (shape / 2 m) (I₂ + I₃ − I₁), m, (3,)."""
     squares = shape / (2 * mass) * (moments.sum() - 2 * moments)
     half_sides = np.sqrt(np.maximum(squares, 0.0))
     return np.asarray(np.maximum(half_sides, LEAST_THICKNESS * half_sides.max()))

@@ -68,7 +68,7 @@ def _well(
 
 
 def _heights(heights: FloatArray, energy: float) -> Range:
-    """From below the bottom to above E′; at its poles V_eff may be infinite."""
+    """The heights from below the bottom to above E′; at its poles V_eff may be infinite."""
     bottom, highest = float(heights.min()), float(heights[np.isfinite(heights)].max())
     depth = energy - bottom
     if depth > SHALLOW * (highest - bottom):

@@ -2,17 +2,19 @@
 
 import math
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median, median_high
 
-from ...results.records import Pair, Row
+import numpy as np
+
+from ...results.cost_records import EffectsCost
+from ...results.records import Key, Pair, Row
 from ...results.verdict_words import VERDICT
 from ..analysis.gyroscopic import without_gyroscopic_torque
 from ..analysis.report_data import ReportData, SceneRuns
 from ..analysis.timesteps import as_shipped, row_at, stock_timesteps
 from ..analysis.wording import duration, plural, readable
-from ..analysis.work_precision import cost
 
 #: A method is recommended instead of a default if it can simulate this fraction of the scenes.
 COVERING = 0.9
@@ -22,6 +24,9 @@ COMMON = 0.1
 LISTED = 2
 #: Relative error of ω from which on a single default is mentioned.
 NOTICED_OMEGA = 0.01
+#: How a method's steps are compared with the default's.
+SWITCHED = "if only the method is changed"
+PRUNED = "with what the scene does not call for left out"
 
 
 @dataclass(frozen=True)
@@ -64,17 +69,32 @@ class _AtStock:
             return f"does not come to the end of {unfinished} of {plural(len(errors), 'scene')}"
         worst = max(ended, key=lambda name: ended[name])
         text = (
-            f"is {_degrees(middle)} off in attitude, at worst {_degrees(ended[worst])} on {worst}"
+            f"{self._by_turns}is {_degrees(middle)} off in attitude at the end, at worst "
+            f"{_degrees(ended[worst])} on {worst}"
         )
         return text + (f", and {plural(unfinished, 'run')} blew up" if unfinished else "")
 
+    @property
+    def _by_turns(self) -> str:
+        """In words, medians of what does not depend on the windows' lengths."""
+        within = [
+            math.inf if row.turns_within_1deg is None else row.turns_within_1deg
+            for row in self.rows.values()
+            if row.turns is not None
+        ]
+        added = [a for row in self.rows.values() if (a := row.attitude_a_turn) is not None]
+        a_turn = f"adds {_degrees(math.degrees(median(added)))} a turn and " if added else ""
+        if not within or (turns := median_high(within)) == math.inf:
+            return a_turn
+        return f"is 1° off after {readable(turns)} turns, {a_turn}"
 
-def answer(gathered: ReportData, harmless: Collection[str] = frozenset()) -> tuple[Sentence, ...]:
+
+def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> tuple[Sentence, ...]:
     """The sentences, from the plain scenes alone; none where nothing was run at stock timesteps.
 
     Parameters
     ----------
-    harmless : what changes no motion, measured: no reason for a wrong one
+    left_out : the cost of what changes no motion, and so is no reason for a wrong one
     """
     plain = gathered.plain
     steps = stock_timesteps(plain)
@@ -89,7 +109,8 @@ def answer(gathered: ReportData, harmless: Collection[str] = frozenset()) -> tup
     listed, others = shipped[:LISTED], shipped[LISTED:]
     most = max(len(one.rows) for one in shipped)
     wrong = [f"{_named(one)} {one}" for one in listed] + _others(others)
-    instead = [text for one in listed if (text := _instead(one, clean))]
+    instead = [text for one in listed if (text := _instead(one, clean, left_out))]
+    harmless = {name for cost in left_out for name in cost.left_out}
     measured = {one.key.engine for scene in plain.scenes for one in scene.defaults}
     explained = [one for one in shipped if one in listed or one.pair[0] in measured]
     why = [_why(one, plain.scenes, harmless) for one in explained] + _no_gyroscopic_torque(plain)
@@ -138,13 +159,19 @@ def _at_stock(gathered: ReportData, pair: Pair, timestep: float) -> _AtStock:
         for runs in scene.methods
         if (runs.engine, runs.method) == pair
         and (row := row_at(runs, "stock", timestep)) is not None
-        and row.made
+        and row.simulated
     }
     return _AtStock(pair, timestep, rows)
 
 
-def _instead(shipped: _AtStock, clean: Sequence[_AtStock]) -> str:
-    """The most accurate method of the same engine at the same timestep, and its price."""
+def _instead(
+    shipped: _AtStock, clean: Sequence[_AtStock], left_out: Collection[EffectsCost]
+) -> str:
+    """The most accurate method of the same engine at the same timestep, and its price.
+
+    The price is that of the default with another method, as most readers take it, and of what is
+    left besides where nothing runs that the scene does not call for.
+    """
     own = [one for one in clean if one.pair[0] == shipped.pair[0]]
     most = max((len(one.rows) for one in own), default=0)
     offered = [one for one in own if len(one.rows) >= COVERING * most]
@@ -153,12 +180,29 @@ def _instead(shipped: _AtStock, clean: Sequence[_AtStock]) -> str:
         return ""
     engine, method = best.pair
     text = f"{engine} {method} at the same {duration(best.timestep)} {best}"
+    cheap = {name: row.seconds_per_step for name, row in shipped.rows.items()}
+    pruned = {name: row.seconds_per_step for name, row in best.rows.items()}
+    whole = {one.key.scenario: one.unpruned for one in left_out if _pair(one.key) == best.pair}
     prices = [
-        dear / cheap
-        for name in best.rows.keys() & shipped.rows.keys()
-        if (dear := cost(best.rows[name])) and (cheap := cost(shipped.rows[name]))
+        price
+        for seconds, words in ((whole, SWITCHED), (pruned, PRUNED))
+        if (price := _price(seconds, cheap, words))
     ]
-    return text + (f", for {readable(median(prices))} times the CPU time" if prices else "")
+    return text + (f"; a step takes {', '.join(prices)}" if prices else "")
+
+
+def _price(seconds: Mapping[str, float | None], cheap: Mapping[str, float | None], how: str) -> str:
+    """The median ratio of the times of a step by scene, and its quartiles; empty without any."""
+    ratios = [dear / base for name, dear in seconds.items() if dear and (base := cheap.get(name))]
+    if not ratios:
+        return ""
+    low, middle, high = np.percentile(ratios, [25, 50, 75])
+    spread = f"{readable(float(low))} to {readable(float(high))}"
+    return f"{readable(float(middle))} ({spread}) times the CPU time of the default's {how}"
+
+
+def _pair(key: Key) -> Pair:
+    return key.engine, key.method
 
 
 def _why(shipped: _AtStock, scenes: Sequence[SceneRuns], harmless: Collection[str]) -> str:
@@ -193,7 +237,7 @@ def _why(shipped: _AtStock, scenes: Sequence[SceneRuns], harmless: Collection[st
 
 
 def _by_each_default(pair: Pair, scenes: Sequence[SceneRuns]) -> str:
-    """On how many scenes each default alone causes an error of ω, if that was measured."""
+    """The number of scenes on which each default alone causes an error of ω, if measured."""
     measured = [
         one
         for scene in scenes

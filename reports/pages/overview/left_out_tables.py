@@ -26,7 +26,7 @@ def effects_table(effects: Sequence[EffectsCost]) -> Table:
 
 
 def harm_in_words(effects: Sequence[EffectsCost]) -> str:
-    """In words, on how many scenes leaving passes out changed the motion."""
+    """The number of scenes on which leaving passes out changed the motion, in words."""
     same = sum(cost.difference == 0 for cost in effects)
     return f"{same} of {len(effects)} motions are identical to the last bit"
 
@@ -45,7 +45,7 @@ def passes_table(costs: PassCosts) -> Table:
 
 
 def passes_tables(passes: Sequence[PassCosts]) -> list[tuple[str, Table]]:
-    """For each engine a heading and a table."""
+    """A heading and a table for each engine."""
     return [(f"{p.key.engine} {p.key.method} on {p.key.scenario}", passes_table(p)) for p in passes]
 
 

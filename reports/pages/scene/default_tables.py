@@ -55,7 +55,7 @@ def _table(scene: SceneRuns, measured: DefaultEffects) -> Table:
 
 
 def _sentence(measured: DefaultEffects) -> str:
-    """In words, the defaults that alone increase the error of ω, the largest first."""
+    """The defaults that alone increase the error of ω, the largest first, in words."""
     if measured.none is None:
         return "The run does not come to its end without any of them."
     least = max(NOTICED * measured.none.omega, NEGLIGIBLE)

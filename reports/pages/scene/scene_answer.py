@@ -135,7 +135,7 @@ def _run_in_words(scene: SceneRuns, label: str, row: Row) -> str:
 
 
 def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
-    """In words, the cost of the best choice relative to the default of the same engine."""
+    """The cost of the best choice relative to the default of the same engine, in words."""
     for runs, row in defaults:
         usual = cost(row)
         if runs.engine == best.runs.engine and row.outcome == "ok" and usual and best.cost:

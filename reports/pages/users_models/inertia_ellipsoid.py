@@ -45,7 +45,7 @@ class Solid:
 
 @dataclass(frozen=True)
 class Ellipse:
-    """In the units of a view, y downwards; `turn` in degrees, clockwise."""
+    """An ellipse in the units of a view, y downwards; `turn` in degrees, clockwise."""
 
     name: str
     colour: str

@@ -11,7 +11,7 @@ from ....engines.users_models.model_reader import model_readers
 from ....scenarios import FloatArray, printable
 from ....scenarios.users_models import Stated
 from ....scenarios.users_models.problems import principal_moments
-from ...harness.users_models import Held, InspectedLink, Inspection
+from ...harness.users_models import InspectedLink, Inspection, LinkReading
 from ...harness.users_models.findings import (
     cell_text,
     differences,
@@ -82,7 +82,7 @@ def page_names(paths: Sequence[Path]) -> list[str]:
 
 def _content(inspection: Inspection) -> dict[str, object]:
     model = inspection.model
-    who = [(held.engine, held.configuration) for held in inspection.links[0].held]
+    who = [(reading.engine, reading.configuration) for reading in inspection.links[0].readings]
     drawn = trace_styles(who)
     worst = worst_links(inspection)
     wrong = [link for link in inspection.links if not link.is_well]
@@ -112,18 +112,18 @@ def _configurations(inspection: Inspection, who: Sequence[Who]) -> Table:
     readers = model_readers()
     rows = []
     for k, (engine, configuration) in enumerate(who):
-        held = [link.held[k] for link in inspection.links]
+        readings = [link.readings[k] for link in inspection.links]
         by_name = {one.name: one for one in readers[engine.partition("@")[0]].configurations}
         summary = by_name[configuration].summary
-        counts = [sum(h.agrees is answer for h in held) for answer in (True, False)]
+        counts = [sum(h.agrees is answer for h in readings) for answer in (True, False)]
         refused = (engine, configuration) in inspection.refusals
         rows.append(
             [
                 Cell(f"{engine} {configuration}", "name", summary),
-                Cell(held[0].engine_version),
+                Cell(readings[0].engine_version),
                 Cell("refused" if refused else str(counts[0]), "failed" if refused else "number"),
                 Cell("" if refused else str(counts[1]), "number"),
-                figure(str(sum(h.body is None for h in held) if not refused else "")),
+                figure(str(sum(h.body is None for h in readings) if not refused else "")),
             ]
         )
     heads = ("engine and configuration", "version", "as stated", "otherwise", "fused")
@@ -136,26 +136,30 @@ def _all_links(inspection: Inspection, who: Sequence[Who]) -> Table:
         stated = link.link.stated
         mass = figure("" if stated is None else f"{stated.mass:.3g}")
         problems = ", ".join(problem.kind for problem in link.problems)
-        cells = [_coloured(held) for held in link.held]
+        cells = [_coloured(reading) for reading in link.readings]
         rows.append([Cell(printable(link.link.name), "name"), mass, *cells, Cell(problems)])
     return table(("link", "kg", *(" ".join(one) for one in who), "the file"), rows)
 
 
-def _coloured(held: Held) -> Cell:
+def _coloured(reading: LinkReading) -> Cell:
     kinds = {True: "converges", False: "disagrees", None: "absent"}
-    return Cell(cell_text(held), "failed" if held.kind == "refused" else kinds[held.agrees])
+    return Cell(
+        cell_text(reading), "failed" if reading.kind == "refused" else kinds[reading.agrees]
+    )
 
 
 def _card(link: InspectedLink, drawn: dict[Who, TraceStyle]) -> LinkCard:
     stated = link.link.stated
-    otherwise = [held for held in link.held if held.agrees is False and held.body is not None]
+    otherwise = [
+        reading for reading in link.readings if reading.agrees is False and reading.body is not None
+    ]
     solids = list(_solids(stated, otherwise, drawn))
-    lines = (line_without_rotation(link, held) for held in link.held)
+    lines = (line_without_rotation(link, reading) for reading in link.readings)
     return LinkCard(
         name=printable(link.link.name),
         where=printable(link.link.where),
         problems=tuple(problem.text for problem in link.problems),
-        numbers=_numbers(stated, link.held),
+        numbers=_numbers(stated, link.readings),
         views=views(solids) if any(s.squares is not None for s in solids) else (),
         keys=tuple(_keys(stated, otherwise, drawn)),
         curves=_curves(otherwise, drawn),
@@ -164,47 +168,47 @@ def _card(link: InspectedLink, drawn: dict[Who, TraceStyle]) -> LinkCard:
 
 
 def _solids(
-    stated: Stated | None, otherwise: Sequence[Held], drawn: dict[Who, TraceStyle]
+    stated: Stated | None, otherwise: Sequence[LinkReading], drawn: dict[Who, TraceStyle]
 ) -> Iterator[Solid]:
     if stated is not None:
         squares = solid_squares(stated.mass, stated.inertia)
         yield Solid(FILES_OWN, INK, "solid", stated.com, squares)
-    for held in otherwise:
-        assert held.body is not None, "only what holds a body holds another one"
-        style = drawn[held.engine, held.configuration]
-        squares = solid_squares(held.body.mass, held.body.inertia_com)
-        yield Solid(_who(held), style.colour, style.dash, held.body.com, squares)
+    for reading in otherwise:
+        assert reading.body is not None, "only what holds a body holds another one"
+        style = drawn[reading.engine, reading.configuration]
+        squares = solid_squares(reading.body.mass, reading.body.inertia_com)
+        yield Solid(_who(reading), style.colour, style.dash, reading.body.com, squares)
 
 
 def _keys(
-    stated: Stated | None, otherwise: Sequence[Held], drawn: dict[Who, TraceStyle]
+    stated: Stated | None, otherwise: Sequence[LinkReading], drawn: dict[Who, TraceStyle]
 ) -> Iterator[tuple[str, TraceStyle | None]]:
     """Entries of the key to the pictures of a link; None for the file's own style."""
     if stated is not None:
         yield FILES_OWN, None
-    for held in otherwise:
-        yield _who(held), drawn[held.engine, held.configuration]
+    for reading in otherwise:
+        yield _who(reading), drawn[reading.engine, reading.configuration]
 
 
-def _curves(otherwise: Sequence[Held], drawn: dict[Who, TraceStyle]) -> TimeCurves | None:
+def _curves(otherwise: Sequence[LinkReading], drawn: dict[Who, TraceStyle]) -> TimeCurves | None:
     """Curves of the attitude difference over time, of the bodies that are possible."""
     curves: list[tuple[str, TraceStyle, FloatArray]] = []
-    for held in otherwise:
-        if held.attitude_apart_deg is None or held.expected is None or held.body is None:
+    for reading in otherwise:
+        if reading.attitude_apart_deg is None or reading.expected is None or reading.body is None:
             continue
-        apart = attitude_apart(held.expected.inertia, held.body.inertia_com, TIMES)
+        apart = attitude_apart(reading.expected.inertia, reading.body.inertia_com, TIMES)
         if apart is not None:
-            style = drawn[held.engine, held.configuration]
-            curves.append((_who(held), style, np.degrees(apart)))
+            style = drawn[reading.engine, reading.configuration]
+            curves.append((_who(reading), style, np.degrees(apart)))
     return time_curves(TIMES, curves) if curves else None
 
 
-def _numbers(stated: Stated | None, held: Sequence[Held]) -> Table:
+def _numbers(stated: Stated | None, readings: Sequence[LinkReading]) -> Table:
     rows = []
     if stated is not None:
         rows.append([Cell(FILES_OWN, "name"), *_body(stated.mass, stated.com, stated.inertia)])
         rows[-1] += [Cell("")] * 3
-    for one in held:
+    for one in readings:
         rows.append([Cell(_who(one), "name"), *_held_body(one.body), *_verdict(one)])
     heads = (
         "",
@@ -230,17 +234,17 @@ def _body(mass: float, com: FloatArray, inertia: FloatArray) -> list[Cell]:
     ]
 
 
-def _verdict(held: Held) -> list[Cell]:
-    apart = held.attitude_apart_deg
-    turned = "" if held.difference is None else f"{held.difference.axes_deg:.3g}°"
+def _verdict(reading: LinkReading) -> list[Cell]:
+    apart = reading.attitude_apart_deg
+    turned = "" if reading.difference is None else f"{reading.difference.axes_deg:.3g}°"
     angles = "" if apart is None else ", ".join(f"{angle:.3g}°" for angle in apart.values())
-    verdict = "as the file states it" if held.agrees else held.cause or "nothing to compare"
-    if held.agrees is not False:
+    verdict = "as the file states it" if reading.agrees else reading.cause or "nothing to compare"
+    if reading.agrees is not False:
         turned = angles = ""
-    if held.kind == "refused":
+    if reading.kind == "refused":
         verdict = "refuses the file"
     return [figure(turned), figure(angles), Cell(printable(verdict))]
 
 
-def _who(held: Held) -> str:
-    return f"{held.engine} {held.configuration}"
+def _who(reading: LinkReading) -> str:
+    return f"{reading.engine} {reading.configuration}"

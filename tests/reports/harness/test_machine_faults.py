@@ -16,6 +16,7 @@ from spincheck.reports.harness.effects_cost import effects_costs
 from spincheck.reports.harness.executors import CallFailed, cause_of
 from spincheck.reports.harness.executors.worker_main import NO_THREAD
 from spincheck.reports.harness.step_cost import step_costs
+from spincheck.reports.harness.study import prepare
 from spincheck.reports.results.store import open_store
 from spincheck.scenarios import loads
 from studies import study
@@ -58,6 +59,19 @@ def test_a_run_that_the_machine_spoilt_has_no_cause_of_the_engines(tmp_path, cal
         causes = {row.cause for row in store.read().rows}
     assert causes
     assert causes <= ENVIRONMENTAL
+
+
+def test_a_solver_that_was_killed_by_whatever_signal_is_tried_again(tmp_path):
+    path, choice = tmp_path / "results.sqlite", Choice((planted(HeunSession),), max_steps=SHORT)
+    killed = CallFailed("the worker process was killed by SIGSEGV", "crash")
+    study(path, [loads(BOX, "box")], choice, FailingCalls(of_function(prepare, killed)))
+    with open_store(path) as store:
+        (row,) = store.read().rows
+    assert (row.outcome, row.cause) == ("failed", "killed")
+    assert "could not be found: the worker process was killed by SIGSEGV" in row.reason
+    study(path, [loads(BOX, "box")], choice)
+    with open_store(path) as store:
+        assert {row.outcome for row in store.read().rows} == {"ok"}
 
 
 @pytest.mark.parametrize("cause", sorted(ENVIRONMENTAL))

@@ -197,7 +197,7 @@ def test_an_expectation_that_is_met_passes(tmp_path):
 def test_an_unmet_expectation_fails_and_says_by_how_much(tmp_path):
     (verdict,) = study(tmp_path, HeunSession, text=BOX + EXPECTATION + "omega = 1e-12").verdicts
     assert not verdict.agrees
-    assert "omega error" in verdict.unmet[0]
+    assert "ω error" in verdict.unmet[0]
 
 
 def test_a_run_expected_to_diverge_that_does_not_is_reported(tmp_path):

@@ -305,7 +305,7 @@ def test_a_scene_that_cannot_be_solved_is_reported_of_every_method(path, monkeyp
 def test_a_reference_that_takes_its_process_with_it_is_not_blamed_on_a_method(path):
     crashed = CallFailed("it crashed", "crash")
     points = sweep(path, PART, CRASHING, executor=FailingCalls(lambda *_: crashed))
-    assert [(p.outcome, p.cause) for p in points] == [("failed", "unsolved")] * 4
+    assert [(p.outcome, p.cause) for p in points] == [("failed", "killed")] * 4
     assert points[0].reason == "the exact motion could not be found: it crashed"
 
 

@@ -238,13 +238,48 @@ def test_a_file_that_includes_itself_is_refused(tmp_path):
 
 def test_bodies_without_number_are_refused(tmp_path):
     text = body('<replicate count="1e8"><body/></replicate>')
-    message = "FILE:1: 'count' of <replicate> must be at most 10000, got 100000000"
+    message = "FILE:1: <replicate> makes more than 4096 elements, nested ones too"
     assert refusal(written(tmp_path, text, "robot.xml")) == message
 
 
-def test_replicates_within_replicates_are_counted_together(tmp_path):
-    text = body('<replicate count="200"><replicate count="200"><body/></replicate></replicate>')
-    assert refusal(written(tmp_path, text, "robot.xml")) == "FILE:1: more than 10000 bodies"
+NESTED = {
+    "bodies": '<replicate count="100"><replicate count="100"><body/></replicate></replicate>',
+    "nothing": '<replicate count="5000"><replicate count="5000"/></replicate>',
+    "shapes": '<replicate count="60"><frame><replicate count="60"><geom/></replicate></frame>'
+    "</replicate>",
+    "a cloth": '<replicate count="9"><composite type="cloth" count="99 99 1"/></replicate>',
+    "a grid": '<flexcomp name="x" type="grid" count="999 999 999" dim="3"/>',
+}
+
+
+@pytest.mark.parametrize("inner", NESTED.values(), ids=NESTED)
+def test_what_counts_make_is_bounded_as_a_product(tmp_path, inner):
+    message = refusal(written(tmp_path, body(inner), "robot.xml"))
+    assert "makes more than 4096 elements, nested ones too" in message
+
+
+def test_replicates_beside_each_other_are_a_sum(tmp_path):
+    inner = '<replicate count="1000"><body/></replicate>'
+    read_model(written(tmp_path, body(inner), "robot.xml"))
+    assert "makes more than" in refusal(written(tmp_path, body(3 * inner), "robot.xml"))
+
+
+@pytest.mark.parametrize("key", ["nkey", "nuserdata", "nuser_body"])
+def test_a_table_that_fills_the_memory_is_refused(tmp_path, key):
+    sizes = f'<size memory="1G" njmax="99999" {key}="2000000000"/>'
+    text = f"<mujoco>{sizes}<worldbody><body/></worldbody></mujoco>"
+    message = f"FILE:1: '{key}' of <size> must be at most 10000, got '2000000000'"
+    assert refusal(written(tmp_path, text, "robot.xml")) == message
+
+
+def test_a_chain_of_thousands_of_links_is_refused(tmp_path):
+    links = "".join(f'<link name="l{k}"/>' for k in range(3000))
+    joints = "".join(
+        f'<joint name="j{k}" type="fixed"><parent link="l{k}"/><child link="l{k + 1}"/></joint>'
+        for k in reversed(range(2999))
+    )
+    message = "FILE:1: links hang on each other more than 256 deep"
+    assert refusal(written(tmp_path, f"<robot>{links}{joints}</robot>")) == message
 
 
 def test_a_rotation_that_is_given_twice_is_refused(tmp_path):

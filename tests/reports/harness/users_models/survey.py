@@ -15,11 +15,11 @@ import psutil
 from spincheck.engines.users_models import AGREES
 from spincheck.reports.harness.executors import LocalWorkers
 from spincheck.reports.harness.users_models import (
-    Asked,
-    Held,
     Inspection,
-    asked_engines,
+    LinkReading,
+    ReaderEngine,
     inspect_model,
+    reader_engines,
 )
 from spincheck.reports.harness.users_models.inspect import READ_LIMIT
 from spincheck.scenarios.users_models import ModelFileError, read_model
@@ -65,7 +65,7 @@ def models(package: str) -> Iterator[tuple[Path, tuple[tuple[str, Path], ...]]]:
             yield path, (("pybullet_data", top[0]),) if top else ()
 
 
-def inspected(executor, engines: list[Asked], path, packages) -> Inspection | str:
+def inspected(executor, engines: list[ReaderEngine], path, packages) -> Inspection | str:
     """An inspection, or why the file cannot be read."""
     try:
         model = read_model(path, packages)
@@ -79,7 +79,7 @@ def survey() -> tuple[dict[str, list[Inspection]], dict[str, list[str]]]:
     """Every package's inspections, and its files that are refused."""
     inspections_of: dict[str, list[Inspection]] = {}
     refused: dict[str, list[str]] = {}
-    engines = asked_engines(ENGINES)
+    engines = reader_engines(ENGINES)
     with LocalWorkers(JOBS, READ_LIMIT) as executor:
         for package in PACKAGES:
             tasks = [partial(inspected, executor, engines, *model) for model in models(package)]
@@ -148,16 +148,16 @@ HELD_HEADS = [
 
 def held_rows(inspections_of: dict[str, list[Inspection]], form: str) -> list[list[object]]:
     """One row a configuration."""
-    by_column: dict[tuple[str, str, str], list[Held]] = {}
+    by_column: dict[tuple[str, str, str], list[LinkReading]] = {}
     refusals: Counter[tuple[str, str, str]] = Counter()
     for one in (i for inspections in inspections_of.values() for i in inspections):
         if one.model.format != form:
             continue
         for link in one.links:
-            for held in link.held:
+            for held in link.readings:
                 column = (held.engine, held.engine_version, held.configuration)
                 by_column.setdefault(column, []).append(held)
-        for held in one.links[0].held:
+        for held in one.links[0].readings:
             column = (held.engine, held.engine_version, held.configuration)
             refusals[column] += column[::2] in one.refusals
     return [
@@ -170,7 +170,7 @@ def _titled(engine: str, version: str, configuration: str) -> tuple[str, str, st
     return engine.partition("@")[0], version, configuration
 
 
-def _counted(held: list[Held]) -> list[int]:
+def _counted(held: list[LinkReading]) -> list[int]:
     compared = [h for h in held if h.difference is not None and h.expected.is_physical]
     unlike = [sum(h.difference.worst > limit for h in compared) for limit in LIMITS]
     return [
@@ -183,7 +183,7 @@ def _counted(held: list[Held]) -> list[int]:
     ]
 
 
-def _is_far(held: Held) -> bool:
+def _is_far(held: LinkReading) -> bool:
     stated, held_trace = held.expected.inertia.trace(), held.body.inertia_com.trace()
     return bool(held_trace * TEN_TIMES <= stated or held_trace >= TEN_TIMES * stated)
 
@@ -192,7 +192,7 @@ def cause_table(inspections_of: dict[str, list[Inspection]]) -> str:
     counts: dict[str, Counter[str]] = {}
     for one in (i for inspections in inspections_of.values() for i in inspections):
         for link in one.links:
-            for held in link.held:
+            for held in link.readings:
                 column = f"{held.engine} {held.configuration}"
                 if held.agrees is False:
                     counts.setdefault(held.kind, Counter())[column] += 1
@@ -212,7 +212,7 @@ def heavy_table(inspections_of: dict[str, list[Inspection]]) -> str:
         stated = sum(li.link.stated.mass for li in one.links if li.link.stated is not None)
         by_engine: Counter[str] = Counter()
         for link in one.links:
-            for held in link.held:
+            for held in link.readings:
                 if held.body is not None and held.engine == "pybullet":
                     by_engine[held.configuration] += held.body.mass
         gained = by_engine["default"] - stated

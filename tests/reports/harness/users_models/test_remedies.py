@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from spincheck.engines.users_models.model_reader import Advice, RefusalAdvice
 from spincheck.reports.harness.executors import InProcess
-from spincheck.reports.harness.users_models import asked_engines, inspect_model
+from spincheck.reports.harness.users_models import inspect_model, reader_engines
 from spincheck.reports.harness.users_models import remedy as remedy_module
 from spincheck.reports.harness.users_models.records import Inspection
 from spincheck.reports.harness.users_models.remedy import inertial_line, remedies
@@ -26,7 +26,7 @@ EPS = float(np.finfo(float).eps)
 
 
 def inspected(folder, text):
-    return inspect_model(read_model(written(folder, text)), InProcess(), asked_engines())
+    return inspect_model(read_model(written(folder, text)), InProcess(), reader_engines())
 
 
 def remedies_of(inspection, who):
@@ -38,7 +38,7 @@ def kinds(inspection, who):
     return {
         link.link.name: held.kind
         for link in inspection.links
-        for held in link.held
+        for held in link.readings
         if f"{held.engine} {held.configuration}" == who
     }
 
@@ -105,7 +105,7 @@ def test_links_that_are_kept_apart_are_not_fused(tmp_path):
     text = arm_with_a_tool()
     option = '<mujoco><compiler fusestatic="false"/></mujoco>'
     after = inspected(tmp_path, text.replace('name="made-up">', f'name="made-up">{option}'))
-    assert all(not held.fused for one in after.links for held in one.held)
+    assert all(not held.fused for one in after.links for held in one.readings)
 
 
 def test_an_engine_of_any_name_brings_its_own_advice(tmp_path, monkeypatch):

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from spincheck.reports.harness.executors import InProcess
-from spincheck.reports.harness.users_models import asked_engines, inspect_model
+from spincheck.reports.harness.users_models import inspect_model, reader_engines
 from spincheck.scenarios.users_models import read_model
 
 pybullet_data = pytest.importorskip("pybullet_data")
@@ -17,9 +17,9 @@ PRINTED = 5e-3
 def held(file, link):
     """By configuration, and what the file has wrong."""
     model = read_model(ROBOTS / file, (("robots", ROBOTS),))
-    inspection = inspect_model(model, InProcess(), asked_engines())
+    inspection = inspect_model(model, InProcess(), reader_engines())
     (one,) = (li for li in inspection.links if li.link.name == link)
-    return {h.configuration: h for h in one.held}, [p.kind for p in one.problems]
+    return {h.configuration: h for h in one.readings}, [p.kind for p in one.problems]
 
 
 def moments(one):

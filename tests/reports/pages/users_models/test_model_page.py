@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from spincheck.reports.harness.executors import InProcess
-from spincheck.reports.harness.users_models import asked_engines, inspect_model
+from spincheck.reports.harness.users_models import inspect_model, reader_engines
 from spincheck.reports.pages.users_models.model_page import page_names, write_model_page
 from spincheck.scenarios.errors import is_control
 from spincheck.scenarios.users_models import read_model
@@ -18,7 +18,7 @@ BOX = '<collision><geometry><box size="0.4 0.2 0.1"/></geometry></collision>'
 
 def page(folder: Path, text: str, name: str = "robot.urdf") -> str:
     inspection = inspect_model(
-        read_model(written(folder, text, name)), InProcess(), asked_engines()
+        read_model(written(folder, text, name)), InProcess(), reader_engines()
     )
     return write_model_page(inspection, folder / "out", "a-page").read_text(encoding="utf-8")
 

@@ -1,0 +1,68 @@
+"""Nothing of earlier steps is left after a restart of MuJoCo and PyBullet, or it is caught."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+from spincheck.engines import EngineError, engines
+from spincheck.engines.checks.read_back import UnsupportedError, start_state
+from spincheck.engines.contract import ContractBroken, checks
+from spincheck.engines.contract.scenes import SCENES
+
+pytestmark = pytest.mark.slow
+
+TIMESTEP = 1e-3
+
+
+def test_a_clock_of_mujoco_that_goes_on_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    engine = engines()["mujoco"]
+    monkeypatch.setattr(mujoco, "mj_resetData", lambda *_: None)
+    with pytest.raises(EngineError, match="clock must be at"):
+        checks.restarts_as_it_opens(engine, engine.method("RK4"))
+
+
+@pytest.mark.needs_pybullet
+def test_an_inertia_of_pybullet_that_stays_behind_is_caught(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A rigid body keeps the inertia, in world axes, of the attitude at its last step."""
+    from spincheck.engines.adapters.pybullet.session import PyBulletSession
+
+    engine = engines()["pybullet"]
+    monkeypatch.setattr(PyBulletSession, "_renew_inertia", lambda *_: None)
+    with pytest.raises(ContractBroken, match="a restart is not a scene opened there"):
+        checks.restarts_as_it_opens(engine, engine.method("maximal"))
+
+
+@pytest.mark.needs_pybullet
+@pytest.mark.parametrize("method", ["multibody-p2p", "maximal"])
+def test_a_body_held_by_a_constraint_is_set_off_its_pivot(method: str) -> None:
+    engine, scene = engines()["pybullet"], SCENES["heavy-tilted"]
+    with engine.open(scene, engine.method(method), TIMESTEP) as session:
+        session.advance(100)
+        drifted = session.read_state()
+        session.restart(start_state(scene))
+        session.restart(drifted)
+        again = session.read_state()
+    on_pivot = float(np.linalg.norm(scene.body.com))
+    assert abs(float(np.linalg.norm(drifted.com_world)) - on_pivot) > 1e-9
+    assert np.abs(again.com_world - drifted.com_world).max() <= engine.slack * on_pivot
+
+
+@pytest.mark.needs_pybullet
+def test_a_pivot_of_pybullet_that_cannot_bear_a_state_refuses_the_restart() -> None:
+    engine, scene = engines()["pybullet"], SCENES["heavy-tilted"]
+    with engine.open(scene, engine.method("maximal"), TIMESTEP) as session:
+        fast = replace(start_state(scene), omega_body=np.array([0.0, 2e3, 0.0]))
+        with pytest.raises(UnsupportedError, match="bears at most 500 N s a step"):
+            session.restart(fast)
+
+
+def test_a_body_that_mujoco_moves_by_its_origin_is_restarted_but_for_rounding() -> None:
+    engine, scene = engines()["mujoco"], SCENES["free"]
+    with engine.open(scene, engine.method("RK4"), TIMESTEP) as session:
+        assert session.can_restart
+        assert session.restarts_to_the_last_bit
+    with engine.open(SCENES["free-tilted"], engine.method("RK4"), TIMESTEP) as session:
+        assert not session.restarts_to_the_last_bit

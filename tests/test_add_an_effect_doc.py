@@ -1,0 +1,39 @@
+"""The list of files in docs/add-an-effect.md is that of the code: where one effect is named."""
+
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+PAGE = (ROOT / "docs/add-an-effect.md").read_text(encoding="utf-8")
+FOLDERS = ("scenarios", "reference", "engines", "reports")
+#: Engines that take an effect have it in a form of their own.
+ADAPTERS = ("engines/adapters/", "engines/models/")
+#: The word by itself, not in the name of a scene.
+DRAG = re.compile(r"(?<![\w-])drag(?![\w-])")
+MOST, MOST_WITH_ADAPTERS = 12, 21
+
+
+def files_with(word: re.Pattern[str], root: Path) -> set[str]:
+    """Source files in which a word stands, relative to a folder."""
+    return {
+        path.relative_to(root).as_posix()
+        for folder in FOLDERS
+        for path in (root / folder).rglob("*.*")
+        if path.suffix in (".py", ".mjs") and word.search(path.read_text(encoding="utf-8"))
+    }
+
+
+def test_the_page_lists_the_files_that_name_an_effect() -> None:
+    listed = re.findall(r"^\| `([^`]+)` \|", PAGE, re.MULTILINE)
+    named = files_with(DRAG, ROOT)
+    assert set(listed) == {path for path in named if not path.startswith(ADAPTERS)}
+    assert len(listed) <= MOST
+    assert len(named) <= MOST_WITH_ADAPTERS
+
+
+def test_a_file_that_names_it_besides_would_be_found(tmp_path: Path) -> None:
+    for folder in FOLDERS:
+        (tmp_path / folder).mkdir()
+    (tmp_path / "reports/pages.py").write_text('if "drag" in scenario.called_for: ...\n')
+    (tmp_path / "reports/scenes.py").write_text('SCENES = ("book-with-drag",)\n')
+    assert files_with(DRAG, tmp_path) == {"reports/pages.py"}

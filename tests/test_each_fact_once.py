@@ -1,0 +1,209 @@
+"""A new signal is one file to edit, and so is a new verdict's word besides what gives it.
+
+Verified: no file outside of the tables lists their names; and, with one entry more in each table,
+everything that shows, stores or bounds the others shows, stores and bounds that one too.
+Not verified: that its numbers are right.
+"""
+
+import ast
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from scene_texts import FAST_TOP
+from spincheck.reports.results.verdict_words import RANKS
+from spincheck.scenarios import SIGNAL
+
+ROOT = Path(__file__).parents[1]
+TOPS = ("scenarios", "reference", "engines", "reports")
+#: A file that spells so many names of a table lists them. The names of places and velocities are
+#: also those of a body's state, so they are not counted.
+LISTS = 3
+NAMES = {"signal": set(SIGNAL) - {"com", "velocity"}, "word": set(RANKS)}
+#: Where a new name is added.
+TABLES = {"signal": "scenarios/signals.py", "word": "reports/results/verdict_words.py"}
+#: Files that spell names for a reason of their own: a new name leaves them as they are.
+REASONS = {
+    "reports/pages/scene/default_tables.py": "three columns chosen for a narrow table",
+    "reports/pages/scene/scene_answer.py": "three columns chosen for a narrow table",
+    "reports/pages/overview/thresholds.md": "measured: the signals that showed planted faults",
+    "reports/harness/verdict.py": "gives verdicts",
+    "reports/harness/study_verdict.py": "gives verdicts, and reads outcomes of runs",
+    "reports/pages/overview/protocol.md": "the rule by which a method disagrees, in words",
+    "reports/pages/templates/style.css": "outcomes of runs, in the colours of verdicts",
+    "reports/pages/users_models/model_page.py": "colours of cells that are no verdicts",
+}
+
+
+def names_in(name: str, text: str) -> set[str]:
+    """What a source spells: of Python its strings, attributes, keywords and fields; else words."""
+    if not name.endswith(".py"):
+        return set(re.findall(r"\w+", text))
+    spelled = set()
+    for node in ast.walk(ast.parse(text)):
+        match node:
+            case ast.Constant(value=str(value)):
+                spelled.add(value)
+            case ast.Attribute(attr=value) | ast.keyword(arg=str(value)):
+                spelled.add(value)
+            case ast.AnnAssign(target=ast.Name(id=value)):
+                spelled.add(value)
+    return {word.removesuffix("_error") for word in spelled}
+
+
+def listing(kind: str, sources: dict[str, str]) -> set[str]:
+    """The files that list the names of a table."""
+    return {
+        name for name, text in sources.items() if len(NAMES[kind] & names_in(name, text)) >= LISTS
+    }
+
+
+def all_sources() -> dict[str, str]:
+    files = (path for top in TOPS for path in (ROOT / top).rglob("*"))
+    return {
+        path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8")
+        for path in files
+        if path.suffix in {".py", ".js", ".css", ".html", ".md"}
+    }
+
+
+SOURCES = all_sources()
+
+
+@pytest.mark.parametrize("kind", NAMES)
+def test_only_the_table_lists_its_names(kind):
+    assert listing(kind, SOURCES) - REASONS.keys() == {TABLES[kind]}
+
+
+def test_every_reason_is_of_a_file():
+    assert REASONS.keys() <= SOURCES.keys()
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "text"),
+    [
+        ("signal", "a.py", 'ERRORS = ("omega", "attitude", "energy")'),
+        ("signal", "a.py", "row(omega_error=e.omega, attitude_error=e.attitude, L=e.energy)"),
+        ("signal", "a.py", "class Errors:\n omega: int\n attitude: int\n energy: int"),
+        ("signal", "a.js", "const SIGNALS = ['attitude', 'omega', 'energy'];"),
+        ("word", "a.py", 'RANKS = {"converges": 3, "unresolved": 2, "failed": 0}'),
+        ("word", "a.css", ".converges {} .disagrees {} .failed {}"),
+    ],
+)
+def test_a_list_that_is_planted_is_found(kind, name, text):
+    assert listing(kind, {name: text}) == {name}
+
+
+#: Where an entry is put, and the entry.
+SEVENTH_SIGNAL = {
+    "    velocity: float\n": "    velocity: float\n    upright: float\n",
+    ")\n\n\ndef errors_by_key": """    Signal(
+        name="upright",
+        label="Lz",
+        quantity="vertical angular momentum",
+        formula="max |Lz_e − Lz_r| / max |L_r|",
+        kind="scalar",
+        values=lambda scene, motion: angular_momentum_world(scene, motion)[:, 2],
+        base=lambda sizes: sizes.angular_momentum,
+    ),
+)
+
+
+def errors_by_key""",
+}
+SEVENTH_WORD = {
+    '"disagrees", "failed"]': '"disagrees", "failed", "hopeless"]',
+    ")\n#: The kinds by their words": """    VerdictKind(
+        "hopeless",
+        sign="†",
+        phrases=("is hopeless", "are hopeless"),
+        meaning="nothing helps",
+        light=("#000001", "#ffffff"),
+        dark=("#000002", "#ffffff"),
+        fails=True,
+    ),
+)
+#: The kinds by their words""",
+}
+
+
+#: Run by every Python process that has its folder on the path: it puts edited modules first.
+SITE_CUSTOMIZE = """import sys
+from importlib.util import spec_from_file_location
+
+class Edited:
+    FILES = {files!r}
+
+    @classmethod
+    def find_spec(cls, name, path=None, target=None):
+        return spec_from_file_location(name, cls.FILES[name]) if name in cls.FILES else None
+
+sys.meta_path.insert(0, Edited)
+"""
+
+
+@pytest.fixture(scope="module")
+def with_one_more(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a scene, and tables that have one entry more.
+
+    The scene expects what no run keeps of the new signal.
+    """
+    folder = tmp_path_factory.mktemp("seventh")
+    files = {}
+    for kind, entries in (("signal", SEVENTH_SIGNAL), ("word", SEVENTH_WORD)):
+        text = SOURCES[TABLES[kind]]
+        for old, new in entries.items():
+            assert text.count(old) == 1, old
+            text = text.replace(old, new)
+        edited = folder / Path(TABLES[kind]).name
+        edited.write_text(text, encoding="utf-8")
+        module = TABLES[kind].removesuffix(".py").replace("/", ".")
+        files[f"spincheck.{module}"] = str(edited)
+    customize = SITE_CUSTOMIZE.replace("{files!r}", repr(files))
+    (folder / "sitecustomize.py").write_text(customize, encoding="utf-8")
+    expect = '[[expect]]\nengine = "mujoco"\nmethod = "RK4"\ntimestep = 0.001\nupright = 1e-30\n'
+    (folder / "top.toml").write_text(FAST_TOP + expect, encoding="utf-8")
+    return folder
+
+
+def run(folder: Path, *words: str, code: int) -> str:
+    """What the command prints with the edited tables."""
+    program = "from spincheck.reports.cli.start import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", program, *words],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(folder)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == code, done.stderr
+    return done.stdout
+
+
+@pytest.mark.processes
+@pytest.mark.slow
+def test_one_entry_more_in_the_tables_is_all_that_a_new_name_takes(with_one_more):
+    study = ("--engine", "mujoco", "--method", "RK4", "--quick", "--jobs", "1", "--out", "r.sqlite")
+    ran = json.loads(run(with_one_more, "run", "top.toml", *study, "--json", code=1))
+    finished = [row for row in ran["rows"] if row["outcome"] == "ok"]
+    assert all(row["upright_error"] > 0 for row in finished)
+    (verdict,) = ran["verdicts"]
+    assert verdict["signals"]["upright"]["verdict"] == "converges"
+    assert any("Lz error" in unmet for unmet in verdict["unmet"])
+    assert "upright_error" in run(with_one_more, "rows", "r.sqlite", "--csv", code=0)
+    bound = ("recommend", "top.toml", "--upright", "1e-3", "--from", "r.sqlite", "--json")
+    assert json.loads(run(with_one_more, *bound, code=0))["checks"][-1]["upright"] <= 1e-3
+    run(with_one_more, "report", "r.sqlite", "--out", "pages", code=1)
+    pages = with_one_more / "pages"
+    first, scene = (
+        (pages / name).read_text(encoding="utf-8") for name in ("index.html", "scenes/top.md")
+    )
+    assert 'value="upright"' in first
+    assert "† hopeless" in first
+    assert "Lz, relative" in scene
+    assert "td.hopeless" in (pages / "assets" / "style.css").read_text(encoding="utf-8")
