@@ -98,9 +98,9 @@ def is_run(study: ConvergenceStudy, stored: Mapping[float, Row]) -> bool:
     """Whether all runs of a study are stored; if so, it has taken them."""
     runs = study.runs()
     with suppress(StopIteration):
-        asked = next(runs)
-        while (row := stored.get(asked.rung.timestep)) and asked.is_answered_by(row):
-            asked = runs.send(row)
+        planned = next(runs)
+        while (row := stored.get(planned.rung.timestep)) and planned.is_answered_by(row):
+            planned = runs.send(row)
         return False
     return True
 

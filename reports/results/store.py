@@ -131,10 +131,7 @@ class Store:
         self._fingerprints |= {(f.scenario, f.engine, f.kind): f.digest for f in fingerprints}
 
     def rest_on(self, fingerprints: Sequence[Fingerprint]) -> int:
-        """From now on, only results of this scene, program and engines count.
-
-        Returns how many verdicts on the scene do no longer count.
-        """
+        """How many verdicts on a scene no longer count, as only results of these do from now on."""
         scenario = fingerprints[0].scenario
 
         def verdicts() -> int:

@@ -27,7 +27,7 @@ from rich.console import Console
 from rich.table import Table
 from spincheck.engines import engines, sampling
 from spincheck.engines.adapters import mujoco, pybullet
-from spincheck.reports.harness import convergence_study, ladder_judge, study
+from spincheck.reports.harness import comparison, convergence_study, ladder_judge, study
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.plan import plan
