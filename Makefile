@@ -1,7 +1,11 @@
 # Every target sets up what it needs in .venv, once: a second call does not install again.
-PYTHON ?= python3.11
+# The first that runs; 3.11 has a wheel of PyBullet.
+FITS := import sys; assert (3, 11) <= sys.version_info < (3, 14); print(sys.executable)
+PYTHON ?= $(shell for python in python3.11 python3.12 python3.13 python3 python; do \
+	$$python -c '$(FITS)' 2>/dev/null && break; done)
 VENV := .venv
 BIN := $(VENV)/bin
+INSTALLED := $(VENV)/.installed
 READY := $(VENV)/.ready
 CODE := scenarios reference engines reports
 PLAIN := free heavy driven thrown
@@ -11,14 +15,14 @@ PLAIN := free heavy driven thrown
 
 # The page is there to look at after the plain scenes, and once more when the hard ones are done.
 # Exit code 1 says that something disagrees: the report tells what.
-report: $(READY)
+report: $(INSTALLED)
 	$(BIN)/spincheck run $(PLAIN) || [ $$? -eq 1 ]
 	$(BIN)/spincheck report || [ $$? -eq 1 ]
 	$(BIN)/spincheck run || [ $$? -eq 1 ]
 	$(BIN)/spincheck report || [ $$? -eq 1 ]
 
 # Every optional engine: Python packages into .venv, npm packages into the user's cache.
-engines: $(READY)
+engines: $(INSTALLED)
 	$(BIN)/pip install --quiet --editable '.[dartpy,drake,exudyn,mjx,pin,rapier3d]'
 	$(BIN)/python -m spincheck.engines.adapters.node || [ $$? -eq 3 ]
 
@@ -76,10 +80,17 @@ schema: $(READY)
 format-page: $(READY)
 	$(BIN)/python -m spincheck.scenarios.format_page > docs/scene-format.md
 
-$(READY): pyproject.toml
+$(INSTALLED): pyproject.toml
+	$(if $(PYTHON),,$(error no Python from 3.11 to 3.13 was found; PYTHON=… names one))
+	@echo "Setting up $(VENV) with $(PYTHON)."
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --editable '.[dev]'
+	$(BIN)/pip install --quiet --editable .
 	$(BIN)/python -m spincheck.reference.compiled
+	touch $@
+
+# What developing needs besides.
+$(READY): $(INSTALLED)
+	$(BIN)/pip install --quiet --editable '.[dev]'
 	touch $@
 
 clean:

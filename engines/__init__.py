@@ -1,6 +1,6 @@
 """Physics engines behind one interface."""
 
-from .checks.read_back import BodyReading, EngineError, State
+from .checks.read_back import BodyReading, EngineError, State, UnsupportedError
 from .discovery import add, engines, missing
 from .engine import Engine, Method
 from .fault import Cause, Fault
@@ -20,6 +20,7 @@ __all__ = [
     "Run",
     "Session",
     "State",
+    "UnsupportedError",
     "add",
     "engines",
     "missing",

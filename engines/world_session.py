@@ -7,7 +7,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,19 +21,6 @@ from .world_parts import matrix
 #: The module that worlds share.
 PARTS = Path(__file__).with_name("world_parts.py")
 _RELATIVE_IMPORT = re.compile(r"^from \.[\w.]* import .+\n", re.MULTILINE)
-
-
-class World(Protocol):
-    """What a stand-alone module has: `World(scene, method, timestep)`, the scene as a record."""
-
-    def advance(self, steps: int) -> None:
-        """Take whole steps."""
-
-    def motion(self) -> Sequence[float]:
-        """Attitude w x y z and ω of the record's axes, com and its velocity, world axes, (13,)."""
-
-    def restart(self, motion: dict[str, list[float]], timestep: float) -> None:
-        """Set another motion and timestep, as if the world were new."""
 
 
 class WorldBody(NamedTuple):
@@ -50,7 +37,10 @@ class WorldSession(Session):
 
     Parameters
     ----------
-    module : the name of the adapter's stand-alone module, which imports the engine
+    module : the name of the adapter's stand-alone module, which imports the engine. Its class
+        `World(scene, method, timestep)` takes the scene as a record, and has `advance(steps)`,
+        `restart(motion, timestep)` and `motion()`: attitude w x y z and ω of the record's axes, com
+        and its velocity, world axes, (13,)
     """
 
     def __init__(self, module: str, scenario: Scenario, method: str, timestep: float) -> None:

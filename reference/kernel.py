@@ -15,6 +15,8 @@ from typing import Any, ParamSpec, TypeVar
 import numba
 from numba import njit
 
+from ..scenarios.regular_files import is_own
+
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -36,7 +38,7 @@ def digest_of_kernels(package: Path) -> str:
 
 
 def _folder() -> Path | None:
-    """Return the first place that can be written to, beside the sources or in the home."""
+    """Return the first place that this user alone can write to, beside the sources or at home."""
     places = [Path(config.CACHE_DIR or _PACKAGE / "__pycache__")]
     # Not every user has a home.
     with suppress(RuntimeError):
@@ -47,7 +49,7 @@ def _folder() -> Path | None:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError:
             continue
-        if os.access(folder, os.W_OK):
+        if os.access(folder, os.W_OK) and is_own(folder):
             return folder
     return None
 

@@ -5,8 +5,10 @@ from importlib.resources import files
 from pathlib import Path
 
 from .errors import ScenarioError, did_you_mean, printable
-from .load import is_scenario
+from .load import is_scenario, is_scene_name
 
+#: Endings of models, which are given by mistake.
+MODELS = (".urdf", ".xml", ".mjcf", ".xacro")
 LIBRARY = Path(str(files(__package__))) / "library"
 
 
@@ -26,7 +28,7 @@ def scenario_files(folder: Path) -> list[Path]:
 def find(names: Iterable[str]) -> list[Path]:
     """Scenario files for what a user named: files, folders, library scenes, library folders.
 
-    With no names, the whole library.
+    A file of the current folder may be named without its ending. With no names, the whole library.
 
     Raises
     ------
@@ -47,10 +49,18 @@ def _library() -> list[Path]:
 def _find_one(name: str) -> list[Path]:
     if not name:
         raise ScenarioError("a scene's name is empty; '.' is the folder you are in")
-    path = Path(name)
+    path, file = Path(name), Path(f"{name}.toml")
+    if path.suffix.lower() in MODELS:
+        raise ScenarioError(
+            f"{printable(name)}: a model, not a scene; 'spincheck inspect' says what engines hold "
+            "of it, 'spincheck import' makes scenes of its links"
+        )
     try:
         if path.exists() and not path.is_dir():
             return [path]
+        # As pages and messages name a scene.
+        if is_scene_name(name) and file.is_file():
+            return [file]
     except OSError as error:  # such as a name that is too long
         raise ScenarioError(f"{printable(name)}: cannot be read: {error.strerror}") from None
     folder = path if path.is_dir() or not name.isidentifier() else LIBRARY / name

@@ -16,7 +16,7 @@ from .errors import Misfit, ScenarioError, printable
 from .read_text import first_key, is_nested_too_deeply, read_text
 from .scales import check_scales
 from .scenario import Scenario, build
-from .users_models.origin import check_origin
+from .users_models import check_origin
 from .write import to_toml
 
 MARKER = "spincheck"

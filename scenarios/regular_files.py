@@ -32,6 +32,17 @@ def read_regular(path: Path, limit: int) -> bytes:
         raise OSError(errno.EINVAL, str(error), str(path)) from None
 
 
+def is_own(folder: Path) -> bool:
+    """Whether nobody else may put code into a folder, or it is not there yet; root may anywhere."""
+    try:
+        found = folder.stat()
+    except FileNotFoundError:
+        return True
+    # Windows has neither.
+    owners = {0, getattr(os, "getuid", lambda: found.st_uid)()}
+    return found.st_uid in owners and not (os.name == "posix" and found.st_mode & stat.S_IWOTH)
+
+
 def write_new(path: Path, text: str, *, replace: bool = True) -> None:
     """Write a text as a new file, the same bytes on every system.
 

@@ -211,12 +211,18 @@ _WHAT_HELD = ("the com's velocity, m/s,", "the com, m,")
 def _residuals(gains: list[_NoisyGain]) -> Iterator[str]:
     """The residuals that exceed their noise, one sentence each."""
     for one in gains:
-        for k, what in enumerate((*_WHAT, *(_WHAT_HELD if one.is_held else _WHAT_FREE))):
-            excess, wanted = one.gain.excess[k], one.gain.wanted[k]
-            if np.abs(excess).max() > one.noise[k]:
-                digits = _digits_that_differ(wanted, excess)
-                got, should = _numbers(wanted + excess, digits), _numbers(wanted, digits)
-                yield f"{what} is {got} at the start, not {should}"
+        for k in range(len(one.noise)):
+            if np.abs(one.gain.excess[k]).max() > one.noise[k]:
+                yield residual_words(one.gain, k, one.is_held, "at the start")
+
+
+def residual_words(gain: Gain, quantity: int, is_held: bool, when: str) -> str:
+    """What one of the four quantities of a gain is, and what it should be."""
+    what = (*_WHAT, *(_WHAT_HELD if is_held else _WHAT_FREE))[quantity]
+    excess, wanted = gain.excess[quantity], gain.wanted[quantity]
+    digits = _digits_that_differ(wanted, excess)
+    got, should = _numbers(wanted + excess, digits), _numbers(wanted, digits)
+    return f"{what} is {got} {when}, not {should}"
 
 
 def _digits_that_differ(wanted: FloatArray, excess: FloatArray) -> int:

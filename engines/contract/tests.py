@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from ..discovery import engines
+from ..discovery import engines, missing
 from ..engine import Engine, Method
 from .checks import CHECKS, Check
 
@@ -17,12 +17,17 @@ def contract_tests(*names: str) -> Callable[..., None]:
 
     Raises
     ------
-    KeyError
-        If there is no engine of that name.
+    ValueError
+        If there is no engine of that name, or it cannot be imported: with the reason.
     """
     import pytest
 
     generated = [name for name, engine in engines().items() if not engine.of_file]
+    reasons = {absent.name: absent.reason for absent in missing()}
+    for name in names:
+        if name not in engines():
+            why = reasons.get(name, f"must be one of {', '.join(engines())}")
+            raise ValueError(f"'{name}': {why}")
     chosen = [engines()[name] for name in names or generated]
     cases = [
         pytest.param(check, engine, method, id=f"{engine.name}-{method.name}-{check.__name__}")

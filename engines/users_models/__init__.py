@@ -1,6 +1,27 @@
-"""How a body that an engine holds differs from the one that a model file states, and why."""
+"""Users' models in engines: read, run, and compared with what the file states."""
 
 from .cause import Kind, cause, unstated_body
 from .difference import AGREES, BodyDifference, difference
+from .file_engine import FileEngine
+from .model_reader import Advice, Configuration, ModelReader, RefusalAdvice, model_readers
+from .named_link import UsersLink, users_link
+from .users_urdf import link_alone, with_meshes
 
-__all__ = ["AGREES", "BodyDifference", "Kind", "cause", "difference", "unstated_body"]
+__all__ = [
+    "AGREES",
+    "Advice",
+    "BodyDifference",
+    "Configuration",
+    "FileEngine",
+    "Kind",
+    "ModelReader",
+    "RefusalAdvice",
+    "UsersLink",
+    "cause",
+    "difference",
+    "link_alone",
+    "model_readers",
+    "unstated_body",
+    "users_link",
+    "with_meshes",
+]

@@ -5,8 +5,7 @@ from typing import Literal
 import numpy as np
 
 from ...scenarios import FloatArray
-from ...scenarios.users_models import FileProblem, Stated
-from ...scenarios.users_models.problems import principal_moments
+from ...scenarios.users_models import FileProblem, Stated, principal_moments
 from ..checks.read_back import BodyReading
 from .difference import AGREES, BodyDifference, moments_alike
 

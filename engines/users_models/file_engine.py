@@ -4,12 +4,12 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from ...scenarios import Scenario
-from ...scenarios.users_models import problems
-from ...scenarios.users_models.model_file import Format
+from ...scenarios.users_models import Format, problems
 from ..checks.read_back import BodyReading, Difference, EngineError, State
 from ..engine import Engine
-from . import AGREES, cause, difference
-from .users_link import users_link
+from .cause import cause
+from .difference import AGREES, difference
+from .named_link import users_link
 
 #: Names of a body's numbers in `read_back.differences`.
 OF_BODY = frozenset({"mass", "com", "inertia_com"})

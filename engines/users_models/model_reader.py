@@ -9,8 +9,7 @@ from functools import cache
 from inspect import isabstract
 from typing import ClassVar, Literal
 
-from ...scenarios.users_models import ModelFile
-from ...scenarios.users_models.model_file import Format
+from ...scenarios.users_models import Format, ModelFile
 from .. import adapters
 from ..checks.read_back import BodyReading
 from .cause import Kind

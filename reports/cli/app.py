@@ -41,7 +41,7 @@ from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last
 from .sweeps.sweep_commands import app as sweep_commands
 from .sweeps.sweep_commands import run_members
 from .terminal import BAD_INPUT, Complaint, escape_what_turns_text, say, to_json
-from .users_models.model_commands import app as model_commands
+from .users_models import app as model_commands
 
 app = typer.Typer(
     name="spincheck",
@@ -197,17 +197,12 @@ def report(
         Path | None, typer.Argument(metavar="[RESULT FILE]", help="What 'spincheck run' wrote.")
     ] = None,
     out: Annotated[Path, typer.Option(help="The folder to write.")] = REPORT_FOLDER,
-    jobs: Jobs = CORES,
 ) -> None:
-    """Make HTML and Markdown pages of a result file; run the library first if there is none."""
+    """Make HTML and Markdown pages of a result file."""
     from ..pages.render import render
-    from .executing import Where
     from .run import running
 
-    if results is None and not RESULT_FILE.exists():
-        stored = running.run([], [], [], [], Where(jobs), RESULT_FILE)
-    else:
-        stored = running.read(results or RESULT_FILE)
+    stored = running.read(results or RESULT_FILE)
     try:
         print(f"The report is {render(stored, out)}")
     except OSError as error:

@@ -104,7 +104,7 @@ def checked(names: Iterable[str]) -> Checked:
             if unknown := unknown_expectations([scenario]):
                 result.wrong.extend(unknown)
                 continue
-            result.lines.append(f"{printable(str(scenario.path))}: {scenario.title}")
+            result.lines.append(f"{printable(str(scenario.path))}: ok: {scenario.title}")
             try:
                 result.untrue.extend(published_that_do_not_hold(scenario))
                 result.powerless.extend(powerless(scenario))

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 #: Bytes of a file's beginning in which a scenario's first key must be.
 _HEAD = 1 << 14
 #: The settings of which engines are tested, and of how many steps a run of a ladder may take.
+_UNSUPPORTED = "unsupported: "
 _ENGINES, _MAX_STEPS = "spincheck_engines", "spincheck_max_steps"
 
 
@@ -55,6 +56,16 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
         return None
     collector: pytest.Collector = ScenarioFile.from_parent(parent, path=file_path)
     return collector
+
+
+def pytest_terminal_summary(terminalreporter: Any) -> None:
+    """Say how many methods cannot simulate a scene's effects."""
+    skipped = terminalreporter.stats.get("skipped", [])
+    count = sum(_UNSUPPORTED in str(report.longrepr) for report in skipped)
+    if count:
+        terminalreporter.write_line(
+            f"spincheck: {count} items were skipped: their method does not support the scene"
+        )
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
@@ -164,19 +175,20 @@ class EngineItem(SceneItem):
         self.method = method
 
     def runtest(self) -> None:
-        """Raise `Disagreement` if the method disagrees; skip, with the reason, if unresolved."""
+        """Raise `Disagreement` if the method disagrees, or on a plain scene is unresolved."""
         from ..harness.study import convergence_study_of, run_rungs
         from ..harness.study_verdict import verdict_on
 
         scenario = self.parent.scenario
         which = f"{scenario.name}, {self.engine.name} {self.method.name}"
         if reason := self.engine.unsupported(scenario, self.method):
-            pytest.skip(f"{which}: {reason}")
+            pytest.skip(f"{which}: {_UNSUPPORTED}{reason}")
         study = convergence_study_of(scenario, self.engine, self.method, self.parent.prepared)
         for _ in run_rungs(study, _worker(self.config)):
             pass
         verdict = verdict_on(study)
-        if not verdict.agrees:
+        is_open = verdict.verdict == "unresolved" and verdict.is_unproven and not scenario.hard
+        if not verdict.agrees or is_open:
             raise Disagreement(
                 "\n".join(
                     [

@@ -1,11 +1,10 @@
-"""Simulates one run, and compares it with the exact motion and with what the scene expects."""
+"""Compares one run with the exact motion and with the scene's expectations of it."""
 
-from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from dataclasses import replace
 
 import numpy as np
 
-from ...engines import Engine, Run
+from ...engines import Run
 from ...reference import Solution, drifts
 from ...scenarios import (
     SIGNAL,
@@ -26,46 +25,6 @@ from .without_skill import no_better_than_rest
 ABSURD_ENERGY = 10.0
 #: rad; turns are counted until the attitude is off by this.
 DEGREE = np.pi / 180
-
-#: Models kept: more than the methods of the scenes that run at the same time.
-MODELS = 64
-
-
-def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
-    """One run, in a worker; if it is ok or lags, with the equation residuals of its first steps."""
-    run = engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
-    if not (run.outcome == "ok" or run.cause == "lag"):
-        return run
-    is_single = run.cause == "precision"
-    model = _Model(engine.name, method, scenario.digest, is_single, engine, scenario)
-    residuals = _equation_residuals(model)
-    if not residuals:
-        return run
-    reason = "; ".join(filter(None, (run.reason, residuals)))
-    if run.outcome == "ok":
-        return replace(run, cause="law", reason=reason)
-    # A lag at however small a step is not a clamp.
-    return replace(run, outcome="failed", cause="clock", reason=reason)
-
-
-@dataclass(frozen=True)
-class _Model:
-    """A scene in an engine, by one method; equal by names and digest."""
-
-    engine_name: str
-    method: str
-    digest: str
-    single_precision: bool
-    engine: Engine = field(compare=False)
-    scenario: Scenario = field(compare=False)
-
-
-@lru_cache(maxsize=MODELS)
-def _equation_residuals(model: _Model) -> str:
-    """The residuals of its first steps, independent of the timestep: measured once a process."""
-    method = model.engine.method(model.method)
-    single = model.single_precision
-    return model.engine.equation_residuals(model.scenario, method, single_precision=single)
 
 
 def row_of(

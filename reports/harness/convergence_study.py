@@ -11,13 +11,14 @@ from ...engines import Engine, Method, Run
 from ...reference import Solution
 from ...scenarios import Expect, Scenario
 from ..results.evidence import JudgedRung
-from ..results.records import Defect, Key, Row
+from ..results.records import Defect, Key, LocalCheck, Row
 from .comparison import row_of, unmet_expectations
 from .defects import defects
-from .executors import Answer
+from .executors import Answer, CallFailed
+from .judging.places import Places
 from .ladder import MIN_RUNGS, Ladder, Rung
 from .ladder_judge import LadderJudge
-from .stock import StockRun, stock_timesteps
+from .stock import STEP_BUDGET, StockRun, stock_timesteps
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +65,10 @@ class ConvergenceStudy:
     judged : rungs of the ladder as they were judged before
     rows, single_rows, above_rows, stock_rows : the runs so far
     unmet : expectations of the scene that were not met, in words
+    places : exact states that the method is tested from, if there are any
+    local : what it does from there
+    remembers : whether a run goes on otherwise than if restarted from its own states; None if that
+        is not known
     """
 
     scenario: Scenario
@@ -79,6 +84,9 @@ class ConvergenceStudy:
     above_rows: list[Row] = field(default_factory=list)
     stock_rows: list[Row] = field(default_factory=list)
     unmet: list[str] = field(default_factory=list)
+    places: Places | None = None
+    local: LocalCheck | None = None
+    remembers: bool | None = None
 
     @cached_property
     def judge(self) -> LadderJudge:
@@ -123,8 +131,8 @@ class ConvergenceStudy:
 
     def compare(self, planned: PlannedRun, answer: Answer[Run]) -> Row:
         """Compare a run that was asked for with the exact motion; returns its row."""
-        version, rung = self.engine.version, planned.rung
-        row = row_of(self.scenario, self.key, version, rung, answer.value, planned.solution)
+        version, rung, run = self.engine.version, planned.rung, self._of_other_law(answer.value)
+        row = row_of(self.scenario, self.key, version, rung, run, planned.solution)
         is_stock = rung.timestep in stock_timesteps(self.engine)
         made = self._defects(row, planned.solution)
         row = replace(row, printed=answer.printed, stock=is_stock, defects=made)
@@ -132,6 +140,17 @@ class ConvergenceStudy:
             # Its samples are not needed: finer runs are judged and drawn.
             row = replace(row, motion=None)
         return row
+
+    def _of_other_law(self, run: Run | CallFailed) -> Run | CallFailed:
+        """The run, marked where single steps do not obey the scene's equations of motion."""
+        if isinstance(run, CallFailed) or not (self.local and self.local.reason):
+            return run
+        reason = "; ".join(filter(None, (run.reason, self.local.reason)))
+        if run.outcome == "ok":
+            return replace(run, cause="law", reason=reason)
+        # A lag at however small a step is not a clamp.
+        is_clock = run.cause == "lag" and self.local.at_any_timestep
+        return replace(run, outcome="failed", cause="clock", reason=reason) if is_clock else run
 
     def _defects(self, row: Row, solution: Solution) -> dict[str, Defect] | None:
         if row.motion is None or row.errors is None:
@@ -165,7 +184,8 @@ class ConvergenceStudy:
         if not self.rows:
             return self.ladder.least_steps > 0
         settled = self._hopeless(self.rows[-1]) or self._diverges_at_any_timestep
-        return not (settled or self.judge.is_known)
+        decided = self.local is not None and self.local.converges
+        return not (settled or decided or self.judge.is_known)
 
     def discardable_timesteps(self) -> list[float]:
         """Timesteps of the runs whose samples are not needed after the verdict.
@@ -198,6 +218,9 @@ class ConvergenceStudy:
         """Whether no finer rung is needed, or can succeed."""
         assert self.ladder is not None, "only a ladder has an end"
         if self._hopeless(self.rows[-1]) or self._diverges_at_any_timestep:
+            return True
+        if self.local and self.local.converges and self.rows[-1].steps >= STEP_BUDGET:
+            # The verdict does not need them: errors and costs are shown down to here.
             return True
         finest = self.ladder.rungs[-1].timestep
         settled = self.judge.is_known or self.judge.is_out_of_reach(finest)

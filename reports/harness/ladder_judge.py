@@ -22,6 +22,8 @@ from .verdict import Judgement, judge
 #: judgement, for engines as shipped.
 GOAL, FINE_GOAL = 1e-4, 1e-9
 HIGH_ORDER = 4
+#: The words of a judgement.
+WORST_LAST = ("converges", "unresolved", "disagrees")
 #: Rungs needed for an extrapolated limit with an error estimate.
 RUNGS_OF_A_LIMIT = 3
 
@@ -106,6 +108,16 @@ class LadderJudge:
                 sequences = [self._ladder.signal(signal) for signal in SIGNAL]
                 self._judged = [SignalJudgement(one, judge(one)) for one in sequences]
         return self._judged
+
+    @property
+    def rows(self) -> list[Row]:
+        """The rungs that are judged."""
+        return self._taken
+
+    @property
+    def sequences(self) -> list[SignalSequence]:
+        """Every signal's ladder; empty while there are too few rungs."""
+        return [one.sequence for one in self.signals]
 
     @property
     def worst(self) -> SignalJudgement:

@@ -13,7 +13,7 @@ from threading import Lock
 
 import numpy as np
 
-from ...engines import Engine, Method
+from ...engines import Engine, Method, Run
 from ...reference import ExactMotion, Solution
 from ...reference.compiled import compile_kernels, is_compiled
 from ...scenarios import FloatArray, Scenario
@@ -23,10 +23,11 @@ from ..results.evidence import Evidence, JudgedRung
 from ..results.records import UNSOLVED, Key, Row, Verdict
 from ..results.store import Store
 from .choice import Choice
-from .comparison import simulate
 from .convergence_study import ConvergenceStudy, SingleRun
 from .default_effects import take_defaults_away
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
+from .judging.local import examine, restarted
+from .judging.places import Places, places
 from .ladder import Ladder, Rung, ladder, single
 from .plan import Plan, SceneLeft
 from .stock import StockRun, stock_rung, stock_timesteps
@@ -78,7 +79,7 @@ def study_method(
     }
     # What has been run is judged again by the numbers that are stored of it.
     study = begin(store.judged_rungs(key))
-    if not is_run(study, stored):
+    if not is_run(study, stored, executor):
         study = begin()
         for row in run_rungs(study, executor, stored):
             store.put(row)
@@ -94,14 +95,18 @@ def study_method(
     return verdict
 
 
-def is_run(study: ConvergenceStudy, stored: Mapping[float, Row]) -> bool:
+def is_run(study: ConvergenceStudy, stored: Mapping[float, Row], executor: Executor) -> bool:
     """Whether all runs of a study are stored; if so, it has taken them."""
+    if not study.judged:
+        return False
+    _examine(study, executor)
     runs = study.runs()
     with suppress(StopIteration):
         planned = next(runs)
         while (row := stored.get(planned.rung.timestep)) and planned.is_answered_by(row):
             planned = runs.send(row)
         return False
+    _restart(study, executor)
     return True
 
 
@@ -119,6 +124,8 @@ def run_rungs(
     The runs made now, each compared with the exact motion.
     """
     scenario, engine, method = study.scenario, study.engine, study.method
+    if not engine.unsupported(scenario, method):
+        _examine(study, executor)
     runs = study.runs()
     planned = next(runs, None)
     while planned is not None:
@@ -132,6 +139,7 @@ def run_rungs(
             planned = runs.send(row)
         except StopIteration:
             planned = None
+    _restart(study, executor)
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,6 +150,7 @@ class Prepared:
     ladder: Ladder
     singles: list[tuple[Rung, Solution]]
     stock: list[StockRun] = field(default_factory=list)
+    places: Places | None = None
 
 
 class SceneReference:
@@ -203,7 +212,9 @@ def prepare(
         for timestep, rung in zip(stock, at_stock, strict=True)
     ]
     ladder_rungs = rungs.until(len(solution.trajectory.t))
-    return Prepared(solution, ladder_rungs, runs[: len(alone)], stock_runs)
+    coarsest = ladder_rungs.rungs[0].timestep if ladder_rungs.rungs else None
+    at = places(scenario, outline, coarsest)
+    return Prepared(solution, ladder_rungs, runs[: len(alone)], stock_runs, at)
 
 
 def convergence_study_of(
@@ -228,12 +239,49 @@ def convergence_study_of(
         if expectations or rung.timestep in timesteps:
             singles.append(SingleRun(rung, solution, expectations))
     if timesteps:
-        return ConvergenceStudy(scenario, engine, method, prepared.solution, None, singles)
+        return ConvergenceStudy(
+            scenario, engine, method, prepared.solution, None, singles, places=prepared.places
+        )
     own = stock_timesteps(engine)
     stock = [run for run in prepared.stock if run.timestep in own]
     return ConvergenceStudy(
-        scenario, engine, method, prepared.solution, prepared.ladder, singles, stock, judged
+        scenario,
+        engine,
+        method,
+        prepared.solution,
+        prepared.ladder,
+        singles,
+        stock,
+        judged,
+        places=prepared.places,
     )
+
+
+def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
+    """One run, in a worker."""
+    return engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
+
+
+def _examine(study: ConvergenceStudy, executor: Executor) -> None:
+    """Examine the method from exact states of the motion, in a worker."""
+    at, site = study.places, study.engine.site
+    if at is not None and not study.method.as_shipped:
+        asked = (study.engine, study.scenario, study.method.name, at)
+        found = executor.call_at(site, examine, *asked).value
+        study.local = None if isinstance(found, CallFailed) else found
+
+
+def _restart(study: ConvergenceStudy, executor: Executor) -> None:
+    """Go through some of the finest run again, from its own states, in a worker."""
+    runs = [row for row in study.rows if row.outcome == "ok" and row.motion is not None]
+    if not runs or study.ladder is None or study.local is None or study.local.reason:
+        return
+    motion = runs[-1].motion
+    assert motion is not None, "only runs with samples are gone through"
+    rung = next(one for one in study.ladder.rungs if one.timestep == runs[-1].timestep)
+    asked = (study.engine, study.scenario, study.method.name, rung, motion)
+    found = executor.call_at(study.engine.site, restarted, *asked).value
+    study.remembers = found > 1 if isinstance(found, float) else None
 
 
 def _methods_left(

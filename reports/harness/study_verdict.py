@@ -3,11 +3,14 @@
 from typing import Any
 
 from ...reference.solution import MAX_UNCERTAINTY
-from ..results.records import Row, Verdict
+from ...scenarios.signals import SIGNAL
+from ..results.records import LocalCheck, Row, Verdict
 from .convergence_study import ConvergenceStudy
 from .expected_failures import compared_with_expected_failures
+from .judging.contradictions import contradictions
+from .judging.places import PIECES, rounding_of_body
 from .ladder import COARSEST_TURN, Ladder
-from .ladder_judge import RUNGS_OF_A_LIMIT
+from .ladder_judge import RUNGS_OF_A_LIMIT, WORST_LAST
 
 
 def verdict_on(study: ConvergenceStudy) -> Verdict:
@@ -18,35 +21,81 @@ def verdict_on(study: ConvergenceStudy) -> Verdict:
 
 
 def _judged(study: ConvergenceStudy) -> Verdict:
-    last = study.last_row
+    last, local = study.last_row, study.local
     attributes: dict[str, Any] = {
         "unmet": tuple(study.unmet),
         "as_shipped": study.method.as_shipped,
     }
     if last is None and (lacking := study.engine.unsupported(study.scenario, study.method)):
         return Verdict(study.key, "unsupported", lacking, **attributes)
-    if last and last.outcome in ("failed", "diverged", "unsupported"):
-        if last.outcome == "diverged" and (sound := study.judge.blown_up_below):
+    if last and last.outcome in ("failed", "unsupported"):
+        return Verdict(study.key, last.outcome, _with_time(last), **attributes)
+    if local and local.reason and not (last and last.cause == "law"):
+        return _of_signals(study, local.reason, is_wrong=True, **attributes)
+    if last and last.outcome == "diverged":
+        if sound := study.judge.blown_up_below:
             return Verdict(study.key, "disagrees", _grown_into(sound[-1], last), **attributes)
-        word = "diverges" if last.outcome == "diverged" else last.outcome
-        return Verdict(study.key, word, _with_time(last), **attributes)
+        return Verdict(study.key, "diverges", _with_time(last), **attributes)
     # For an engine as shipped: its differences from the scene.
     remark = last.reason if last else ""
     is_wrong = last is not None and last.cause in ("law", "precision")
-    if study.judge.signals:
-        return _of_signals(study, remark, is_wrong=is_wrong, **attributes)
-    reason = "; ".join(part for part in (_no_verdict(study), remark) if part)
-    return Verdict(study.key, "disagrees" if is_wrong else "unresolved", reason, **attributes)
+    if not is_wrong and not study.method.as_shipped:
+        slack = study.engine.slack
+        if study.places:
+            # Of a body whose moments differ much no engine holds the least.
+            slack = max(slack, rounding_of_body(study.places.condition))
+        evidence = contradictions(study.judge.rows, study.judge.sequences, slack)
+        if wrong := next(evidence, ""):
+            return _of_signals(study, wrong, is_wrong=True, **attributes)
+        if local and (verdict := _by_pieces(study, local, attributes)):
+            return verdict
+    return _of_signals(study, remark, is_wrong=is_wrong, **attributes)
+
+
+def _by_pieces(
+    study: ConvergenceStudy, local: LocalCheck, attributes: dict[str, Any]
+) -> Verdict | None:
+    """The verdict where the whole window does not decide; None where it does, or nothing does."""
+    word = study.judge.worst.judgement.word if study.judge.signals else "unresolved"
+    worst = max(local.pieces, key=lambda one: WORST_LAST.index(one.verdict))
+    where = f"over 2 rad from exact states, {SIGNAL[worst.signal].label}: {worst.reason}"
+    found = (worst.signal, worst.order, worst.limit_error, worst.tolerance, local.pieces)
+    if worst.verdict == "disagrees":
+        return Verdict(study.key, "disagrees", where, *found, **attributes)
+    # Single timesteps are asked about as they are.
+    if study.ladder is None or word != "unresolved" or not local.converges or study.remembers:
+        return None
+    reason = (
+        f"steps from {local.states} exact states are consistent to {local.tolerance:.1e}; "
+        f"{where}; over the whole window: {_over_all(study)}"
+    )
+    ground = f"in {local.states} steps and {PIECES} pieces"
+    return Verdict(study.key, "converges", reason, *found, ground=ground, **attributes)
+
+
+def _over_all(study: ConvergenceStudy) -> str:
+    """What the whole window leaves open, and how many steps would show it."""
+    if not study.judge.signals:
+        return _no_verdict(study)
+    judgement = study.judge.worst.judgement
+    if judgement.needed_timestep is None:
+        return judgement.reason
+    steps = float(study.solution.trajectory.t[-1]) / judgement.needed_timestep
+    return f"{steps:.1e} steps would show it"
 
 
 def _of_signals(
     study: ConvergenceStudy, remark: str, *, is_wrong: bool, **attributes: Any
 ) -> Verdict:
     """The verdict of the worst signal; `disagrees` if a run was of another model or precision."""
+    if not study.judge.signals:
+        open_ended = "" if is_wrong else _no_verdict(study)
+        reason = "; ".join(part for part in (open_ended, remark) if part)
+        return Verdict(study.key, "disagrees" if is_wrong else "unresolved", reason, **attributes)
     worst = study.judge.worst
     judgement = worst.judgement
     word, reason = judgement.word, f"{worst.sequence.signal.label}: {judgement.reason}"
-    # What the first steps show, and the body that an engine holds of a user's file, explain the
+    # What single steps show, and the body that an engine holds of a user's file, explain the
     # motion: they are named first.
     explains = study.engine.of_file or is_wrong
     parts = [remark, reason] if explains else [reason, remark]
@@ -62,6 +111,7 @@ def _of_signals(
         judgement.limit_error,
         judgement.tolerance,
         study.judge.records(),
+        ground="over the whole window" if word == "converges" and not is_wrong else "",
         **attributes,
     )
 

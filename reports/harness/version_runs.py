@@ -10,11 +10,10 @@ from ...reference import Solution, solve
 from ...scenarios import Errors, Scenario, Trajectory, errors_between
 from ..results.records import Verdict
 from .choice import QUICK_STEPS
-from .comparison import simulate
 from .executors import CallFailed, Executor
 from .ladder import Rung, single
 from .step_cost import step_costs
-from .study import Prepared, convergence_study_of, prepare, run_rungs
+from .study import Prepared, convergence_study_of, prepare, run_rungs, simulate
 from .study_verdict import verdict_on
 
 #: Rounds in which versions are timed in turn.

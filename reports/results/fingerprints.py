@@ -37,7 +37,7 @@ DECIDING = {
         "reports.harness.sweep_run",
     ),
     "timing": ("reports.harness.timing",),
-    "verdict": ("reports.harness.study_verdict",),
+    "verdict": ("reports.harness.study_verdict", "reports.harness.judging.local"),
 }
 JUDGING = frozenset(
     f"reports.harness.{name}"

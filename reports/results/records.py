@@ -17,6 +17,8 @@ from .verdict_words import VERDICT, VerdictWord
 
 #: Names of an engine and of one of its methods.
 Pair = tuple[str, str]
+#: Steps must be known to be consistent to this, relative to the largest terms.
+CONSISTENT = 1e-4
 #: s; the timestep of the one row of a method on a scene whose reference could not be solved.
 UNSOLVED = 0.0
 #: Fields that hold a motion.
@@ -260,6 +262,36 @@ class SignalVerdict(Record):
 
 
 @dataclass(frozen=True)
+class LocalCheck:
+    """What a method does from exact states along the motion.
+
+    Attributes
+    ----------
+    reason : how its steps are inconsistent with the equations of motion, in words; empty if not
+    tolerance : to which they are known to be consistent, relative to the largest terms
+    remembers : whether a step depends on more than the state before it
+    settles : whether a constraint holds the body, which takes some steps to settle
+    at_any_timestep : whether steps are inconsistent however short they are
+    states : number of states
+    pieces : the verdicts on short runs from some of them
+    """
+
+    reason: str
+    tolerance: float
+    remembers: bool
+    settles: bool
+    at_any_timestep: bool
+    states: int
+    pieces: tuple[SignalVerdict, ...] = ()
+
+    @property
+    def converges(self) -> bool:
+        """Whether steps are known to be consistent, and all pieces converge."""
+        is_known = not self.reason and self.tolerance <= CONSISTENT
+        return is_known and all(piece.verdict == "converges" for piece in self.pieces)
+
+
+@dataclass(frozen=True)
 class Verdict(Record):
     """The verdict on a method on a scene: that of the signal with the worst verdict.
 
@@ -273,6 +305,7 @@ class Verdict(Record):
     expected_failure : whether it is an expected failure of the scene's file
     timesteps : s, those asked for, increasing; empty for the verdict on a ladder
     step_limit : of a ladder that this limit cut short; else None
+    ground : what a verdict `converges` rests on, in words
     """
 
     key: MethodKey
@@ -288,6 +321,7 @@ class Verdict(Record):
     expected_failure: bool = False
     timesteps: tuple[Size, ...] = ()
     step_limit: Count | None = None
+    ground: str = ""
 
     @property
     def agrees(self) -> bool:

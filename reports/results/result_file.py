@@ -94,7 +94,10 @@ def opened(path: Path, schemas: Mapping[int, str], *, writing: bool) -> Iterator
     schemas = {version: _SCHEMA + schema for version, schema in schemas.items()}
     try:
         if not _is_there(path, "written" if writing else "read") and not writing:
-            raise ResultFileError("no such result file; 'spincheck run' writes one")
+            raise ResultFileError(
+                "no such result file; 'spincheck run fast-top' writes one of a scene, "
+                "'spincheck run' of the whole library"
+            )
         # SQLite has its journals beside the file itself, not beside a link to it.
         place = path.resolve()
         _check_journals(place)

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from ..errors import ScenarioError
-from ..load import loads
 from ..write import to_toml
 from .model_file import Link, ModelFile, Stated
 from .origin import digest
@@ -47,6 +46,8 @@ def link_scenes(model: ModelFile, folder: Path) -> Iterator[LinkScene]:
     ----------
     folder : that the scenes will be in: they name the model relative to it
     """
+    from ..load import loads  # which compares a scene's model with its digest, here
+
     taken: set[str] = set()
     sha256 = digest(model.path)
     file = _relative(model.folders.own / model.path.name, folder)

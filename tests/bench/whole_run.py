@@ -27,7 +27,7 @@ from rich.console import Console
 from rich.table import Table
 from spincheck.engines import engines, sampling
 from spincheck.engines.adapters import mujoco, pybullet
-from spincheck.reports.harness import comparison, convergence_study, ladder_judge, study
+from spincheck.reports.harness import convergence_study, ladder_judge, study
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.plan import plan
@@ -62,7 +62,7 @@ PHASES: dict[str, list[tuple[Any, str]]] = {
     ],
     "loading models": [(engine, "open") for engine in map(engines().get, ENGINES)],
     "checking states": [(sampling, "_checked")],
-    "first steps": [(comparison, "_equation_residuals")],
+    "single steps": [(study, "_examine")],
     "comparing": [(convergence_study, "row_of")],
     "judging": [(ladder_judge.LadderJudge, "take"), (ladder_judge, "judge")],
     "storing": [(Store, "put"), (Store, "put_verdict"), (Store, "put_scene")],

@@ -1,6 +1,7 @@
 """Scenes are found by path, by folder and by name."""
 
 import os
+from pathlib import Path
 
 import pytest
 from scene_texts import TEXT
@@ -67,3 +68,15 @@ def test_a_file_of_a_library_scenes_name_is_reported_only_beside_it(folder):
     assert stems(find(["sphere.toml"])) == ["sphere"]
     with pytest.raises(ScenarioError, match="another scene has the same name"):
         find(["sphere.toml", "free"])
+
+
+def test_a_file_of_the_current_folder_may_be_named_as_its_scene(tmp_path, monkeypatch):
+    (tmp_path / "my-top.toml").write_text("spincheck = 1")
+    monkeypatch.chdir(tmp_path)
+    assert find(["my-top"]) == [Path("my-top.toml")]
+
+
+@pytest.mark.parametrize("name", ["robot.urdf", "scene.XML", "robot.xacro"])
+def test_a_model_is_told_from_a_scene(name):
+    with pytest.raises(ScenarioError, match="a model, not a scene; 'spincheck inspect'"):
+        find([name])

@@ -6,6 +6,8 @@ import os
 from pathlib import Path
 
 import pytest
+from spincheck.engines.user_cache import user_cache
+from spincheck.reference import kernel
 from spincheck.scenarios.regular_files import read_regular, replacing, write_new
 
 ROOT = Path(__file__).parents[2]
@@ -120,3 +122,19 @@ def test_one_that_may_not_be_replaced_is_not_even_as_a_link_to_nothing(tmp_path)
     with pytest.raises(FileExistsError):
         write_new(tmp_path / "scene.toml", "new", replace=False)
     assert not (tmp_path / "nothing").exists()
+
+
+def test_a_cache_that_others_may_write_to_is_not_used(tmp_path, monkeypatch):
+    """Machine code, other versions and npm packages in it are executed."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    folder = user_cache()
+    folder.mkdir(mode=0o700)
+    assert user_cache() == folder
+    folder.chmod(0o777)
+    with pytest.raises(PermissionError, match="others may write to it"):
+        user_cache()
+    monkeypatch.setattr(kernel.config, "CACHE_DIR", str(folder))
+    ours = folder / f"kernels-{kernel.digest_of_kernels(kernel._PACKAGE)}"
+    assert kernel._folder() == ours
+    ours.chmod(0o777)
+    assert kernel._folder() != ours

@@ -9,9 +9,7 @@ import mujoco
 from ....scenarios import Scenario
 from ...engine import Method, Release
 from ...models.mjcf import start_coordinates, switched_off
-from ...users_models.file_engine import FileEngine
-from ...users_models.users_link import UsersLink, users_link
-from ...users_models.users_urdf import link_alone
+from ...users_models import FileEngine, UsersLink, link_alone, users_link
 from .audit import disable
 from .engine import KEPT, MuJoCo, release
 from .model_reader import name_bodies, spec_of_mjcf

@@ -10,11 +10,9 @@ import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ....scenarios.users_models import ModelFile, Shape
-from ....scenarios.users_models.mjcf import unnamed
+from ....scenarios.users_models import ModelFile, Shape, unnamed
 from ...checks.read_back import BodyReading, EngineError
-from ...users_models.model_reader import Advice, Configuration, ModelReader, RefusalAdvice
-from ...users_models.users_urdf import with_meshes
+from ...users_models import Advice, Configuration, ModelReader, RefusalAdvice, with_meshes
 
 #: Endings of meshes that MuJoCo reads.
 MESHES = frozenset((".obj", ".stl", ".msh"))

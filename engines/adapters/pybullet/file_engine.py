@@ -4,9 +4,7 @@ from typing import ClassVar, final
 
 from ....scenarios import Scenario
 from ...engine import Method, Release
-from ...users_models.file_engine import FileEngine
-from ...users_models.users_link import users_link
-from ...users_models.users_urdf import link_alone
+from ...users_models import FileEngine, link_alone, users_link
 from .engine import MOST_ROTATION_A_STEP, PyBullet, installed_version, release
 from .load import DEFAULTS, INERTIA, BodyRepresentation, OwnURDF
 from .model_reader import DEFAULT, FROM_FILE, MADE_UP, takes_mesh

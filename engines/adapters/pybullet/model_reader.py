@@ -14,8 +14,7 @@ from scipy.spatial.transform import Rotation
 from ....scenarios.users_models import ModelFile, Shape
 from ...checks.read_back import BodyReading, EngineError
 from ...native_output import native_output
-from ...users_models.model_reader import Advice, Configuration, ModelReader
-from ...users_models.users_urdf import with_meshes
+from ...users_models import Advice, Configuration, ModelReader, with_meshes
 from .model import BASE
 
 #: Endings of meshes that PyBullet makes collision shapes of.

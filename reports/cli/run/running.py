@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from ....reference.compiled import is_compiled
 from ....scenarios import Scenario, printable
 from ...harness.choice import QUICK_STEPS, Choice
 from ...harness.plan import plan
@@ -68,6 +69,8 @@ def run(
                 say(f"{out}: {left}")
             if words := announcement(left, choice, where.jobs):
                 say(words)
+            if left.scenes and not is_compiled():
+                say("First, once: what solves exact motions is compiled, for half a minute or so.")
             with (
                 executor_for(where, choice.time_limit) as executor,
                 progress(left.total) as advance,

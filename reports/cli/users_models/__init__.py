@@ -1,1 +1,5 @@
 """Commands about users' own models."""
+
+from .model_commands import app
+
+__all__ = ["app"]

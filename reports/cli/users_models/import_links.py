@@ -5,8 +5,7 @@ from pathlib import Path
 
 from ....scenarios import printable
 from ....scenarios.regular_files import write_new
-from ....scenarios.users_models import ModelFileError, read_model
-from ....scenarios.users_models.scenes import LinkScene, link_scenes
+from ....scenarios.users_models import LinkScene, ModelFileError, link_scenes, read_model
 from ..terminal import BAD_INPUT, Complaint
 
 

@@ -8,20 +8,18 @@ from ....scenarios import printable
 from ....scenarios.users_models import ModelFile, ModelFileError, read_model
 from ...harness.executors import LocalWorkers
 from ...harness.users_models import (
+    READ_LIMIT,
     CannotInspectError,
     InspectedLink,
     Inspection,
-    inspect_model,
-    reader_engines,
-)
-from ...harness.users_models.findings import (
     cell_text,
     differences,
+    inspect_model,
     problems_of,
+    reader_engines,
+    remedies,
     weight_in_words,
 )
-from ...harness.users_models.inspect import READ_LIMIT
-from ...harness.users_models.remedy import remedies
 from ..terminal import BAD_INPUT, NOT_RUN, Complaint, table, terminal_width
 from .inspection_record import columns, is_stated
 
@@ -73,7 +71,7 @@ def write_pages(inspected: Sequence[Inspection], out: Path) -> Iterator[Path]:
     Complaint
         If the folder cannot be written.
     """
-    from ...pages.users_models.model_page import page_names, write_model_page
+    from ...pages.users_models import page_names, write_model_page
 
     names = page_names([one.model.path for one in inspected])
     try:

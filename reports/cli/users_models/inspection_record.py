@@ -4,8 +4,13 @@ from typing import Any
 
 from ....engines.checks.read_back import BodyReading
 from ....scenarios.users_models import Stated
-from ...harness.users_models import InspectedLink, Inspection, LinkReading
-from ...harness.users_models.findings import added_masses, stated_mass
+from ...harness.users_models import (
+    InspectedLink,
+    Inspection,
+    LinkReading,
+    added_masses,
+    stated_mass,
+)
 
 
 def record(inspection: Inspection) -> dict[str, Any]:

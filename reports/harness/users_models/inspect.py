@@ -5,12 +5,18 @@ from dataclasses import dataclass
 
 from ....engines import EngineError
 from ....engines.checks.read_back import BodyReading
-from ....engines.users_models import AGREES, cause, difference, unstated_body
-from ....engines.users_models.model_reader import Configuration, ModelReader, model_readers
+from ....engines.users_models import (
+    AGREES,
+    Configuration,
+    ModelReader,
+    cause,
+    difference,
+    model_readers,
+    unstated_body,
+)
 from ....engines.versions import VersionError, versioned
 from ....scenarios import did_you_mean
-from ....scenarios.users_models import FileProblem, Link, ModelFile, fused, problems
-from ....scenarios.users_models.model_file import Pose, welded
+from ....scenarios.users_models import FileProblem, Link, ModelFile, Pose, fused, problems, welded
 from ..executors import CallFailed, Executor
 from .motion_apart import attitude_apart_deg
 from .records import InspectedLink, Inspection, LinkReading

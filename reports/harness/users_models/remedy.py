@@ -4,8 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from ....engines.models.text import decimals
-from ....engines.users_models import Kind
-from ....engines.users_models.model_reader import ModelReader, model_readers
+from ....engines.users_models import Kind, ModelReader, model_readers
 from ....scenarios.users_models import Stated
 from .findings import listed
 from .records import InspectedLink, Inspection, LinkReading

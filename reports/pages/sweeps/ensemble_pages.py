@@ -14,7 +14,7 @@ from ..links import ensemble_page
 from ..tables import Table
 from .ensemble_tables import quantile_tables, worst_table
 from .map_tables import ends_table
-from .sweep_pages import methods_of, numbered, timestep_in_words, timestep_option
+from .sweep_pages import method_options, methods_of, numbered, timestep_in_words, timestep_option
 
 CAPTION = (
     "Percentage of the members whose largest error of ω is at most so much. Further left is "
@@ -52,11 +52,11 @@ def ensemble_pages(results: Results) -> list[EnsemblePage]:
     return [_page(name, result, results) for name, result in numbered(results.ensembles)]
 
 
-def command(ensemble: Ensemble) -> str:
-    """The shell command that makes this ensemble."""
+def command(ensemble: Ensemble, methods: list[str]) -> str:
+    """The shell command that makes this ensemble, with the options that name its methods."""
     words = ["spincheck", "run", ensemble.scenario, "--ensemble", str(ensemble.members)]
     words += ["--seed", str(ensemble.seed), *timestep_option(ensemble.timestep)]
-    return shlex.join(words)
+    return shlex.join([*words, *methods])
 
 
 def _page(name: str, result: EnsembleResult, results: Results) -> EnsemblePage:
@@ -77,7 +77,7 @@ def _page(name: str, result: EnsembleResult, results: Results) -> EnsemblePage:
         title=title,
         scene=ensemble.scenario,
         scene_title=result.scenario.title,
-        command=command(ensemble),
+        command=command(ensemble, method_options(pairs, results)),
         timestep=timestep_in_words(ensemble.timestep),
         figure=drawing,
         shown=tuple((" ".join(of_method.pair), drawn[of_method.pair]) for of_method in compared),

@@ -12,7 +12,14 @@ from ..figures.map_figure import map_figure
 from ..links import map_page
 from ..tables import Table
 from .map_tables import bounds_table, ends_table, survival_table
-from .sweep_pages import methods_of, numbered, timestep_in_words, timestep_option, typed
+from .sweep_pages import (
+    method_options,
+    methods_of,
+    numbered,
+    timestep_in_words,
+    timestep_option,
+    typed,
+)
 
 CAPTION = (
     "Every cell is one run against the exact motion of its own scene. Colour: the largest error of "
@@ -46,12 +53,15 @@ class MapPage:
 def map_pages(results: Results) -> list[MapPage]:
     """A page for each map that has any points."""
     return [
-        _page(name, Grid(result, methods_of(result.points, results), results.stock_timesteps))
+        _page(
+            name, Grid(result, methods, results.stock_timesteps), method_options(methods, results)
+        )
         for name, result in numbered(results.maps)
+        for methods in [methods_of(result.points, results)]
     ]
 
 
-def _page(name: str, grid: Grid) -> MapPage:
+def _page(name: str, grid: Grid, options: list[str]) -> MapPage:
     result = grid.result
     across, up = (axis_title(axis) for axis in result.sweep.axes)
     return MapPage(
@@ -60,7 +70,7 @@ def _page(name: str, grid: Grid) -> MapPage:
         title=f"{result.sweep.scenario}: {result.sweep.axes[0].path} × {result.sweep.axes[1].path}",
         scene=result.sweep.scenario,
         scene_title=result.scenario.title,
-        command=command(result),
+        command=command(result, options),
         timestep=timestep_in_words(result.sweep.timestep, result.sweep.axes),
         figure=Titled("map", f"{up} against {across}", CAPTION, map_figure(grid)),
         survival=survival_table(grid),
@@ -69,12 +79,12 @@ def _page(name: str, grid: Grid) -> MapPage:
     )
 
 
-def command(result: MapResult) -> str:
-    """The shell command that makes this map."""
+def command(result: MapResult, methods: list[str]) -> str:
+    """The shell command that makes this map, with the options that name its methods."""
     words = ["spincheck", "map", result.sweep.scenario]
     for axis in result.sweep.axes:
         words += ["--vary", vary_option(axis)]
-    return shlex.join([*words, *timestep_option(result.sweep.timestep)])
+    return shlex.join([*words, *timestep_option(result.sweep.timestep), *methods])
 
 
 def vary_option(axis: Axis) -> str:

@@ -1,7 +1,7 @@
 """What pages of maps and of ensembles share: their names, their methods, numbers as typed."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from typing import TypeVar
 
 from ....engines import Method
@@ -37,6 +37,16 @@ def methods_of(points: tuple[PointResult, ...], results: Results) -> dict[Pair, 
 def typed(value: float) -> str:
     """A number as in a command."""
     return f"{value:.{TYPED_DIGITS}g}"
+
+
+def method_options(pairs: Collection[tuple[str, str]], results: Results) -> list[str]:
+    """The words of a command that name engines, and methods if not all of these were run."""
+    names = dict.fromkeys(engine for engine, _ in pairs)
+    words = [word for name in names for word in ("--engine", name)]
+    if set(pairs) >= {pair for pair in results.methods if pair[0] in names}:
+        return words
+    methods = dict.fromkeys(method for _, method in pairs)
+    return words + [word for name in methods for word in ("--method", name)]
 
 
 def timestep_option(timestep: float | None) -> list[str]:

@@ -7,20 +7,22 @@ from pathlib import Path
 import numpy as np
 
 from ....engines.checks.read_back import BodyReading
-from ....engines.users_models.model_reader import model_readers
+from ....engines.users_models import model_readers
 from ....scenarios import FloatArray, printable
-from ....scenarios.users_models import Stated
-from ....scenarios.users_models.problems import principal_moments
-from ...harness.users_models import InspectedLink, Inspection, LinkReading
-from ...harness.users_models.findings import (
+from ....scenarios.users_models import Stated, principal_moments
+from ...harness.users_models import (
+    InspectedLink,
+    Inspection,
+    LinkReading,
+    attitude_apart,
     cell_text,
     differences,
+    line_without_rotation,
     problems_of,
+    remedies,
     weight_in_words,
     worst_links,
 )
-from ...harness.users_models.motion_apart import attitude_apart
-from ...harness.users_models.remedy import line_without_rotation, remedies
 from ..analysis.trace_style import TraceStyle, trace_styles
 from ..tables import Cell, Table, figure, table
 from ..templating import templates, write_assets

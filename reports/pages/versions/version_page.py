@@ -37,7 +37,7 @@ def write_version_page(
         "alike": sum(not change.what for change in changes),
         "count": len(changes),
         "changes": _changes(changes),
-        "verdicts": _by_version(over, versions, _verdict),
+        "by_version": _by_version(over, versions, _verdict),
         "errors": _by_version(over, versions, _error),
         "times": _by_version(over, versions, _time),
     }

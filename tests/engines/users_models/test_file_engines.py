@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from spincheck.engines import engines
 from spincheck.engines.users_models import AGREES
-from spincheck.engines.users_models import users_link as of_scene
+from spincheck.engines.users_models import named_link as of_scene
 from spincheck.engines.users_models.users_urdf import link_alone
 from spincheck.reference import solve
 from spincheck.scenarios import Scenario, find, load

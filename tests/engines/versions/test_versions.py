@@ -60,7 +60,7 @@ def test_without_a_network_one_message_says_so(monkeypatch: pytest.MonkeyPatch) 
     [
         ("mujoco@../../etc", "a version must be like 3.1.6"),
         ("mujoco@", "a version must be like 3.1.6"),
-        ("nonesuch@1.0", "'nonesuch' must be one of"),
+        ("nonesuch@1.0", "'nonesuch' cannot be had in other versions, only mujoco, "),
         ("mujoco-urdf@3.1.6", "cannot be had in other versions"),
     ],
 )
@@ -73,8 +73,8 @@ def test_what_is_no_version_is_reported(name: str, words: str) -> None:
     ("python", "words"),
     {
         "no-such-python": "'no-such-python' cannot be started",
-        "echo": "'echo' is no Python 3: it printed",
-        "false": "'false' cannot be used: it said nothing",
+        "echo": "'--python' must be Python 3.11 or later, 'echo' says",
+        "false": "'--python' false: it fails: it said nothing",
     }.items(),
 )
 def test_another_interpreter_that_is_none_is_reported(python: str, words: str) -> None:

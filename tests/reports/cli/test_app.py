@@ -10,6 +10,7 @@ import command_line
 import pytest
 from scene_texts import sphere_text
 from spincheck.reports.cli import stopping
+from spincheck.reports.cli.terminal import BAD_INPUT
 
 pytestmark = pytest.mark.slow
 
@@ -174,3 +175,10 @@ def test_the_last_words_are_of_what_was_asked_for(monkeypatch, capfd):
         stopping.say_last_words(signal.SIGTERM)
     stopping._besides.clear()
     assert capfd.readouterr().err == "spincheck: stopped by SIGTERM; nothing is kept\n"
+
+
+def test_a_report_of_nothing_says_how_results_are_made(tmp_path):
+    done = command_line.spincheck("report", cwd=tmp_path)
+    assert done.returncode == BAD_INPUT
+    assert "no such result file; 'spincheck run fast-top' writes one of a scene" in done.stderr
+    assert list(tmp_path.iterdir()) == []

@@ -13,7 +13,7 @@ from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_study
-from spincheck.reports.harness.users_models import asked_engines, inspect_model
+from spincheck.reports.harness.users_models import inspect_model, reader_engines
 from spincheck.reports.pages.render import render
 from spincheck.reports.pages.users_models.model_page import write_model_page
 from spincheck.reports.results.store import open_store
@@ -61,7 +61,7 @@ def folder(tmp_path_factory) -> Path:
     swept = made_up_sweeps.swept()
     render(replace(results, maps=swept.maps, ensembles=swept.ensembles), folder / "report")
     model = read_model(users_models.written(folder, MODEL))
-    inspection = inspect_model(model, InProcess(), asked_engines())
+    inspection = inspect_model(model, InProcess(), reader_engines())
     write_model_page(inspection, folder / "report", "robot")
     return folder / "report"
 

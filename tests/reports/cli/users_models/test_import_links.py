@@ -7,7 +7,7 @@ import pytest
 from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.reports.cli.app import app
-from spincheck.reports.cli.run.running import _engines_for
+from spincheck.reports.cli.choosing import _applying
 from spincheck.reports.cli.terminal import Complaint
 from spincheck.reports.cli.users_models.import_links import import_scenes
 from spincheck.scenarios import ScenarioError, load
@@ -129,8 +129,8 @@ def test_a_run_of_a_changed_model_ends_with_exit_code_2(tmp_path):
 def test_a_run_asks_engines_of_users_files_where_a_scene_names_one(tmp_path):
     _, (line, _) = imported(tmp_path, arm())
     of_file = {name for name, engine in engines().items() if engine.of_file}
-    assert of_file <= set(_engines_for([load(line)]))
-    assert not of_file & set(_engines_for([library_scene("fast-top")]))
+    assert of_file <= {engine.name for engine in _applying([load(line)])}
+    assert not of_file & {engine.name for engine in _applying([library_scene("fast-top")])}
 
 
 def test_an_engine_of_users_files_that_is_asked_for_in_vain_is_reported(tmp_path):

@@ -20,6 +20,7 @@ from spincheck.reports.pages.render import render
 from spincheck.reports.pages.sweeps.ensemble_pages import ensemble_pages
 from spincheck.reports.pages.sweeps.map_pages import map_pages, vary_option
 from spincheck.reports.pages.sweeps.map_tables import percent
+from spincheck.reports.pages.sweeps.sweep_pages import methods_of
 from spincheck.reports.results.store import Results, open_store
 from spincheck.reports.results.sweep_records import Ensemble
 from spincheck.scenarios.vary import parse_axis
@@ -123,7 +124,17 @@ def test_a_fixed_timestep_is_in_the_command_and_in_words() -> None:
     swept_map = swept().maps[0]
     fixed = replace(swept_map, sweep=replace(swept_map.sweep, timestep=0.0025))
     page = map_pages(replace(swept(), maps=[fixed]))[0]
-    assert page.command.endswith("--timestep 0.0025")
+    assert " --timestep 0.0025 " in page.command
+
+
+def test_the_command_names_the_engines_that_were_run_and_methods_unless_all_were() -> None:
+    page, known = map_pages(swept())[0], swept().methods
+    assert page.command.endswith(" --engine mujoco --engine pybullet")
+    more = known | {("mujoco", "another"): next(iter(known.values()))}
+    (with_methods, *_) = map_pages(replace(swept(), methods=more))
+    run = dict.fromkeys(method for _, method in methods_of(swept().maps[0].points, swept()))
+    options = [word for method in run for word in ("--method", method)]
+    assert with_methods.command.endswith(shlex.join(options))
 
 
 def test_survival_is_counted_by_the_turn_a_step() -> None:

@@ -1,0 +1,273 @@
+"""Whether an engine's single steps are consistent with a scene's equations of motion.
+
+From each of many states one step is taken with each of a row of halved timesteps, and compared with
+the exact flow from the same state. What a step gains beyond it, per second, is a power series of
+the timestep that begins with h^p for a method of order p (Hairer, Nørsett & Wanner I, §II.3). It is
+extrapolated to h → 0 by Neville's rule: what is left there is the difference between the engine's
+equations of motion and the scene's, known far better than one step's error.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...scenarios import FloatArray, Scenario
+from ...scenarios.rotation import matrices, norms, rotation_vectors, turned
+from ...scenarios.scenario import started_at
+from ..session import Session
+from .equations import Equations
+from .read_back import State
+
+#: An excess counts if it is so many times what its extrapolation is known to.
+ABOVE = 8.0
+#: Roundings of a step's gain, in ulp of the state.
+ROUNDINGS = 16.0
+#: So many of the coarsest timesteps are not asked whether the others predict them.
+COARSE = 3
+#: A gain is off its prediction if it is by so many times the prediction's error.
+DISTINCT = 4.0
+#: Fraction of the largest terms that is as good as nothing.
+NEGLIGIBLE = 2e-6
+#: Smallest size that is divided by.
+NO_SIZE = 1e-300
+
+Open = Callable[[Scenario, float], Session]
+#: The exact states a time after each of n states, s, (n,).
+After = Callable[[State, FloatArray], State]
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """States before and after a step, and where the exact motion goes from those before.
+
+    Each column has J K rows: K states with the first timestep, then with the next.
+
+    Attributes
+    ----------
+    timesteps : (J,) s, each half of the one before
+    """
+
+    timesteps: FloatArray
+    before: State
+    after: State
+    exact: State
+
+    @property
+    def spans(self) -> FloatArray:
+        """The timestep of each row, s, (J K,)."""
+        return np.repeat(self.timesteps, len(self.before.omega_body) // len(self.timesteps))
+
+
+@dataclass(frozen=True, eq=False)
+class Excess:
+    """What a step gains a second beyond the exact motion.
+
+    The quantities are: of the attitude rad/s and of I ω N m, body axes; of a free body's velocity
+    m/s² and place m/s, world axes; of a body on a pivot how far velocity (m/s) and com (m) are from
+    where ω and attitude put them.
+
+    Attributes
+    ----------
+    limit : at vanishing timesteps, (K, 4, 3)
+    tolerance : the largest that this may be, (K, 4)
+    sizes : the largest terms that the gains are sums of, (4,)
+    by_timestep : the largest gain before extrapolation, relative to these sizes, (J, 4)
+    unsmooth : how far the gain with each timestep is from what the others predict of it, likewise,
+        in units of what reading a state explains, (J, 4)
+    is_constrained : whether the com is off its pivot: a constraint holds the body
+    """
+
+    limit: FloatArray
+    tolerance: FloatArray
+    sizes: FloatArray
+    by_timestep: FloatArray
+    unsmooth: FloatArray
+    is_constrained: bool
+
+    @property
+    def by_tolerance(self) -> FloatArray:
+        """The limits, in tolerances, (K, 4)."""
+        return np.asarray(np.abs(self.limit).max(axis=2) / self.tolerance)
+
+
+def single_steps(
+    open_at: Open,
+    scenario: Scenario,
+    states: State,
+    timesteps: FloatArray,
+    after: After,
+    settle: int = 0,
+) -> Steps:
+    """Take one step from each of K states with each of J timesteps.
+
+    Parameters
+    ----------
+    settle : steps before that one, from each state
+    """
+    before, later = [], []
+
+    def take(session: Session) -> None:
+        if settle:
+            session.advance(settle)
+        before.append(session.snapshot())
+        session.advance(1)
+        later.append(session.snapshot())
+
+    with open_at(scenario, float(timesteps[0])) as first:
+        for timestep in map(float, timesteps):
+            for k in range(len(states.omega_body)):
+                state = states.rows(k)
+                if first.can_restart:
+                    first.restart(state, timestep)
+                    take(first)
+                else:
+                    with open_at(started_at(scenario, **vars(state)), timestep) as session:
+                        take(session)
+        starts, ends = first.states(before), first.states(later)
+    return Steps(timesteps, starts, ends, after(starts, np.repeat(timesteps, _count(states))))
+
+
+def excess(equations: Equations, steps: Steps, epsilon: float, slack: float) -> Excess:
+    """Extrapolate what the steps gain to vanishing timesteps.
+
+    Parameters
+    ----------
+    epsilon : relative rounding of the engine's floating-point numbers
+    slack : relative to the largest terms, what a body that is held so exactly leaves
+    """
+    shape = (len(steps.timesteps), -1, 4)
+    gains = _gains(equations, steps).reshape(*shape, 3)
+    rounding = ROUNDINGS * epsilon * _roundings(equations, steps).reshape(shape)
+    sizes = np.maximum(_sizes(equations, steps.before).max(axis=0), NO_SIZE)
+    limit, known_to = _extrapolated(steps.timesteps, gains, rounding)
+    # Where next to nothing acts, as on a body at rest, next to nothing is asked.
+    local = _sizes(equations, steps.before).reshape(shape)[0]
+    held = np.where(local < NEGLIGIBLE * sizes, NEGLIGIBLE, ABOVE * slack) * sizes
+    read = ABOVE * slack * _rates(equations, sizes) / steps.timesteps[:, None, None]
+    return Excess(
+        limit,
+        known_to + held,
+        sizes,
+        (np.abs(gains).max(axis=3) / sizes).max(axis=1),
+        (_surprises(steps.timesteps, gains, rounding) / (held + read)).max(axis=1),
+        bool(
+            equations.scenario.has_pivot
+            and (np.abs(gains[-1, :, 3]) > rounding[-1, :, 3, None] + slack * sizes[3]).any()
+        ),
+    )
+
+
+def _surprises(timesteps: FloatArray, gains: FloatArray, rounding: FloatArray) -> FloatArray:
+    """How far each gain is from what those with neighbouring timesteps predict, (J, K, 4).
+
+    Consistent gains vanish at h = 0, which is one more point of the polynomial. What leaving out
+    its coarsest timestep changes is the error of a prediction.
+    """
+    h, values = np.append(timesteps, 0.0), np.concatenate([gains, 0 * gains[:1]])
+    surprises = np.zeros(gains.shape[:3])
+    for j in range(COARSE, len(timesteps)):
+        near = np.array([k for k in (j - 3, j - 2, j - 1, j + 1, j + 2) if k < len(timesteps)])
+        weights = _weights(h[[*near, -1]], h[j])
+        predicted = np.tensordot(weights, values[[*near, -1]], 1)
+        by_fewer = np.tensordot(_weights(h[[*near[1:], -1]], h[j]), values[[*near[1:], -1]], 1)
+        error = DISTINCT * np.abs(predicted - by_fewer).max(axis=2)
+        error += ABOVE * (rounding[j] + np.tensordot(np.abs(weights[:-1]), rounding[near], 1))
+        surprises[j] = np.abs(gains[j] - predicted).max(axis=2) - error
+    return surprises
+
+
+def _weights(nodes: FloatArray, at: float) -> FloatArray:
+    """Lagrange's weights of the values at nodes, for the value at another place."""
+    apart = nodes[:, None] - nodes
+    np.fill_diagonal(apart, 1.0)
+    above = np.where(np.eye(len(nodes), dtype=bool), 1.0, at - nodes)
+    return np.asarray(np.prod(above / apart, axis=1))
+
+
+def _extrapolated(
+    timesteps: FloatArray, gains: FloatArray, rounding: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Limits of the gains, (K, 4, 3), and what they are known to, (K, 4).
+
+    Of each state and quantity the entry of Neville's table that is known best is taken: it differs
+    from its neighbour of one order less by more than its own error. By accident that difference may
+    be small, so it counts as the median of all states at least.
+    """
+    h = timesteps[:, None, None]
+    table, rounded = gains, rounding
+    limit, best = gains[-1], np.full(gains.shape[1:3], np.inf)
+    for order in range(1, len(timesteps)):
+        coarse, fine = h[:-order], h[order:]
+        finer = table[1:]
+        weights = coarse / (coarse - fine), fine / (coarse - fine)
+        table = finer * weights[0][..., None] - table[:-1] * weights[1][..., None]
+        rounded = rounded[1:] * weights[0] + rounded[:-1] * weights[1]
+        change = np.abs(table - finer).max(axis=3)
+        known = ABOVE * np.maximum(change, np.median(change, axis=1, keepdims=True)) + rounded
+        for entry, known_to in zip(table, known, strict=True):
+            is_better = known_to < best
+            best = np.where(is_better, known_to, best)
+            limit = np.where(is_better[..., None], entry, limit)
+    return limit, best
+
+
+def _gains(equations: Equations, steps: Steps) -> FloatArray:
+    """What each step gains beyond the exact motion, a second, (n, 4, 3)."""
+    spans, after, exact = steps.spans[:, None], steps.after, steps.exact
+    attitude = rotation_vectors(exact.q_world_body_wxyz, after.q_world_body_wxyz) / spans
+    torque = (after.omega_body - exact.omega_body) @ equations.inertia.T / spans
+    if equations.scenario.has_pivot:
+        R_world_body = matrices(after.q_world_body_wxyz)
+        com = np.array(equations.scenario.body.com)
+        velocity = after.velocity_world - turned(R_world_body, np.cross(after.omega_body, com))
+        place = after.com_world - R_world_body @ com
+    else:
+        velocity = (after.velocity_world - exact.velocity_world) / spans
+        place = (after.com_world - exact.com_world) / spans
+    return np.stack([attitude, torque, velocity, place], axis=1)
+
+
+def _sizes(equations: Equations, states: State) -> FloatArray:
+    """Sizes of the terms that gains are sums of, (n, 4)."""
+    scenario, reach = equations.scenario, equations.reach
+    speeds = norms(states.omega_body)
+    g = float(np.linalg.norm(scenario.gravity_world))
+    push = float(np.linalg.norm(scenario.torque_body) + np.linalg.norm(scenario.torque_world))
+    outer = push + scenario.drag * speeds
+    if scenario.has_pivot:
+        outer = outer + scenario.body.mass * g * equations.arm
+        velocity, place = speeds * reach, np.full_like(speeds, reach)
+    else:
+        velocity, place = g + reach * speeds**2, norms(states.velocity_world) + reach * speeds
+    torque = _largest_moment(equations) * speeds**2 + outer
+    return np.stack([speeds, torque, velocity, place], axis=1)
+
+
+def _roundings(equations: Equations, steps: Steps) -> FloatArray:
+    """The change of a gain by one rounding of the states read, in ulp, (n, 4)."""
+    states, spans = steps.before, steps.spans
+    speeds = np.maximum(norms(states.omega_body), norms(steps.after.omega_body))
+    fast = norms(states.velocity_world) + equations.reach * speeds
+    far = norms(states.com_world) + equations.reach
+    sizes = [1 / spans, _largest_moment(equations) * speeds / spans, fast, far]
+    table = np.stack(np.broadcast_arrays(*sizes), axis=1)
+    if not equations.scenario.has_pivot:
+        table[:, 2:] /= spans[:, None]
+    return table
+
+
+def _rates(equations: Equations, sizes: FloatArray) -> FloatArray:
+    """Sizes of what the gains are gains of, which are read: rad, N m s, and m/s and m, (4,)."""
+    speed, reach = float(sizes[0]), equations.reach
+    if equations.scenario.has_pivot:
+        return np.array([1.0, _largest_moment(equations) * speed, 0.0, 0.0])
+    return np.array([1.0, _largest_moment(equations) * speed, float(sizes[3]), reach])
+
+
+def _largest_moment(equations: Equations) -> float:
+    return float(np.linalg.norm(equations.inertia, 2))
+
+
+def _count(states: State) -> int:
+    return len(states.omega_body)

@@ -1,0 +1,135 @@
+"""What forbids that a ladder converges: a rung that is worse than coarser ones predict.
+
+Errors and defects of a run are looked at alike: both shrink at the declared order down to
+round-off. Defects do so where errors have long saturated, too, and where the motion is chaotic.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....scenarios import FloatArray
+from ...results.records import Row
+from ..observed_order import ASYMPTOTIC, FITTED_RUNGS, ORDER_SLACK, SETTLING_ORDER
+from ..richardson import DISTINCT, SignalSequence
+
+#: Rungs over which it must be seen that defects do not shrink as they should.
+SHOWN_OVER = 4
+#: An order this far below the declared one is another order.
+SHORTFALL = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class _Series:
+    """One number a rung, (n,), coarse to fine, what round-off may make of it, and what it is."""
+
+    name: str
+    timesteps: FloatArray
+    values: FloatArray
+    floors: FloatArray
+    order: int
+    when: Sequence[str]
+
+
+def contradictions(
+    rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float
+) -> Iterator[str]:
+    """In words, what of the judged rows no method that converges would do.
+
+    Parameters
+    ----------
+    rows : of the ladder, all of them ok, coarse to fine
+    sequences : the same in each signal
+    slack : relative, to which the engine holds a state
+    """
+    with np.errstate(all="ignore"):
+        yield from _all(rows, sequences, slack)
+
+
+def _all(rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float) -> Iterator[str]:
+    yield from _lost(rows, sequences)
+    for sequence in sequences:
+        name = sequence.signal.label
+        floors = sequence.roundoff_bounds + sequence.uncertainty
+        when = [""] * len(sequence)
+        yield from _worse(
+            _Series(
+                f"{name}: the error",
+                sequence.timesteps,
+                sequence.errors,
+                floors,
+                sequence.declared_order,
+                when,
+            )
+        )
+        if len(rows) == len(sequence) and all(row.defects for row in rows):
+            found = [row.defects[sequence.signal.name] for row in rows if row.defects]
+            defects = _Series(
+                f"{name}: the largest defect between two samples",
+                sequence.timesteps,
+                np.array([one.max for one in found]),
+                np.array([max(one.floor, slack) for one in found]),
+                sequence.declared_order,
+                [f", by t = {one.at:.3g} s" for one in found],
+            )
+            yield from _worse(defects)
+            yield from _level(defects, follows=bool(sequence.errors[-1] < ASYMPTOTIC))
+
+
+def _lost(rows: Sequence[Row], sequences: Sequence[SignalSequence]) -> Iterator[str]:
+    """A finest run no better than no motion, where a coarser one was asymptotic in all signals."""
+    if not rows or rows[-1].survived or not sequences:
+        return
+    largest = np.max([sequence.errors for sequence in sequences], axis=0)
+    if largest.min() < ASYMPTOTIC:
+        coarser = sequences[0].timesteps[int(np.argmin(largest))]
+        yield (
+            f"errors grow as the timestep shrinks: at {rows[-1].timestep:.1e} s a run is no better "
+            f"than no motion, at {coarser:.1e} s its errors were at most {largest.min():.1e}"
+        )
+
+
+def _worse(series: _Series) -> Iterator[str]:
+    """A rung that is worse than the last of three coarser ones that shrink as they should."""
+    values, floors = series.values, series.floors
+    for end in range(FITTED_RUNGS - 1, len(values) - 1):
+        window = slice(end - FITTED_RUNGS + 1, end + 1)
+        if not ((values < ASYMPTOTIC) & (values > floors))[window].all():
+            continue
+        slopes = -np.diff(np.log2(values[window]))
+        if np.ptp(slopes) > 2 * ORDER_SLACK or slopes.min() < SETTLING_ORDER:
+            continue
+        worse = np.flatnonzero(values > DISTINCT * np.maximum(values[end], floors))
+        if len(worse) and worse[-1] > end:
+            k = int(worse[-1])
+            yield (
+                f"{series.name} is {values[k]:.1e} at a timestep of {series.timesteps[k]:.1e} s"
+                f"{series.when[k]}, though it has come down to {values[end]:.1e} at "
+                f"{series.timesteps[end]:.1e} s, at order {slopes.mean():.2f}"
+            )
+            return
+
+
+def _level(series: _Series, *, follows: bool) -> Iterator[str]:
+    """The finest rungs, if they do not shrink, or at a lower order than declared.
+
+    Parameters
+    ----------
+    follows : whether the runs follow the exact motion; where not, each takes a way of its own, with
+        defects of other sizes
+    """
+    values, floors = series.values[-SHOWN_OVER:], series.floors[-SHOWN_OVER:]
+    is_used = (values < ASYMPTOTIC) & (values > DISTINCT * floors)
+    if len(values) < SHOWN_OVER or not is_used.all():
+        return
+    slopes = -np.diff(np.log2(values))
+    is_clean = np.ptp(slopes) <= ORDER_SLACK and slopes.max() < series.order - SHORTFALL
+    is_level = slopes.max() < (SETTLING_ORDER if follows else SETTLING_ORDER / 2)
+    if is_level or (is_clean and follows):
+        yield (
+            f"{series.name} shrinks at order {slopes.mean() + 0.0:.2f} over {SHOWN_OVER} rungs, "
+            f"though {series.order} is declared: {values[0]:.1e} at "
+            f"{series.timesteps[-SHOWN_OVER]:.1e} s, {values[-1]:.1e} at "
+            f"{series.timesteps[-1]:.1e} s{series.when[-1]}"
+        )

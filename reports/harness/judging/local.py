@@ -1,0 +1,281 @@
+"""Judges a method locally: single steps and short pieces from exact states along the motion.
+
+Consistency everywhere along the motion, and a step that depends on the state alone, make a method
+converge (Hairer, Nørsett & Wanner I, theorem II.3.4), also where the motion is chaotic, or so long
+that no ladder over the whole window reaches the asymptotic range.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ....engines import Engine, EngineError, Method
+from ....engines.checks.consistency import ABOVE, Excess, Steps, excess, single_steps
+from ....engines.checks.equations import Equations, Gain, gain_between
+from ....engines.checks.explanations import explanation
+from ....engines.checks.first_steps import residual_words
+from ....engines.checks.precision import single_precision
+from ....engines.checks.read_back import State
+from ....engines.session import Session
+from ....scenarios import FloatArray, Scenario, Trajectory
+from ....scenarios.rotation import norms, rotation_vectors
+from ....scenarios.scenario import started_at
+from ....scenarios.signals import SIGNALS
+from ...results.records import LocalCheck, SignalVerdict
+from ..ladder import Rung
+from ..richardson import RichardsonLadder
+from ..verdict import Judgement, judge
+from .places import PIECE_STEPS, SAMPLE_EVERY, Places, flowed
+
+#: Steps until a constraint has settled. Bullet removes a fifth of its error in a step: 0.8^128 =
+#: 4e-13 of it is left.
+SETTLING = 128
+#: Fraction of the largest terms that a constraint's solver may leave as an error.
+NEGLIGIBLE = 2e-6
+#: Ulps of a step: what its rounding is taken to be at most, in a body whose moments are alike.
+ULPS_A_STEP = 16
+#: So many of the shortest steps have to show that an error does not depend on their length.
+LEAPS = 4
+#: Rungs of the pieces, and the uncertainty of their limits that is enough.
+PIECE_RUNGS, PIECE_GOAL = 7, 1e-4
+#: Intervals of a run that are gone through again, and the most steps of one.
+INTERVALS, MOST_STEPS = 5, 1 << 12
+#: Relative change of a state that shows what rounding does to an interval.
+NUDGE = 2.0**-46
+
+
+def examine(engine: Engine, scenario: Scenario, method_name: str, at: Places) -> LocalCheck | None:
+    """Examine a method from exact states; None where it cannot be opened at them."""
+    method = engine.method(method_name)
+    if method.as_shipped or engine.unsupported(scenario, method):
+        return None
+    try:
+        return _examined(engine, scenario, method, at)
+    except EngineError:
+        # What an engine refuses, its runs tell.
+        return None
+
+
+def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) -> LocalCheck:
+    equations = Equations(scenario)
+    with engine.open(scenario, method, float(at.timesteps[0])) as session:
+        remembers, misread = _first_look(engine, scenario, method, at, session)
+    steps = _steps(engine, scenario, method, at)
+    is_single = engine.single_precision or bool(single_precision(steps.before))
+    eps = float(np.finfo(np.float32 if is_single else float).eps)
+    held = max(engine.slack, ULPS_A_STEP * float(np.finfo(float).eps) * at.condition)
+    found = excess(equations, steps, eps, held)
+    if settles := found.is_constrained:
+        # From an exact state a constraint takes some steps to settle.
+        steps = _steps(engine, scenario, method, at, SETTLING)
+        found = excess(equations, steps, eps, max(held, NEGLIGIBLE / ABOVE))
+    wrong = misread or _wrong(equations, steps, found, at, is_smooth=not settles)
+    return LocalCheck(
+        reason=wrong,
+        tolerance=float((found.tolerance / np.maximum(found.sizes, 1e-300)).max()),
+        remembers=remembers,
+        settles=settles,
+        at_any_timestep=bool(found.by_tolerance.max() > 1),
+        states=len(at.times),
+        pieces=() if wrong else _pieces(engine, scenario, method, at, eps),
+    )
+
+
+def _steps(
+    engine: Engine, scenario: Scenario, method: Method, at: Places, settle: int = 0
+) -> Steps:
+    return single_steps(
+        lambda scene, timestep: engine.open(scene, method, timestep),
+        scenario,
+        at.states,
+        at.timesteps,
+        lambda states, spans: flowed(scenario, states, spans),
+        settle,
+    )
+
+
+def _started(
+    engine: Engine,
+    scenario: Scenario,
+    method: Method,
+    session: Session,
+    state: State,
+    timestep: float,
+) -> Session:
+    """The session set to a state; another one where that cannot be."""
+    if session.can_restart:
+        session.restart(state, timestep)
+        return session
+    return engine.open(started_at(scenario, **vars(state)), method, timestep)
+
+
+def _first_look(
+    engine: Engine, scenario: Scenario, method: Method, at: Places, session: Session
+) -> tuple[bool, str]:
+    """Whether a second step depends on more than the state before it; what reads back otherwise."""
+    timestep, count = float(at.timesteps[0]), len(at.times)
+    starts, continued, anew = [], [], []
+    for k in range(count):
+        one = _started(engine, scenario, method, session, at.states.rows(k), timestep)
+        starts.append(one.read_state())
+        one.advance(1)
+        between = one.read_state()
+        one.advance(1)
+        continued.append(one.read_state())
+        other = _started(engine, scenario, method, session, between, timestep)
+        other.advance(1)
+        anew.append(other.read_state())
+    slack = ABOVE * max(engine.slack, ULPS_A_STEP * 2.3e-16 * at.condition)
+    apart = _apart(_rows(continued), _rows(anew))
+    off = _apart(at.states, _rows(starts))
+    misread = ""
+    if off.max() > slack:
+        k = int(np.argmax(off))
+        misread = (
+            f"a state that is set reads back otherwise, {_when(at.times[k])}: off by {off[k]:.2g}, "
+            "in ω relative, or in attitude, rad"
+        )
+    return bool(apart.max() > slack), misread
+
+
+def _apart(states: State, others: State) -> FloatArray:
+    """The larger of the distances in ω, relative, and in attitude, rad, (n,)."""
+    speed = float(norms(others.omega_body).max()) or 1.0
+    omega = norms(states.omega_body - others.omega_body) / speed
+    turns = rotation_vectors(states.q_world_body_wxyz, others.q_world_body_wxyz)
+    return np.maximum(omega, norms(turns))
+
+
+def _rows(states: list[State]) -> State:
+    return State(
+        *(np.array(rows) for rows in zip(*(vars(s).values() for s in states), strict=True))
+    )
+
+
+def _wrong(
+    equations: Equations, steps: Steps, found: Excess, at: Places, *, is_smooth: bool
+) -> str:
+    """In words, how steps are inconsistent with the equations of motion; else empty."""
+    off = found.by_tolerance
+    if leap := _leap(found, at):
+        return leap
+    if off.max() > 1:
+        return _explained(equations, steps, found, at)
+    if is_smooth and found.unsmooth.max() > 1:
+        j, quantity = np.unravel_index(int(np.argmax(found.unsmooth)), found.unsmooth.shape)
+        return (
+            f"with a timestep of {at.timesteps[j]:.3g} s a step gains what steps of other lengths "
+            f"do not predict, {found.by_timestep[j, quantity]:.1e} of the largest term of "
+            f"{QUANTITY_NAMES[quantity]}: what acts depends on the timestep"
+        )
+    return ""
+
+
+def _leap(found: Excess, at: Places) -> str:
+    """The reason if a step changes the state by as much however short it is; else empty."""
+    gains = found.by_timestep[-LEAPS:] * at.timesteps[-LEAPS:, None]
+    leaps = (np.ptp(gains, axis=0) < gains.min(axis=0) / 2) & (found.unsmooth.max(axis=0) > 1)
+    if not leaps.any():
+        return ""
+    quantity = int(np.argmax(leaps * gains.max(axis=0)))
+    what, unit = LEAPING[quantity]
+    return (
+        f"{what} is off by {gains[-1, quantity] * found.sizes[quantity]:.2g} {unit} after a step, "
+        f"however short it is, down to {at.timesteps[-1]:.2g} s"
+    )
+
+
+LEAPING = (("attitude", "rad"), ("I ω", "N m s"), ("the com's velocity", "m/s"), ("com", "m"))
+QUANTITY_NAMES = ("dR/dt", "I dω/dt", "the com's velocity", "the com's place")
+
+
+def _explained(equations: Equations, steps: Steps, found: Excess, at: Places) -> str:
+    count = len(at.times)
+    first = len(steps.spans) - count
+    gains: list[Gain] = []
+    for k in range(count):
+        before, after = steps.before.rows(first + k), steps.after.rows(first + k)
+        gain = gain_between(equations, before, after, float(steps.timesteps[-1]))
+        gains.append(replace(gain, excess=found.limit[k]))
+    as_if = explanation(equations, gains, found.tolerance)
+    worst, quantity = divmod(int(np.argmax(found.by_tolerance)), found.by_tolerance.shape[1])
+    when = _when(at.times[worst])
+    what = residual_words(gains[worst], quantity, equations.scenario.has_pivot, when)
+    return f"behaves as if {as_if}: {what}" if as_if else what
+
+
+def _when(time: float) -> str:
+    return "turned askew at the start" if np.isnan(time) else f"at t = {time:.3g} s"
+
+
+def _pieces(
+    engine: Engine, scenario: Scenario, method: Method, at: Places, eps: float
+) -> tuple[SignalVerdict, ...]:
+    """The verdicts on a ladder of short runs from some of the states, judged together."""
+    ladder = RichardsonLadder(
+        scenario, at.pieces, method.order, method.attitude_order, engine.slack, eps
+    )
+    judged: list[tuple[SignalVerdict, Judgement]] = []
+    with engine.open(scenario, method, float(at.timesteps[0])) as session:
+        for k in range(PIECE_RUNGS):
+            ladder.add(
+                float(at.timesteps[k]), *_run_pieces(engine, scenario, method, at, session, k)
+            )
+            if k < 2:
+                continue
+            sequences = [ladder.signal(signal.name) for signal in SIGNALS]
+            judged = [(j.of(s), j) for s in sequences for j in [judge(s)]]
+            if all(
+                j.word == "converges" and j.extrapolation_tolerance <= PIECE_GOAL for _, j in judged
+            ):
+                break
+    return tuple(one for one, _ in judged)
+
+
+def _run_pieces(
+    engine: Engine, scenario: Scenario, method: Method, at: Places, session: Session, k: int
+) -> tuple[Trajectory, int]:
+    """The motion from each start, and its steps."""
+    strides = [0, *[SAMPLE_EVERY << k] * (PIECE_STEPS // SAMPLE_EVERY)]
+    snapshots: list[object] = []
+    for start in at.starts:
+        state = at.states.rows(int(start))
+        one = _started(engine, scenario, method, session, state, float(at.timesteps[k]))
+        one.record(strides, snapshots.append)
+    states = session.states(snapshots)
+    return Trajectory(at.pieces.trajectory.t, *vars(states).values()), PIECE_STEPS << k
+
+
+def restarted(
+    engine: Engine, scenario: Scenario, method_name: str, rung: Rung, motion: Trajectory
+) -> float | None:
+    """By how many tolerances a run goes on otherwise than if restarted from its own states.
+
+    At some of its samples it is restarted, in two strides where the run took one. What a nudge of
+    the state does to the next sample is the tolerance. None where a session cannot be restarted.
+    """
+    method = engine.method(method_name)
+    steps = np.diff(rung.sample_steps)
+    if method.as_shipped or not len(steps) or steps.max() > MOST_STEPS:
+        return None
+    states = State(*(getattr(motion, name) for name in State.__dataclass_fields__))
+    chosen = np.unique(np.linspace(0, len(steps) - 1, INTERVALS).astype(int))
+    ends: list[list[State]] = [[], []]
+    try:
+        with engine.open(scenario, method, rung.timestep) as session:
+            if not session.can_restart:
+                return None
+            for k in chosen:
+                for nudge, end in zip((1.0, 1.0 + NUDGE), ends, strict=True):
+                    state = states.rows(int(k))
+                    session.restart(replace(state, omega_body=nudge * state.omega_body))
+                    half = int(steps[k]) // 2
+                    session.advance(half)
+                    session.advance(int(steps[k]) - half)
+                    end.append(session.read_state())
+    except EngineError:
+        return None
+    again, nudged = map(_rows, ends)
+    ran = states.rows(chosen + 1)
+    floor = ABOVE * engine.slack
+    return float((_apart(ran, again) / (floor + ABOVE * _apart(nudged, again))).max())

@@ -1,0 +1,139 @@
+"""Exact states along a motion that a method is tested from, one step and short pieces at a time."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....engines.checks.read_back import State
+from ....reference import Solution, flow
+from ....scenarios import Errors, FloatArray, Scenario, Trajectory
+from ....scenarios.fastest_rate import fastest_rate
+from ....scenarios.rotation import cross, matrix, norms, turned_back
+from ..ladder import COARSEST_TURN
+
+#: States spread over the window, beside those where something is largest or least.
+SPREAD = 12
+#: Directions of ω in the body, of further states: askew to every axis of a body that is drawn along
+#: its axes, so that no torque vanishes by symmetry.
+ASKEW = ((0.62, 0.55, 0.56), (-0.48, 0.71, 0.52))
+#: Timesteps of single steps, each half of the one before.
+HALVINGS = 10
+#: Pieces, and the coarsest steps of each: two radians at the ladder's coarsest timestep.
+PIECES, PIECE_STEPS, SAMPLE_EVERY = 8, 10, 2
+#: Relative rounding of the exact flow.
+FLOW_ROUNDING = 64 * float(np.finfo(float).eps)
+#: Ulps of a step: what its rounding is taken to be at most, in a body whose moments are alike.
+ULPS_A_STEP = 16
+#: What an ulp in the start grows to over a piece, in ulp, for a body whose moments are alike.
+PIECE_GROWTH = 16
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Exact states of a scene, and pieces of its motion.
+
+    Attributes
+    ----------
+    states : K of them
+    times : s, of the states; nan where a state is not of the motion, (K,)
+    timesteps : s, of single steps, (HALVINGS,)
+    pieces : the exact motion of all pieces, one after the other
+    starts : which state each piece starts from
+    condition : of the tensor of inertia about the fixed point: what relative rounding grows by in
+        angular acceleration
+    """
+
+    states: State
+    times: FloatArray
+    timesteps: FloatArray
+    pieces: Solution
+    starts: NDArray[np.intp]
+    condition: float
+
+
+def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Places:
+    """Choose them along the exact motion.
+
+    Parameters
+    ----------
+    coarsest : s, the ladder's coarsest timestep; None if the motion has no ladder
+    """
+    chosen = _chosen(scenario, motion)
+    rate = fastest_rate(scenario, motion.omega_body) or 1 / scenario.window.duration
+    timestep = coarsest or COARSEST_TURN / rate
+    along = motion.at(chosen)
+    speed = float(norms(motion.omega_body).max()) or rate
+    parts = [_state(along), *(_askew(scenario, along, speed * np.array(d)) for d in ASKEW)]
+    states = State(*(np.vstack(columns) for columns in zip(*map(_columns, parts), strict=True)))
+    times = np.append(along.t, [np.nan] * len(ASKEW))
+    starts = np.unique(np.linspace(0, len(chosen) - 1, PIECES).astype(int))
+    body = scenario.body
+    inertia = body.inertia_origin if scenario.has_pivot else body.inertia_com
+    condition = float(np.linalg.cond(inertia))
+    pieces = _pieces(scenario, states.rows(starts), timestep, condition)
+    timesteps = timestep / 2.0 ** np.arange(HALVINGS)
+    return Places(states, times, np.asarray(timesteps), pieces, starts, condition)
+
+
+def rounding_of_body(condition: float) -> float:
+    """What rounding of its moments changes of a body's angular acceleration, relative."""
+    return ULPS_A_STEP * float(np.finfo(float).eps) * condition
+
+
+def flowed(scenario: Scenario, states: State, spans: FloatArray) -> State:
+    """The exact states a time after each of n states, s, (n,)."""
+    lengths = norms(states.q_world_body_wxyz)[:, None]
+    q = states.q_world_body_wxyz / lengths
+    start = Trajectory(np.arange(float(len(spans))), q, *_columns(states)[1:])
+    return _state(flow(scenario, start, spans))
+
+
+def _chosen(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
+    """Samples spread over the window, and those of the largest and least ω, tilt and speed."""
+    spread = np.linspace(0, len(motion.t) - 1, SPREAD).astype(int)
+    omega = motion.omega_body
+    down = scenario.gravity_world if scenario.gravity_world.any() else np.array([0.0, 0.0, 1.0])
+    R = motion.R_world_body.as_matrix()
+    columns = [
+        norms(omega),
+        *np.abs(omega).T,
+        turned_back(R, np.broadcast_to(down, omega.shape)) @ scenario.body.com,
+        norms(motion.velocity_world),
+    ]
+    extremes = [find(column) for column in columns for find in (np.argmax, np.argmin)]
+    return np.unique([*spread, *extremes])
+
+
+def _askew(scenario: Scenario, along: Trajectory, omega_body: FloatArray) -> State:
+    """The first state, with another ω."""
+    q, com_world = along.q_world_body_wxyz[0], along.com_world[0]
+    velocity_world = along.velocity_world[0]
+    if scenario.has_pivot:
+        velocity_world = matrix(q) @ cross(omega_body, scenario.body.com)
+    return State(q[None], omega_body[None], com_world[None], velocity_world[None])
+
+
+def _pieces(scenario: Scenario, starts: State, timestep: float, condition: float) -> Solution:
+    """The exact motion from each start, sampled at every few coarsest steps."""
+    spans = timestep * np.arange(0, PIECE_STEPS + 1, SAMPLE_EVERY)
+    count, each = len(starts.omega_body), len(spans)
+    from_starts = State(*(np.repeat(column, each, axis=0) for column in _columns(starts)))
+    states = flowed(scenario, from_starts, np.tile(spans, count))
+    times = np.asarray(np.arange(count * each) * (timestep * SAMPLE_EVERY), dtype=float)
+    names = [signal for signal, _ in Errors(*[0.0] * 6)]
+    growth = PIECE_GROWTH * condition * float(np.finfo(float).eps)
+    return Solution(
+        Trajectory(times, *_columns(states)),
+        "the exact flow",
+        uncertainty=Errors(**dict.fromkeys(names, FLOW_ROUNDING)),
+        conditioning=Errors(**dict.fromkeys(names, growth)),
+    )
+
+
+def _state(motion: Trajectory) -> State:
+    return State(*(getattr(motion, name) for name in State.__dataclass_fields__))
+
+
+def _columns(states: State) -> list[FloatArray]:
+    return list(vars(states).values())
