@@ -41,7 +41,7 @@ REASONS = {
 
 
 def names_in(kind: str, name: str, text: str) -> list[set[str]]:
-    """What a source spells: its words; of each function, class and statement of Python by itself."""
+    """The words of a source; of Python, by function, class and statement, what each spells."""
     if not name.endswith(".py"):
         return [set(re.findall(r"\w+", text))]
     return [spelled_in(statement, kind) for statement in ast.parse(text).body]
