@@ -22,8 +22,6 @@ from .verdict import Judgement, judge
 #: judgement, for engines as shipped.
 GOAL, FINE_GOAL = 1e-4, 1e-9
 HIGH_ORDER = 4
-#: The words of a judgement.
-WORST_LAST = ("converges", "unresolved", "disagrees")
 #: Rungs needed for an extrapolated limit with an error estimate.
 RUNGS_OF_A_LIMIT = 3
 

@@ -26,7 +26,7 @@ from .choice import Choice
 from .convergence_study import ConvergenceStudy, SingleRun
 from .default_effects import take_defaults_away
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
-from .judging.local import examine, restarted
+from .judging.local import FEW_STEPS, examine, restarted
 from .judging.places import Places, places
 from .ladder import Ladder, Rung, ladder, single
 from .plan import Plan, SceneLeft
@@ -272,16 +272,20 @@ def _examine(study: ConvergenceStudy, executor: Executor) -> None:
 
 
 def _restart(study: ConvergenceStudy, executor: Executor) -> None:
-    """Go through some of the finest run again, from its own states, in a worker."""
-    runs = [row for row in study.rows if row.outcome == "ok" and row.motion is not None]
-    if not runs or study.ladder is None or study.local is None or study.local.reason:
+    """Go through the finest run of few steps again, from its own states, and some of the finest."""
+    if study.ladder is None or study.local is None or study.local.reason:
         return
-    motion = runs[-1].motion
-    assert motion is not None, "only runs with samples are gone through"
-    rung = next(one for one in study.ladder.rungs if one.timestep == runs[-1].timestep)
-    asked = (study.engine, study.scenario, study.method.name, rung, motion)
-    found = executor.call_at(study.engine.site, restarted, *asked).value
-    study.remembers = found > 1 if isinstance(found, float) else None
+    runs = [
+        (rung, row.motion)
+        for rung, row in zip(study.ladder.rungs, study.rows, strict=False)
+        if row.outcome == "ok" and row.motion is not None
+    ]
+    short = [run for run in runs if run[0].steps <= FEW_STEPS]
+    for run in {run[0].timestep: run for run in short[-1:] + runs[-1:]}.values():
+        asked = (study.engine, study.scenario, study.method.name, *run)
+        found = executor.call_at(study.engine.site, restarted, *asked).value
+        if isinstance(found, float):
+            study.remembers = bool(study.remembers) or found > 1
 
 
 def _methods_left(

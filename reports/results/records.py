@@ -120,7 +120,7 @@ class Defect:
     ----------
     p50, p95, max : median, 95th percentile and largest over the intervals, in the norm of errors
     at : s, the end of the interval of the largest
-    floor : the largest that round-off may make
+    floor : the largest that round-off, or noise as small, may make
     """
 
     p50: Size
