@@ -40,25 +40,23 @@ REASONS = {
 }
 
 
-def names_in(name: str, text: str) -> list[set[str]]:
-    """What a source spells: its words; of each function, class and statement of Python by itself.
-
-    Of Python that is its strings, attributes, keywords and fields.
-    """
+def names_in(kind: str, name: str, text: str) -> list[set[str]]:
+    """The words of a source; of Python, by function, class and statement, what each spells."""
     if not name.endswith(".py"):
         return [set(re.findall(r"\w+", text))]
-    return [spelled_in(statement) for statement in ast.parse(text).body]
+    return [spelled_in(statement, kind) for statement in ast.parse(text).body]
 
 
-def spelled_in(statement: ast.stmt) -> set[str]:
+def spelled_in(statement: ast.stmt, kind: str) -> set[str]:
+    """Its strings; of signals also attributes, keywords and fields, which name no other things."""
     spelled = set()
     for node in ast.walk(statement):
         match node:
             case ast.Constant(value=str(value)):
                 spelled.add(value)
-            case ast.Attribute(attr=value) | ast.keyword(arg=str(value)):
+            case ast.Attribute(attr=value) | ast.keyword(arg=str(value)) if kind == "signal":
                 spelled.add(value)
-            case ast.AnnAssign(target=ast.Name(id=value)):
+            case ast.AnnAssign(target=ast.Name(id=value)) if kind == "signal":
                 spelled.add(value)
     return {word.removesuffix("_error") for word in spelled}
 
@@ -68,7 +66,7 @@ def listing(kind: str, sources: dict[str, str]) -> set[str]:
     return {
         name
         for name, text in sources.items()
-        if any(len(NAMES[kind] & spelled) >= LISTS for spelled in names_in(name, text))
+        if any(len(NAMES[kind] & spelled) >= LISTS for spelled in names_in(kind, name, text))
     }
 
 

@@ -147,8 +147,9 @@ def run(
     """
     from .executing import Where
     from .run import running
+    from .run.brief_records import verdict_lines
     from .run.short_summary import short_summary
-    from .run.summary import print_results, results_as_json
+    from .run.summary import results_as_json
 
     named = (engine or [], method or [], timestep or [])
     if ensemble is not None:
@@ -180,9 +181,8 @@ def run(
     if as_json:
         print(to_json(results_as_json(results)))
     else:
-        if verbose:
-            print_results(results)
-        for line in short_summary(results, timestep or []):
+        every = verdict_lines(results.verdicts) if verbose else ()
+        for line in (*every, *short_summary(results, timestep or [])):
             print(line)
         say(f"Results are in {out}; 'spincheck report {out}' makes pages of them.")
         if unproven := running.unproven_in_words(results):
