@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...scenarios import FloatArray, Scenario
+from ...scenarios import FloatArray, Scenario, push
 from ...scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ...scenarios.scenario import started_at
 from ..session import Session
@@ -249,8 +249,11 @@ def _sizes(equations: Equations, states: State) -> FloatArray:
     scenario, reach = equations.scenario, equations.reach
     speeds = norms(states.omega_body)
     g = float(np.linalg.norm(scenario.gravity_world))
-    push = float(np.linalg.norm(scenario.torque_body) + np.linalg.norm(scenario.torque_world))
-    outer = push + scenario.drag * speeds
+    still, pushed = (
+        push(scenario.pushed, np.eye(3), omega)
+        for omega in (np.zeros(3), np.array(states.omega_body))
+    )
+    outer = np.linalg.norm(still) + norms(pushed - still)
     if scenario.has_pivot:
         outer = outer + scenario.body.mass * g * equations.arm
         velocity, place = speeds * reach, np.full_like(speeds, reach)
