@@ -34,7 +34,9 @@ class Invariant:
     def drift_series(self, motion: Trajectory) -> FloatArray:
         """|Q(t) − Q(0)| over the law's scale, (n,); over a scale of zero, 0 or inf."""
         values = self.values(motion).reshape(len(motion.t), -1)
-        change = np.asarray(np.linalg.norm(values - values[0], axis=1))
+        # Of what has blown up the square may be too large for a double.
+        with np.errstate(over="ignore"):
+            change = np.asarray(np.linalg.norm(values - values[0], axis=1))
         scale = self.law.scale(self.scene)
         return change / scale if scale > 0 else np.where(change == 0, 0.0, np.inf)
 

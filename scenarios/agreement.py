@@ -9,7 +9,7 @@ from .float_array import FloatArray
 from .mechanics import RECENT
 from .rotation import norms
 from .scenario import Scenario
-from .signals import SIGNAL, SIGNALS, Errors, Signal, Sizes
+from .signals import SIGNAL, SIGNALS, Errors, Signal
 from .trajectory import Trajectory
 
 #: Columns of each signal in a table of them all.
@@ -101,8 +101,7 @@ class ErrorNorm:
     @cached_property
     def _bases(self) -> FloatArray:
         """What distances are relative to, (signals,)."""
-        sizes = Sizes(self.scenario, self.exact)
-        return np.array([signal.base(sizes) for signal in SIGNALS])
+        return np.array([signal.base(self.scenario, self.exact) for signal in SIGNALS])
 
 
 def error_series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> ErrorSeries:

@@ -6,7 +6,6 @@ an entry there and a field of `Errors`.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
-from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -42,98 +41,6 @@ class Errors:
         return float(getattr(self, name))
 
 
-@dataclass(frozen=True, eq=False)
-class Sizes:
-    """Sizes of an exact motion, which distances from it are relative to."""
-
-    scene: "Scenario"
-    exact: Trajectory
-
-    @cached_property
-    def speed(self) -> float:
-        """max |ω|, rad/s."""
-        return _longest(self.exact.omega_body)
-
-    @cached_property
-    def gyration(self) -> float:
-        """The radius of gyration, m, for a com that stays where it is."""
-        return radius_of_gyration(self.scene)
-
-    @property
-    def angular_momentum(self) -> float:
-        """max |L|, kg m²/s."""
-        return _longest(angular_momentum_world(self.scene, self.exact))
-
-    @property
-    def way(self) -> float:
-        """The longest way of the com from its start, m, at least the radius of gyration."""
-        return max(_longest(self.exact.com_world - self.exact.com_world[0]), self.gyration)
-
-    @property
-    def com_speed(self) -> float:
-        """max |v|, m/s, at least max |ω| times the radius of gyration."""
-        return max(_longest(self.exact.velocity_world), self.gyration * self.speed)
-
-
-@dataclass(frozen=True, eq=False)
-class Flight:
-    """What one ulp in each number of a free body's state, and in its arm, does by the end.
-
-    Engines may integrate the flight for an origin other than the com.
-
-    Attributes
-    ----------
-    conditioning : what it does to the rotation
-    """
-
-    scene: "Scenario"
-    exact: Trajectory
-    conditioning: Errors
-
-    @cached_property
-    def fast(self) -> float:
-        """max |v|, m/s."""
-        return _largest_norm(self.exact.velocity_world)
-
-    @cached_property
-    def speed(self) -> float:
-        """max |ω|, rad/s."""
-        return _largest_norm(self.exact.omega_body)
-
-    @cached_property
-    def metres(self) -> float:
-        """Change of the com's place, m."""
-        arm, exact = float(np.linalg.norm(self.scene.body.com)), self.exact
-        lengths = _largest_norm(exact.com_world) + arm + self.fast * float(exact.t[-1])
-        return EPS * lengths + self.conditioning.attitude * arm
-
-    @cached_property
-    def metres_a_second(self) -> float:
-        """Change of the com's velocity, m/s."""
-        arm, growth = float(np.linalg.norm(self.scene.body.com)), self.conditioning
-        return EPS * self.fast + (growth.attitude + growth.omega) * arm * self.speed
-
-    @property
-    def energy(self) -> float:
-        """Change of the energy, relative."""
-        mass, g = self.scene.body.mass, float(np.linalg.norm(self.scene.gravity_world))
-        joules = mass * self.fast * self.metres_a_second + mass * g * self.metres
-        relative = _relative(joules, energy_base(self.scene, self.exact))
-        return max(self.conditioning.energy, relative)
-
-    @property
-    def com(self) -> float:
-        """Change of the com's place, relative."""
-        way = _largest_norm(self.exact.com_world - self.exact.com_world[0])
-        return _relative(self.metres, max(way, radius_of_gyration(self.scene)))
-
-    @property
-    def velocity(self) -> float:
-        """Change of the com's velocity, relative."""
-        base = max(self.fast, radius_of_gyration(self.scene) * self.speed)
-        return max(EPS, _relative(self.metres_a_second, base))
-
-
 @dataclass(frozen=True)
 class Signal:
     """A signal, and the norm of errors in it.
@@ -149,7 +56,9 @@ class Signal:
     values : along a motion, SI, (n, columns), of a scalar (n,)
     base : what distances are relative to, in the signal's unit
     depends_on : of rotation, "omega" and "attitude": whose orders of accuracy bound its own
-    in_flight : growth of one ulp where a body is free, if not what its rotation's is, relative
+    in_flight : what one ulp in each number of a free body's state changes it by, relative, if not
+        what it does to the rotation (the `Errors`); engines may integrate the flight for an origin
+        other than the com
     """
 
     name: str
@@ -158,10 +67,10 @@ class Signal:
     formula: str
     kind: Literal["vector", "quaternion", "scalar"]
     values: Callable[["Scenario", Trajectory], FloatArray]
-    base: Callable[[Sizes], float]
+    base: Callable[["Scenario", Trajectory], float]
     unit: str = ""
     depends_on: tuple[str, ...] = ("omega", "attitude")
-    in_flight: Callable[[Flight], float] | None = None
+    in_flight: Callable[["Scenario", Trajectory, Errors], float] | None = None
 
     @property
     def columns(self) -> int:
@@ -187,9 +96,10 @@ class Signal:
         orders = {"omega": order, "attitude": attitude_order}
         return min(orders[name] for name in self.depends_on)
 
-    def growth(self, flight: Flight) -> float:
+    def growth(self, scene: "Scenario", exact: Trajectory, conditioning: Errors) -> float:
         """What one ulp in each number of a free body's state changes it by, relative."""
-        return self.in_flight(flight) if self.in_flight else flight.conditioning[self.name]
+        of_rotation = conditioning[self.name]
+        return self.in_flight(scene, exact, conditioning) if self.in_flight else of_rotation
 
 
 def radius_of_gyration(scene: "Scenario") -> float:
@@ -197,6 +107,43 @@ def radius_of_gyration(scene: "Scenario") -> float:
     body = scene.body
     inertia = body.inertia_origin if scene.has_pivot else body.inertia_com
     return float(np.sqrt(np.trace(inertia) / (2 * body.mass)))
+
+
+def _way(scene: "Scenario", exact: Trajectory) -> float:
+    return max(_longest(exact.com_world - exact.com_world[0]), radius_of_gyration(scene))
+
+
+def _speed(scene: "Scenario", exact: Trajectory) -> float:
+    turning = radius_of_gyration(scene) * _longest(exact.omega_body)
+    return max(_longest(exact.velocity_world), turning)
+
+
+def _moved(scene: "Scenario", exact: Trajectory, growth: Errors) -> tuple[float, float]:
+    """Change of a free body's place, m, and velocity, m/s, by one ulp in state and arm."""
+    arm = float(np.linalg.norm(scene.body.com))
+    fast, speed = _largest_norm(exact.velocity_world), _largest_norm(exact.omega_body)
+    lengths = _largest_norm(exact.com_world) + arm + fast * float(exact.t[-1])
+    metres = EPS * lengths + growth.attitude * arm
+    return metres, EPS * fast + (growth.attitude + growth.omega) * arm * speed
+
+
+def _energy_in_flight(scene: "Scenario", exact: Trajectory, growth: Errors) -> float:
+    metres, metres_a_second = _moved(scene, exact, growth)
+    momentum = scene.body.mass * _largest_norm(exact.velocity_world)
+    weight = scene.body.mass * float(np.linalg.norm(scene.gravity_world))
+    joules = momentum * metres_a_second + weight * metres
+    return max(growth.energy, _relative(joules, energy_base(scene, exact)))
+
+
+def _com_in_flight(scene: "Scenario", exact: Trajectory, growth: Errors) -> float:
+    way = _largest_norm(exact.com_world - exact.com_world[0])
+    return _relative(_moved(scene, exact, growth)[0], max(way, radius_of_gyration(scene)))
+
+
+def _velocity_in_flight(scene: "Scenario", exact: Trajectory, growth: Errors) -> float:
+    turning = radius_of_gyration(scene) * _largest_norm(exact.omega_body)
+    base = max(_largest_norm(exact.velocity_world), turning)
+    return max(EPS, _relative(_moved(scene, exact, growth)[1], base))
 
 
 def _longest(vectors: FloatArray) -> float:
@@ -219,7 +166,7 @@ SIGNALS = (
         formula="max |ω_e − ω_r| / max |ω_r|, body axes",
         kind="vector",
         values=lambda _, motion: motion.omega_body,
-        base=lambda sizes: sizes.speed,
+        base=lambda _, exact: _longest(exact.omega_body),
         depends_on=("omega",),
     ),
     Signal(
@@ -230,7 +177,7 @@ SIGNALS = (
         unit="rad",
         kind="quaternion",
         values=lambda _, motion: motion.q_world_body_wxyz,
-        base=lambda _: 1.0,
+        base=lambda *_: 1.0,
         depends_on=("attitude",),
     ),
     Signal(
@@ -240,7 +187,7 @@ SIGNALS = (
         formula="max |L_e − L_r| / max |L_r|, world axes",
         kind="vector",
         values=angular_momentum_world,
-        base=lambda sizes: sizes.angular_momentum,
+        base=lambda scene, exact: _longest(angular_momentum_world(scene, exact)),
     ),
     Signal(
         name="energy",
@@ -249,8 +196,8 @@ SIGNALS = (
         formula="max |E_e − E_r| / (max T_r + m |g| max |r_com|)",
         kind="scalar",
         values=energy,
-        base=lambda sizes: energy_base(sizes.scene, sizes.exact),
-        in_flight=lambda flight: flight.energy,
+        base=energy_base,
+        in_flight=_energy_in_flight,
     ),
     Signal(
         name="com",
@@ -259,8 +206,8 @@ SIGNALS = (
         formula="max |r_e − r_r| / max(the longest way of r_r from its start, k), world axes",
         kind="vector",
         values=lambda _, motion: motion.com_world,
-        base=lambda sizes: sizes.way,
-        in_flight=lambda flight: flight.com,
+        base=_way,
+        in_flight=_com_in_flight,
     ),
     Signal(
         name="velocity",
@@ -269,8 +216,8 @@ SIGNALS = (
         formula="max |v_e − v_r| / max(max |v_r|, k max |ω_r|), world axes, of the com",
         kind="vector",
         values=lambda _, motion: motion.velocity_world,
-        base=lambda sizes: sizes.com_speed,
-        in_flight=lambda flight: flight.velocity,
+        base=_speed,
+        in_flight=_velocity_in_flight,
     ),
 )
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...scenarios import FloatArray, Scenario
+from ...scenarios import FloatArray, Scenario, push
 from ...scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ...scenarios.scenario import started_at
 from ..session import Session
@@ -29,6 +29,8 @@ COARSE = 3
 DISTINCT = 4.0
 #: Fraction of the largest terms that is as good as nothing.
 NEGLIGIBLE = 2e-6
+#: Gains that the last one is predicted from, to see the noise of all.
+PREDICTING = 4
 #: Smallest size that is divided by.
 NO_SIZE = 1e-300
 
@@ -141,11 +143,12 @@ def excess(equations: Equations, steps: Steps, epsilon: float, slack: float) -> 
     gains = _gains(equations, steps).reshape(*shape, 3)
     rounding = ROUNDINGS * epsilon * _roundings(equations, steps).reshape(shape)
     sizes = np.maximum(_sizes(equations, steps.before).max(axis=0), NO_SIZE)
+    read = ABOVE * slack * _rates(equations, sizes) / steps.timesteps[:, None, None]
+    rounding = rounding + np.minimum(_noise(steps.timesteps, gains), read)
     limit, known_to = _extrapolated(steps.timesteps, gains, rounding)
     # Where next to nothing acts, as on a body at rest, next to nothing is asked.
     local = _sizes(equations, steps.before).reshape(shape)[0]
     held = np.where(local < NEGLIGIBLE * sizes, NEGLIGIBLE, ABOVE * slack) * sizes
-    read = ABOVE * slack * _rates(equations, sizes) / steps.timesteps[:, None, None]
     return Excess(
         limit,
         known_to + held,
@@ -159,6 +162,19 @@ def excess(equations: Equations, steps: Steps, epsilon: float, slack: float) -> 
             > ABOVE * slack * sizes[3]
         ),
     )
+
+
+def _noise(timesteps: FloatArray, gains: FloatArray) -> FloatArray:
+    """What noise of the states makes of a gain, (J, 1, 4), seen where no smooth function is left.
+
+    The last gain is compared with what four before it predict, at the median of all states.
+    """
+    h = timesteps[-PREDICTING - 1 :]
+    weights = _weights(h[:-1], h[-1])
+    left = gains[-1] - np.tensordot(weights, gains[-PREDICTING - 1 : -1], 1)
+    share = np.sqrt(1 + ((weights * h[-1] / h[:-1]) ** 2).sum())
+    noise = np.median(np.abs(left).max(axis=2), axis=0) * h[-1] / share
+    return np.asarray(ABOVE * noise / timesteps[:, None, None])
 
 
 def _surprises(timesteps: FloatArray, gains: FloatArray, rounding: FloatArray) -> FloatArray:
@@ -236,8 +252,11 @@ def _sizes(equations: Equations, states: State) -> FloatArray:
     scenario, reach = equations.scenario, equations.reach
     speeds = norms(states.omega_body)
     g = float(np.linalg.norm(scenario.gravity_world))
-    push = float(np.linalg.norm(scenario.torque_body) + np.linalg.norm(scenario.torque_world))
-    outer = push + scenario.drag * speeds
+    still, pushed = (
+        push(scenario.pushed, np.eye(3), omega)
+        for omega in (np.zeros(3), np.array(states.omega_body))
+    )
+    outer = np.linalg.norm(still) + norms(pushed - still)
     if scenario.has_pivot:
         outer = outer + scenario.body.mass * g * equations.arm
         velocity, place = speeds * reach, np.full_like(speeds, reach)

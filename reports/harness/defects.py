@@ -25,6 +25,8 @@ from ..results.records import Defect
 FARTHEST_TURN = 1e5
 #: What the rounding of a step makes at least, in doubles: it does more than one product.
 LEAST_ROUNDING = 8 * float(np.finfo(float).eps)
+#: Relative noise of a step that is no fault: where iterative solvers end.
+NOISE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +53,8 @@ class Defects:
         steps : of the whole run
         ulp : relative, of the engine's numbers
         """
-        roundings = np.sqrt(1 + steps / len(self.t)) * ulp / np.finfo(float).eps
+        step = max(ulp, NOISE) / np.finfo(float).eps
+        roundings = np.sqrt(1 + steps / len(self.t)) * step
         p50, p95 = np.percentile(self.series.distances, [50, 95], axis=0, method="higher")
         largest, at = self.series.distances.max(axis=0), self.series.distances.argmax(axis=0)
         return {

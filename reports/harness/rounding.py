@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...reference import Solution
-from ...scenarios import SIGNALS, Errors, Flight, Scenario
+from ...scenarios import SIGNALS, Errors, Scenario
 
 
 def ulp_growth(scenario: Scenario, solution: Solution) -> Errors:
@@ -14,8 +14,8 @@ def ulp_growth(scenario: Scenario, solution: Solution) -> Errors:
     growth = solution.conditioning
     if scenario.has_pivot:
         return growth
-    flight = Flight(scenario, solution.trajectory, growth)
-    return Errors(*(signal.growth(flight) for signal in SIGNALS))
+    exact = solution.trajectory
+    return Errors(*(signal.growth(scenario, exact, growth) for signal in SIGNALS))
 
 
 def roundings_in_flight(scenario: Scenario, solution: Solution, steps: int) -> float:

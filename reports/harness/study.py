@@ -6,6 +6,7 @@ everything else here prepares it or runs many of them.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from threading import Lock
@@ -18,13 +19,14 @@ from ...reference.compiled import compile_kernels, is_compiled
 from ...scenarios import FloatArray, Scenario
 from ...scenarios.fastest_rate import fastest_rate
 from ..results.environment import environment
+from ..results.evidence import Evidence, JudgedRung
 from ..results.records import UNSOLVED, Key, Row, Verdict
 from ..results.store import Store
 from .choice import Choice
 from .convergence_study import ConvergenceStudy, SingleRun
 from .default_effects import take_defaults_away
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
-from .judging.local import examine, restarted
+from .judging.local import FEW_STEPS, examine, restarted
 from .judging.places import Places, places
 from .ladder import Ladder, Rung, ladder, single
 from .plan import Plan, SceneLeft
@@ -68,23 +70,44 @@ def study_method(
     solved = reference.get(executor, store)
     if isinstance(solved, CallFailed):
         return _unsolved(scenario, engine, method, solved, choice, store)
-    study = convergence_study_of(scenario, engine, method, solved, choice.timesteps)
+    begin = partial(convergence_study_of, scenario, engine, method, solved, choice.timesteps)
+    key = Key(scenario.name, engine.name, method.name)
     stored = {
         row.timestep: row
-        for row in store.rows_of(study.key)
+        for row in store.rows_of(key)
         if not may_succeed_if_repeated(row.cause, row.reason, choice.time_limit)
     }
-    for row in run_rungs(study, executor, stored):
-        store.put(row)
-    for row in study.refusals():
-        store.put(row)
-    if method.as_shipped:
-        take_defaults_away(study, executor, store)
+    # What has been run is judged again by the numbers that are stored of it.
+    study = begin(store.judged_rungs(key))
+    if not is_run(study, stored, executor):
+        study = begin()
+        for row in run_rungs(study, executor, stored):
+            store.put(row)
+        if method.as_shipped:
+            take_defaults_away(study, executor, store)
+    store.put(*study.refusals())
     verdict = verdict_on(study)
     step_limit = choice.max_steps_on(scenario) if study.cut_short else None
     verdict = replace(verdict, timesteps=tuple(sorted(choice.timesteps)), step_limit=step_limit)
-    store.put_verdict(verdict, study.discardable_timesteps())
+    store.put_verdict(
+        verdict, Evidence(key, tuple(study.judge.rungs)), study.discardable_timesteps()
+    )
     return verdict
+
+
+def is_run(study: ConvergenceStudy, stored: Mapping[float, Row], executor: Executor) -> bool:
+    """Whether all runs of a study are stored; if so, it has taken them."""
+    if not study.judged:
+        return False
+    _examine(study, executor)
+    runs = study.runs()
+    with suppress(StopIteration):
+        planned = next(runs)
+        while (row := stored.get(planned.rung.timestep)) and planned.is_answered_by(row):
+            planned = runs.send(row)
+        return False
+    _restart(study, executor)
+    return True
 
 
 def run_rungs(
@@ -200,10 +223,14 @@ def convergence_study_of(
     method: Method,
     prepared: Prepared,
     timesteps: Sequence[float] = (),
+    judged: tuple[JudgedRung, ...] = (),
 ) -> ConvergenceStudy:
     """The runs of a method: single timesteps, ladder, stock timesteps.
 
-    If timesteps are asked for, only these are run.
+    Parameters
+    ----------
+    timesteps : s; if there are any, only these are run
+    judged : rungs of the ladder as they were judged before
     """
     singles = []
     for rung, solution in prepared.singles:
@@ -225,6 +252,7 @@ def convergence_study_of(
         prepared.ladder,
         singles,
         stock,
+        judged,
         places=prepared.places,
     )
 
@@ -244,16 +272,20 @@ def _examine(study: ConvergenceStudy, executor: Executor) -> None:
 
 
 def _restart(study: ConvergenceStudy, executor: Executor) -> None:
-    """Go through some of the finest run again, from its own states, in a worker."""
-    runs = [row for row in study.rows if row.outcome == "ok" and row.motion is not None]
-    if not runs or study.ladder is None or study.local is None or study.local.reason:
+    """Go through the finest run of few steps again, from its own states, and some of the finest."""
+    if study.ladder is None or study.local is None or study.local.reason:
         return
-    motion = runs[-1].motion
-    assert motion is not None, "only runs with samples are gone through"
-    rung = next(one for one in study.ladder.rungs if one.timestep == runs[-1].timestep)
-    asked = (study.engine, study.scenario, study.method.name, rung, motion)
-    found = executor.call_at(study.engine.site, restarted, *asked).value
-    study.remembers = found > 1 if isinstance(found, float) else None
+    runs = [
+        (rung, row.motion)
+        for rung, row in zip(study.ladder.rungs, study.rows, strict=False)
+        if row.outcome == "ok" and row.motion is not None
+    ]
+    short = [run for run in runs if run[0].steps <= FEW_STEPS]
+    for run in {run[0].timestep: run for run in short[-1:] + runs[-1:]}.values():
+        asked = (study.engine, study.scenario, study.method.name, *run)
+        found = executor.call_at(study.engine.site, restarted, *asked).value
+        if isinstance(found, float):
+            study.remembers = bool(study.remembers) or found > 1
 
 
 def _methods_left(

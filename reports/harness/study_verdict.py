@@ -5,12 +5,13 @@ from typing import Any
 from ...reference.solution import MAX_UNCERTAINTY
 from ...scenarios.signals import SIGNAL
 from ..results.records import LocalCheck, Row, Verdict
+from ..results.verdict_words import RANKS
 from .convergence_study import ConvergenceStudy
 from .expected_failures import compared_with_expected_failures
 from .judging.contradictions import contradictions
 from .judging.places import PIECES, rounding_of_body
 from .ladder import COARSEST_TURN, Ladder
-from .ladder_judge import RUNGS_OF_A_LIMIT, WORST_LAST
+from .ladder_judge import RUNGS_OF_A_LIMIT
 
 
 def verdict_on(study: ConvergenceStudy) -> Verdict:
@@ -57,7 +58,7 @@ def _by_pieces(
 ) -> Verdict | None:
     """The verdict where the whole window does not decide; None where it does, or nothing does."""
     word = study.judge.worst.judgement.word if study.judge.signals else "unresolved"
-    worst = max(local.pieces, key=lambda one: WORST_LAST.index(one.verdict))
+    worst = max(local.pieces, key=lambda one: RANKS[one.verdict])
     where = f"over 2 rad from exact states, {SIGNAL[worst.signal].label}: {worst.reason}"
     found = (worst.signal, worst.order, worst.limit_error, worst.tolerance, local.pieces)
     if worst.verdict == "disagrees":

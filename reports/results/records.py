@@ -66,8 +66,18 @@ class Key:
     """Which scene, engine and method."""
 
     scenario: SceneName
-    engine: Name
-    method: Name
+    engine: str
+    method: str
+
+
+def _named(key: Key) -> Key:
+    _name(key.engine)
+    _name(key.method)
+    return key
+
+
+#: Of a result of one method.
+MethodKey = Annotated[Key, AfterValidator(_named)]
 
 
 @dataclass(frozen=True)
@@ -94,10 +104,11 @@ class DeclaredEngine(Record):
 
 @dataclass(frozen=True)
 class Fingerprint(Record):
-    """What results rest on: the engine, or where it is empty the scene and the program."""
+    """What results of a scene rest on (`fingerprints`); the engine is empty where all do."""
 
     scenario: SceneName
     engine: str
+    kind: str
     digest: str
 
 
@@ -109,7 +120,7 @@ class Defect:
     ----------
     p50, p95, max : median, 95th percentile and largest over the intervals, in the norm of errors
     at : s, the end of the interval of the largest
-    floor : the largest that round-off may make
+    floor : the largest that round-off, or noise as small, may make
     """
 
     p50: Size
@@ -180,7 +191,7 @@ class Row(Record):
     turns_within_1deg : likewise until the attitude is off by more than 1°; None if it never is
     """
 
-    key: Key
+    key: MethodKey
     engine_version: str
     timestep: Size
     outcome: Outcome
@@ -297,7 +308,7 @@ class Verdict(Record):
     ground : what a verdict `converges` rests on, in words
     """
 
-    key: Key
+    key: MethodKey
     verdict: VerdictWord
     reason: str
     signal: SignalName = "omega"

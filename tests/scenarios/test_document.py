@@ -3,7 +3,7 @@
 import pytest
 from case_loops import each_case
 from scene_texts import TEXT, changed, scene
-from spincheck.scenarios import ScenarioError, loads
+from spincheck.scenarios import SIGNAL, ScenarioError, loads
 
 MASS = ("mass = 2.0", "mass = {}")
 INERTIA = ("inertia = [1.0, 2.0, 2.5]", "inertia = {}")
@@ -219,9 +219,14 @@ def test_a_document_cannot_be_changed(text):
         document.title = "another"
 
 
-def test_expected_bounds_are_those_given():
-    (expectation,) = scene(more=expect("omega = 1e-6", "energy = 1e-8")).expect
-    assert expectation.bounds() == {"omega": 1e-6, "energy": 1e-8}
+def test_expected_bounds_are_those_given_of_any_signals():
+    bounds = {name: 1e-6 * k for k, name in enumerate(SIGNAL, start=1)}
+    (expectation,) = scene(
+        more=expect(*(f"{name} = {bound}" for name, bound in bounds.items()))
+    ).expect
+    assert expectation.bounds() == bounds
+    (expectation,) = scene(more=expect("omega = 1e-6", "velocity = 1e-8")).expect
+    assert expectation.bounds() == {"omega": 1e-6, "velocity": 1e-8}
 
 
 def test_published_values_are_those_given():

@@ -29,6 +29,9 @@ def judge(
         list[float] | None,
         typer.Option("--timestep", metavar="S", help="s, of each file; may be repeated."),
     ] = None,
+    order: Annotated[
+        int, typer.Option(min=1, max=12, help="Of accuracy, of the method that made several files.")
+    ] = 1,
     fail_above: Annotated[
         list[str] | None,
         typer.Option(
@@ -47,7 +50,7 @@ def judge(
     from ..named_scenes import one_scene
     from .judging import judged_files, judgement_as_json, print_judgement
 
-    options = (quaternion, omega, timestep or [], fail_above or [])
+    options = (quaternion, omega, timestep or [], fail_above or [], order)
     judgement = judged_files(one_scene(scenario), files, *options)
     if as_json:
         print(to_json(judgement_as_json(judgement)))

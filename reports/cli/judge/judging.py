@@ -11,6 +11,8 @@ from ....scenarios import SIGNAL, Scenario, did_you_mean, printable
 from ...harness.recorded.judged import JudgedMotion, judged_motion
 from ...harness.recorded.motion import OmegaFrame, QuaternionOrder
 from ...harness.recorded.read import RecordingError, read_recording
+from ...harness.recorded.recorded_ladder import verdict_on_files
+from ...results.records import Verdict
 from ..terminal import AGREES, BAD_INPUT, DISAGREES, Complaint, table
 
 #: Columns that reasons are wrapped at.
@@ -26,18 +28,21 @@ class Judgement:
     Attributes
     ----------
     motions : by the name of their file
+    verdict : on several files, as the timesteps of one method; None for a single one
     beyond : what exceeds a bound that the user gave, one sentence each
     """
 
     scenario: Scenario
     motions: dict[str, JudgedMotion]
+    verdict: Verdict | None
     beyond: list[str]
 
     @property
     def exit_code(self) -> int:
         """1 if a motion is another one, or beyond a bound."""
         explained = any(motion.explained_by for motion in self.motions.values())
-        return DISAGREES if self.beyond or explained else AGREES
+        wrong = self.verdict is not None and not self.verdict.agrees
+        return DISAGREES if self.beyond or explained or wrong else AGREES
 
 
 def judged_files(
@@ -47,6 +52,7 @@ def judged_files(
     omega: str | None,
     timesteps: Sequence[float],
     bounds: Sequence[str],
+    order: int,
 ) -> Judgement:
     """Read and judge files.
 
@@ -55,7 +61,7 @@ def judged_files(
     Complaint
         If a file, flag or bound cannot be used.
     """
-    order: QuaternionOrder | None = _one_of("--quaternion", quaternion, QuaternionOrder)
+    components: QuaternionOrder | None = _one_of("--quaternion", quaternion, QuaternionOrder)
     frame: OmegaFrame | None = _one_of("--omega", omega, OmegaFrame)
     if timesteps and len(timesteps) != len(files):
         raise Complaint(
@@ -68,7 +74,7 @@ def judged_files(
         timestep = timesteps[k] if timesteps else None
         try:
             recording = read_recording(file)
-            motions[str(file)] = judged_motion(scenario, recording, order, frame, timestep)
+            motions[str(file)] = judged_motion(scenario, recording, components, frame, timestep)
         except RecordingError as error:
             where = "" if str(error).startswith(printable(str(file))) else f"{file}: "
             raise Complaint(f"{where}{error}", BAD_INPUT) from None
@@ -77,7 +83,16 @@ def judged_files(
         for name, motion in motions.items()
         for sentence in motion.beyond(wanted)
     ]
-    return Judgement(scenario, motions, beyond)
+    return Judgement(scenario, motions, _verdict(scenario, motions, order), beyond)
+
+
+def _verdict(scenario: Scenario, motions: dict[str, JudgedMotion], order: int) -> Verdict | None:
+    if len(motions) < 2:
+        return None
+    try:
+        return verdict_on_files(scenario, list(motions.values()), order)
+    except RecordingError as error:
+        raise Complaint(f"{', '.join(map(printable, motions))}: {error}", BAD_INPUT) from None
 
 
 def _one_of(option: str, value: str | None, words: Any) -> Any:
@@ -128,6 +143,8 @@ def judgement_as_json(judgement: Judgement) -> dict[str, Any]:
             }
             for name, motion in judgement.motions.items()
         ],
+        "verdict": judgement.verdict.verdict if judgement.verdict else None,
+        "reason": judgement.verdict.reason if judgement.verdict else None,
         "beyond": judgement.beyond,
     }
 
@@ -137,6 +154,8 @@ def print_judgement(judgement: Judgement) -> None:
     for name, motion in judgement.motions.items():
         print("\n".join(_lines(name, motion)))
         table(_rows(motion))
+    if verdict := judgement.verdict:
+        print("\n".join(textwrap.wrap(f"{verdict.verdict}: {verdict.reason}", WIDTH)))
     for sentence in judgement.beyond:
         print(sentence)
 

@@ -6,10 +6,12 @@ round-off. Defects do so where errors have long saturated, too, and where the mo
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain, islice
 
 import numpy as np
 
 from ....scenarios import FloatArray
+from ....scenarios.signals import SIGNALS
 from ...results.records import Row
 from ..observed_order import ASYMPTOTIC, FITTED_RUNGS, ORDER_SLACK, SETTLING_ORDER
 from ..richardson import DISTINCT, SignalSequence
@@ -18,6 +20,8 @@ from ..richardson import DISTINCT, SignalSequence
 SHOWN_OVER = 4
 #: An order this far below the declared one is another order.
 SHORTFALL = 0.5
+#: Times that a rung is worse, where only two coarser ones say how it should be.
+FAR_WORSE = 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +34,7 @@ class _Series:
     floors: FloatArray
     order: int
     when: Sequence[str]
+    defects: FloatArray
 
 
 def contradictions(
@@ -53,6 +58,7 @@ def _all(rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float)
         name = sequence.signal.label
         floors = sequence.roundoff_bounds + sequence.uncertainty
         when = [""] * len(sequence)
+        largest = np.array([_largest_defects(row) for row in rows[-len(sequence) :]])
         yield from _worse(
             _Series(
                 f"{name}: the error",
@@ -61,6 +67,7 @@ def _all(rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float)
                 floors,
                 sequence.declared_order,
                 when,
+                largest,
             )
         )
         if len(rows) == len(sequence) and all(row.defects for row in rows):
@@ -72,9 +79,16 @@ def _all(rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float)
                 np.array([max(one.floor, slack) for one in found]),
                 sequence.declared_order,
                 [f", by t = {one.at:.3g} s" for one in found],
+                largest,
             )
             yield from _worse(defects)
             yield from _level(defects, follows=bool(sequence.errors[-1] < ASYMPTOTIC))
+
+
+def _largest_defects(row: Row) -> list[float]:
+    """By signal; of a run that cannot be followed infinite."""
+    found = row.defects or {}
+    return [found[signal.name].max if found else np.inf for signal in SIGNALS]
 
 
 def _lost(rows: Sequence[Row], sequences: Sequence[SignalSequence]) -> Iterator[str]:
@@ -91,16 +105,30 @@ def _lost(rows: Sequence[Row], sequences: Sequence[SignalSequence]) -> Iterator[
 
 
 def _worse(series: _Series) -> Iterator[str]:
-    """A rung that is worse than the last of three coarser ones that shrink as they should."""
+    """A rung that is worse than the last of some coarser ones that shrink as they should.
+
+    Three of these are enough for one that is a little worse; two, if of the declared order, for one
+    that is far worse.
+    """
+    by_three = _worse_than(series, FITTED_RUNGS, DISTINCT, np.inf)
+    by_two = _worse_than(series, 2, FAR_WORSE, SHORTFALL)
+    yield from islice(chain(by_three, by_two), 1)
+
+
+def _worse_than(series: _Series, rungs: int, factor: float, off_order: float) -> Iterator[str]:
     values, floors = series.values, series.floors
-    for end in range(FITTED_RUNGS - 1, len(values) - 1):
-        window = slice(end - FITTED_RUNGS + 1, end + 1)
+    for end in range(rungs - 1, len(values) - 1):
+        window = slice(end - rungs + 1, end + 1)
         if not ((values < ASYMPTOTIC) & (values > floors))[window].all():
             continue
         slopes = -np.diff(np.log2(values[window]))
         if np.ptp(slopes) > 2 * ORDER_SLACK or slopes.min() < SETTLING_ORDER:
             continue
-        worse = np.flatnonzero(values > DISTINCT * np.maximum(values[end], floors))
+        if np.abs(slopes - series.order).max() > off_order:
+            continue
+        # Where no interval is worse, errors of another sign have added up, or noise has.
+        has_cause = (series.defects >= series.defects[end]).any(axis=1)
+        worse = np.flatnonzero(has_cause & (values > factor * np.maximum(values[end], floors)))
         if len(worse) and worse[-1] > end:
             k = int(worse[-1])
             yield (
@@ -108,7 +136,6 @@ def _worse(series: _Series) -> Iterator[str]:
                 f"{series.when[k]}, though it has come down to {values[end]:.1e} at "
                 f"{series.timesteps[end]:.1e} s, at order {slopes.mean():.2f}"
             )
-            return
 
 
 def _level(series: _Series, *, follows: bool) -> Iterator[str]:

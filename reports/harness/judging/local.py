@@ -38,8 +38,9 @@ ULPS_A_STEP = 16
 LEAPS = 4
 #: Rungs of the pieces, and the uncertainty of their limits that is enough.
 PIECE_RUNGS, PIECE_GOAL = 7, 1e-4
-#: Intervals of a run that are gone through again, and the most steps of one.
-INTERVALS, MOST_STEPS = 5, 1 << 12
+#: Intervals of a run that are gone through again, and the most steps of one; a run of few steps is
+#: gone through from end to end.
+INTERVALS, MOST_STEPS, FEW_STEPS = 5, 1 << 12, 1 << 12
 #: Relative change of a state that shows what rounding does to an interval.
 NUDGE = 2.0**-46
 
@@ -251,31 +252,39 @@ def restarted(
 ) -> float | None:
     """By how many tolerances a run goes on otherwise than if restarted from its own states.
 
-    At some of its samples it is restarted, in two strides where the run took one. What a nudge of
-    the state does to the next sample is the tolerance. None where a session cannot be restarted.
+    A run of few steps is restarted at every sample, a longer one at some, in two strides where the
+    run took one. What a nudge of the state does to the next sample is the tolerance. None where a
+    session cannot be restarted.
     """
     method = engine.method(method_name)
     steps = np.diff(rung.sample_steps)
     if method.as_shipped or not len(steps) or steps.max() > MOST_STEPS:
         return None
     states = State(*(getattr(motion, name) for name in State.__dataclass_fields__))
-    chosen = np.unique(np.linspace(0, len(steps) - 1, INTERVALS).astype(int))
-    ends: list[list[State]] = [[], []]
+    is_short = rung.steps <= FEW_STEPS
+    chosen = np.unique(
+        np.linspace(0, len(steps) - 1, len(steps) if is_short else INTERVALS).astype(int)
+    )
     try:
         with engine.open(scenario, method, rung.timestep) as session:
             if not session.can_restart:
                 return None
-            for k in chosen:
-                for nudge, end in zip((1.0, 1.0 + NUDGE), ends, strict=True):
-                    state = states.rows(int(k))
-                    session.restart(replace(state, omega_body=nudge * state.omega_body))
-                    half = int(steps[k]) // 2
-                    session.advance(half)
-                    session.advance(int(steps[k]) - half)
-                    end.append(session.read_state())
+
+            def gone_on(k: int, nudge: float = 1.0) -> State:
+                state = states.rows(k)
+                session.restart(replace(state, omega_body=nudge * state.omega_body))
+                half = int(steps[k]) // 2
+                session.advance(half)
+                session.advance(int(steps[k]) - half)
+                return session.read_state()
+
+            again = [gone_on(int(k)) for k in chosen]
+            ran = [states.rows(int(k) + 1) for k in chosen]
+            apart = _apart(_rows(ran), _rows(again))
+            worst = np.argsort(apart)[-INTERVALS:]
+            nudged = [gone_on(int(chosen[k]), 1.0 + NUDGE) for k in worst]
     except EngineError:
         return None
-    again, nudged = map(_rows, ends)
-    ran = states.rows(chosen + 1)
-    floor = ABOVE * engine.slack
-    return float((_apart(ran, again) / (floor + ABOVE * _apart(nudged, again))).max())
+    by_nudge = _apart(_rows(nudged), _rows([again[k] for k in worst]))
+    tolerance = ABOVE * (engine.slack + by_nudge)
+    return float((apart[worst] / tolerance).max())

@@ -88,7 +88,7 @@ def judged_motion(
         "xyzw" if stated.get("quaternion") == "xyzw" else "wxyz"
     )
     frame: OmegaFrame = omega or ("world" if stated.get("omega") == "world" else "body")
-    solution = _solution(scenario, recording.arrays["t"])
+    solution = exact_at(scenario, recording.arrays["t"])
     exact = solution.trajectory
     recorded = recorded_motion(scenario, recording, exact, order, frame)
     series = error_series(scenario, recorded.trajectory, exact)
@@ -113,8 +113,14 @@ def judged_motion(
     )
 
 
-def _solution(scenario: Scenario, times: FloatArray) -> Solution:
-    """The exact motion at all of the times."""
+def exact_at(scenario: Scenario, times: FloatArray) -> Solution:
+    """The exact motion at all of the times, s, (n,).
+
+    Raises
+    ------
+    RecordingError
+        If it is not known up to the last of them.
+    """
     try:
         check_scales(scenario, until=max(scenario.window.duration, float(times[-1])))
         solution = ExactMotion(scenario).solve(times)

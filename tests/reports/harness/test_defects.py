@@ -9,7 +9,7 @@ from planted import METHOD, HeunSession, planted
 from planted_faults import HALFWAY, SpunUpFromHalfwaySession, engine_of
 from spincheck.engines import Engine
 from spincheck.reference import ExactMotion
-from spincheck.reports.harness.defects import defects
+from spincheck.reports.harness.defects import NOISE, defects
 from spincheck.scenarios import Trajectory
 from spincheck.scenarios.scenario import started_at
 
@@ -35,7 +35,7 @@ def series(motion: Trajectory) -> np.ndarray:
 def test_the_exact_motion_has_none_but_rounding():
     found = defects(BOOK, EXACT, EXACT)
     assert found.series.distances.max() < 16 * EPS
-    assert found.summary(INTERVALS, EPS)["omega"].floor < 64 * EPS
+    assert found.summary(INTERVALS, EPS)["omega"].floor < 64 * NOISE
     np.testing.assert_array_equal(found.t, TIMES[1:])
 
 
@@ -77,7 +77,7 @@ def test_the_floor_grows_with_roundings_and_their_size():
         for steps, ulp in [(INTERVALS, EPS), (10_000 * INTERVALS, EPS), (INTERVALS, 2.0**-23)]
     ]
     assert floors[1] / floors[0] == pytest.approx(100, rel=0.5)
-    assert floors[2] / floors[0] == pytest.approx(2.0**-23 / EPS)
+    assert floors[2] / floors[0] == pytest.approx(2.0**-23 / NOISE)
 
 
 def test_a_motion_of_too_many_turns_is_not_followed():

@@ -1,0 +1,141 @@
+"""No planted fault converges, whenever and wherever it acts; no honest engine is called wrong.
+
+An honest engine is stepped with one fault at a time (`stepped_faults`). At fourth order its own
+error hides nothing: each fault is told. At first order a fault that is smaller than the method's
+error may stay open, but is never said to converge.
+"""
+
+from functools import cache
+
+import pytest
+import stepped_faults as planted
+from library_scenes import library_scene
+from spincheck.reports.harness.study import Prepared, convergence_study_of, prepare
+from spincheck.reports.results.records import Verdict
+from spincheck.scenarios import Scenario
+from stepped import Stepped, SteppedEngine
+from studies import verdict_of
+
+pytestmark = pytest.mark.slow
+
+#: Of the longest run.
+MOST_STEPS = 1 << 13
+
+BOOK, TOP = "book-middle-axis", "nutation-loops"
+#: Kinds of faults, by the scene that each acts on, with sizes.
+FAULTS = [
+    (BOOK, planted.ButForTinySteps, 1e-3),
+    (BOOK, planted.AtFineSteps, 1e-3),
+    (BOOK, planted.AtTwoMilliseconds, 1e-3),
+    (BOOK, planted.FromHalfway, 1e-3),
+    (BOOK, planted.FromHalfway, 1e-5),
+    (BOOK, planted.InOneInterval, 1e-3),
+    (BOOK, planted.InTheLastTenth, 1e-4),
+    (BOOK, planted.InAnOctant, 1e-4),
+    (BOOK, planted.InAnOctantOfOmega, 1e-4),
+    (BOOK, planted.AtOneAttitude, 1e-2),
+    (BOOK, planted.AboveASpeed, 1e-4),
+    (BOOK, planted.EveryThousandthStep, 1e-4),
+    (BOOK, planted.AfterAHundredSteps, 1e-4),
+    (BOOK, planted.InLongStrides, 1e-4),
+    (BOOK, planted.ByChanceARun, 1e-3),
+    (BOOK, planted.WrongWhenOpenedTwice, 1e-3),
+    (BOOK, planted.Slowed, 1e-5),
+    (BOOK, planted.LeavesOneGyroscopicTermOut, 1e-4),
+    (BOOK, planted.Remembers, 1e-3),
+    (BOOK, planted.Jumps, 0.1),
+    (BOOK, planted.Jumps, 1e-3),
+    (BOOK, planted.JumpsInTheLastStep, 1e-3),
+    (BOOK, planted.JumpsOnceByChance, 1e-3),
+    (BOOK, planted.Clamped, -0.05),
+    (BOOK, planted.AnotherMoment, 1e-5),
+    (BOOK, planted.AMomentBySignOfTheRung, 1e-4),
+    (BOOK, planted.AMomentByChance, 1e-3),
+    (BOOK, planted.AMomentAtFineSteps, 1e-4),
+    (BOOK, planted.TurnsTooFar, 1e-5),
+    (BOOK, planted.SkipsSteps, 1e-2),
+    (BOOK, planted.HalfAnOrder, 1e-2),
+    (BOOK, planted.ReadsConjugated, 1.0),
+    (BOOK, planted.ReadsPermuted, 1.0),
+    (TOP, planted.ReadsConjugated, 1.0),
+    (TOP, planted.ReadsPermuted, 1.0),
+    (BOOK, planted.ReadsScattered, 1e-4),
+    (BOOK, planted.ReadsOmegaOff, 1e-5),
+    (BOOK, planted.ReadsOmegaDrifting, 1e-4),
+    (BOOK, planted.ReadsTurned, 1e-4),
+    (BOOK, planted.ComJumps, 1e-3),
+    (BOOK, planted.Single, 1e-3),
+    (TOP, planted.GravityInclined, 1e-4),
+    ("tiring-top", planted.FallsAsleep, 0.8),
+]
+#: At fourth order these are faults; at first order they are as good as the method.
+OF_FIRST_ORDER = [
+    (BOOK, planted.LagsAStep, 1.0),
+    (BOOK, planted.ForgetsWithTheTimestep, 0.1),
+    (BOOK, planted.EulerLater, 1.0),
+]
+#: At first order below the method's own error: what acts late, briefly, or only for a while.
+MAY_STAY_OPEN = {
+    planted.FromHalfway,
+    planted.InOneInterval,
+    planted.InTheLastTenth,
+    planted.AfterAHundredSteps,
+    planted.Slowed,
+    planted.GravityInclined,
+    planted.Jumps,
+    planted.JumpsOnceByChance,
+    planted.EveryThousandthStep,
+}
+
+HONEST_SCENES = [BOOK, TOP, "chaos-beyond-the-horizon", "drag-until-rest", "flying-disc"]
+HONEST = [
+    (Stepped, 0.0, {}),
+    (planted.Noisy, 1e-12, {}),
+    (planted.HonestSingle, 0.0, {"single_precision": True}),
+]
+
+
+@cache
+def prepared(name: str) -> tuple[Scenario, Prepared]:
+    scenario = library_scene(name)
+    return scenario, prepare(scenario, (), MOST_STEPS)
+
+
+def judged(name: str, kind: type[Stepped], size: float, method: str, **as_if: object) -> Verdict:
+    engine = SteppedEngine(kind, size, **as_if)
+    scenario, solved = prepared(name)
+    return verdict_of(convergence_study_of(scenario, engine, engine.method(method), solved))
+
+
+def kind_of(value: object) -> str | None:
+    return value.__name__ if isinstance(value, type) else None
+
+
+@pytest.mark.parametrize(("name", "kind", "size"), [*FAULTS, *OF_FIRST_ORDER], ids=kind_of)
+def test_at_fourth_order_every_fault_is_told(name: str, kind: type[Stepped], size: float) -> None:
+    verdict = judged(name, kind, size, "RK4")
+    assert verdict.verdict in ("disagrees", "failed"), verdict.reason
+
+
+@pytest.mark.parametrize(("name", "kind", "size"), FAULTS, ids=kind_of)
+def test_at_first_order_no_fault_converges(name: str, kind: type[Stepped], size: float) -> None:
+    verdict = judged(name, kind, size, "Euler")
+    open_ended = {"unresolved"} if kind in MAY_STAY_OPEN else set()
+    assert verdict.verdict in {"disagrees", "failed"} | open_ended, verdict.reason
+
+
+@pytest.mark.parametrize(("name", "kind", "size"), OF_FIRST_ORDER, ids=kind_of)
+def test_what_vanishes_with_the_timestep_is_no_fault_at_first_order(
+    name: str, kind: type[Stepped], size: float
+) -> None:
+    assert judged(name, kind, size, "Euler").verdict in ("converges", "unresolved")
+
+
+@pytest.mark.parametrize("method", ["Euler", "Heun", "RK4"])
+@pytest.mark.parametrize(("kind", "size", "as_if"), HONEST, ids=kind_of)
+@pytest.mark.parametrize("name", HONEST_SCENES)
+def test_no_honest_engine_is_called_wrong(
+    name: str, kind: type[Stepped], size: float, as_if: dict[str, object], method: str
+) -> None:
+    verdict = judged(name, kind, size, method, **as_if)
+    assert verdict.verdict in ("converges", "unresolved"), verdict.reason
