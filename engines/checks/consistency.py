@@ -147,13 +147,13 @@ def excess(equations: Equations, steps: Steps, epsilon: float, slack: float) -> 
     limit, known_to = _extrapolated(steps.timesteps, gains, rounding)
     # Where next to nothing acts, as on a body at rest, next to nothing is asked.
     local = _sizes(equations, steps.before).reshape(shape)[0]
-    held = np.where(local < NEGLIGIBLE * sizes, NEGLIGIBLE, ABOVE * slack) * sizes
+    slack_of_terms = np.where(local < NEGLIGIBLE * sizes, NEGLIGIBLE, ABOVE * slack) * sizes
     return Excess(
         limit,
-        known_to + held,
+        known_to + slack_of_terms,
         sizes,
         (np.abs(gains).max(axis=3) / sizes).max(axis=1),
-        (_surprises(steps.timesteps, gains, rounding) / (held + read)).max(axis=1),
+        (_surprises(steps.timesteps, gains, rounding) / (slack_of_terms + read)).max(axis=1),
         bool(
             equations.scenario.has_pivot
             and (np.abs(gains[-1, :, 3]) > rounding[-1, :, 3, None] + slack * sizes[3]).any()
