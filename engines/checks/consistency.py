@@ -77,7 +77,8 @@ class Excess:
     by_timestep : the largest gain before extrapolation, relative to these sizes, (J, 4)
     unsmooth : how far the gain with each timestep is from what the others predict of it, likewise,
         in units of what reading a state explains, (J, 4)
-    is_constrained : whether the com is off its pivot: a constraint holds the body
+    is_constrained : whether a constraint holds the body: its com is off the pivot, by as much as
+        the timestep makes it
     """
 
     limit: FloatArray
@@ -154,9 +155,11 @@ def excess(equations: Equations, steps: Steps, epsilon: float, slack: float) -> 
         sizes,
         (np.abs(gains).max(axis=3) / sizes).max(axis=1),
         (_surprises(steps.timesteps, gains, rounding) / (slack_of_terms + read)).max(axis=1),
+        # By how much the com is off: a body that is another keeps that, a constraint does not.
         bool(
             equations.scenario.has_pivot
-            and (np.abs(gains[-1, :, 3]) > rounding[-1, :, 3, None] + slack * sizes[3]).any()
+            and np.ptp(np.linalg.norm(gains[:, :, 3], axis=2), axis=0).max()
+            > ABOVE * slack * sizes[3]
         ),
     )
 
