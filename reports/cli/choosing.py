@@ -96,7 +96,7 @@ def _engines(
         if engine.name.lower() == lower:
             return [engine]
     for absent in missing():
-        if lower in (absent.name.lower(), absent.family):
+        if lower and lower in (absent.name.lower(), absent.family):
             raise Complaint(f"engine '{name}' cannot be used: {absent.reason}", NOT_RUN)
     known = [*engines(), *sorted(families), ALL]
     raise Complaint(

@@ -7,7 +7,7 @@ from typer.core import TyperGroup
 GROUPS = {
     "Run and judge": ["run", "judge", "map", "report", "view", "plot", "versions"],
     "Choose and compare": ["recommend", "compare", "reproduce"],
-    "Look at results": ["rows", "verdicts", "points"],
+    "Look at results": ["rows", "verdicts", "points", "tidy"],
     "Scenes": ["list", "show", "new", "check", "reference", "export", "vary", "member"],
     "Robot models": ["inspect", "import"],
     "Engines": ["engines", "conform"],

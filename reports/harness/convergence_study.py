@@ -10,6 +10,7 @@ import numpy as np
 from ...engines import Engine, Method, Run
 from ...reference import Solution
 from ...scenarios import Expect, Scenario
+from ..results.evidence import JudgedRung
 from ..results.records import Defect, Key, LocalCheck, Row
 from .comparison import row_of, unmet_expectations
 from .defects import defects
@@ -37,15 +38,17 @@ class PlannedRun:
     ----------
     solution : the exact motion at the samples of the rung
     use : what it is for
+    judged : whether it was judged before, so that its samples are not needed
     """
 
     rung: Rung
     solution: Solution
     use: Literal["single", "ladder", "above", "stock"]
+    judged: bool = False
 
     def is_answered_by(self, row: Row) -> bool:
         """Whether a stored row will do: what is judged or drawn needs a motion at the samples."""
-        if row.outcome != "ok" or self.use in ("single", "above"):
+        if row.outcome != "ok" or self.use in ("single", "above") or self.judged:
             return True
         return row.motion is not None and len(row.motion.t) == len(self.rung.sample_steps)
 
@@ -59,6 +62,7 @@ class ConvergenceStudy:
     solution : the exact motion at the ladder's sample times
     ladder : None if only single timesteps are asked for
     stock : runs at stock timesteps
+    judged : rungs of the ladder as they were judged before
     rows, single_rows, above_rows, stock_rows : the runs so far
     unmet : expectations of the scene that were not met, in words
     places : exact states that the method is tested from, if there are any
@@ -74,6 +78,7 @@ class ConvergenceStudy:
     ladder: Ladder | None
     singles: list[SingleRun] = field(default_factory=list)
     stock: list[StockRun] = field(default_factory=list)
+    judged: tuple[JudgedRung, ...] = ()
     rows: list[Row] = field(default_factory=list)
     single_rows: list[Row] = field(default_factory=list)
     above_rows: list[Row] = field(default_factory=list)
@@ -86,7 +91,8 @@ class ConvergenceStudy:
     @cached_property
     def judge(self) -> LadderJudge:
         """Judges the ladder."""
-        return LadderJudge(self.scenario, self.engine, self.method, self.solution)
+        judged = {rung.timestep: rung for rung in self.judged}
+        return LadderJudge(self.scenario, self.engine, self.method, self.solution, judged)
 
     @property
     def key(self) -> Key:
@@ -107,7 +113,8 @@ class ConvergenceStudy:
         if self.ladder is None:
             return
         for rung in self.ladder.rungs:
-            self.rows.append((yield PlannedRun(rung, self.solution, "ladder")))
+            judged = rung.timestep in self.judge.judged
+            self.rows.append((yield PlannedRun(rung, self.solution, "ladder", judged)))
             self.judge.take(self.rows[-1])
             if self._is_down:
                 break

@@ -1,6 +1,7 @@
 """Judges a method's ladder as it grows: each signal by itself; the worst counts."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from ...engines import Engine, Method
 from ...reference import Solution
 from ...scenarios import SIGNAL, Scenario
+from ..results.evidence import JudgedRung
 from ..results.records import Row, SignalVerdict
 from ..results.verdict_words import RANKS
 from .best_window import SHARP
@@ -53,6 +55,8 @@ class LadderJudge:
     Attributes
     ----------
     solution : the exact motion at the ladder's sample times
+    judged : rungs as they were judged before, by timestep, s; their motions are not needed
+    rungs : all rungs taken, of ladders that a failed run ended, too
     blown_up_below : rows that finished before a finer one did not, if there are enough of them to
         show that finer timesteps are worse
     """
@@ -61,6 +65,8 @@ class LadderJudge:
     engine: Engine
     method: Method
     solution: Solution
+    judged: Mapping[float, JudgedRung] = field(default_factory=dict)
+    rungs: list[JudgedRung] = field(default_factory=list)
     blown_up_below: list[Row] = field(default_factory=list)
     _taken: list[Row] = field(default_factory=list)
     _ladder: RichardsonLadder | None = None
@@ -69,7 +75,8 @@ class LadderJudge:
     def take(self, row: Row) -> None:
         """Take the next rung's row."""
         self._judged = None
-        if row.outcome != "ok" or row.motion is None:
+        judged = self.judged.get(row.timestep)
+        if row.outcome != "ok" or (row.motion is None and judged is None):
             sound = [taken for taken in self._taken if taken.survived]
             if len(sound) >= RUNGS_OF_A_LIMIT:
                 self.blown_up_below = sound
@@ -78,7 +85,11 @@ class LadderJudge:
         if self._ladder is None:
             self._ladder = self._new_ladder()
             self.blown_up_below = []
-        self._ladder.add(row.timestep, row.motion, row.steps)
+        if judged is not None:
+            self._ladder.take(judged)
+        elif row.motion is not None:
+            self._ladder.add(row.timestep, row.motion, row.steps)
+        self.rungs.append(self._ladder.rungs[-1])
         self._taken.append(row)
 
     @property

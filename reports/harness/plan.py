@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from ...scenarios import Scenario
 from ..results.environment import processor
-from ..results.fingerprints import digests
+from ..results.fingerprints import fingerprints
 from ..results.records import Key, Verdict
 from ..results.store import Store
 from .choice import Choice, EngineMethod
@@ -37,12 +37,12 @@ class Plan:
     ----------
     scenes : the incomplete ones, in the order asked for
     there : number of verdicts in the file
-    dropped : number of verdicts dropped because scene, engine or program has changed
+    outdated : number of verdicts that do not count, as scene, engine or program has changed
     """
 
     scenes: list[SceneLeft]
     there: int
-    dropped: int
+    outdated: int
 
     @property
     def total(self) -> int:
@@ -53,16 +53,16 @@ class Plan:
         """How many stored results are used again, in words; empty if none."""
         verdicts = self.there + sum(len(scene.to_run) for scene in self.scenes)
         counts = [f"{self.there} of {verdicts} results are stored already"] if self.there else []
-        if self.dropped:
-            counts.append(f"{self.dropped} of another scene, engine or spincheck were dropped")
+        if self.outdated:
+            counts.append(f"{self.outdated} of another scene, engine or spincheck do not count")
         return "; ".join(counts)
 
 
 def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
-    """Drop results that are out of date, and determine what is missing."""
+    """Pass over results that are out of date, and determine what is missing."""
     if choice.again:
         store.forget(key for scenario in scenarios for key in choice.methods_on(scenario))
-    dropped = sum(store.keep_matching(s.name, digests(s, choice.engines)) for s in scenarios)
+    outdated = sum(store.rest_on(tuple(fingerprints(s, choice.engines))) for s in scenarios)
     settled = {
         verdict.key: verdict
         for scenario in scenarios
@@ -82,7 +82,7 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
     ]
     missing = sum(len(scene.to_run) for scene in scenes)
     there = sum(len(choice.methods_on(scenario)) for scenario in scenarios) - missing
-    return Plan([scene for scene in scenes if scene.to_run or scene.to_time], there, dropped)
+    return Plan([scene for scene in scenes if scene.to_run or scene.to_time], there, outdated)
 
 
 def settled_verdicts(scenario: Scenario, choice: Choice, store: Store) -> list[Verdict]:

@@ -4,7 +4,7 @@ Everything whose cost is proportional to a motion's length is computed once, whe
 judgement then reads a few numbers a rung.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from ...reference import Solution
 from ...scenarios import SIGNAL, SIGNALS, ErrorNorm, FloatArray, Scenario, Signal, Trajectory
 from ...scenarios.effects.gravity import swing_rate
 from ...scenarios.fastest_rate import fastest_rate
+from ..results.evidence import Deviation, JudgedRung, Refinement
 from .observed_order import ASYMPTOTIC, ORDER_SLACK
 from .rounding import roundings_in_flight, ulp_growth
 
@@ -26,47 +27,6 @@ DISTINCT = 4.0
 #: At a rate Ω a method of order p makes an error of Ω (hΩ)^p a second. Where that exceeds one
 #: within the time, the leading error term may be invisible, and no limit is called wrong.
 WHOLE = 1.0
-
-
-@dataclass(frozen=True)
-class Deviation:
-    """A limit that is wrong: where, over the samples in the asymptotic range, and by how much.
-
-    Attributes
-    ----------
-    since, by : s, the first and the last sample by which its distance from the exact motion exceeds
-        `DISTINCT` times its tolerance
-    error, tolerance : that distance, and the largest that it may be, by the last of these samples
-    """
-
-    since: float
-    by: float
-    error: float
-    tolerance: float
-
-
-@dataclass(frozen=True, eq=False)
-class Refinement:
-    """What two neighbouring rungs, and the one before, show; arrays (6,), one entry a signal.
-
-    Attributes
-    ----------
-    difference : distance between the two motions
-    orders : used for the extrapolation
-    limit_error : distance of their Richardson limit from the exact motion
-    limit_change : distance of that limit from the limit of the two coarser rungs
-    is_clean : whether differences and limits shrink as the order says
-    rounding : the largest effect of rounding on the limit
-    deviations : of the limit from the exact motion, None where it may be right
-    """
-
-    difference: FloatArray
-    orders: FloatArray
-    limit_error: FloatArray
-    limit_change: FloatArray
-    is_clean: NDArray[np.bool_]
-    rounding: FloatArray
-    deviations: tuple[Deviation | None, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,29 +100,40 @@ class RichardsonLadder:
         rates = np.maximum(np.linalg.norm(exact.omega_body, axis=1), swing_rate(scenario))
         # ∫ Ω^(p+1) dt: times h^p, the error that a method of order p may have made by then.
         self._committed = np.cumsum(rates ** (self._p + 1) * np.gradient(exact.t))
-        self.timesteps: list[float] = []
-        self._errors: list[FloatArray] = []
-        self._roundoff_bounds: list[FloatArray] = []
-        self._refinements: list[Refinement] = []
-        self._differences: list[FloatArray] = []
+        self.rungs: list[JudgedRung] = []
         self._last: list[FloatArray] = []
 
     def __len__(self) -> int:
-        return len(self.timesteps)
+        return len(self.rungs)
+
+    def take(self, rung: JudgedRung) -> None:
+        """Take the next rung, which was judged before; after it, only such can be taken."""
+        self.rungs.append(rung)
 
     def add(self, timestep: float, motion: Trajectory, steps: int) -> None:
         """Take the next rung: its timestep, s, motion, and how many steps it took."""
         norm = self._norm
         table = norm.table(motion)
-        self.timesteps.append(timestep)
-        self._errors.append(norm.distances(table, norm.true_table).max(axis=0))
         roundings = steps + CAUTIOUS * roundings_in_flight(self._scenario, self._solution, steps)
-        self._roundoff_bounds.append(roundings * self._roundoff_a_step)
         self._last = [*self._last[-2:], table]
-        if len(self) > 1:
-            self._differences.append(norm.distances(self._last[-2], table).max(axis=0))
-        if len(self) > 2:
-            self._refinements.append(self._refined())
+        pair = self._last[-2:]
+        rung = JudgedRung(
+            timestep,
+            norm.distances(table, norm.true_table).max(axis=0),
+            roundings * self._roundoff_a_step,
+            norm.distances(*pair).max(axis=0) if len(pair) > 1 else None,
+        )
+        self.rungs.append(rung)
+        if len(self._last) > 2:
+            self.rungs[-1] = replace(rung, refinement=self._refined())
+
+    @property
+    def _differences(self) -> list[FloatArray]:
+        return [rung.differences for rung in self.rungs if rung.differences is not None]
+
+    @property
+    def _refinements(self) -> list[Refinement]:
+        return [rung.refinement for rung in self.rungs if rung.refinement]
 
     def signal(self, name: str) -> SignalSequence:
         """The ladder in one signal."""
@@ -174,9 +145,9 @@ class RichardsonLadder:
         refinements = self._refinements
         return SignalSequence(
             SIGNALS[k],
-            np.array(self.timesteps),
-            column(self._errors),
-            column(self._roundoff_bounds),
+            np.array([rung.timestep for rung in self.rungs]),
+            column([rung.errors for rung in self.rungs]),
+            column([rung.roundoff_bounds for rung in self.rungs]),
             column(self._differences),
             column([one.orders for one in refinements]),
             column([one.limit_error for one in refinements]),
@@ -202,7 +173,6 @@ class RichardsonLadder:
         noise_floor = rounding + self._uncertainty
         allowed = CAUTIOUS * np.maximum.accumulate(changes) + noise_floor
         return Refinement(
-            difference=self._differences[-1],
             orders=orders,
             limit_error=limit_errors.max(axis=0),
             limit_change=changes.max(axis=0),
@@ -228,7 +198,7 @@ class RichardsonLadder:
         Rounding shows in a limit's change, and over clean rungs it cannot be much larger than that.
         Twice as many steps at most double it.
         """
-        bound = self._roundoff_bounds[-1]
+        bound = self.rungs[-1].roundoff_bounds
         if self._refinements:
             bound = np.minimum(bound, 2 * self._refinements[-1].rounding)
         return np.where(is_clean, np.minimum(bound, CAUTIOUS * changes), bound)
@@ -263,4 +233,6 @@ class RichardsonLadder:
     def _samples_in_range(self) -> int:
         """Samples, the first at least, by which not all of the motion can have been damped away."""
         # By the coarsest of the three rungs that a limit's change is made of.
-        return max(1, int(np.searchsorted(self._committed * self.timesteps[-3] ** self._p, WHOLE)))
+        return max(
+            1, int(np.searchsorted(self._committed * self.rungs[-3].timestep ** self._p, WHOLE))
+        )

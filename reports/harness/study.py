@@ -6,6 +6,7 @@ everything else here prepares it or runs many of them.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from threading import Lock
@@ -18,6 +19,7 @@ from ...reference.compiled import compile_kernels, is_compiled
 from ...scenarios import FloatArray, Scenario
 from ...scenarios.fastest_rate import fastest_rate
 from ..results.environment import environment
+from ..results.evidence import Evidence, JudgedRung
 from ..results.records import UNSOLVED, Key, Row, Verdict
 from ..results.store import Store
 from .choice import Choice
@@ -68,23 +70,44 @@ def study_method(
     solved = reference.get(executor, store)
     if isinstance(solved, CallFailed):
         return _unsolved(scenario, engine, method, solved, choice, store)
-    study = convergence_study_of(scenario, engine, method, solved, choice.timesteps)
+    begin = partial(convergence_study_of, scenario, engine, method, solved, choice.timesteps)
+    key = Key(scenario.name, engine.name, method.name)
     stored = {
         row.timestep: row
-        for row in store.rows_of(study.key)
+        for row in store.rows_of(key)
         if not may_succeed_if_repeated(row.cause, row.reason, choice.time_limit)
     }
-    for row in run_rungs(study, executor, stored):
-        store.put(row)
-    for row in study.refusals():
-        store.put(row)
-    if method.as_shipped:
-        take_defaults_away(study, executor, store)
+    # What has been run is judged again by the numbers that are stored of it.
+    study = begin(store.judged_rungs(key))
+    if not is_run(study, stored, executor):
+        study = begin()
+        for row in run_rungs(study, executor, stored):
+            store.put(row)
+        if method.as_shipped:
+            take_defaults_away(study, executor, store)
+    store.put(*study.refusals())
     verdict = verdict_on(study)
     step_limit = choice.max_steps_on(scenario) if study.cut_short else None
     verdict = replace(verdict, timesteps=tuple(sorted(choice.timesteps)), step_limit=step_limit)
-    store.put_verdict(verdict, study.discardable_timesteps())
+    store.put_verdict(
+        verdict, Evidence(key, tuple(study.judge.rungs)), study.discardable_timesteps()
+    )
     return verdict
+
+
+def is_run(study: ConvergenceStudy, stored: Mapping[float, Row], executor: Executor) -> bool:
+    """Whether all runs of a study are stored; if so, it has taken them."""
+    if not study.judged:
+        return False
+    _examine(study, executor)
+    runs = study.runs()
+    with suppress(StopIteration):
+        planned = next(runs)
+        while (row := stored.get(planned.rung.timestep)) and planned.is_answered_by(row):
+            planned = runs.send(row)
+        return False
+    _restart(study, executor)
+    return True
 
 
 def run_rungs(
@@ -200,10 +223,14 @@ def convergence_study_of(
     method: Method,
     prepared: Prepared,
     timesteps: Sequence[float] = (),
+    judged: tuple[JudgedRung, ...] = (),
 ) -> ConvergenceStudy:
     """The runs of a method: single timesteps, ladder, stock timesteps.
 
-    If timesteps are asked for, only these are run.
+    Parameters
+    ----------
+    timesteps : s; if there are any, only these are run
+    judged : rungs of the ladder as they were judged before
     """
     singles = []
     for rung, solution in prepared.singles:
@@ -225,6 +252,7 @@ def convergence_study_of(
         prepared.ladder,
         singles,
         stock,
+        judged,
         places=prepared.places,
     )
 

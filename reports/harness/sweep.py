@@ -12,7 +12,7 @@ from functools import partial
 
 from ...scenarios import Scenario
 from ..results.environment import environment
-from ..results.fingerprints import digests
+from ..results.fingerprints import fingerprints
 from ..results.records import Pair
 from ..results.store import Store
 from ..results.sweep_records import (
@@ -20,9 +20,6 @@ from ..results.sweep_records import (
     Map,
     PointResult,
     SweepPoint,
-    count_points,
-    sweep_point,
-    sweep_points,
 )
 from ..results.sweep_tables import NO_SCENE
 from .choice import Choice, EngineMethod
@@ -64,7 +61,7 @@ class SweepPlan:
 
     def left(self) -> Iterator[PointLeft]:
         """The incomplete points, one by one: a sweep may have more than fit into memory."""
-        for point in sweep_points(self.sweep):
+        for point in self.sweep.points():
             if to_run := _to_run(self.pairs, self.stored.get(point.identity, ())):
                 yield PointLeft(point, to_run)
 
@@ -76,8 +73,8 @@ class SweepPlan:
 
 
 def plan_sweep(sweep: Map | Ensemble, base: Scenario, choice: Choice, store: Store) -> SweepPlan:
-    """Store the definition, drop results that are out of date, and determine what is missing."""
-    store.keep_matching(base.name, digests(base, choice.engines))
+    """Store the definition, and determine what is missing."""
+    store.rest_on(tuple(fingerprints(base, choice.engines)))
     store.put_environment(environment(choice.engines))
     store.put_methods(choice.engines)
     store.sweeps.put(sweep, base)
@@ -85,12 +82,13 @@ def plan_sweep(sweep: Map | Ensemble, base: Scenario, choice: Choice, store: Sto
     stored: dict[str, set[Pair]] = {}
     for result in [] if choice.again else store.sweeps.stored(base.name):
         if not may_succeed_if_repeated(result.cause, result.reason, choice.time_limit):
-            stored.setdefault(result.identity, set()).add((result.engine, result.method))
+            key = result.key
+            stored.setdefault(result.place, set()).add((key.engine, key.method))
     complete = sum(
-        not _to_run(pairs, there) and sweep_point(sweep, json.loads(identity)) is not None
+        not _to_run(pairs, there) and sweep.point(json.loads(identity)) is not None
         for identity, there in stored.items()
     )
-    return SweepPlan(sweep, pairs, stored, count_points(sweep), complete)
+    return SweepPlan(sweep, pairs, stored, len(sweep), complete)
 
 
 def _to_run(pairs: Sequence[EngineMethod], there: Collection[Pair]) -> list[EngineMethod]:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from .records import Key, Record
+from .records import MethodKey, Record
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class StepCost:
 class MethodCost(Record):
     """The cost of a step of a method on a scene, on one processor; None if it cannot be timed."""
 
-    key: Key
+    key: MethodKey
     processor: str
     cost: StepCost | None
 
@@ -58,7 +58,7 @@ class EffectsCost(Record):
     difference : the largest difference of any number read, in its SI unit; 0 if identical
     """
 
-    key: Key
+    key: MethodKey
     left_out: tuple[str, ...]
     pruned: float
     unpruned: float
@@ -105,7 +105,7 @@ class PassCosts(Record):
     noise : by how much equal sessions differ, in the unit of `added` and `saved`
     """
 
-    key: Key
+    key: MethodKey
     pruned: float
     noise: float
     passes: tuple[PassCost, ...]

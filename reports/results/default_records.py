@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from ...scenarios import Errors
-from .records import Key, Record
+from .records import MethodKey, Record
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class DefaultEffects(Record):
     none, all : errors with none and with all of the defaults; None if the run did not finish
     """
 
-    key: Key
+    key: MethodKey
     timestep: float
     none: Errors | None
     all: Errors | None

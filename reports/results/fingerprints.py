@@ -1,71 +1,205 @@
-"""Digests of what results depend on: results are made anew when one of them has changed."""
+"""Digests of what results rest on: a result whose digest is another now does not count.
 
+Sources count by their meaning, without docstrings, comments and layout, and only those that a
+result can rest on: the modules that decide about it, and all that these import.
+"""
+
+import ast
 import inspect
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from hashlib import sha256
-from importlib.metadata import version
+from importlib import import_module
 from pathlib import Path
 
-from ... import engines as engines_package
-from ... import reference, scenarios
 from ...engines import Engine
-from ...engines import adapters as adapters_package
 from ...scenarios import Scenario
+from .records import Fingerprint
 
-#: The folder of `reports` whose sources decide about results; the others only store or show them.
-_DECIDING = "harness"
+_PROGRAM = "spincheck"
+_ROOTS = {
+    name: Path(import_module(f"...{name}", __package__).__path__[0])
+    for name in ("scenarios", "reference", "engines", "reports")
+}
+#: The modules that decide about each kind of result. What follows from a run's numbers, and not
+#: from the run itself, is `JUDGING`: it also decides how far down a ladder is run, but the
+#: numbers of a run do not depend on that.
+DECIDING = {
+    "motion": ("reference.solve",),
+    "run": (
+        "engines.engine",
+        "reports.harness.comparison",
+        "reports.harness.default_effects",
+        "reports.harness.defects",
+        "reports.harness.ladder",
+        "reports.harness.richardson",
+        "reports.harness.stock",
+        "reports.harness.sweep_run",
+    ),
+    "timing": ("reports.harness.timing",),
+    "verdict": ("reports.harness.study_verdict", "reports.harness.judging.local"),
+}
+JUDGING = frozenset(
+    f"reports.harness.{name}"
+    for name in (
+        "best_window",
+        "convergence_study",
+        "expected_failures",
+        "ladder_judge",
+        "plan",
+        "study_verdict",
+        "verdict",
+    )
+)
+#: Modules that store results, and do not decide about them, but for the table of verdicts.
+_STORING, _RANKING = "reports.results", "reports.results.verdict_words"
 
 
-def digests(scenario: Scenario, engines: Sequence[Engine]) -> dict[str, str]:
-    """Digests by engine name, of its version and adapter; under "", of scene and program.
+def fingerprints(scenario: Scenario, engines: Sequence[Engine]) -> Iterator[Fingerprint]:
+    """What results of a scene rest on: of all engines, and of each engine.
 
     The digest of an engine at another version includes the name of its folder, which ends with the
     Python that it runs under.
     """
-    return {"": _digest(scenario.text.encode(), program())} | {
-        engine.name: _digest(
-            engine.version.encode(),
-            Path(engine.site).name.encode(),
-            _adapter(type(engine)),
-            *(path.read_bytes() for path in engine.sources),
-        )
-        for engine in engines
-    }
+    for kind in DECIDING:
+        parts = [program(kind)] + [scenario.digest] * (kind == "motion")
+        yield Fingerprint(scenario.name, "", kind, _digest(parts))
+    for engine in engines:
+        parts = [engine.version, Path(engine.site).name, adapter(type(engine))]
+        parts += [_content(path) for path in engine.sources]
+        yield Fingerprint(scenario.name, engine.name, "engine", _digest(parts))
 
 
 @cache
-def program() -> bytes:
-    """Digest of the program: its version and its sources, which may change without the version."""
-    packages = [Path(package.__path__[0]) for package in (scenarios, reference, engines_package)]
-    adapters = Path(adapters_package.__path__[0])
-    sources = [
-        path
-        for folder in (*packages, Path(__file__).parents[1] / _DECIDING)
-        for path in sorted(folder.rglob("*.py"))
-        # An adapter decides about the results of its own engine only.
-        if not path.is_relative_to(adapters)
-    ]
-    parts = (path.read_bytes() for path in sources)
-    return _digest(version("spincheck").encode(), *parts).encode()
+def program(kind: str) -> str:
+    """The digest of all modules that decide about a kind of result."""
+    return _digest(_content(_file(name)) for name in sorted(modules(kind)))
 
 
 @cache
-def _adapter(kind: type[Engine]) -> bytes:
-    """The sources of an adapter: its module, or all of its package; empty if it has none."""
+def modules(kind: str) -> frozenset[str]:
+    """The modules that a kind of result rests on, by their names in this program."""
+    without = frozenset() if kind == "verdict" else JUDGING
+    return _closure(DECIDING[kind], without)
+
+
+@cache
+def adapter(kind: type[Engine]) -> str:
+    """The digest of an adapter, its module or all of its package, and of all that it imports."""
     try:
         file = Path(inspect.getfile(kind))
     except (TypeError, OSError):
-        return b""
+        return ""
     is_package = (file.parent / "__init__.py").is_file() and kind.__module__.count(".") > 0
-    own_folder = is_package and file.parent != Path(adapters_package.__path__[0])
+    own_folder = is_package and file.parent != _ROOTS["engines"] / "adapters"
     files = sorted(file.parent.rglob("*.py")) if own_folder else [file]
-    return _digest(*(path.read_bytes() for path in files if path.is_file())).encode()
+    package = kind.__module__.rpartition(".")[0].removeprefix(f"{_PROGRAM}.")
+    found = [path for path in files if path.is_file()]
+    imported = {name for path in found for name in _imported(_tree(path), package)}
+    names = sorted(_closure(imported, frozenset()))
+    return _digest([*map(_content, found), *(_content(_file(name)) for name in names)])
 
 
-def _digest(*parts: bytes) -> str:
-    digest = sha256()
-    for part in parts:
-        # Of each part by itself, so that nothing depends on where one ends and the next begins.
-        digest.update(sha256(part).digest())
-    return digest.hexdigest()
+def _closure(names: Iterable[str], without: frozenset[str]) -> frozenset[str]:
+    """Modules and all that they import, at any depth, but for those that store results."""
+    found: set[str] = set()
+    left = list(names)
+    while left:
+        name = left.pop()
+        stores = name.startswith(_STORING) and name != _RANKING
+        if name in found or name in without or stores:
+            continue
+        found.add(name)
+        left += _imported_by(name)
+    return frozenset(found)
+
+
+@cache
+def _imported_by(name: str) -> tuple[str, ...]:
+    is_package = _file(name).name == "__init__.py"
+    return tuple(_imported(_tree(_file(name)), name if is_package else name.rpartition(".")[0]))
+
+
+def _imported(tree: ast.Module, package: str) -> Iterator[str]:
+    """The modules of this program that a module of a package imports, wherever it does."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom):
+            base = _base(node, package)
+            if base is not None:
+                for alias in node.names:
+                    yield _defining(base, alias.name)
+
+
+def _base(node: ast.ImportFrom, package: str) -> str | None:
+    """The module that names are imported from; None if it is none of this program."""
+    if node.level:
+        parts = package.split(".")
+        base = ".".join([*parts[: len(parts) + 1 - node.level], *filter(None, [node.module])])
+    elif (node.module or "").startswith(f"{_PROGRAM}."):
+        base = str(node.module).removeprefix(f"{_PROGRAM}.")
+    else:
+        return None
+    return base if base.partition(".")[0] in _ROOTS and _file(base).is_file() else None
+
+
+@cache
+def _defining(base: str, name: str) -> str:
+    """The module that defines a name which is imported from a module or a package.
+
+    A package that imports the name only hands it on; then only the module that defines it counts.
+    """
+    if _file(f"{base}.{name}").is_file():
+        return f"{base}.{name}"
+    if _file(base).name == "__init__.py":
+        for node in _tree(_file(base)).body:
+            if isinstance(node, ast.ImportFrom):
+                for alias in node.names:
+                    source = _base(node, base)
+                    if (alias.asname or alias.name) == name and source is not None:
+                        return _defining(source, alias.name)
+    return base
+
+
+def _file(name: str) -> Path:
+    root, *parts = name.split(".")
+    folder = _ROOTS.get(root, Path(root)).joinpath(*parts)
+    return folder / "__init__.py" if folder.is_dir() else folder.with_name(f"{folder.name}.py")
+
+
+@cache
+def _content(path: Path) -> str:
+    """The digest of a file; of Python, by its meaning."""
+    if path.suffix != ".py":
+        return _digest([path.read_bytes().hex()])
+    return _digest([repr(_meaning(_tree(path)))])
+
+
+@cache
+def _tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_bytes())
+
+
+def _meaning(node: object) -> object:
+    """Source without what changes no result: docstrings, comments, layout.
+
+    Other texts that stand alone, as docstrings do, are left out, too. Empty fields are left out:
+    Pythons differ in which they have.
+    """
+    if isinstance(node, list):
+        return [_meaning(one) for one in node if not _is_text_alone(one)]
+    if not isinstance(node, ast.AST):
+        return node
+    fields = [(name, _meaning(value)) for name, value in ast.iter_fields(node)]
+    return type(node).__name__, [(n, value) for n, value in fields if value not in (None, [])]
+
+
+def _is_text_alone(node: object) -> bool:
+    return (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+    )
+
+
+def _digest(parts: Iterable[str]) -> str:
+    return sha256("\n".join(parts).encode()).hexdigest()

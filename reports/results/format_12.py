@@ -11,7 +11,7 @@ from typing import Any
 
 from .database import Database, put
 from .result_file import OpenFile
-from .tables import as_result_file_error
+from .tables import DIGEST, TABLES, as_result_file_error
 
 SCHEMA = """
 CREATE TABLE environment (
@@ -79,8 +79,9 @@ def converted(file: OpenFile, schema: str) -> OpenFile:
     """
     connection = sqlite3.connect(":memory:", check_same_thread=False)
     connection.executescript(schema)
+    undated = {table.name for table in TABLES if table.rests_on}
     for table, columns in _records(Database(file.connection, file.check)):
-        put(connection, table, columns)
+        put(connection, table, columns | ({DIGEST: ""} if table in undated else {}))
     return file._replace(connection=connection)
 
 
@@ -102,7 +103,9 @@ def _records(old: Database) -> list[tuple[str, Columns]]:
         *(("verdicts", _verdict(one)) for one in each("verdicts")),
         *(("costs", _cost(one)) for one in each("costs")),
         *((kinds[one.pop("kind")], one) for one in each("left_out")),
-        *((name, one) for name in ("default_effects", "sweeps", "points") for one in each(name)),
+        *(("default_effects", one) for one in each("default_effects")),
+        *(("sweeps", _sweep(one)) for one in each("sweeps")),
+        *(("points", _point(one)) for one in each("points")),
     ]
 
 
@@ -151,6 +154,20 @@ def _row(old: Columns) -> Columns:
 def _verdict(old: Columns) -> Columns:
     timesteps = [float(text) for text in old.pop("timesteps").split()]
     return _columns(old) | {"timesteps": json.dumps(timesteps)}
+
+
+def _sweep(old: Columns) -> Columns:
+    sweep = json.loads(old["asked"])
+    return _columns({"scenario": old["scenario"], "toml": old["toml"]}) | {
+        "sweep": json.dumps(sweep | {"scenario": old["scenario"]})
+    }
+
+
+def _point(old: Columns) -> Columns:
+    old["reference_uncertainty"] = old.pop("uncertainty")
+    # Found by its place, from which its coordinates are taken.
+    old["at"] = []
+    return _columns(old, ("scenario", "place", "engine", "method"))
 
 
 def _cost(old: Columns) -> Columns:

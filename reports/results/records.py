@@ -66,8 +66,18 @@ class Key:
     """Which scene, engine and method."""
 
     scenario: SceneName
-    engine: Name
-    method: Name
+    engine: str
+    method: str
+
+
+def _named(key: Key) -> Key:
+    _name(key.engine)
+    _name(key.method)
+    return key
+
+
+#: Of a result of one method.
+MethodKey = Annotated[Key, AfterValidator(_named)]
 
 
 @dataclass(frozen=True)
@@ -94,10 +104,11 @@ class DeclaredEngine(Record):
 
 @dataclass(frozen=True)
 class Fingerprint(Record):
-    """What results rest on: the engine, or where it is empty the scene and the program."""
+    """What results of a scene rest on (`fingerprints`); the engine is empty where all do."""
 
     scenario: SceneName
     engine: str
+    kind: str
     digest: str
 
 
@@ -180,7 +191,7 @@ class Row(Record):
     turns_within_1deg : likewise until the attitude is off by more than 1°; None if it never is
     """
 
-    key: Key
+    key: MethodKey
     engine_version: str
     timestep: Size
     outcome: Outcome
@@ -297,7 +308,7 @@ class Verdict(Record):
     ground : what a verdict `converges` rests on, in words
     """
 
-    key: Key
+    key: MethodKey
     verdict: VerdictWord
     reason: str
     signal: SignalName = "omega"

@@ -1,14 +1,15 @@
 """The contents of a result file. Each run is written as it ends, so that a study can be continued.
 
-Before a study continues, results of another text of a scene, another engine or another spincheck
-are dropped (`Store.keep_matching`).
+Results of another scene of that name, another engine or another spincheck stay in the file, but do
+not count (`Store.rest_on`), until `Store.tidy` deletes them.
 """
 
 import json
 import sqlite3
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -19,6 +20,7 @@ from . import format_12, tables
 from .cost_records import EffectsCost, PassCosts
 from .database import Database, put
 from .default_records import DefaultEffects
+from .evidence import Evidence, JudgedRung
 from .records import (
     UNSOLVED,
     DeclaredEngine,
@@ -33,18 +35,15 @@ from .records import (
 )
 from .result_file import FORMAT, OpenFile, ResultFileError, opened
 from .sweep_records import EnsembleResult, MapResult
-from .sweep_tables import SCHEMA as SWEEPS_SCHEMA
 from .sweep_tables import SweepTables
-from .tables import Table, as_result_file_error
+from .tables import DIGEST, Table, as_result_file_error
 
 R = TypeVar("R", bound=Record)
 
-SCHEMA = "".join(table.sql for table in tables.TABLES) + SWEEPS_SCHEMA
+SCHEMA = "".join(table.sql for table in tables.TABLES)
+#: Of a digest of what a record rests on, which only tells them apart.
+DIGITS = 16
 _TABLE_OF: dict[type[Record], Table[Any]] = {table.record: table for table in tables.TABLES}
-_OF_STUDIES = tuple(table.name for table in tables.OF_STUDIES)
-_OF_ENGINES = (*_OF_STUDIES, "points")
-_OF_SCENES = ("fingerprints", "scenes", "sweeps", *_OF_ENGINES)
-_ONE_ENGINE = "scenario = ? AND engine = ?"
 _ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
 _SORTED = "scenario, engine, method"
 
@@ -90,21 +89,72 @@ class Store:
 
     def __init__(self, file: OpenFile) -> None:
         self._database = Database(file.connection, file.check)
-        self.sweeps = SweepTables(self._database)
+        self.sweeps = SweepTables(self)
         self.log_missing = file.log_missing
+        self._fingerprints: dict[tuple[str, str, str], str] = {}
+        self._take_fingerprints(self.select(tables.FINGERPRINTS))
 
     def put(self, *records: Record) -> None:
         """Store records, all or none; each replaces what is stored under its key."""
         with self._database.transaction() as connection:
-            for record in records:
-                table = _TABLE_OF[type(record)]
-                put(connection, table.name, table.columns(record))
+            self._put(connection, *records)
+
+    def _put(self, connection: sqlite3.Connection, *records: Record) -> None:
+        for record in records:
+            table = _TABLE_OF[type(record)]
+            columns = table.columns(record)
+            if table.rests_on:
+                columns[DIGEST] = self._digest(table, columns)
+            put(connection, table.name, columns)
 
     def select(
         self, table: Table[R], where: str = "TRUE", values: Sequence[Any] = (), order: str = "rowid"
     ) -> list[R]:
-        """The stored records of a table."""
-        return [table.read(one) for one in self._database.select(table.name, where, values, order)]
+        """The stored records of a table, without those that rest on something else than now."""
+        found = self._database.select(table.name, where, values, order)
+        return [table.read(one) for one in found if self._counts(table, one)]
+
+    def _counts(self, table: Table[Any], columns: sqlite3.Row) -> bool:
+        return not table.rests_on or columns[DIGEST] == self._digest(table, columns)
+
+    def _digest(self, table: Table[Any], columns: Mapping[str, Any] | sqlite3.Row) -> str:
+        """What a record in a row of a table must rest on to count; empty if that is unknown."""
+        engine = columns["engine"] if "engine" in table.key else ""
+        parts = [
+            self._fingerprints.get((columns["scenario"], engine if kind == "engine" else "", kind))
+            for kind in table.rests_on
+        ]
+        joined = "\n".join(part or "" for part in parts)
+        return sha256(joined.encode()).hexdigest()[:DIGITS] if any(parts) else ""
+
+    def _take_fingerprints(self, fingerprints: Iterable[Fingerprint]) -> None:
+        self._fingerprints |= {(f.scenario, f.engine, f.kind): f.digest for f in fingerprints}
+
+    def rest_on(self, fingerprints: Sequence[Fingerprint]) -> int:
+        """How many verdicts on a scene no longer count, as only results of these do from now on."""
+        scenario = fingerprints[0].scenario
+
+        def verdicts() -> int:
+            stored = self._database.select("verdicts", "scenario = ?", (scenario,))
+            return sum(self._counts(tables.VERDICTS, one) for one in stored)
+
+        before = verdicts()
+        self.put(*fingerprints)
+        self._take_fingerprints(fingerprints)
+        return before - verdicts()
+
+    def tidy(self) -> int:
+        """Delete the results that no longer count; returns how many records there were."""
+        deleted = 0
+        with self._database.transaction() as connection:
+            for table in (table for table in tables.TABLES if table.rests_on):
+                for one in self._database.select(table.name):
+                    if not self._counts(table, one):
+                        where = " AND ".join(f"{name} IS ?" for name in (*table.key, DIGEST))
+                        key = [one[name] for name in (*table.key, DIGEST)]
+                        connection.execute(f"DELETE FROM {table.name} WHERE {where}", key)
+                        deleted += 1
+        return deleted
 
     def put_environment(self, environment: dict[str, str]) -> None:
         """Record machine and versions."""
@@ -114,62 +164,44 @@ class Store:
         """Record what adapters declare of all their methods."""
         self.put(*map(DeclaredEngine.of, engines))
 
-    def keep_matching(self, scenario: str, digests: dict[str, str]) -> int:
-        """Drop results of a scene whose digests differ; returns how many verdicts were dropped.
-
-        Parameters
-        ----------
-        digests : by engine name, of the engine; under "", of the scene and the program
-        """
-        dropped = 0
-        with self._database.transaction() as connection:
-            for engine, digest in digests.items():
-                now = Fingerprint(scenario, engine, digest)
-                if now not in self.select(tables.FINGERPRINTS, _ONE_ENGINE, (scenario, engine)):
-                    dropped += self._drop(connection, scenario, engine)
-                    put(connection, "fingerprints", tables.FINGERPRINTS.columns(now))
-        return dropped
-
-    def _drop(self, connection: sqlite3.Connection, scenario: str, engine: str) -> int:
-        """Drop results of an engine on a scene; with no engine, the scene and all its results."""
-        tables = _OF_ENGINES if engine else _OF_SCENES
-        where = _ONE_ENGINE if engine else "scenario = ?"
-        names = (scenario, engine) if engine else (scenario,)
-        dropped = {
-            table: connection.execute(f"DELETE FROM {table} WHERE {where}", names).rowcount
-            for table in tables
-        }
-        return dropped["verdicts"]
-
     def forget(self, keys: Iterable[Key]) -> None:
-        """Drop the results of some methods on their scenes; points of sweeps are kept."""
+        """Delete the results of some methods on their scenes; points of sweeps are kept."""
         with self._database.transaction() as connection:
             for key in keys:
-                for table in _OF_STUDIES:
-                    connection.execute(f"DELETE FROM {table} WHERE {_ONE_METHOD}", _names(key))
+                for table in tables.OF_STUDIES:
+                    connection.execute(f"DELETE FROM {table.name} WHERE {_ONE_METHOD}", _names(key))
 
     def put_scene(self, scenario: Scenario, solution: Solution) -> None:
         """Record a scene and its exact motion."""
         with self._database.transaction() as connection:
-            put(connection, "scenes", tables.SCENES.columns(SolvedScene.of(scenario, solution)))
+            self._put(connection, SolvedScene.of(scenario, solution))
             # That row says that the scene could not be solved, which is now outdated.
             unsolved = "DELETE FROM rows WHERE scenario = ? AND timestep = ?"
             connection.execute(unsolved, (scenario.name, UNSOLVED))
 
-    def put_verdict(self, verdict: Verdict, discardable: Sequence[float] = ()) -> None:
-        """Store a verdict, and drop the samples that are no longer needed.
+    def put_verdict(
+        self, verdict: Verdict, evidence: Evidence | None = None, discardable: Sequence[float] = ()
+    ) -> None:
+        """Store a verdict and what it is based on, and drop samples that are no longer needed.
 
         Parameters
         ----------
         discardable : timesteps, s, of the runs whose samples are dropped
         """
-        names = _names(verdict.key)
         with self._database.transaction() as connection:
-            put(connection, "verdicts", tables.VERDICTS.columns(verdict))
+            self._put(connection, verdict)
+            if evidence and evidence.rungs:
+                self._put(connection, evidence)
+            digest = self._digest(tables.ROWS, vars(verdict.key))
+            where = f"{_ONE_METHOD} AND timestep = ? AND {DIGEST} = ?"
             connection.executemany(
-                f"UPDATE rows SET motion = NULL WHERE {_ONE_METHOD} AND timestep = ?",
-                [(*names, timestep) for timestep in discardable],
+                f"UPDATE rows SET motion = NULL WHERE {where}",
+                [(*_names(verdict.key), timestep, digest) for timestep in discardable],
             )
+
+    def judged_rungs(self, key: Key) -> tuple[JudgedRung, ...]:
+        """The rungs of a method on a scene, as they were judged."""
+        return next((e.rungs for e in self.select(tables.EVIDENCE, _ONE_METHOD, _names(key))), ())
 
     def settled(self, scenario: str, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
         """The stored verdicts on a scene; without those that a smaller step limit cut short.

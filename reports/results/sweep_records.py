@@ -1,17 +1,22 @@
 """What a sweep is: a scene run at many points, on a grid of two numbers or at random."""
 
 import json
+import math
+from abc import ABC, abstractmethod
 from bisect import bisect_left
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import product
-from typing import Any, Literal
+from itertools import pairwise, product
+from typing import Annotated, Any, Generic, Literal, TypeVar
+
+from pydantic import AfterValidator, Field
 
 from ...engines import Outcome
-from ...scenarios import Errors, Scenario
+from ...scenarios import Errors, Scenario, loads
+from ...scenarios.vary import MAX_COUNT, check_path
 from ...scenarios.vary import TIMESTEP as TIMESTEP
 from ...scenarios.vary import Axis as Axis
-from .records import Key
+from .records import Count, Key, Record, SceneName, Size
 
 #: A month on one core.
 MAX_MEMBERS = 1_000_000
@@ -20,85 +25,6 @@ MAX_SEED = (1 << 128) - 1
 #: Outcomes of points that are not run: the varied numbers make no valid scene, or the run would
 #: take more steps than a point may.
 PointOutcome = Outcome | Literal["invalid", "skipped"]
-
-
-@dataclass(frozen=True)
-class Map:
-    """Every pair of the values of two numbers.
-
-    Attributes
-    ----------
-    scenario : the scene's name
-    timestep : s, of every run; None where it is an axis or chosen point by point, so that the
-        body turns equally far a step
-    """
-
-    scenario: str
-    axes: tuple[Axis, Axis]
-    timestep: float | None
-
-
-@dataclass(frozen=True)
-class Ensemble:
-    """Scattered starts and bodies; a member does not depend on how many there are.
-
-    Attributes
-    ----------
-    scenario : the scene's name
-    timestep : s, of every run; None if it is chosen for each member, as in a map
-    """
-
-    scenario: str
-    members: int
-    seed: int
-    timestep: float | None
-
-
-@dataclass(frozen=True)
-class PointResult:
-    """One method at one point, against the point's own reference.
-
-    Attributes
-    ----------
-    at : the axes' values in the order of the axes; of an ensemble the member's number
-    key : scene, engine and method; engine and method are empty if the point is invalid, since it
-        is then invalid for all methods
-    timestep : s; 0 where the point is invalid before it is known
-    cause : the kind of reason, in a word or two
-    reason : why, where the outcome is not ok
-    stopped_at : s, when it diverged or failed
-    errors : up to where it stopped; None without samples
-    uncertainty : the reference's, in ω, relative
-    """
-
-    at: tuple[float, ...]
-    key: Key
-    timestep: float
-    outcome: PointOutcome
-    cause: str = ""
-    reason: str = ""
-    stopped_at: float | None = None
-    errors: Errors | None = None
-    uncertainty: float = 0.0
-    steps: int = 0
-
-
-@dataclass(frozen=True, eq=False)
-class MapResult:
-    """A map with the scene that is varied, and its stored points, in the order of the axes."""
-
-    map: Map
-    scenario: Scenario
-    points: tuple[PointResult, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class EnsembleResult:
-    """An ensemble with the scene that is scattered, and its stored members."""
-
-    ensemble: Ensemble
-    scenario: Scenario
-    points: tuple[PointResult, ...]
 
 
 @dataclass(frozen=True)
@@ -138,42 +64,139 @@ class SweepPoint:
         return ", ".join(parts)
 
 
-def sweep_points(sweep: Map | Ensemble) -> Iterator[SweepPoint]:
-    """All points of a sweep; of a map, the second axis varies fastest."""
-    if isinstance(sweep, Ensemble):
-        for number in range(sweep.members):
-            yield SweepPoint((float(number),), (), (sweep.seed, number), sweep.timestep)
-        return
-    for at in product(*(axis.values for axis in sweep.axes)):
-        yield _on_map(sweep, at)
+class Sweep(ABC):
+    """A scene at many points."""
+
+    scenario: SceneName
+    timestep: float | None
+
+    @property
+    @abstractmethod
+    def names(self) -> list[str]:
+        """What the numbers of a point's place are."""
+
+    @abstractmethod
+    def points(self) -> Iterator[SweepPoint]:
+        """All points; of a map, the second axis varies fastest."""
+
+    @abstractmethod
+    def __len__(self) -> int:
+        """How many points there are."""
+
+    @abstractmethod
+    def point(self, parts: Mapping[str, Any]) -> SweepPoint | None:
+        """The point that has an identity; None if the sweep has no such point.
+
+        Parameters
+        ----------
+        parts : the identity, parsed
+        """
 
 
-def count_points(sweep: Map | Ensemble) -> int:
-    """How many `sweep_points` there are."""
-    if isinstance(sweep, Ensemble):
-        return sweep.members
-    return len(sweep.axes[0].values) * len(sweep.axes[1].values)
+def _two_axes(axes: tuple[Axis, Axis]) -> tuple[Axis, Axis]:
+    """The axes of a map, as `parse_axis` makes them."""
+    for axis in axes:
+        values, positive = axis.values, axis.logarithmic or axis.path == TIMESTEP
+        if not 2 <= len(values) <= MAX_COUNT:
+            raise ValueError(f"{axis.path}: {len(values)} values")
+        is_finite = -math.inf < values[0] <= values[-1] < math.inf
+        if not (is_finite and all(a < b for a, b in pairwise(values))):
+            raise ValueError(f"{axis.path}: its values do not increase")
+        if positive and values[0] <= 0:
+            raise ValueError(f"{axis.path}: {values[0]:g} is not positive")
+    if axes[0].path == axes[1].path:
+        raise ValueError(f"{axes[0].path}: varied twice")
+    return axes
 
 
-def sweep_point(sweep: Map | Ensemble, parts: Mapping[str, Any]) -> SweepPoint | None:
-    """The point of a sweep that has an identity; None if the sweep has no such point.
+_Timestep = Annotated[float, Field(gt=0, lt=math.inf)]
 
-    Parameters
+
+@dataclass(frozen=True)
+class Map(Sweep):
+    """Every pair of the values of two numbers.
+
+    Attributes
     ----------
-    parts : the identity, parsed
+    scenario : the scene's name
+    timestep : s, of every run; None where it is an axis or chosen point by point, so that the
+        body turns equally far a step
     """
-    if isinstance(sweep, Ensemble):
+
+    scenario: SceneName
+    axes: Annotated[tuple[Axis, Axis], AfterValidator(_two_axes)]
+    timestep: _Timestep | None
+
+    @property
+    def names(self) -> list[str]:
+        """The paths of the axes."""
+        return [axis.path for axis in self.axes]
+
+    def __len__(self) -> int:
+        """How many points there are."""
+        return len(self.axes[0].values) * len(self.axes[1].values)
+
+    def points(self) -> Iterator[SweepPoint]:
+        """All points; the second axis varies fastest."""
+        return map(self._at, product(*(axis.values for axis in self.axes)))
+
+    def point(self, parts: Mapping[str, Any]) -> SweepPoint | None:
+        """The point that has an identity, parsed; None if there is none."""
+        at: tuple[Any, ...] = tuple(parts.get(path) for path in self.names)
+        if not all(_is_on(axis, value) for value, axis in zip(at, self.axes, strict=True)):
+            return None
+        point = self._at(at)
+        return point if json.loads(point.identity) == parts else None
+
+    def check(self, scenario: Scenario) -> None:
+        """See that the scene has both numbers; raises a ValueError that names the path."""
+        for path in self.names:
+            check_path(scenario, path)
+
+    def _at(self, at: tuple[float, ...]) -> SweepPoint:
+        numbers = dict(zip(self.names, at, strict=True))
+        timestep = numbers.pop(TIMESTEP, self.timestep)
+        return SweepPoint(at, tuple(numbers.items()), None, timestep)
+
+
+@dataclass(frozen=True)
+class Ensemble(Sweep):
+    """Scattered starts and bodies; a member does not depend on how many there are.
+
+    Attributes
+    ----------
+    scenario : the scene's name
+    timestep : s, of every run; None if it is chosen for each member, as in a map
+    """
+
+    scenario: SceneName
+    members: Annotated[int, Field(gt=0, le=MAX_MEMBERS)]
+    seed: Annotated[int, Field(ge=0, le=MAX_SEED)]
+    timestep: _Timestep | None
+
+    @property
+    def names(self) -> list[str]:
+        """A member has a number only."""
+        return ["member"]
+
+    def __len__(self) -> int:
+        """How many members there are."""
+        return self.members
+
+    def points(self) -> Iterator[SweepPoint]:
+        """All members."""
+        return map(self._member, range(self.members))
+
+    def point(self, parts: Mapping[str, Any]) -> SweepPoint | None:
+        """The point that has an identity, parsed; None if there is none."""
         number = parts.get("member")
-        if type(number) is not int or not 0 <= number < sweep.members:
+        if type(number) is not int or not 0 <= number < self.members:
             return None
-        point = SweepPoint((float(number),), (), (sweep.seed, number), sweep.timestep)
-    else:
-        paths = [axis.path for axis in sweep.axes]
-        at: tuple[Any, ...] = tuple(parts.get(path) for path in paths)
-        if not all(_is_on(axis, value) for value, axis in zip(at, sweep.axes, strict=True)):
-            return None
-        point = _on_map(sweep, at)
-    return point if json.loads(point.identity) == parts else None
+        point = self._member(number)
+        return point if json.loads(point.identity) == parts else None
+
+    def _member(self, number: int) -> SweepPoint:
+        return SweepPoint((float(number),), (), (self.seed, number), self.timestep)
 
 
 def _is_on(axis: Axis, value: object) -> bool:
@@ -183,7 +206,72 @@ def _is_on(axis: Axis, value: object) -> bool:
     return at < len(axis.values) and axis.values[at] == value
 
 
-def _on_map(sweep: Map, at: tuple[float, ...]) -> SweepPoint:
-    numbers = dict(zip((axis.path for axis in sweep.axes), at, strict=True))
-    timestep = numbers.pop(TIMESTEP, sweep.timestep)
-    return SweepPoint(at, tuple(numbers.items()), None, timestep)
+@dataclass(frozen=True)
+class PointResult(Record):
+    """One method at one point, against the point's own reference.
+
+    Attributes
+    ----------
+    at : the axes' values in the order of the axes; of an ensemble the member's number
+    key : scene, engine and method; engine and method are empty if the point is invalid, since it
+        is then invalid for all methods
+    timestep : s; 0 where the point is invalid before it is known
+    cause : the kind of reason, in a word or two
+    reason : why, where the outcome is not ok
+    stopped_at : s, when it diverged or failed
+    errors : None unless it is ok
+    reference_uncertainty : in ω, relative
+    place : the point's identity
+    """
+
+    at: tuple[float, ...]
+    key: Key
+    timestep: Size
+    outcome: PointOutcome
+    cause: str = ""
+    reason: str = ""
+    stopped_at: Size | None = None
+    errors: Errors | None = None
+    reference_uncertainty: Size = 0.0
+    steps: Count = 0
+    place: str = ""
+
+
+@dataclass(frozen=True)
+class DefinedSweep(Record):
+    """A sweep that was asked for, and the file of the scene that is varied."""
+
+    scenario: SceneName
+    sweep: Map | Ensemble
+    toml: str
+
+    def varied(self) -> Scenario:
+        """The scene that is varied.
+
+        Raises
+        ------
+        ValueError
+            If it is none, or cannot be swept so.
+        """
+        if self.sweep.scenario != self.scenario:
+            raise ValueError(f"a sweep of '{self.sweep.scenario}' under '{self.scenario}'")
+        scenario = loads(self.toml, self.scenario)
+        if isinstance(self.sweep, Map):
+            self.sweep.check(scenario)
+        return scenario
+
+
+S = TypeVar("S", bound=Sweep)
+
+
+@dataclass(frozen=True, eq=False)
+class SweepResult(Generic[S]):
+    """A sweep with the scene that is varied, and its stored points, in the order of the axes."""
+
+    sweep: S
+    scenario: Scenario
+    points: tuple[PointResult, ...]
+
+
+MapResult = SweepResult[Map]
+EnsembleResult = SweepResult[Ensemble]

@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property, wraps
 from typing import Any, Generic, ParamSpec, TypeVar
 
+import numpy as np
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import to_jsonable_python
 
@@ -19,6 +20,7 @@ from ...scenarios import printable
 from .cost_records import EffectsCost, MethodCost, PassCosts
 from .database import shown
 from .default_records import DefaultEffects
+from .evidence import Evidence
 from .motion_blobs import pack, unpack
 from .records import (
     MOTIONS,
@@ -32,6 +34,7 @@ from .records import (
     Verdict,
 )
 from .result_file import ResultFileError
+from .sweep_records import DefinedSweep, PointResult
 
 T = TypeVar("T")
 R = TypeVar("R", bound=Record)
@@ -41,8 +44,10 @@ P = ParamSpec("P")
 LONGEST_JSON = 1 << 20
 #: Characters of a complaint about a record.
 SHOWN = 200
+#: The column of the digest of what a record rests on.
+DIGEST = "digest"
 #: Columns that are no text: a number, and lists as JSON.
-_NUMBER, _AS_JSON = "timestep", ("timesteps",)
+_NUMBER, _AS_JSON = "timestep", ("timesteps", "sweep")
 _NAMES_OF_KEY = tuple(field.name for field in fields(Key))
 
 
@@ -72,18 +77,23 @@ class Table(Generic[R]):
     Attributes
     ----------
     key : the columns that identify a record: fields of it, or of its `Key`
+    rests_on : the kinds of fingerprints that a record rests on, if any; it has their digest beside
+        its key, so that records of several programs, scenes and engines can be kept
     """
 
     name: str
     record: type[R]
     key: tuple[str, ...]
+    rests_on: tuple[str, ...] = ()
 
     @property
     def sql(self) -> str:
         """The statement that creates it."""
         columns = [f"{name} {'REAL' if name == _NUMBER else 'TEXT'}" for name in self.key]
         columns += ["record TEXT NOT NULL", *(f"{name} BLOB" for name in self.motions)]
-        columns += ["checksum TEXT NOT NULL", f"PRIMARY KEY ({', '.join(self.key)})"]
+        digest = [DIGEST] * bool(self.rests_on)
+        columns += [f"{name} TEXT" for name in digest]
+        columns += ["checksum TEXT NOT NULL", f"PRIMARY KEY ({', '.join([*self.key, *digest])})"]
         return f"CREATE TABLE {self.name} ({', '.join(columns)});\n"
 
     @cached_property
@@ -95,7 +105,8 @@ class Table(Generic[R]):
         """A record as it is stored; a field that is None, as it is by default, is left out."""
         values = {field.name: getattr(record, field.name) for field in fields(self.record)}
         motions = {name: values.pop(name) for name in self.motions}
-        content = _shown(to_jsonable_python(values, inf_nan_mode="constants"))
+        plain = to_jsonable_python(values, inf_nan_mode="constants", fallback=np.ndarray.tolist)
+        content = _shown(plain)
         content |= content.pop("key", {})
         identity = {name: content.pop(name) for name in self.key}
         identity |= {n: json.dumps(value) for n, value in identity.items() if n in _AS_JSON}
@@ -166,14 +177,21 @@ def _shown(value: Any) -> Any:
 _ONE_METHOD = ("scenario", "engine", "method")
 ENVIRONMENT = Table("environment", EnvironmentEntry, ("name",))
 ENGINES = Table("engines", DeclaredEngine, ("name",))
-FINGERPRINTS = Table("fingerprints", Fingerprint, ("scenario", "engine"))
-SCENES = Table("scenes", SolvedScene, ("scenario",))
-ROWS = Table("rows", Row, (*_ONE_METHOD, "timestep"))
-VERDICTS = Table("verdicts", Verdict, (*_ONE_METHOD, "timesteps"))
-COSTS = Table("costs", MethodCost, _ONE_METHOD)
-EFFECTS_COSTS = Table("effects_costs", EffectsCost, _ONE_METHOD)
-PASS_COSTS = Table("pass_costs", PassCosts, _ONE_METHOD)
-DEFAULT_EFFECTS = Table("default_effects", DefaultEffects, _ONE_METHOD)
+FINGERPRINTS = Table("fingerprints", Fingerprint, ("scenario", "engine", "kind"))
+SCENES = Table("scenes", SolvedScene, ("scenario",), ("motion",))
+_RUN, _COST = ("motion", "run", "engine"), ("motion", "timing", "engine")
+ROWS = Table("rows", Row, (*_ONE_METHOD, "timestep"), _RUN)
+EVIDENCE = Table("evidence", Evidence, _ONE_METHOD, _RUN)
+VERDICTS = Table("verdicts", Verdict, (*_ONE_METHOD, "timesteps"), (*_RUN, "verdict"))
+COSTS = Table("costs", MethodCost, _ONE_METHOD, _COST)
+EFFECTS_COSTS = Table("effects_costs", EffectsCost, _ONE_METHOD, _COST)
+PASS_COSTS = Table("pass_costs", PassCosts, _ONE_METHOD, _COST)
+DEFAULT_EFFECTS = Table("default_effects", DefaultEffects, _ONE_METHOD, _RUN)
 #: Results of a method on a scene.
-OF_STUDIES = (ROWS, VERDICTS, COSTS, EFFECTS_COSTS, PASS_COSTS, DEFAULT_EFFECTS)
-TABLES: tuple[Table[Any], ...] = (ENVIRONMENT, ENGINES, FINGERPRINTS, SCENES, *OF_STUDIES)
+OF_STUDIES = (ROWS, EVIDENCE, VERDICTS, COSTS, EFFECTS_COSTS, PASS_COSTS, DEFAULT_EFFECTS)
+SWEEPS = Table("sweeps", DefinedSweep, ("scenario", "sweep"), ("motion",))
+POINTS = Table("points", PointResult, ("scenario", "place", "engine", "method"), _RUN)
+TABLES: tuple[Table[Any], ...] = (
+    *(ENVIRONMENT, ENGINES, FINGERPRINTS, SCENES, SWEEPS, POINTS),
+    *OF_STUDIES,
+)

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 import small_result_file
 from forging import change, columns, forge, seal
-from small_result_file import SWEPT
 from spincheck.reports.cli.terminal import BAD_INPUT
 from spincheck.reports.results.motion_blobs import pack, unpack
 from spincheck.reports.results.result_file import ResultFileError
@@ -25,8 +24,8 @@ from spincheck.scenarios.errors import is_control
 
 pytestmark = pytest.mark.slow
 
-#: Never read by a report: what results rest on, and which run wrote last.
-NOT_READ = ("fingerprints", "file")
+#: Never read by a report: which run wrote last, and what judges a ladder again.
+NOT_READ = ("file", "evidence")
 BLOBS = ("trajectory", "motion")
 #: Bytes; unpacking refuses what is larger than a motion without having unpacked it.
 BOMB = 1 << 26
@@ -109,15 +108,10 @@ def test_nothing_can_be_written_through_a_file_opened_to_be_read(path):
 
 @pytest.mark.parametrize("name", ["/tmp/evil", "../../evil", "a/b", "..", "-x", ""])
 def test_a_scene_in_what_a_sweep_asks_for_names_no_page(path, name):
-    """The name is taken from the column, which is checked, and not from the JSON."""
-    with closing(sqlite3.connect(path)) as connection, connection:
-        for row, definition in connection.execute("SELECT rowid, asked FROM sweeps").fetchall():
-            changed = json.dumps(json.loads(definition) | {"scenario": name})
-            connection.execute("UPDATE sweeps SET asked = ? WHERE rowid = ?", (changed, row))
-    seal(path)
-    assert command_line.spincheck("report", str(path), "--out", "pages").returncode != BAD_INPUT
-    assert {entry.name for entry in path.parent.iterdir()} == {path.name, "pages"}
-    assert (path.parent / "pages" / "maps" / f"{SWEPT}-1.html").is_file()
+    for kind in ("axes", "members"):
+        with_asked(path, kind, scenario=name)
+    assert command_line.spincheck("report", str(path), "--out", "pages").returncode == BAD_INPUT
+    assert {entry.name for entry in path.parent.iterdir()} == {path.name}
 
 
 def test_a_number_that_was_changed_is_reported(good, path):
@@ -196,10 +190,10 @@ def test_no_archive_unpacks_to_more_than_a_motion(blob):
 
 def with_asked(path, kind: str, **changed: object) -> None:
     with closing(sqlite3.connect(path)) as connection, connection:
-        query = "SELECT asked FROM sweeps WHERE kind = ?"
-        (definition,) = connection.execute(query, (kind,)).fetchone()
+        query = f"SELECT sweep FROM sweeps WHERE sweep LIKE '%{kind}%'"
+        (definition,) = connection.execute(query).fetchone()
         text = json.dumps(json.loads(definition) | changed)
-        connection.execute("UPDATE sweeps SET asked = ? WHERE kind = ?", (text, kind))
+        connection.execute("UPDATE sweeps SET sweep = ? WHERE sweep = ?", (text, definition))
     seal(path)
 
 
@@ -209,22 +203,22 @@ def axis(values: list[float], path: str = "timestep", logarithmic: bool = False)
 
 GOOD_AXIS = axis([1.0, 2.0], "start.omega_body[2]")
 ASKED = {
-    "more members than anyone waits for": ("Ensemble", {"members": 10**12}),
-    "no members": ("Ensemble", {"members": 0}),
-    "members that are no number": ("Ensemble", {"members": "10"}),
-    "a negative seed": ("Ensemble", {"seed": -1}),
-    "a seed of a thousand digits": ("Ensemble", {"seed": 10**1000}),
-    "a timestep of nothing": ("Ensemble", {"timestep": 0.0}),
-    "something else": ("Ensemble", {"evil": 1}),
-    "one axis": ("Map", {"axes": [GOOD_AXIS]}),
-    "the same axis twice": ("Map", {"axes": [GOOD_AXIS, GOOD_AXIS]}),
-    "an axis of nothing": ("Map", {"axes": [GOOD_AXIS, axis([])]}),
-    "a long axis": ("Map", {"axes": [GOOD_AXIS, axis([k / 8 for k in range(1, 2000)])]}),
-    "a decreasing axis": ("Map", {"axes": [GOOD_AXIS, axis([2e-3, 1e-3])]}),
-    "an infinite axis": ("Map", {"axes": [GOOD_AXIS, axis([1e-3, float("inf")])]}),
-    "negative timesteps": ("Map", {"axes": [GOOD_AXIS, axis([-1.0, 1e-3])]}),
-    "an axis of texts": ("Map", {"axes": [GOOD_AXIS, axis(["a", "b"])]}),
-    "a number that the scene has not": ("Map", {"axes": [GOOD_AXIS, axis([1.0, 2.0], "evil")]}),
+    "more members than anyone waits for": ("members", {"members": 10**12}),
+    "no members": ("members", {"members": 0}),
+    "members that are no number": ("members", {"members": "10"}),
+    "a negative seed": ("members", {"seed": -1}),
+    "a seed of a thousand digits": ("members", {"seed": 10**1000}),
+    "a timestep of nothing": ("members", {"timestep": 0.0}),
+    "something else": ("members", {"evil": 1}),
+    "one axis": ("axes", {"axes": [GOOD_AXIS]}),
+    "the same axis twice": ("axes", {"axes": [GOOD_AXIS, GOOD_AXIS]}),
+    "an axis of nothing": ("axes", {"axes": [GOOD_AXIS, axis([])]}),
+    "a long axis": ("axes", {"axes": [GOOD_AXIS, axis([k / 8 for k in range(1, 2000)])]}),
+    "a decreasing axis": ("axes", {"axes": [GOOD_AXIS, axis([2e-3, 1e-3])]}),
+    "an infinite axis": ("axes", {"axes": [GOOD_AXIS, axis([1e-3, float("inf")])]}),
+    "negative timesteps": ("axes", {"axes": [GOOD_AXIS, axis([-1.0, 1e-3])]}),
+    "an axis of texts": ("axes", {"axes": [GOOD_AXIS, axis(["a", "b"])]}),
+    "a number that the scene has not": ("axes", {"axes": [GOOD_AXIS, axis([1.0, 2.0], "evil")]}),
 }
 
 
@@ -239,7 +233,7 @@ def test_a_sweep_that_nobody_can_ask_for_is_one_message(path, kind, changed):
 
 
 def test_reading_the_largest_ensemble_takes_as_long_as_what_there_is_of_it(path):
-    with_asked(path, "Ensemble", members=MAX_MEMBERS)
+    with_asked(path, "members", members=MAX_MEMBERS)
     places = 0
     identity = SweepPoint.identity.fget
 
@@ -264,7 +258,7 @@ def test_nothing_in_a_file_commands_a_terminal_or_a_page(path):
     kept = {"rows": "printed", "verdicts": "reason", "environment": "value"}
     forge(path, [(table, f"record.{name}") for table, name in kept.items()], HOSTILE)
     forge(path, [("rows", "record.reason"), ("rows", "record.engine_version")], HOSTILE)
-    forge(path, [("points", "reason")], HOSTILE)
+    forge(path, [("points", "record.reason")], HOSTILE)
     forge(path, [("verdicts", "record.unmet")], [HOSTILE])
     shown = "".join(command_line.spincheck(*arguments, str(path)).stdout for arguments in OUTPUTS)
     pages = [page for page in path.parent.rglob("*") if page.suffix in (".html", ".md")]

@@ -11,10 +11,13 @@ from types import GenericAlias, UnionType
 from typing import Any, get_args, get_type_hints
 
 import pytest
+import typer
 from case_loops import each_case
 from mutated_scenes import LEAST, written
 from spincheck.reports.cli.app import app
+from spincheck.reports.cli.run.error_bounds import option
 from spincheck.reports.cli.terminal import BAD_INPUT, NOT_RUN, Complaint
+from spincheck.scenarios import SIGNALS
 from typer.models import OptionInfo
 from typer.testing import CliRunner
 
@@ -38,12 +41,16 @@ class Parameter:
     least: float | None
 
 
+#: A bound a signal: of commands that read them from their context.
+BOUNDS = [Parameter(s.name, option(s.name), frozenset({float}), False, None) for s in SIGNALS]
+
+
 def parameters(callback: Any) -> tuple[Parameter, ...]:
     hints = get_type_hints(callback, include_extras=True)
-    return tuple(
-        _parameter(name, hints[name], value.default)
-        for name, value in inspect.signature(callback).parameters.items()
-    )
+    defaults = {n: p.default for n, p in inspect.signature(callback).parameters.items()}
+    own = [_parameter(n, hints[n], d) for n, d in defaults.items() if hints[n] is not typer.Context]
+    with_bounds = typer.Context in hints.values()
+    return (*own, *(BOUNDS if with_bounds else ()))
 
 
 def _parameter(name: str, hint: Any, default: object) -> Parameter:

@@ -62,7 +62,7 @@ PHASES: dict[str, list[tuple[Any, str]]] = {
     ],
     "loading models": [(engine, "open") for engine in map(engines().get, ENGINES)],
     "checking states": [(sampling, "_checked")],
-    "first steps": [(study, "_equation_residuals")],
+    "single steps": [(study, "_examine")],
     "comparing": [(convergence_study, "row_of")],
     "judging": [(ladder_judge.LadderJudge, "take"), (ladder_judge, "judge")],
     "storing": [(Store, "put"), (Store, "put_verdict"), (Store, "put_scene")],

@@ -85,7 +85,9 @@ def point(
     error = timestep ** ORDERS[pair[1]]
     errors = Errors(*(k * error for k in range(1, 7)))
     steps = round(base.window.duration / timestep)
-    return PointResult(at, key, timestep, "ok", errors=errors, uncertainty=UNCERTAINTY, steps=steps)
+    return PointResult(
+        at, key, timestep, "ok", errors=errors, reference_uncertainty=UNCERTAINTY, steps=steps
+    )
 
 
 def map_result(text: str = DISC, name: str = "disc") -> MapResult:
@@ -115,7 +117,7 @@ def ensemble_result(members: int = 10, name: str = "disc") -> EnsembleResult:
                 continue
             error = (k + 1) / 100 * (1e-6 if pair[1] == "RK4" else 1.0)
             errors = Errors(*(k * error for k in range(1, 7)))
-            keywords = {"errors": errors, "uncertainty": UNCERTAINTY, "steps": 1000}
+            keywords = {"errors": errors, "reference_uncertainty": UNCERTAINTY, "steps": 1000}
             points.append(PointResult((float(k),), key, 0.01, "ok", **keywords))
     return EnsembleResult(Ensemble(name, members, 7, 0.01), base, tuple(points))
 

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import made_up
 import made_up_sweeps
+import numpy as np
 from spincheck.reports.results.cost_records import (
     EffectsCost,
     MethodCost,
@@ -14,9 +15,10 @@ from spincheck.reports.results.cost_records import (
     StepCost,
 )
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
-from spincheck.reports.results.records import Key
+from spincheck.reports.results.evidence import Deviation, Evidence, JudgedRung, Refinement
+from spincheck.reports.results.records import Fingerprint, Key
 from spincheck.reports.results.store import open_store
-from spincheck.reports.results.sweep_records import Ensemble, Map, sweep_points
+from spincheck.reports.results.sweep_records import Ensemble, Map
 from spincheck.scenarios import Errors
 
 SCENE = "made-up-top"
@@ -29,6 +31,10 @@ EXACT = Errors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 DEFAULTS = DefaultEffects(KEY, 0.002, EXACT, None, (DefaultEffect("damping", None, EXACT),))
 PASSES = PassCosts(KEY, 1e-6, 0.01, (PassCost("contact", 0.2, 0.1),))
 MEMBERS = 2
+NUMBERS = np.arange(1.0, 7.0)
+DEVIATIONS = (*(None,) * 5, Deviation(0.1, 0.2, 3.0, 1.0))
+REFINEMENT = Refinement(NUMBERS, NUMBERS, NUMBERS, NUMBERS > 2, NUMBERS, DEVIATIONS)
+EVIDENCE = Evidence(KEY, (JudgedRung(0.01, NUMBERS, NUMBERS, NUMBERS, REFINEMENT),))
 
 
 def write(path: Path) -> Path:
@@ -38,7 +44,12 @@ def write(path: Path) -> Path:
         store.put_environment(stored.environment)
         methods = tuple(stored.methods.values())
         store.put_methods([SimpleNamespace(name="mujoco", methods=methods, stock_timestep=0.002)])
-        store.keep_matching(SCENE, {"": "a digest", "mujoco": "another"})
+        store.rest_on(
+            [
+                Fingerprint(SCENE, "mujoco" * (kind == "engine"), kind, f"a digest of {kind}")
+                for kind in ("motion", "run", "timing", "verdict", "engine")
+            ]
+        )
         result = stored.scenes[SCENE]
         store.put_scene(result.scenario, result.solution)
         rows = [row for row in stored.rows if row.key == KEY]
@@ -48,6 +59,7 @@ def write(path: Path) -> Path:
             if verdict.key == KEY:
                 store.put_verdict(verdict)
         store.put(MethodCost(KEY, "a processor", StepCost(1e-6, 1e-7, 1e-6)))
+        store.put(EVIDENCE)
         store.put(EFFECTS)
         store.put(PASSES)
         store.put(DEFAULTS)
@@ -60,7 +72,7 @@ def _put_sweeps(store) -> None:
     axes = made_up_sweeps.axes("start.omega_body[2]=1:2:2", "timestep=1e-3:1e-2:2")
     for definition in (Map(SWEPT, axes, None), Ensemble(SWEPT, MEMBERS, 7, 0.01)):
         store.sweeps.put(definition, base)
-        for place in sweep_points(definition):
+        for place in definition.points():
             at = (*place.at, 0.0)[:2]
             point = made_up_sweeps.point(at, ("mujoco", "RK4"), place.timestep, base)
             store.sweeps.put_points(place, [point])

@@ -1,5 +1,6 @@
 """Commands about engines: a list, a protocol check, and one run to paste into an issue."""
 
+import shlex
 import textwrap
 from collections.abc import Iterator
 from dataclasses import asdict
@@ -104,7 +105,8 @@ def conform(
 ) -> None:
     """Check that an engine in another language keeps the protocol (docs/engine-protocol.md).
 
-    Exits with 1 if it does not, with 3 if it cannot be started.
+    The first steps of every method are compared with the equations of motion, too. Exits with 1 if
+    anything is wrong, with 3 if it cannot be started.
     """
     from ....engines import EngineError
     from ....engines.child.conformance import conformance
@@ -114,17 +116,31 @@ def conform(
         for check in conformance(command, _scenes(), limit):
             checks.append(check)
             if not as_json:
-                verdict = "FAILS" if check.problem else "ok"
-                words = check.problem or check.remark
+                verdict = "FAILS" if check.problem else "WRONG" if check.physics else "ok"
+                words = check.problem or check.physics or check.remark
                 print(f"{verdict:5}  {check.what}{f': {words}' if words else ''}", flush=True)
     except EngineError as error:
         raise Complaint(str(error), NOT_RUN) from None
     problems = sum(bool(check.problem) for check in checks)
+    wrong = sum(bool(check.physics) for check in checks)
     if as_json:
-        print(to_json({"conforms": not problems, "checks": [asdict(check) for check in checks]}))
+        document = {"conforms": not problems, "physics": not wrong}
+        print(to_json(document | {"checks": [asdict(check) for check in checks]}))
     else:
-        say(f"{problems} of {len(checks)} checks fail." if problems else "It keeps the protocol.")
-    raise typer.Exit(DISAGREES if problems else AGREES)
+        say(_conclusion(problems, wrong, len(checks)))
+        if not problems:
+            say(
+                f"Next: spincheck run fast-top tennis-racket --engine 'child:{shlex.join(command)}'"
+            )
+    raise typer.Exit(DISAGREES if problems or wrong else AGREES)
+
+
+def _conclusion(problems: int, wrong: int, checks: int) -> str:
+    if problems:
+        return f"{problems} of {checks} checks fail."
+    if wrong:
+        return f"It keeps the protocol; in {wrong} of {checks} checks its physics is wrong."
+    return "It keeps the protocol, and its first steps follow the equations of motion."
 
 
 @app.command(

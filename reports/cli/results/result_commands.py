@@ -9,6 +9,7 @@ from ..options import RESULT_FILE, AsCsv, AsJson, Stored
 from ..terminal import BAD_INPUT, Complaint, to_json
 
 app = typer.Typer()
+MEGABYTE = 1e6
 
 
 @app.command(epilog="Example: spincheck rows spincheck.sqlite --csv")
@@ -62,6 +63,27 @@ def points(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson
         _print_records(records, as_csv, as_json)
     else:
         _print_lines(point_lines(records))
+
+
+@app.command(epilog="Example: spincheck tidy spincheck.sqlite")
+def tidy(results: Stored = RESULT_FILE) -> None:
+    """Delete the results of a result file that no longer count.
+
+    They are of a scene, an engine or a spincheck that has changed since: 'spincheck run' makes
+    such results again, and keeps the old ones until they are deleted.
+    """
+    from ...results.result_file import ResultFileError
+    from ...results.store import open_store
+
+    try:
+        with open_store(results):
+            before = results.stat().st_size
+        with open_store(results, create=True) as store:
+            deleted = store.tidy()
+    except ResultFileError as error:
+        raise Complaint(str(error), BAD_INPUT) from None
+    freed = before - results.stat().st_size
+    print(f"{deleted} records deleted, {freed / MEGABYTE:.1f} MB freed")
 
 
 def _print_lines(lines: Iterable[str]) -> None:

@@ -1,5 +1,6 @@
 """A command with an option a signal: the largest error allowed in it."""
 
+import math
 from inspect import Parameter, Signature
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -56,12 +57,19 @@ def _bound(signal: "Signal") -> Any:
         float | None,
         typer.Option(
             option(signal.name),
-            metavar=(signal.unit or "e").upper(),
+            parser=_angle if signal.unit else float,
+            metavar="RAD|…deg" if signal.unit else "E",
             help=f"Largest error allowed in {signal}.",
             callback=_keep,
             expose_value=False,
         ),
     ]
+
+
+def _angle(text: str) -> float:
+    """An angle, rad, of a number; of one that ends in "deg", its degrees in rad."""
+    number = text.removesuffix("deg")
+    return float(number) if number == text else math.radians(float(number))
 
 
 def _keep(

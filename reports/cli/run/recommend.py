@@ -14,13 +14,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ....engines import engines
-from ....scenarios import SIGNAL, Scenario
+from ....scenarios import Scenario
 from ...harness.choice import Choice
 from ...harness.executors import TIME_LIMIT, LocalWorkers
 from ...harness.plan import plan
 from ...harness.study import run_study
 from ...pages.analysis.candidates import Candidate, ErrorBounds, candidates
 from ...pages.analysis.report_data import report_data
+from ...pages.analysis.timesteps import ATTITUDE_WITHIN, OMEGA_WITHIN
 from ...results.records import Key, Row
 from ...results.store import Results, open_store
 from ..choosing import choose
@@ -33,6 +34,8 @@ from .error_bounds import option
 
 #: Checks before it is given up.
 CHECKS = 4
+#: The bounds where none is given: those of a report.
+REPORTS_OWN: ErrorBounds = {"attitude": ATTITUDE_WITHIN, "omega": OMEGA_WITHIN}
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +83,10 @@ def recommend(
     Raises
     ------
     Complaint
-        If there is no bound or one is not positive, the scene, the file or an engine cannot be
+        If a bound is not positive, the scene, the file or an engine cannot be
         used, or nothing could be run.
     """
+    bounds = bounds or REPORTS_OWN
     _check_bounds(bounds)
     methods = _methods(engine_names)
     check_temporary_folder()
@@ -110,9 +114,6 @@ def exit_code(recommendation: Recommendation) -> int:
 
 
 def _check_bounds(bounds: ErrorBounds) -> None:
-    if not bounds:
-        *options, last = (f"'{option(name)}'" for name in SIGNAL)
-        raise Complaint(f"takes a bound: {', '.join(options)} or {last}", BAD_INPUT)
     for signal, bound in bounds.items():
         if not 0 < bound < math.inf:
             raise Complaint(f"'{option(signal)}' must be positive, got {bound:g}", BAD_INPUT)

@@ -1,5 +1,6 @@
 """What `recommend` prints: every method with its cost, the choice, and its checks."""
 
+import math
 from dataclasses import asdict
 from typing import Any
 
@@ -31,10 +32,15 @@ def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
     }
 
 
+def _with_unit(bound: float, unit: str) -> str:
+    return f"{bound:.3g} rad, {math.degrees(bound):.3g}°" if unit else f"{bound:g}"
+
+
 def print_recommendation(recommendation: Recommendation) -> None:
     """Print every method with its cost, the choice, its checks, and how to run it again."""
     bounds = ", ".join(
-        f"{SIGNAL[signal].label} to {bound:g}" for signal, bound in recommendation.bounds.items()
+        f"{SIGNAL[signal].label} to {_with_unit(bound, SIGNAL[signal].unit)}"
+        for signal, bound in recommendation.bounds.items()
     )
     print(f"{recommendation.scenario}: {bounds}")
     table([_line(candidate) for candidate in recommendation.candidates])

@@ -1,4 +1,4 @@
-"""Results on the terminal: a matrix of verdicts, the reasons, and the same as JSON."""
+"""Results as JSON, with the names that scripts rely on."""
 
 from typing import Any
 
@@ -7,36 +7,6 @@ from ...pages.analysis.survival import Survival, survival
 from ...results.as_json import as_json
 from ...results.records import Key, Row, Verdict
 from ...results.store import Results
-from ...results.verdict_words import VERDICT
-from ..terminal import table
-
-
-def print_results(results: Results) -> None:
-    """Print a table of verdicts, scenes × methods, then the reason of each but `converges`."""
-    methods = {
-        (v.key.engine, v.key.method): ", as shipped" if v.as_shipped else ""
-        for v in results.verdicts
-    }
-    words = {
-        (v.key.scenario, v.key.engine, v.key.method): v.verdict + ("!" if v.unmet else "")
-        for v in results.verdicts
-    }
-    table(
-        [
-            {"scene": scene}
-            | {
-                f"{e} {m}{how}": words.get((scene, e, m), "")
-                for (e, m), how in sorted(methods.items())
-            }
-            for scene in sorted({v.key.scenario for v in results.verdicts})
-        ]
-    )
-    differing = [v for v in results.verdicts if VERDICT[v.verdict].needs_reason]
-    for verdict in results.verdicts:
-        if verdict.unmet or (verdict in differing and not verdict.as_shipped):
-            print(_sentence(verdict))
-    if shipped := sum(verdict.as_shipped for verdict in differing):
-        print(f"{shipped} times an engine as shipped does not converge; the report says why.")
 
 
 def results_as_json(results: Results) -> dict[str, Any]:
@@ -82,11 +52,3 @@ def verdict_record(verdict: Verdict) -> dict[str, Any]:
     """A verdict with the names that scripts rely on; its signals by their names."""
     record = as_json(verdict)
     return record | {"signals": {one.pop("signal"): one for one in record["signals"]} or None}
-
-
-def _sentence(verdict: Verdict) -> str:
-    key = verdict.key
-    unmet = "".join(f"\n  unmet expectation: {line}" for line in verdict.unmet)
-    how = " (as shipped)" if verdict.as_shipped else ""
-    where = f"{key.scenario}, {key.engine} {key.method}{how}"
-    return f"{where}: {verdict.verdict}: {verdict.reason}{unmet}"

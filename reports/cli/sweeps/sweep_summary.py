@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ....scenarios import errors_by_key
-from ...results.sweep_records import EnsembleResult, MapResult, PointResult, sweep_points
+from ...results.as_json import as_json
+from ...results.sweep_records import Ensemble, EnsembleResult, Map, MapResult, PointResult
 from ..terminal import table
 
 #: Quantiles that are printed of the ω errors of the runs that finished.
@@ -18,8 +18,8 @@ QUANTILES = {"median": 0.5, "90 %": 0.9, "99 %": 0.99}
 
 def print_sweep(sweep: MapResult | EnsembleResult) -> None:
     """Print one line for each method, and its worst point."""
-    names = _names(sweep)
-    print(f"{sweep.scenario.name}: {_sweep_in_words(sweep)}")
+    names = sweep.sweep.names
+    print(f"{sweep.scenario.name}: {_sweep_in_words(sweep.sweep)}")
     table([_line(method, points, names) for method, points in _by_method(sweep.points).items()])
     invalid = [point for point in sweep.points if point.outcome == "invalid"]
     if invalid:
@@ -28,9 +28,8 @@ def print_sweep(sweep: MapResult | EnsembleResult) -> None:
 
 def sweep_as_json(sweep: MapResult | EnsembleResult) -> dict[str, Any]:
     """What was asked for, and its points, with the names that scripts rely on."""
-    kind = sweep.map if isinstance(sweep, MapResult) else sweep.ensemble
-    names = _names(sweep)
-    return asdict(kind) | {"points": [point_record(point, names) for point in sweep.points]}
+    names = sweep.sweep.names
+    return asdict(sweep.sweep) | {"points": [point_record(point, names) for point in sweep.points]}
 
 
 def point_record(point: PointResult, names: Sequence[str]) -> dict[str, Any]:
@@ -40,30 +39,16 @@ def point_record(point: PointResult, names: Sequence[str]) -> dict[str, Any]:
     ----------
     names : of the numbers that are varied
     """
-    return {
-        "at": dict(zip(names, point.at, strict=True)),
-        **asdict(point.key),
-        "timestep": point.timestep,
-        "outcome": point.outcome,
-        "cause": point.cause,
-        "reason": point.reason,
-        "stopped_at": point.stopped_at,
-        **errors_by_key(point.errors),
-        "reference_uncertainty": point.uncertainty,
-        "steps": point.steps,
-    }
+    record = as_json(point)
+    del record["place"]
+    return record | {"at": dict(zip(names, point.at, strict=True))}
 
 
-def _names(sweep: MapResult | EnsembleResult) -> list[str]:
-    return [axis.path for axis in sweep.map.axes] if isinstance(sweep, MapResult) else ["member"]
-
-
-def _sweep_in_words(sweep: MapResult | EnsembleResult) -> str:
-    if isinstance(sweep, EnsembleResult):
-        return f"{sweep.ensemble.members} members of seed {sweep.ensemble.seed}"
-    total = sum(1 for _ in sweep_points(sweep.map))
-    axes = ", ".join(f"{a.path} {a.values[0]:g} to {a.values[-1]:g}" for a in sweep.map.axes)
-    return f"{total} points, {axes}"
+def _sweep_in_words(sweep: Map | Ensemble) -> str:
+    if isinstance(sweep, Ensemble):
+        return f"{sweep.members} members of seed {sweep.seed}"
+    axes = ", ".join(f"{a.path} {a.values[0]:g} to {a.values[-1]:g}" for a in sweep.axes)
+    return f"{len(sweep)} points, {axes}"
 
 
 def _by_method(points: Iterable[PointResult]) -> dict[str, list[PointResult]]:
@@ -104,7 +89,7 @@ def _place(point: PointResult, names: Sequence[str]) -> str:
 
 def flat_records(sweep: MapResult | EnsembleResult) -> list[dict[str, Any]]:
     """Points as flat records: their coordinates are one column of JSON, as they differ by sweep."""
-    kind = f"seed {sweep.ensemble.seed}" if isinstance(sweep, EnsembleResult) else "map"
-    names = _names(sweep)
+    kind = "map" if isinstance(sweep.sweep, Map) else f"seed {sweep.sweep.seed}"
+    names = sweep.sweep.names
     records = [point_record(point, names) for point in sweep.points]
     return [{"sweep": kind, **record, "at": json.dumps(record["at"])} for record in records]

@@ -16,7 +16,7 @@ from typing import Any, ParamSpec, TypeVar, final
 import numpy as np
 
 from ....engines.lost_process import KILLED
-from ...results.fingerprints import program
+from ...results.fingerprints import DECIDING, program
 from .executor import Answer, CallFailed, Executor, ExecutorStopped
 from .local_workers import LocalWorkers
 from .worker_slot import TIME_LIMIT, WorkerSlot
@@ -144,9 +144,9 @@ def isolated(call: Callable[[], Any], time_limit: float) -> Answer[Any]:
     return slots[time_limit].call(call)
 
 
-def program_and_numpy() -> tuple[bytes, str]:
+def program_and_numpy() -> tuple[str, str]:
     """What results depend on besides scene and engine: digest of spincheck, version of numpy."""
-    return program(), np.__version__
+    return " ".join(map(program, DECIDING)), np.__version__
 
 
 def _connected(address: str) -> Any:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ....engines.checks.read_back import State
 from ....reference import Solution, flow
-from ....scenarios import Errors, FloatArray, Scenario, Trajectory
+from ....scenarios import SIGNAL, Errors, FloatArray, Scenario, Trajectory
 from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.rotation import cross, matrix, norms, turned_back
 from ..ladder import COARSEST_TURN
@@ -121,13 +121,12 @@ def _pieces(scenario: Scenario, starts: State, timestep: float, condition: float
     from_starts = State(*(np.repeat(column, each, axis=0) for column in _columns(starts)))
     states = flowed(scenario, from_starts, np.tile(spans, count))
     times = np.asarray(np.arange(count * each) * (timestep * SAMPLE_EVERY), dtype=float)
-    names = [signal for signal, _ in Errors(*[0.0] * 6)]
     growth = PIECE_GROWTH * condition * float(np.finfo(float).eps)
     return Solution(
         Trajectory(times, *_columns(states)),
         "the exact flow",
-        uncertainty=Errors(**dict.fromkeys(names, FLOW_ROUNDING)),
-        conditioning=Errors(**dict.fromkeys(names, growth)),
+        uncertainty=Errors(**dict.fromkeys(SIGNAL, FLOW_ROUNDING)),
+        conditioning=Errors(**dict.fromkeys(SIGNAL, growth)),
     )
 
 

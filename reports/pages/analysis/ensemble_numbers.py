@@ -37,7 +37,7 @@ class Members:
         for point in self.finished:
             assert point.errors is not None
             error = point.errors[signal]
-            errors.append(max(error, point.uncertainty) if signal == "omega" else error)
+            errors.append(max(error, point.reference_uncertainty) if signal == "omega" else error)
         return np.sort(np.array(errors, dtype=float))
 
     def quantiles(self, signal: str) -> tuple[float, ...] | None:

@@ -58,7 +58,7 @@ class Grid:
     @property
     def axes(self) -> tuple[Axis, Axis]:
         """Across, and up."""
-        return self.result.map.axes
+        return self.result.sweep.axes
 
     @cached_property
     def shape(self) -> tuple[int, int]:
@@ -109,8 +109,8 @@ class Grid:
         for values, axis in ((np.array(up.values)[:, None], up), (np.array(across.values), across)):
             if axis.path == TIMESTEP:
                 return np.broadcast_to(values, (rows, columns)).copy()
-        if self.result.map.timestep is not None:
-            return np.full((rows, columns), self.result.map.timestep)
+        if self.result.sweep.timestep is not None:
+            return np.full((rows, columns), self.result.sweep.timestep)
         chosen = np.full((rows, columns), math.nan)
         for of_method in self.points.values():
             for node, point in of_method.items():

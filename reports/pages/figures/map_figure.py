@@ -61,7 +61,7 @@ def _least(grid: Grid) -> float:
 
 def _claimed(point: PointResult) -> float:
     assert point.errors is not None
-    return max(point.errors.omega, point.uncertainty)
+    return max(point.errors.omega, point.reference_uncertainty)
 
 
 def _colour_axis(low: float) -> dict[str, Any]:

@@ -60,7 +60,7 @@ def command(ensemble: Ensemble, methods: list[str]) -> str:
 
 
 def _page(name: str, result: EnsembleResult, results: Results) -> EnsemblePage:
-    ensemble = result.ensemble
+    ensemble = result.sweep
     pairs = list(methods_of(result.points, results))
     members = members_of(result.points, pairs)
     drawn = trace_styles(pairs)

@@ -61,7 +61,7 @@ def _member(ensemble: Ensemble, point: PointResult) -> Iterator[Cell]:
     member = int(point.at[0])
     yield figure(str(member))
     error = point.errors.omega if point.errors else None
-    yield figure(limited(error, point.uncertainty))
+    yield figure(limited(error, point.reference_uncertainty))
     if is_coloured(point):
         yield Cell("finished")
     else:

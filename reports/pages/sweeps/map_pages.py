@@ -63,15 +63,15 @@ def map_pages(results: Results) -> list[MapPage]:
 
 def _page(name: str, grid: Grid, options: list[str]) -> MapPage:
     result = grid.result
-    across, up = (axis_title(axis) for axis in result.map.axes)
+    across, up = (axis_title(axis) for axis in result.sweep.axes)
     return MapPage(
         name=name,
         link=map_page(name),
-        title=f"{result.map.scenario}: {result.map.axes[0].path} × {result.map.axes[1].path}",
-        scene=result.map.scenario,
+        title=f"{result.sweep.scenario}: {result.sweep.axes[0].path} × {result.sweep.axes[1].path}",
+        scene=result.sweep.scenario,
         scene_title=result.scenario.title,
         command=command(result, options),
-        timestep=timestep_in_words(result.map.timestep, result.map.axes),
+        timestep=timestep_in_words(result.sweep.timestep, result.sweep.axes),
         figure=Titled("map", f"{up} against {across}", CAPTION, map_figure(grid)),
         survival=survival_table(grid),
         ends=ends_table(result.points, grid.methods),
@@ -81,10 +81,10 @@ def _page(name: str, grid: Grid, options: list[str]) -> MapPage:
 
 def command(result: MapResult, methods: list[str]) -> str:
     """The shell command that makes this map, with the options that name its methods."""
-    words = ["spincheck", "map", result.map.scenario]
-    for axis in result.map.axes:
+    words = ["spincheck", "map", result.sweep.scenario]
+    for axis in result.sweep.axes:
         words += ["--vary", vary_option(axis)]
-    return shlex.join([*words, *timestep_option(result.map.timestep), *methods])
+    return shlex.join([*words, *timestep_option(result.sweep.timestep), *methods])
 
 
 def vary_option(axis: Axis) -> str:

@@ -82,7 +82,7 @@ def _survived(points: list[PointResult]) -> Cell:
         return figure(NOTHING)
     finished = [point for point in points if is_coloured(point)]
     errors = [
-        max(point.errors.omega, point.uncertainty)
+        max(point.errors.omega, point.reference_uncertainty)
         for point in finished
         if point.errors and not math.isnan(point.errors.omega)
     ]

@@ -26,6 +26,14 @@ def test_an_engine_of_fifty_lines_in_another_language_conforms() -> None:
     assert len(TOY.read_text(encoding="utf-8").splitlines()) <= 55
 
 
+def test_one_that_keeps_the_protocol_and_turns_every_body_like_a_sphere_is_wrong() -> None:
+    result = conform(sys.executable, "-S", str(HERE / "planted_child.py"))
+    assert result.exit_code == 1
+    assert "WRONG  exact on book-in-skew-axes: " in result.output
+    assert "It keeps the protocol; in 1 of " in result.output
+    assert "Next: spincheck run fast-top tennis-racket --engine 'child:" in result.output
+
+
 @pytest.mark.parametrize(
     ("fault", "words"),
     {

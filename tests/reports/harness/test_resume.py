@@ -132,11 +132,13 @@ def test_the_samples_of_a_finished_ladder_are_those_of_one_run(undisturbed):
     assert with_motion.timestep == min(row.timestep for row in rows)
 
 
-def test_another_text_of_the_scene_is_run_anew(path, runs):
+@pytest.mark.parametrize(("changed", "again"), [("# a comment\n", 0), ("", 1)])
+def test_a_scene_is_run_anew_if_it_says_something_else(path, runs, changed, again):
+    text = BOX + EXPECTATION
     run(path)
     before = len(runs)
-    run(path, text=BOX + EXPECTATION + "# a comment\n")
-    assert len(runs) == 2 * before
+    run(path, text=text + changed if changed else text.replace("samples = 11", "samples = 6"))
+    assert len(runs) == (1 + again) * before
 
 
 def test_another_version_of_an_engine_has_its_own_runs_made_anew(path, runs, monkeypatch):
@@ -151,7 +153,7 @@ def test_another_version_of_an_engine_has_its_own_runs_made_anew(path, runs, mon
 def test_another_spincheck_runs_everything_anew(path, runs, monkeypatch):
     run(path)
     before = len(runs)
-    monkeypatch.setattr(fingerprints, "program", lambda: b"another")
+    monkeypatch.setattr(fingerprints, "program", lambda kind: f"another {kind}")
     run(path)
     assert len(runs) == 2 * before
 

@@ -32,7 +32,6 @@ from spincheck.reports.results.sweep_records import (
     Map,
     PointResult,
     SweepPoint,
-    sweep_points,
 )
 from spincheck.scenarios import loads
 from spincheck.scenarios.scatter import member
@@ -113,7 +112,7 @@ def test_what_is_read_back_is_what_was_put(finished):
     path, points = finished
     with open_store(path) as store:
         (stored_map,) = store.read().maps
-    assert (stored_map.map, stored_map.points) == (MAP, points)
+    assert (stored_map.sweep, stored_map.points) == (MAP, points)
     assert stored_map.scenario.text == SCENE.text
 
 
@@ -140,7 +139,7 @@ def test_points_that_rest_on_something_else_are_dropped(path, monkeypatch, what)
     sweep(path)
     scene = loads(BOX.replace("2.5]", "2.6]"), "box") if what == "scene" else SCENE
     if what == "program":
-        monkeypatch.setattr(fingerprints, "program", lambda: b"another")
+        monkeypatch.setattr(fingerprints, "program", lambda kind: f"another {kind}")
     assert points_missing(path, scene=scene) == len(SPIN.values) * len(STEPS.values)
 
 
@@ -298,7 +297,7 @@ def test_a_scene_that_cannot_be_solved_is_reported_of_every_method(path, monkeyp
 
     monkeypatch.setattr(sweep_run, "solve", unsolvable)
     pairs = [(planted(HeunSession), METHOD), (planted(RaisingSession), METHOD)]
-    points = sweep_run.run_point(SCENE, next(sweep_points(MAP)), pairs)
+    points = sweep_run.run_point(SCENE, next(MAP.points()), pairs)
     assert [(p.outcome, p.cause) for p in points] == [("failed", "unsolved")] * 2
     assert "no series converges" in points[0].reason
 
@@ -340,7 +339,7 @@ def test_ensembles_are_read_back_with_their_scene(path):
     points = sweep(path, ENSEMBLE)
     with open_store(path) as store:
         (ensemble,) = store.read().ensembles
-    assert (ensemble.ensemble, ensemble.points, ensemble.scenario.text) == (
+    assert (ensemble.sweep, ensemble.points, ensemble.scenario.text) == (
         ENSEMBLE,
         points,
         SCENE.text,

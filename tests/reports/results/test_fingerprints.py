@@ -1,19 +1,53 @@
 """Digests change when something changes that results depend on, and only then."""
 
+import ast
 from pathlib import Path
 
+import pytest
+from spincheck.engines import engines
 from spincheck.engines.adapters.mujoco import MuJoCo
 from spincheck.engines.contract.scenes import SCENES
 from spincheck.engines.versions.engine import VersionedEngine
 from spincheck.engines.versions.folders import folder_of
-from spincheck.reports.results.fingerprints import digests
+from spincheck.reports.results import fingerprints
 
+ROOT = Path(__file__).parents[3]
 NAME = "mujoco@3.3.0"
+ADAPTERS = ("mujoco", "pybullet")
+#: A change of a value in a file, and which kinds of results rest on it.
+CHANGES = {
+    "a bound of an adapter": (
+        *("engines/adapters/pybullet/engine.py", "\nfrom ", "\nCHANGED = 1\nfrom "),
+        {"pybullet"},
+    ),
+    "a threshold of verdicts": (
+        *("reports/harness/best_window.py", "SHARP = 1e-2", "SHARP = 2e-2"),
+        {"verdict"},
+    ),
+    "a threshold of runs": (
+        *("reports/harness/comparison.py", "ABSURD_ENERGY = 10.0", "ABSURD_ENERGY = 9.0"),
+        {"run", "verdict"},
+    ),
+    "how steps are timed": (
+        *("reports/harness/timing.py", "\nfrom ", "\nCHANGED = 1\nfrom "),
+        {"timing"},
+    ),
+    "the exact motion": (
+        *("reference/lagrange.py", "\nfrom ", "\nCHANGED = 1\nfrom "),
+        {"motion", "run"},
+    ),
+    "a page": ("reports/pages/render.py", "\nfrom ", "\nCHANGED = 1\nfrom ", set()),
+    "a command": ("reports/cli/app.py", "\nfrom ", "\nCHANGED = 1\nfrom ", set()),
+    "how results are stored": (
+        *("reports/results/store.py", "\nfrom ", "\nCHANGED = 1\nfrom "),
+        set(),
+    ),
+}
 
 
 def digest(site: Path) -> str:
     engine = VersionedEngine("mujoco", "3.3.0", MuJoCo.methods, site)
-    return digests(SCENES["free"], [engine])[NAME]
+    return next(f.digest for f in fingerprints.fingerprints(SCENES["free"], [engine]) if f.engine)
 
 
 def test_one_version_under_two_pythons_is_two_engines() -> None:
@@ -23,3 +57,57 @@ def test_one_version_under_two_pythons_is_two_engines() -> None:
 def test_one_version_in_two_caches_is_one_engine() -> None:
     folder = folder_of(NAME, "cp312")
     assert digest(folder) == digest(Path("another-cache") / folder.name)
+
+
+def digests(monkeypatch, file: Path | None = None, text: str = "") -> dict[str, str]:
+    """All digests, with one file's text taken to be another."""
+    for cached in (fingerprints._tree, fingerprints._content, fingerprints._imported_by):
+        cached.cache_clear()
+    for cached in (fingerprints.program, fingerprints.modules, fingerprints.adapter):
+        cached.cache_clear()
+    read = Path.read_bytes
+    with monkeypatch.context() as patch:
+        patch.setattr(
+            Path,
+            "read_bytes",
+            lambda path: text.encode() if path.resolve() == file else read(path),
+        )
+        kinds = {kind: fingerprints.program(kind) for kind in fingerprints.DECIDING}
+        return kinds | {n: fingerprints.adapter(type(engines()[n])) for n in ADAPTERS}
+
+
+@pytest.mark.parametrize(("name", "old", "new", "resting"), CHANGES.values(), ids=CHANGES)
+def test_a_change_reaches_what_rests_on_it(monkeypatch, name, old, new, resting):
+    file = ROOT / name
+    text = file.read_text(encoding="utf-8")
+    assert old in text
+    before = digests(monkeypatch)
+    after = digests(monkeypatch, file, text.replace(old, new, 1))
+    assert {kind for kind in before if before[kind] != after[kind]} == resting
+
+
+def commented(text: str) -> str:
+    """Source with other docstrings, comments and layout."""
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            node.value.value = f"Changed. {node.value.value}"
+    return f'"""Another."""\n# A comment\n{ast.unparse(tree)}\n'
+
+
+def test_docstrings_comments_and_layout_change_nothing(monkeypatch):
+    before = digests(monkeypatch)
+    files = [*ROOT.glob("reports/harness/*.py"), *ROOT.glob("reference/*.py")]
+    files += [*ROOT.glob("engines/adapters/mujoco/*.py"), *ROOT.glob("engines/*.py")]
+    changed = {f.resolve(): commented(f.read_text(encoding="utf-8")).encode() for f in files}
+    read = Path.read_bytes
+    monkeypatch.setattr(Path, "read_bytes", lambda p: changed.get(p.resolve()) or read(p))
+    assert digests(monkeypatch) == before
+
+
+def test_every_module_that_decides_is_there():
+    names = {name for names in fingerprints.DECIDING.values() for name in names}
+    missing = [
+        name for name in names | fingerprints.JUDGING if not fingerprints._file(name).is_file()
+    ]
+    assert missing == []

@@ -14,7 +14,14 @@ from library_scenes import library_scene
 from spincheck.reference import Solution
 from spincheck.reports.results.cost_records import MethodCost, StepCost
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
-from spincheck.reports.results.records import Defect, Key, Row, SignalVerdict, Verdict
+from spincheck.reports.results.records import (
+    Defect,
+    Fingerprint,
+    Key,
+    Row,
+    SignalVerdict,
+    Verdict,
+)
 from spincheck.reports.results.result_file import FORMAT, ResultFileError
 from spincheck.reports.results.store import open_store
 from spincheck.scenarios import Errors, Trajectory
@@ -130,29 +137,58 @@ def test_costs_of_another_processor_are_forgotten(path):
         assert store.timed() == set()
 
 
-def test_what_rests_on_something_else_is_dropped_and_the_rest_stays(path, row):
-    # Without errors, so that it needs no scene.
-    row = replace(row, errors=None)
-    other = replace(row, key=replace(KEY, engine="pybullet"))
-    with open_store(path, create=True) as store:
-        store.keep_matching(KEY.scenario, {"": "one", "mujoco": "one", "pybullet": "one"})
-        store.put(row)
-        store.put(other)
-        store.keep_matching(KEY.scenario, {"": "one", "mujoco": "one", "pybullet": "another"})
-        assert [r.key.engine for r in store.read().rows] == ["mujoco"]
+def fingerprints(scenario: str = KEY.scenario, **changed: str) -> list[Fingerprint]:
+    """What results of two engines rest on: all of it `one`, but for what is changed."""
+    kinds = {"motion": "one", "run": "one", "timing": "one", "verdict": "one"}
+    engines = {"mujoco": "one", "pybullet": "one"}
+    return [
+        *(Fingerprint(scenario, "", k, changed.get(k, one)) for k, one in kinds.items()),
+        *(Fingerprint(scenario, e, "engine", changed.get(e, one)) for e, one in engines.items()),
+    ]
 
 
-def test_a_scene_that_changed_takes_all_its_rows_along(path, row):
+@pytest.mark.parametrize(
+    ("changed", "rows", "verdicts"),
+    [
+        ({"motion": "another"}, [], []),
+        ({"run": "another"}, [], []),
+        ({"pybullet": "another"}, ["mujoco"], ["mujoco"]),
+        ({"verdict": "another"}, ["mujoco", "pybullet"], []),
+        ({"timing": "another"}, ["mujoco", "pybullet"], ["mujoco", "pybullet"]),
+    ],
+)
+def test_what_rests_on_something_else_does_not_count_until_that_is_back(
+    path, row, changed, rows, verdicts
+):
     # Without errors, so that it needs no scene.
     row = replace(row, errors=None)
     elsewhere = replace(row, key=replace(KEY, scenario="sphere"))
+
+    def counted(store) -> tuple[list[str], list[str], int]:
+        found = store.read()
+        here = [r.key.engine for r in found.rows if r.key.scenario == KEY.scenario]
+        return here, [v.key.engine for v in found.verdicts], len(found.rows) - len(here)
+
     with open_store(path, create=True) as store:
-        for scenario in (KEY.scenario, "sphere"):
-            store.keep_matching(scenario, {"": "one", "mujoco": "one"})
-        store.put(row)
+        store.rest_on(fingerprints())
+        store.rest_on(fingerprints("sphere"))
+        for engine in ("mujoco", "pybullet"):
+            key = replace(KEY, engine=engine)
+            store.put(replace(row, key=key), Verdict(key, "converges", ""))
         store.put(elsewhere)
-        store.keep_matching(KEY.scenario, {"": "another"})
-        assert [r.key.scenario for r in store.read().rows] == ["sphere"]
+        assert store.rest_on(fingerprints(**changed)) == 2 - len(verdicts)
+        assert counted(store) == (rows, verdicts, 1)
+    # Whoever reads the file, without engines and at any time, sees the same.
+    with open_store(path) as store:
+        assert counted(store) == (rows, verdicts, 1)
+    with open_store(path, create=True) as store:
+        store.rest_on(fingerprints())
+        assert counted(store) == (["mujoco", "pybullet"], ["mujoco", "pybullet"], 1)
+        store.rest_on(fingerprints(**changed))
+        assert store.tidy() == 4 - len(rows) - len(verdicts)
+        assert store.tidy() == 0
+        store.rest_on(fingerprints())
+        assert counted(store) == (rows, verdicts, 1)
 
 
 def test_a_verdict_drops_the_samples_that_are_spent(path, row):

@@ -16,8 +16,8 @@ from spincheck.engines import engines
 from spincheck.reports.cli import choosing
 from spincheck.reports.cli.run import recommend as recommend_module
 from spincheck.reports.cli.run import running
-from spincheck.reports.cli.run.recommend import CHECKS, exit_code, recommend
-from spincheck.reports.cli.terminal import Complaint
+from spincheck.reports.cli.run.recommend import CHECKS, Recommendation, exit_code, recommend
+from spincheck.reports.cli.terminal import NOT_RUN, Complaint
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.store import Results
 from spincheck.scenarios import Errors
@@ -151,7 +151,6 @@ def test_a_bound_broken_by_any_error_is_broken() -> None:
 @pytest.mark.parametrize(
     ("bounds", "message"),
     [
-        ({}, "takes a bound"),
         ({"omega": 0.0}, "'--omega' must be positive, got 0"),
         ({"angular_momentum": -1.0}, "'--angular-momentum' must be positive, got -1"),
         ({"energy": math.nan}, "'--energy' must be positive, got nan"),
@@ -194,10 +193,45 @@ def test_from_outside_it_chooses_checks_and_its_command_repeats_it(
     assert row["omega_error"] == printed["checks"][-1]["omega"]
 
 
+def test_without_bounds_those_of_a_report_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(running, "run", lambda *_: euler_alone(straight))
+    monkeypatch.setattr(recommend_module, "_run_again", lambda *_: euler_alone(straight).rows[-1])
+    assert recommend(TOP, {}, [], 1, NO_FILE).bounds == {
+        "attitude": math.radians(0.1),
+        "omega": 1e-3,
+    }
+
+
+@pytest.mark.parametrize(("words", "bound"), [("2deg", math.radians(2)), ("0.5", 0.5)])
+def test_a_bound_of_an_angle_may_be_in_degrees(
+    spincheck: Callable[..., tuple[int, str, str]],
+    monkeypatch: pytest.MonkeyPatch,
+    words: str,
+    bound: float,
+) -> None:
+    found: list[object] = []
+
+    def refuse(scene: str, bounds: object, *_: object) -> Recommendation:
+        found.append(bounds)
+        raise Complaint("seen", NOT_RUN)
+
+    monkeypatch.setattr(recommend_module, "recommend", refuse)
+    assert spincheck("recommend", "box.toml", "--attitude", words)[0] == NOT_RUN
+    assert found == [{"attitude": bound}]
+
+
+def test_an_angle_that_is_none_is_one_message(
+    spincheck: Callable[..., tuple[int, str, str]],
+) -> None:
+    code, _, err = spincheck("recommend", "box.toml", "--attitude", "fivedeg")
+    assert code == 2
+    assert "'--attitude'" in err
+
+
 def test_from_outside_bad_input_is_one_message_and_exit_code_2(
     spincheck: Callable[..., tuple[int, str, str]],
 ) -> None:
-    code, out, err = spincheck("recommend", "box.toml")
+    code, out, err = spincheck("recommend", "box.toml", "--omega", "0")
     assert (code, out) == (2, "")
-    assert err.startswith("spincheck: takes a bound")
+    assert err.startswith("spincheck: '--omega' must be positive")
     assert len(err.splitlines()) == 1

@@ -89,7 +89,7 @@ def test_an_ensemble_prints_its_members(tmp_path):
     assert [point["at"] for point in printed["points"]] == [{"member": float(k)} for k in range(3)]
     with open_store(path) as store:
         (ensemble,) = store.read().ensembles
-    assert ensemble.ensemble == Ensemble(SCENE, 3, 7, None)
+    assert ensemble.sweep == Ensemble(SCENE, 3, 7, None)
 
 
 def test_a_member_is_printed_as_a_scenario_file_that_runs(tmp_path):

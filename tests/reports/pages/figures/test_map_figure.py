@@ -198,7 +198,7 @@ def test_words_keep_away_from_each_other_and_from_the_edge() -> None:
 def test_a_run_that_the_reference_does_not_follow_to_the_end_is_signed() -> None:
     whole = map_result()
     cut = tuple(replace(p, steps=p.steps // 2) for p in whole.points)
-    shortened = MapResult(whole.map, whole.scenario, cut)
+    shortened = MapResult(whole.sweep, whole.scenario, cut)
     label = escape(HORIZON.label)
     assert label not in [t.get("name") for t in map_figure(grid(whole))["data"]]
     assert label in [t.get("name") for t in map_figure(grid(shortened))["data"]]
@@ -212,14 +212,14 @@ def test_a_place_without_a_scene_is_signed_in_every_panel() -> None:
         first, key=key, outcome="invalid", cause="scene", reason="no", errors=None, timestep=0.0
     )
     rest = tuple(p for p in whole.points if p.at != first.at)
-    drawn = grid(MapResult(whole.map, whole.scenario, (invalid, *rest)))
+    drawn = grid(MapResult(whole.sweep, whole.scenario, (invalid, *rest)))
     assert all(drawn.points[pair][0, 0] is invalid for pair in METHODS)
     assert ("invalid", "scene") in marks(drawn.result.points)
 
 
 def test_a_map_that_is_not_complete_is_drawn() -> None:
     whole = map_result()
-    go.Figure(coloured(map_figure(grid(MapResult(whole.map, whole.scenario, whole.points[:5])))))
+    go.Figure(coloured(map_figure(grid(MapResult(whole.sweep, whole.scenario, whole.points[:5])))))
 
 
 def test_linear_axes_are_drawn_in_their_own_units() -> None:

@@ -111,7 +111,7 @@ def test_the_command_makes_the_same_axes_again() -> None:
     words = shlex.split(page.command)
     assert words[:3] == ["spincheck", "map", "disc"]
     axes = tuple(parse_axis(words[k + 1]) for k, word in enumerate(words) if word == "--vary")
-    assert axes == swept().maps[0].map.axes
+    assert axes == swept().maps[0].sweep.axes
 
 
 @pytest.mark.parametrize("text", ["body.mass=0.1:0.3:7", "body.mass=1e-3:2.5e7:20:log"])
@@ -122,7 +122,7 @@ def test_an_axis_is_written_as_it_was_typed(text: str) -> None:
 
 def test_a_fixed_timestep_is_in_the_command_and_in_words() -> None:
     swept_map = swept().maps[0]
-    fixed = replace(swept_map, map=replace(swept_map.map, timestep=0.0025))
+    fixed = replace(swept_map, sweep=replace(swept_map.sweep, timestep=0.0025))
     page = map_pages(replace(swept(), maps=[fixed]))[0]
     assert " --timestep 0.0025 " in page.command
 
@@ -181,7 +181,7 @@ def test_quantiles_are_of_those_that_finished() -> None:
 
 def test_no_error_is_reported_below_the_reference() -> None:
     points = ensemble_result().points
-    sure = tuple(replace(point, uncertainty=0.5) for point in points)
+    sure = tuple(replace(point, reference_uncertainty=0.5) for point in points)
     assert members_of(sure, [RK4])[0].errors("omega").min() == 0.5
     assert members_of(points, [RK4])[0].errors("omega").min() > UNCERTAINTY
 

@@ -1,0 +1,105 @@
+"""What a ladder is judged by: a few numbers a rung. It can be judged again without a run."""
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import PlainValidator, TypeAdapter
+
+from ...scenarios import SIGNALS, FloatArray
+from .records import MethodKey, Record
+
+_NUMBERS = TypeAdapter(list[float])
+_FLAGS = TypeAdapter(list[bool])
+
+
+def _one_a_signal(values: Any) -> Any:
+    if len(values) != len(SIGNALS):
+        raise ValueError(f"must be {len(SIGNALS)} values, one a signal")
+    return values
+
+
+def _numbers(values: Any) -> FloatArray:
+    return np.array(_one_a_signal(_NUMBERS.validate_python(values, strict=True)))
+
+
+def _flags(values: Any) -> NDArray[np.bool_]:
+    return np.array(_one_a_signal(_FLAGS.validate_python(values, strict=True)), dtype=bool)
+
+
+#: (6,), one entry a signal.
+Numbers = Annotated[FloatArray, PlainValidator(_numbers)]
+Flags = Annotated[NDArray[np.bool_], PlainValidator(_flags)]
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """A limit that is wrong: where, over the samples in the asymptotic range, and by how much.
+
+    Attributes
+    ----------
+    since, by : s, the first and the last sample by which its distance from the exact motion exceeds
+        `DISTINCT` times its tolerance
+    error, tolerance : that distance, and the largest that it may be, by the last of these samples
+    """
+
+    since: float
+    by: float
+    error: float
+    tolerance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Refinement:
+    """What two neighbouring rungs, and the one before, show; arrays (6,), one entry a signal.
+
+    Attributes
+    ----------
+    orders : used for the extrapolation
+    limit_error : distance of their Richardson limit from the exact motion
+    limit_change : distance of that limit from the limit of the two coarser rungs
+    is_clean : whether differences and limits shrink as the order says
+    rounding : the largest effect of rounding on the limit
+    deviations : of the limit from the exact motion, None where it may be right
+    """
+
+    orders: Numbers
+    limit_error: Numbers
+    limit_change: Numbers
+    is_clean: Flags
+    rounding: Numbers
+    deviations: tuple[Deviation | None, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedRung:
+    """A rung of a ladder, and what it shows beside the two coarser ones; arrays (6,).
+
+    Attributes
+    ----------
+    timestep : s
+    errors : distance from the exact motion
+    roundoff_bounds : the largest effect of rounding at every step
+    differences : from the motion of the rung before; None of a first rung
+    refinement : None of the first two rungs
+    """
+
+    timestep: float
+    errors: Numbers
+    roundoff_bounds: Numbers
+    differences: Numbers | None = None
+    refinement: Refinement | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence(Record):
+    """What a method on a scene is judged by, besides its rows.
+
+    Attributes
+    ----------
+    rungs : of its ladder, and of those that it began before a run failed
+    """
+
+    key: MethodKey
+    rungs: tuple[JudgedRung, ...] = ()

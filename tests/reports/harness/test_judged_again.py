@@ -1,0 +1,92 @@
+"""A changed threshold or sentence judges stored ladders again, with no run."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from box import BOX
+from planted import HeunSession, RaisingSession, planted
+from spincheck.reports.harness import best_window, study, verdict
+from spincheck.reports.harness.choice import Choice
+from spincheck.reports.results import fingerprints
+from spincheck.reports.results.records import Verdict
+from spincheck.reports.results.store import open_store
+from spincheck.scenarios import loads
+from studies import study as study_of
+
+#: Steps; Heun's method in Python takes some 30 µs each.
+BUDGET = 1 << 9
+ENGINES = (planted(HeunSession), planted(RaisingSession))
+LADDER = Choice(ENGINES, max_steps=BUDGET, timed=False)
+#: A threshold that no limit meets.
+NEVER = 1e-30
+
+
+@pytest.fixture
+def made(monkeypatch) -> list[float]:
+    """The timesteps of the runs made."""
+    timesteps: list[float] = []
+    simulate = study.simulate
+
+    def counting(engine, scenario, method, rung):
+        timesteps.append(rung.timestep)
+        return simulate(engine, scenario, method, rung)
+
+    monkeypatch.setattr(study, "simulate", counting)
+    return timesteps
+
+
+def verdicts(path: Path) -> list[Verdict]:
+    return study_of(path, [loads(BOX, "box")], LADDER).verdicts
+
+
+def never_sharp(patch: pytest.MonkeyPatch) -> None:
+    for module in (best_window, verdict):
+        patch.setattr(module, "SHARP", NEVER)
+
+
+def judging_is_another(patch: pytest.MonkeyPatch) -> None:
+    program: Callable[[str], str] = fingerprints.program
+    patch.setattr(
+        fingerprints, "program", lambda kind: program(kind) + "another" * (kind == "verdict")
+    )
+
+
+def test_verdicts_are_made_again_to_the_last_bit_without_a_run(tmp_path, monkeypatch, made):
+    path = tmp_path / "r.sqlite"
+    before = verdicts(path)
+    made.clear()
+    judging_is_another(monkeypatch)
+    with open_store(path) as store:
+        motions = [row.timestep for row in store.read().rows if row.motion]
+    assert verdicts(path) == before
+    assert made == []
+    with open_store(path) as store:
+        # The samples that were dropped with the verdict were not needed.
+        assert [row.timestep for row in store.read().rows if row.motion] == motions
+
+
+def test_a_changed_threshold_changes_the_verdict_without_a_run(tmp_path, monkeypatch, made):
+    path = tmp_path / "r.sqlite"
+    with monkeypatch.context() as patch:
+        never_sharp(patch)
+        judging_is_another(patch)
+        assert verdicts(path)[0].verdict == "unresolved"
+    made.clear()
+    again = verdicts(path)
+    assert (made, again[0].verdict) == ([], "converges")
+    assert again == verdicts(tmp_path / "fresh.sqlite")
+
+
+def test_a_ladder_that_a_changed_threshold_makes_longer_is_run(tmp_path, monkeypatch, made):
+    path = tmp_path / "r.sqlite"
+    choice = Choice(ENGINES[:1], max_steps=1 << 14, timed=False)
+    scenes = [loads(BOX, "box")]
+    short = study_of(path, scenes, choice)
+    made.clear()
+    never_sharp(monkeypatch)
+    judging_is_another(monkeypatch)
+    longer = study_of(path, scenes, choice)
+    assert len(longer.rows) > len(short.rows)
+    assert made
+    assert longer.verdicts == study_of(tmp_path / "fresh.sqlite", scenes, choice).verdicts
