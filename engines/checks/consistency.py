@@ -29,6 +29,8 @@ COARSE = 3
 DISTINCT = 4.0
 #: Fraction of the largest terms that is as good as nothing.
 NEGLIGIBLE = 2e-6
+#: Times that the longest step takes a com that a constraint holds further than the shortest.
+GIVEN_WAY = 2.0
 #: Gains that the last one is predicted from, to see the noise of all.
 PREDICTING = 4
 #: Smallest size that is divided by.
@@ -77,7 +79,7 @@ class Excess:
     by_timestep : the largest gain before extrapolation, relative to these sizes, (J, 4)
     unsmooth : how far the gain with each timestep is from what the others predict of it, likewise,
         in units of what reading a state explains, (J, 4)
-    is_constrained : whether the com is off its pivot: a constraint holds the body
+    is_constrained : whether the com leaves its pivot: a constraint holds the body
     """
 
     limit: FloatArray
@@ -148,17 +150,24 @@ def excess(equations: Equations, steps: Steps, epsilon: float, slack: float) -> 
     # Where next to nothing acts, as on a body at rest, next to nothing is asked.
     local = _sizes(equations, steps.before).reshape(shape)[0]
     held = np.where(local < NEGLIGIBLE * sizes, NEGLIGIBLE, ABOVE * slack) * sizes
+    if not equations.scenario.has_pivot:
+        # Engines may solve for rotation and flight together, with terms m v² that cancel.
+        speeds = norms(steps.before.velocity_world).reshape(shape[:2])[0]
+        held[:, 1] += ROUNDINGS * epsilon * equations.scenario.body.mass * speeds**2
     return Excess(
         limit,
         known_to + held,
         sizes,
         (np.abs(gains).max(axis=3) / sizes).max(axis=1),
         (_surprises(steps.timesteps, gains, rounding) / (held + read)).max(axis=1),
-        bool(
-            equations.scenario.has_pivot
-            and (np.abs(gains[-1, :, 3]) > rounding[-1, :, 3, None] + slack * sizes[3]).any()
-        ),
+        equations.scenario.has_pivot and _gives_way(gains, rounding, slack * sizes[3]),
     )
+
+
+def _gives_way(gains: FloatArray, rounding: FloatArray, least: float) -> bool:
+    """Whether the com leaves its pivot in a step, the further the longer the step."""
+    first, last = (norms(gains[k, :, 3]) for k in (0, -1))
+    return bool(((last > rounding[-1, :, 3] + least) & (first > GIVEN_WAY * last)).any())
 
 
 def _noise(timesteps: FloatArray, gains: FloatArray) -> FloatArray:
