@@ -66,12 +66,12 @@ def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) ->
     steps = _steps(engine, scenario, method, at)
     is_single = engine.single_precision or bool(single_precision(steps.before))
     eps = float(np.finfo(np.float32 if is_single else float).eps)
-    held = max(engine.slack, ULPS_A_STEP * float(np.finfo(float).eps) * at.condition)
-    found = excess(equations, steps, eps, held)
+    slack = max(engine.slack, ULPS_A_STEP * float(np.finfo(float).eps) * at.condition)
+    found = excess(equations, steps, eps, slack)
     if settles := found.is_constrained:
         # From an exact state a constraint takes some steps to settle.
         steps = _steps(engine, scenario, method, at, SETTLING)
-        found = excess(equations, steps, eps, max(held, NEGLIGIBLE / ABOVE))
+        found = excess(equations, steps, eps, max(slack, NEGLIGIBLE / ABOVE))
     wrong = misread or _wrong(equations, steps, found, at, is_smooth=not settles)
     return LocalCheck(
         reason=wrong,
@@ -158,7 +158,7 @@ def _rows(states: list[State]) -> State:
 def _wrong(
     equations: Equations, steps: Steps, found: Excess, at: Places, *, is_smooth: bool
 ) -> str:
-    """In words, how steps are inconsistent with the equations of motion; else empty."""
+    """How steps are inconsistent with the equations of motion, in words; else empty."""
     off = found.by_tolerance
     if leap := _leap(found, at):
         return leap
@@ -252,7 +252,7 @@ def _run_pieces(
 def restarted(
     engine: Engine, scenario: Scenario, method_name: str, rung: Rung, motion: Trajectory
 ) -> float | None:
-    """By how many tolerances a run goes on otherwise than if restarted from its own states.
+    """The tolerances by which a run goes on otherwise than if restarted from its own states.
 
     A run of few steps is gone through from end to end in stretches, of a longer one some intervals,
     in two strides each. What a nudge of the state does to the end is the tolerance. None where a

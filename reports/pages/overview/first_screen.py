@@ -76,7 +76,7 @@ class _AtStock:
 
     @property
     def _by_turns(self) -> str:
-        """In words, medians of what does not depend on the windows' lengths."""
+        """Medians, in words, of measures that do not depend on the windows' lengths."""
         within = [
             math.inf if row.turns_within_1deg is None else row.turns_within_1deg
             for row in self.rows.values()
