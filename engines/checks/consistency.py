@@ -137,7 +137,7 @@ def excess(equations: Equations, steps: Steps, epsilon: float, slack: float) -> 
     Parameters
     ----------
     epsilon : relative rounding of the engine's floating-point numbers
-    slack : relative to the largest terms, what a body that is held so exactly leaves
+    slack : relative to the largest terms, what a body that an engine holds so exactly leaves
     """
     shape = (len(steps.timesteps), -1, 4)
     gains = _gains(equations, steps).reshape(*shape, 3)
