@@ -144,7 +144,7 @@ def run_rungs(
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A scene's exact motion on its ladder, on single timesteps asked for, and at stock ones."""
+    """A scene's exact motion on its ladder, on single timesteps, and at stock ones."""
 
     solution: Solution
     ladder: Ladder
