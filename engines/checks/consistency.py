@@ -149,6 +149,10 @@ def excess(equations: Equations, steps: Steps, epsilon: float, slack: float) -> 
     # Where next to nothing acts, as on a body at rest, next to nothing is asked.
     local = _sizes(equations, steps.before).reshape(shape)[0]
     slack_of_terms = np.where(local < NEGLIGIBLE * sizes, NEGLIGIBLE, ABOVE * slack) * sizes
+    if not equations.scenario.has_pivot:
+        # Engines may solve for rotation and flight together, with terms m v² that cancel.
+        speeds = norms(steps.before.velocity_world).reshape(shape[:2])[0]
+        slack_of_terms[:, 1] += ROUNDINGS * epsilon * equations.scenario.body.mass * speeds**2
     return Excess(
         limit,
         known_to + slack_of_terms,
