@@ -188,7 +188,7 @@ def _instead(
         for seconds, words in ((whole, SWITCHED), (pruned, PRUNED))
         if (price := _price(seconds, cheap, words))
     ]
-    return text + (f"; a step takes {', '.join(prices)}" if prices else "")
+    return text + (f"; a step takes {', and '.join(prices)}" if prices else "")
 
 
 def _price(seconds: Mapping[str, float | None], cheap: Mapping[str, float | None], how: str) -> str:
@@ -198,7 +198,7 @@ def _price(seconds: Mapping[str, float | None], cheap: Mapping[str, float | None
         return ""
     low, middle, high = np.percentile(ratios, [25, 50, 75])
     spread = f"{readable(float(low))} to {readable(float(high))}"
-    return f"{readable(float(middle))} ({spread}) times the CPU time of the default's {how}"
+    return f"{readable(float(middle))} ({spread}) times the default's CPU time {how}"
 
 
 def _pair(key: Key) -> Pair:
