@@ -137,7 +137,7 @@ def excess(equations: Equations, steps: Steps, epsilon: float, slack: float) -> 
     Parameters
     ----------
     epsilon : relative rounding of the engine's floating-point numbers
-    slack : relative to the largest terms, what a body that is held so exactly leaves
+    slack : relative to the largest terms, what a body that an engine holds so exactly leaves
     """
     shape = (len(steps.timesteps), -1, 4)
     gains = _gains(equations, steps).reshape(*shape, 3)
@@ -148,13 +148,17 @@ def excess(equations: Equations, steps: Steps, epsilon: float, slack: float) -> 
     limit, known_to = _extrapolated(steps.timesteps, gains, rounding)
     # Where next to nothing acts, as on a body at rest, next to nothing is asked.
     local = _sizes(equations, steps.before).reshape(shape)[0]
-    held = np.where(local < NEGLIGIBLE * sizes, NEGLIGIBLE, ABOVE * slack) * sizes
+    slack_of_terms = np.where(local < NEGLIGIBLE * sizes, NEGLIGIBLE, ABOVE * slack) * sizes
+    if not equations.scenario.has_pivot:
+        # Engines may solve for rotation and flight together, with terms m v² that cancel.
+        speeds = norms(steps.before.velocity_world).reshape(shape[:2])[0]
+        slack_of_terms[:, 1] += ROUNDINGS * epsilon * equations.scenario.body.mass * speeds**2
     return Excess(
         limit,
-        known_to + held,
+        known_to + slack_of_terms,
         sizes,
         (np.abs(gains).max(axis=3) / sizes).max(axis=1),
-        (_surprises(steps.timesteps, gains, rounding) / (held + read)).max(axis=1),
+        (_surprises(steps.timesteps, gains, rounding) / (slack_of_terms + read)).max(axis=1),
         # By how much the com is off: a body that is another keeps that, a constraint does not.
         bool(
             equations.scenario.has_pivot
