@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...scenarios import FloatArray, Scenario
+from ...scenarios import FloatArray, Scenario, push
 from ...scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ...scenarios.scenario import started_at
 from ..session import Session
@@ -77,7 +77,8 @@ class Excess:
     by_timestep : the largest gain before extrapolation, relative to these sizes, (J, 4)
     unsmooth : how far the gain with each timestep is from what the others predict of it, likewise,
         in units of what reading a state explains, (J, 4)
-    is_constrained : whether the com is off its pivot: a constraint holds the body
+    is_constrained : whether a constraint holds the body: its com is off the pivot, by as much as
+        the timestep makes it
     """
 
     limit: FloatArray
@@ -136,7 +137,7 @@ def excess(equations: Equations, steps: Steps, epsilon: float, slack: float) -> 
     Parameters
     ----------
     epsilon : relative rounding of the engine's floating-point numbers
-    slack : relative to the largest terms, what a body that is held so exactly leaves
+    slack : relative to the largest terms, what a body that an engine holds so exactly leaves
     """
     shape = (len(steps.timesteps), -1, 4)
     gains = _gains(equations, steps).reshape(*shape, 3)
@@ -147,16 +148,22 @@ def excess(equations: Equations, steps: Steps, epsilon: float, slack: float) -> 
     limit, known_to = _extrapolated(steps.timesteps, gains, rounding)
     # Where next to nothing acts, as on a body at rest, next to nothing is asked.
     local = _sizes(equations, steps.before).reshape(shape)[0]
-    held = np.where(local < NEGLIGIBLE * sizes, NEGLIGIBLE, ABOVE * slack) * sizes
+    slack_of_terms = np.where(local < NEGLIGIBLE * sizes, NEGLIGIBLE, ABOVE * slack) * sizes
+    if not equations.scenario.has_pivot:
+        # Engines may solve for rotation and flight together, with terms m v² that cancel.
+        speeds = norms(steps.before.velocity_world).reshape(shape[:2])[0]
+        slack_of_terms[:, 1] += ROUNDINGS * epsilon * equations.scenario.body.mass * speeds**2
     return Excess(
         limit,
-        known_to + held,
+        known_to + slack_of_terms,
         sizes,
         (np.abs(gains).max(axis=3) / sizes).max(axis=1),
-        (_surprises(steps.timesteps, gains, rounding) / (held + read)).max(axis=1),
+        (_surprises(steps.timesteps, gains, rounding) / (slack_of_terms + read)).max(axis=1),
+        # By how much the com is off: a body that is another keeps that, a constraint does not.
         bool(
             equations.scenario.has_pivot
-            and (np.abs(gains[-1, :, 3]) > rounding[-1, :, 3, None] + slack * sizes[3]).any()
+            and np.ptp(np.linalg.norm(gains[:, :, 3], axis=2), axis=0).max()
+            > ABOVE * slack * sizes[3]
         ),
     )
 
@@ -249,8 +256,11 @@ def _sizes(equations: Equations, states: State) -> FloatArray:
     scenario, reach = equations.scenario, equations.reach
     speeds = norms(states.omega_body)
     g = float(np.linalg.norm(scenario.gravity_world))
-    push = float(np.linalg.norm(scenario.torque_body) + np.linalg.norm(scenario.torque_world))
-    outer = push + scenario.drag * speeds
+    still, pushed = (
+        push(scenario.pushed, np.eye(3), omega)
+        for omega in (np.zeros(3), np.array(states.omega_body))
+    )
+    outer = np.linalg.norm(still) + norms(pushed - still)
     if scenario.has_pivot:
         outer = outer + scenario.body.mass * g * equations.arm
         velocity, place = speeds * reach, np.full_like(speeds, reach)

@@ -22,6 +22,8 @@ LINEAR, LINEAR_AT_MOST = 1e-2, 0.2
 WHOLE = 1e-2
 #: A number with a smaller effect than this, relative to the others, is ignored.
 RANK = 1e-6
+#: A change that seven digits show to a tenth.
+VISIBLE = 1e-5
 #: Also used in `first_steps`, where the motion without that torque is compared as a whole.
 NO_GYROSCOPIC_TORQUE = "there were no gyroscopic torque"
 #: Two changes are distinguished if what they leave unexplained differs by this factor.
@@ -94,11 +96,11 @@ def _changes(equations: Equations, gains: Sequence[Gain]) -> Iterator[_Change]:
     yield _Change(effect(lambda s: s.torque(-s.L)), _decay)
     yield _Change(effect(lambda s: s.gain.wanted * s.is_rate), _step)
     yield _Change(
-        effect(_Start.scaled_omega), lambda t: f"ω were read {1 + t[0]:.7g} times too large"
+        effect(_Start.scaled_omega), lambda t: f"ω were read {_factor(t[0])} times too large"
     )
     yield _Change(
         effect(lambda s: s.scaled_velocity()),
-        lambda t: f"the velocity were read {1 + t[0]:.7g} times too large",
+        lambda t: f"the velocity were read {_factor(t[0])} times too large",
     )
     yield from _body_changes(equations, effect)
 
@@ -179,7 +181,7 @@ def _gyroscopic(theta: FloatArray) -> str:
     left_out = theta[0]
     if abs(left_out - 1) <= WHOLE:
         return NO_GYROSCOPIC_TORQUE
-    return f"the gyroscopic torque ω × Iω were {1 - left_out:.7g} times as strong"
+    return f"the gyroscopic torque ω × Iω were {_factor(-left_out)} times as strong"
 
 
 def _strength(theta: FloatArray) -> str:
@@ -187,7 +189,7 @@ def _strength(theta: FloatArray) -> str:
         return "gravity were turned round"
     if abs(theta[0] + 1) <= WHOLE:
         return "there were no gravity"
-    return f"gravity were {1 + theta[0]:.7g} times as strong"
+    return f"gravity were {_factor(theta[0])} times as strong"
 
 
 def _resistance(theta: FloatArray) -> str:
@@ -199,12 +201,17 @@ def _decay(theta: FloatArray) -> str:
 
 
 def _step(theta: FloatArray) -> str:
-    return f"a step were {1 + theta[0]:.7g} of a timestep"
+    return f"a step were {_factor(theta[0])} of a timestep"
 
 
 def _moments(moments: FloatArray, theta: FloatArray) -> str:
     other = moments + theta
     return f"the moments were {_numbers(other)} kg m²" if (other > 0).all() else ""
+
+
+def _factor(change: float) -> str:
+    """One and a change, with as many digits as show it."""
+    return f"{1 + change:.{7 if abs(change) > VISIBLE else 11}g}"
 
 
 def _numbers(vector: FloatArray) -> str:

@@ -184,8 +184,7 @@ class ConvergenceStudy:
         if not self.rows:
             return self.ladder.least_steps > 0
         settled = self._hopeless(self.rows[-1]) or self._diverges_at_any_timestep
-        decided = self.local is not None and self.local.converges
-        return not (settled or decided or self.judge.is_known)
+        return not (settled or self._is_decided or self.judge.is_known)
 
     def discardable_timesteps(self) -> list[float]:
         """Timesteps of the runs whose samples are not needed after the verdict.
@@ -219,12 +218,17 @@ class ConvergenceStudy:
         assert self.ladder is not None, "only a ladder has an end"
         if self._hopeless(self.rows[-1]) or self._diverges_at_any_timestep:
             return True
-        if self.local and self.local.converges and self.rows[-1].steps >= STEP_BUDGET:
-            # The verdict does not need them: errors and costs are shown down to here.
+        if self._is_decided:
             return True
         finest = self.ladder.rungs[-1].timestep
         settled = self.judge.is_known or self.judge.is_out_of_reach(finest)
         return len(self.rows) >= MIN_RUNGS and settled
+
+    @property
+    def _is_decided(self) -> bool:
+        """Whether finer rungs would show nothing but errors and costs, and there are enough."""
+        decided = self.local is not None and self.local.converges
+        return decided and self.rows[-1].steps >= STEP_BUDGET
 
     @property
     def last_row(self) -> Row | None:

@@ -144,7 +144,7 @@ def run_rungs(
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A scene's exact motion on its ladder, on single timesteps asked for, and at stock ones."""
+    """A scene's exact motion on its ladder, on single timesteps, and at stock ones."""
 
     solution: Solution
     ladder: Ladder
@@ -266,8 +266,8 @@ def _examine(study: ConvergenceStudy, executor: Executor) -> None:
     """Examine the method from exact states of the motion, in a worker."""
     at, site = study.places, study.engine.site
     if at is not None and not study.method.as_shipped:
-        asked = (study.engine, study.scenario, study.method.name, at)
-        found = executor.call_at(site, examine, *asked).value
+        arguments = (study.engine, study.scenario, study.method.name, at)
+        found = executor.call_at(site, examine, *arguments).value
         study.local = None if isinstance(found, CallFailed) else found
 
 
@@ -282,8 +282,8 @@ def _restart(study: ConvergenceStudy, executor: Executor) -> None:
     ]
     short = [run for run in runs if run[0].steps <= FEW_STEPS]
     for run in {run[0].timestep: run for run in short[-1:] + runs[-1:]}.values():
-        asked = (study.engine, study.scenario, study.method.name, *run)
-        found = executor.call_at(study.engine.site, restarted, *asked).value
+        arguments = (study.engine, study.scenario, study.method.name, *run)
+        found = executor.call_at(study.engine.site, restarted, *arguments).value
         if isinstance(found, float):
             study.remembers = bool(study.remembers) or found > 1
 

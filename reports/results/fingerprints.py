@@ -61,9 +61,9 @@ def fingerprints(scenario: Scenario, engines: Sequence[Engine]) -> Iterator[Fing
     The digest of an engine at another version includes the name of its folder, which ends with the
     Python that it runs under.
     """
+    scene = {"motion": scenario.digest, "verdict": scenario.judged_digest}
     for kind in DECIDING:
-        parts = [program(kind)] + [scenario.digest] * (kind == "motion")
-        yield Fingerprint(scenario.name, "", kind, _digest(parts))
+        yield Fingerprint(scenario.name, "", kind, _digest([program(kind), scene.get(kind, "")]))
     for engine in engines:
         parts = [engine.version, Path(engine.site).name, adapter(type(engine))]
         parts += [_content(path) for path in engine.sources]

@@ -40,7 +40,7 @@ class _Series:
 def contradictions(
     rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float
 ) -> Iterator[str]:
-    """In words, what of the judged rows no method that converges would do.
+    """What of the judged rows no method that converges would do, in words.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def _all(rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float)
 
 
 def _largest_defects(row: Row) -> list[float]:
-    """By signal; of a run that cannot be followed infinite."""
+    """The largest defects by signal; infinite in a run that cannot be followed."""
     found = row.defects or {}
     return [found[signal.name].max if found else np.inf for signal in SIGNALS]
 

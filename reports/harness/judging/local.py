@@ -6,6 +6,7 @@ that no ladder over the whole window reaches the asymptotic range.
 """
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -38,9 +39,10 @@ ULPS_A_STEP = 16
 LEAPS = 4
 #: Rungs of the pieces, and the uncertainty of their limits that is enough.
 PIECE_RUNGS, PIECE_GOAL = 7, 1e-4
-#: Intervals of a run that are gone through again, and the most steps of one; a run of few steps is
-#: gone through from end to end.
-INTERVALS, MOST_STEPS, FEW_STEPS = 5, 1 << 12, 1 << 12
+#: Intervals of a run that are gone through again, and the most steps of one.
+INTERVALS, MOST_STEPS = 5, 1 << 12
+#: Stretches that a run of few steps is gone through in, from end to end.
+STRETCHES, FEW_STEPS = 64, 1 << 12
 #: Relative change of a state that shows what rounding does to an interval.
 NUDGE = 2.0**-46
 
@@ -64,12 +66,12 @@ def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) ->
     steps = _steps(engine, scenario, method, at)
     is_single = engine.single_precision or bool(single_precision(steps.before))
     eps = float(np.finfo(np.float32 if is_single else float).eps)
-    held = max(engine.slack, ULPS_A_STEP * float(np.finfo(float).eps) * at.condition)
-    found = excess(equations, steps, eps, held)
+    slack = max(engine.slack, ULPS_A_STEP * float(np.finfo(float).eps) * at.condition)
+    found = excess(equations, steps, eps, slack)
     if settles := found.is_constrained:
         # From an exact state a constraint takes some steps to settle.
         steps = _steps(engine, scenario, method, at, SETTLING)
-        found = excess(equations, steps, eps, max(held, NEGLIGIBLE / ABOVE))
+        found = excess(equations, steps, eps, max(slack, NEGLIGIBLE / ABOVE))
     wrong = misread or _wrong(equations, steps, found, at, is_smooth=not settles)
     return LocalCheck(
         reason=wrong,
@@ -156,7 +158,7 @@ def _rows(states: list[State]) -> State:
 def _wrong(
     equations: Equations, steps: Steps, found: Excess, at: Places, *, is_smooth: bool
 ) -> str:
-    """In words, how steps are inconsistent with the equations of motion; else empty."""
+    """How steps are inconsistent with the equations of motion, in words; else empty."""
     off = found.by_tolerance
     if leap := _leap(found, at):
         return leap
@@ -250,39 +252,40 @@ def _run_pieces(
 def restarted(
     engine: Engine, scenario: Scenario, method_name: str, rung: Rung, motion: Trajectory
 ) -> float | None:
-    """By how many tolerances a run goes on otherwise than if restarted from its own states.
+    """The tolerances by which a run goes on otherwise than if restarted from its own states.
 
-    A run of few steps is restarted at every sample, a longer one at some, in two strides where the
-    run took one. What a nudge of the state does to the next sample is the tolerance. None where a
+    A run of few steps is gone through from end to end in stretches, of a longer one some intervals,
+    in two strides each. What a nudge of the state does to the end is the tolerance. None where a
     session cannot be restarted.
     """
-    method = engine.method(method_name)
+    method, intervals = engine.method(method_name), len(rung.sample_steps) - 1
     steps = np.diff(rung.sample_steps)
-    if method.as_shipped or not len(steps) or steps.max() > MOST_STEPS:
+    if method.as_shipped or not intervals or steps.max() > MOST_STEPS:
         return None
     states = State(*(getattr(motion, name) for name in State.__dataclass_fields__))
-    is_short = rung.steps <= FEW_STEPS
-    chosen = np.unique(
-        np.linspace(0, len(steps) - 1, len(steps) if is_short else INTERVALS).astype(int)
-    )
+    if rung.steps <= FEW_STEPS:
+        edges = np.unique(np.linspace(0, intervals, STRETCHES + 1).astype(int)).tolist()
+        stretches: list[tuple[int, int]] = list(pairwise(edges))
+    else:
+        some = np.unique(np.linspace(0, intervals - 1, INTERVALS).astype(int)).tolist()
+        stretches = [(k, k + 1) for k in some]
     try:
         with engine.open(scenario, method, rung.timestep) as session:
             if not session.can_restart:
                 return None
 
-            def gone_on(k: int, nudge: float = 1.0) -> State:
-                state = states.rows(k)
+            def gone_on(first: int, last: int, nudge: float = 1.0) -> State:
+                state = states.rows(first)
                 session.restart(replace(state, omega_body=nudge * state.omega_body))
-                half = int(steps[k]) // 2
-                session.advance(half)
-                session.advance(int(steps[k]) - half)
+                count = int(rung.sample_steps[last] - rung.sample_steps[first])
+                session.advance(count // 2)
+                session.advance(count - count // 2)
                 return session.read_state()
 
-            again = [gone_on(int(k)) for k in chosen]
-            ran = [states.rows(int(k) + 1) for k in chosen]
-            apart = _apart(_rows(ran), _rows(again))
+            again = [gone_on(*stretch) for stretch in stretches]
+            apart = _apart(_rows([states.rows(last) for _, last in stretches]), _rows(again))
             worst = np.argsort(apart)[-INTERVALS:]
-            nudged = [gone_on(int(chosen[k]), 1.0 + NUDGE) for k in worst]
+            nudged = [gone_on(*stretches[int(k)], nudge=1.0 + NUDGE) for k in worst]
     except EngineError:
         return None
     by_nudge = _apart(_rows(nudged), _rows([again[k] for k in worst]))

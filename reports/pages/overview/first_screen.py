@@ -76,7 +76,7 @@ class _AtStock:
 
     @property
     def _by_turns(self) -> str:
-        """In words, medians of what does not depend on the windows' lengths."""
+        """Medians, in words, of measures that do not depend on the windows' lengths."""
         within = [
             math.inf if row.turns_within_1deg is None else row.turns_within_1deg
             for row in self.rows.values()
@@ -188,7 +188,7 @@ def _instead(
         for seconds, words in ((whole, SWITCHED), (pruned, PRUNED))
         if (price := _price(seconds, cheap, words))
     ]
-    return text + (f"; a step takes {', '.join(prices)}" if prices else "")
+    return text + (f"; a step takes {', and '.join(prices)}" if prices else "")
 
 
 def _price(seconds: Mapping[str, float | None], cheap: Mapping[str, float | None], how: str) -> str:
@@ -198,7 +198,7 @@ def _price(seconds: Mapping[str, float | None], cheap: Mapping[str, float | None
         return ""
     low, middle, high = np.percentile(ratios, [25, 50, 75])
     spread = f"{readable(float(low))} to {readable(float(high))}"
-    return f"{readable(float(middle))} ({spread}) times the CPU time of the default's {how}"
+    return f"{readable(float(middle))} ({spread}) times the default's CPU time {how}"
 
 
 def _pair(key: Key) -> Pair:

@@ -4,12 +4,14 @@ import ast
 from pathlib import Path
 
 import pytest
+from scene_texts import FAST_TOP
 from spincheck.engines import engines
 from spincheck.engines.adapters.mujoco import MuJoCo
 from spincheck.engines.contract.scenes import SCENES
 from spincheck.engines.versions.engine import VersionedEngine
 from spincheck.engines.versions.folders import folder_of
 from spincheck.reports.results import fingerprints
+from spincheck.scenarios import loads
 
 ROOT = Path(__file__).parents[3]
 NAME = "mujoco@3.3.0"
@@ -83,6 +85,26 @@ def test_a_change_reaches_what_rests_on_it(monkeypatch, name, old, new, resting)
     assert old in text
     before = digests(monkeypatch)
     after = digests(monkeypatch, file, text.replace(old, new, 1))
+    assert {kind for kind in before if before[kind] != after[kind]} == resting
+
+
+KNOWN = '[[known]]\nengine = "e"\nmethod = "m"\nverdict = "disagrees"\nreason = "r"\n'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "resting"),
+    [
+        ("made up", "made up too", set()),
+        ("samples = 101", "samples = 102", {"motion", "verdict"}),
+        ("samples = 101\n", f"samples = 101\n{KNOWN}", {"verdict"}),
+    ],
+    ids=["its source", "its window", "an expected failure"],
+)
+def test_a_change_of_a_scene_reaches_what_rests_on_it(old, new, resting):
+    before, after = (
+        {one.kind: one.digest for one in fingerprints.fingerprints(loads(text, "top"), ())}
+        for text in (FAST_TOP, FAST_TOP.replace(old, new))
+    )
     assert {kind for kind in before if before[kind] != after[kind]} == resting
 
 

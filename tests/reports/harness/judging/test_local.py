@@ -1,0 +1,60 @@
+"""From exact states along a motion small faults are told at first order, and no honest method is.
+
+Verified is what single steps and pieces show; what ladders show is in `test_false_passes.py`.
+"""
+
+import pytest
+from faulty_mujoco import FaultyMuJoCo, PlantedFault, applies
+from library_scenes import library_scene
+from spincheck.engines import engines
+from spincheck.reports.harness.judging.local import examine
+from spincheck.reports.harness.study import prepare
+
+pytestmark = pytest.mark.slow
+
+#: Steps of a ladder, which is not run.
+FEW = 1 << 8
+PLAIN = "nutation-loops"
+HARD = [
+    "chaos-beyond-the-horizon",
+    "middle-axis-exactly",
+    "pendulum-just-over",
+    "separatrix-within-1e-10",
+    "toutatis",
+]
+
+
+def examined(engine, method, name):
+    scene = library_scene(name)
+    return examine(engine, scene, method, prepare(scene, (), FEW).places)
+
+
+@pytest.mark.parametrize("name", [PLAIN, *HARD])
+def test_an_honest_method_of_first_order_is_consistent_and_converges_in_pieces(name):
+    local = examined(FaultyMuJoCo(), "Euler", name)
+    assert local.reason == ""
+    assert local.converges
+    assert not local.remembers
+
+
+@pytest.mark.parametrize("kind", ["moment", "com", "gravity", "clock"])
+@pytest.mark.parametrize("name", [PLAIN, *HARD])
+def test_a_fault_of_a_ten_millionth_is_told_at_first_order(name, kind):
+    fault = PlantedFault(kind, 1e-7)
+    if not applies(fault, library_scene(name)):
+        pytest.skip(f"'{name}' has no {kind} that acts")
+    assert examined(FaultyMuJoCo(fault), "Euler", name).reason
+
+
+@pytest.mark.needs_pybullet
+@pytest.mark.parametrize("method", ["multibody-p2p", "maximal"])
+def test_a_body_that_a_constraint_holds_is_given_time_to_settle(method):
+    local = examined(engines()["pybullet"], method, PLAIN)
+    assert local.settles
+    assert local.converges
+
+
+def test_a_body_that_no_engine_holds_is_not_known_well_enough():
+    local = examined(engines()["mujoco"], "RK4", "rod-1e-12")
+    assert local.reason == ""
+    assert not local.converges
