@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from ....engines import Engine, EngineError, Method
-from ....engines.checks.consistency import ABOVE, Excess, Steps, excess, single_steps
+from ....engines.checks.consistency import ABOVE, COARSER, Excess, Steps, excess, single_steps
 from ....engines.checks.equations import Equations, Gain, gain_between
 from ....engines.checks.explanations import explanation
 from ....engines.checks.first_steps import residual_words
@@ -25,6 +25,7 @@ from ....scenarios.signals import SIGNALS
 from ...results.records import LocalCheck, SignalVerdict
 from ..ladder import Rung
 from ..richardson import RichardsonLadder
+from ..stock import stock_timesteps
 from ..verdict import Judgement, judge
 from .places import PIECE_STEPS, SAMPLE_EVERY, Places, flowed
 
@@ -63,22 +64,23 @@ def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) ->
     equations = Equations(scenario)
     with engine.open(scenario, method, float(at.timesteps[0])) as session:
         remembers, misread = _first_look(engine, scenario, method, at, session)
-    steps = _steps(engine, scenario, method, at)
+    steps, others = _steps(engine, scenario, method, at)
     is_single = engine.single_precision or bool(single_precision(steps.before))
     eps = float(np.finfo(np.float32 if is_single else float).eps)
     slack = max(engine.slack, ULPS_A_STEP * float(np.finfo(float).eps) * at.condition)
-    found = excess(equations, steps, eps, slack)
+    found = excess(equations, steps, others, eps, slack)
     if settles := found.is_constrained:
         # From an exact state a constraint takes some steps to settle.
-        steps = _steps(engine, scenario, method, at, SETTLING)
-        found = excess(equations, steps, eps, max(slack, NEGLIGIBLE / ABOVE))
-    wrong = misread or _wrong(equations, steps, found, at, is_smooth=not settles)
+        steps, others = _steps(engine, scenario, method, at, SETTLING)
+        found = excess(equations, steps, others, eps, max(slack, NEGLIGIBLE / ABOVE))
+    wrong = misread or _wrong(engine, equations, steps, found, at, is_smooth=not settles)
     return LocalCheck(
         reason=wrong,
         tolerance=float((found.tolerance / np.maximum(found.sizes, 1e-300)).max()),
         remembers=remembers,
         settles=settles,
         at_any_timestep=bool(found.by_tolerance.max() > 1),
+        is_open=found.is_open,
         states=len(at.times),
         pieces=() if wrong else _pieces(engine, scenario, method, at, eps),
     )
@@ -86,15 +88,27 @@ def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) ->
 
 def _steps(
     engine: Engine, scenario: Scenario, method: Method, at: Places, settle: int = 0
-) -> Steps:
-    return single_steps(
-        lambda scene, timestep: engine.open(scene, method, timestep),
-        scenario,
-        at.states,
-        at.timesteps,
-        lambda states, spans: flowed(scenario, states, spans),
-        settle,
+) -> tuple[Steps, Steps]:
+    """Single steps with the halved timesteps, and with those of `_others`."""
+    halved, stock = (
+        single_steps(
+            lambda scene, timestep: engine.open(scene, method, timestep),
+            scenario,
+            at.states,
+            timesteps,
+            lambda states, spans: flowed(scenario, states, spans),
+            settle,
+        )
+        for timesteps in (at.timesteps, np.array(_others(engine, at)))
     )
+    return halved, stock
+
+
+def _others(engine: Engine, at: Places) -> list[float]:
+    """One timestep between two rungs, and the engine's stock ones that are within the ladder's."""
+    finest, coarsest = at.timesteps[-1], at.timesteps[0]
+    stock = [h for h in stock_timesteps(engine) if finest <= h < coarsest]
+    return [float(at.timesteps[COARSER]) / 2**0.5, *stock]
 
 
 def _started(
@@ -156,7 +170,13 @@ def _rows(states: list[State]) -> State:
 
 
 def _wrong(
-    equations: Equations, steps: Steps, found: Excess, at: Places, *, is_smooth: bool
+    engine: Engine,
+    equations: Equations,
+    steps: Steps,
+    found: Excess,
+    at: Places,
+    *,
+    is_smooth: bool,
 ) -> str:
     """How steps are inconsistent with the equations of motion, in words; else empty."""
     off = found.by_tolerance
@@ -164,12 +184,13 @@ def _wrong(
         return leap
     if off.max() > 1:
         return _explained(equations, steps, found, at)
-    if is_smooth and found.unsmooth.max() > 1:
-        j, quantity = np.unravel_index(int(np.argmax(found.unsmooth)), found.unsmooth.shape)
+    unsmooth = np.vstack([found.unsmooth, found.unsmooth_others])
+    if is_smooth and unsmooth.max() > 1:
+        j, quantity = np.unravel_index(int(np.argmax(unsmooth)), unsmooth.shape)
+        timestep = [*at.timesteps, *_others(engine, at)][j]
         return (
-            f"with a timestep of {at.timesteps[j]:.3g} s a step gains what steps of other lengths "
-            f"do not predict, {found.by_timestep[j, quantity]:.1e} of the largest term of "
-            f"{QUANTITY_NAMES[quantity]}: what acts depends on the timestep"
+            f"with a timestep of {timestep:.3g} s a step gains what steps of other lengths do not "
+            f"predict, in {QUANTITY_NAMES[quantity]}: what acts depends on the timestep"
         )
     return ""
 

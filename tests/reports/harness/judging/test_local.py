@@ -4,11 +4,13 @@ Verified is what single steps and pieces show; what ladders show is in `test_fal
 """
 
 import pytest
+import stepped_faults as planted
 from faulty_mujoco import FaultyMuJoCo, PlantedFault, applies
 from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.reports.harness.judging.local import examine
 from spincheck.reports.harness.study import prepare
+from stepped import Stepped, SteppedEngine
 
 pytestmark = pytest.mark.slow
 
@@ -58,3 +60,21 @@ def test_a_body_that_no_engine_holds_is_not_known_well_enough():
     local = examined(engines()["mujoco"], "RK4", "rod-1e-12")
     assert local.reason == ""
     assert not local.converges
+
+
+@pytest.mark.parametrize("method", ["Euler", "RK4"])
+def test_a_fault_at_the_stock_timestep_alone_is_told(method):
+    faulty, honest = (
+        SteppedEngine(kind, 1e-3, stock_timestep=2e-3)
+        for kind in (planted.AtExactlyTwoMilliseconds, Stepped)
+    )
+    assert "with a timestep of 0.002 s" in examined(faulty, method, "book-middle-axis").reason
+    assert not examined(honest, method, "book-middle-axis").reason
+
+
+def test_what_is_left_of_a_body_near_rest_may_add_up_and_decides_nothing():
+    """MuJoCo's `discrete` creeps on at a millionth of the first speed: 2e-4 rad over the window."""
+    local = examined(engines()["mujoco"], "discrete", "drag-until-rest")
+    assert local.is_open
+    assert not local.converges
+    assert not examined(engines()["mujoco"], "Euler", "drag-until-rest").is_open
