@@ -8,9 +8,12 @@ import stepped_faults as planted
 from faulty_mujoco import FaultyMuJoCo, PlantedFault, applies
 from library_scenes import library_scene
 from spincheck.engines import engines
+from spincheck.reports.cli.run.summary import verdict_record
 from spincheck.reports.harness.judging.local import examine
-from spincheck.reports.harness.study import prepare
+from spincheck.reports.harness.study import convergence_study_of, prepare
+from spincheck.reports.harness.study_verdict import verdict_on
 from stepped import Stepped, SteppedEngine
+from studies import verdict_of
 
 pytestmark = pytest.mark.slow
 
@@ -78,3 +81,19 @@ def test_what_is_left_of_a_body_near_rest_may_add_up_and_decides_nothing():
     assert local.is_open
     assert not local.converges
     assert not examined(engines()["mujoco"], "Euler", "drag-until-rest").is_open
+
+
+@pytest.mark.parametrize("method", ["Euler", "RK4"])
+def test_a_verdict_by_pieces_says_so_and_does_not_contradict_itself(method):
+    scene, engine = library_scene("chaos-beyond-the-horizon"), SteppedEngine()
+    prepared = prepare(scene, (), 1 << 12)
+    study = convergence_study_of(scene, engine, engine.method(method), prepared)
+    verdict = verdict_of(study)
+    assert verdict.verdict == "converges"
+    assert "would resolve" not in verdict.reason
+    assert "pieces" in verdict_record(verdict)["ground"]
+    study.remembers = True
+    remembering = verdict_on(study)
+    assert remembering.verdict == "unresolved"
+    assert not remembering.ground
+    assert "otherwise than if restarted from its own states" in remembering.reason
