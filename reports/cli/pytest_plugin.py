@@ -175,7 +175,7 @@ class EngineItem(SceneItem):
         self.method = method
 
     def runtest(self) -> None:
-        """Raise `Disagreement` if it disagrees, or is unresolved though an engine holds the body."""
+        """Raise `Disagreement` if it disagrees, or is unresolved though engines hold the body."""
         from ..harness.judging.places import not_held
         from ..harness.study import convergence_study_of, run_rungs
         from ..harness.study_verdict import verdict_on
