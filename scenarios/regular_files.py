@@ -9,7 +9,7 @@ import os
 import secrets
 import stat
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 #: Opening a pipe would wait for a writer; Windows has no such pipes.
@@ -86,7 +86,9 @@ def replacing(path: Path) -> Iterator[Path]:
         # Nobody has asked for the other.
         raise OSError(error.errno, error.strerror, str(path)) from None
     finally:
-        new.unlink(missing_ok=True)
+        # It is not there, unless something failed; on a read-only disk not even then.
+        with suppress(OSError):
+            new.unlink()
 
 
 def _opened(name: str, flags: int) -> int:

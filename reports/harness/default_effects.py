@@ -15,6 +15,8 @@ from ..results.records import Key
 from ..results.store import Store
 from .convergence_study import ConvergenceStudy
 from .executors import Executor
+from .judging.local import acts_at_any_timestep
+from .judging.places import Places
 from .ladder import Rung
 
 
@@ -39,7 +41,12 @@ def take_defaults_away(study: ConvergenceStudy, executor: Executor, store: Store
 
 
 def default_effects(
-    scenario: Scenario, engine: Engine, method: Method, rung: Rung, solution: Solution
+    scenario: Scenario,
+    engine: Engine,
+    method: Method,
+    rung: Rung,
+    solution: Solution,
+    at: Places | None = None,
 ) -> DefaultEffects | None:
     """Run a method as shipped with each default alone, and with all but one; None if it has none.
 
@@ -47,6 +54,7 @@ def default_effects(
     ----------
     rung : the timestep, usually the engine's stock timestep, and the steps of the samples
     solution : the exact motion at these samples
+    at : exact states to step from, to tell which defaults act at any timestep
     """
     names = engine.defaults(scenario, method)
     if not names or engine.unsupported(scenario, method):
@@ -61,10 +69,28 @@ def default_effects(
         errors(()),
         errors(names),
         tuple(
-            DefaultEffect(name, errors([name]), errors([other for other in names if other != name]))
+            DefaultEffect(
+                name,
+                errors([name]),
+                errors([other for other in names if other != name]),
+                _acts(scenario, engine, method, name, at) if at else None,
+            )
             for name in names
         ),
     )
+
+
+def _acts(scenario: Scenario, engine: Engine, method: Method, name: str, at: Places) -> bool | None:
+    """Whether a default alone alters the equations of motion; None if it cannot be stepped."""
+    try:
+        return acts_at_any_timestep(
+            lambda scene, timestep: engine.open_with_defaults(scene, method, timestep, [name]),
+            engine,
+            scenario,
+            at,
+        )
+    except EngineError:
+        return None
 
 
 def _errors(

@@ -15,11 +15,13 @@ class DefaultEffect:
     name : the engine's own name of it
     alone : errors with it and no other default; None if the run did not finish
     without : errors with all defaults but this; None if the run did not finish
+    acts : whether it alone alters the equations of motion, in steps however short; None if unknown
     """
 
     name: str
     alone: Errors | None
     without: Errors | None
+    acts: bool | None = None
 
 
 @dataclass(frozen=True)

@@ -81,7 +81,7 @@ VERDICTS = (
     VerdictKind(
         "disagrees",
         sign="✗",
-        phrases=("settles on a wrong one", "settle on a wrong one"),
+        phrases=("settles on a wrong motion", "settle on a wrong motion"),
         meaning="it settles on another motion, is of a lower order than declared, or its first "
         "steps break the equations of motion: no smaller timestep mends it",
         light=("#b0261c", "#ffffff"),

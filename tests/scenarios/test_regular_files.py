@@ -111,6 +111,17 @@ def test_a_disk_that_fills_leaves_the_old_file_and_names_it(tmp_path):
     assert [entry.name for entry in tmp_path.iterdir()] == ["page.html"]
 
 
+def test_a_disk_that_is_read_only_names_the_file(tmp_path, monkeypatch):
+    def refuse(place, *_: object, **__: object) -> None:
+        raise OSError(errno.EROFS, "Read-only file system", str(place))
+
+    monkeypatch.setattr(os, "open", refuse)
+    monkeypatch.setattr(Path, "unlink", refuse)
+    with pytest.raises(OSError, match="Read-only") as read_only:
+        write_new(tmp_path / "new.toml", "text")
+    assert read_only.value.filename == str(tmp_path / "new.toml")
+
+
 def test_a_new_file_has_the_rights_that_files_have(tmp_path):
     write_new(tmp_path / "new", "text")
     (tmp_path / "usual").touch()

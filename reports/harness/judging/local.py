@@ -11,7 +11,15 @@ from itertools import pairwise
 import numpy as np
 
 from ....engines import Engine, EngineError, Method
-from ....engines.checks.consistency import ABOVE, COARSER, Excess, Steps, excess, single_steps
+from ....engines.checks.consistency import (
+    ABOVE,
+    COARSER,
+    Excess,
+    Open,
+    Steps,
+    excess,
+    single_steps,
+)
 from ....engines.checks.equations import Equations, Gain, gain_between
 from ....engines.checks.explanations import explanation
 from ....engines.checks.first_steps import residual_words
@@ -64,15 +72,11 @@ def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) ->
     equations = Equations(scenario)
     with engine.open(scenario, method, float(at.timesteps[0])) as session:
         remembers, misread = _first_look(engine, scenario, method, at, session)
-    steps, others = _steps(engine, scenario, method, at)
-    is_single = engine.single_precision or bool(single_precision(steps.before))
-    eps = float(np.finfo(np.float32 if is_single else float).eps)
-    slack = max(engine.slack, ULPS_A_STEP * float(np.finfo(float).eps) * at.condition)
-    found = excess(equations, steps, others, eps, slack)
-    if settles := found.is_constrained:
-        # From an exact state a constraint takes some steps to settle.
-        steps, others = _steps(engine, scenario, method, at, SETTLING)
-        found = excess(equations, steps, others, eps, max(slack, NEGLIGIBLE / ABOVE))
+    steps, found = _consistency(
+        lambda scene, timestep: engine.open(scene, method, timestep), engine, scenario, at
+    )
+    eps = _epsilon(engine, steps)
+    settles = found.is_constrained
     wrong = misread or _wrong(engine, equations, steps, found, at, is_smooth=not settles)
     return LocalCheck(
         reason=wrong,
@@ -86,22 +90,54 @@ def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) ->
     )
 
 
-def _steps(
-    engine: Engine, scenario: Scenario, method: Method, at: Places, settle: int = 0
-) -> tuple[Steps, Steps]:
-    """Single steps with the halved timesteps, and with those of `_others`."""
-    halved, stock = (
-        single_steps(
-            lambda scene, timestep: engine.open(scene, method, timestep),
-            scenario,
-            at.states,
-            timesteps,
-            lambda states, spans: flowed(scenario, states, spans),
-            settle,
+def acts_at_any_timestep(open_at: Open, engine: Engine, scenario: Scenario, at: Places) -> bool:
+    """Whether a session's settings alter the equations of motion, however short its steps are.
+
+    Raises
+    ------
+    EngineError
+        If it cannot be opened or stepped.
+    """
+    _, found = _consistency(open_at, engine, scenario, at)
+    return bool(found.by_tolerance.max() > 1)
+
+
+def _consistency(
+    open_at: Open, engine: Engine, scenario: Scenario, at: Places
+) -> tuple[Steps, Excess]:
+    """Steps from exact states, and what they gain; once settled where a constraint holds them."""
+    equations = Equations(scenario)
+
+    def steps_after(settling: int) -> tuple[Steps, Steps]:
+        halved, others = (
+            single_steps(
+                open_at,
+                scenario,
+                at.states,
+                timesteps,
+                lambda states, spans: flowed(scenario, states, spans),
+                settling,
+            )
+            for timesteps in (at.timesteps, np.array(_others(engine, at)))
         )
-        for timesteps in (at.timesteps, np.array(_others(engine, at)))
-    )
-    return halved, stock
+        return halved, others
+
+    steps, others = steps_after(0)
+    eps = _epsilon(engine, steps)
+    slack = max(engine.slack, ULPS_A_STEP * float(np.finfo(float).eps) * at.condition)
+    found = excess(equations, steps, others, eps, slack)
+    if found.is_constrained:
+        # From an exact state a constraint takes some steps to settle.
+        steps, others = steps_after(SETTLING)
+        settled = excess(equations, steps, others, eps, max(slack, NEGLIGIBLE / ABOVE))
+        found = replace(settled, is_constrained=True)
+    return steps, found
+
+
+def _epsilon(engine: Engine, steps: Steps) -> float:
+    """The rounding of the numbers that an engine's states have, declared or not."""
+    is_single = engine.single_precision or bool(single_precision(steps.before))
+    return float(np.finfo(np.float32 if is_single else float).eps)
 
 
 def _others(engine: Engine, at: Places) -> list[float]:

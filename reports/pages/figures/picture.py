@@ -20,6 +20,8 @@ from .plot import GROUND, INK, WIRE, Figure, Trace, axis_suffix
 
 #: Size, in inches, of one of several figures side by side; pixels an inch of a PNG.
 WIDTH, PIXELS_AN_INCH = 6.4, 150
+#: Parts of a figure beside each other, at most.
+MOST_COLUMNS = 3
 #: Inches, of an entry of the legend.
 LEGEND_WIDTH = 2.4
 #: Of a page's pixels.
@@ -58,8 +60,8 @@ def write_picture(parts: Sequence[Figure], title: str, path: Path) -> None:
     OSError
         If the file cannot be written.
     """
-    columns = 2 if len(parts) == 4 else len(parts)
-    rows = math.ceil(len(parts) / columns)
+    rows = math.ceil(len(parts) / MOST_COLUMNS)
+    columns = math.ceil(len(parts) / rows)
     height = parts[0]["layout"]["height"] / PAGE_PIXELS_AN_INCH
     # The same figure gives the same bytes.
     with mpl.rc_context({"svg.hashsalt": "spincheck", "svg.fonttype": "none", "font.size": 9}):

@@ -22,8 +22,6 @@ COVERING = 0.9
 COMMON = 0.1
 #: Number of engines whose defaults are described one by one, smallest errors first.
 LISTED = 2
-#: Relative error of ω from which on a single default is mentioned.
-NOTICED_OMEGA = 0.01
 #: How a method's steps are compared with the default's.
 SWITCHED = "if only the method is changed"
 PRUNED = "with what the scene does not call for left out"
@@ -188,7 +186,7 @@ def _instead(
         for seconds, words in ((whole, SWITCHED), (pruned, PRUNED))
         if (price := _price(seconds, cheap, words))
     ]
-    return text + (f"; a step takes {', '.join(prices)}" if prices else "")
+    return text + (f"; a step takes {', and '.join(prices)}" if prices else "")
 
 
 def _price(seconds: Mapping[str, float | None], cheap: Mapping[str, float | None], how: str) -> str:
@@ -198,7 +196,7 @@ def _price(seconds: Mapping[str, float | None], cheap: Mapping[str, float | None
         return ""
     low, middle, high = np.percentile(ratios, [25, 50, 75])
     spread = f"{readable(float(low))} to {readable(float(high))}"
-    return f"{readable(float(middle))} ({spread}) times the CPU time of the default's {how}"
+    return f"{readable(float(middle))} ({spread}) times the default's CPU time {how}"
 
 
 def _pair(key: Key) -> Pair:
@@ -244,15 +242,9 @@ def _by_each_default(pair: Pair, scenes: Sequence[SceneRuns]) -> str:
         for one in scene.defaults
         if (one.key.engine, one.key.method) == pair
     ]
-    counted = Counter(
-        effect.name
-        for effects in measured
-        if effects.none is not None
-        for effect in effects.each
-        if effect.alone is None or effect.alone.omega > max(NOTICED_OMEGA, 2 * effects.none.omega)
-    )
-    listed = ", ".join(f"{name} on {amount}" for name, amount in counted.most_common())
-    return f"ω is more than {NOTICED_OMEGA:.0%} off by its {listed}, each alone" if listed else ""
+    counted = Counter(one.name for effects in measured for one in effects.each if one.acts)
+    listed = ", ".join(f"its {name} on {amount}" for name, amount in counted.most_common())
+    return f"the equations of motion are altered by {listed}, each alone" if listed else ""
 
 
 def _acting(shipped: _AtStock, wrong: Sequence[str], harmless: Collection[str]) -> str:

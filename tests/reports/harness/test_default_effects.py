@@ -8,6 +8,7 @@ from spincheck.engines.adapters.pybullet.load import CLAMP, DAMPING, INERTIA, JO
 from spincheck.reference import solve
 from spincheck.reports.harness.default_effects import default_effects
 from spincheck.reports.harness.ladder import single
+from spincheck.reports.harness.study import prepare
 from spincheck.reports.results.default_records import DefaultEffects
 from spincheck.scenarios import Scenario
 
@@ -19,7 +20,9 @@ AXISYMMETRIC = scene("top", body=TOP, start=SPUN_UP, effects=PIVOT + GRAVITY, du
 def effects_on(scenario: Scenario) -> DefaultEffects:
     rung = single(TIMESTEP, scenario.times)
     solution = solve(scenario, rung.sample_steps * TIMESTEP)
-    effects = default_effects(scenario, ENGINE, ENGINE.method("default"), rung, solution)
+    at = prepare(scenario, (), 1 << 10).places
+    method = ENGINE.method("default")
+    effects = default_effects(scenario, ENGINE, method, rung, solution, at)
     assert effects is not None
     return effects
 
@@ -31,6 +34,13 @@ def of_a_top() -> DefaultEffects:
 
 def test_every_default_of_a_top_is_taken_away_once(of_a_top: DefaultEffects) -> None:
     assert [one.name for one in of_a_top.each] == [INERTIA, DAMPING, JOINT_MOTOR, CLAMP]
+
+
+def test_motor_and_damping_act_in_steps_however_short_and_a_clamp_out_of_reach_does_not(
+    of_a_top: DefaultEffects,
+) -> None:
+    acting = {one.name: one.acts for one in of_a_top.each}
+    assert (acting[DAMPING], acting[JOINT_MOTOR], acting[CLAMP]) == (True, True, False)
 
 
 def test_a_free_body_has_no_motor() -> None:

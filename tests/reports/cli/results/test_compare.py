@@ -269,5 +269,6 @@ def test_a_file_that_cannot_be_used_is_one_message_and_exit_code_2(stored, tmp_p
     code, _, err = command("compare", stored("old.sqlite", "failed"), other)
     assert (code, err) == (
         2,
-        f"spincheck: {other}: no such result file; 'spincheck run' writes one\n",
+        f"spincheck: {other}: no such result file; 'spincheck run fast-top' writes one of a scene, "
+        "'spincheck run' of the whole library\n",
     )
