@@ -14,7 +14,7 @@ from ....scenarios import FloatArray
 from ....scenarios.signals import SIGNALS
 from ...results.records import Row
 from ..observed_order import ASYMPTOTIC, FITTED_RUNGS, ORDER_SLACK, SETTLING_ORDER
-from ..richardson import DISTINCT, SignalSequence
+from ..richardson import DISTINCT, WHOLE, SignalSequence
 
 #: Rungs over which it must be seen that defects do not shrink as they should.
 SHOWN_OVER = 4
@@ -26,15 +26,27 @@ FAR_WORSE = 1e3
 
 @dataclass(frozen=True, eq=False)
 class _Series:
-    """One number a rung, (n,), coarse to fine, what round-off may make of it, and what it is."""
+    """One number a rung, (n,), coarse to fine, what round-off may make of it, and what it is.
+
+    Attributes
+    ----------
+    times : s, by which it is reached; None where it is of the whole run
+    rate : rad/s, the fastest of the motion
+    defects : the largest by signal, (n, signals)
+    """
 
     name: str
     timesteps: FloatArray
     values: FloatArray
     floors: FloatArray
     order: int
-    when: Sequence[str]
+    rate: float
     defects: FloatArray
+    times: FloatArray | None = None
+
+    def when(self, k: int) -> str:
+        """The time by which a rung's number is reached, in words; empty where it is of the run."""
+        return "" if self.times is None else f", by t = {self.times[k]:.3g} s"
 
 
 def contradictions(
@@ -57,7 +69,6 @@ def _all(rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float)
     for sequence in sequences:
         name = sequence.signal.label
         floors = sequence.roundoff_bounds + sequence.uncertainty
-        when = [""] * len(sequence)
         largest = np.array([_largest_defects(row) for row in rows[-len(sequence) :]])
         yield from _worse(
             _Series(
@@ -66,7 +77,7 @@ def _all(rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float)
                 sequence.errors,
                 floors,
                 sequence.declared_order,
-                when,
+                sequence.rate,
                 largest,
             )
         )
@@ -78,8 +89,9 @@ def _all(rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float)
                 np.array([one.max for one in found]),
                 np.array([max(one.floor, slack) for one in found]),
                 sequence.declared_order,
-                [f", by t = {one.at:.3g} s" for one in found],
+                sequence.rate,
                 largest,
+                np.array([one.at for one in found]),
             )
             yield from _worse(defects)
             yield from _level(defects, follows=bool(sequence.errors[-1] < ASYMPTOTIC))
@@ -133,13 +145,16 @@ def _worse_than(series: _Series, rungs: int, factor: float, off_order: float) ->
             k = int(worse[-1])
             yield (
                 f"{series.name} is {values[k]:.1e} at a timestep of {series.timesteps[k]:.1e} s"
-                f"{series.when[k]}, though it has come down to {values[end]:.1e} at "
+                f"{series.when(k)}, though it has come down to {values[end]:.1e} at "
                 f"{series.timesteps[end]:.1e} s, at order {slopes.mean():.2f}"
             )
 
 
 def _level(series: _Series, *, follows: bool) -> Iterator[str]:
     """The finest rungs, if they do not shrink, or at a lower order than declared.
+
+    At a rate Ω a method of order p commits an error of Ω (hΩ)^p a second. After that has added up
+    to one each run may have a wobble of its own, damped or grown, and defects of other sizes.
 
     Parameters
     ----------
@@ -148,8 +163,11 @@ def _level(series: _Series, *, follows: bool) -> Iterator[str]:
     """
     values, floors = series.values[-SHOWN_OVER:], series.floors[-SHOWN_OVER:]
     is_used = (values < ASYMPTOTIC) & (values > DISTINCT * floors)
-    if len(values) < SHOWN_OVER or not is_used.all():
+    if len(values) < SHOWN_OVER or not is_used.all() or series.times is None:
         return
+    turn = series.rate * series.timesteps[-SHOWN_OVER]
+    committed = series.rate * series.times[-SHOWN_OVER:] * turn**series.order
+    follows = follows and bool((committed <= WHOLE).all())
     slopes = -np.diff(np.log2(values))
     is_clean = np.ptp(slopes) <= ORDER_SLACK and slopes.max() < series.order - SHORTFALL
     is_level = slopes.max() < (SETTLING_ORDER if follows else SETTLING_ORDER / 2)
@@ -158,5 +176,5 @@ def _level(series: _Series, *, follows: bool) -> Iterator[str]:
             f"{series.name} shrinks at order {slopes.mean() + 0.0:.2f} over {SHOWN_OVER} rungs, "
             f"though {series.order} is declared: {values[0]:.1e} at "
             f"{series.timesteps[-SHOWN_OVER]:.1e} s, {values[-1]:.1e} at "
-            f"{series.timesteps[-1]:.1e} s{series.when[-1]}"
+            f"{series.timesteps[-1]:.1e} s{series.when(-1)}"
         )
