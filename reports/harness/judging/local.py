@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ....engines import Engine, EngineError, Method
+from ....engines import Engine, EngineError, Method, UnsupportedError
 from ....engines.checks.consistency import (
     ABOVE,
     COARSER,
@@ -35,19 +35,19 @@ from ..ladder import Rung
 from ..richardson import RichardsonLadder
 from ..stock import stock_timesteps
 from ..verdict import Judgement, judge
-from .places import PIECE_STEPS, SAMPLE_EVERY, Places, flowed
+from .places import PIECE_STEPS, SAMPLE_EVERY, Places, flowed, rounding_of_body
 
 #: Steps until a constraint has settled. Bullet removes a fifth of its error in a step: 0.8^128 =
 #: 4e-13 of it is left.
 SETTLING = 128
 #: Fraction of the largest terms that a constraint's solver may leave as an error.
 NEGLIGIBLE = 2e-6
-#: Ulps of a step: what its rounding is taken to be at most, in a body whose moments are alike.
-ULPS_A_STEP = 16
 #: So many of the shortest steps have to show that an error does not depend on their length.
 LEAPS = 4
 #: Rungs of the pieces, and the uncertainty of their limits that is enough.
 PIECE_RUNGS, PIECE_GOAL = 7, 1e-4
+#: Halvings of all timesteps where the coarsest are refused.
+FINER = 3
 #: Intervals of a run that are gone through again, and the most steps of one.
 INTERVALS, MOST_STEPS = 5, 1 << 12
 #: Stretches that a run of few steps is gone through in, from end to end.
@@ -61,11 +61,23 @@ def examine(engine: Engine, scenario: Scenario, method_name: str, at: Places) ->
     method = engine.method(method_name)
     if method.as_shipped or engine.unsupported(scenario, method):
         return None
-    try:
-        return _examined(engine, scenario, method, at)
-    except EngineError:
-        # What an engine refuses, its runs tell.
-        return None
+    for tried in (at, _milder(at)):
+        try:
+            return _examined(engine, scenario, method, tried)
+        except UnsupportedError:
+            continue
+        except EngineError:
+            break
+    # What an engine refuses, its runs tell.
+    return None
+
+
+def _milder(at: Places) -> Places:
+    """Finer timesteps from states of the motion alone: a method may not bear others."""
+    along = ~np.isnan(at.times)
+    timesteps = at.timesteps / 2.0**FINER
+    states, times = at.states.rows(along), at.times[along]
+    return replace(at, states=states, times=times, timesteps=timesteps, finer=FINER)
 
 
 def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) -> LocalCheck:
@@ -124,7 +136,7 @@ def _consistency(
 
     steps, others = steps_after(0)
     eps = _epsilon(engine, steps)
-    slack = max(engine.slack, ULPS_A_STEP * float(np.finfo(float).eps) * at.condition)
+    slack = max(engine.slack, rounding_of_body(at.condition))
     found = excess(equations, steps, others, eps, slack)
     if found.is_constrained:
         # From an exact state a constraint takes some steps to settle.
@@ -178,7 +190,7 @@ def _first_look(
         other = _started(engine, scenario, method, session, between, timestep)
         other.advance(1)
         anew.append(other.read_state())
-    slack = ABOVE * max(engine.slack, ULPS_A_STEP * 2.3e-16 * at.condition)
+    slack = ABOVE * max(engine.slack, rounding_of_body(at.condition))
     apart = _apart(_rows(continued), _rows(anew))
     off = _apart(at.states, _rows(starts))
     misread = ""
@@ -296,24 +308,29 @@ def _run_pieces(
     engine: Engine, scenario: Scenario, method: Method, at: Places, session: Session, k: int
 ) -> tuple[Trajectory, int]:
     """The motion from each start, and its steps."""
-    strides = [0, *[SAMPLE_EVERY << k] * (PIECE_STEPS // SAMPLE_EVERY)]
+    strides = [0, *[SAMPLE_EVERY << (k + at.finer)] * (PIECE_STEPS // SAMPLE_EVERY)]
     snapshots: list[object] = []
     for start in at.starts:
         state = at.states.rows(int(start))
         one = _started(engine, scenario, method, session, state, float(at.timesteps[k]))
         one.record(strides, snapshots.append)
     states = session.states(snapshots)
-    return Trajectory(at.pieces.trajectory.t, *vars(states).values()), PIECE_STEPS << k
+    return Trajectory(at.pieces.trajectory.t, *vars(states).values()), PIECE_STEPS << (k + at.finer)
 
 
 def restarted(
-    engine: Engine, scenario: Scenario, method_name: str, rung: Rung, motion: Trajectory
+    engine: Engine,
+    scenario: Scenario,
+    method_name: str,
+    condition: float,
+    rung: Rung,
+    motion: Trajectory,
 ) -> float | None:
     """The tolerances by which a run goes on otherwise than if restarted from its own states.
 
     A run of few steps is gone through from end to end in stretches, of a longer one some intervals,
-    in two strides each. What a nudge of the state does to the end is the tolerance. None where a
-    session cannot be restarted.
+    in two strides each. What a nudge of the state does to the end is the tolerance, and what
+    rounding does to a body of that condition. None where a session cannot be restarted.
     """
     method, intervals = engine.method(method_name), len(rung.sample_steps) - 1
     steps = np.diff(rung.sample_steps)
@@ -346,5 +363,5 @@ def restarted(
     except EngineError:
         return None
     by_nudge = _apart(_rows(nudged), _rows([again[k] for k in worst]))
-    tolerance = ABOVE * (engine.slack + by_nudge)
+    tolerance = ABOVE * (max(engine.slack, rounding_of_body(condition)) + by_nudge)
     return float((apart[worst] / tolerance).max())

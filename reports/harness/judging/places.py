@@ -43,6 +43,7 @@ class Places:
     starts : which state each piece starts from
     condition : of the tensor of inertia about the fixed point: what relative rounding grows by in
         angular acceleration
+    finer : halvings of the timesteps after the pieces were chosen
     """
 
     states: State
@@ -51,6 +52,7 @@ class Places:
     pieces: Solution
     starts: NDArray[np.intp]
     condition: float
+    finer: int = 0
 
 
 def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Places:

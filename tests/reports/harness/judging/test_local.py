@@ -97,3 +97,18 @@ def test_a_verdict_by_pieces_says_so_and_does_not_contradict_itself(method):
     assert remembering.verdict == "unresolved"
     assert not remembering.ground
     assert "otherwise than if restarted from its own states" in remembering.reason
+
+
+@pytest.mark.needs_pybullet
+def test_where_the_coarsest_timesteps_are_refused_finer_ones_are_taken():
+    local = examined(engines()["pybullet"], "maximal", "ship-stabiliser")
+    assert local.converges
+
+
+@pytest.mark.needs_pybullet
+def test_rounding_of_a_thin_body_is_no_memory():
+    scene, engine = library_scene("needle-in-skew-axes"), engines()["pybullet"]
+    prepared = prepare(scene, (), 1 << 12)
+    study = convergence_study_of(scene, engine, engine.method("maximal"), prepared)
+    assert verdict_of(study).verdict == "converges"
+    assert study.remembers is False
