@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...scenarios import FloatArray, Scenario, push
 from ...scenarios.rotation import matrices, norms, rotation_vectors, turned
@@ -23,8 +24,10 @@ from .read_back import State
 ABOVE = 8.0
 #: Roundings of a step's gain, in ulp of the state.
 ROUNDINGS = 16.0
-#: So many of the coarsest timesteps are not asked whether the others predict them.
-COARSE = 3
+#: A gain is predicted from those with so many coarser timesteps and so many finer ones.
+COARSER, FINER = 3, 2
+#: Ratio of two timesteps that are not the same.
+ANOTHER = 1 + 1e-9
 #: A gain is off its prediction if it is by so many times the prediction's error.
 DISTINCT = 4.0
 #: Fraction of the largest terms that is as good as nothing.
@@ -77,6 +80,8 @@ class Excess:
     by_timestep : the largest gain before extrapolation, relative to these sizes, (J, 4)
     unsmooth : how far the gain with each timestep is from what the others predict of it, likewise,
         in units of what reading a state explains, (J, 4)
+    unsmooth_others : of further timesteps, likewise
+    is_idle : where next to nothing acts, so that next to nothing is asked, (K, 4)
     is_constrained : whether a constraint holds the body: its com is off the pivot, by as much as
         the timestep makes it
     """
@@ -86,12 +91,23 @@ class Excess:
     sizes: FloatArray
     by_timestep: FloatArray
     unsmooth: FloatArray
+    unsmooth_others: FloatArray
+    is_idle: NDArray[np.bool_]
     is_constrained: bool
 
     @property
     def by_tolerance(self) -> FloatArray:
         """The limits, in tolerances, (K, 4)."""
         return np.asarray(np.abs(self.limit).max(axis=2) / self.tolerance)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether what is left where next to nothing acts would be inconsistent elsewhere.
+
+        Over a long time it may add up.
+        """
+        elsewhere = self.tolerance - NEGLIGIBLE * self.sizes
+        return bool((np.abs(self.limit).max(axis=2) > elsewhere)[self.is_idle].any())
 
 
 def single_steps(
@@ -131,34 +147,49 @@ def single_steps(
     return Steps(timesteps, starts, ends, after(starts, np.repeat(timesteps, _count(states))))
 
 
-def excess(equations: Equations, steps: Steps, epsilon: float, slack: float) -> Excess:
+def excess(
+    equations: Equations, steps: Steps, others: Steps, epsilon: float, slack: float
+) -> Excess:
     """Extrapolate what the steps gain to vanishing timesteps.
 
     Parameters
     ----------
+    others : with timesteps of their own, coarse to fine, which the first are to predict
     epsilon : relative rounding of the engine's floating-point numbers
     slack : relative to the largest terms, what a body that an engine holds so exactly leaves
     """
-    shape = (len(steps.timesteps), -1, 4)
-    gains = _gains(equations, steps).reshape(*shape, 3)
-    rounding = ROUNDINGS * epsilon * _roundings(equations, steps).reshape(shape)
+    gains = _gains(equations, steps)
     sizes = np.maximum(_sizes(equations, steps.before).max(axis=0), NO_SIZE)
-    read = ABOVE * slack * _rates(equations, sizes) / steps.timesteps[:, None, None]
-    rounding = rounding + np.minimum(_noise(steps.timesteps, gains), read)
-    limit, known_to = _extrapolated(steps.timesteps, gains, rounding)
+    read = ABOVE * slack * _rates(equations, sizes)
+    noise = np.minimum(_noise(steps.timesteps, gains), read)
+
+    def rounding(steps: Steps) -> FloatArray:
+        ulps = _roundings(equations, steps).reshape(len(steps.timesteps), -1, 4)
+        return np.asarray(ROUNDINGS * epsilon * ulps + noise / steps.timesteps[:, None, None])
+
+    limit, known_to = _extrapolated(steps.timesteps, gains, rounding(steps))
     # Where next to nothing acts, as on a body at rest, next to nothing is asked.
-    local = _sizes(equations, steps.before).reshape(shape)[0]
-    slack_of_terms = np.where(local < NEGLIGIBLE * sizes, NEGLIGIBLE, ABOVE * slack) * sizes
+    local = _sizes(equations, steps.before).reshape(gains.shape[:3])[0]
+    is_idle = local < NEGLIGIBLE * sizes
+    slack_of_terms = (ABOVE * slack + np.where(is_idle, NEGLIGIBLE, 0.0)) * sizes
     if not equations.scenario.has_pivot:
         # Engines may solve for rotation and flight together, with terms m v² that cancel.
-        speeds = norms(steps.before.velocity_world).reshape(shape[:2])[0]
+        speeds = norms(steps.before.velocity_world).reshape(gains.shape[:2])[0]
         slack_of_terms[:, 1] += ROUNDINGS * epsilon * equations.scenario.body.mass * speeds**2
+    nodes = _Gains(steps.timesteps, gains, rounding(steps))
+    added = _Gains(others.timesteps, _gains(equations, others), rounding(others))
+    unsmooth, unsmooth_others = (
+        _surprises(nodes, at, least) / (slack_of_terms + read / at.timesteps[:, None, None])
+        for at, least in ((nodes, COARSER), (added, 1))
+    )
     return Excess(
         limit,
         known_to + slack_of_terms,
         sizes,
         (np.abs(gains).max(axis=3) / sizes).max(axis=1),
-        (_surprises(steps.timesteps, gains, rounding) / (slack_of_terms + read)).max(axis=1),
+        unsmooth.max(axis=1),
+        unsmooth_others.max(axis=1),
+        is_idle,
         # By how much the com is off: a body that is another keeps that, a constraint does not.
         bool(
             equations.scenario.has_pivot
@@ -168,35 +199,53 @@ def excess(equations: Equations, steps: Steps, epsilon: float, slack: float) -> 
     )
 
 
-def _noise(timesteps: FloatArray, gains: FloatArray) -> FloatArray:
-    """What noise of the states makes of a gain, (J, 1, 4), seen where no smooth function is left.
+@dataclass(frozen=True, eq=False)
+class _Gains:
+    """Gains with J timesteps, (J, K, 4, 3), and their rounding, (J, K, 4)."""
 
-    The last gain is compared with what four before it predict, at the median of all states.
+    timesteps: FloatArray
+    values: FloatArray
+    rounding: FloatArray
+
+
+def _noise(timesteps: FloatArray, gains: FloatArray) -> FloatArray:
+    """What noise of the states makes of a gain times its timestep, (4,).
+
+    It is seen where no smooth function is left: the last gain is compared with what four before it
+    predict, at the median of all states.
     """
     h = timesteps[-PREDICTING - 1 :]
     weights = _weights(h[:-1], h[-1])
     left = gains[-1] - np.tensordot(weights, gains[-PREDICTING - 1 : -1], 1)
     share = np.sqrt(1 + ((weights * h[-1] / h[:-1]) ** 2).sum())
     noise = np.median(np.abs(left).max(axis=2), axis=0) * h[-1] / share
-    return np.asarray(ABOVE * noise / timesteps[:, None, None])
+    return np.asarray(ABOVE * noise)
 
 
-def _surprises(timesteps: FloatArray, gains: FloatArray, rounding: FloatArray) -> FloatArray:
+def _surprises(nodes: _Gains, at: _Gains, least: int) -> FloatArray:
     """How far each gain is from what those with neighbouring timesteps predict, (J, K, 4).
 
     Consistent gains vanish at h = 0, which is one more point of the polynomial. What leaving out
     its coarsest timestep changes is the error of a prediction.
+
+    Parameters
+    ----------
+    least : coarser ones that there must be to predict it
     """
-    h, values = np.append(timesteps, 0.0), np.concatenate([gains, 0 * gains[:1]])
-    surprises = np.zeros(gains.shape[:3])
-    for j in range(COARSE, len(timesteps)):
-        near = np.array([k for k in (j - 3, j - 2, j - 1, j + 1, j + 2) if k < len(timesteps)])
-        weights = _weights(h[[*near, -1]], h[j])
-        predicted = np.tensordot(weights, values[[*near, -1]], 1)
-        by_fewer = np.tensordot(_weights(h[[*near[1:], -1]], h[j]), values[[*near[1:], -1]], 1)
+    surprises = np.zeros(at.values.shape[:3])
+    for j, timestep in enumerate(at.timesteps):
+        coarser = np.flatnonzero(nodes.timesteps > ANOTHER * timestep)[-COARSER:]
+        finer = np.flatnonzero(nodes.timesteps * ANOTHER < timestep)[:FINER]
+        if len(coarser) < least:
+            continue
+        near = [*coarser, *finer]
+        h, values = np.append(nodes.timesteps[near], 0.0), nodes.values[near]
+        weights = _weights(h, timestep)[:-1]
+        predicted = np.tensordot(weights, values, 1)
+        by_fewer = np.tensordot(_weights(h[1:], timestep)[:-1], values[1:], 1)
         error = DISTINCT * np.abs(predicted - by_fewer).max(axis=2)
-        error += ABOVE * (rounding[j] + np.tensordot(np.abs(weights[:-1]), rounding[near], 1))
-        surprises[j] = np.abs(gains[j] - predicted).max(axis=2) - error
+        error += ABOVE * (at.rounding[j] + np.tensordot(np.abs(weights), nodes.rounding[near], 1))
+        surprises[j] = np.abs(at.values[j] - predicted).max(axis=2) - error
     return surprises
 
 
@@ -236,8 +285,9 @@ def _extrapolated(
 
 
 def _gains(equations: Equations, steps: Steps) -> FloatArray:
-    """What each step gains beyond the exact motion, a second, (n, 4, 3)."""
+    """What each step gains beyond the exact motion, a second, (J, K, 4, 3)."""
     spans, after, exact = steps.spans[:, None], steps.after, steps.exact
+    shape = (len(steps.timesteps), -1, 4, 3)
     attitude = rotation_vectors(exact.q_world_body_wxyz, after.q_world_body_wxyz) / spans
     torque = (after.omega_body - exact.omega_body) @ equations.inertia.T / spans
     if equations.scenario.has_pivot:
@@ -248,7 +298,7 @@ def _gains(equations: Equations, steps: Steps) -> FloatArray:
     else:
         velocity = (after.velocity_world - exact.velocity_world) / spans
         place = (after.com_world - exact.com_world) / spans
-    return np.stack([attitude, torque, velocity, place], axis=1)
+    return np.stack([attitude, torque, velocity, place], axis=1).reshape(shape)
 
 
 def _sizes(equations: Equations, states: State) -> FloatArray:

@@ -175,7 +175,8 @@ class EngineItem(SceneItem):
         self.method = method
 
     def runtest(self) -> None:
-        """Raise `Disagreement` if the method disagrees, or on a plain scene is unresolved."""
+        """Raise `Disagreement` if it disagrees, or is unresolved though engines hold the body."""
+        from ..harness.judging.places import not_held
         from ..harness.study import convergence_study_of, run_rungs
         from ..harness.study_verdict import verdict_on
 
@@ -187,7 +188,9 @@ class EngineItem(SceneItem):
         for _ in run_rungs(study, _worker(self.config)):
             pass
         verdict = verdict_on(study)
-        is_open = verdict.verdict == "unresolved" and verdict.is_unproven and not scenario.hard
+        is_open = verdict.verdict == "unresolved" and verdict.is_unproven
+        if is_open and (reason := not_held(self.parent.prepared.places)):
+            pytest.skip(f"{which}: {_UNSUPPORTED}{reason}")
         if not verdict.agrees or is_open:
             raise Disagreement(
                 "\n".join(

@@ -273,7 +273,8 @@ def _examine(study: ConvergenceStudy, executor: Executor) -> None:
 
 def _restart(study: ConvergenceStudy, executor: Executor) -> None:
     """Go through the finest run of few steps again, from its own states, and some of the finest."""
-    if study.ladder is None or study.local is None or study.local.reason:
+    local, at = study.local, study.places
+    if study.ladder is None or at is None or local is None or local.reason:
         return
     runs = [
         (rung, row.motion)
@@ -282,7 +283,7 @@ def _restart(study: ConvergenceStudy, executor: Executor) -> None:
     ]
     short = [run for run in runs if run[0].steps <= FEW_STEPS]
     for run in {run[0].timestep: run for run in short[-1:] + runs[-1:]}.values():
-        arguments = (study.engine, study.scenario, study.method.name, *run)
+        arguments = (study.engine, study.scenario, study.method.name, at.condition, *run)
         found = executor.call_at(study.engine.site, restarted, *arguments).value
         if isinstance(found, float):
             study.remembers = bool(study.remembers) or found > 1

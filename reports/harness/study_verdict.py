@@ -4,7 +4,7 @@ from typing import Any
 
 from ...reference.solution import MAX_UNCERTAINTY
 from ...scenarios.signals import SIGNAL
-from ..results.records import LocalCheck, Row, Verdict
+from ..results.records import CONSISTENT, LocalCheck, Row, Verdict
 from ..results.verdict_words import RANKS
 from .convergence_study import ConvergenceStudy
 from .expected_failures import compared_with_expected_failures
@@ -75,14 +75,13 @@ def _by_pieces(
 
 
 def _over_all(study: ConvergenceStudy) -> str:
-    """What the whole window leaves open, and how many steps would show it."""
+    """How many steps would show it over the whole window."""
     if not study.judge.signals:
         return _no_verdict(study)
-    judgement = study.judge.worst.judgement
-    if judgement.needed_timestep is None:
-        return judgement.reason
-    steps = float(study.solution.trajectory.t[-1]) / judgement.needed_timestep
-    return f"{steps:.1e} steps would show it"
+    needed = study.judge.worst.judgement.needed_timestep
+    if needed is None:
+        return "round-off or the uncertainty of the exact motion hides it at every timestep"
+    return f"{float(study.solution.trajectory.t[-1]) / needed:.1e} steps would show it"
 
 
 def _of_signals(
@@ -90,12 +89,14 @@ def _of_signals(
 ) -> Verdict:
     """The verdict of the worst signal; `disagrees` if a run was of another model or precision."""
     if not study.judge.signals:
-        open_ended = "" if is_wrong else _no_verdict(study)
-        reason = "; ".join(part for part in (open_ended, remark) if part)
+        open_ended = () if is_wrong else (_no_verdict(study), _undecided_by_pieces(study))
+        reason = "; ".join(part for part in (*open_ended, remark) if part)
         return Verdict(study.key, "disagrees" if is_wrong else "unresolved", reason, **attributes)
     worst = study.judge.worst
     judgement = worst.judgement
     word, reason = judgement.word, f"{worst.sequence.signal.label}: {judgement.reason}"
+    if word == "unresolved" and not is_wrong:
+        reason = "; ".join(filter(None, (reason, _undecided_by_pieces(study))))
     # What single steps show, and the body that an engine holds of a user's file, explain the
     # motion: they are named first.
     explains = study.engine.of_file or is_wrong
@@ -115,6 +116,26 @@ def _of_signals(
         ground="over the whole window" if word == "converges" and not is_wrong else "",
         **attributes,
     )
+
+
+def _undecided_by_pieces(study: ConvergenceStudy) -> str:
+    """Why steps and pieces do not decide either; empty where they were not asked."""
+    local = study.local
+    if local is None or study.ladder is None:
+        return ""
+    if study.remembers:
+        return (
+            "pieces do not decide: a run goes on otherwise than if restarted from its own states, "
+            "so that a step depends on more than the state"
+        )
+    if local.is_open:
+        return "pieces do not decide: where next to nothing acts, steps leave what may add up"
+    if local.tolerance > CONSISTENT:
+        return (
+            f"pieces do not decide: steps are known to be consistent to {local.tolerance:.1e} of "
+            f"the largest terms only, and {CONSISTENT:g} is needed"
+        )
+    return "pieces do not decide: over 2 rad from exact states it is unresolved, too"
 
 
 def _no_verdict(study: ConvergenceStudy) -> str:

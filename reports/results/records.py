@@ -272,6 +272,7 @@ class LocalCheck:
     remembers : whether a step depends on more than the state before it
     settles : whether a constraint holds the body, which takes some steps to settle
     at_any_timestep : whether steps are inconsistent however short they are
+    is_open : whether steps leave something where next to nothing acts, which may add up
     states : number of states
     pieces : the verdicts on short runs from some of them
     """
@@ -281,13 +282,14 @@ class LocalCheck:
     remembers: bool
     settles: bool
     at_any_timestep: bool
+    is_open: bool
     states: int
     pieces: tuple[SignalVerdict, ...] = ()
 
     @property
     def converges(self) -> bool:
         """Whether steps are known to be consistent, and all pieces converge."""
-        is_known = not self.reason and self.tolerance <= CONSISTENT
+        is_known = not (self.reason or self.is_open) and self.tolerance <= CONSISTENT
         return is_known and all(piece.verdict == "converges" for piece in self.pieces)
 
 

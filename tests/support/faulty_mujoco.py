@@ -131,10 +131,20 @@ def applies(fault: PlantedFault, scenario: Scenario) -> bool:
 class FaultySession(Session):
     """A session that reads back correctly before the first step."""
 
-    def __init__(self, honest: Session, faulty: Session, scenario: Scenario, read: Read) -> None:
+    can_restart = True
+
+    def __init__(
+        self, honest: Session, faulty: Session, scenario: Scenario, read: Read, clock: float
+    ) -> None:
         self.start, self.body = honest.read_state(), honest.read_body()
         honest.close()
         self.faulty, self.scenario, self.read, self.time = faulty, scenario, read, 0.0
+        self.clock = clock
+
+    def restart(self, state: State, timestep: float | None = None) -> None:
+        self.start, self.time = state, 0.0
+        self.timestep = timestep or self.timestep
+        self.faulty.restart(state, self.timestep * self.clock)
 
     def read_body(self) -> BodyReading:
         return self.body
@@ -172,13 +182,14 @@ class FaultyMuJoCo(MuJoCo):
             return honest
         kind, size = self.fault.kind, self.fault.size
         model = MODELS.get(kind, lambda same, _: same)(scenario, size)
-        step = timestep * (1 + size) if kind == CLOCK else timestep
+        clock = 1 + size if kind == CLOCK else 1.0
         reading = READINGS.get(kind, lambda state, *_: state)
         session = FaultySession(
             honest,
-            super().open(model, method, step),
+            super().open(model, method, timestep * clock),
             scenario,
             lambda state, time: reading(state, time, scenario, size),
+            clock,
         )
         session.timestep = timestep
         return session

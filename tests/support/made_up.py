@@ -169,6 +169,7 @@ def _verdict(key: Key, method: MadeUp) -> Verdict:
         limit_error,
         2e-5,
         unmet=broken,
+        ground="over the whole window" if method.verdict == "converges" else "",
     )
 
 

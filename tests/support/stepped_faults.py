@@ -60,6 +60,13 @@ class AtTwoMilliseconds(Pushed):
         return 2e-3 / 2**0.5 < self.timestep <= 2e-3 * 2**0.5
 
 
+class AtExactlyTwoMilliseconds(Pushed):
+    """At one timestep, which is on no ladder."""
+
+    def is_on(self):
+        return self.timestep == 2e-3
+
+
 class FromHalfway(Pushed):
     """From half of the window on."""
 

@@ -10,8 +10,16 @@ from itertools import pairwise
 
 import numpy as np
 
-from ....engines import Engine, EngineError, Method
-from ....engines.checks.consistency import ABOVE, Excess, Open, Steps, excess, single_steps
+from ....engines import Engine, EngineError, Method, UnsupportedError
+from ....engines.checks.consistency import (
+    ABOVE,
+    COARSER,
+    Excess,
+    Open,
+    Steps,
+    excess,
+    single_steps,
+)
 from ....engines.checks.equations import Equations, Gain, gain_between
 from ....engines.checks.explanations import explanation
 from ....engines.checks.first_steps import residual_words
@@ -25,20 +33,21 @@ from ....scenarios.signals import SIGNALS
 from ...results.records import LocalCheck, SignalVerdict
 from ..ladder import Rung
 from ..richardson import RichardsonLadder
+from ..stock import stock_timesteps
 from ..verdict import Judgement, judge
-from .places import PIECE_STEPS, SAMPLE_EVERY, Places, flowed
+from .places import PIECE_STEPS, SAMPLE_EVERY, Places, flowed, rounding_of_body
 
 #: Steps until a constraint has settled. Bullet removes a fifth of its error in a step: 0.8^128 =
 #: 4e-13 of it is left.
 SETTLING = 128
 #: Fraction of the largest terms that a constraint's solver may leave as an error.
 NEGLIGIBLE = 2e-6
-#: Ulps of a step: what its rounding is taken to be at most, in a body whose moments are alike.
-ULPS_A_STEP = 16
 #: So many of the shortest steps have to show that an error does not depend on their length.
 LEAPS = 4
 #: Rungs of the pieces, and the uncertainty of their limits that is enough.
 PIECE_RUNGS, PIECE_GOAL = 7, 1e-4
+#: Halvings of all timesteps where the coarsest are refused.
+FINER = 3
 #: Intervals of a run that are gone through again, and the most steps of one.
 INTERVALS, MOST_STEPS = 5, 1 << 12
 #: Stretches that a run of few steps is gone through in, from end to end.
@@ -52,11 +61,23 @@ def examine(engine: Engine, scenario: Scenario, method_name: str, at: Places) ->
     method = engine.method(method_name)
     if method.as_shipped or engine.unsupported(scenario, method):
         return None
-    try:
-        return _examined(engine, scenario, method, at)
-    except EngineError:
-        # What an engine refuses, its runs tell.
-        return None
+    for tried in (at, _milder(at)):
+        try:
+            return _examined(engine, scenario, method, tried)
+        except UnsupportedError:
+            continue
+        except EngineError:
+            break
+    # What an engine refuses, its runs tell.
+    return None
+
+
+def _milder(at: Places) -> Places:
+    """Finer timesteps from states of the motion alone: a method may not bear others."""
+    along = ~np.isnan(at.times)
+    timesteps = at.timesteps / 2.0**FINER
+    states, times = at.states.rows(along), at.times[along]
+    return replace(at, states=states, times=times, timesteps=timesteps, finer=FINER)
 
 
 def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) -> LocalCheck:
@@ -68,13 +89,14 @@ def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) ->
     )
     eps = _epsilon(engine, steps)
     settles = found.is_constrained
-    wrong = misread or _wrong(equations, steps, found, at, is_smooth=not settles)
+    wrong = misread or _wrong(engine, equations, steps, found, at, is_smooth=not settles)
     return LocalCheck(
         reason=wrong,
         tolerance=float((found.tolerance / np.maximum(found.sizes, 1e-300)).max()),
         remembers=remembers,
         settles=settles,
         at_any_timestep=bool(found.by_tolerance.max() > 1),
+        is_open=found.is_open,
         states=len(at.times),
         pieces=() if wrong else _pieces(engine, scenario, method, at, eps),
     )
@@ -98,24 +120,28 @@ def _consistency(
     """Steps from exact states, and what they gain; once settled where a constraint holds them."""
     equations = Equations(scenario)
 
-    def steps_after(settling: int) -> Steps:
-        return single_steps(
-            open_at,
-            scenario,
-            at.states,
-            at.timesteps,
-            lambda states, spans: flowed(scenario, states, spans),
-            settling,
+    def steps_after(settling: int) -> tuple[Steps, Steps]:
+        halved, others = (
+            single_steps(
+                open_at,
+                scenario,
+                at.states,
+                timesteps,
+                lambda states, spans: flowed(scenario, states, spans),
+                settling,
+            )
+            for timesteps in (at.timesteps, np.array(_others(engine, at)))
         )
+        return halved, others
 
-    steps = steps_after(0)
+    steps, others = steps_after(0)
     eps = _epsilon(engine, steps)
-    slack = max(engine.slack, ULPS_A_STEP * float(np.finfo(float).eps) * at.condition)
-    found = excess(equations, steps, eps, slack)
+    slack = max(engine.slack, rounding_of_body(at.condition))
+    found = excess(equations, steps, others, eps, slack)
     if found.is_constrained:
         # From an exact state a constraint takes some steps to settle.
-        steps = steps_after(SETTLING)
-        settled = excess(equations, steps, eps, max(slack, NEGLIGIBLE / ABOVE))
+        steps, others = steps_after(SETTLING)
+        settled = excess(equations, steps, others, eps, max(slack, NEGLIGIBLE / ABOVE))
         found = replace(settled, is_constrained=True)
     return steps, found
 
@@ -124,6 +150,13 @@ def _epsilon(engine: Engine, steps: Steps) -> float:
     """The rounding of the numbers that an engine's states have, declared or not."""
     is_single = engine.single_precision or bool(single_precision(steps.before))
     return float(np.finfo(np.float32 if is_single else float).eps)
+
+
+def _others(engine: Engine, at: Places) -> list[float]:
+    """One timestep between two rungs, and the engine's stock ones that are within the ladder's."""
+    finest, coarsest = at.timesteps[-1], at.timesteps[0]
+    stock = [h for h in stock_timesteps(engine) if finest <= h < coarsest]
+    return [float(at.timesteps[COARSER]) / 2**0.5, *stock]
 
 
 def _started(
@@ -157,7 +190,7 @@ def _first_look(
         other = _started(engine, scenario, method, session, between, timestep)
         other.advance(1)
         anew.append(other.read_state())
-    slack = ABOVE * max(engine.slack, ULPS_A_STEP * 2.3e-16 * at.condition)
+    slack = ABOVE * max(engine.slack, rounding_of_body(at.condition))
     apart = _apart(_rows(continued), _rows(anew))
     off = _apart(at.states, _rows(starts))
     misread = ""
@@ -185,7 +218,13 @@ def _rows(states: list[State]) -> State:
 
 
 def _wrong(
-    equations: Equations, steps: Steps, found: Excess, at: Places, *, is_smooth: bool
+    engine: Engine,
+    equations: Equations,
+    steps: Steps,
+    found: Excess,
+    at: Places,
+    *,
+    is_smooth: bool,
 ) -> str:
     """How steps are inconsistent with the equations of motion, in words; else empty."""
     off = found.by_tolerance
@@ -193,12 +232,13 @@ def _wrong(
         return leap
     if off.max() > 1:
         return _explained(equations, steps, found, at)
-    if is_smooth and found.unsmooth.max() > 1:
-        j, quantity = np.unravel_index(int(np.argmax(found.unsmooth)), found.unsmooth.shape)
+    unsmooth = np.vstack([found.unsmooth, found.unsmooth_others])
+    if is_smooth and unsmooth.max() > 1:
+        j, quantity = np.unravel_index(int(np.argmax(unsmooth)), unsmooth.shape)
+        timestep = [*at.timesteps, *_others(engine, at)][j]
         return (
-            f"with a timestep of {at.timesteps[j]:.3g} s a step gains what steps of other lengths "
-            f"do not predict, {found.by_timestep[j, quantity]:.1e} of the largest term of "
-            f"{QUANTITY_NAMES[quantity]}: what acts depends on the timestep"
+            f"with a timestep of {timestep:.3g} s a step gains what steps of other lengths do not "
+            f"predict, in {QUANTITY_NAMES[quantity]}: what acts depends on the timestep"
         )
     return ""
 
@@ -268,24 +308,29 @@ def _run_pieces(
     engine: Engine, scenario: Scenario, method: Method, at: Places, session: Session, k: int
 ) -> tuple[Trajectory, int]:
     """The motion from each start, and its steps."""
-    strides = [0, *[SAMPLE_EVERY << k] * (PIECE_STEPS // SAMPLE_EVERY)]
+    strides = [0, *[SAMPLE_EVERY << (k + at.finer)] * (PIECE_STEPS // SAMPLE_EVERY)]
     snapshots: list[object] = []
     for start in at.starts:
         state = at.states.rows(int(start))
         one = _started(engine, scenario, method, session, state, float(at.timesteps[k]))
         one.record(strides, snapshots.append)
     states = session.states(snapshots)
-    return Trajectory(at.pieces.trajectory.t, *vars(states).values()), PIECE_STEPS << k
+    return Trajectory(at.pieces.trajectory.t, *vars(states).values()), PIECE_STEPS << (k + at.finer)
 
 
 def restarted(
-    engine: Engine, scenario: Scenario, method_name: str, rung: Rung, motion: Trajectory
+    engine: Engine,
+    scenario: Scenario,
+    method_name: str,
+    condition: float,
+    rung: Rung,
+    motion: Trajectory,
 ) -> float | None:
     """The tolerances by which a run goes on otherwise than if restarted from its own states.
 
     A run of few steps is gone through from end to end in stretches, of a longer one some intervals,
-    in two strides each. What a nudge of the state does to the end is the tolerance. None where a
-    session cannot be restarted.
+    in two strides each. What a nudge of the state does to the end is the tolerance, and what
+    rounding does to a body of that condition. None where a session cannot be restarted.
     """
     method, intervals = engine.method(method_name), len(rung.sample_steps) - 1
     steps = np.diff(rung.sample_steps)
@@ -318,5 +363,5 @@ def restarted(
     except EngineError:
         return None
     by_nudge = _apart(_rows(nudged), _rows([again[k] for k in worst]))
-    tolerance = ABOVE * (engine.slack + by_nudge)
+    tolerance = ABOVE * (max(engine.slack, rounding_of_body(condition)) + by_nudge)
     return float((apart[worst] / tolerance).max())

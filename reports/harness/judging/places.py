@@ -10,6 +10,7 @@ from ....reference import Solution, flow
 from ....scenarios import SIGNAL, Errors, FloatArray, Scenario, Trajectory
 from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.rotation import cross, matrix, norms, turned_back
+from ...results.records import CONSISTENT
 from ..ladder import COARSEST_TURN
 
 #: States spread over the window, beside those where something is largest or least.
@@ -42,6 +43,7 @@ class Places:
     starts : which state each piece starts from
     condition : of the tensor of inertia about the fixed point: what relative rounding grows by in
         angular acceleration
+    finer : halvings of the timesteps after the pieces were chosen
     """
 
     states: State
@@ -50,6 +52,7 @@ class Places:
     pieces: Solution
     starts: NDArray[np.intp]
     condition: float
+    finer: int = 0
 
 
 def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Places:
@@ -79,6 +82,17 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
 def rounding_of_body(condition: float) -> float:
     """What rounding of its moments changes of a body's angular acceleration, relative."""
     return ULPS_A_STEP * float(np.finfo(float).eps) * condition
+
+
+def not_held(at: Places | None) -> str:
+    """Why no engine holds a body in double precision, in words; empty if engines can."""
+    rounding = rounding_of_body(at.condition) if at else 0.0
+    if rounding <= CONSISTENT:
+        return ""
+    return (
+        "no engine holds the body in double precision: rounding of its moments changes its angular "
+        f"acceleration by {rounding:.1e}, relative"
+    )
 
 
 def flowed(scenario: Scenario, states: State, spans: FloatArray) -> State:

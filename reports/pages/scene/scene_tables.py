@@ -220,7 +220,7 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
         declared = f"declared {expected}"
     return [
         *_named(runs),
-        verdict_cell(verdict.verdict),
+        verdict_cell(verdict.verdict, verdict.ground),
         Cell(order(verdict.order), "number", declared if verdict.order is not None else ""),
         Cell(limited(verdict.limit_error, uncertainty), "number", decided),
         stable,

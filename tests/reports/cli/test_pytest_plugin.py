@@ -2,6 +2,7 @@
 
 import pytest
 from _pytest.pytester import SysModulesSnapshot
+from library_scenes import library_scene
 from scene_texts import sphere_text
 from spincheck.engines import engines
 
@@ -57,6 +58,14 @@ def test_an_engine_that_is_not_installed_is_a_skip_with_its_reason(pytester):
     for engine in ("mujoco", "pybullet"):
         reason = f"not tested: the package '{engine}' is not installed"
         result.stdout.fnmatch_lines([f"SKIPPED*{reason}*"])
+
+
+def test_a_body_that_no_engine_holds_is_a_skip_that_says_so(run):
+    rod = library_scene("rod-1e-12").text
+    result = run("-k", "mujoco-Euler", rod=rod)
+    result.assert_outcomes(skipped=1)
+    result.stdout.fnmatch_lines(["SKIPPED*unsupported: no engine holds the body*"])
+    result.stdout.fnmatch_lines(["spincheck: 1 items were skipped*"])
 
 
 SHIPPED_EXPECTATION = """

@@ -79,6 +79,15 @@ def test_reasons_of_what_does_not_converge_are_on_both_pages(
             assert plain(reason) in plain(path.read_text(encoding="utf-8"))
 
 
+@pytest.mark.parametrize("verdict", verdicts(), ids=name_of)
+def test_what_a_verdict_rests_on_is_on_the_scenes_page(
+    pages: dict[str, Page], verdict: Verdict
+) -> None:
+    assert bool(verdict.ground) == (verdict.verdict == "converges")
+    cells = pages[verdict.key.scenario].all("td")
+    assert any(verdict.verdict in c.text and verdict.ground in c.text for c in cells)
+
+
 def test_the_headline_counts_what_is_there(pages: dict[str, Page]) -> None:
     headline = next(p.text for p in pages["index"].all("p") if "Of " in p.text)
     verdict_words = [v.verdict for v in verdicts()]

@@ -4,11 +4,16 @@ Verified is what single steps and pieces show; what ladders show is in `test_fal
 """
 
 import pytest
+import stepped_faults as planted
 from faulty_mujoco import FaultyMuJoCo, PlantedFault, applies
 from library_scenes import library_scene
 from spincheck.engines import engines
+from spincheck.reports.cli.run.summary import verdict_record
 from spincheck.reports.harness.judging.local import examine
-from spincheck.reports.harness.study import prepare
+from spincheck.reports.harness.study import convergence_study_of, prepare
+from spincheck.reports.harness.study_verdict import verdict_on
+from stepped import Stepped, SteppedEngine
+from studies import verdict_of
 
 pytestmark = pytest.mark.slow
 
@@ -58,3 +63,52 @@ def test_a_body_that_no_engine_holds_is_not_known_well_enough():
     local = examined(engines()["mujoco"], "RK4", "rod-1e-12")
     assert local.reason == ""
     assert not local.converges
+
+
+@pytest.mark.parametrize("method", ["Euler", "RK4"])
+def test_a_fault_at_the_stock_timestep_alone_is_told(method):
+    faulty, honest = (
+        SteppedEngine(kind, 1e-3, stock_timestep=2e-3)
+        for kind in (planted.AtExactlyTwoMilliseconds, Stepped)
+    )
+    assert "with a timestep of 0.002 s" in examined(faulty, method, "book-middle-axis").reason
+    assert not examined(honest, method, "book-middle-axis").reason
+
+
+def test_what_is_left_of_a_body_near_rest_may_add_up_and_decides_nothing():
+    """MuJoCo's `discrete` creeps on at a millionth of the first speed: 2e-4 rad over the window."""
+    local = examined(engines()["mujoco"], "discrete", "drag-until-rest")
+    assert local.is_open
+    assert not local.converges
+    assert not examined(engines()["mujoco"], "Euler", "drag-until-rest").is_open
+
+
+@pytest.mark.parametrize("method", ["Euler", "RK4"])
+def test_a_verdict_by_pieces_says_so_and_does_not_contradict_itself(method):
+    scene, engine = library_scene("chaos-beyond-the-horizon"), SteppedEngine()
+    prepared = prepare(scene, (), 1 << 12)
+    study = convergence_study_of(scene, engine, engine.method(method), prepared)
+    verdict = verdict_of(study)
+    assert verdict.verdict == "converges"
+    assert "would resolve" not in verdict.reason
+    assert "pieces" in verdict_record(verdict)["ground"]
+    study.remembers = True
+    remembering = verdict_on(study)
+    assert remembering.verdict == "unresolved"
+    assert not remembering.ground
+    assert "otherwise than if restarted from its own states" in remembering.reason
+
+
+@pytest.mark.needs_pybullet
+def test_where_the_coarsest_timesteps_are_refused_finer_ones_are_taken():
+    local = examined(engines()["pybullet"], "maximal", "ship-stabiliser")
+    assert local.converges
+
+
+@pytest.mark.needs_pybullet
+def test_rounding_of_a_thin_body_is_no_memory():
+    scene, engine = library_scene("needle-in-skew-axes"), engines()["pybullet"]
+    prepared = prepare(scene, (), 1 << 12)
+    study = convergence_study_of(scene, engine, engine.method("maximal"), prepared)
+    assert verdict_of(study).verdict == "converges"
+    assert study.remembers is False
