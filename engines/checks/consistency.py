@@ -18,22 +18,13 @@ from ...scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ...scenarios.scenario import started_at
 from ..session import Session
 from .equations import Equations
+from .extrapolation import ABOVE, COARSER, Gains, extrapolated, noise_of, surprises
 from .read_back import State
 
-#: An excess counts if it is so many times what its extrapolation is known to.
-ABOVE = 8.0
 #: Roundings of a step's gain, in ulp of the state.
 ROUNDINGS = 16.0
-#: A gain is predicted from those with so many coarser timesteps and so many finer ones.
-COARSER, FINER = 3, 2
-#: Ratio of two timesteps that are not the same.
-ANOTHER = 1 + 1e-9
-#: A gain is off its prediction if it is by so many times the prediction's error.
-DISTINCT = 4.0
 #: Fraction of the largest terms that is as good as nothing.
 NEGLIGIBLE = 2e-6
-#: Gains that the last one is predicted from, to see the noise of all.
-PREDICTING = 4
 #: Smallest size that is divided by.
 NO_SIZE = 1e-300
 
@@ -161,13 +152,13 @@ def excess(
     gains = _gains(equations, steps)
     sizes = np.maximum(_sizes(equations, steps.before).max(axis=0), NO_SIZE)
     read = ABOVE * slack * _rates(equations, sizes)
-    noise = np.minimum(_noise(steps.timesteps, gains), read)
+    noise = np.minimum(noise_of(steps.timesteps, gains), read)
 
     def rounding(steps: Steps) -> FloatArray:
         ulps = _roundings(equations, steps).reshape(len(steps.timesteps), -1, 4)
         return np.asarray(ROUNDINGS * epsilon * ulps + noise / steps.timesteps[:, None, None])
 
-    limit, known_to = _extrapolated(steps.timesteps, gains, rounding(steps))
+    limit, known_to = extrapolated(steps.timesteps, gains, rounding(steps))
     # Where next to nothing acts, as on a body at rest, next to nothing is asked.
     local = _sizes(equations, steps.before).reshape(gains.shape[:3])[0]
     is_idle = local < NEGLIGIBLE * sizes
@@ -176,10 +167,10 @@ def excess(
         # Engines may solve for rotation and flight together, with terms m v² that cancel.
         speeds = norms(steps.before.velocity_world).reshape(gains.shape[:2])[0]
         slack_of_terms[:, 1] += ROUNDINGS * epsilon * equations.scenario.body.mass * speeds**2
-    nodes = _Gains(steps.timesteps, gains, rounding(steps))
-    added = _Gains(others.timesteps, _gains(equations, others), rounding(others))
+    nodes = Gains(steps.timesteps, gains, rounding(steps))
+    added = Gains(others.timesteps, _gains(equations, others), rounding(others))
     unsmooth, unsmooth_others = (
-        _surprises(nodes, at, least) / (slack_of_terms + read / at.timesteps[:, None, None])
+        surprises(nodes, at, least) / (slack_of_terms + read / at.timesteps[:, None, None])
         for at, least in ((nodes, COARSER), (added, 1))
     )
     return Excess(
@@ -197,91 +188,6 @@ def excess(
             > ABOVE * slack * sizes[3]
         ),
     )
-
-
-@dataclass(frozen=True, eq=False)
-class _Gains:
-    """Gains with J timesteps, (J, K, 4, 3), and their rounding, (J, K, 4)."""
-
-    timesteps: FloatArray
-    values: FloatArray
-    rounding: FloatArray
-
-
-def _noise(timesteps: FloatArray, gains: FloatArray) -> FloatArray:
-    """What noise of the states makes of a gain times its timestep, (4,).
-
-    It is seen where no smooth function is left: the last gain is compared with what four before it
-    predict, at the median of all states.
-    """
-    h = timesteps[-PREDICTING - 1 :]
-    weights = _weights(h[:-1], h[-1])
-    left = gains[-1] - np.tensordot(weights, gains[-PREDICTING - 1 : -1], 1)
-    share = np.sqrt(1 + ((weights * h[-1] / h[:-1]) ** 2).sum())
-    noise = np.median(np.abs(left).max(axis=2), axis=0) * h[-1] / share
-    return np.asarray(ABOVE * noise)
-
-
-def _surprises(nodes: _Gains, at: _Gains, least: int) -> FloatArray:
-    """How far each gain is from what those with neighbouring timesteps predict, (J, K, 4).
-
-    Consistent gains vanish at h = 0, which is one more point of the polynomial. What leaving out
-    its coarsest timestep changes is the error of a prediction.
-
-    Parameters
-    ----------
-    least : coarser ones that there must be to predict it
-    """
-    surprises = np.zeros(at.values.shape[:3])
-    for j, timestep in enumerate(at.timesteps):
-        coarser = np.flatnonzero(nodes.timesteps > ANOTHER * timestep)[-COARSER:]
-        finer = np.flatnonzero(nodes.timesteps * ANOTHER < timestep)[:FINER]
-        if len(coarser) < least:
-            continue
-        near = [*coarser, *finer]
-        h, values = np.append(nodes.timesteps[near], 0.0), nodes.values[near]
-        weights = _weights(h, timestep)[:-1]
-        predicted = np.tensordot(weights, values, 1)
-        by_fewer = np.tensordot(_weights(h[1:], timestep)[:-1], values[1:], 1)
-        error = DISTINCT * np.abs(predicted - by_fewer).max(axis=2)
-        error += ABOVE * (at.rounding[j] + np.tensordot(np.abs(weights), nodes.rounding[near], 1))
-        surprises[j] = np.abs(at.values[j] - predicted).max(axis=2) - error
-    return surprises
-
-
-def _weights(nodes: FloatArray, at: float) -> FloatArray:
-    """Lagrange's weights of the values at nodes, for the value at another place."""
-    apart = nodes[:, None] - nodes
-    np.fill_diagonal(apart, 1.0)
-    above = np.where(np.eye(len(nodes), dtype=bool), 1.0, at - nodes)
-    return np.asarray(np.prod(above / apart, axis=1))
-
-
-def _extrapolated(
-    timesteps: FloatArray, gains: FloatArray, rounding: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Limits of the gains, (K, 4, 3), and what they are known to, (K, 4).
-
-    Of each state and quantity the entry of Neville's table that is known best is taken: it differs
-    from its neighbour of one order less by more than its own error. By accident that difference may
-    be small, so it counts as the median of all states at least.
-    """
-    h = timesteps[:, None, None]
-    table, rounded = gains, rounding
-    limit, best = gains[-1], np.full(gains.shape[1:3], np.inf)
-    for order in range(1, len(timesteps)):
-        coarse, fine = h[:-order], h[order:]
-        finer = table[1:]
-        weights = coarse / (coarse - fine), fine / (coarse - fine)
-        table = finer * weights[0][..., None] - table[:-1] * weights[1][..., None]
-        rounded = rounded[1:] * weights[0] + rounded[:-1] * weights[1]
-        change = np.abs(table - finer).max(axis=3)
-        known = ABOVE * np.maximum(change, np.median(change, axis=1, keepdims=True)) + rounded
-        for entry, known_to in zip(table, known, strict=True):
-            is_better = known_to < best
-            best = np.where(is_better, known_to, best)
-            limit = np.where(is_better[..., None], entry, limit)
-    return limit, best
 
 
 def _gains(equations: Equations, steps: Steps) -> FloatArray:

@@ -26,7 +26,8 @@ from .choice import Choice
 from .convergence_study import ConvergenceStudy, SingleRun
 from .default_effects import take_defaults_away
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
-from .judging.local import FEW_STEPS, examine, restarted
+from .judging.local import examine
+from .judging.memory import FEW_STEPS, restarted
 from .judging.places import Places, places
 from .ladder import Ladder, Rung, ladder, single
 from .plan import Plan, SceneLeft

@@ -37,7 +37,11 @@ DECIDING = {
         "reports.harness.sweep_run",
     ),
     "timing": ("reports.harness.timing",),
-    "verdict": ("reports.harness.study_verdict", "reports.harness.judging.local"),
+    "verdict": (
+        "reports.harness.study_verdict",
+        "reports.harness.judging.local",
+        "reports.harness.judging.memory",
+    ),
 }
 JUDGING = frozenset(
     f"reports.harness.{name}"
@@ -45,6 +49,9 @@ JUDGING = frozenset(
         "best_window",
         "convergence_study",
         "expected_failures",
+        "judging.contradictions",
+        "judging.local",
+        "judging.places",
         "ladder_judge",
         "plan",
         "study_verdict",

@@ -269,7 +269,6 @@ class LocalCheck:
     ----------
     reason : how its steps are inconsistent with the equations of motion, in words; empty if not
     tolerance : to which they are known to be consistent, relative to the largest terms
-    remembers : whether a step depends on more than the state before it
     settles : whether a constraint holds the body, which takes some steps to settle
     at_any_timestep : whether steps are inconsistent however short they are
     is_open : whether steps leave something where next to nothing acts, which may add up
@@ -279,7 +278,6 @@ class LocalCheck:
 
     reason: str
     tolerance: float
-    remembers: bool
     settles: bool
     at_any_timestep: bool
     is_open: bool

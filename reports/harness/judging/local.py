@@ -6,36 +6,34 @@ that no ladder over the whole window reaches the asymptotic range.
 """
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
 from ....engines import Engine, EngineError, Method, UnsupportedError
-from ....engines.checks.consistency import (
-    ABOVE,
-    COARSER,
-    Excess,
-    Open,
-    Steps,
-    excess,
-    single_steps,
-)
+from ....engines.checks.consistency import Excess, Open, Steps, excess, single_steps
 from ....engines.checks.equations import Equations, Gain, gain_between
 from ....engines.checks.explanations import explanation
+from ....engines.checks.extrapolation import ABOVE, COARSER
 from ....engines.checks.first_steps import residual_words
 from ....engines.checks.precision import single_precision
 from ....engines.checks.read_back import State
 from ....engines.session import Session
-from ....scenarios import FloatArray, Scenario, Trajectory
-from ....scenarios.rotation import norms, rotation_vectors
+from ....scenarios import Scenario, Trajectory
 from ....scenarios.scenario import started_at
 from ....scenarios.signals import SIGNALS
 from ...results.records import LocalCheck, SignalVerdict
-from ..ladder import Rung
 from ..richardson import RichardsonLadder
 from ..stock import stock_timesteps
 from ..verdict import Judgement, judge
-from .places import PIECE_STEPS, SAMPLE_EVERY, Places, flowed, rounding_of_body
+from .places import (
+    PIECE_STEPS,
+    SAMPLE_EVERY,
+    Places,
+    apart,
+    flowed,
+    rounding_of_body,
+    stacked,
+)
 
 #: Steps until a constraint has settled. Bullet removes a fifth of its error in a step: 0.8^128 =
 #: 4e-13 of it is left.
@@ -48,12 +46,6 @@ LEAPS = 4
 PIECE_RUNGS, PIECE_GOAL = 7, 1e-4
 #: Halvings of all timesteps where the coarsest are refused.
 FINER = 3
-#: Intervals of a run that are gone through again, and the most steps of one.
-INTERVALS, MOST_STEPS = 5, 1 << 12
-#: Stretches that a run of few steps is gone through in, from end to end.
-STRETCHES, FEW_STEPS = 64, 1 << 12
-#: Relative change of a state that shows what rounding does to an interval.
-NUDGE = 2.0**-46
 
 
 def examine(engine: Engine, scenario: Scenario, method_name: str, at: Places) -> LocalCheck | None:
@@ -83,7 +75,7 @@ def _milder(at: Places) -> Places:
 def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) -> LocalCheck:
     equations = Equations(scenario)
     with engine.open(scenario, method, float(at.timesteps[0])) as session:
-        remembers, misread = _first_look(engine, scenario, method, at, session)
+        misread = _misread(engine, scenario, method, at, session)
     steps, found = _consistency(
         lambda scene, timestep: engine.open(scene, method, timestep), engine, scenario, at
     )
@@ -93,7 +85,6 @@ def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) ->
     return LocalCheck(
         reason=wrong,
         tolerance=float((found.tolerance / np.maximum(found.sizes, 1e-300)).max()),
-        remembers=remembers,
         settles=settles,
         at_any_timestep=bool(found.by_tolerance.max() > 1),
         is_open=found.is_open,
@@ -174,46 +165,22 @@ def _started(
     return engine.open(started_at(scenario, **vars(state)), method, timestep)
 
 
-def _first_look(
+def _misread(
     engine: Engine, scenario: Scenario, method: Method, at: Places, session: Session
-) -> tuple[bool, str]:
-    """Whether a second step depends on more than the state before it; what reads back otherwise."""
+) -> str:
+    """The sentence on a state that reads back otherwise than it was set; empty if none does."""
     timestep, count = float(at.timesteps[0]), len(at.times)
-    starts, continued, anew = [], [], []
-    for k in range(count):
-        one = _started(engine, scenario, method, session, at.states.rows(k), timestep)
-        starts.append(one.read_state())
-        one.advance(1)
-        between = one.read_state()
-        one.advance(1)
-        continued.append(one.read_state())
-        other = _started(engine, scenario, method, session, between, timestep)
-        other.advance(1)
-        anew.append(other.read_state())
-    slack = ABOVE * max(engine.slack, rounding_of_body(at.condition))
-    apart = _apart(_rows(continued), _rows(anew))
-    off = _apart(at.states, _rows(starts))
-    misread = ""
-    if off.max() > slack:
-        k = int(np.argmax(off))
-        misread = (
-            f"a state that is set reads back otherwise, {_when(at.times[k])}: off by {off[k]:.2g}, "
-            "in ω relative, or in attitude, rad"
-        )
-    return bool(apart.max() > slack), misread
-
-
-def _apart(states: State, others: State) -> FloatArray:
-    """The larger of the distances in ω, relative, and in attitude, rad, (n,)."""
-    speed = float(norms(others.omega_body).max()) or 1.0
-    omega = norms(states.omega_body - others.omega_body) / speed
-    turns = rotation_vectors(states.q_world_body_wxyz, others.q_world_body_wxyz)
-    return np.maximum(omega, norms(turns))
-
-
-def _rows(states: list[State]) -> State:
-    return State(
-        *(np.array(rows) for rows in zip(*(vars(s).values() for s in states), strict=True))
+    starts = [
+        _started(engine, scenario, method, session, at.states.rows(k), timestep).read_state()
+        for k in range(count)
+    ]
+    off = apart(at.states, stacked(starts))
+    if off.max() <= ABOVE * max(engine.slack, rounding_of_body(at.condition)):
+        return ""
+    k = int(np.argmax(off))
+    return (
+        f"a state that is set reads back otherwise, {_when(at.times[k])}: off by {off[k]:.2g}, "
+        "in ω relative, or in attitude, rad"
     )
 
 
@@ -316,52 +283,3 @@ def _run_pieces(
         one.record(strides, snapshots.append)
     states = session.states(snapshots)
     return Trajectory(at.pieces.trajectory.t, *vars(states).values()), PIECE_STEPS << (k + at.finer)
-
-
-def restarted(
-    engine: Engine,
-    scenario: Scenario,
-    method_name: str,
-    condition: float,
-    rung: Rung,
-    motion: Trajectory,
-) -> float | None:
-    """The tolerances by which a run goes on otherwise than if restarted from its own states.
-
-    A run of few steps is gone through from end to end in stretches, of a longer one some intervals,
-    in two strides each. What a nudge of the state does to the end is the tolerance, and what
-    rounding does to a body of that condition. None where a session cannot be restarted.
-    """
-    method, intervals = engine.method(method_name), len(rung.sample_steps) - 1
-    steps = np.diff(rung.sample_steps)
-    if method.as_shipped or not intervals or steps.max() > MOST_STEPS:
-        return None
-    states = State(*(getattr(motion, name) for name in State.__dataclass_fields__))
-    if rung.steps <= FEW_STEPS:
-        edges = np.unique(np.linspace(0, intervals, STRETCHES + 1).astype(int)).tolist()
-        stretches: list[tuple[int, int]] = list(pairwise(edges))
-    else:
-        some = np.unique(np.linspace(0, intervals - 1, INTERVALS).astype(int)).tolist()
-        stretches = [(k, k + 1) for k in some]
-    try:
-        with engine.open(scenario, method, rung.timestep) as session:
-            if not session.can_restart:
-                return None
-
-            def gone_on(first: int, last: int, nudge: float = 1.0) -> State:
-                state = states.rows(first)
-                session.restart(replace(state, omega_body=nudge * state.omega_body))
-                count = int(rung.sample_steps[last] - rung.sample_steps[first])
-                session.advance(count // 2)
-                session.advance(count - count // 2)
-                return session.read_state()
-
-            again = [gone_on(*stretch) for stretch in stretches]
-            apart = _apart(_rows([states.rows(last) for _, last in stretches]), _rows(again))
-            worst = np.argsort(apart)[-INTERVALS:]
-            nudged = [gone_on(*stretches[int(k)], nudge=1.0 + NUDGE) for k in worst]
-    except EngineError:
-        return None
-    by_nudge = _apart(_rows(nudged), _rows([again[k] for k in worst]))
-    tolerance = ABOVE * (max(engine.slack, rounding_of_body(condition)) + by_nudge)
-    return float((apart[worst] / tolerance).max())

@@ -9,7 +9,7 @@ from ....engines.checks.read_back import State
 from ....reference import Solution, flow
 from ....scenarios import SIGNAL, Errors, FloatArray, Scenario, Trajectory
 from ....scenarios.fastest_rate import fastest_rate
-from ....scenarios.rotation import cross, matrix, norms, turned_back
+from ....scenarios.rotation import cross, matrix, norms, rotation_vectors, turned_back
 from ...results.records import CONSISTENT
 from ..ladder import COARSEST_TURN
 
@@ -150,3 +150,18 @@ def _state(motion: Trajectory) -> State:
 
 def _columns(states: State) -> list[FloatArray]:
     return list(vars(states).values())
+
+
+def apart(states: State, others: State) -> FloatArray:
+    """The larger of the distances in ω, relative, and in attitude, rad, (n,)."""
+    speed = float(norms(others.omega_body).max()) or 1.0
+    omega = norms(states.omega_body - others.omega_body) / speed
+    turns = rotation_vectors(states.q_world_body_wxyz, others.q_world_body_wxyz)
+    return np.maximum(omega, norms(turns))
+
+
+def stacked(states: list[State]) -> State:
+    """One state after the other, as rows."""
+    return State(
+        *(np.array(rows) for rows in zip(*(vars(s).values() for s in states), strict=True))
+    )

@@ -39,7 +39,6 @@ def test_an_honest_method_of_first_order_is_consistent_and_converges_in_pieces(n
     local = examined(FaultyMuJoCo(), "Euler", name)
     assert local.reason == ""
     assert local.converges
-    assert not local.remembers
 
 
 @pytest.mark.parametrize("kind", ["moment", "com", "gravity", "clock"])
