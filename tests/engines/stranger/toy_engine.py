@@ -5,21 +5,19 @@ from spincheck.engines import BodyReading, Engine, Method, Session, State
 
 
 class ToySession(Session):
+    can_restart = True
+
     def __init__(self, scenario, timestep):
         body, start = scenario.body, scenario.start
         self.held = BodyReading(body.mass, np.array(body.com), np.array(body.inertia_com))
-        self.inverse = np.linalg.inv(self.held.inertia_com)
-        self.gravity, self.timestep = np.array(scenario.gravity_world), timestep
-        motion = start.omega_body, start.position_world, start.velocity_world
-        self.restart(State(start.q_world_body_wxyz, *motion))
-
-    @property
-    def can_restart(self):
-        return True
+        self.inverse, self.timestep = np.linalg.inv(self.held.inertia_com), timestep
+        self.gravity = np.array(scenario.gravity_world)
+        motion = start.position_world, start.velocity_world
+        self.restart(State(start.q_world_body_wxyz, start.omega_body, *motion))
 
     def restart(self, state, timestep=None):
         self.y = np.concatenate(list(vars(state).values()))
-        self.timestep = self.timestep if timestep is None else timestep
+        self.timestep = timestep or self.timestep
 
     def rates(self, y):
         w, v, omega, velocity = y[0], y[1:4], y[4:7], y[10:]
@@ -28,8 +26,7 @@ class ToySession(Session):
         return np.concatenate([turning, spinning, velocity, self.gravity])
 
     def advance(self, steps):
-        h = self.timestep
-        for _ in range(steps):
+        for h in [self.timestep] * steps:
             k1 = self.rates(self.y)
             k2 = self.rates(self.y + h / 2 * k1)
             k3 = self.rates(self.y + h / 2 * k2)

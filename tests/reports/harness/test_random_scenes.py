@@ -1,5 +1,7 @@
 """The study of random scenes: single scenes of it, and what it counts as wrong."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from library_scenes import library_scene
@@ -23,8 +25,9 @@ STEPS = 1 << 15
 
 
 def verdict_of(number: int) -> tuple[Verdict, bool]:
+    """The verdict on a ladder alone, without single steps and pieces, which decide all of these."""
     scenario = random_scene(number)
-    return judged(scenario, MUJOCO, RK4, prepare(scenario, [], STEPS))
+    return judged(scenario, MUJOCO, RK4, replace(prepare(scenario, [], STEPS), places=None))
 
 
 def test_the_limits_error_of_a_fast_fall_is_within_its_tolerance(monkeypatch) -> None:
