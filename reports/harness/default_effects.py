@@ -34,7 +34,9 @@ def take_defaults_away(study: ConvergenceStudy, executor: Executor, store: Store
     speed = float(np.linalg.norm(scenario.start.omega_body))
     if clamped_turn(speed, rung.timestep, method.max_rotation_per_step):
         return
-    arguments = (scenario, engine, method, rung, solution)
+    # The report's first screen, which counts what acts, is of plain scenes.
+    at = None if scenario.hard else study.places
+    arguments = (scenario, engine, method, rung, solution, at)
     effects = executor.call_at(engine.site, default_effects, *arguments).value
     if isinstance(effects, DefaultEffects):
         store.put(effects)

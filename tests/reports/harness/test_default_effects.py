@@ -1,16 +1,20 @@
 """The effect of each default of PyBullet on a motion is measured, one default at a time."""
 
+from pathlib import Path
+
 import pytest
 from scenes import GRAVITY, PIVOT, SPUN_UP, TOP, scene
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.pybullet.engine import PyBullet
 from spincheck.engines.adapters.pybullet.load import CLAMP, DAMPING, INERTIA, JOINT_MOTOR
 from spincheck.reference import solve
+from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.default_effects import default_effects
 from spincheck.reports.harness.ladder import single
 from spincheck.reports.harness.study import prepare
 from spincheck.reports.results.default_records import DefaultEffects
-from spincheck.scenarios import Scenario
+from spincheck.scenarios import Scenario, loads
+from studies import study
 
 ENGINE = PyBullet()
 TIMESTEP = ENGINE.stock_timestep
@@ -85,3 +89,11 @@ def test_an_engine_whose_defaults_alter_no_motion_has_none() -> None:
     solution = solve(AXISYMMETRIC, rung.sample_steps * TIMESTEP)
     default = engine.method("default")
     assert default_effects(AXISYMMETRIC, engine, default, rung, solution) is None
+
+
+@pytest.mark.parametrize(("tags", "acting"), [("", True), ('tags = ["hard"]\n', None)])
+def test_a_study_stores_what_acts_on_plain_scenes(tmp_path: Path, tags: str, acting: bool) -> None:
+    text = AXISYMMETRIC.text.replace("\n[body]", f"\n{tags}[body]", 1)
+    choice = Choice((ENGINE,), ("default",), max_steps=1 << 10, timed=False)
+    (stored,) = study(tmp_path / "r.sqlite", [loads(text, "top")], choice).defaults
+    assert {one.name: one.acts for one in stored.each}[JOINT_MOTOR] is acting
