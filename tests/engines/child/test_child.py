@@ -2,6 +2,7 @@
 
 import pickle
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,8 @@ TIMESTEP = 2.0**-6
 LIMIT = 2.0
 #: s, that its worker gives the engine.
 LIMIT_OF_WORKER = 2.0
+#: s; a process that is still there by then is taken to be left behind.
+LONG = 20.0
 
 
 @pytest.fixture(autouse=True)
@@ -164,12 +167,18 @@ def test_a_child_that_hangs_goes_with_the_worker_that_waits_for_it(tmp_path: Pat
         outcome = workers.call(hang_in_a_child, file).value
     assert isinstance(outcome, CallFailed)
     assert outcome.cause == "time-out"
+    # The worker's guard ends it once the worker is gone; dead, nobody here is its parent.
+    child, deadline = int(file.read_text(encoding="utf-8")), time.monotonic() + LONG
+    while not _is_dead(child):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def _is_dead(number: int) -> bool:
     try:
-        status = psutil.Process(int(file.read_text(encoding="utf-8"))).status()
+        return psutil.Process(number).status() == psutil.STATUS_ZOMBIE
     except psutil.NoSuchProcess:
-        return
-    # Dead, and nobody here is its parent.
-    assert status == psutil.STATUS_ZOMBIE
+        return True
 
 
 def test_a_child_engine_goes_to_a_worker_by_pickle() -> None:
