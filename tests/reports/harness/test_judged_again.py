@@ -14,6 +14,8 @@ from spincheck.reports.results.store import open_store
 from spincheck.scenarios import loads
 from studies import study as study_of
 
+pytestmark = pytest.mark.slow
+
 #: Steps; Heun's method in Python takes some 30 µs each.
 BUDGET = 1 << 9
 ENGINES = (planted(HeunSession), planted(RaisingSession))

@@ -13,6 +13,8 @@ from spincheck.engines.versions.folders import folder_of
 from spincheck.reports.results import fingerprints
 from spincheck.scenarios import loads
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[3]
 NAME = "mujoco@3.3.0"
 ADAPTERS = ("mujoco", "pybullet")

@@ -9,6 +9,8 @@ from spincheck.reference import solve
 from spincheck.reports.harness.recorded.judged import judged_motion
 from spincheck.reports.harness.recorded.read import Recording
 
+pytestmark = pytest.mark.slow
+
 TO_WORLD = "the quaternion takes world to body components"
 
 
