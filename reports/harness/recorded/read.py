@@ -77,7 +77,8 @@ def read_recording(path: Path) -> Recording:
         recording = reader(path)
         check_motion(recording.arrays)
     except (RecordingError, ColumnError) as error:
-        raise RecordingError(f"{where}: {error}.") from None
+        # A library's own message may end with one.
+        raise RecordingError(f"{where}: {str(error).rstrip('.')}.") from None
     except OSError as error:
         raise RecordingError(f"{where}: cannot be read: {error.strerror}.") from None
     except UnicodeDecodeError:
