@@ -14,7 +14,7 @@ from ..mujoco.session import check_not_too_small
 from .script import left_in, script
 from .session import MJXSession
 
-#: Torques along the world's axes come out wrong on a free body: docs/engines-more.md.
+#: Torques along the world's axes come out wrong on a free body: docs/measured/engines-more.md.
 EFFECTS = COMMON_EFFECTS - {"torque_world"}
 
 
