@@ -120,9 +120,8 @@ def _check_bounds(bounds: ErrorBounds) -> None:
 
 
 def _methods(engine_names: Sequence[str]) -> list[str]:
-    """Names of the methods of the engines named, except those as shipped."""
-    by_default = [engine for engine in engines().values() if not engine.is_optional]
-    chosen = choose(engine_names, [], []).engines if engine_names else by_default
+    """Names of the methods of the engines named, or of all by default, except those as shipped."""
+    chosen = choose(engine_names, [], []).engines
     offered = [method.name for e in chosen for method in e.methods if not method.as_shipped]
     if not offered:
         names = ", ".join(engine_names)
