@@ -1,6 +1,7 @@
 """A scene as plain numbers, which engines in other languages and stand-alone modules are given.
 
-SI units, along the body's principal axes and from its centre of mass: docs/engine-protocol.md.
+SI units, along the body's principal axes and from its centre of mass:
+docs/reference/engine-protocol.md.
 """
 
 from collections.abc import Sequence

@@ -13,7 +13,7 @@ KINDS = ("free", "thrown", "heavy", "driven")
 HARD = "hard"
 #: Scenes whose length is what is hard about them.
 LONG = "long"
-PAGE = Path(__file__).parents[2] / "docs" / "scenes.md"
+PAGE = Path(__file__).parents[2] / "docs/reference/scenes.md"
 EPS = np.finfo(float).eps
 
 #: What the library set out to hold at the least.

@@ -1,6 +1,6 @@
 """DART, multibody dynamics in joint coordinates, in double precision.
 
-What it does to a top by default, and how each effect was measured: docs/engines-more.md.
+What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
 from importlib.metadata import version

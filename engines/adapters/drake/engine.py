@@ -1,6 +1,6 @@
 """Drake, multibody dynamics with integrators of fixed step, in double precision.
 
-What it does to a top by default, and how each effect was measured: docs/engines-more.md.
+What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
 from importlib.metadata import version
@@ -36,7 +36,7 @@ class Drake(Engine):
     step_seconds = 15e-6
     # MultibodyPlantConfig.time_step.
     stock_timestep = 1e-3
-    # Orders: its documentation of the integrators; measured in docs/engines-more.md.
+    # Orders: its documentation of the integrators; measured in docs/measured/engines-more.md.
     methods = (
         _method("runge_kutta5", 5, "Runge-Kutta of fifth order"),
         _method("runge_kutta3", 3, "Runge-Kutta of third order"),

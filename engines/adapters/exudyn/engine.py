@@ -1,6 +1,6 @@
 """Exudyn, flexible multibody dynamics with explicit and implicit integrators, in double precision.
 
-What it does to a top by default, and how each effect was measured: docs/engines-more.md.
+What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
 import warnings
@@ -38,7 +38,7 @@ class Exudyn(Engine):
     # SimulationSettings: a hundred steps to an end time of 1 s.
     stock_timestep = 0.01
     # Orders: its manual, "Explicit solvers" and "Implicit solvers"; measured in
-    # docs/engines-more.md.
+    # docs/measured/engines-more.md.
     methods = (
         _method("ExplicitEuler", 1, "explicit Euler, the attitude by the exponential map"),
         _method("ExplicitMidpoint", 2, "explicit midpoint rule"),

@@ -13,7 +13,7 @@ from ..mujoco.session import check_not_too_small
 from .script import left_in, script
 from .session import MJXSession
 
-#: Torques along the world's axes come out wrong on a free body: docs/engines-more.md.
+#: Torques along the world's axes come out wrong on a free body: docs/measured/engines-more.md.
 EFFECTS = COMMON_EFFECTS - {"torque_world"}
 CLEAN = (
     Method("Euler", 1, 1, "semi-implicit Euler, joint damping implicit", EFFECTS),

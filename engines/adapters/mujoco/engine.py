@@ -34,7 +34,7 @@ class MuJoCo(Engine):
     # Documentation, XML reference, option/timestep.
     stock_timestep = 0.002
     # Orders: MuJoCo documentation, "Numerical integration" and changelog 4.0.0, item 5; measured
-    # in docs/engines-mujoco.md.
+    # in docs/measured/engines-mujoco.md.
     methods = (
         Method("Euler", 1, 1, "semi-implicit Euler, joint damping implicit", COMMON_EFFECTS),
         Method(

@@ -1,6 +1,7 @@
 """PyBullet, Bullet 3 in double precision: loads the scene's URDF.
 
-What it does to a top by default, and how each effect was measured: docs/engines-pybullet.md.
+What it does to a top by default, and how each effect was measured:
+docs/measured/engines-pybullet.md.
 """
 
 from collections.abc import Collection

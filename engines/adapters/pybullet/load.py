@@ -1,6 +1,6 @@
 """Puts a scene's body into a PyBullet world: loaded, stripped of defaults, held, set to its start.
 
-Why each call is there, and what happens without it: docs/engines-pybullet.md.
+Why each call is there, and what happens without it: docs/measured/engines-pybullet.md.
 """
 
 import atexit

@@ -1,6 +1,6 @@
 """Rapier 3D, in single precision, from its Python package `rapier3d`.
 
-What it does to a top by default, and how each effect was measured: docs/engines-more.md.
+What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
 from importlib.metadata import version
