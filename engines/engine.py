@@ -294,9 +294,9 @@ class Engine(ABC):
                 unlike = self.differences(scenario, method.name, *read_back)
                 if unlike and not method.as_shipped:
                     return ended("failed", unlike[0].complaint, "read-back")
-                arm = read_back[0].com if scenario.has_pivot else None
+                arm = read_back[0].com if scenario.constraint.is_pivot else None
                 decay = decay_rate(scenario) + method.damping
-                by_angles = method.by_angles and scenario.has_pivot
+                by_angles = method.by_angles and scenario.constraint.is_pivot
                 bounds = Bounds(timestep, most, self.slack, decay, arm, by_angles)
                 sampled = sample(session, sample_steps, bounds)
                 audited = audit(session, scenario, sampled)

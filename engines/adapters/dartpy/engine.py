@@ -70,7 +70,7 @@ class DartSession(WorldSession):
     def world_body(self) -> WorldBody:
         """The body as its body node holds it, from the joint."""
         inertia = self.world.body.getInertia()
-        arm = np.zeros(3) if self.scenario.has_pivot else None
+        arm = np.zeros(3) if self.scenario.constraint.is_pivot else None
         return WorldBody(
             inertia.getMass(), inertia.getLocalCOM(), np.array(inertia.getMoment()), arm
         )

@@ -106,7 +106,7 @@ class PyBullet(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Load the scene's URDF and set its start."""
         representation = REPRESENTATIONS[method.name]
-        if representation.maximal and scenario.has_pivot:
+        if representation.maximal and scenario.constraint.is_pivot:
             check_borne(Equations(scenario), start_state(scenario), timestep)
         return PyBulletSession(scenario, representation, timestep)
 
@@ -138,7 +138,7 @@ class PyBullet(Engine):
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """The defaults of a method as shipped; the motor only if there is a joint."""
         left = REPRESENTATIONS[method.name].defaults - (
-            frozenset() if scenario.has_pivot else {JOINT_MOTOR}
+            frozenset() if scenario.constraint.is_pivot else {JOINT_MOTOR}
         )
         return tuple(name for name in DEFAULTS if name in left)
 

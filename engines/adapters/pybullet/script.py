@@ -78,13 +78,13 @@ def setup(representation: BodyRepresentation) -> str:
 
 def script(scenario: Scenario, representation: BodyRepresentation, timestep: float) -> str:  # noqa: ARG001
     """The world of a method; its timestep is the script's `TIMESTEP`."""
-    hung = representation.hung and scenario.has_pivot
+    hung = representation.hung and scenario.constraint.is_pivot
     world_from_body = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
     frame = principal_frame(scenario.body).q_body_axes_wxyz
     position, attitude = np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0])
     if not hung:
         attitude = world_from_body.as_quat()
-        if not scenario.has_pivot:
+        if not scenario.constraint.is_pivot:
             arm_world = world_from_body.apply(np.array(scenario.body.com))
             position = scenario.start.position_world - arm_world
     text = urdf(scenario if hung else set_free(scenario), has_box=representation.as_shipped)
@@ -124,7 +124,7 @@ def _settings(
         yield f"p.resetJointStateMultiDof(body, 0, {python_list(q_joint)}, {omega})"
         return
     velocity = scenario.start.velocity_world
-    if scenario.has_pivot:
+    if scenario.constraint.is_pivot:
         yield EXACT_SOLVER
         anchor = "-1"
         if representation.maximal:

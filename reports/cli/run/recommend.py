@@ -131,9 +131,8 @@ def _check_bounds(bounds: ErrorBounds) -> None:
 
 
 def _methods(engine_names: Sequence[str]) -> list[str]:
-    """Names of the methods of the engines named, except those that are never recommended."""
-    by_default = [engine for engine in engines().values() if not engine.is_optional]
-    chosen = choose(engine_names, [], []).engines if engine_names else by_default
+    """Names of the methods of the engines named, or of all by default, that are recommendable."""
+    chosen = choose(engine_names, [], []).engines
     offered = [method.name for e in chosen for method in e.methods if method.is_recommendable]
     if not offered:
         raise Complaint(

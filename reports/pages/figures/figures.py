@@ -101,7 +101,7 @@ def _ladder(scene: SceneRuns) -> Iterator[Titled]:
 
 def _geometry(scene: SceneRuns) -> Iterator[Titled]:
     assert scene.solved is not None, "figures are of solved scenes"
-    if scene.solved.scenario.has_pivot:
+    if not scene.solved.scenario.constraint.is_free:
         yield _titled(
             "axis",
             "Path of the axis",

@@ -12,6 +12,7 @@ import pytest
 from box import BOX
 from clockwork import METHOD, Works
 from ladders import BELOW, BETWEEN, TOP, Law, errors_of, straight, with_law
+from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.reports.cli import choosing
 from spincheck.reports.cli.run import recommend as recommend_module
@@ -95,7 +96,9 @@ def test_engines_as_shipped_are_not_even_run(monkeypatch: pytest.MonkeyPatch) ->
 
     monkeypatch.setattr(running, "run", run)
     recommend(TOP, {"omega": 1e-300}, [], 1, NO_FILE)
-    chosen = [engine for engine in engines().values() if not engine.is_optional]
+    chosen = choosing.choose(
+        [], methods_asked[0], [], scenarios=[library_scene("fast-top")]
+    ).engines
     every = [method for engine in chosen for method in engine.methods]
     assert any(method.as_shipped for method in every)
     assert set(methods_asked[0]) == {method.name for method in every if method.is_recommendable}
