@@ -81,7 +81,7 @@ class Model:
 
     @cached_property
     def _arm(self) -> FloatArray:
-        """From the link's com to that of the whole, m, body axes, (3,)."""
+        """The com of the whole from the link's, m, body axes, (3,)."""
         return self.com - self.link_com
 
     def read_state(self) -> State:
