@@ -10,9 +10,20 @@ from functools import lru_cache
 
 from mpmath import mp
 
-from ...scenarios import Scenario
+from ...scenarios import Body, Scenario
 from ...scenarios.exact import DIGITS, cross, rotate
+from .description import (
+    COMPENSATED,
+    PLAIN,
+    TURN,
+    Description,
+    Joint,
+    away_from,
+    parts_of,
+)
+from .hinged import hinged
 from .principal_frame import principal_frame
+from .shape import box_of
 from .text import decimals, xml_text
 
 BODY = "top"
@@ -48,6 +59,7 @@ def mjcf(
     timestep: float,
     integrator: str | None,
     left_in: Collection[str] = (),
+    description: Description = PLAIN,
 ) -> str:
     """The scene as an MJCF document.
 
@@ -57,22 +69,25 @@ def mjcf(
     integrator : as MuJoCo spells it; None for its default
     left_in : passes that stay on, as by default, though the scene does not need them; names out of
         `switched_off`
+    description : how the body is written
     """
     root = ET.Element("mujoco", model=scenario.name)
     option = ET.SubElement(
         root,
         "option",
         timestep=decimals([timestep]),
-        gravity=decimals(scenario.gravity_world),
+        gravity=decimals(COMPENSATED if description.compensated else scenario.gravity_world),
     )
     if integrator is not None:
         option.set("integrator", integrator)
     if disabled := [name for name in switched_off(scenario) if name not in left_in]:
         ET.SubElement(option, "flag", dict.fromkeys(disabled, "disable"))
-    _add_body(ET.SubElement(root, "worldbody"), scenario)
+    _add_body(ET.SubElement(root, "worldbody"), scenario, description)
     if actuators := list(_actuators(scenario)):
         ET.SubElement(root, "actuator").extend(actuators)
     qpos, qvel = start_coordinates(scenario)
+    if description.joint == "hinges":
+        qpos, qvel = (part.tolist() for part in hinged(qpos, qvel))
     keys = ET.SubElement(root, "keyframe")
     ET.SubElement(keys, "key", name=START_KEY, qpos=decimals(qpos), qvel=decimals(qvel))
     return xml_text(root)
@@ -113,24 +128,63 @@ def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
     return origin + rotation[0], speed + rotation[1]
 
 
-def _add_body(world: ET.Element, scenario: Scenario) -> None:
-    body, frame = scenario.body, principal_frame(scenario.body)
-    element = ET.SubElement(world, "body", name=BODY)
-    if scenario.constraint.is_pivot:
+def _add_body(world: ET.Element, scenario: Scenario, description: Description) -> None:
+    elements: list[ET.Element] = []
+    for part in parts_of(scenario.body, description.parts):
+        if part.onto is None:
+            element = ET.SubElement(world, "body", name=BODY)
+            _add_joints(element, scenario, description.joint)
+        else:
+            place = {"pos": decimals(part.position), "quat": decimals(part.q)}
+            name = f"{BODY}-{len(elements)}"
+            element = ET.SubElement(elements[part.onto], "body", {"name": name, **place})
+        if description.compensated:
+            element.set("gravcomp", "1")
+        if part.body is not None:
+            _add_inertia(element, part.body, description)
+        elements.append(element)
+
+
+def _add_joints(element: ET.Element, scenario: Scenario, kind: Joint) -> None:
+    is_pivot = scenario.constraint.is_pivot
+    if kind in ("slides and ball", "hinges") and not is_pivot:
+        for axis in BODY_AXES:
+            ET.SubElement(element, "joint", type="slide", axis=decimals(axis))
+    if kind == "hinges":
+        for axis in reversed(BODY_AXES):
+            ET.SubElement(element, "joint", type="hinge", axis=decimals(axis))
+    elif is_pivot or kind == "slides and ball":
         joint = ET.SubElement(element, "joint", name=JOINT, type="ball")
         if scenario.drag:
             joint.set("damping", decimals([scenario.drag]))
     else:
         # Aligned with the inertial frame, qpos and qvel would be along other axes.
-        ET.SubElement(element, "freejoint", name=JOINT, align="false")
-    ET.SubElement(
-        element,
-        "inertial",
-        mass=decimals([body.mass]),
-        pos=decimals(body.com),
-        quat=decimals(frame.q_body_axes_wxyz),
-        diaginertia=decimals(frame.moments),
-    )
+        align = "true" if kind == "aligned" else "false"
+        ET.SubElement(element, "freejoint", name=JOINT, align=align)
+
+
+def _add_inertia(element: ET.Element, body: Body, description: Description) -> None:
+    frame = principal_frame(body)
+    pos, quat = decimals(body.com), decimals(frame.q_body_axes_wxyz)
+    if description.joint == "aligned":
+        # Such a body's axes are the principal ones: MuJoCo moves its frame there.
+        pos, quat = decimals(away_from(body)), decimals(TURN)
+    if description.shape:
+        box = box_of(body.mass, frame.moments)
+        geom = {"type": "box", "size": decimals(side / 2 for side in box.sides)}
+        density = decimals([box.density])
+        unseen = {"contype": "0", "conaffinity": "0"}
+        ET.SubElement(
+            element, "geom", {**geom, **unseen, "density": density, "pos": pos, "quat": quat}
+        )
+        return
+    inertial = ET.SubElement(element, "inertial", mass=decimals([body.mass]), pos=pos)
+    if description.full_tensor:
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia_com
+        inertial.set("fullinertia", decimals([xx, yy, zz, xy, xz, yz]))
+        return
+    inertial.set("quat", quat)
+    inertial.set("diaginertia", decimals(frame.moments))
 
 
 def _actuators(scenario: Scenario) -> Iterator[ET.Element]:

@@ -6,10 +6,11 @@ the adapters that load it.
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
-from math import sqrt
 
-from ...scenarios import Scenario
-from .principal_frame import principal_frame
+from ...scenarios import Body, Scenario
+from .description import PLAIN, Description, Part, parts_of
+from .principal_frame import principal_frame, roll_pitch_yaw_of
+from .shape import box_of
 from .text import decimals, xml_text
 
 #: Name of the body's link; its frame is the scene's body frame.
@@ -24,6 +25,7 @@ def urdf(
     thickness: float = 0.0,
     shape_radius: float = 0.0,
     has_box: bool = False,
+    description: Description = PLAIN,
 ) -> str:
     """The scene's body, and its pivot where there is one, as a URDF document.
 
@@ -39,39 +41,52 @@ def urdf(
     thickness : as in `principal_frame`, for a reader that refuses an entirely flat body
     shape_radius : m, of a collision sphere about the com; none if zero
     has_box : whether to add a collision box: the uniform box with the body's tensor
+    description : how the body is written: its parts, and whether tensors are whole
     """
     robot = ET.Element("robot", name=scenario.name)
     if scenario.constraint.is_pivot:
         ET.SubElement(robot, "link", name=WORLD_LINK)
-    _add_body(robot, scenario, thickness)
+    for index, part in enumerate(parts_of(scenario.body, description.parts)):
+        name = f"{BODY_LINK}-{index}" if index else BODY_LINK
+        link = ET.SubElement(robot, "link", name=name)
+        if part.body is not None:
+            _add_inertial(link, part.body, thickness, whole=description.full_tensor)
+        if part.onto is not None:
+            _add_weld(robot, name, part)
     if shape_radius:
         _add_shape(robot, scenario.body.com, (0.0, 0.0, 0.0), "sphere", radius=[shape_radius])
     if has_box:
         frame = principal_frame(scenario.body, thickness)
-        sides = box_sides(scenario.body.mass, frame.moments)
-        _add_shape(robot, scenario.body.com, frame.rpy_body_axes, "box", size=sides)
+        box = box_of(scenario.body.mass, frame.moments)
+        _add_shape(robot, scenario.body.com, frame.rpy_body_axes, "box", size=box.sides)
     if scenario.constraint.is_pivot:
         _add_pivot(robot)
     return xml_text(robot)
 
 
-def _add_body(robot: ET.Element, scenario: Scenario, thickness: float) -> None:
-    body, frame = scenario.body, principal_frame(scenario.body, thickness)
-    link = ET.SubElement(robot, "link", name=BODY_LINK)
+def _add_inertial(link: ET.Element, body: Body, thickness: float, *, whole: bool) -> None:
+    frame = principal_frame(body, thickness)
     inertial = ET.SubElement(link, "inertial")
-    ET.SubElement(inertial, "origin", xyz=decimals(body.com), rpy=decimals(frame.rpy_body_axes))
+    rpy = decimals((0.0, 0.0, 0.0) if whole else frame.rpy_body_axes)
+    ET.SubElement(inertial, "origin", xyz=decimals(body.com), rpy=rpy)
     ET.SubElement(inertial, "mass", value=decimals([body.mass]))
+    if whole:
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = (
+            [repr(i) for i in r] for r in body.inertia_com.tolist()
+        )
+        ET.SubElement(inertial, "inertia", ixx=xx, ixy=xy, ixz=xz, iyy=yy, iyz=yz, izz=zz)
+        return
     ixx, iyy, izz = (decimals([moment]) for moment in frame.moments)
     ET.SubElement(inertial, "inertia", ixx=ixx, ixy="0", ixz="0", iyy=iyy, iyz="0", izz=izz)
 
 
-def box_sides(mass: float, moments: Iterable[float]) -> list[float]:
-    """Sides of the uniform box with these principal moments, m; of a flat body one is zero.
-
-    From I₁ = m (b² + c²) / 12 and so on; the triangle inequality makes the squares positive.
-    """
-    moments = list(moments)
-    return [sqrt(max(0.0, 6 * (sum(moments) - 2 * own) / mass)) for own in moments]
+def _add_weld(robot: ET.Element, name: str, part: Part) -> None:
+    parent = f"{BODY_LINK}-{part.onto}" if part.onto else BODY_LINK
+    joint = ET.SubElement(robot, "joint", name=f"to-{name}", type="fixed")
+    ET.SubElement(joint, "parent", link=parent)
+    ET.SubElement(joint, "child", link=name)
+    rpy = decimals(roll_pitch_yaw_of(part.q))
+    ET.SubElement(joint, "origin", xyz=decimals(part.position), rpy=rpy)
 
 
 def _add_shape(

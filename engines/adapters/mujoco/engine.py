@@ -11,6 +11,7 @@ import mujoco
 from ....scenarios import Scenario
 from ...checks.read_back import UnsupportedError
 from ...engine import COMMON_EFFECTS, Engine, Method, Release
+from ...models.description import PLAIN, Description
 from ...models.mjcf import mjcf, switched_off
 from ...release import numbers_of
 from .audit import disable
@@ -46,6 +47,7 @@ class MuJoCo(Engine):
     name = "mujoco"
     # Documentation, XML reference, option/timestep.
     stock_timestep = 0.002
+    describes = frozenset({"parts", "full tensor", "shape", "joint", "compensated"})
     # Orders: MuJoCo documentation, "Numerical integration" and changelog 4.0.0, item 5; measured
     # in docs/measured/engines-mujoco.md.
     methods = (
@@ -74,6 +76,14 @@ class MuJoCo(Engine):
         if method.as_shipped:
             return _open(scenario, timestep, None, left_out(scenario))
         return _open(scenario, timestep, method.name, ())
+
+    def open_as(
+        self, scenario: Scenario, method: Method, timestep: float, description: Description
+    ) -> MuJoCoSession:
+        """Compile the scene's MJCF with the body described otherwise."""
+        # Gravity is compensated among the passive forces.
+        left_in = ("gravity", "spring", "damper") if description.compensated else ()
+        return _open(scenario, timestep, method.name, left_in, description)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """The MJCF, and the few calls that step it."""
@@ -113,13 +123,17 @@ def release(version: str, methods: tuple[Method, ...]) -> Release:
 
 
 def _open(
-    scenario: Scenario, timestep: float, integrator: str | None, left_in: Collection[str]
+    scenario: Scenario,
+    timestep: float,
+    integrator: str | None,
+    left_in: Collection[str],
+    description: Description = PLAIN,
 ) -> MuJoCoSession:
     """Open a session; flags are set after compiling, as older versions refuse some in MJCF."""
     check_not_too_small(scenario)
     if integrator is not None:
         _check_has(integrator)
-    model = copy(_model(scenario, integrator))
+    model = copy(_model(scenario, integrator, description))
     model.opt.timestep = timestep
     disable(model, (name for name in switched_off(scenario) if name not in left_in))
     start = model.key(0)
@@ -127,9 +141,9 @@ def _open(
 
 
 @lru_cache(maxsize=KEPT)
-def _model(scenario: Scenario, integrator: str | None) -> Any:
+def _model(scenario: Scenario, integrator: str | None, description: Description) -> Any:
     """The compiled scene, with every pass on."""
-    text = mjcf(scenario, ANY_TIMESTEP, integrator, left_in=switched_off(scenario))
+    text = mjcf(scenario, ANY_TIMESTEP, integrator, switched_off(scenario), description)
     if not hasattr(getattr(mujoco, "MjsJoint", None), "align"):
         # Versions without the attribute behave as if it were set.
         text = text.replace(' align="false"', "")

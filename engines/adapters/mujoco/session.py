@@ -13,6 +13,7 @@ from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import across, cross, matrices, matrix, turned
 from ...checks.read_back import BodyReading, EngineError, State, UnsupportedError, composed
 from ...fault import Fault
+from ...models.hinged import hinged, unhinged
 from ...models.mjcf import switched_off
 from ...session import Session
 from . import clock
@@ -63,6 +64,7 @@ class MuJoCoSession(Session):
         self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
         self._read = self._reading[1:]
         self._com_body = body_of(model).com
+        self._on_hinges = model.jnt_type[-1] == mujoco.mjtJoint.mjJNT_HINGE
         self._steps = 0
         self._warnings: list[str] = []
         self._clock = clock.SHIPPED if has_clock else None
@@ -90,7 +92,10 @@ class MuJoCoSession(Session):
         if timestep is not None:
             self.model.opt.timestep = timestep
         mujoco.mj_resetData(self.model, self.data)
-        self.data.qpos[:], self.data.qvel[:] = coordinates_of(state, self.model.nv, self._com_body)
+        coordinates = coordinates_of(state, self.model.nv, self._com_body)
+        self.data.qpos[:], self.data.qvel[:] = (
+            hinged(*coordinates) if self._on_hinges else coordinates
+        )
         self._steps = 0
         self._warnings.clear()
 
@@ -143,7 +148,10 @@ class MuJoCoSession(Session):
         """The states, from qpos and qvel alone: derived data (xipos, cvel) is one step old."""
         nq = self.model.nq
         rows = _rows(snapshots)
-        return states_of(rows[:, 2 : 2 + nq], rows[:, 2 + nq :], self._com_body)
+        coordinates = rows[:, 2 : 2 + nq], rows[:, 2 + nq :]
+        if self._on_hinges:
+            coordinates = unhinged(*coordinates)
+        return states_of(*coordinates, self._com_body)
 
     def first_fault(
         self,
