@@ -73,10 +73,19 @@ class EncodedEngine(Engine):
             ("inertia_com", body.inertia_com, own.inertia_com, moment),
         )
         return [
-            Difference(what, wanted, got, largest / size)
+            _Off(what, wanted, got, largest / size)
             for what, got, wanted, size in pairs
             if not (largest := float(np.abs(got - wanted).max())) <= self.base.slack * size
         ]
+
+
+class _Off(Difference):
+    """A number of the body that an engine holds otherwise, of whatever size."""
+
+    @property
+    def remark(self) -> str:
+        """How far it is off."""
+        return f"'{self.what}' is off by {self.relative:.1e}"
 
 
 @final

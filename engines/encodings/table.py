@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from mpmath import mpf
 
 from ...scenarios import Scenario
+from ...scenarios.exact import normalised
 from ...scenarios.principal import from_matrix, principal_axes
 from ..engine import COMMON_EFFECTS, Engine
 from ..models.description import PLAIN, TURN, Description, away_from
@@ -14,6 +15,8 @@ from .changed_scene import SceneChange
 
 #: Body axes x, y, z become y, z, x.
 CYCLE = (mpf("0.5"), mpf("0.5"), mpf("0.5"), mpf("0.5"))
+#: By 161°, in which a tensor's products of inertia are large.
+FAR_TURN = normalised((1, 3, 1, 5))
 
 
 def _none(scenario: Scenario) -> SceneChange:  # noqa: ARG001
@@ -81,8 +84,8 @@ ENCODINGS: dict[str, Encoding] = {
         ),
         Encoding(
             "full-tensor",
-            "the turned frame, and the tensor written whole with its products of inertia",
-            lambda _: SceneChange(q_body_new=TURN),
+            "body frame turned by 161°, and the tensor written whole, with its products of inertia",
+            lambda _: SceneChange(q_body_new=FAR_TURN),
             Description(full_tensor=True),
         ),
         Encoding(

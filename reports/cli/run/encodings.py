@@ -5,24 +5,14 @@ from itertools import groupby, pairwise
 
 from ....engines import engines
 from ....engines.encodings import ENCODINGS
-from ....scenarios import did_you_mean, printable
+from ....scenarios import did_you_mean
+from ...pages.analysis.encoding_words import PHRASES, encoding_sentence
 from ...results.encoding_records import WRONG, EncodedRun, EncodedRuns
 from ..terminal import BAD_INPUT, Complaint
 
 #: The word for all of them.
 ALL = "all"
 PLAIN = "plain"
-#: Characters of a reason.
-LONGEST = 160
-#: What a list says of each word, before the reason.
-PHRASES = {
-    "coarser": "another scheme, to the same limit",
-    "other body": "another body is held",
-    "differs": "another motion at any timestep",
-    "diverges": "diverges",
-    "failed": "fails",
-    "unresolved": "another motion; whether the timestep's alone is open",
-}
 
 
 def named_encodings(text: str) -> tuple[str, ...]:
@@ -90,13 +80,6 @@ def _lines(of_scene: Sequence[EncodedRuns]) -> Iterator[str]:
     for (engine, encoding, *_), made in alike.items():
         methods = ", ".join(method for method, _ in made)
         yield f"{engine} {methods}, {encoding}: {encoding_sentence(made[0][1])}"
-
-
-def encoding_sentence(one: EncodedRun) -> str:
-    """What an encoding does to a motion, in words."""
-    as_other = f"; moves as {one.moves_as} does" if one.moves_as else ""
-    reason = printable(" ".join(one.reason.split()), LONGEST)
-    return f"{PHRASES.get(one.word, one.word)}{': ' * bool(reason)}{reason}{as_other}"
 
 
 def are_alike(encodings: Sequence[EncodedRuns]) -> bool:

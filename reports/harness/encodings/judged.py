@@ -58,7 +58,8 @@ class Judge:
         errors = errors_between(self.scenario, motion, self.solution.trajectory)
         apart = self._apart(motion, own)
         if run.cause == "read-back":
-            return EncodedRun(encoding.name, "other body", run.reason, errors, apart)
+            reason = f"{run.reason}; ω by {_shown('omega', apart.omega)}"
+            return EncodedRun(encoding.name, "other body", reason, errors, apart)
         beyond = self._beyond(encoding, apart, run.steps)
         if not beyond:
             return EncodedRun(encoding.name, "same", "", errors, apart)
