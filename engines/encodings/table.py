@@ -62,7 +62,7 @@ def _away(scenario: Scenario) -> SceneChange:
 
 
 def _principal(scenario: Scenario) -> SceneChange:
-    """To the com, along principal axes."""
+    """A change to the com, along principal axes."""
     _, R_body_axes = principal_axes(scenario.body.inertia_com_exact)
     return SceneChange(q_body_new=from_matrix(R_body_axes), shift=scenario.body.com_exact)
 

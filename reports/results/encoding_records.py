@@ -8,12 +8,10 @@ from .records import MethodKey, Record
 
 #: What a method does with an encoding: the same motion as with the scene's own description, to
 #: round-off; another one, which goes to the same limit with the timestep; it holds another body;
-#: another motion at any timestep; a run that ends early or is refused; nothing that can be told.
-EncodingWord = Literal[
-    "same", "coarser", "other body", "differs", "diverges", "failed", "unresolved", "unsupported"
-]
+#: another motion at any timestep; a run that ends early; what cannot be told, and is not run.
+EncodingWord = Literal["same", "coarser", "other body", "differs", "ends early", "open", "left out"]
 #: Those that are wrong.
-WRONG: frozenset[EncodingWord] = frozenset({"other body", "differs", "diverges", "failed"})
+WRONG: frozenset[EncodingWord] = frozenset({"other body", "differs", "ends early"})
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,7 @@ def encoding_lines(encodings: Sequence[EncodedRuns]) -> Iterator[str]:
     for (scene, timestep), group in by_scene:
         of_scene = list(group)
         alike = sum(one.word == "same" for runs in of_scene for one in runs.each)
-        compared = sum(one.word != "unsupported" for runs in of_scene for one in runs.each)
+        compared = sum(one.word != "left out" for runs in of_scene for one in runs.each)
         yield (
             f"{scene}, its body described otherwise, at {timestep:.3g} s: "
             f"{alike} of {compared} runs are the same to round-off"

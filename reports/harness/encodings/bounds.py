@@ -42,13 +42,18 @@ def rounding_bounds(
     flight = roundings_in_flight(changed, replace(solution, trajectory=moved), steps)
     a_step = _condition(changed) * BOTH * (SINGLE if is_single else 1.0)
     units = {"com": change.length, "velocity": change.length / change.time}
+    # A place turns with the body: what it is rounded by makes a velocity.
+    metres = SIGNAL["com"].growth(changed, moved, solution.conditioning)
+    metres *= SIGNAL["com"].base(changed, moved)
+    swing = metres * float(np.linalg.norm(moved.omega_body, axis=1).max())
     bounds = {}
     for name in JUDGED:
         signal, ulp = SIGNAL[name], solution.conditioning[name]
         if name in units and not scenario.constraint.is_pivot:
             absolute = signal.growth(changed, moved, solution.conditioning)
-            absolute *= signal.base(changed, moved) / units[name]
-            ulp = absolute / signal.base(scenario, exact)
+            absolute *= signal.base(changed, moved)
+            absolute += swing if name == "velocity" else 0.0
+            ulp = absolute / units[name] / signal.base(scenario, exact)
         bounds[name] = ulp * (steps + flight) * a_step
     return bounds
 

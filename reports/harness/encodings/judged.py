@@ -50,11 +50,10 @@ class Judge:
         motion, own = run.trajectory, plain.trajectory
         assert own is not None, "a scene that gives nothing to compare with is not judged"
         if run.outcome == "unsupported":
-            return EncodedRun(encoding.name, "unsupported", run.reason)
+            return EncodedRun(encoding.name, "left out", run.reason)
         if run.outcome != "ok" or motion is None:
-            word: EncodingWord = "diverges" if run.outcome == "diverged" else "failed"
             at = "" if run.stopped_at is None else f"at {run.stopped_at:.3g} s: "
-            return EncodedRun(encoding.name, word, f"{at}{run.reason}")
+            return EncodedRun(encoding.name, "ends early", f"{run.outcome} {at}{run.reason}")
         errors = errors_between(self.scenario, motion, self.solution.trajectory)
         apart = self._apart(motion, own)
         if run.cause == "read-back":
@@ -104,7 +103,7 @@ class Judge:
             halved = self.at_halved(encoding, halvings)
             if halved.encoded.outcome != "ok" or halved.plain.outcome != "ok":
                 ended = halved.encoded.reason or halved.plain.reason
-                return "unresolved", f"{size}; at a shorter timestep: {ended}"
+                return "open", f"{size}; at a shorter timestep: {ended}"
             before, now = now, self._sizes(halved, beyond)
             left = f"{size}, {_shown(worst, now[worst][0])} at {halved.encoded.timestep:.3g} s"
             rounding = self._bounds(encoding, halved.encoded.steps)
@@ -112,10 +111,10 @@ class Judge:
                 return "coarser", left
         # It does not go away: does the method's own error, of the scene as it is?
         falls = all(now[name][1] <= FALLS * before[name][1] for name in beyond)
-        return ("differs" if falls else "unresolved"), left
+        return ("differs" if falls else "open"), left
 
     def _sizes(self, pair: Pair, names: list[str]) -> dict[str, tuple[float, float]]:
-        """By signal, how far the motions are apart, and the error of the scene as it is."""
+        """How far the motions are apart, and the error of the scene as it is, by signal."""
         encoded, plain = pair.encoded.trajectory, pair.plain.trajectory
         assert encoded is not None
         assert plain is not None

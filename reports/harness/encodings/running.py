@@ -127,7 +127,7 @@ def _encoded_runs(
     each = []
     for encoding in (ENCODINGS[name] for name in names):
         if why_not := encoding.why_not(engine, scenario):
-            each.append(EncodedRun(encoding.name, "unsupported", why_not))
+            each.append(EncodedRun(encoding.name, "left out", why_not))
         else:
             pair = Pair(runner.run(encoding, method.name), own)
             each.append(judge.judged(encoding, pair))

@@ -8,9 +8,8 @@ PHRASES: dict[EncodingWord, str] = {
     "coarser": "another motion, whose difference goes away with the timestep",
     "other body": "another body is held",
     "differs": "another motion at any timestep",
-    "diverges": "diverges",
-    "failed": "fails",
-    "unresolved": "another motion; whether the timestep's alone is open",
+    "ends early": "the run ends early",
+    "open": "another motion; whether the timestep's alone is open",
 }
 #: Characters of a reason.
 LONGEST = 160

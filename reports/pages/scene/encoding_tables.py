@@ -38,7 +38,7 @@ def encoding_tables(scene: SceneRuns) -> list[EncodingsTable]:
 
 
 def _sentence(made: list[EncodedRuns]) -> str:
-    words = [one.word for runs in made for one in runs.each if one.word != "unsupported"]
+    words = [one.word for runs in made for one in runs.each if one.word != "left out"]
     missing = [f"{runs.key.method} ({runs.plain})" for runs in made if runs.plain]
     text = f"{words.count('same')} of {len(words)} runs are the same to round-off."
     return f"{text} Not compared: {'; '.join(missing)}." if missing else text
