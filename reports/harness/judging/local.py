@@ -112,18 +112,16 @@ def _consistency(
     equations = Equations(scenario)
 
     def steps_after(settling: int) -> tuple[Steps, Steps]:
-        halved, others = (
-            single_steps(
-                open_at,
-                scenario,
-                at.states,
-                timesteps,
-                lambda states, spans: flowed(scenario, states, spans),
-                settling,
-            )
-            for timesteps in (at.timesteps, np.array(_others(engine, at)))
+        steps = single_steps(
+            open_at,
+            scenario,
+            at.states,
+            np.array([*at.timesteps, *_others(engine, at)]),
+            lambda states, spans: flowed(scenario, states, spans),
+            settling,
         )
-        return halved, others
+        halved = len(at.timesteps)
+        return steps.part(0, halved), steps.part(halved, len(steps.timesteps))
 
     steps, others = steps_after(0)
     eps = _epsilon(engine, steps)
