@@ -1,6 +1,6 @@
 """Compares body and start as read back from an engine with the scene's, before the first step."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,6 +65,12 @@ class State:
     def rows(self, kept: int | slice | NDArray[np.bool_]) -> "State":
         """One of n states by its index, or several by a slice or a mask, (n,)."""
         return State(*(column[kept] for column in vars(self).values()))
+
+
+def stacked(states: Sequence[State]) -> State:
+    """One state after the other, as rows."""
+    columns = zip(*(vars(state).values() for state in states), strict=True)
+    return State(*(np.array(column) for column in columns))
 
 
 @dataclass(frozen=True, eq=False)
