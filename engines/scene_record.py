@@ -95,12 +95,12 @@ class RecordFrame:
 def scene_record(scenario: Scenario) -> dict[str, Any]:
     """What `ABOUT` names, as numbers and lists of numbers; `arm` is None without a pivot."""
     body, frame = scenario.body, RecordFrame.of(scenario)
-    to_axes = frame.body_from_axes.inv()
+    to_axes, is_pivot = frame.body_from_axes.inv(), scenario.constraint.is_pivot
     return {
         "mass": float(body.mass),
         "moments": _numbers(principal_frame(body).moments),
         "axes": _numbers(principal_frame(body).q_body_axes_wxyz),
-        "arm": _numbers(to_axes.apply(-np.array(body.com))) if scenario.has_pivot else None,
+        "arm": _numbers(to_axes.apply(-np.array(body.com))) if is_pivot else None,
         "gravity": _numbers(scenario.gravity_world),
         "drag": float(scenario.drag),
         "torque_body": _numbers(to_axes.apply(np.array(scenario.torque_body))),

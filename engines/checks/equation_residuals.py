@@ -157,7 +157,7 @@ def differing(equations: Equations, steps: Steps, found: Excess, when: Sequence[
     gains = gains_of(equations, steps.before, steps.exact, steps.spans, found.limit)
     as_if = explanation(equations, gains, found.tolerance)
     worst, quantity = divmod(int(np.argmax(off)), off.shape[1])
-    what = _residual(gains[worst], quantity, equations.scenario.has_pivot, when[worst])
+    what = _residual(gains[worst], quantity, equations.scenario.constraint.is_pivot, when[worst])
     return f"behaves as if {as_if}: {what}" if as_if else what
 
 

@@ -28,8 +28,7 @@ class Equations:
     @cached_property
     def inertia(self) -> FloatArray:
         """Tensor about the pivot, or the com without one, kg m², body axes, (3, 3)."""
-        body = self.scenario.body
-        return body.inertia_origin if self.scenario.has_pivot else body.inertia_com
+        return self.scenario.inertia
 
     @cached_property
     def inverse(self) -> FloatArray:
@@ -149,7 +148,7 @@ def gains_of(
     for k, beyond in enumerate(excess, len(spans) - len(excess)):
         start, end, span = before.rows(k), exact.rows(k), float(spans[k])
         torque = equations.inertia @ (end.omega_body - start.omega_body) / span
-        if equations.scenario.has_pivot:
+        if equations.scenario.constraint.is_pivot:
             R, com = matrix(end.q_world_body_wxyz), np.array(equations.scenario.body.com)
             velocity, place = R @ cross(end.omega_body, com), R @ com
         else:

@@ -55,4 +55,4 @@ def test_a_published_value_that_is_off_would_not_hold() -> None:
 
 def test_the_first_scene_of_a_newcomer_is_right() -> None:
     (block,) = re.findall(r"```toml\n(.*?)```", FIRST.read_text(encoding="utf-8"), re.DOTALL)
-    assert loads(block, "my-top").has_pivot
+    assert loads(block, "my-top").constraint.is_pivot
