@@ -49,6 +49,21 @@ class BodyReading:
     com: FloatArray
     inertia_com: FloatArray
 
+    def placed(self, at: FloatArray, R: FloatArray) -> "BodyReading":
+        """The same body in other axes: its origin is at `at` (3,) m there, turned by R (3, 3)."""
+        return BodyReading(self.mass, at + R @ self.com, R @ self.inertia_com @ R.T)
+
+
+def composed(parts: Sequence[BodyReading]) -> BodyReading:
+    """Parts in the same axes as one rigid body (parallel-axis theorem)."""
+    mass = sum(part.mass for part in parts)
+    com = sum((part.mass * part.com for part in parts), np.zeros(3)) / (mass or 1.0)
+    tensor = np.zeros((3, 3))
+    for part in parts:
+        arm = part.com - com
+        tensor += part.inertia_com + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return BodyReading(mass, com, tensor)
+
 
 @dataclass(frozen=True, eq=False)
 class State:
