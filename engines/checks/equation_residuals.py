@@ -101,10 +101,8 @@ def settled(
 
     def steps_after(settling: int) -> tuple[Steps, Steps]:
         together = np.concatenate(timesteps)
-        steps, halved = (
-            single_steps(open_at, scenario, states, together, after, settling),
-            len(timesteps[0]),
-        )
+        steps = single_steps(open_at, scenario, states, together, after, settling)
+        halved = len(timesteps[0])
         return steps.part(0, halved), steps.part(halved, len(together))
 
     steps, others = steps_after(0)
