@@ -74,7 +74,8 @@ def cross_check(scenario: Scenario, times: FloatArray) -> CrossCheck:
         velocity = R_world_body.apply(np.cross(omega, scenario.body.com))
     # Twelve evaluations a step, and one more that the next step begins with.
     steps = int(solution.nfev // 11)
-    return CrossCheck(Trajectory(times, q, omega, com, velocity), steps, tolerance)
+    spins = scenario.rotors.spins(omega, _kept(scenario))
+    return CrossCheck(Trajectory(times, q, omega, com, velocity, spins), steps, tolerance)
 
 
 def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]:
@@ -82,12 +83,14 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
 
     In plain numbers: arrays of three take numpy twenty times as long.
     """
-    inverse = np.linalg.inv(_inertia(scenario)).tolist()
+    inverse = np.linalg.inv(scenario.inertia).tolist()
     differences = _differences(scenario).tolist()
     mass = scenario.body.mass * float(scenario.has_pivot)
     lever = (mass * scenario.body.com).tolist()
     gravity, is_pushed = scenario.gravity_world.tolist(), bool(scenario.called_for & PUSHED)
     falling = [0.0, 0.0, 0.0] if scenario.has_pivot else gravity
+    rotors = scenario.rotors
+    kept = (_kept(scenario) @ rotors.axes_body).tolist()
 
     def rate(_t: float, state: FloatArray) -> list[float]:
         a, b, c, w, x, y, z, *_, vx, vy, vz = state.tolist()
@@ -99,7 +102,9 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
         ]
         pull = _product(R_body_world, gravity)
         omega = [a, b, c]
-        fall, gyroscopic = _cross(lever, pull), _cross(omega, _product(differences, omega))
+        L = _product(differences, omega)
+        fall = _cross(lever, pull)
+        gyroscopic = _cross(omega, [L[k] + kept[k] for k in range(3)])
         torque = [fall[k] / norm - gyroscopic[k] for k in range(3)]
         if is_pushed:
             R = np.array(R_body_world) / norm
@@ -130,10 +135,9 @@ def _cross(u: list[float], v: list[float]) -> list[float]:
     ]
 
 
-def _inertia(scenario: Scenario) -> FloatArray:
-    """kg m², about the fixed point, (3, 3)."""
-    body = scenario.body
-    return body.inertia_origin if scenario.has_pivot else body.inertia_com
+def _kept(scenario: Scenario) -> FloatArray:
+    """Angular momentum that the rotors' hinges keep, kg m²/s, (rotors,)."""
+    return scenario.rotors.kept(scenario.start.omega_body, scenario.rotors.start_spins)
 
 
 def _differences(scenario: Scenario) -> FloatArray:
@@ -141,7 +145,7 @@ def _differences(scenario: Scenario) -> FloatArray:
 
     So that a rod's spin is not driven by what rounding leaves of its two large moments.
     """
-    inertia = _inertia(scenario)
+    inertia = scenario.inertia
     return np.asarray(inertia - inertia[1, 1] * np.eye(3), dtype=float)
 
 
@@ -150,7 +154,7 @@ def _tolerance(scenario: Scenario) -> float:
 
     Of a thin body in skew axes, I⁻¹ (ω × Iω) is a small difference of large numbers.
     """
-    inverse, differences = np.abs(np.linalg.inv(_inertia(scenario))), np.abs(_differences(scenario))
+    inverse, differences = np.abs(np.linalg.inv(scenario.inertia)), np.abs(_differences(scenario))
     return max(RELATIVE_TOLERANCE, EPS * float(np.linalg.norm(inverse @ differences, 2)))
 
 

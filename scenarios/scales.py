@@ -87,9 +87,7 @@ def _rates(extent: Extent) -> Iterator[Rate]:
 
 def _moments(scenario: Scenario) -> tuple[mpf, mpf, mpf]:
     """Principal moments about the fixed point, ascending, kg m²."""
-    body = scenario.body
-    tensor = body.inertia_origin_exact if scenario.has_pivot else body.inertia_com_exact
-    least, middle, greatest = sorted(principal_axes(tensor)[0])
+    least, middle, greatest = sorted(principal_axes(scenario.inertia_exact)[0])
     # Lost to rounding, the least would not even be positive.
     if greatest > MAX_MOMENT_RATIO * least:
         about = "pivot" if scenario.has_pivot else "com"

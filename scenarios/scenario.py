@@ -13,7 +13,7 @@ from mpmath import mp
 from . import exact
 from .body import Body
 from .document import Document, Expect, Known, Published, StartTable, Window
-from .effects import EFFECTS, Effect, Effects
+from .effects import EFFECTS, Effect, Effects, Rotors, without_free_axes
 from .float_array import FloatArray, read_only
 from .values import Table
 from .write import to_toml
@@ -61,7 +61,7 @@ class Scenario:
     path : the file it was read from, or None for one built in memory
     text : the file, as read or as it would be written
     document : its tables
-    body, start : what they describe
+    body, start : what they describe; of the body with its rotors as if they did not turn in it
     """
 
     name: str
@@ -78,12 +78,12 @@ class Scenario:
     @cached_property
     def digest(self) -> str:
         """SHA-256, hexadecimal, of what the motion depends on: whether a run is of this scene."""
-        return self._digest("body", "start", "effects", "window")
+        return self._digest("body", "rotors", "start", "effects", "window")
 
     @cached_property
     def judged_digest(self) -> str:
         """Likewise of what verdicts depend on: also expectations and expected failures."""
-        return self._digest("body", "start", "effects", "window", "expect", "known")
+        return self._digest("body", "rotors", "start", "effects", "window", "expect", "known")
 
     def _digest(self, *tables: str) -> str:
         # Without what is not there: an effect that is new to the format leaves all other scenes be.
@@ -133,12 +133,34 @@ class Scenario:
     @cached_property
     def acting(self) -> tuple[Effect, ...]:
         """The same, in the order of `EFFECTS`."""
-        return tuple(one for one in EFFECTS.values() if one.is_called_for(self.effects))
+        return tuple(one for one in EFFECTS.values() if one.is_called_for(self.document))
 
     @property
     def has_pivot(self) -> bool:
         """Whether the body's origin is held at the world's origin."""
         return self.effects.pivot is not None
+
+    @cached_property
+    def rotors(self) -> Rotors:
+        """The parts of the body that turn in it."""
+        return Rotors.of(self.document.rotors)
+
+    @cached_property
+    def carrier(self) -> Body:
+        """The body without its rotors."""
+        return self.document.body.body() if self.rotors else self.body
+
+    @cached_property
+    def inertia_exact(self) -> exact.Tensor:
+        """What ω' is multiplied by about the pivot, or the com without one, kg m², body axes."""
+        body = self.body
+        tensor = body.inertia_origin_exact if self.has_pivot else body.inertia_com_exact
+        return without_free_axes(tensor, self.rotors)
+
+    @cached_property
+    def inertia(self) -> FloatArray:
+        """The same as doubles, (3, 3)."""
+        return read_only(self.inertia_exact)
 
     @cached_property
     def gravity_world(self) -> FloatArray:
@@ -188,12 +210,12 @@ def build(document: Document, name: str, text: str, path: Path | None = None) ->
         path=path,
         text=text,
         document=document,
-        body=document.body.body(),
+        body=document.whole_body(),
         start=_start(document.start),
     )
 
 
-def with_tables(scenario: Scenario, **tables: Table) -> Scenario:
+def with_tables(scenario: Scenario, **tables: Table | tuple[Table, ...] | None) -> Scenario:
     """The scene with other tables, such as `window`, under the same name; its text is rewritten.
 
     Published values and expectations are left out: they hold of the scene as it was.
@@ -204,7 +226,7 @@ def with_tables(scenario: Scenario, **tables: Table) -> Scenario:
         scenario,
         text=to_toml(document.model_dump(mode="json", exclude_defaults=True)),
         document=document,
-        body=document.body.body() if "body" in tables else scenario.body,
+        body=document.whole_body() if {"body", "rotors"} & tables.keys() else scenario.body,
         start=_start(document.start) if "start" in tables else scenario.start,
     )
 
@@ -215,6 +237,7 @@ def started_at(
     omega_body: Sequence[float] | FloatArray,
     com_world: Sequence[float] | FloatArray,
     velocity_world: Sequence[float] | FloatArray,
+    spins: Sequence[float] | FloatArray = (),
 ) -> Scenario:
     """The scene with another state at its start, as `with_tables`.
 
@@ -224,6 +247,7 @@ def started_at(
     omega_body : angular velocity, rad/s, body axes, (3,)
     com_world, velocity_world : of the centre of mass, m and m/s, (3,); with a pivot they follow
         from the other two and are not looked at
+    spins : of the rotors, relative to the body, rad/s, (rotors,)
 
     Raises
     ------
@@ -234,7 +258,12 @@ def started_at(
     if not scenario.has_pivot:
         numbers |= {"position": com_world, "velocity": velocity_world}
     start = {key: tuple(float(value) for value in values) for key, values in numbers.items()}
-    return with_tables(scenario, start=StartTable.model_validate(start))
+    turning = [
+        table.model_copy(update={"spin": float(spin)})
+        for table, spin in zip(scenario.document.rotors or (), spins, strict=True)
+    ]
+    rotors = {"rotors": tuple(turning)} if turning else {}
+    return with_tables(scenario, start=StartTable.model_validate(start), **rotors)
 
 
 def _start(table: StartTable) -> Start:

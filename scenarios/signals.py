@@ -104,9 +104,7 @@ class Signal:
 
 def radius_of_gyration(scene: "Scenario") -> float:
     """√(tr I / 2m), m; I about the pivot, or the com where there is none."""
-    body = scene.body
-    inertia = body.inertia_origin if scene.has_pivot else body.inertia_com
-    return float(np.sqrt(np.trace(inertia) / (2 * body.mass)))
+    return float(np.sqrt(np.trace(scene.inertia) / (2 * scene.body.mass)))
 
 
 def _way(scene: "Scenario", exact: Trajectory) -> float:

@@ -1,7 +1,7 @@
 """Compares body and start as read back from an engine with the scene's, before the first step."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,13 +54,19 @@ class BodyReading:
 class State:
     """What is read at a sample: attitude (4,), ω (3,) rad/s, com (3,) m, its velocity (3,) m/s.
 
-    For n samples, one a row: (n, 4) and (n, 3).
+    Of rotors also their spins relative to the body, (rotors,) rad/s. For n samples, one a row:
+    (n, 4) and (n, 3).
     """
 
     q_world_body_wxyz: FloatArray
     omega_body: FloatArray
     com_world: FloatArray
     velocity_world: FloatArray
+    spins: FloatArray = field(default_factory=lambda: np.empty(0))
+
+    def __post_init__(self) -> None:
+        if not self.spins.size:
+            object.__setattr__(self, "spins", np.empty((*self.omega_body.shape[:-1], 0)))
 
     def rows(self, kept: int | slice | NDArray[np.bool_]) -> "State":
         """One of n states by its index, or several by a slice or a mask, (n,)."""
@@ -124,7 +130,8 @@ def start_state(scenario: Scenario) -> State:
         R_world_body = matrix(start.q_world_body_wxyz)
         com_world = R_world_body @ com
         velocity_world = R_world_body @ cross(start.omega_body, com)
-    return State(start.q_world_body_wxyz, start.omega_body, com_world, velocity_world)
+    spins = scenario.rotors.start_spins
+    return State(start.q_world_body_wxyz, start.omega_body, com_world, velocity_world, spins)
 
 
 def _pairs(

@@ -45,7 +45,7 @@ def swing_rate(scenario: "Scenario") -> float:
     arm = float(np.linalg.norm(scenario.body.com))
     if not (scenario.has_pivot and arm):
         return 0.0
-    inverse = np.asarray(np.linalg.inv(scenario.body.inertia_origin), dtype=float)
+    inverse = np.asarray(np.linalg.inv(scenario.inertia), dtype=float)
     direction = scenario.body.com / arm
     across = np.eye(3) - np.outer(direction, direction)
     pull = scenario.body.mass * float(np.linalg.norm(scenario.gravity_world)) * arm

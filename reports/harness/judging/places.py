@@ -71,9 +71,7 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
     states = State(*(np.vstack(columns) for columns in zip(*map(_columns, parts), strict=True)))
     times = np.append(along.t, [np.nan] * len(ASKEW))
     starts = np.unique(np.linspace(0, len(chosen) - 1, PIECES).astype(int))
-    body = scenario.body
-    inertia = body.inertia_origin if scenario.has_pivot else body.inertia_com
-    condition = float(np.linalg.cond(inertia))
+    condition = float(np.linalg.cond(scenario.inertia))
     pieces = _pieces(scenario, states.rows(starts), timestep, condition)
     timesteps = timestep / 2.0 ** np.arange(HALVINGS)
     return Places(states, times, np.asarray(timesteps), pieces, starts, condition)

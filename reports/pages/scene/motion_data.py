@@ -96,7 +96,7 @@ def run_name(row: Row) -> str:
 
 def _body(solved: SceneResult) -> dict[str, Any]:
     scenario, drawn = solved.scenario, drawn_body(solved)
-    inertia = scenario.body.inertia_origin if scenario.has_pivot else scenario.body.inertia_com
+    inertia = scenario.inertia
     return {
         "shape": drawn.shape,
         "half_sides": drawn.half_sides.tolist(),
