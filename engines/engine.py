@@ -53,6 +53,9 @@ class Method:
         remark, and does not fail a run
     by_angles : whether the attitude of a held body is stepped as roll, pitch and yaw
     damping : 1/s, at which it slows bodies that nothing slows
+    reader : whether it differs from a method of another engine only in how models are read
+    setup : what users of the engine write to have it, with `TIMESTEP` for the timestep in s; empty
+        if that is no matter of a few lines
     """
 
     name: str
@@ -65,6 +68,13 @@ class Method:
     as_shipped: bool = False
     by_angles: bool = False
     damping: float = 0.0
+    reader: bool = False
+    setup: str = ""
+
+    @property
+    def is_recommendable(self) -> bool:
+        """Whether it may be recommended to users: it simulates the scene as no other does."""
+        return not (self.as_shipped or self.reader)
 
 
 @dataclass(frozen=True)
@@ -284,9 +294,9 @@ class Engine(ABC):
                 unlike = self.differences(scenario, method.name, *read_back)
                 if unlike and not method.as_shipped:
                     return ended("failed", unlike[0].complaint, "read-back")
-                arm = read_back[0].com if scenario.has_pivot else None
+                arm = read_back[0].com if scenario.constraint.is_pivot else None
                 decay = decay_rate(scenario) + method.damping
-                by_angles = method.by_angles and scenario.has_pivot
+                by_angles = method.by_angles and scenario.constraint.is_pivot
                 bounds = Bounds(timestep, most, self.slack, decay, arm, by_angles)
                 sampled = sample(session, sample_steps, bounds)
                 audited = audit(session, scenario, sampled)

@@ -57,7 +57,7 @@ class InvariantScales:
         numbers = zip(self.problem.moments, self.problem.omega_axes, strict=True)
         turning = float(sum(moment * w * w for moment, w in numbers)) / 2
         turning += float(self.rotors_kept @ (self.rotors_kept / self.scenario.rotors.along)) / 2
-        if self.scenario.has_pivot:
+        if self.scenario.constraint.is_pivot:
             return turning + 2 * self.pull
         fall = float(np.linalg.norm(self.scenario.gravity_world)) * self.duration
         straight = float(np.linalg.norm(self.scenario.start.velocity_world))
@@ -188,7 +188,7 @@ def _is_symmetric(scene: InvariantScales) -> bool:
 
 
 def _is_thrown(scene: InvariantScales) -> bool:
-    return not any(effect.is_constraint for effect in scene.scenario.acting)
+    return scene.scenario.constraint.is_free
 
 
 LAWS = (
@@ -276,7 +276,7 @@ LAWS = (
         name="pivot",
         formula="r_com − R com: where the body's origin is",
         unit="m",
-        holds=lambda scene: scene.scenario.has_pivot,
+        holds=lambda scene: scene.scenario.constraint.is_pivot,
         values=_pivot,
         scale=lambda scene: scene.radius,
     ),

@@ -68,10 +68,10 @@ def cross_check(scenario: Scenario, times: FloatArray) -> CrossCheck:
         raise RuntimeError(f"DOP853 gave up: {solution.message}")
     omega, q, com, velocity = np.split(solution.y.T, [3, 7, 10], axis=1)
     q /= np.linalg.norm(q, axis=1, keepdims=True)
-    if scenario.has_pivot:
-        R_world_body = Rotation.from_quat(q, scalar_first=True)
-        com = R_world_body.apply(np.array(scenario.body.com))
-        velocity = R_world_body.apply(np.cross(omega, scenario.body.com))
+    R_world_body, constraint = Rotation.from_quat(q, scalar_first=True), scenario.constraint
+    swing = np.cross(omega, constraint.lever)
+    com = constraint.com_world(R_world_body.apply(np.array(constraint.lever)), com)
+    velocity = constraint.velocity_world(R_world_body.apply(swing), velocity)
     # Twelve evaluations a step, and one more that the next step begins with.
     steps = int(solution.nfev // 11)
     spins = scenario.rotors.spins(omega, _kept(scenario))
@@ -85,10 +85,10 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
     """
     inverse = np.linalg.inv(scenario.inertia).tolist()
     differences = _differences(scenario).tolist()
-    mass = scenario.body.mass * float(scenario.has_pivot)
+    mass = scenario.body.mass * float(scenario.constraint.is_pivot)
     lever = (mass * scenario.body.com).tolist()
     gravity, is_pushed = scenario.gravity_world.tolist(), bool(scenario.called_for & PUSHED)
-    falling = [0.0, 0.0, 0.0] if scenario.has_pivot else gravity
+    falling = [0.0, 0.0, 0.0] if scenario.constraint.is_pivot else gravity
     rotors = scenario.rotors
     kept = (_kept(scenario) @ rotors.axes_body).tolist()
 
@@ -116,7 +116,7 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
             0.5 * (w * b + z * a - x * c),
             0.5 * (w * c + x * b - y * a),
         ]
-        velocity = [0.0, 0.0, 0.0] if scenario.has_pivot else [vx, vy, vz]
+        velocity = [0.0, 0.0, 0.0] if scenario.constraint.is_pivot else [vx, vy, vz]
         return [*_product(inverse, torque), *q_rate, *velocity, *falling]
 
     return rate

@@ -86,7 +86,7 @@ def _start(scenario: Scenario, problem: Problem) -> Trajectory:
 
 
 def _of_any_body(scenario: Scenario, problem: Problem, start: Trajectory) -> Iterator[Fact]:
-    point = "pivot" if scenario.has_pivot else "centre of mass"
+    point = "pivot" if scenario.constraint.is_pivot else "centre of mass"
     less = ", less those of free rotors about their axles" if scenario.rotors else ""
     for k, moment in enumerate(problem.moments, start=1):
         yield Fact(f"moment {k}", float(moment), "kg m²", f"principal, about the {point}{less}")

@@ -28,7 +28,7 @@ def angular_momentum_world(scenario: "Scenario", motion: Trajectory) -> FloatArr
     if scenario.rotors:
         L_body = L_body + scenario.rotors.momentum_body(motion.spins)
     L_world = motion.to_world(L_body)
-    if not scenario.has_pivot:
+    if not scenario.constraint.is_pivot:
         return _readonly(L_world)
     momentum_world = body.mass * motion.velocity_world
     return _readonly(L_world + cross(motion.com_world, momentum_world))

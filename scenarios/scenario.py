@@ -12,6 +12,7 @@ from mpmath import mp
 
 from . import exact
 from .body import Body
+from .constraint import Constraint
 from .document import Document, Expect, Known, Published, StartTable, Window
 from .effects import EFFECTS, Effect, Effects, Rotors, without_free_axes
 from .float_array import FloatArray, read_only
@@ -135,10 +136,16 @@ class Scenario:
         """The same, in the order of `EFFECTS`."""
         return tuple(one for one in EFFECTS.values() if one.is_called_for(self.document))
 
+    @cached_property
+    def constraint(self) -> Constraint:
+        """What holds the body; of one that is free, nothing."""
+        holding = [effect.constraint(self) for effect in self.acting if effect.constraint]
+        return holding[0] if holding else Constraint((False,) * 3, self.body.com_exact)
+
     @property
-    def has_pivot(self) -> bool:
-        """Whether the body's origin is held at the world's origin."""
-        return self.effects.pivot is not None
+    def about(self) -> str:
+        """The point that L and the moments of inertia are about: "pivot" or "com"."""
+        return "pivot" if self.constraint.is_pivot else "com"
 
     @cached_property
     def rotors(self) -> Rotors:
@@ -152,9 +159,12 @@ class Scenario:
 
     @cached_property
     def inertia_exact(self) -> exact.Tensor:
-        """What ω' is multiplied by about the pivot, or the com without one, kg m², body axes."""
+        """Inertia tensor about the pivot, or the com where there is none, kg m², body axes.
+
+        It is what ω' is multiplied by: without what rotors that turn freely have about their axles.
+        """
         body = self.body
-        tensor = body.inertia_origin_exact if self.has_pivot else body.inertia_com_exact
+        tensor = body.inertia_origin_exact if self.about == "pivot" else body.inertia_com_exact
         return without_free_axes(tensor, self.rotors)
 
     @cached_property
@@ -255,7 +265,7 @@ def started_at(
         If a number is not finite, or the quaternion is not of norm 1.
     """
     numbers = {"quaternion_wxyz": q_world_body_wxyz, "omega_body": omega_body}
-    if not scenario.has_pivot:
+    if not scenario.constraint.is_pivot:
         numbers |= {"position": com_world, "velocity": velocity_world}
     start = {key: tuple(float(value) for value in values) for key, values in numbers.items()}
     turning = [

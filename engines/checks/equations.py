@@ -159,7 +159,7 @@ def gain_between(equations: Equations, before: State, after: State, span: float)
     exact_turn = _turn(before, exact) / span
     torque = equations.inertia @ (after.omega_body - before.omega_body) / span
     exact_torque = equations.inertia @ (exact.omega_body - before.omega_body) / span
-    if equations.scenario.has_pivot:
+    if equations.scenario.constraint.is_pivot:
         R = matrix(after.q_world_body_wxyz)
         com = np.array(equations.scenario.body.com)
         got = np.array([turn, torque, after.velocity_world, after.com_world])
@@ -184,7 +184,7 @@ def gain_sizes(equations: Equations, gain: Gain) -> FloatArray:
     outer = gravity.torque_body(equations.scenario, R), still, pushed - still
     torque = L * speed + sum(float(np.linalg.norm(one)) for one in outer)
     places = np.linalg.norm(gain.wanted[2:], axis=1)
-    if equations.scenario.has_pivot:
+    if equations.scenario.constraint.is_pivot:
         places = np.maximum(places, np.array([speed, 1.0]) * equations.reach)
     return np.array([speed, torque, *places])
 
@@ -196,7 +196,7 @@ def rounded(equations: Equations, gain: Gain, epsilon: float) -> FloatArray:
     far = float(np.linalg.norm(gain.before.com_world)) + equations.reach
     largest = float(np.linalg.norm(equations.inertia, 2))
     sizes = np.array([1 / gain.span, largest * speed / gain.span, fast, far])
-    if not equations.scenario.has_pivot:
+    if not equations.scenario.constraint.is_pivot:
         sizes[2:] /= gain.span
     return epsilon * sizes
 

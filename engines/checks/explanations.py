@@ -117,7 +117,7 @@ def _body_changes(equations: Equations, effect: Callable[..., FloatArray]) -> It
         effect(*(lambda s, tensor=tensor: s.torque(s.of_tensor(tensor)) for tensor in tensors)),
         lambda theta: _moments(moments, theta),
     )
-    if not equations.scenario.has_pivot:
+    if not equations.scenario.constraint.is_pivot:
         return
     com, mass = np.array(equations.scenario.body.com), equations.scenario.body.mass
 
@@ -146,7 +146,7 @@ class _Start:
         self.L = equations.inertia @ self.omega + self.kept
         self.gyroscopic = cross(self.omega, self.L)
         self.omega_rate = equations.inverse @ equations.torque_body(self.R, self.omega, self.kept)
-        pivot = equations.scenario.has_pivot
+        pivot = equations.scenario.constraint.is_pivot
         self.is_rate = np.array([1, 1, not pivot, not pivot], dtype=float)[:, None]
 
     def torque(self, torque_body: FloatArray) -> FloatArray:
@@ -159,7 +159,7 @@ class _Start:
 
     def gravity(self, gravity_world: FloatArray) -> FloatArray:
         """The change of the gain by additional gravity."""
-        if not self.equations.scenario.has_pivot:
+        if not self.equations.scenario.constraint.is_pivot:
             return np.array([np.zeros(3), np.zeros(3), gravity_world, np.zeros(3)])
         body = self.equations.scenario.body
         return self.torque(body.mass * cross(body.com, gravity_world @ self.R))
@@ -169,14 +169,14 @@ class _Start:
         outer = self.equations.outer_body(self.R, np.zeros(3))
         added = self.torque(outer + self.gyroscopic)
         added[0] = -self.omega
-        if self.equations.scenario.has_pivot:
+        if self.equations.scenario.constraint.is_pivot:
             added[2] = -self.gain.wanted[2]
         return added
 
     def scaled_velocity(self) -> FloatArray:
         """The effect of a reading of the com's velocity that is too large."""
         added = np.zeros((4, 3))
-        if self.equations.scenario.has_pivot:
+        if self.equations.scenario.constraint.is_pivot:
             added[2] = self.gain.wanted[2]
         else:
             added[2], added[3] = self.gain.wanted[2], -self.gain.wanted[3]

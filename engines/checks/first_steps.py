@@ -175,7 +175,7 @@ def _noisy_gain(
     roundings = STEPS * 2 ** (len(gains) - 1)
     noise = ABOVE_NOISE * apart + roundings * rounded(equations, gains[-1], epsilon)
     noise += negligible * gain_sizes(equations, gains[-1])
-    is_held = equations.scenario.has_pivot
+    is_held = equations.scenario.constraint.is_pivot
     return _NoisyGain(replace(gains[-1], excess=extrapolated[-1]), noise, is_held)
 
 
@@ -186,7 +186,7 @@ def _shortest_step(scenario: Scenario, rate: float, epsilon: float) -> float:
     constraint holds the body, the rounding of its position causes an acceleration proportional to
     1/h².
     """
-    balance = np.cbrt(epsilon) if scenario.has_pivot else np.cbrt(12 * epsilon) / STEPS
+    balance = np.cbrt(epsilon) if scenario.constraint.is_pivot else np.cbrt(12 * epsilon) / STEPS
     return float(2.0 ** np.floor(np.log2(balance / rate)))
 
 

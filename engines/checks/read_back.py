@@ -124,14 +124,16 @@ def differences(
 
 def start_state(scenario: Scenario) -> State:
     """The scene's start; of a body on a pivot, com and its velocity follow from attitude and ω."""
-    start, com = scenario.start, scenario.body.com
-    com_world, velocity_world = start.position_world, start.velocity_world
-    if scenario.has_pivot:
-        R_world_body = matrix(start.q_world_body_wxyz)
-        com_world = R_world_body @ com
-        velocity_world = R_world_body @ cross(start.omega_body, com)
-    spins = scenario.rotors.start_spins
-    return State(start.q_world_body_wxyz, start.omega_body, com_world, velocity_world, spins)
+    start = scenario.start
+    R_world_body, constraint = matrix(start.q_world_body_wxyz), scenario.constraint
+    swing_world = R_world_body @ cross(start.omega_body, constraint.lever)
+    return State(
+        start.q_world_body_wxyz,
+        start.omega_body,
+        constraint.com_world(R_world_body @ constraint.lever, start.position_world),
+        constraint.velocity_world(swing_world, start.velocity_world),
+        scenario.rotors.start_spins,
+    )
 
 
 def _pairs(

@@ -1,6 +1,6 @@
 """The requirements on every engine, as tests to run on this package's engines and on others.
 
-How to use them on an engine of one's own: docs/add-an-engine.md.
+How to use them on an engine of one's own: docs/how-to/add-an-engine.md.
 """
 
 from .checks import CHECKS, Check, ContractBroken

@@ -48,7 +48,7 @@ class CoupledBodies:
         parts += [(mpf(one.mass), tuple(map(mpf, one.position))) for one in tables]
         self.mass = sum(mass for mass, _ in parts)
         com = [sum(mass * place[k] for mass, place in parts) / self.mass for k in range(3)]
-        fixed = [mpf(0)] * 3 if scenario.has_pivot else com
+        fixed = [mpf(0)] * 3 if scenario.constraint.is_pivot else com
         self.lever = [self.mass * (com[k] - fixed[k]) for k in range(3)]
         self.axes = [mp.matrix(one.axis) / mp.norm(mp.matrix(one.axis)) for one in tables]
         self.along = [mpf(one.inertia[1]) for one in tables]

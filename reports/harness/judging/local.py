@@ -239,7 +239,7 @@ def _explained(equations: Equations, steps: Steps, found: Excess, at: Places) ->
     as_if = explanation(equations, gains, found.tolerance)
     worst, quantity = divmod(int(np.argmax(found.by_tolerance)), found.by_tolerance.shape[1])
     when = _when(at.times[worst])
-    what = residual_words(gains[worst], quantity, equations.scenario.has_pivot, when)
+    what = residual_words(gains[worst], quantity, equations.scenario.constraint.is_pivot, when)
     return f"behaves as if {as_if}: {what}" if as_if else what
 
 

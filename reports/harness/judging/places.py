@@ -110,7 +110,7 @@ def _chosen(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
     columns = [
         norms(omega),
         *np.abs(omega).T,
-        turned_back(R, np.broadcast_to(down, omega.shape)) @ scenario.body.com,
+        turned_back(R, np.broadcast_to(down, omega.shape)) @ scenario.constraint.lever,
         norms(motion.velocity_world),
     ]
     extremes = [find(column) for column in columns for find in (np.argmax, np.argmin)]
@@ -120,9 +120,9 @@ def _chosen(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
 def _askew(scenario: Scenario, along: Trajectory, omega_body: FloatArray) -> State:
     """The first state, with another ω."""
     q, com_world = along.q_world_body_wxyz[0], along.com_world[0]
-    velocity_world = along.velocity_world[0]
-    if scenario.has_pivot:
-        velocity_world = matrix(q) @ cross(omega_body, scenario.body.com)
+    constraint = scenario.constraint
+    swing_world = matrix(q) @ cross(omega_body, constraint.lever)
+    velocity_world = constraint.velocity_world(swing_world, along.velocity_world[0])
     return State(q[None], omega_body[None], com_world[None], velocity_world[None])
 
 
