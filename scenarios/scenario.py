@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from mpmath import mp
@@ -247,7 +248,7 @@ def started_at(
     omega_body: Sequence[float] | FloatArray,
     com_world: Sequence[float] | FloatArray,
     velocity_world: Sequence[float] | FloatArray,
-    spins: Sequence[float] | FloatArray = (),
+    spins: Sequence[float] | FloatArray | None = None,
 ) -> Scenario:
     """The scene with another state at its start, as `with_tables`.
 
@@ -257,7 +258,7 @@ def started_at(
     omega_body : angular velocity, rad/s, body axes, (3,)
     com_world, velocity_world : of the centre of mass, m and m/s, (3,); with a pivot they follow
         from the other two and are not looked at
-    spins : of the rotors, relative to the body, rad/s, (rotors,)
+    spins : of the rotors, relative to the body, rad/s, (rotors,); as they are if None
 
     Raises
     ------
@@ -268,12 +269,13 @@ def started_at(
     if not scenario.constraint.is_pivot:
         numbers |= {"position": com_world, "velocity": velocity_world}
     start = {key: tuple(float(value) for value in values) for key, values in numbers.items()}
-    turning = [
-        table.model_copy(update={"spin": float(spin)})
-        for table, spin in zip(scenario.document.rotors or (), spins, strict=True)
-    ]
-    rotors = {"rotors": tuple(turning)} if turning else {}
-    return with_tables(scenario, start=StartTable.model_validate(start), **rotors)
+    tables: dict[str, Any] = {"start": StartTable.model_validate(start)}
+    if scenario.rotors and spins is not None:
+        tables["rotors"] = tuple(
+            table.model_copy(update={"spin": float(spin)})
+            for table, spin in zip(scenario.document.rotors or (), spins, strict=True)
+        )
+    return with_tables(scenario, **tables)
 
 
 def _start(table: StartTable) -> Start:
