@@ -229,7 +229,8 @@ def _sizes(equations: Equations, states: State) -> FloatArray:
         velocity, place = speeds * reach, np.full_like(speeds, reach)
     else:
         velocity, place = g + reach * speeds**2, norms(states.velocity_world) + reach * speeds
-    torque = _largest_moment(equations) * speeds**2 + outer
+    torque = _largest_moment(equations) * speeds**2 + norms(equations.kept_body(states)) * speeds
+    torque += outer
     return np.stack([speeds, torque, velocity, place], axis=1)
 
 
