@@ -227,14 +227,16 @@ class ConvergenceStudy:
 
     @property
     def _is_decided(self) -> bool:
-        """Whether steps and pieces decide, and the next rung is beyond a quick study's ladder.
+        """Whether steps and pieces decide, and a quick study's ladder has no more to show.
 
         Errors of finer rungs, and their costs, follow by the order.
         """
         if self.local is None or not self.local.converges:
             return False
-        least = EXCESS if len(self.rows) < LEAST_RUNGS else 1
-        return 2 * self.rows[-1].steps > least * QUICK_STEPS
+        last, excess = self.rows[-1], EXCESS if len(self.rows) < LEAST_RUNGS else 1
+        finest = last.timestep * last.steps / QUICK_STEPS
+        in_vain = len(self.rows) >= MIN_RUNGS and self.judge.is_out_of_reach(finest)
+        return in_vain or 2 * last.steps > excess * QUICK_STEPS
 
     @property
     def last_row(self) -> Row | None:
