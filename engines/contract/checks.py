@@ -31,7 +31,7 @@ ABOVE_ROUND_OFF = 1000
 #: For requirements that do not depend on the scene: free and on a pivot, with changing torques.
 FEW = ("free", "free-torque-body", "heavy-tilted", "everything")
 #: For restarts: also a body whose com is not its origin, free to move.
-RESTARTED = (*FEW, "free-falling", "pivot-drag")
+RESTARTED = (*FEW, "free-falling", "pivot-drag", "free-rotors", "pivot-rotors")
 #: Steps after a restart: what it left out may show in the first alone.
 RESTART_STRIDES = (1, ODD_STEPS - 1)
 #: Samples of a run.
