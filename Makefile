@@ -10,7 +10,7 @@ READY := $(VENV)/.ready
 CODE := scenarios reference engines reports
 PLAIN := free heavy driven thrown
 
-.PHONY: report engines test quick pythons bench kills survey thresholds random suite
+.PHONY: docs report engines test quick pythons bench kills survey thresholds random suite
 .PHONY: lint types contract check schema format-page engine-verdicts clean
 
 # The page is there to look at after the plain scenes, and once more when the hard ones are done.
@@ -37,6 +37,11 @@ quick: $(READY)
 pythons: $(READY)
 	$(BIN)/nox
 
+# The site, build/docs/index.html: every page, with the examples' output, and no warning.
+docs: $(INSTALLED)
+	$(BIN)/pip install --quiet --editable '.[docs]'
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going -q -j 2 docs build/docs
+
 # Speed, with nothing else running; tables on the terminal, the same as JSON in build/bench.
 bench: $(READY)
 	for script in tests/bench/*.py; do $(BIN)/python $$script || exit 1; done
@@ -45,11 +50,11 @@ bench: $(READY)
 kills: $(READY)
 	PYTHONPATH=tests/support $(BIN)/python tests/reports/cli/kills.py
 
-# The smallest planted fault that is detected, by kind, method class and scene; written to docs/thresholds.md and into reports.
+# The smallest planted fault that is detected, by kind, method class and scene; written to docs/measured/thresholds.md and into reports.
 thresholds: $(READY)
 	PYTHONPATH=tests/support $(BIN)/python tests/reports/harness/measure_thresholds.py
 
-# Verdicts, survivors and the cost of accuracy of every engine there is; docs/engine-verdicts.md.
+# Verdicts, survivors and the cost of accuracy of every engine there is; docs/measured/engine-verdicts.md.
 engine-verdicts: $(READY)
 	$(BIN)/python tests/reports/harness/measure_engines.py
 
@@ -62,7 +67,7 @@ suite: $(READY)
 	$(BIN)/pytest --pyargs spincheck.suite --spincheck-engine all \
 		--spincheck-xfails tests/reports/interface/suite/known_failures.toml
 
-# What engines hold of the robots of public packages (200 MB of them): docs/models.md.
+# What engines hold of the robots of public packages (200 MB of them): docs/how-to/models.md.
 survey: $(READY)
 	$(BIN)/pip install --quiet --editable '.[models]'
 	$(BIN)/python tests/reports/harness/users_models/survey.py
@@ -83,7 +88,7 @@ schema: $(READY)
 	$(BIN)/python -m spincheck.scenarios.schema
 
 format-page: $(READY)
-	$(BIN)/python -m spincheck.scenarios.format_page > docs/scene-format.md
+	$(BIN)/python -m spincheck.scenarios.format_page > docs/reference/scene-format.md
 
 $(INSTALLED): pyproject.toml
 	$(if $(PYTHON),,$(error no Python from 3.11 to 3.13 was found; PYTHON=… names one))

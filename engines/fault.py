@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-#: What each cause means and how it is detected: docs/outcomes.md.
+#: What each cause means and how it is detected: docs/explanation/outcomes.md.
 Cause = Literal[
     "",
     # Of runs that diverged: the motion became wrong at some time.

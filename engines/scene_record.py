@@ -1,6 +1,7 @@
 """A scene as plain numbers, which engines in other languages and stand-alone modules are given.
 
-SI units, along the body's principal axes and from its centre of mass: docs/engine-protocol.md.
+SI units, along the body's principal axes and from its centre of mass:
+docs/reference/engine-protocol.md.
 """
 
 from collections.abc import Sequence
@@ -94,12 +95,12 @@ class RecordFrame:
 def scene_record(scenario: Scenario) -> dict[str, Any]:
     """What `ABOUT` names, as numbers and lists of numbers; `arm` is None without a pivot."""
     body, frame = scenario.body, RecordFrame.of(scenario)
-    to_axes = frame.body_from_axes.inv()
+    to_axes, is_pivot = frame.body_from_axes.inv(), scenario.constraint.is_pivot
     return {
         "mass": float(body.mass),
         "moments": _numbers(principal_frame(body).moments),
         "axes": _numbers(principal_frame(body).q_body_axes_wxyz),
-        "arm": _numbers(to_axes.apply(-np.array(body.com))) if scenario.has_pivot else None,
+        "arm": _numbers(to_axes.apply(-np.array(body.com))) if is_pivot else None,
         "gravity": _numbers(scenario.gravity_world),
         "drag": float(scenario.drag),
         "torque_body": _numbers(to_axes.apply(np.array(scenario.torque_body))),

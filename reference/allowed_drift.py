@@ -54,13 +54,12 @@ def _moved(scenario: Scenario, motion: Trajectory, uncertainty: Errors) -> Itera
 
 def _placed(scenario: Scenario, motion: Trajectory) -> Trajectory:
     """The centre of mass where attitude and ω put it."""
-    if not scenario.has_pivot:
-        return motion
-    com = np.array(scenario.body.com)
+    constraint = scenario.constraint
+    swing_world = motion.to_world(np.cross(motion.omega_body, constraint.lever))
     return replace(
         motion,
-        com_world=motion.to_world(com),
-        velocity_world=motion.to_world(np.cross(motion.omega_body, com)),
+        com_world=constraint.com_world(motion.to_world(constraint.lever), motion.com_world),
+        velocity_world=constraint.velocity_world(swing_world, motion.velocity_world),
     )
 
 

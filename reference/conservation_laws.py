@@ -56,7 +56,7 @@ class InvariantScales:
         """J: kinetic at t = 0 plus what gravity can add to it within the window."""
         L, omega = angular_momentum_axes(self.problem), self.problem.omega_axes
         turning = float(sum(a * b for a, b in zip(L, omega, strict=True))) / 2
-        if self.scenario.has_pivot:
+        if self.scenario.constraint.is_pivot:
             return turning + 2 * self.pull
         fall = float(np.linalg.norm(self.scenario.gravity_world)) * self.duration
         straight = float(np.linalg.norm(self.scenario.start.velocity_world))
@@ -175,7 +175,7 @@ def _is_symmetric(scene: InvariantScales) -> bool:
 
 
 def _is_thrown(scene: InvariantScales) -> bool:
-    return not any(effect.is_constraint for effect in scene.scenario.acting)
+    return scene.scenario.constraint.is_free
 
 
 LAWS = (
@@ -255,7 +255,7 @@ LAWS = (
         name="pivot",
         formula="r_com − R com: where the body's origin is",
         unit="m",
-        holds=lambda scene: scene.scenario.has_pivot,
+        holds=lambda scene: scene.scenario.constraint.is_pivot,
         values=_pivot,
         scale=lambda scene: scene.radius,
     ),

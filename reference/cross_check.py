@@ -68,10 +68,10 @@ def cross_check(scenario: Scenario, times: FloatArray) -> CrossCheck:
         raise RuntimeError(f"DOP853 gave up: {solution.message}")
     omega, q, com, velocity = np.split(solution.y.T, [3, 7, 10], axis=1)
     q /= np.linalg.norm(q, axis=1, keepdims=True)
-    if scenario.has_pivot:
-        R_world_body = Rotation.from_quat(q, scalar_first=True)
-        com = R_world_body.apply(np.array(scenario.body.com))
-        velocity = R_world_body.apply(np.cross(omega, scenario.body.com))
+    R_world_body, constraint = Rotation.from_quat(q, scalar_first=True), scenario.constraint
+    swing = np.cross(omega, constraint.lever)
+    com = constraint.com_world(R_world_body.apply(np.array(constraint.lever)), com)
+    velocity = constraint.velocity_world(R_world_body.apply(swing), velocity)
     # Twelve evaluations a step, and one more that the next step begins with.
     steps = int(solution.nfev // 11)
     return CrossCheck(Trajectory(times, q, omega, com, velocity), steps, tolerance)
@@ -82,12 +82,12 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
 
     In plain numbers: arrays of three take numpy twenty times as long.
     """
-    inverse = np.linalg.inv(_inertia(scenario)).tolist()
+    inverse = np.linalg.inv(scenario.inertia).tolist()
     differences = _differences(scenario).tolist()
-    mass = scenario.body.mass * float(scenario.has_pivot)
+    mass = scenario.body.mass * float(scenario.constraint.is_pivot)
     lever = (mass * scenario.body.com).tolist()
     gravity, is_pushed = scenario.gravity_world.tolist(), bool(scenario.called_for & PUSHED)
-    falling = [0.0, 0.0, 0.0] if scenario.has_pivot else gravity
+    falling = [0.0, 0.0, 0.0] if scenario.constraint.is_pivot else gravity
 
     def rate(_t: float, state: FloatArray) -> list[float]:
         a, b, c, w, x, y, z, *_, vx, vy, vz = state.tolist()
@@ -111,7 +111,7 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
             0.5 * (w * b + z * a - x * c),
             0.5 * (w * c + x * b - y * a),
         ]
-        velocity = [0.0, 0.0, 0.0] if scenario.has_pivot else [vx, vy, vz]
+        velocity = [0.0, 0.0, 0.0] if scenario.constraint.is_pivot else [vx, vy, vz]
         return [*_product(inverse, torque), *q_rate, *velocity, *falling]
 
     return rate
@@ -130,18 +130,12 @@ def _cross(u: list[float], v: list[float]) -> list[float]:
     ]
 
 
-def _inertia(scenario: Scenario) -> FloatArray:
-    """kg m², about the fixed point, (3, 3)."""
-    body = scenario.body
-    return body.inertia_origin if scenario.has_pivot else body.inertia_com
-
-
 def _differences(scenario: Scenario) -> FloatArray:
     """The tensor less one of its moments, kg m², (3, 3): ω × Iω needs no more, as ω × ω = 0.
 
     So that a rod's spin is not driven by what rounding leaves of its two large moments.
     """
-    inertia = _inertia(scenario)
+    inertia = scenario.inertia
     return np.asarray(inertia - inertia[1, 1] * np.eye(3), dtype=float)
 
 
@@ -150,7 +144,7 @@ def _tolerance(scenario: Scenario) -> float:
 
     Of a thin body in skew axes, I⁻¹ (ω × Iω) is a small difference of large numbers.
     """
-    inverse, differences = np.abs(np.linalg.inv(_inertia(scenario))), np.abs(_differences(scenario))
+    inverse, differences = np.abs(np.linalg.inv(scenario.inertia)), np.abs(_differences(scenario))
     return max(RELATIVE_TOLERANCE, EPS * float(np.linalg.norm(inverse @ differences, 2)))
 
 

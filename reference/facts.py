@@ -85,7 +85,7 @@ def _start(scenario: Scenario, problem: Problem) -> Trajectory:
 
 
 def _of_any_body(scenario: Scenario, problem: Problem, start: Trajectory) -> Iterator[Fact]:
-    point = "pivot" if scenario.has_pivot else "centre of mass"
+    point = "pivot" if scenario.constraint.is_pivot else "centre of mass"
     for k, moment in enumerate(problem.moments, start=1):
         yield Fact(f"moment {k}", float(moment), "kg m²", f"principal, about the {point}")
     kinetic = float(kinetic_energy(scenario, start)[0])

@@ -2,7 +2,8 @@
 
 Axes are renamed and turned so that I2 is the middle moment, ω circulates about e3 (that of the
 largest moment where D = L² − 2 E I2 >= 0, of the smallest where D < 0), ω3 > 0 and s ω1 >= 0 with
-s = sign(I2 − I1). Then (Landau & Lifshitz, Mechanics, §37; derivation: docs/closed-forms.md)::
+s = sign(I2 − I1). Then (Landau & Lifshitz, Mechanics, §37; derivation:
+docs/explanation/closed-forms.md)::
 
     ω = (s a1 cn, a2 sn, a3 dn)(u | m)        u = p t + u0
     A ∝ e^{iΩt} θ1(z + i σ η_A | q²)/√θ4(z | q)

@@ -2,7 +2,7 @@
 
 With its axis from the pivot to the centre of mass as e3, the upward vertical as z and u = cos β as
 in `nutation` (F. Klein & A. Sommerfeld, Über die Theorie des Kreisels, ch. VI; Whittaker,
-Analytical Dynamics, §71; derivation: docs/closed-forms.md)::
+Analytical Dynamics, §71; derivation: docs/explanation/closed-forms.md)::
 
     A ∝ e^{iΩt} θ1(z − iη_A)/θ4(z)        B ∝ e^{iΩt} θ2(z − iη_B)/θ4(z)
     W ∝ e^{iΩt} θ2(z − iη_W)/θ4(z)        z = π (p t + u0)/2K

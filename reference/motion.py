@@ -65,10 +65,7 @@ def assembled(
         q_world_body = (R_world_axes * R_axes_body).as_quat(scalar_first=True)
         # scipy refuses read-only arrays, hence the copies here and below.
         omega_body = np.asarray(R_axes_body.inv().apply(np.array(omega_axes)))
-    if scenario.has_pivot:
-        com_world, velocity_world = _about_the_pivot(scenario, q_world_body, omega_body)
-    else:
-        com_world, velocity_world = _on_the_parabola(scenario.gravity_world, flight)
+    com_world, velocity_world = _placed(scenario, q_world_body, omega_body, flight)
     return Trajectory(times, q_world_body, omega_body, com_world, velocity_world)
 
 
@@ -84,18 +81,18 @@ def along_axes(problem: Problem, motion: Trajectory) -> tuple[FloatArray, FloatA
     return R_world_axes.as_quat(scalar_first=True), np.asarray(omega_axes)
 
 
-def _about_the_pivot(
-    scenario: Scenario, q_world_body: FloatArray, omega_body: FloatArray
+def _placed(
+    scenario: Scenario, q_world_body: FloatArray, omega_body: FloatArray, flight: Flight
 ) -> tuple[FloatArray, FloatArray]:
-    """Position (n, 3) m and velocity (n, 3) m/s of the centre of mass."""
-    R_world_body = Rotation.from_quat(q_world_body, scalar_first=True)
-    com = np.array(scenario.body.com)
-    velocity_body = np.cross(omega_body, com)
-    return np.asarray(R_world_body.apply(com)), np.asarray(R_world_body.apply(velocity_body))
-
-
-def _on_the_parabola(g: FloatArray, flight: Flight) -> tuple[FloatArray, FloatArray]:
-    """Position (n, 3) m and velocity (n, 3) m/s of the centre of mass."""
-    t = flight.seconds[:, None]
+    """Position (n, 3) m and velocity (n, 3) m/s of the centre of mass: on a parabola, or held."""
+    g, t = scenario.gravity_world, flight.seconds[:, None]
     fallen = flight.com_world + flight.velocity_world * t + 0.5 * g * t**2
-    return fallen, flight.velocity_world + g * t
+    falling, constraint = flight.velocity_world + g * t, scenario.constraint
+    if constraint.is_free:
+        return fallen, falling
+    R_world_body, lever = Rotation.from_quat(q_world_body, scalar_first=True), constraint.lever
+    swing_world = R_world_body.apply(np.cross(omega_body, lever))
+    return (
+        constraint.com_world(R_world_body.apply(np.array(lever)), fallen),
+        constraint.velocity_world(swing_world, falling),
+    )

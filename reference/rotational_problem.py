@@ -23,10 +23,9 @@ def rotational_problem(scenario: Scenario) -> Problem:
     """
     if unknown := scenario.called_for - TERMS.keys() - {"pivot"}:
         raise NotImplementedError(f"the exact motion with {', '.join(sorted(unknown))} is unknown")
-    body, start = scenario.body, scenario.start
-    tensor = body.inertia_origin_exact if scenario.has_pivot else body.inertia_com_exact
+    start = scenario.start
     with mp.workdps(DIGITS):
-        moments, R_body_axes = principal_axes(tensor)
+        moments, R_body_axes = principal_axes(scenario.inertia_exact)
         q_axes_body = conjugate(from_matrix(R_body_axes))
         posed: dict[str, Any] = {}
         for terms in TERMS.values():

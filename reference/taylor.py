@@ -1,6 +1,6 @@
 """Integrates the motion of a top to the last digits of a double, by mixed-precision Taylor series.
 
-What is integrated and how well: docs/ode.md.
+What is integrated and how well: docs/explanation/ode.md.
 """
 
 from collections.abc import Iterable

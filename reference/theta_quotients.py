@@ -5,7 +5,8 @@ q = (Re A, −Im B, Re B, Im A) and the angular velocity W = ω2 + iω1, ω3 are
 
     A, B, W = G e^{iΩt} θ(x − iη)/θ4(x)^(1 or 1/2)        x = x' t + x0
 
-(F. Klein & A. Sommerfeld, Über die Theorie des Kreisels, ch. VI; derivation: docs/closed-forms.md).
+(F. Klein & A. Sommerfeld, Über die Theorie des Kreisels, ch. VI; derivation:
+docs/explanation/closed-forms.md).
 Each class supplies θ, η, and the logarithmic derivative in time; the rate Ω and the factor G follow
 here in extended precision, and what is left to the kernel are sums of a few terms.
 """

@@ -96,8 +96,8 @@ _HEAD = """<!-- `make format-page` writes this from scenarios/document.py. -->
 A scene is one TOML file in SI units. Its name is the file's name without `.toml`. Nothing physical
 has a hidden default: a key that is not needed and is left out means that there is no such thing.
 Unknown keys are errors; `spincheck check FILE` names file, line, key and rule of whatever is wrong.
-`scenarios/schema.json` gives completion in editors. [Your own top in five minutes](first-scene.md)
-shows one being written.
+`scenarios/schema.json` gives completion in editors.
+[Your own top in five minutes](../start/first-scene.md) shows one being written.
 
 Angles of ZYZ Euler angles are α, β, γ with R = Rz(α) Ry(β) Rz(γ), body to world components. L is
 about the pivot, or about the centre of mass where there is none; potential energy is −m g·r_com.

@@ -25,7 +25,7 @@ def angular_momentum_world(scenario: "Scenario", motion: Trajectory) -> FloatArr
     """
     body = scenario.body
     L_world = motion.to_world(motion.omega_body @ body.inertia_com)
-    if not scenario.has_pivot:
+    if not scenario.constraint.is_pivot:
         return _readonly(L_world)
     momentum_world = body.mass * motion.velocity_world
     return _readonly(L_world + cross(motion.com_world, momentum_world))

@@ -87,15 +87,12 @@ def _rates(extent: Extent) -> Iterator[Rate]:
 
 def _moments(scenario: Scenario) -> tuple[mpf, mpf, mpf]:
     """Principal moments about the fixed point, ascending, kg m²."""
-    body = scenario.body
-    tensor = body.inertia_origin_exact if scenario.has_pivot else body.inertia_com_exact
-    least, middle, greatest = sorted(principal_axes(tensor)[0])
+    least, middle, greatest = sorted(principal_axes(scenario.inertia_exact)[0])
     # Lost to rounding, the least would not even be positive.
     if greatest > MAX_MOMENT_RATIO * least:
-        about = "pivot" if scenario.has_pivot else "com"
         raise Misfit(
-            f"the greatest moment about the {about}, {mp.nstr(greatest, 3)} kg m², is more than "
-            f"{mp.nstr(MAX_MOMENT_RATIO, 3)} times the least",
+            f"the greatest moment about the {scenario.about}, {mp.nstr(greatest, 3)} kg m², is "
+            f"more than {mp.nstr(MAX_MOMENT_RATIO, 3)} times the least",
             *_inertia_keys(scenario),
         )
     return least, middle, greatest

@@ -12,6 +12,7 @@ from mpmath import mp
 
 from . import exact
 from .body import Body
+from .constraint import Constraint
 from .document import Document, Expect, Known, Published, StartTable, Window
 from .effects import EFFECTS, Effect, Effects
 from .float_array import FloatArray, read_only
@@ -135,10 +136,27 @@ class Scenario:
         """The same, in the order of `EFFECTS`."""
         return tuple(one for one in EFFECTS.values() if one.is_called_for(self.effects))
 
+    @cached_property
+    def constraint(self) -> Constraint:
+        """What holds the body; of one that is free, nothing."""
+        holding = [effect.constraint(self) for effect in self.acting if effect.constraint]
+        return holding[0] if holding else Constraint((False,) * 3, self.body.com_exact)
+
     @property
-    def has_pivot(self) -> bool:
-        """Whether the body's origin is held at the world's origin."""
-        return self.effects.pivot is not None
+    def about(self) -> str:
+        """The point that L and the moments of inertia are about: "pivot" or "com"."""
+        return "pivot" if self.constraint.is_pivot else "com"
+
+    @property
+    def inertia_exact(self) -> exact.Tensor:
+        """Inertia tensor about the pivot, or the com where there is none, kg m², body axes."""
+        body = self.body
+        return body.inertia_origin_exact if self.about == "pivot" else body.inertia_com_exact
+
+    @property
+    def inertia(self) -> FloatArray:
+        """The same as doubles, (3, 3)."""
+        return self.body.inertia_origin if self.about == "pivot" else self.body.inertia_com
 
     @cached_property
     def gravity_world(self) -> FloatArray:
@@ -231,7 +249,7 @@ def started_at(
         If a number is not finite, or the quaternion is not of norm 1.
     """
     numbers = {"quaternion_wxyz": q_world_body_wxyz, "omega_body": omega_body}
-    if not scenario.has_pivot:
+    if not scenario.constraint.is_pivot:
         numbers |= {"position": com_world, "velocity": velocity_world}
     start = {key: tuple(float(value) for value in values) for key, values in numbers.items()}
     return with_tables(scenario, start=StartTable.model_validate(start))

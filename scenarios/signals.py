@@ -4,6 +4,7 @@ Everything that computes, bounds, stores or shows errors iterates over `SIGNALS`
 an entry there and a field of `Errors`.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Literal
@@ -87,9 +88,14 @@ class Signal:
         return f"{self.label}, {self.unit or 'relative'}"
 
     @property
+    def shown(self) -> float:
+        """What its errors are multiplied by where people read them: of angles, degrees a rad."""
+        return math.degrees(1.0) if self.unit == "rad" else 1.0
+
+    @property
     def error_title(self) -> str:
-        """The same of its error: `ω error, relative`."""
-        return f"{self.label} error, {self.unit or 'relative'}"
+        """A heading of its errors where people read them: `ω error, relative`."""
+        return f"{self.label} error, {'°' if self.unit == 'rad' else 'relative'}"
 
     def declared_order(self, order: int, attitude_order: int) -> int:
         """The order of accuracy of a method that declares those of ω and of the attitude."""
@@ -104,9 +110,7 @@ class Signal:
 
 def radius_of_gyration(scene: "Scenario") -> float:
     """√(tr I / 2m), m; I about the pivot, or the com where there is none."""
-    body = scene.body
-    inertia = body.inertia_origin if scene.has_pivot else body.inertia_com
-    return float(np.sqrt(np.trace(inertia) / (2 * body.mass)))
+    return float(np.sqrt(np.trace(scene.inertia) / (2 * scene.body.mass)))
 
 
 def _way(scene: "Scenario", exact: Trajectory) -> float:

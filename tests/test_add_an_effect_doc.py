@@ -1,10 +1,10 @@
-"""The list of files in docs/add-an-effect.md is that of the code: where one effect is named."""
+"""The files that docs/how-to/add-an-effect.md lists are those that name one effect."""
 
 import re
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PAGE = (ROOT / "docs/add-an-effect.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/how-to/add-an-effect.md").read_text(encoding="utf-8")
 FOLDERS = ("scenarios", "reference", "engines", "reports")
 #: Engines that take an effect have it in a form of their own.
 ADAPTERS = ("engines/adapters/", "engines/models/")

@@ -13,13 +13,18 @@ from command_line import spincheck
 from spincheck.engines import Session
 
 ROOT = Path(__file__).parents[1]
-PAGES = ("architecture.md", "glossary.md", "add-an-engine.md", "add-an-effect.md")
+PAGES = (
+    "project/architecture.md",
+    "reference/glossary.md",
+    "how-to/add-an-engine.md",
+    "how-to/add-an-effect.md",
+)
 NAMED = [
     (page.name, name)
     for page in (ROOT / "CONTRIBUTING.md", *(ROOT / "docs" / name for name in PAGES))
     for name in re.findall(r"`((?:\w+/)+[\w.]*(?::[\w.]+)?)`", page.read_text(encoding="utf-8"))
 ]
-ARCHITECTURE = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+ARCHITECTURE = (ROOT / "docs/project/architecture.md").read_text(encoding="utf-8")
 #: The rooms of the main line with their functions, and the rooms that answer them.
 WAY = re.findall(r"^\| \d+ \|.*`([\w/.]+)(?::([\w.]+))?` \|$", ARCHITECTURE, re.MULTILINE)
 TABLE_OF_ANSWERS = ARCHITECTURE.partition("These decide too")[2].partition("\n\nAll other")[0]
@@ -142,7 +147,7 @@ def test_every_room_that_decides_is_on_the_page(traces: tuple[Trace, Trace]) -> 
 
 
 def test_an_engine_has_to_give_what_its_page_lists() -> None:
-    text = (ROOT / "docs/add-an-engine.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs/how-to/add-an-engine.md").read_text(encoding="utf-8")
     listed = set(re.findall(r"^\| `(\w+)(?:\(k\))?` \|", text, flags=re.MULTILINE))
     assert listed == Session.__abstractmethods__
 

@@ -8,7 +8,7 @@ import pytest
 import typer
 from spincheck.reports.cli.app import app
 
-WORKFLOW = Path(__file__).parents[1] / "docs" / "github-actions.yml"
+WORKFLOW = Path(__file__).parents[1] / "docs/how-to/github-actions.yml"
 LINES = re.findall(r"\bspincheck [a-z]+ [^\n]*", WORKFLOW.read_text(encoding="utf-8"))
 CALLS = [line for line in LINES if not line.endswith((".", ","))]
 

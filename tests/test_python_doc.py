@@ -17,10 +17,10 @@ def examples(page):
 
 
 @pytest.mark.processes
-@pytest.mark.parametrize("number", range(len(examples("python.md"))))
+@pytest.mark.parametrize("number", range(len(examples("reference/python.md"))))
 def test_an_example_runs(tmp_path, number):
     path = tmp_path / "example.py"
-    path.write_text(examples("python.md")[number], encoding="utf-8")
+    path.write_text(examples("reference/python.md")[number], encoding="utf-8")
     done = subprocess.run(
         [sys.executable, "-W", "error", path], cwd=tmp_path, capture_output=True, text=True
     )
@@ -28,13 +28,13 @@ def test_an_example_runs(tmp_path, number):
 
 
 def test_the_page_names_what_is_exported():
-    text = (DOCS / "python.md").read_text("utf-8")
+    text = (DOCS / "reference/python.md").read_text("utf-8")
     assert all(f"spincheck.{name}(" in text for name in spincheck.__all__)
 
 
 @pytest.mark.processes
 def test_the_loop_of_ten_lines_is_judged(tmp_path):
-    (loop,) = examples("judge.md")
+    (loop,) = examples("how-to/judge.md")
     command_line.spincheck("export", "fast-top", ".", cwd=tmp_path)
     subprocess.run([sys.executable, "-c", loop], cwd=tmp_path, check=True)
     judged = command_line.spincheck("judge", "fast-top", "motion.csv", cwd=tmp_path)

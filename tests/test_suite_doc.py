@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from spincheck.suite import SCENES, VERSION, test_adapter, test_physics
 
-PAGE = (Path(__file__).parents[1] / "docs" / "suite.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[1] / "docs/how-to/suite.md").read_text(encoding="utf-8")
 CHAPTERS = {"The adapter": test_adapter, "The physics": test_physics}
 
 

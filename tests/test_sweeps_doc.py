@@ -1,4 +1,4 @@
-"""Commands and numbers in docs/sweeps.md are right."""
+"""Commands and numbers in docs/how-to/sweeps.md are right."""
 
 import re
 from pathlib import Path
@@ -12,7 +12,7 @@ from spincheck.scenarios.scatter import SCATTER
 from spincheck.scenarios.vary import DEFAULT_COUNT
 from typer.main import get_group
 
-PAGE = (Path(__file__).parents[1] / "docs" / "sweeps.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[1] / "docs/how-to/sweeps.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```sh\n(.*?)```", PAGE, flags=re.DOTALL)
 
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PAGE = (ROOT / "docs" / "thresholds.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/measured/thresholds.md").read_text(encoding="utf-8")
 TEMPLATES = ROOT / "reports" / "pages" / "overview"
 
 

@@ -163,7 +163,7 @@ def excess(
     local = _sizes(equations, steps.before).reshape(gains.shape[:3])[0]
     is_idle = local < NEGLIGIBLE * sizes
     slack_of_terms = (ABOVE * slack + np.where(is_idle, NEGLIGIBLE, 0.0)) * sizes
-    if not equations.scenario.has_pivot:
+    if not equations.scenario.constraint.is_pivot:
         # Engines may solve for rotation and flight together, with terms m v² that cancel.
         speeds = norms(steps.before.velocity_world).reshape(gains.shape[:2])[0]
         slack_of_terms[:, 1] += ROUNDINGS * epsilon * equations.scenario.body.mass * speeds**2
@@ -183,7 +183,7 @@ def excess(
         is_idle,
         # By how much the com is off: a body that is another keeps that, a constraint does not.
         bool(
-            equations.scenario.has_pivot
+            equations.scenario.constraint.is_pivot
             and np.ptp(np.linalg.norm(gains[:, :, 3], axis=2), axis=0).max()
             > ABOVE * slack * sizes[3]
         ),
@@ -196,7 +196,7 @@ def _gains(equations: Equations, steps: Steps) -> FloatArray:
     shape = (len(steps.timesteps), -1, 4, 3)
     attitude = rotation_vectors(exact.q_world_body_wxyz, after.q_world_body_wxyz) / spans
     torque = (after.omega_body - exact.omega_body) @ equations.inertia.T / spans
-    if equations.scenario.has_pivot:
+    if equations.scenario.constraint.is_pivot:
         R_world_body = matrices(after.q_world_body_wxyz)
         com = np.array(equations.scenario.body.com)
         velocity = after.velocity_world - turned(R_world_body, np.cross(after.omega_body, com))
@@ -217,7 +217,7 @@ def _sizes(equations: Equations, states: State) -> FloatArray:
         for omega in (np.zeros(3), np.array(states.omega_body))
     )
     outer = np.linalg.norm(still) + norms(pushed - still)
-    if scenario.has_pivot:
+    if scenario.constraint.is_pivot:
         outer = outer + scenario.body.mass * g * equations.arm
         velocity, place = speeds * reach, np.full_like(speeds, reach)
     else:
@@ -234,7 +234,7 @@ def _roundings(equations: Equations, steps: Steps) -> FloatArray:
     far = norms(states.com_world) + equations.reach
     sizes = [1 / spans, _largest_moment(equations) * speeds / spans, fast, far]
     table = np.stack(np.broadcast_arrays(*sizes), axis=1)
-    if not equations.scenario.has_pivot:
+    if not equations.scenario.constraint.is_pivot:
         table[:, 2:] /= spans[:, None]
     return table
 
@@ -242,7 +242,7 @@ def _roundings(equations: Equations, steps: Steps) -> FloatArray:
 def _rates(equations: Equations, sizes: FloatArray) -> FloatArray:
     """Sizes of what the gains are gains of, which are read: rad, N m s, and m/s and m, (4,)."""
     speed, reach = float(sizes[0]), equations.reach
-    if equations.scenario.has_pivot:
+    if equations.scenario.constraint.is_pivot:
         return np.array([1.0, _largest_moment(equations) * speed, 0.0, 0.0])
     return np.array([1.0, _largest_moment(equations) * speed, float(sizes[3]), reach])
 

@@ -24,8 +24,6 @@ WHOLE = 1e-2
 RANK = 1e-6
 #: A change that seven digits show to a tenth.
 VISIBLE = 1e-5
-#: Also used in `first_steps`, where the motion without that torque is compared as a whole.
-NO_GYROSCOPIC_TORQUE = "there were no gyroscopic torque"
 #: Two changes are distinguished if what they leave unexplained differs by this factor.
 ALIKE = 4.0
 
@@ -84,6 +82,9 @@ def _changes(equations: Equations, gains: Sequence[Gain]) -> Iterator[_Change]:
     def effect(*columns: Callable[["_Start"], FloatArray]) -> FloatArray:
         return np.stack([[column(start) for start in starts] for column in columns], axis=-1)
 
+    # Of a body held by a constraint what is due to spin about the com may be left out alone.
+    com = equations.scenario.body.inertia_com
+    yield _Change(effect(lambda s: s.torque(cross(s.omega, com @ s.omega))), _gyroscopic)
     yield _Change(effect(lambda s: s.torque(s.gyroscopic)), _gyroscopic)
     if equations.scenario.gravity_world.any():
         yield _Change(effect(lambda s: s.gravity(equations.scenario.gravity_world)), _strength)
@@ -112,7 +113,7 @@ def _body_changes(equations: Equations, effect: Callable[..., FloatArray]) -> It
         effect(*(lambda s, tensor=tensor: s.torque(s.of_tensor(tensor)) for tensor in tensors)),
         lambda theta: _moments(moments, theta),
     )
-    if not equations.scenario.has_pivot:
+    if not equations.scenario.constraint.is_pivot:
         return
     com, mass = np.array(equations.scenario.body.com), equations.scenario.body.mass
 
@@ -140,7 +141,7 @@ class _Start:
         self.L = equations.inertia @ self.omega
         self.gyroscopic = cross(self.omega, self.L)
         self.omega_rate = equations.inverse @ equations.torque_body(self.R, self.omega)
-        pivot = equations.scenario.has_pivot
+        pivot = equations.scenario.constraint.is_pivot
         self.is_rate = np.array([1, 1, not pivot, not pivot], dtype=float)[:, None]
 
     def torque(self, torque_body: FloatArray) -> FloatArray:
@@ -153,7 +154,7 @@ class _Start:
 
     def gravity(self, gravity_world: FloatArray) -> FloatArray:
         """The change of the gain by additional gravity."""
-        if not self.equations.scenario.has_pivot:
+        if not self.equations.scenario.constraint.is_pivot:
             return np.array([np.zeros(3), np.zeros(3), gravity_world, np.zeros(3)])
         body = self.equations.scenario.body
         return self.torque(body.mass * cross(body.com, gravity_world @ self.R))
@@ -163,14 +164,14 @@ class _Start:
         outer = self.equations.outer_body(self.R, np.zeros(3))
         added = self.torque(outer + self.gyroscopic)
         added[0] = -self.omega
-        if self.equations.scenario.has_pivot:
+        if self.equations.scenario.constraint.is_pivot:
             added[2] = -self.gain.wanted[2]
         return added
 
     def scaled_velocity(self) -> FloatArray:
         """The effect of a reading of the com's velocity that is too large."""
         added = np.zeros((4, 3))
-        if self.equations.scenario.has_pivot:
+        if self.equations.scenario.constraint.is_pivot:
             added[2] = self.gain.wanted[2]
         else:
             added[2], added[3] = self.gain.wanted[2], -self.gain.wanted[3]
@@ -180,7 +181,7 @@ class _Start:
 def _gyroscopic(theta: FloatArray) -> str:
     left_out = theta[0]
     if abs(left_out - 1) <= WHOLE:
-        return NO_GYROSCOPIC_TORQUE
+        return "there were no gyroscopic torque"
     return f"the gyroscopic torque ω × Iω were {_factor(-left_out)} times as strong"
 
 

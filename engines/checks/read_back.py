@@ -1,6 +1,6 @@
 """Compares body and start as read back from an engine with the scene's, before the first step."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,6 +49,21 @@ class BodyReading:
     com: FloatArray
     inertia_com: FloatArray
 
+    def placed(self, at: FloatArray, R: FloatArray) -> "BodyReading":
+        """The same body in other axes: its origin is at `at` (3,) m there, turned by R (3, 3)."""
+        return BodyReading(self.mass, at + R @ self.com, R @ self.inertia_com @ R.T)
+
+
+def composed(parts: Sequence[BodyReading]) -> BodyReading:
+    """Parts in the same axes as one rigid body (parallel-axis theorem)."""
+    mass = sum(part.mass for part in parts)
+    com = sum((part.mass * part.com for part in parts), np.zeros(3)) / (mass or 1.0)
+    tensor = np.zeros((3, 3))
+    for part in parts:
+        arm = part.com - com
+        tensor += part.inertia_com + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return BodyReading(mass, com, tensor)
+
 
 @dataclass(frozen=True, eq=False)
 class State:
@@ -65,6 +80,12 @@ class State:
     def rows(self, kept: int | slice | NDArray[np.bool_]) -> "State":
         """One of n states by its index, or several by a slice or a mask, (n,)."""
         return State(*(column[kept] for column in vars(self).values()))
+
+
+def stacked(states: Sequence[State]) -> State:
+    """One state after the other, as rows."""
+    columns = zip(*(vars(state).values() for state in states), strict=True)
+    return State(*(np.array(column) for column in columns))
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,13 +139,15 @@ def differences(
 
 def start_state(scenario: Scenario) -> State:
     """The scene's start; of a body on a pivot, com and its velocity follow from attitude and ω."""
-    start, com = scenario.start, scenario.body.com
-    com_world, velocity_world = start.position_world, start.velocity_world
-    if scenario.has_pivot:
-        R_world_body = matrix(start.q_world_body_wxyz)
-        com_world = R_world_body @ com
-        velocity_world = R_world_body @ cross(start.omega_body, com)
-    return State(start.q_world_body_wxyz, start.omega_body, com_world, velocity_world)
+    start = scenario.start
+    R_world_body, constraint = matrix(start.q_world_body_wxyz), scenario.constraint
+    swing_world = R_world_body @ cross(start.omega_body, constraint.lever)
+    return State(
+        start.q_world_body_wxyz,
+        start.omega_body,
+        constraint.com_world(R_world_body @ constraint.lever, start.position_world),
+        constraint.velocity_world(swing_world, start.velocity_world),
+    )
 
 
 def _pairs(

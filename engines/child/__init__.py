@@ -1,4 +1,4 @@
-"""Engines in other languages: a child process that answers JSON lines; docs/engine-protocol.md."""
+"""Engines in other languages, as child processes: docs/reference/engine-protocol.md."""
 
 from .engine import ChildEngine, child_engine
 from .process import ANSWER_LIMIT, ProtocolError

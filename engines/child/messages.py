@@ -1,4 +1,4 @@
-"""What a child may answer, one model a call: sizes, types and ranges of docs/engine-protocol.md."""
+"""What a child may answer: sizes, types and ranges of docs/reference/engine-protocol.md."""
 
 import json
 import math

@@ -81,7 +81,7 @@ def mjcf(
 def switched_off(scenario: Scenario) -> tuple[str, ...]:
     """MuJoCo's names of the passes that the scene does not need."""
     effects = scenario.called_for
-    joint_damping = "drag" in effects and scenario.has_pivot
+    joint_damping = "drag" in effects and scenario.constraint.is_pivot
     needed = {
         "gravity": "gravity" in effects,
         "damper": joint_damping,
@@ -103,7 +103,7 @@ def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
     start, com_body = scenario.start, scenario.body.com_exact
     q, omega_body = start.q_exact, start.omega_body_exact
     rotation = [float(c) for c in q], [float(c) for c in omega_body]
-    if scenario.has_pivot:
+    if scenario.constraint.is_pivot:
         return rotation
     with mp.workdps(DIGITS):
         arm_world = rotate(q, com_body)
@@ -116,7 +116,7 @@ def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
 def _add_body(world: ET.Element, scenario: Scenario) -> None:
     body, frame = scenario.body, principal_frame(scenario.body)
     element = ET.SubElement(world, "body", name=BODY)
-    if scenario.has_pivot:
+    if scenario.constraint.is_pivot:
         joint = ET.SubElement(element, "joint", name=JOINT, type="ball")
         if scenario.drag:
             joint.set("damping", decimals([scenario.drag]))
@@ -144,7 +144,7 @@ def _actuators(scenario: Scenario) -> Iterator[ET.Element]:
     if "torque_world" in effects:
         # The parent's axes, which are the world's.
         yield _actuator(scenario, "jointinparent", scenario.torque_world, constant=1.0)
-    if "drag" in effects and not scenario.has_pivot:
+    if "drag" in effects and not scenario.constraint.is_pivot:
         for axis in BODY_AXES:
             yield _actuator(scenario, "joint", axis, per_velocity=-scenario.drag)
 
@@ -158,7 +158,8 @@ def _actuator(
 ) -> ET.Element:
     """A torque (constant + per_velocity · ω·axis) along `axis`, independent of control signals."""
     # A free joint's gear begins with a force.
-    gear = decimals(axis) if scenario.has_pivot else f"{decimals(NO_FORCE)} {decimals(axis)}"
+    is_pivot = scenario.constraint.is_pivot
+    gear = decimals(axis) if is_pivot else f"{decimals(NO_FORCE)} {decimals(axis)}"
     return ET.Element(
         "general",
         {transmission: JOINT},

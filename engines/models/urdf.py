@@ -41,7 +41,7 @@ def urdf(
     has_box : whether to add a collision box: the uniform box with the body's tensor
     """
     robot = ET.Element("robot", name=scenario.name)
-    if scenario.has_pivot:
+    if scenario.constraint.is_pivot:
         ET.SubElement(robot, "link", name=WORLD_LINK)
     _add_body(robot, scenario, thickness)
     if shape_radius:
@@ -50,7 +50,7 @@ def urdf(
         frame = principal_frame(scenario.body, thickness)
         sides = box_sides(scenario.body.mass, frame.moments)
         _add_shape(robot, scenario.body.com, frame.rpy_body_axes, "box", size=sides)
-    if scenario.has_pivot:
+    if scenario.constraint.is_pivot:
         _add_pivot(robot)
     return xml_text(robot)
 

@@ -8,7 +8,7 @@ from ...scenarios import Scenario, did_you_mean
 from ..harness.choice import Choice
 from .terminal import BAD_INPUT, NOT_RUN, Complaint
 
-#: Begins the name of an engine that is a command: docs/engine-protocol.md.
+#: Begins the name of an engine that is a command: docs/reference/engine-protocol.md.
 CHILD = "child:"
 #: Stands for every engine that is installed, optional ones too.
 ALL = "all"

@@ -15,7 +15,7 @@ def powerless(scenario: Scenario) -> Iterator[str]:
     IntegrationError
         If the exact motion cannot be found.
     """
-    present = [effect.table for effect in scenario.acting if not effect.is_constraint]
+    present = [effect.table for effect in scenario.acting if effect.constraint is None]
     if not present:
         return
     solution = solve(scenario, scenario.times)

@@ -12,7 +12,7 @@ def ulp_growth(scenario: Scenario, solution: Solution) -> Errors:
     For the rotation that is its conditioning. For a free body the flight is added.
     """
     growth = solution.conditioning
-    if scenario.has_pivot:
+    if scenario.constraint.is_pivot:
         return growth
     exact = solution.trajectory
     return Errors(*(signal.growth(scenario, exact, growth) for signal in SIGNALS))
@@ -32,7 +32,7 @@ def roundings_in_flight(scenario: Scenario, solution: Solution, steps: int) -> f
     ----------
     steps : of the run
     """
-    if scenario.has_pivot:
+    if scenario.constraint.is_pivot:
         return 0.0
     exact, body = solution.trajectory, scenario.body
     fast = float(np.linalg.norm(exact.velocity_world, axis=1).max())

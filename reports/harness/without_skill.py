@@ -42,7 +42,7 @@ def _signals(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Itera
     if 0 < L_true.max() <= L_errors.max():
         since = exact.t[np.argmax(L_errors >= L_true.max())]
         yield _words("L", L_errors.max() / L_true.max(), since)
-    if not scenario.has_pivot:
+    if not scenario.constraint.is_pivot:
         start = exact.com_world[0]
         yield from _of_path("com", motion.com_world - start, exact.com_world - start, exact.t)
 

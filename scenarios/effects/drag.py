@@ -26,9 +26,7 @@ class DragTable(EffectTable):
 
 def _decay(scenario: "Scenario") -> float:
     """The rate at which drag slows the body about the axis of its least moment, 1/s."""
-    body = scenario.body
-    inertia = body.inertia_origin if scenario.has_pivot else body.inertia_com
-    return scenario.drag * float(np.linalg.norm(np.linalg.inv(inertia), 2))
+    return scenario.drag * float(np.linalg.norm(np.linalg.inv(scenario.inertia), 2))
 
 
 def _sizes(extent: Extent) -> Iterator[Size]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from mpmath import mp, mpf
 
+from ..constraint import Constraint
 from ..float_array import FloatArray
 from ..values import Table
 
@@ -60,7 +61,7 @@ class Extent:
     @cached_property
     def distance(self) -> mpf:
         """m, the greatest of the com from the world's origin."""
-        if self.scenario.has_pivot:
+        if self.scenario.constraint.is_pivot:
             return self.arm
         start, pull = self.scenario.start, length(self.scenario.gravity_world)
         flown = length(start.velocity_world) * self.span + pull * self.span**2 / 2
@@ -84,7 +85,7 @@ class Effect:
     name : as engines claim it and results show it
     table, model : its table in `[effects]`, by name and format
     key : what that table must hold; empty if it need not hold anything
-    is_constraint : whether it holds the body, so that without it the scene would be another one
+    constraint : how it holds the body, if it does: without it the scene would be another one
     is_pushed : whether it is a torque that `push` includes
     sizes, rates : its numbers that must be computable, each with where it is written
     rate : 1/s, the fastest at which it changes a state; `rate_formula` is that in words
@@ -96,7 +97,7 @@ class Effect:
     table: str
     model: type[EffectTable]
     key: str = ""
-    is_constraint: bool = False
+    constraint: Callable[["Scenario"], Constraint] | None = None
     is_pushed: bool = False
     sizes: Callable[[Extent], Iterator[Size]] = _nothing
     rates: Callable[[Extent], Iterator[Rate]] = _nothing

@@ -31,7 +31,7 @@ def potential(scenario: "Scenario", com_world: FloatArray) -> FloatArray:
 
 def torque_body(scenario: "Scenario", R_world_body: FloatArray) -> FloatArray:
     """r × m g about the pivot, N m, body axes, (3,); zeros without a pivot."""
-    if not scenario.has_pivot:
+    if not scenario.constraint.is_pivot:
         return np.zeros(3)
     return cross(scenario.body.com, scenario.body.mass * (scenario.gravity_world @ R_world_body))
 
@@ -42,11 +42,12 @@ def swing_rate(scenario: "Scenario") -> float:
     Gravity's torque is across the lever, so that the moment about the lever does not count: a
     needle hanging by its end swings slowly, however easily it spins.
     """
-    arm = float(np.linalg.norm(scenario.body.com))
-    if not (scenario.has_pivot and arm):
+    lever = scenario.constraint.lever
+    arm = float(np.linalg.norm(lever))
+    if scenario.constraint.is_free or not arm:
         return 0.0
-    inverse = np.asarray(np.linalg.inv(scenario.body.inertia_origin), dtype=float)
-    direction = scenario.body.com / arm
+    inverse = np.asarray(np.linalg.inv(scenario.inertia), dtype=float)
+    direction = lever / arm
     across = np.eye(3) - np.outer(direction, direction)
     pull = scenario.body.mass * float(np.linalg.norm(scenario.gravity_world)) * arm
     return float(np.sqrt(pull * np.linalg.norm(across @ inverse @ across, 2)))
@@ -61,7 +62,7 @@ def _sizes(extent: Extent) -> Iterator[Size]:
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
-    if extent.scenario.has_pivot:
+    if not extent.scenario.constraint.is_free:
         lever = extent.scenario.body.mass_exact * extent.arm
         pull = lever * length(extent.scenario.gravity_world)
         yield ("effects", "gravity"), "a swing under gravity", mp.sqrt(pull / extent.moments[1])

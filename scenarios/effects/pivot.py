@@ -1,5 +1,6 @@
-"""A pivot: the one constraint. Its force is whatever holds the body's origin; it does no work."""
+"""A pivot: its force is whatever holds the body's origin; it does no work."""
 
+from ..constraint import Constraint
 from .effect import Effect, EffectTable
 
 
@@ -7,4 +8,9 @@ class PivotTable(EffectTable):
     """The body's origin is held at the world's origin by a frictionless ball joint."""
 
 
-EFFECT = Effect("pivot", "pivot", PivotTable, is_constraint=True)
+EFFECT = Effect(
+    "pivot",
+    "pivot",
+    PivotTable,
+    constraint=lambda scenario: Constraint((True, True, True), scenario.body.com_exact),
+)

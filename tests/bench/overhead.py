@@ -87,7 +87,7 @@ def overhead(engine: Engine, method: Method, scene: str) -> Overhead:
     scenario = load(find([scene])[0])
     timestep = timed_timestep(scenario)
     counts = np.arange(0, STEPS + 1, PER_SAMPLE)
-    arm = np.array(scenario.body.com) if scenario.has_pivot else None
+    arm = np.array(scenario.body.com) if scenario.constraint.is_pivot else None
     bounds = Bounds(timestep, method.max_rotation_per_step, READ_BACK_SLACK, arm=arm)
     with (
         engine.open(scenario, method, timestep) as bare,

@@ -1,9 +1,9 @@
 """Speed and error of the reference and of DOP853 (scipy) and heyoka's Taylor series.
 
 Errors are against the Taylor series of orders 34/18 in double-double, itself right to 1e-22 (see
-docs/ode.md): the largest difference in q, up to sign, and in ω over its greatest size. Ratios are
-of CPU seconds, all methods in turn: their median over the rounds, with the distance of the
-quartiles. Takes three minutes.
+docs/explanation/ode.md): the largest difference in q, up to sign, and in ω over its size.
+Ratios are of CPU seconds, all methods in turn: their median over the rounds, with the distance of
+the quartiles. Takes three minutes.
 """
 
 import json

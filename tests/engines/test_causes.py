@@ -6,7 +6,7 @@ from typing import get_args
 
 from spincheck.engines import Cause
 
-PAGE = Path(__file__).parents[2] / "docs" / "outcomes.md"
+PAGE = Path(__file__).parents[2] / "docs/explanation/outcomes.md"
 
 
 def test_the_page_has_a_row_for_every_cause() -> None:

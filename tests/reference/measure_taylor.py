@@ -1,4 +1,4 @@
-"""Prints the figures of docs/ode.md: error and cost of the integrator, beside scipy's DOP853.
+"""Prints the figures of docs/explanation/ode.md: error and cost, beside scipy's DOP853.
 
 Run it from the repository: ``python tests/reference/measure_taylor.py``. Both integrators are
 timed in turn, in CPU time, least of three; it takes about twenty seconds.

@@ -104,7 +104,7 @@ class TestEquationsOfMotion:
     def test_omega_obeys_euler(self, name):
         scenario, close, h, rate = close_samples(name)
         body = scenario.body
-        inertia = body.inertia_origin if scenario.has_pivot else body.inertia_com
+        inertia = scenario.inertia
         omega, to_body = close.omega_body[2::5], close.R_world_body[2::5].inv()
         L = close.omega_body @ inertia
         torque = (
@@ -112,7 +112,7 @@ class TestEquationsOfMotion:
             + to_body.apply(np.array(scenario.torque_world))
             - scenario.drag * omega
         )
-        if scenario.has_pivot:
+        if scenario.constraint.is_pivot:
             weight = body.mass * to_body.apply(np.array(scenario.gravity_world))
             torque = torque + np.cross(body.com, weight)
         size = np.abs(inertia).max() * rate**2

@@ -9,7 +9,7 @@ from spincheck.scenarios.effects import Effect, EffectTable
 
 
 def test_every_effect_but_a_constraint_has_terms() -> None:
-    assert list(TERMS) == [name for name, effect in EFFECTS.items() if not effect.is_constraint]
+    assert list(TERMS) == [name for name, effect in EFFECTS.items() if effect.constraint is None]
 
 
 def test_a_scene_with_an_effect_that_has_none_is_not_solved(

@@ -10,8 +10,8 @@ from spincheck.scenarios import loads
 from spincheck.scenarios.document import Document, SomeComponents
 from spincheck.scenarios.format_page import EXAMPLES, format_page
 
-PAGE = Path(__file__).parents[2] / "docs" / "scene-format.md"
-FIRST = PAGE.with_name("first-scene.md")
+PAGE = Path(__file__).parents[2] / "docs/reference/scene-format.md"
+FIRST = PAGE.parents[1] / "start/first-scene.md"
 
 #: All examples of the page in one file.
 EXAMPLE = "\n".join(text for _, text in EXAMPLES.values() if text)
@@ -55,4 +55,4 @@ def test_a_published_value_that_is_off_would_not_hold() -> None:
 
 def test_the_first_scene_of_a_newcomer_is_right() -> None:
     (block,) = re.findall(r"```toml\n(.*?)```", FIRST.read_text(encoding="utf-8"), re.DOTALL)
-    assert loads(block, "my-top").has_pivot
+    assert loads(block, "my-top").constraint.is_pivot

@@ -13,7 +13,7 @@ KINDS = ("free", "thrown", "heavy", "driven")
 HARD = "hard"
 #: Scenes whose length is what is hard about them.
 LONG = "long"
-PAGE = Path(__file__).parents[2] / "docs" / "scenes.md"
+PAGE = Path(__file__).parents[2] / "docs/reference/scenes.md"
 EPS = np.finfo(float).eps
 
 #: What the library set out to hold at the least.
@@ -62,7 +62,7 @@ def test_scene_lies_in_the_folder_of_its_kind(scenario: Scenario) -> None:
     if called_for & {"drag", "torque_body", "torque_world"}:
         kind = "driven"
     elif "gravity" in called_for:
-        kind = "heavy" if scenario.has_pivot else "thrown"
+        kind = "heavy" if scenario.constraint.is_pivot else "thrown"
     else:
         kind = "free"
     assert folder(scenario) in (kind, HARD)
@@ -82,7 +82,7 @@ def shape_about_fixed_point(scenario: Scenario) -> str:
     Where all three are, about a pivot, any axis is the third.
     """
     body = scenario.body
-    if not scenario.has_pivot:
+    if not scenario.constraint.is_pivot:
         return shape(np.linalg.eigvalsh(body.inertia_com))
     moments, axes = np.linalg.eigh(body.inertia_origin)
     if shape(moments) != "symmetric":
@@ -142,7 +142,7 @@ def test_every_way_to_start_is_used(key: str) -> None:
 
 
 #: Of a body that was taken from somebody's model file, which the library has none of.
-OF_A_MODEL = {"model", "link", "sha256"}
+OF_A_MODEL = {"model", "link", "welded", "sha256"}
 
 
 @each_case("key", sorted(set(BodyTable.model_fields) - OF_A_MODEL))

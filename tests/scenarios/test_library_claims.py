@@ -36,7 +36,7 @@ def at_start(scenario: Scenario) -> Trajectory:
     q, omega = scenario.start.q_world_body_wxyz, scenario.start.omega_body
     position, velocity = scenario.start.position_world, scenario.start.velocity_world
     still = Trajectory(np.zeros(1), q[None], omega[None], position[None], velocity[None])
-    if not scenario.has_pivot:
+    if not scenario.constraint.is_pivot:
         return still
     R = still.R_world_body.as_matrix()[0]
     com, velocity = R @ scenario.body.com, R @ np.cross(omega, scenario.body.com)

@@ -189,7 +189,7 @@ def test_every_scene_can_be_started_elsewhere_and_reads_back_from_its_text():
         assert tuple(moved.start.q_world_body_wxyz) == STATE["q_world_body_wxyz"]
         assert tuple(moved.start.omega_body) == STATE["omega_body"]
         flight = [*moved.start.position_world, *moved.start.velocity_world]
-        assert flight == ([0] * 6 if scenario.has_pivot else [4, 5, 6, 7, 8, 9])
+        assert flight == ([0] * 6 if scenario.constraint.is_pivot else [4, 5, 6, 7, 8, 9])
         assert (moved.name, moved.effects) == (scenario.name, scenario.effects)
         assert (moved.body, moved.window) == (scenario.body, scenario.window)
         assert moved.digest != scenario.digest

@@ -124,7 +124,7 @@ def applies(fault: PlantedFault, scenario: Scenario) -> bool:
     if fault.kind in ("gravity", "gravity's tilt"):
         return scenario.effects.gravity is not None
     if fault.kind == "com":
-        return scenario.has_pivot and scenario.effects.gravity is not None
+        return scenario.constraint.is_pivot and scenario.effects.gravity is not None
     return fault.kind != "moment" or bool(np.ptp(scenario.body.principal_moments) > 0)
 
 

@@ -102,9 +102,7 @@ class Stepped(QuietSession):
 
     def __init__(self, scenario: Scenario, order: int, timestep: float, size: float) -> None:
         self.scenario, self.order, self.timestep, self.size = scenario, order, timestep, size
-        self.inertia = np.array(
-            scenario.body.inertia_origin if scenario.has_pivot else scenario.body.inertia_com
-        )
+        self.inertia = np.array(scenario.inertia)
         self.rate = max(
             float(np.linalg.norm(scenario.start.omega_body)), 1 / scenario.window.duration
         )
@@ -123,7 +121,7 @@ class Stepped(QuietSession):
 
     def constants_with(self, inertia: Vector) -> Vector:
         """The table of constants of `_rate`."""
-        scenario, free = self.scenario, not self.scenario.has_pivot
+        scenario, free = self.scenario, not self.scenario.constraint.is_pivot
         g, lever = scenario.gravity_world, scenario.body.mass * scenario.body.com
         drag = np.full(3, scenario.drag)
         zero = np.zeros(3)
@@ -157,7 +155,7 @@ class Stepped(QuietSession):
 
     def read_state(self) -> State:
         y = self.y.copy()
-        if self.scenario.has_pivot:
+        if self.scenario.constraint.is_pivot:
             R_world_body, com = _rotation(y), np.array(self.scenario.body.com)
             y[7:10], y[10:13] = R_world_body @ com, R_world_body @ np.cross(y[4:7], com)
         state = State(y[:4], y[4:7], y[7:10], y[10:13])

@@ -1,6 +1,6 @@
 """DART, multibody dynamics in joint coordinates, in double precision.
 
-What it does to a top by default, and how each effect was measured: docs/engines-more.md.
+What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
 from importlib.metadata import version
@@ -20,6 +20,12 @@ TURNING = 3
 #: Relative rounding of a torque that was rotated twice.
 SLACK = 16 * float(np.finfo(float).eps)
 WORLD = Path(__file__).with_name("world.py")
+#: How users keep bodies from falling asleep.
+AWAKE = """\
+world.setTimeStep(TIMESTEP)
+options = world.getDeactivationOptions()
+options.mEnabled = False
+world.setDeactivationOptions(options)"""
 
 
 @final
@@ -32,7 +38,14 @@ class Dart(Engine):
     # getTimeStep() of a new World.
     stock_timestep = 1e-3
     methods = (
-        Method("semi-implicit", 1, 1, "semi-implicit Euler in joint coordinates", COMMON_EFFECTS),
+        Method(
+            "semi-implicit",
+            1,
+            1,
+            "semi-implicit Euler in joint coordinates",
+            COMMON_EFFECTS,
+            setup=AWAKE,
+        ),
         Method("default", 1, 1, "as shipped: may fall asleep", COMMON_EFFECTS, as_shipped=True),
     )
 
@@ -57,7 +70,7 @@ class DartSession(WorldSession):
     def world_body(self) -> WorldBody:
         """The body as its body node holds it, from the joint."""
         inertia = self.world.body.getInertia()
-        arm = np.zeros(3) if self.scenario.has_pivot else None
+        arm = np.zeros(3) if self.scenario.constraint.is_pivot else None
         return WorldBody(
             inertia.getMass(), inertia.getLocalCOM(), np.array(inertia.getMoment()), arm
         )

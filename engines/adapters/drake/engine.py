@@ -1,6 +1,6 @@
 """Drake, multibody dynamics with integrators of fixed step, in double precision.
 
-What it does to a top by default, and how each effect was measured: docs/engines-more.md.
+What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
 from importlib.metadata import version
@@ -22,8 +22,21 @@ WORLD = Path(__file__).with_name("world.py")
 
 
 def _method(name: str, order: int, summary: str, as_shipped: bool = False) -> Method:
+    setup = f"""\
+plant = MultibodyPlant(time_step=0.0)
+config = SimulatorConfig(
+    integration_scheme="{name}", max_step_size=TIMESTEP, use_error_control=False
+)
+ApplySimulatorConfig(config, simulator)"""
     return Method(
-        name, order, order, summary, COMMON_EFFECTS, as_shipped=as_shipped, by_angles=True
+        name,
+        order,
+        order,
+        summary,
+        COMMON_EFFECTS,
+        as_shipped=as_shipped,
+        by_angles=True,
+        setup="plant = MultibodyPlant(time_step=TIMESTEP)" if name == "discrete" else setup,
     )
 
 
@@ -36,7 +49,7 @@ class Drake(Engine):
     step_seconds = 15e-6
     # MultibodyPlantConfig.time_step.
     stock_timestep = 1e-3
-    # Orders: its documentation of the integrators; measured in docs/engines-more.md.
+    # Orders: its documentation of the integrators; measured in docs/measured/engines-more.md.
     methods = (
         _method("runge_kutta5", 5, "Runge-Kutta of fifth order"),
         _method("runge_kutta3", 3, "Runge-Kutta of third order"),

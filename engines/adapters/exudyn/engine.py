@@ -1,6 +1,6 @@
 """Exudyn, flexible multibody dynamics with explicit and implicit integrators, in double precision.
 
-What it does to a top by default, and how each effect was measured: docs/engines-more.md.
+What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
 import warnings
@@ -25,7 +25,12 @@ CLOCK_SLACK = 1e-6
 
 
 def _method(name: str, order: int, summary: str) -> Method:
-    return Method(name, order, order, summary, COMMON_EFFECTS)
+    setup = f"""\
+settings = exudyn.SimulationSettings()
+settings.timeIntegration.endTime = duration
+settings.timeIntegration.numberOfSteps = round(duration / TIMESTEP)
+mbs.SolveDynamic(settings, solverType=exudyn.DynamicSolverType.{name})"""
+    return Method(name, order, order, summary, COMMON_EFFECTS, setup=setup)
 
 
 @final
@@ -38,7 +43,7 @@ class Exudyn(Engine):
     # SimulationSettings: a hundred steps to an end time of 1 s.
     stock_timestep = 0.01
     # Orders: its manual, "Explicit solvers" and "Implicit solvers"; measured in
-    # docs/engines-more.md.
+    # docs/measured/engines-more.md.
     methods = (
         _method("ExplicitEuler", 1, "explicit Euler, the attitude by the exponential map"),
         _method("ExplicitMidpoint", 2, "explicit midpoint rule"),

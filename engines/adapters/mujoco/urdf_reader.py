@@ -41,6 +41,7 @@ class MuJoCoURDF(Engine):
             4,
             "Runge-Kutta of fourth order, on the body as read from URDF",
             frozenset({"gravity", "pivot"}),
+            reader=True,
         ),
     )
 
@@ -85,7 +86,7 @@ def _open(
 def _model(scenario: Scenario) -> Any:
     """The compiled body, as it was read."""
     text = urdf(scenario, READER_ROUNDOFF)
-    return compiled(lambda: _spec(text, scenario.has_pivot).compile())
+    return compiled(lambda: _spec(text, scenario.constraint.is_pivot).compile())
 
 
 def _spec(text: str, has_pivot: bool) -> Any:

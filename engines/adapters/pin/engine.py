@@ -1,7 +1,7 @@
 """Pinocchio, rigid-body dynamics without integrators of its own, in double precision.
 
 What is judged is its forward dynamics (articulated-body algorithm), stepped as its examples do and
-by a Runge-Kutta rule. How each effect was measured: docs/engines-more.md.
+by a Runge-Kutta rule. How each effect was measured: docs/measured/engines-more.md.
 """
 
 from importlib.metadata import version

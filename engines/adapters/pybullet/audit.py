@@ -68,6 +68,8 @@ def _holds(model: Model) -> set[str]:
     acting = set()
     for joint in range(p.getNumJoints(model.body, model.client)):
         kind = p.getJointInfo(model.body, joint, model.client)[2]
+        if kind == p.JOINT_FIXED:
+            continue  # of a part of the body
         acting.add("pivot" if kind == p.JOINT_SPHERICAL else f"a joint of type {kind}")
     for index in range(p.getNumConstraints(model.client)):
         constraint = p.getConstraintUniqueId(index, model.client)
@@ -125,7 +127,7 @@ class _Probe:
         """Prepare for probing; switches gravity off."""
         p.setGravity(0, 0, 0, physicsClientId=model.client)
         steps.set_timestep(PROBE_STEP)
-        if scenario.has_pivot and model.link == BASE:
+        if scenario.constraint.is_pivot and model.link == BASE:
             model.put_on_pivot()
         R_world_body = model.R_world_body()
         push_world = R_world_body @ scenario.torque_body + scenario.torque_world
@@ -139,7 +141,8 @@ class _Probe:
         """
         arm_world = self.model.R_world_body() @ self.model.com
         at_pivot = cross(omega_world, arm_world)
-        self.model.set_velocity(omega_world, at_pivot if self.scenario.has_pivot else omega_world)
+        is_held = self.scenario.constraint.is_pivot
+        self.model.set_velocity(omega_world, at_pivot if is_held else omega_world)
         before = self.model.read_state()
         self.steps.advance(1)
         return before, self.model.read_state()
@@ -168,7 +171,7 @@ class _Probe:
         if not _near(spinning - at_rest, -self.scenario.drag * self.spin_world, self.noise):
             resistance = f"a resistance of {_size(spinning - at_rest)} N m at {slow} rad/s"
         faint = SLACK * PROBE_SPIN * self.reading.mass
-        if not (self.scenario.has_pivot or _near(momentum, np.zeros(3), faint)):
+        if not (self.scenario.constraint.is_pivot or _near(momentum, np.zeros(3), faint)):
             force = f"a force of {_size(momentum)} N at {slow} m/s"
         return torque, resistance, force
 
@@ -189,7 +192,7 @@ class _Probe:
         q_world_body = state.q_world_body_wxyz / np.linalg.norm(state.q_world_body_wxyz)
         R_world_body = matrix(q_world_body)
         L_world = R_world_body @ (self.reading.inertia_com @ state.omega_body)
-        if self.scenario.has_pivot:
+        if self.scenario.constraint.is_pivot:
             L_world += self.reading.mass * cross(state.com_world, state.velocity_world)
         return np.asarray(L_world)
 

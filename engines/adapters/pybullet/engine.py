@@ -1,6 +1,7 @@
 """PyBullet, Bullet 3 in double precision: loads the scene's URDF.
 
-What it does to a top by default, and how each effect was measured: docs/engines-pybullet.md.
+What it does to a top by default, and how each effect was measured:
+docs/measured/engines-pybullet.md.
 """
 
 from collections.abc import Collection
@@ -22,7 +23,7 @@ with native_output():
     from .as_shipped import DEFAULT_DAMPING
     from .load import DEFAULTS, INERTIA, JOINT_MOTOR, BodyRepresentation, left_out
     from .pivot_limit import check_borne
-    from .script import script
+    from .script import script, setup
     from .session import PyBulletSession
 
 #: rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h, for every kind of body.
@@ -54,6 +55,7 @@ class PyBullet(Engine):
             "joint coordinates, a pivot as a spherical joint",
             COMMON_EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
+            setup=setup(REPRESENTATIONS["multibody"]),
         ),
         Method(
             "multibody-p2p",
@@ -63,6 +65,7 @@ class PyBullet(Engine):
             COMMON_EFFECTS,
             requires=frozenset({"pivot"}),
             max_rotation_per_step=MOST_ROTATION_A_STEP,
+            setup=setup(REPRESENTATIONS["multibody-p2p"]),
         ),
         Method(
             "maximal",
@@ -71,6 +74,7 @@ class PyBullet(Engine):
             "six coordinates a body, gyroscopic term implicit, the pivot as a constraint",
             COMMON_EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
+            setup=setup(REPRESENTATIONS["maximal"]),
         ),
         Method(
             "default",
@@ -102,7 +106,7 @@ class PyBullet(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Load the scene's URDF and set its start."""
         representation = REPRESENTATIONS[method.name]
-        if representation.maximal and scenario.has_pivot:
+        if representation.maximal and scenario.constraint.is_pivot:
             check_borne(Equations(scenario), start_state(scenario), timestep)
         return PyBulletSession(scenario, representation, timestep)
 
@@ -134,7 +138,7 @@ class PyBullet(Engine):
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """The defaults of a method as shipped; the motor only if there is a joint."""
         left = REPRESENTATIONS[method.name].defaults - (
-            frozenset() if scenario.has_pivot else {JOINT_MOTOR}
+            frozenset() if scenario.constraint.is_pivot else {JOINT_MOTOR}
         )
         return tuple(name for name in DEFAULTS if name in left)
 

@@ -1,6 +1,6 @@
 """Puts a scene's body into a PyBullet world: loaded, stripped of defaults, held, set to its start.
 
-Why each call is there, and what happens without it: docs/engines-pybullet.md.
+Why each call is there, and what happens without it: docs/measured/engines-pybullet.md.
 """
 
 import atexit
@@ -74,7 +74,7 @@ def left_out(scenario: Scenario, representation: BodyRepresentation) -> tuple[st
     """Parts left out of the body that would change no motion."""
     if representation.as_shipped or representation.own:
         return ()
-    return (SHAPE, MOTOR) if representation.hung and scenario.has_pivot else (SHAPE,)
+    return (SHAPE, MOTOR) if representation.hung and scenario.constraint.is_pivot else (SHAPE,)
 
 
 def load(
@@ -95,7 +95,7 @@ def load(
     OSError
         If there is no file to load it from.
     """
-    hung = representation.hung and scenario.has_pivot
+    hung = representation.hung and scenario.constraint.is_pivot
     world_from_body = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
     arm_world = world_from_body.apply(np.array(scenario.body.com))
     if not representation.as_shipped:
@@ -105,7 +105,8 @@ def load(
         body = _load_urdf(client, text, representation, np.zeros(3), Rotation.identity())
         model = _model_of_link(client, body, HUNG)
     else:
-        position = np.zeros(3) if scenario.has_pivot else scenario.start.position_world - arm_world
+        is_held = scenario.constraint.is_pivot
+        position = np.zeros(3) if is_held else scenario.start.position_world - arm_world
         body = _load_urdf(client, text, representation, position, world_from_body)
         if representation.maximal:
             model = _model_of_rigid_body(client, body, position, world_from_body)
@@ -120,12 +121,12 @@ def load(
         idle_motor(model) if MOTOR in left_in else take_away_motor(model)
     if hung:
         model.set_joint_attitude(world_from_body)
-    elif scenario.has_pivot:
+    elif scenario.constraint.is_pivot:
         _tie_to_world(model, representation)
     omega_world = world_from_body.apply(np.array(scenario.start.omega_body))
     at_pivot = np.cross(omega_world, arm_world)
     model.set_velocity(
-        omega_world, at_pivot if scenario.has_pivot else scenario.start.velocity_world
+        omega_world, at_pivot if scenario.constraint.is_pivot else scenario.start.velocity_world
     )
     return model
 
@@ -134,7 +135,7 @@ def _scenes_own(
     scenario: Scenario, representation: BodyRepresentation, left_in: Collection[str]
 ) -> OwnURDF:
     """The scene as URDF; what holds a body that does not hang by a joint is no part of it."""
-    hung = representation.hung and scenario.has_pivot
+    hung = representation.hung and scenario.constraint.is_pivot
     text = urdf(
         scenario if hung else set_free(scenario),
         shape_radius=_gyration_radius(scenario) if SHAPE in left_in else 0.0,
@@ -241,7 +242,7 @@ def _check_not_lost(scenario: Scenario, representation: BodyRepresentation) -> N
             f"principal moments exceeds {TAKEN_FOR_ZERO:.2g} (kg m²)³, got {np.prod(moments):.2g}; "
             "scale the scene up, or use another method"
         )
-    on_a_joint = representation.hung and scenario.has_pivot
+    on_a_joint = representation.hung and scenario.constraint.is_pivot
     if not on_a_joint and min(mass, *moments) <= TAKEN_FOR_ZERO:
         raise UnsupportedError(
             f"PyBullet takes a mass or moment for zero unless it exceeds {TAKEN_FOR_ZERO:.2g} "
@@ -271,7 +272,7 @@ def _tie_to_world(model: Model, representation: BodyRepresentation) -> None:
         BASE,
         p.JOINT_POINT2POINT,
         jointAxis=(0, 0, 0),
-        parentFramePosition=model.body_from_principal.inv().apply(-model.com),
+        parentFramePosition=model.body_from_principal.inv().apply(-model.link_com),
         childFramePosition=(0, 0, 0),
         physicsClientId=model.client,
     )

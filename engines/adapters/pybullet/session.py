@@ -86,7 +86,7 @@ class PyBulletSession(Session):
     def restart(self, state: State, timestep: float | None = None) -> None:
         """Set pose and velocities; a body held by a constraint is set off its pivot, too."""
         timestep = self._timestep if timestep is None else timestep
-        if self._is_maximal and self._scenario.has_pivot:
+        if self._is_maximal and self._scenario.constraint.is_pivot:
             check_borne(self._equations, state, timestep)
         world_from_body = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
         if self.model.link == HUNG:
@@ -101,7 +101,7 @@ class PyBulletSession(Session):
 
     def _renew_inertia(self, world_from_body: Rotation) -> None:
         """Have PyBullet turn a rigid body's inertia, which it does at the end of a step only."""
-        is_held = self._scenario.has_pivot
+        is_held = self._scenario.constraint.is_pivot
         com_world = world_from_body.apply(self.model.com) if is_held else np.zeros(3)
         self.model.set_pose(com_world, world_from_body)
         self.set_timestep(IDLE)

@@ -103,7 +103,7 @@ def conform(
     ] = ANSWER_LIMIT,
     as_json: AsJson = False,
 ) -> None:
-    """Check that an engine in another language keeps the protocol (docs/engine-protocol.md).
+    """Check that an engine in another language keeps the protocol of child processes.
 
     The first steps of every method are compared with the equations of motion, too. Exits with 1 if
     anything is wrong, with 3 if it cannot be started.

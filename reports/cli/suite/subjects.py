@@ -111,7 +111,7 @@ class RecordedSubject(Subject):
         if len(files) < FEWEST_FILES:
             pytest.skip(
                 f"{self.folder / name} must hold {FEWEST_FILES} motions or more of {SCENES / name}"
-                f".toml, at halved timesteps (docs/judge.md), got {len(files)}"
+                f".toml, at halved timesteps (docs/how-to/judge.md), got {len(files)}"
             )
         scenario = _scene(name)
         try:

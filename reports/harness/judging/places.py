@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ....engines.checks.equation_residuals import ASKEW
 from ....engines.checks.read_back import State
 from ....reference import Solution, flow
 from ....scenarios import SIGNAL, Errors, FloatArray, Scenario, Trajectory
@@ -15,9 +16,6 @@ from ..ladder import COARSEST_TURN
 
 #: States spread over the window, beside those where something is largest or least.
 SPREAD = 12
-#: Directions of ω in the body, of further states: askew to every axis of a body that is drawn along
-#: its axes, so that no torque vanishes by symmetry.
-ASKEW = ((0.62, 0.55, 0.56), (-0.48, 0.71, 0.52))
 #: Timesteps of single steps, each half of the one before.
 HALVINGS = 10
 #: Pieces, and the coarsest steps of each: two radians at the ladder's coarsest timestep.
@@ -71,9 +69,7 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
     states = State(*(np.vstack(columns) for columns in zip(*map(_columns, parts), strict=True)))
     times = np.append(along.t, [np.nan] * len(ASKEW))
     starts = np.unique(np.linspace(0, len(chosen) - 1, PIECES).astype(int))
-    body = scenario.body
-    inertia = body.inertia_origin if scenario.has_pivot else body.inertia_com
-    condition = float(np.linalg.cond(inertia))
+    condition = float(np.linalg.cond(scenario.inertia))
     pieces = _pieces(scenario, states.rows(starts), timestep, condition)
     timesteps = timestep / 2.0 ** np.arange(HALVINGS)
     return Places(states, times, np.asarray(timesteps), pieces, starts, condition)
@@ -112,7 +108,7 @@ def _chosen(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
     columns = [
         norms(omega),
         *np.abs(omega).T,
-        turned_back(R, np.broadcast_to(down, omega.shape)) @ scenario.body.com,
+        turned_back(R, np.broadcast_to(down, omega.shape)) @ scenario.constraint.lever,
         norms(motion.velocity_world),
     ]
     extremes = [find(column) for column in columns for find in (np.argmax, np.argmin)]
@@ -122,9 +118,9 @@ def _chosen(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
 def _askew(scenario: Scenario, along: Trajectory, omega_body: FloatArray) -> State:
     """The first state, with another ω."""
     q, com_world = along.q_world_body_wxyz[0], along.com_world[0]
-    velocity_world = along.velocity_world[0]
-    if scenario.has_pivot:
-        velocity_world = matrix(q) @ cross(omega_body, scenario.body.com)
+    constraint = scenario.constraint
+    swing_world = matrix(q) @ cross(omega_body, constraint.lever)
+    velocity_world = constraint.velocity_world(swing_world, along.velocity_world[0])
     return State(q[None], omega_body[None], com_world[None], velocity_world[None])
 
 
@@ -158,10 +154,3 @@ def apart(states: State, others: State) -> FloatArray:
     omega = norms(states.omega_body - others.omega_body) / speed
     turns = rotation_vectors(states.q_world_body_wxyz, others.q_world_body_wxyz)
     return np.maximum(omega, norms(turns))
-
-
-def stacked(states: list[State]) -> State:
-    """One state after the other, as rows."""
-    return State(
-        *(np.array(rows) for rows in zip(*(vars(s).values() for s in states), strict=True))
-    )

@@ -94,7 +94,7 @@ def judged_motion(
     series = error_series(scenario, recorded.trajectory, exact)
     errors: dict[str, float | None] = dict(series.worst())
     for name, signals in WITHOUT.items():
-        if name not in recording.arrays and not scenario.has_pivot:
+        if name not in recording.arrays and not scenario.constraint.is_pivot:
             errors |= dict.fromkeys(signals)
     if not recorded.has_omega:
         errors["omega"] = None

@@ -56,16 +56,17 @@ def recorded_motion(
     q = q / np.linalg.norm(q, axis=1)[:, None]
     com = arrays.get("com", exact.com_world)
     velocity = arrays.get("velocity", exact.velocity_world)
-    if scenario.has_pivot and "com" not in arrays:
-        com = matrices(q) @ np.array(scenario.body.com)
+    R_world_body, constraint = matrices(q), scenario.constraint
+    if "com" not in arrays:
+        com = constraint.com_world(R_world_body @ constraint.lever, com)
     has_omega = "omega" in arrays
     omega_body = arrays["omega"] if has_omega else omega_of_attitudes(arrays["t"], q)
     if has_omega and omega == "world":
-        omega_body = turned_back(matrices(q), omega_body)
-    if scenario.has_pivot and "velocity" not in arrays:
-        arm_world = matrices(q) @ np.array(scenario.body.com)
-        omega_world = np.einsum("nij,nj->ni", matrices(q), omega_body)
-        velocity = np.cross(omega_world, arm_world)
+        omega_body = turned_back(R_world_body, omega_body)
+    if "velocity" not in arrays:
+        arm_world = R_world_body @ constraint.lever
+        omega_world = np.einsum("nij,nj->ni", R_world_body, omega_body)
+        velocity = constraint.velocity_world(np.cross(omega_world, arm_world), velocity)
     motion = Trajectory(arrays["t"], q, omega_body, com, velocity)
     return RecordedMotion(motion, has_omega, "com" in arrays, "velocity" in arrays)
 

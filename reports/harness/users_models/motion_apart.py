@@ -18,7 +18,7 @@ START = 2 * np.pi * np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
 #: A scene to put the bodies into: free, from rest in its own axes.
 _SCENE = """spincheck = 1
 title = "Tumbling"
-source = "docs/models.md"
+source = "docs/how-to/models.md"
 [body]
 mass = 1.0
 inertia = [1.0, 1.0, 1.0]

@@ -1,6 +1,6 @@
 """A test suite for the continuous integration of physics engines.
 
-``pytest --pyargs spincheck.suite --spincheck-engine my_package:MyEngine`` runs it: docs/suite.md.
+``pytest --pyargs spincheck.suite --spincheck-engine my_package:MyEngine`` runs it: docs/how-to/suite.md.
 Its first chapter, `test_adapter`, is about the adapter, its second, `test_physics`, about motions.
 """
 

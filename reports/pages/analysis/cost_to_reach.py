@@ -1,7 +1,7 @@
 """The cost for a method to stay within an error.
 
 It is interpolated between two runs, or extrapolated below the finest; else there is a reason why it
-cannot be reached. The rules and their constants are in docs/cost.md.
+cannot be reached. The rules and their constants are in docs/explanation/cost.md.
 """
 
 import math

@@ -2,7 +2,7 @@
 
 Engines are compared at equal error, never at equal timestep (work-precision diagrams: Hairer,
 Nørsett & Wanner, Solving Ordinary Differential Equations I, §II.10). The rules, and which constant
-sets each: docs/cost.md.
+sets each: docs/explanation/cost.md.
 """
 
 import math

@@ -27,7 +27,7 @@ class DrawnBody:
     half_sides : m, along its principal axes, (3,); a solid of the body's mass and moments
     R_body_axes : principal axes about the com to body axes, (3, 3)
     axis_body : unit vector of the axis whose path is drawn, (3,)
-    up_world : the direction that the axis' tilt θ is measured from, unit, (3,)
+    up_world : the direction that the axis' tilt β is measured from, unit, (3,)
     up_means : that direction in words
     """
 
@@ -60,20 +60,17 @@ def drawn_body(solved: SceneResult) -> DrawnBody:
 
 def axis_body(scenario: Scenario) -> FloatArray:
     """Unit vector from pivot to com; else of the symmetry axis, else of the largest part of L."""
-    length = float(np.linalg.norm(scenario.body.com))
-    if scenario.has_pivot and length:
-        return np.asarray(scenario.body.com / length, dtype=float)
+    lever = scenario.constraint.lever
+    length = float(np.linalg.norm(lever))
+    if not scenario.constraint.is_free and length:
+        return np.asarray(lever / length, dtype=float)
     problem = rotational_problem(scenario)
     moments, rates = np.array(problem.moments, float), np.array(problem.omega_axes, float)
     symmetric = symmetry_axis(problem)
     axis = np.eye(3)[int(np.argmax(np.abs(moments * rates)))]
     if symmetric is not None:
         axis = np.array(symmetric, dtype=float)
-    _, R_body_axes = principal_axes(
-        scenario.body.inertia_origin_exact
-        if scenario.has_pivot
-        else scenario.body.inertia_com_exact
-    )
+    _, R_body_axes = principal_axes(scenario.inertia_exact)
     return np.asarray(np.array(R_body_axes, dtype=float) @ axis)
 
 
@@ -81,7 +78,7 @@ def _up(solved: SceneResult) -> tuple[FloatArray, str]:
     """Against gravity where it turns the body, along the initial L elsewhere; z at rest."""
     scenario = solved.scenario
     gravity = float(np.linalg.norm(scenario.gravity_world))
-    if scenario.has_pivot and gravity:
+    if not scenario.constraint.is_free and gravity:
         return -scenario.gravity_world / gravity, "the upward vertical"
     L_world = angular_momentum_world(scenario, solved.solution.trajectory.until(1))[0]
     size = float(np.linalg.norm(L_world))

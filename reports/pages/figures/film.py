@@ -125,16 +125,15 @@ class _Pane:
     def __init__(self, axes: Any, filmed: Filmed, body: DrawnBody, scenario: Scenario) -> None:
         self._axes, self._filmed = axes, filmed
         self._upright = frame_about(body.up_world)
-        com = scenario.body.com if scenario.has_pivot else np.zeros(3)
+        com = scenario.body.com if scenario.constraint.is_pivot else np.zeros(3)
         self._faces = (_faces(body) * body.half_sides) @ body.R_body_axes.T + com
         self._tints = _tints(len(self._faces))
-        self._inertia = (
-            scenario.body.inertia_origin if scenario.has_pivot else scenario.body.inertia_com
-        )
+        self._inertia = scenario.inertia
         self._reach = 1.1 * float(np.linalg.norm(self._faces, axis=-1).max())
         self._path = filmed.motion.to_world(body.axis_body) @ self._upright.T * self._reach
         # Of a body on a pivot one half alone is of interest.
-        self._centre = 0.4 * self._path.mean(axis=0) if scenario.has_pivot else np.zeros(3)
+        is_held = scenario.constraint.is_pivot
+        self._centre = 0.4 * self._path.mean(axis=0) if is_held else np.zeros(3)
         momenta = filmed.motion.omega_body @ self._inertia.T
         self._largest = [
             float(np.linalg.norm(vectors, axis=1).max()) or 1.0

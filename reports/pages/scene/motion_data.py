@@ -1,4 +1,4 @@
-"""The motions of a scene as its page carries them: compact, for the player and for θ(t), ω(t).
+"""The motions of a scene as its page carries them: compact, for the player and for β(t), ω(t).
 
 Attitudes and rates are rounded to what a picture shows. Errors are not read off those: they are
 computed here from the doubles of the result file, and carried as logarithms.
@@ -96,7 +96,6 @@ def run_name(row: Row) -> str:
 
 def _body(solved: SceneResult) -> dict[str, Any]:
     scenario, drawn = solved.scenario, drawn_body(solved)
-    inertia = scenario.body.inertia_origin if scenario.has_pivot else scenario.body.inertia_com
     return {
         "shape": drawn.shape,
         "half_sides": drawn.half_sides.tolist(),
@@ -104,9 +103,9 @@ def _body(solved: SceneResult) -> dict[str, Any]:
         "axis": drawn.axis_body.tolist(),
         "up": drawn.up_world.tolist(),
         "up_means": drawn.up_means,
-        "com": scenario.body.com.tolist() if scenario.has_pivot else [0.0, 0.0, 0.0],
-        "inertia": inertia.tolist(),
-        "pivot": scenario.has_pivot,
+        "com": scenario.body.com.tolist() if scenario.constraint.is_pivot else [0.0, 0.0, 0.0],
+        "inertia": scenario.inertia.tolist(),
+        "pivot": scenario.constraint.is_pivot,
     }
 
 

@@ -1,4 +1,4 @@
-"""The figures of docs/engines-more.md are those that the engines give, where they are there."""
+"""The figures of docs/measured/engines-more.md are those of the engines that are there."""
 
 import re
 from pathlib import Path
@@ -14,7 +14,7 @@ from spincheck.scenarios import errors_between
 
 pytestmark = pytest.mark.slow
 
-PAGE = Path(__file__).parents[3] / "docs" / "engines-more.md"
+PAGE = Path(__file__).parents[3] / "docs/measured/engines-more.md"
 ROWS = re.findall(
     r"^\| `([\w-]+)` \| (\w+) \| ([\d.e+-]+) / .* \|$", PAGE.read_text(encoding="utf-8"), re.M
 )

@@ -152,7 +152,7 @@ def test_a_callback_somebody_installed_in_the_process_is_named() -> None:
 @pytest.mark.parametrize("name", SCENES)
 def test_effects_read_back_at_their_strengths(name: str) -> None:
     scene, held = SCENES[name], read_effects(model_of(name))
-    assert held.pivot == scene.has_pivot
+    assert held.pivot == scene.constraint.is_pivot
     assert held.gravity_world.tolist() == scene.gravity_world.tolist()
     assert held.torque_body.tolist() == scene.torque_body.tolist()
     assert held.torque_world.tolist() == scene.torque_world.tolist()

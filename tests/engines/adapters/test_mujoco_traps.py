@@ -1,6 +1,7 @@
 """MuJoCo's defaults that alter a run: each, planted, is detected.
 
-Resets, warnings, and what a state is read from. The traps are listed in docs/engines-mujoco.md.
+Resets, warnings, and what a state is read from. The traps are listed in
+docs/measured/engines-mujoco.md.
 """
 
 import copy

@@ -1,6 +1,6 @@
 """PyBullet's defaults that alter a motion: each, planted, is detected, and absent otherwise.
 
-The traps and their sources are listed in docs/engines-pybullet.md.
+The traps and their sources are listed in docs/measured/engines-pybullet.md.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-// A free rigid body by the explicit midpoint rule: an engine in forty lines (docs/engine-protocol.md).
+// A free rigid body by the explicit midpoint rule: an engine in forty lines (docs/reference/engine-protocol.md).
 import { createReadStream, writeSync } from 'node:fs';
 import { createInterface } from 'node:readline';
 

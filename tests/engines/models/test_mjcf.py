@@ -37,11 +37,11 @@ def acceleration_by_hand(scene: Scenario) -> np.ndarray:
     R = Rotation.from_quat(scene.start.q_world_body_wxyz, scalar_first=True).as_matrix()
     torque = scene.torque_body + R.T @ scene.torque_world - scene.drag * omega
     inertia = body.inertia_com
-    if scene.has_pivot:
+    if scene.constraint.is_pivot:
         inertia = body.inertia_origin
         torque = torque + body.mass * np.cross(com, R.T @ scene.gravity_world)
     alpha = np.linalg.solve(inertia, torque - np.cross(omega, inertia @ omega))
-    if scene.has_pivot:
+    if scene.constraint.is_pivot:
         return alpha
     swing = np.cross(alpha, com) + np.cross(omega, np.cross(omega, com))
     return np.concatenate([scene.gravity_world - R @ swing, alpha])

@@ -13,8 +13,8 @@ from spincheck.scenarios import Scenario
 EPS = np.finfo(float).eps
 #: Three products and two sums of rotation entries, each entry good to a few ulp.
 ROUNDOFF = 16 * EPS
-PIVOTED = [name for name, scene in SCENES.items() if scene.has_pivot]
-FREE = [name for name, scene in SCENES.items() if not scene.has_pivot]
+PIVOTED = [name for name, scene in SCENES.items() if scene.constraint.is_pivot]
+FREE = [name for name, scene in SCENES.items() if not scene.constraint.is_pivot]
 
 
 def numbers(element: ET.Element | None, key: str) -> np.ndarray:
@@ -82,5 +82,5 @@ def test_a_free_body_is_the_only_link(name: str) -> None:
 @each_case("name", [*SCENES])
 def test_nothing_but_bodies_and_the_pivot_is_written(name: str) -> None:
     tags = {element.tag for element in ET.fromstring(urdf(SCENES[name])).iter()}
-    pivot = {"joint", "parent", "child", "axis"} if SCENES[name].has_pivot else set()
+    pivot = {"joint", "parent", "child", "axis"} if SCENES[name].constraint.is_pivot else set()
     assert tags == {"robot", "link", "inertial", "origin", "mass", "inertia"} | pivot

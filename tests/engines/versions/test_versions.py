@@ -13,10 +13,14 @@ from spincheck.engines import Engine, Method, Session, engines
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.engines.versions import VersionedEngine, VersionError, folders, versioned
+from spincheck.reports.cli.engines.versions import changes_between_versions
+from spincheck.reports.harness.choice import QUICK_STEPS, Choice
 from spincheck.reports.harness.executors import InProcess, LocalWorkers
 from spincheck.reports.harness.executors.executor import CallFailed
-from spincheck.reports.harness.version_changes import OverVersions, VersionChange, over_versions
-from spincheck.reports.pages.versions.version_page import write_version_page
+from spincheck.reports.harness.plan import plan
+from spincheck.reports.harness.study import run_study
+from spincheck.reports.pages.analysis.changes import Change
+from spincheck.reports.results.store import open_store
 from spincheck.scenarios import Scenario
 
 pytestmark = pytest.mark.slow
@@ -167,66 +171,46 @@ def test_an_executor_that_has_no_place_for_it_says_so() -> None:
 # What changed
 
 
-class Newer(MuJoCo):
+class Older(MuJoCo):
     """The same engine, with a method of another name in place of its own."""
 
-    version = "4.0.1"
+    name, version = "mujoco@3.9.0", "3.9.0"
+    methods = tuple(m for m in MuJoCo.methods if m.name == "RK4")
     steps_like = "RK4"
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         return super().open(scenario, replace(method, name=self.steps_like), timestep)
 
 
+class Newer(Older):
+    name, version = "mujoco@4.0.1", "4.0.1"
+
+
 class NewerAndWorse(Newer):
     steps_like = "Euler"
 
 
-def rk4_alone(engine: Engine) -> Engine:
-    engine.methods = tuple(m for m in MuJoCo.methods if m.name == "RK4")
-    return engine
+def changes_of(older: Engine, newer: Engine, file: Path) -> list[Change]:
+    """From the one to the other, run as `spincheck versions` runs them, without timing."""
+    choice = Choice((older, newer), max_steps=QUICK_STEPS, timed=False)
+    with open_store(file, create=True) as store:
+        run_study(plan([SCENES["free"]], choice, store), choice, store, InProcess(), print)
+        return changes_between_versions(store.read(), [older.name, newer.name])
 
 
-def change(older: Engine, newer: Engine) -> VersionChange:
-    (one,) = compared(older, newer)
-    (only,) = one.changes
-    return only
+def test_one_engine_twice_is_alike(tmp_path: Path) -> None:
+    assert changes_of(Older(), Newer(), tmp_path / "alike.sqlite") == []
 
 
-def compared(older: Engine, newer: Engine) -> list[OverVersions]:
-    pair = [rk4_alone(older), rk4_alone(newer)]
-    return list(over_versions(pair, [SCENES["free"]], TIMESTEP, InProcess()))
-
-
-def test_one_engine_twice_is_alike_to_the_last_bit() -> None:
-    assert change(MuJoCo(), Newer()).equal == "to the last bit"
-
-
-def test_a_newer_one_that_errs_more_is_worse_and_the_other_way_round_is_not() -> None:
-    worse = change(Newer(), NewerAndWorse())
-    assert worse.is_worse
-    assert worse.errors["omega"][1] > 100 * worse.errors["omega"][0]
-    assert "ω error" in worse.what
-    better = change(NewerAndWorse(), Newer())
-    assert better.errors["omega"] == worse.errors["omega"][::-1]
-
-
-def test_a_version_whose_verdict_falls_is_worse() -> None:
+def test_a_newer_one_that_errs_more_is_worse(tmp_path: Path) -> None:
     """It is declared to be of fourth order, and is of first."""
-    fallen = change(Newer(), NewerAndWorse())
-    assert fallen.verdicts == ("converges", "disagrees")
-    assert fallen.is_worse
-    assert "converges → disagrees" in fallen.what
-
-
-def test_the_page_has_each_version_and_says_which_is_worse(tmp_path: Path) -> None:
-    over = compared(Newer(), NewerAndWorse())
-    page = write_version_page("mujoco", over, TIMESTEP, tmp_path)
-    text = page.read_text(encoding="utf-8")
-    assert page.name == "mujoco-versions.html"
-    assert "1 of 1 comparisons of neighbours are regressions" in text
-    assert "✗ worse" in text
-    for one in over[0].runs:
-        assert f'<th scope="col">{one.version}</th>' in text
+    changes = changes_of(Older(), NewerAndWorse(), tmp_path / "worse.sqlite")
+    assert {change.engine for change in changes} == {"mujoco@3.9.0 → 4.0.1"}
+    (verdict,) = [change for change in changes if change.kind == "verdict"]
+    assert (verdict.old, verdict.new, verdict.regression) == ("converges", "disagrees", True)
+    errors = [change for change in changes if change.kind == "error" and change.name == "omega"]
+    assert all(change.regression for change in errors)
+    assert max(change.new / change.old for change in errors) > 100
 
 
 def test_mjcf_for_the_newest_is_as_complete_as_before() -> None:

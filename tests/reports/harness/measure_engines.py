@@ -1,4 +1,4 @@
-"""Verdicts, survivors and the cost of accuracy of every engine there is; docs/engine-verdicts.md.
+"""Verdicts, survivors and the cost of accuracy of every engine: docs/measured/engine-verdicts.md.
 
 Results are kept in build/engines.sqlite: what is there already is not run again, and Ctrl-C ends
 the run with a page of what is there by then.
@@ -29,7 +29,7 @@ from spincheck.reports.results.verdict_words import RANKS, VerdictWord
 
 ROOT = Path(__file__).parents[3]
 STORE = ROOT / "build" / "engines.sqlite"
-PAGE = ROOT / "docs" / "engine-verdicts.md"
+PAGE = ROOT / "docs/measured/engine-verdicts.md"
 #: Free, thrown, held, slowed and driven bodies: steps are timed, and ladders longer, on these.
 TIMED = (
     "tennis-racket",
@@ -55,7 +55,7 @@ COSTS = tuple(f"cost, {level:g} rad" for level in LEVELS)
 HEAD = f"""# Which engines get tops right, and at what price
 
 Made by `make engine-verdicts` of every engine that was there, best methods first, `default` as it
-is shipped. Scenes are counted by [verdict](../README.md#what-a-verdict-means). Ladders are short:
+is shipped. Scenes are counted by [verdict](../explanation/outcomes.md). Ladders are short:
 methods of first order and single precision are often `unresolved`, neither proven nor refuted.
 
 - *Error* and *survives*, at {TURN:g} rad a step: the median error of the attitude, rad, and on how

@@ -28,7 +28,7 @@ COUNT, SEED = 1000, 1
 LONG_LADDERS, MOST_STEPS, FEWER_STEPS = 257, 1 << 15, 1 << 12
 #: Of ladders that are run again as they were too short for a method of fourth order.
 RESOLVING_STEPS = 1 << 19
-PAGE = Path(__file__).parents[3] / "docs" / "random-scenes.md"
+PAGE = Path(__file__).parents[3] / "docs/measured/random-scenes.md"
 ENGINES = ("mujoco", "pybullet")
 SAMPLES = 41
 #: Said of `unresolved` ladders that no method can resolve.

@@ -1,6 +1,6 @@
 """The smallest planted fault that a verdict detects, by kind, class of method and scene.
 
-Written to docs/thresholds.md and to the reports. Engines are MuJoCo with the fault planted
+Written to docs/measured/thresholds.md and to the reports. Engines are MuJoCo with the fault planted
 (`faulty_mujoco`); sizes are tried from the smallest upwards.
 """
 
@@ -94,7 +94,7 @@ explains them, else by the signal that decides.
 
 #: Where it is printed, under which kind of heading: a page, and a section of every report.
 PAGES = {
-    "#": ROOT / "docs" / "thresholds.md",
+    "#": ROOT / "docs/measured/thresholds.md",
     "##": ROOT / "reports" / "pages" / "overview" / "thresholds.md",
 }
 

@@ -1,4 +1,4 @@
-// The child's side of docs/engine-protocol.md, for engines that run under node.
+// The child's side of docs/reference/engine-protocol.md, for engines that run under node.
 // An engine's file is started as: node ENGINE.mjs NODE_MODULES
 import { createReadStream, writeSync } from 'node:fs';
 import { createInterface } from 'node:readline';

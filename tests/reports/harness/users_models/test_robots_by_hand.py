@@ -1,4 +1,4 @@
-"""Links of robots that come with PyBullet, from the file's text to the verdict (docs/models.md)."""
+"""Links of robots that come with PyBullet, from text to verdict: docs/how-to/models.md."""
 
 from pathlib import Path
 

@@ -103,7 +103,7 @@ def test_a_row_that_was_not_timed_has_no_cost() -> None:
     assert cost(replace(row, seconds_per_step=None)) is None
 
 
-DOCS = Path(__file__).parents[4] / "docs" / "cost.md"
+DOCS = Path(__file__).parents[4] / "docs/explanation/cost.md"
 
 
 @pytest.mark.parametrize(

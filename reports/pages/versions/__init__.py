@@ -1,1 +1,0 @@
-"""The page that compares versions of an engine, with its template."""
