@@ -1,7 +1,8 @@
 """A test suite for the continuous integration of physics engines.
 
-``pytest --pyargs spincheck.suite --spincheck-engine my_package:MyEngine`` runs it: docs/how-to/suite.md.
-Its first chapter, `test_adapter`, is about the adapter, its second, `test_physics`, about motions.
+``pytest --pyargs spincheck.suite --spincheck-engine my_package:MyEngine`` runs it. Its first
+chapter, `test_adapter`, is about the adapter, its second, `test_physics`, about motions:
+docs/how-to/suite.md.
 """
 
 from pathlib import Path
