@@ -27,7 +27,7 @@ class Equations:
 
     @cached_property
     def inertia(self) -> FloatArray:
-        """Tensor about the pivot, or the com without one, kg m², body axes, (3, 3)."""
+        """As `Scenario.inertia`."""
         return self.scenario.inertia
 
     @cached_property
@@ -67,10 +67,17 @@ class Equations:
         pushed: FloatArray = push(self.scenario.pushed, R_world_body, R_world_body @ omega_body)
         return pulled + pushed @ R_world_body
 
-    def torque_body(self, R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
-        """I dω/dt, N m."""
-        gyroscopic = cross(omega_body, self.inertia @ omega_body)
+    def torque_body(
+        self, R_world_body: FloatArray, omega_body: FloatArray, kept_body: FloatArray
+    ) -> FloatArray:
+        """I dω/dt, N m, given the angular momentum that rotors keep, kg m²/s."""
+        gyroscopic = cross(omega_body, self.inertia @ omega_body + kept_body)
         return self.outer_body(R_world_body, omega_body) - gyroscopic
+
+    def kept_body(self, state: State) -> FloatArray:
+        """The angular momentum that rotors keep, kg m²/s, (3,) or (n, 3)."""
+        rotors = self.scenario.rotors
+        return np.asarray(rotors.kept(state.omega_body, state.spins) @ rotors.axes_body)
 
     def after(self, state: State, span: float) -> State:
         """The state a time `span` later, s."""
@@ -80,26 +87,30 @@ class Equations:
             state.q_world_body_wxyz / np.linalg.norm(state.q_world_body_wxyz),
             state.omega_body,
         )
+        kept = self.kept_body(state)
         for _ in range(steps):
-            q, omega = self._step(q, omega, span / steps)
-        gravity = self.scenario.gravity_world
+            q, omega = self._step(q, omega, kept, span / steps)
+        gravity, rotors = self.scenario.gravity_world, self.scenario.rotors
         com = state.com_world + span * state.velocity_world + span**2 / 2 * gravity
-        return State(q, omega, com, state.velocity_world + span * gravity)
+        spins = rotors.spins(omega, rotors.kept(state.omega_body, state.spins))
+        return State(q, omega, com, state.velocity_world + span * gravity, spins)
 
     def after_each(self, states: State, spans: FloatArray) -> State:
         """The states a time later of each of n states, s, (n,)."""
         return stacked([self.after(states.rows(k), span) for k, span in enumerate(spans)])
 
-    def _step(self, q: FloatArray, omega: FloatArray, h: float) -> tuple[FloatArray, FloatArray]:
+    def _step(
+        self, q: FloatArray, omega: FloatArray, kept: FloatArray, h: float
+    ) -> tuple[FloatArray, FloatArray]:
         y = np.concatenate([q, omega])
-        first = self._rates(y)
-        second = self._rates(y + h / 2 * first)
-        third = self._rates(y + h / 2 * second)
-        fourth = self._rates(y + h * third)
+        first = self._rates(y, kept)
+        second = self._rates(y + h / 2 * first, kept)
+        third = self._rates(y + h / 2 * second, kept)
+        fourth = self._rates(y + h * third, kept)
         y = y + h / 6 * (first + 2 * second + 2 * third + fourth)
         return y[:4] / np.linalg.norm(y[:4]), y[4:]
 
-    def _rates(self, y: FloatArray) -> FloatArray:
+    def _rates(self, y: FloatArray, kept: FloatArray) -> FloatArray:
         w, x, y_, z = y[:4]
         omega = y[4:]
         a, b, c = omega
@@ -110,7 +121,7 @@ class Equations:
             w * c + x * b - y_ * a,
         ]
         R_world_body = matrix(y[:4])
-        omega_rate = self.inverse @ self.torque_body(R_world_body, omega)
+        omega_rate = self.inverse @ self.torque_body(R_world_body, omega, kept)
         return np.concatenate([np.array(q_rate) / 2, omega_rate])
 
 
