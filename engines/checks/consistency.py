@@ -41,7 +41,7 @@ class Steps:
 
     Attributes
     ----------
-    timesteps : (J,) s, each half of the one before
+    timesteps : (J,) s
     """
 
     timesteps: FloatArray
@@ -53,6 +53,13 @@ class Steps:
     def spans(self) -> FloatArray:
         """The timestep of each row, s, (J K,)."""
         return np.repeat(self.timesteps, len(self.before.omega_body) // len(self.timesteps))
+
+    def part(self, first: int, beyond: int) -> "Steps":
+        """The steps with some of the timesteps."""
+        count = len(self.before.omega_body) // len(self.timesteps)
+        rows = slice(first * count, beyond * count)
+        states = (states.rows(rows) for states in (self.before, self.after, self.exact))
+        return Steps(self.timesteps[first:beyond], *states)
 
 
 @dataclass(frozen=True, eq=False)

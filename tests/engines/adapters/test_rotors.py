@@ -12,7 +12,7 @@ from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.engines.adapters.mujoco.engine import ANY_TIMESTEP
 from spincheck.engines.adapters.mujoco.session import MuJoCoSession
-from spincheck.engines.contract.scenes import SCENES
+from spincheck.suite.contract_scenes import SCENES
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.reference import solve
 from spincheck.scenarios import Scenario, errors_between
