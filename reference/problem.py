@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 from mpmath import mpf
 
-Vector = tuple[mpf, mpf, mpf]
-Quaternion = tuple[mpf, mpf, mpf, mpf]
+from ..scenarios.exact import ZERO, Quaternion, Vector
+
+_ONE = mpf(1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +26,10 @@ class Problem:
     gravity_world : acceleration, m/s²
     torque_axes, torque_world : constant torques along the principal and the world axes, N m
     drag : coefficient c of the torque −c ω, N m s
+    tip_axes : of the sphere that slides on a table, its centre from the centre of mass, m; zero
+        without a table
+    tip_radius : of that sphere, m
+    mass : kg
     q_axes_body : takes body components to components along the principal axes
     """
 
@@ -37,3 +42,6 @@ class Problem:
     torque_world: Vector
     drag: mpf
     q_axes_body: Quaternion
+    tip_axes: Vector = ZERO
+    tip_radius: mpf = ZERO[0]
+    mass: mpf = _ONE

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from ...scenarios import PUSHED, FloatArray, Scenario, push
-from ...scenarios.effects import gravity
+from ...scenarios.effects import gravity, table
 from ...scenarios.fastest_rate import fastest_rate
 from ...scenarios.rotation import cross, matrix, rotation_vectors
 from .read_back import State
@@ -79,7 +79,13 @@ class Equations:
         inertia = self.inertia
         if not self.gyroscopic:
             inertia = inertia - self.scenario.body.inertia_com
-        return self.outer_body(R_world_body, omega_body) - cross(omega_body, inertia @ omega_body)
+        outer_body = self.outer_body(R_world_body, omega_body)
+        torque_body = outer_body - cross(omega_body, inertia @ omega_body)
+        if self.scenario.effects.table is None:
+            return torque_body
+        up_body = R_world_body[2]
+        force = table.normal_force(self.scenario, up_body, omega_body, torque_body)
+        return np.asarray(torque_body + force * table.arm_body(self.scenario, up_body))
 
     def after(self, state: State, span: float) -> State:
         """The state a time `span` later, s."""
@@ -91,9 +97,15 @@ class Equations:
         )
         for _ in range(steps):
             q, omega = self._step(q, omega, span / steps)
-        gravity = self.scenario.gravity_world
+        gravity, constraint = self.scenario.gravity_world, self.scenario.constraint
         com = state.com_world + span * state.velocity_world + span**2 / 2 * gravity
-        return State(q, omega, com, state.velocity_world + span * gravity)
+        velocity = state.velocity_world + span * gravity
+        if not constraint.is_free:
+            R_world_body = matrix(q)
+            com = constraint.com_world(R_world_body @ constraint.lever, com)
+            swing_world = R_world_body @ cross(omega, constraint.lever)
+            velocity = constraint.velocity_world(swing_world, velocity)
+        return State(q, omega, com, velocity)
 
     def _step(self, q: FloatArray, omega: FloatArray, h: float) -> tuple[FloatArray, FloatArray]:
         y = np.concatenate([q, omega])
@@ -157,7 +169,10 @@ def gain_between(equations: Equations, before: State, after: State, span: float)
         position = (after.com_world - before.com_world) / span
         got = np.array([turn, torque, velocity, position])
         exact_position = (exact.com_world - before.com_world) / span
-        wanted = [exact_turn, exact_torque, equations.scenario.gravity_world, exact_position]
+        fall = (exact.velocity_world - before.velocity_world) / span
+        if equations.scenario.constraint.is_free:
+            fall = equations.scenario.gravity_world
+        wanted = [exact_turn, exact_torque, fall, exact_position]
     return Gain(before, after, span, got - np.array(wanted), np.array(wanted))
 
 
