@@ -10,7 +10,7 @@ READY := $(VENV)/.ready
 CODE := scenarios reference engines reports
 PLAIN := free heavy driven thrown
 
-.PHONY: report engines test quick pythons bench kills survey thresholds random
+.PHONY: docs report engines test quick pythons bench kills survey thresholds random
 .PHONY: lint types contract check schema format-page engine-verdicts clean
 
 # The page is there to look at after the plain scenes, and once more when the hard ones are done.
@@ -36,6 +36,11 @@ quick: $(READY)
 # The quick tests on every Python there is of 3.11 to 3.13.
 pythons: $(READY)
 	$(BIN)/nox
+
+# The site, build/docs/index.html: every page, with the examples' output, and no warning.
+docs: $(INSTALLED)
+	$(BIN)/pip install --quiet --editable '.[docs]'
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going -q -j 2 docs build/docs
 
 # Speed, with nothing else running; tables on the terminal, the same as JSON in build/bench.
 bench: $(READY)

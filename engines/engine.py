@@ -53,6 +53,9 @@ class Method:
         remark, and does not fail a run
     by_angles : whether the attitude of a held body is stepped as roll, pitch and yaw
     damping : 1/s, at which it slows bodies that nothing slows
+    reader : whether it differs from a method of another engine only in how models are read
+    setup : what users of the engine write to have it, with `TIMESTEP` for the timestep in s; empty
+        if that is no matter of a few lines
     """
 
     name: str
@@ -65,6 +68,13 @@ class Method:
     as_shipped: bool = False
     by_angles: bool = False
     damping: float = 0.0
+    reader: bool = False
+    setup: str = ""
+
+    @property
+    def is_recommendable(self) -> bool:
+        """Whether it may be recommended to users: it simulates the scene as no other does."""
+        return not (self.as_shipped or self.reader)
 
 
 @dataclass(frozen=True)

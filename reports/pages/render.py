@@ -116,6 +116,7 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
         "stock": stock_table(plain),
         "headline": overview.headline(gathered),
         "counts": overview.counts(plain),
+        "at_stock": overview.at_stock(plain),
         "matrix": overview.matrix(plain),
         "methods": overview.methods_table(plain),
         "costs": cost_section(plain),

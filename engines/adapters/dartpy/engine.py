@@ -20,6 +20,12 @@ TURNING = 3
 #: Relative rounding of a torque that was rotated twice.
 SLACK = 16 * float(np.finfo(float).eps)
 WORLD = Path(__file__).with_name("world.py")
+#: How users keep bodies from falling asleep.
+AWAKE = """\
+world.setTimeStep(TIMESTEP)
+options = world.getDeactivationOptions()
+options.mEnabled = False
+world.setDeactivationOptions(options)"""
 
 
 @final
@@ -32,7 +38,14 @@ class Dart(Engine):
     # getTimeStep() of a new World.
     stock_timestep = 1e-3
     methods = (
-        Method("semi-implicit", 1, 1, "semi-implicit Euler in joint coordinates", COMMON_EFFECTS),
+        Method(
+            "semi-implicit",
+            1,
+            1,
+            "semi-implicit Euler in joint coordinates",
+            COMMON_EFFECTS,
+            setup=AWAKE,
+        ),
         Method("default", 1, 1, "as shipped: may fall asleep", COMMON_EFFECTS, as_shipped=True),
     )
 

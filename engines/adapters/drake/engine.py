@@ -22,8 +22,21 @@ WORLD = Path(__file__).with_name("world.py")
 
 
 def _method(name: str, order: int, summary: str, as_shipped: bool = False) -> Method:
+    setup = f"""\
+plant = MultibodyPlant(time_step=0.0)
+config = SimulatorConfig(
+    integration_scheme="{name}", max_step_size=TIMESTEP, use_error_control=False
+)
+ApplySimulatorConfig(config, simulator)"""
     return Method(
-        name, order, order, summary, COMMON_EFFECTS, as_shipped=as_shipped, by_angles=True
+        name,
+        order,
+        order,
+        summary,
+        COMMON_EFFECTS,
+        as_shipped=as_shipped,
+        by_angles=True,
+        setup="plant = MultibodyPlant(time_step=TIMESTEP)" if name == "discrete" else setup,
     )
 
 

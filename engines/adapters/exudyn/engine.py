@@ -25,7 +25,12 @@ CLOCK_SLACK = 1e-6
 
 
 def _method(name: str, order: int, summary: str) -> Method:
-    return Method(name, order, order, summary, COMMON_EFFECTS)
+    setup = f"""\
+settings = exudyn.SimulationSettings()
+settings.timeIntegration.endTime = duration
+settings.timeIntegration.numberOfSteps = round(duration / TIMESTEP)
+mbs.SolveDynamic(settings, solverType=exudyn.DynamicSolverType.{name})"""
+    return Method(name, order, order, summary, COMMON_EFFECTS, setup=setup)
 
 
 @final

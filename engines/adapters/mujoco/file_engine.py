@@ -34,6 +34,7 @@ class MuJoCoFile(FileEngine):
             4,
             "Runge-Kutta of fourth order, on the link as read from the user's own file",
             frozenset({"gravity"}),
+            reader=True,
         ),
     )
 

@@ -30,6 +30,7 @@ class PyBulletFile(FileEngine):
             "the link as read from the user's own URDF, with URDF_USE_INERTIA_FROM_FILE",
             frozenset({"gravity"}),
             max_rotation_per_step=MOST_ROTATION_A_STEP,
+            reader=True,
         ),
         Method(
             DEFAULT,

@@ -22,6 +22,10 @@ MOST_ROTATION_A_STEP = pi / 4
 #: Relative rounding of numbers in single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
 WORLD = Path(__file__).with_name("world.py")
+#: How users keep bodies from falling asleep, and from being clamped.
+AWAKE = """\
+world.integration_parameters.dt = TIMESTEP
+body = rapier3d.RigidBody.dynamic().can_sleep(False).allow_fast_rotation(True)"""
 
 
 @final
@@ -36,7 +40,12 @@ class Rapier3D(Engine):
     stock_timestep = 1 / 60
     methods = (
         Method(
-            "impulse", 1, 1, "semi-implicit Euler, the pivot as an impulse joint", COMMON_EFFECTS
+            "impulse",
+            1,
+            1,
+            "semi-implicit Euler, the pivot as an impulse joint",
+            COMMON_EFFECTS,
+            setup=AWAKE,
         ),
         Method(
             "default",
