@@ -31,12 +31,14 @@ class Solution:
 
     @property
     def ending(self) -> str:
-        """Why the motion is known until its horizon only, in words; empty where it has none."""
+        """Why it is known until its horizon only, in words; empty where it has none."""
         if self.horizon is None:
             return ""
         if self.lifts_off:
             return f"the body leaves the table at t = {self.horizon:.6g} s"
-        return f"chaotic: beyond t = {self.horizon:.6g} s it is not known to {MAX_UNCERTAINTY:g}"
+        return (
+            f"it is chaotic, and from t = {self.horizon:.6g} s on not known to {MAX_UNCERTAINTY:g}"
+        )
 
 
 #: A motion whose uncertainty is larger than this, relative or in rad, is not used as a reference.
