@@ -54,6 +54,9 @@ class BodyTable(Table):
         None, description="the URDF or MJCF file the numbers are from, relative to this one"
     )
     link: Text | None = Field(None, description="its link, or body")
+    welded: tuple[Text, ...] | None = Field(
+        None, description="links welded to that one, whose mass and inertia are added"
+    )
     sha256: Digest | None = Field(None, description="of that file, hexadecimal")
 
     @model_validator(mode="after")
@@ -63,6 +66,8 @@ class BodyTable(Table):
         if stated_keys and len(stated_keys) < len(origin):
             missing = [key for key in origin if key not in stated_keys]
             raise ValueError(f"{_names(stated_keys)} needs {_names(missing)} too")
+        if self.welded and not stated_keys:
+            raise ValueError(f"'welded' needs {_names(origin)} too")
         return self
 
     @model_validator(mode="after")

@@ -1,6 +1,6 @@
 """Compares body and start as read back from an engine with the scene's, before the first step."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,6 +49,21 @@ class BodyReading:
     com: FloatArray
     inertia_com: FloatArray
 
+    def placed(self, at: FloatArray, R: FloatArray) -> "BodyReading":
+        """The same body in other axes: its origin is at `at` (3,) m there, turned by R (3, 3)."""
+        return BodyReading(self.mass, at + R @ self.com, R @ self.inertia_com @ R.T)
+
+
+def composed(parts: Sequence[BodyReading]) -> BodyReading:
+    """Parts in the same axes as one rigid body (parallel-axis theorem)."""
+    mass = sum(part.mass for part in parts)
+    com = sum((part.mass * part.com for part in parts), np.zeros(3)) / (mass or 1.0)
+    tensor = np.zeros((3, 3))
+    for part in parts:
+        arm = part.com - com
+        tensor += part.inertia_com + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return BodyReading(mass, com, tensor)
+
 
 @dataclass(frozen=True, eq=False)
 class State:
@@ -65,6 +80,12 @@ class State:
     def rows(self, kept: int | slice | NDArray[np.bool_]) -> "State":
         """One of n states by its index, or several by a slice or a mask, (n,)."""
         return State(*(column[kept] for column in vars(self).values()))
+
+
+def stacked(states: Sequence[State]) -> State:
+    """One state after the other, as rows."""
+    columns = zip(*(vars(state).values() for state in states), strict=True)
+    return State(*(np.array(column) for column in columns))
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,11 +76,18 @@ def normal_force(
     up_body, omega_body : ẑ of the world and ω, rad/s, body axes, (n, 3) or (3,)
     torque_body : T, N m, body axes, likewise
     """
-    inverse, lever = np.linalg.inv(scenario.inertia), scenario.constraint.lever
-    b = arm_body(scenario, up_body)
-    circling = (up_body * cross(omega_body, cross(omega_body, lever))).sum(-1)
-    needed = circling - scenario.gravity_world[2] - (b * (torque_body @ inverse)).sum(-1)
-    return np.asarray(needed / (1 / scenario.body.mass + (b * (b @ inverse)).sum(-1)))
+    circling = cross(omega_body, cross(omega_body, scenario.constraint.lever))
+    lift = (up_body * circling).sum(-1) - scenario.gravity_world[2]
+    return added_force(scenario, up_body, torque_body, lift)
+
+
+def added_force(
+    scenario: "Scenario", up_body: FloatArray, torque_body: FloatArray, lift: FloatArray | float
+) -> FloatArray:
+    """N that answers a torque, N m, and an acceleration downwards, m/s²: in newtons."""
+    b, inverse = arm_body(scenario, up_body), np.linalg.inv(scenario.inertia)
+    mobility = 1 / scenario.body.mass + (b * (b @ inverse)).sum(-1)
+    return np.asarray((lift - (b * (torque_body @ inverse)).sum(-1)) / mobility)
 
 
 def force(scenario: "Scenario", R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
