@@ -6,11 +6,12 @@ is why the equations are about the body's origin.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from mpmath import mpf
 
 from ..scenarios import Scenario
+from ..scenarios.effects.rotors import kept_exact
 from ..scenarios.exact import ZERO, Quaternion, Vector, rotate, vector
 from .problem import Problem
 from .taylor_coefficients import (
@@ -21,14 +22,16 @@ from .taylor_coefficients import (
     LEVER_NEXT,
     LINEAR,
     MASS_OVER_MOMENT,
+    MOMENTUM,
     TIP,
     TORQUE_WORLD,
     UP_WORLD,
 )
 
 #: A lever times a vector fixed in the world; a torque fixed in the world; one fixed in the body,
-#: which is a constant; one proportional to ω; a force that keeps a point on a plane.
-Form = Literal["lever", "world", "constant", "linear", "plane"]
+#: which is a constant; one proportional to ω; a force that keeps a point on a plane; a momentum
+#: fixed in the body, times ω.
+Form = Literal["lever", "world", "constant", "linear", "plane", "momentum"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +47,7 @@ class EffectTerms:
     """
 
     form: Form
-    posed: Callable[[Scenario, Quaternion], dict[str, Vector | mpf]]
+    posed: Callable[[Scenario, Quaternion], dict[str, Any]]
     turns: Callable[[Problem], bool]
     constants: Callable[[Problem, int, int, int], dict[int, mpf]]
 
@@ -115,6 +118,18 @@ TABLE = EffectTerms(
     },
 )
 
+ROTORS = EffectTerms(
+    form="momentum",
+    posed=lambda scenario, q: {
+        "kept": tuple(
+            kept_exact(rotor, scenario.start.omega_body_exact) for rotor in scenario.rotors.each
+        ),
+        "rotors_axes": tuple(rotate(q, rotor.axis) for rotor in scenario.rotors.each),
+    },
+    turns=lambda problem: any(problem.rotors_momentum),
+    constants=lambda problem, i, *_: {MOMENTUM: problem.rotors_momentum[i]},
+)
+
 #: By the effect's name.
 TERMS = {
     "gravity": GRAVITY,
@@ -122,6 +137,7 @@ TERMS = {
     "drag": DRAG,
     "torque_body": TORQUE_OF_BODY,
     "torque_world": TORQUE_OF_WORLD,
+    "rotors": ROTORS,
 }
 
 

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from mpmath import mpf
+from mpmath import mp, mpf
 
-from ..scenarios.exact import ZERO, Quaternion, Vector
+from ..scenarios.exact import DIGITS, ZERO, Quaternion, Vector
 
 _ONE = mpf(1)
 
@@ -31,6 +31,8 @@ class Problem:
     tip_radius : of that sphere, m
     mass : kg
     q_axes_body : takes body components to components along the principal axes
+    kept, rotors_axes : of each rotor, the angular momentum that its hinge keeps, kg m²/s, and its
+        unit axis along the principal axes
     """
 
     moments: Vector
@@ -45,3 +47,14 @@ class Problem:
     tip_axes: Vector = ZERO
     tip_radius: mpf = ZERO[0]
     mass: mpf = _ONE
+    kept: tuple[mpf, ...] = ()
+    rotors_axes: tuple[Vector, ...] = ()
+
+    @property
+    def rotors_momentum(self) -> Vector:
+        """Σ kept · axis, kg m²/s: what is added to I ω."""
+        with mp.workdps(DIGITS):
+            total = ZERO
+            for kept, (u, v, w) in zip(self.kept, self.rotors_axes, strict=True):
+                total = (total[0] + kept * u, total[1] + kept * v, total[2] + kept * w)
+            return total

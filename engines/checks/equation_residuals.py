@@ -99,8 +99,11 @@ def settled(
     """
     equations = Equations(scenario)
 
-    def steps_after(settling: int) -> list[Steps]:
-        return [single_steps(open_at, scenario, states, h, after, settling) for h in timesteps]
+    def steps_after(settling: int) -> tuple[Steps, Steps]:
+        together = np.concatenate(timesteps)
+        steps = single_steps(open_at, scenario, states, together, after, settling)
+        halved = len(timesteps[0])
+        return steps.part(0, halved), steps.part(halved, len(together))
 
     steps, others = steps_after(0)
     epsilon = rounding_of(steps.before, is_single)

@@ -27,7 +27,7 @@ class Equations:
 
     @cached_property
     def inertia(self) -> FloatArray:
-        """Tensor about the pivot, or the com without one, kg m², body axes, (3, 3)."""
+        """As `Scenario.inertia`."""
         return self.scenario.inertia
 
     @cached_property
@@ -67,15 +67,22 @@ class Equations:
         pushed: FloatArray = push(self.scenario.pushed, R_world_body, R_world_body @ omega_body)
         return pulled + pushed @ R_world_body
 
-    def torque_body(self, R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
-        """I dω/dt, N m."""
-        gyroscopic = cross(omega_body, self.inertia @ omega_body)
+    def torque_body(
+        self, R_world_body: FloatArray, omega_body: FloatArray, kept_body: FloatArray
+    ) -> FloatArray:
+        """I dω/dt, N m, given the angular momentum that rotors keep, kg m²/s."""
+        gyroscopic = cross(omega_body, self.inertia @ omega_body + kept_body)
         torque_body = self.outer_body(R_world_body, omega_body) - gyroscopic
         if self.scenario.effects.table is None:
             return torque_body
         up_body = R_world_body[2]
         force = table.normal_force(self.scenario, up_body, omega_body, torque_body)
         return np.asarray(torque_body + force * table.arm_body(self.scenario, up_body))
+
+    def kept_body(self, state: State) -> FloatArray:
+        """The angular momentum that rotors keep, kg m²/s, (3,) or (n, 3)."""
+        rotors = self.scenario.rotors
+        return np.asarray(rotors.kept(state.omega_body, state.spins) @ rotors.axes_body)
 
     def after(self, state: State, span: float) -> State:
         """The state a time `span` later, s."""
@@ -85,33 +92,37 @@ class Equations:
             state.q_world_body_wxyz / np.linalg.norm(state.q_world_body_wxyz),
             state.omega_body,
         )
+        kept = self.kept_body(state)
         for _ in range(steps):
-            q, omega = self._step(q, omega, span / steps)
+            q, omega = self._step(q, omega, kept, span / steps)
         gravity, constraint = self.scenario.gravity_world, self.scenario.constraint
         com = state.com_world + span * state.velocity_world + span**2 / 2 * gravity
-        R_world_body = matrix(q)
+        R_world_body, rotors = matrix(q), self.scenario.rotors
         swing_world = R_world_body @ cross(omega, constraint.lever)
         return State(
             q,
             omega,
             constraint.com_world(R_world_body @ constraint.lever, com),
             constraint.velocity_world(swing_world, state.velocity_world + span * gravity),
+            rotors.spins(omega, rotors.kept(state.omega_body, state.spins)),
         )
 
     def after_each(self, states: State, spans: FloatArray) -> State:
         """The states a time later of each of n states, s, (n,)."""
         return stacked([self.after(states.rows(k), span) for k, span in enumerate(spans)])
 
-    def _step(self, q: FloatArray, omega: FloatArray, h: float) -> tuple[FloatArray, FloatArray]:
+    def _step(
+        self, q: FloatArray, omega: FloatArray, kept: FloatArray, h: float
+    ) -> tuple[FloatArray, FloatArray]:
         y = np.concatenate([q, omega])
-        first = self._rates(y)
-        second = self._rates(y + h / 2 * first)
-        third = self._rates(y + h / 2 * second)
-        fourth = self._rates(y + h * third)
+        first = self._rates(y, kept)
+        second = self._rates(y + h / 2 * first, kept)
+        third = self._rates(y + h / 2 * second, kept)
+        fourth = self._rates(y + h * third, kept)
         y = y + h / 6 * (first + 2 * second + 2 * third + fourth)
         return y[:4] / np.linalg.norm(y[:4]), y[4:]
 
-    def _rates(self, y: FloatArray) -> FloatArray:
+    def _rates(self, y: FloatArray, kept: FloatArray) -> FloatArray:
         w, x, y_, z = y[:4]
         omega = y[4:]
         a, b, c = omega
@@ -122,7 +133,7 @@ class Equations:
             w * c + x * b - y_ * a,
         ]
         R_world_body = matrix(y[:4])
-        omega_rate = self.inverse @ self.torque_body(R_world_body, omega)
+        omega_rate = self.inverse @ self.torque_body(R_world_body, omega, kept)
         return np.concatenate([np.array(q_rate) / 2, omega_rate])
 
 

@@ -96,6 +96,11 @@ def _changes(equations: Equations, gains: Sequence[Gain]) -> Iterator[_Change]:
         )
     yield _Change(effect(lambda s: s.torque(-s.omega)), _resistance)
     yield _Change(effect(lambda s: s.torque(-s.L)), _decay)
+    if equations.scenario.rotors:
+        yield _Change(
+            effect(lambda s: s.torque(-cross(s.omega, s.kept))),
+            lambda t: f"the rotors had {_factor(t[0])} times their angular momentum",
+        )
     yield _Change(effect(lambda s: s.gain.wanted * s.is_rate), _step)
     yield _Change(
         effect(_Start.scaled_omega), lambda t: f"ω were read {_factor(t[0])} times too large"
@@ -139,9 +144,10 @@ class _Start:
         middle = equations.after(gain.before, gain.span / 2)
         self.R = matrix(middle.q_world_body_wxyz)
         self.omega = middle.omega_body
-        self.L = equations.inertia @ self.omega
+        self.kept = equations.kept_body(middle)
+        self.L = equations.inertia @ self.omega + self.kept
         self.gyroscopic = cross(self.omega, self.L)
-        self.omega_rate = equations.inverse @ equations.torque_body(self.R, self.omega)
+        self.omega_rate = equations.inverse @ equations.torque_body(self.R, self.omega, self.kept)
         pivot = equations.scenario.constraint.is_pivot
         self.is_rate = np.array([1, 1, not pivot, not pivot], dtype=float)[:, None]
 

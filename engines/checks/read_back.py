@@ -1,7 +1,7 @@
 """Compares body and start as read back from an engine with the scene's, before the first step."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,13 +69,19 @@ def composed(parts: Sequence[BodyReading]) -> BodyReading:
 class State:
     """What is read at a sample: attitude (4,), ω (3,) rad/s, com (3,) m, its velocity (3,) m/s.
 
-    For n samples, one a row: (n, 4) and (n, 3).
+    Of rotors also their spins relative to the body, (rotors,) rad/s. For n samples, one a row:
+    (n, 4) and (n, 3).
     """
 
     q_world_body_wxyz: FloatArray
     omega_body: FloatArray
     com_world: FloatArray
     velocity_world: FloatArray
+    spins: FloatArray = field(default_factory=lambda: np.empty(0))
+
+    def __post_init__(self) -> None:
+        if not self.spins.size:
+            object.__setattr__(self, "spins", np.empty((*self.omega_body.shape[:-1], 0)))
 
     def rows(self, kept: int | slice | NDArray[np.bool_]) -> "State":
         """One of n states by its index, or several by a slice or a mask, (n,)."""
@@ -147,6 +153,7 @@ def start_state(scenario: Scenario) -> State:
         start.omega_body,
         constraint.com_world(R_world_body @ constraint.lever, start.position_world),
         constraint.velocity_world(swing_world, start.velocity_world),
+        scenario.rotors.start_spins,
     )
 
 

@@ -90,17 +90,21 @@ def added_force(
     return np.asarray((lift - (b * (torque_body @ inverse)).sum(-1)) / mobility)
 
 
-def force(scenario: "Scenario", R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
+def force(
+    scenario: "Scenario", R_world_body: FloatArray, omega_body: FloatArray, spins: FloatArray
+) -> FloatArray:
     """N at states, in newtons, (n,) or a number.
 
     Parameters
     ----------
-    R_world_body, omega_body : (n, 3, 3) and (n, 3), or (3, 3) and (3,), rad/s
+    R_world_body, omega_body, spins : (n, 3, 3), (n, 3) and (n, rotors), or one of each, rad/s
     """
     omega_world = (R_world_body * omega_body[..., None, :]).sum(-1)
     pushed = push(scenario.pushed, R_world_body, omega_world)
     torque_body = (R_world_body * pushed[..., :, None]).sum(-2)
-    torque_body = torque_body - cross(omega_body, omega_body @ scenario.inertia)
+    rotors = scenario.rotors
+    kept_body = rotors.kept(omega_body, spins) @ rotors.axes_body
+    torque_body = torque_body - cross(omega_body, omega_body @ scenario.inertia + kept_body)
     return normal_force(scenario, R_world_body[..., 2, :], omega_body, torque_body)
 
 
@@ -130,7 +134,8 @@ def check(scenario: "Scenario") -> None:
     _check_stated(
         scenario, "velocity", "m/s", slack, ("drives the tip into the table", "lifts the tip off")
     )
-    pressed = float(force(scenario, matrix(start.q_world_body_wxyz), start.omega_body))
+    R_world_body = matrix(start.q_world_body_wxyz)
+    pressed = float(force(scenario, R_world_body, start.omega_body, scenario.rotors.start_spins))
     if not pressed > 0:
         raise Misfit(
             f"would have to pull at the body with {-pressed + 0.0:.3g} N to keep it from lifting "

@@ -23,6 +23,23 @@ HUNG = 0
 
 
 @dataclass(frozen=True, eq=False)
+class Placed:
+    """Attitude and ω of a state as PyBullet is given them.
+
+    Attributes
+    ----------
+    q_xyzw, omega : of a base, world axes; of a body that hangs, its joint's, principal axes
+    arm_world : from the body's origin to the com, m, (3,)
+    link_world : from the com of the link that is set to that of all, m, (3,)
+    """
+
+    q_xyzw: Quaternion | FloatArray
+    omega: FloatArray
+    arm_world: FloatArray
+    link_world: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class Model:
     """The body in the world of one physics client.
 
@@ -137,12 +154,26 @@ class Model:
         com_world = self.R_world_body() @ self.link_com
         p.resetBasePositionAndOrientation(self.body, com_world, q_xyzw, self.client)
 
-    def set_pose(self, com_world: FloatArray, world_from_body: Rotation) -> None:
-        """Move a body that does not hang by a joint; velocities become zero."""
-        q_xyzw = (world_from_body * self.body_from_principal).as_quat()
-        if self._arm.any():
-            com_world = com_world - world_from_body.apply(self._arm)
-        p.resetBasePositionAndOrientation(self.body, com_world, q_xyzw, self.client)
+    def placed(self, state: State) -> Placed:
+        """A state in PyBullet's coordinates; a body that hangs by a joint is turned there."""
+        world_from_body = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
+        arms = world_from_body.apply(self.com), world_from_body.apply(self._arm)
+        omega_world = world_from_body.apply(np.array(state.omega_body))
+        if self.link == BASE:
+            q_xyzw = (world_from_body * self.body_from_principal).as_quat()
+            return Placed(q_xyzw, omega_world, *arms)
+        self.set_joint_attitude(world_from_body)
+        return Placed(*self._joint(omega_world), *arms)
+
+    def place(self, placed: Placed, com_world: FloatArray, velocity_world: FloatArray) -> None:
+        """Set the body to a state; the com of one that hangs by a joint stays where it hangs."""
+        if self.link == HUNG:
+            self._set_joint(placed.q_xyzw, placed.omega)
+            return
+        of_link = com_world - placed.link_world
+        p.resetBasePositionAndOrientation(self.body, of_link, placed.q_xyzw, self.client)
+        of_link = velocity_world - cross(placed.omega, placed.link_world)
+        p.resetBaseVelocity(self.body, of_link, placed.omega, self.client)
 
     def set_velocity(self, omega_world: FloatArray, velocity_world: FloatArray) -> None:
         """Set ω (3,) and, unless it hangs by a joint, the com's velocity (3,); the pose stays."""
@@ -153,17 +184,20 @@ class Model:
                 )
             p.resetBaseVelocity(self.body, velocity_world, omega_world, self.client)
             return
+        self._set_joint(*self._joint(omega_world))
+
+    def _joint(self, omega_world: FloatArray) -> tuple[Quaternion, FloatArray]:
+        """The joint's attitude now, and ω (3,) along the principal axes."""
         q_joint_xyzw, *_ = p.getJointStateMultiDof(self.body, self.link, self.client)
         world_from_principal = Rotation.from_quat(self.motion()[1])
-        omega_principal = world_from_principal.inv().apply(omega_world)
-        self._set_joint(q_joint_xyzw, omega_principal)
+        return q_joint_xyzw, world_from_principal.inv().apply(omega_world)
 
     def set_joint_attitude(self, world_from_body: Rotation) -> None:
         """Turn the link that hangs: its joint's angle is counted along the principal axes."""
         turned = self.body_from_principal.inv() * world_from_body * self.body_from_principal
         self._set_joint(turned.as_quat(), np.zeros(3))
 
-    def _set_joint(self, q_xyzw: FloatArray, omega_principal: FloatArray) -> None:
+    def _set_joint(self, q_xyzw: Quaternion | FloatArray, omega_principal: FloatArray) -> None:
         p.resetJointStateMultiDof(
             self.body, self.link, q_xyzw, omega_principal, physicsClientId=self.client
         )

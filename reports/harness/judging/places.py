@@ -121,7 +121,8 @@ def _askew(scenario: Scenario, along: Trajectory, omega_body: FloatArray) -> Sta
     constraint = scenario.constraint
     swing_world = matrix(q) @ cross(omega_body, constraint.lever)
     velocity_world = constraint.velocity_world(swing_world, along.velocity_world[0])
-    return State(q[None], omega_body[None], com_world[None], velocity_world[None])
+    rows = q, omega_body, com_world, velocity_world, along.spins[0]
+    return State(*(row[None] for row in rows))
 
 
 def _pieces(scenario: Scenario, starts: State, timestep: float, condition: float) -> Solution:
