@@ -12,10 +12,10 @@ from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.engines.adapters.mujoco.engine import ANY_TIMESTEP
 from spincheck.engines.adapters.mujoco.session import MuJoCoSession
-from spincheck.suite.contract_scenes import SCENES
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.reference import solve
 from spincheck.scenarios import Scenario, errors_between
+from spincheck.suite.contract_scenes import SCENES
 
 BOX = "wheel-in-a-box"
 #: Steps of 2 ms to 5 s, every tenth of a second.
