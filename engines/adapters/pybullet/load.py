@@ -262,7 +262,7 @@ def _check_not_lost(scenario: Scenario, representation: BodyRepresentation) -> N
 
 
 def _solve_exactly(client: int) -> None:
-    """Have constraints, also drives of rotors, solved directly; 50 iterations leave some of them."""
+    """Have constraints, and drives, solved directly: 50 iterations leave some of them unsolved."""
     p.setPhysicsEngineParameter(
         constraintSolverType=p.CONSTRAINT_SOLVER_LCP_DANTZIG, physicsClientId=client
     )
