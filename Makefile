@@ -13,7 +13,7 @@ PLAIN := free heavy driven thrown
 SPREAD := fast-top --ensemble 200 --engine mujoco --engine pybullet \
 	--method default --method RK4 --method multibody
 
-.PHONY: docs report engines test quick pythons bench kills survey thresholds random
+.PHONY: docs report engines test quick pythons bench kills survey thresholds random suite
 .PHONY: lint types contract check schema format-page engine-verdicts clean
 
 # The page is there to look at after the plain scenes, and once more when the hard ones are done.
@@ -65,6 +65,11 @@ engine-verdicts: $(READY)
 # Faultless methods on a thousand random scenes: what is judged wrongly, counted.
 random: $(READY)
 	$(BIN)/python tests/reports/harness/measure_random.py
+
+# The tests for engines' own continuous integration, on every engine there is.
+suite: $(READY)
+	$(BIN)/pytest --pyargs spincheck.suite --spincheck-engine all \
+		--spincheck-xfails tests/reports/interface/suite/known_failures.toml
 
 # What engines hold of the robots of public packages (200 MB of them): docs/how-to/models.md.
 survey: $(READY)

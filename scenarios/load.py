@@ -129,6 +129,8 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
 def _scenario(tables: dict[str, Any], name: str, text: str, path: Path | None) -> Scenario:
     scenario = build(Document.model_validate(tables), name=name, text=text, path=path)
     check_scales(scenario)
+    for effect in scenario.acting:
+        effect.check(scenario)
     check_origin(scenario)
     return scenario
 
