@@ -16,7 +16,7 @@ from spincheck.reports.results.store import Results, open_store
 #: What `small_result_file.write` wrote with the last program of that format, as `.dump` prints it.
 DUMP = Path(__file__).with_name("format_12.sql")
 #: Added to records since: absent from such a file.
-ABSENT_FROM_METHODS = {"by_angles": False, "damping": 0.0}
+ABSENT_FROM_METHODS = {"by_angles": False, "damping": 0.0, "setup": ""}
 ABSENT_FROM_VERDICTS = {"ground": ""}
 
 
