@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from adapter_checks import CHECKS, Check
 from kinds_of_engines import OPTIONAL, why_missing
 from library_scenes import library_scene
 from spincheck.engines import Engine, engines, missing
@@ -15,8 +16,7 @@ from spincheck.engines.adapters.mjx import session as mjx_session
 from spincheck.engines.adapters.node import discovered
 from spincheck.engines.adapters.node.discovered import HERE
 from spincheck.engines.child.process import end_idle
-from spincheck.engines.contract.checks import CHECKS, Check
-from spincheck.engines.contract.scenes import SCENES, scene
+from spincheck.suite.contract_scenes import SCENES, scene
 
 pytestmark = pytest.mark.slow
 
