@@ -62,7 +62,7 @@ engine-verdicts: $(READY)
 random: $(READY)
 	$(BIN)/python tests/reports/harness/measure_random.py
 
-# What engines hold of the robots of public packages (200 MB of them): docs/how-to/models.md.
+# What engines hold of the robots of public packages (200 MB of them): docs/measured/public-models.md.
 survey: $(READY)
 	$(BIN)/pip install --quiet --editable '.[models]'
 	$(BIN)/python tests/reports/harness/users_models/survey.py
