@@ -13,8 +13,8 @@ from ..scenarios import Scenario, Trajectory
 from ..scenarios.fastest_rate import decay_rate
 from .checks.audit import audit
 from .checks.bounds import Bounds
+from .checks.equation_residuals import equation_residuals
 from .checks.faults import clamped_turn
-from .checks.first_steps import NEGLIGIBLE, equation_residuals
 from .checks.precision import single_precision
 from .checks.read_back import (
     READ_BACK_SLACK,
@@ -53,6 +53,9 @@ class Method:
         remark, and does not fail a run
     by_angles : whether the attitude of a held body is stepped as roll, pitch and yaw
     damping : 1/s, at which it slows bodies that nothing slows
+    reader : whether it differs from a method of another engine only in how models are read
+    setup : what users of the engine write to have it, with `TIMESTEP` for the timestep in s; empty
+        if that is no matter of a few lines
     """
 
     name: str
@@ -65,6 +68,13 @@ class Method:
     as_shipped: bool = False
     by_angles: bool = False
     damping: float = 0.0
+    reader: bool = False
+    setup: str = ""
+
+    @property
+    def is_recommendable(self) -> bool:
+        """Whether it may be recommended to users: it simulates the scene as no other does."""
+        return not (self.as_shipped or self.reader)
 
 
 @dataclass(frozen=True)
@@ -223,17 +233,11 @@ class Engine(ABC):
         return ""
 
     @final
-    def equation_residuals(
-        self, scenario: Scenario, method: Method, *, single_precision: bool = False
-    ) -> str:
-        """How the engine's first steps differ from the scene's equations, in words; else empty.
+    def equation_residuals(self, scenario: Scenario, method: Method) -> str:
+        """How the engine's steps from the start differ from the scene's equations, in words.
 
-        Empty also for an engine as shipped, which need not obey them, and where the engine raises
-        an `EngineError` before these steps are done.
-
-        Parameters
-        ----------
-        single_precision : whether its runs are of single precision, declared or not
+        Empty if they do not, also for an engine as shipped, which need not obey them, and where the
+        engine raises an `EngineError` before these steps are done.
 
         Raises
         ------
@@ -242,21 +246,17 @@ class Engine(ABC):
         """
         if method.as_shipped or self.unsupported(scenario, method):
             return ""
-        negligible = max(NEGLIGIBLE, self.slack) if self.of_file else NEGLIGIBLE
-        is_single = single_precision or self.single_precision
-        numbers = np.float32 if is_single else np.float64
         try:
-            residuals = equation_residuals(
+            return equation_residuals(
                 lambda scene, timestep: self.open(scene, method, timestep),
                 scenario,
-                float(np.finfo(numbers).eps),
-                negligible,
+                self.slack if self.of_file else 0.0,
+                is_single=self.single_precision,
             )
         except EngineError as error:
             if error.cause in ENVIRONMENTAL:
                 raise
             return ""
-        return "; ".join(residuals)
 
     @final
     def run(

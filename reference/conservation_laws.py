@@ -54,13 +54,21 @@ class InvariantScales:
     @cached_property
     def energy(self) -> float:
         """J: kinetic at t = 0 plus what gravity can add to it within the window."""
-        L, omega = angular_momentum_axes(self.problem), self.problem.omega_axes
-        turning = float(sum(a * b for a, b in zip(L, omega, strict=True))) / 2
+        numbers = zip(self.problem.moments, self.problem.omega_axes, strict=True)
+        turning = float(sum(moment * w * w for moment, w in numbers)) / 2
+        turning += float(self.rotors_kept @ (self.rotors_kept / self.scenario.rotors.along)) / 2
         if self.scenario.constraint.is_pivot:
             return turning + 2 * self.pull
         fall = float(np.linalg.norm(self.scenario.gravity_world)) * self.duration
         straight = float(np.linalg.norm(self.scenario.start.velocity_world))
         return turning + self.scenario.body.mass * (straight + fall) ** 2 / 2
+
+    @cached_property
+    def rotors_kept(self) -> FloatArray:
+        """kg m²/s, (rotors,): |C s| at t = 0, plus C |u·ω|: none is zero where it can turn."""
+        rotors, omega = self.scenario.rotors, self.scenario.start.omega_body
+        turned = np.abs(rotors.axes_body @ omega)
+        return np.asarray(rotors.along * (np.abs(rotors.start_spins) + turned))
 
     @cached_property
     def speed(self) -> float:
@@ -110,6 +118,11 @@ class Law:
     holds: Callable[[InvariantScales], bool]
     values: Callable[[InvariantScales, Trajectory], FloatArray]
     scale: Callable[[InvariantScales], float]
+
+
+def _energy(scene: InvariantScales, motion: Trajectory) -> FloatArray:
+    total, rotors = energy_of(scene.scenario, motion), scene.scenario.rotors
+    return total - rotors.work(motion.omega_body, motion.spins) if rotors else total
 
 
 def _L_world(scene: InvariantScales, motion: Trajectory) -> FloatArray:
@@ -165,7 +178,7 @@ def _turned_by_at_most(*names: str) -> Callable[[InvariantScales], bool]:
 
 def _is_heavy(scene: InvariantScales) -> bool:
     """Gravity about a pivot, and at most a torque fixed in the world."""
-    return {"gravity"} <= turning(scene.problem) <= {"gravity", "torque_world"}
+    return {"gravity"} <= turning(scene.problem) <= {"gravity", "torque_world", "rotors"}
 
 
 def _is_symmetric(scene: InvariantScales) -> bool:
@@ -181,17 +194,17 @@ def _is_thrown(scene: InvariantScales) -> bool:
 LAWS = (
     Law(
         name="energy",
-        formula="E = T + V",
+        formula="E = T + V, less the work of rotors' drives",
         unit="J",
-        holds=_turned_by_at_most("gravity"),
-        values=lambda scene, motion: energy_of(scene.scenario, motion),
+        holds=_turned_by_at_most("gravity", "rotors"),
+        values=_energy,
         scale=lambda scene: scene.energy,
     ),
     Law(
         name="L_world",
         formula="L − τ t, as vectors",
         unit="kg m²/s",
-        holds=_turned_by_at_most("torque_world"),
+        holds=_turned_by_at_most("torque_world", "rotors"),
         values=_L_world,
         scale=lambda scene: scene.angular_momentum,
     ),
@@ -199,7 +212,7 @@ LAWS = (
         name="L_norm",
         formula="‖L‖",
         unit="kg m²/s",
-        holds=_turned_by_at_most(),
+        holds=_turned_by_at_most("rotors"),
         values=_L_norm,
         scale=lambda scene: scene.angular_momentum,
     ),
@@ -234,6 +247,14 @@ LAWS = (
         holds=lambda scene: integrable_cases.goryachev_chaplygin_frame(scene.problem) is not None,
         values=_goryachev_chaplygin,
         scale=lambda scene: scene.rate**3,
+    ),
+    Law(
+        name="rotors_momentum",
+        formula="C (u·ω + s) of rotors on free hinges, C s of driven ones",
+        unit="kg m²/s",
+        holds=lambda scene: bool(scene.scenario.rotors),
+        values=lambda scene, motion: scene.scenario.rotors.kept(motion.omega_body, motion.spins),
+        scale=lambda scene: float(scene.rotors_kept.sum()),
     ),
     Law(
         name="momentum_less_impulse",

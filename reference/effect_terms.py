@@ -6,11 +6,12 @@ is why the equations are about the body's origin.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from mpmath import mpf
 
 from ..scenarios import Scenario
+from ..scenarios.effects.rotors import kept_exact
 from ..scenarios.exact import ZERO, Quaternion, Vector, rotate, vector
 from .problem import Problem
 from .taylor_coefficients import (
@@ -19,12 +20,13 @@ from .taylor_coefficients import (
     LEVER_AFTER,
     LEVER_NEXT,
     LINEAR,
+    MOMENTUM,
     TORQUE_WORLD,
 )
 
 #: A lever times a vector fixed in the world; a torque fixed in the world; one fixed in the body,
-#: which is a constant; one proportional to ω.
-Form = Literal["lever", "world", "constant", "linear"]
+#: which is a constant; one proportional to ω; a momentum fixed in the body, times ω.
+Form = Literal["lever", "world", "constant", "linear", "momentum"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +42,7 @@ class EffectTerms:
     """
 
     form: Form
-    posed: Callable[[Scenario, Quaternion], dict[str, Vector | mpf]]
+    posed: Callable[[Scenario, Quaternion], dict[str, Any]]
     turns: Callable[[Problem], bool]
     constants: Callable[[Problem, int, int, int], dict[int, mpf]]
 
@@ -89,12 +91,25 @@ TORQUE_OF_WORLD = EffectTerms(
     constants=lambda problem, i, *_: {TORQUE_WORLD: problem.torque_world[i]},
 )
 
+ROTORS = EffectTerms(
+    form="momentum",
+    posed=lambda scenario, q: {
+        "kept": tuple(
+            kept_exact(rotor, scenario.start.omega_body_exact) for rotor in scenario.rotors.each
+        ),
+        "rotors_axes": tuple(rotate(q, rotor.axis) for rotor in scenario.rotors.each),
+    },
+    turns=lambda problem: any(problem.rotors_momentum),
+    constants=lambda problem, i, *_: {MOMENTUM: problem.rotors_momentum[i]},
+)
+
 #: By the effect's name.
 TERMS = {
     "gravity": GRAVITY,
     "drag": DRAG,
     "torque_body": TORQUE_OF_BODY,
     "torque_world": TORQUE_OF_WORLD,
+    "rotors": ROTORS,
 }
 
 

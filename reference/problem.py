@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 
-from mpmath import mpf
+from mpmath import mp, mpf
+
+from ..scenarios.exact import DIGITS, ZERO
 
 Vector = tuple[mpf, mpf, mpf]
 Quaternion = tuple[mpf, mpf, mpf, mpf]
@@ -26,6 +28,8 @@ class Problem:
     torque_axes, torque_world : constant torques along the principal and the world axes, N m
     drag : coefficient c of the torque −c ω, N m s
     q_axes_body : takes body components to components along the principal axes
+    kept, rotors_axes : of each rotor, the angular momentum that its hinge keeps, kg m²/s, and its
+        unit axis along the principal axes
     """
 
     moments: Vector
@@ -37,3 +41,14 @@ class Problem:
     torque_world: Vector
     drag: mpf
     q_axes_body: Quaternion
+    kept: tuple[mpf, ...] = ()
+    rotors_axes: tuple[Vector, ...] = ()
+
+    @property
+    def rotors_momentum(self) -> Vector:
+        """Σ kept · axis, kg m²/s: what is added to I ω."""
+        with mp.workdps(DIGITS):
+            total = ZERO
+            for kept, (u, v, w) in zip(self.kept, self.rotors_axes, strict=True):
+                total = (total[0] + kept * u, total[1] + kept * v, total[2] + kept * w)
+            return total

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import final
 
 import numpy as np
@@ -25,6 +26,8 @@ PHASE_ROUNDING = EPS**2
 CHECKED_TURN = 5e3
 #: Samples at which it is compared, over all of that and over the beginning.
 CHECKED_SAMPLES = 64
+#: Scenes whose problem and closed form are kept: a report asks for those of all, again and again.
+SCENES = 256
 #: rad; in double-double even errors that grow by e a radian are small so far along.
 SURE_TURN = 30.0
 
@@ -52,8 +55,7 @@ class ExactMotion:
 
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
-        self._problem = rotational_problem(scenario)
-        self._closed = closed_form(self._problem)
+        self._problem, self._closed = _posed(scenario)
 
     def solve(self, times: FloatArray) -> Solution:
         """The motion and its uncertainty; parameters and errors as of the function `solve`."""
@@ -76,6 +78,13 @@ class ExactMotion:
         if self._closed is not None:
             return motion(self._scenario, self._problem, times, self._closed.states(times))
         return _integrated_to_horizon(self._scenario, self._problem, times)[0]
+
+
+@lru_cache(maxsize=SCENES)
+def _posed(scenario: Scenario) -> tuple[Problem, ClosedForm | None]:
+    """Problem and closed form, found in extended precision."""
+    problem = rotational_problem(scenario)
+    return problem, closed_form(problem)
 
 
 def _increasing(times: FloatArray) -> FloatArray:

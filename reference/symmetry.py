@@ -55,8 +55,10 @@ def symmetry_axis(problem: Problem) -> Vector | None:
 
     Symmetric means: the two moments across the axis are equal, and gravity's lever lies on it.
     With a lever the axis points from the pivot to the com. Without one it is the principal axis
-    whose moment differs from the other two; a sphere has none.
+    whose moment differs from the other two; a sphere has none. Rotors that turn make it none.
     """
+    if any(problem.rotors_momentum):
+        return None
     with mp.workdps(DIGITS):
         if gravity_torque_scale(problem) == 0:
             single = _axis_of_the_single_moment(problem.moments)
@@ -74,7 +76,8 @@ def symmetry_axis(problem: Problem) -> Vector | None:
 def angular_momentum_axes(problem: Problem) -> Vector:
     """L at t = 0 along the principal axes, kg m²/s."""
     with mp.workdps(DIGITS):
-        x, y, z = (m * w for m, w in zip(problem.moments, problem.omega_axes, strict=True))
+        parts = zip(problem.moments, problem.omega_axes, problem.rotors_momentum, strict=True)
+        x, y, z = (m * w + h for m, w, h in parts)
         return (x, y, z)
 
 

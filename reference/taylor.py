@@ -153,7 +153,8 @@ def _march(problem: Problem, times: FloatArray, orders: Orders, states: Tables) 
 def terms_of(problem: Problem) -> Terms:
     """Return which terms a motion calls for."""
     forms = {TERMS[name].form for name in turning(problem)}
-    return Terms(world_vectors=("lever" in forms, "world" in forms), linear="linear" in forms)
+    vectors = "lever" in forms, "world" in forms
+    return Terms(world_vectors=vectors, linear="linear" in forms, momentum="momentum" in forms)
 
 
 def constants_of(problem: Problem) -> Tables:

@@ -3,7 +3,7 @@
 With ' the time derivative, moments I, ℓ = M r_com, and Γ, Σ the gravity and the torque that are
 constant in the world as seen from the principal axes::
 
-    I ω' = (I ω) × ω + ℓ × Γ + torque_axes + Σ − c ω       Euler
+    I ω' = (I ω + h) × ω + ℓ × Γ + torque_axes + Σ − c ω   Euler, h that of rotors
     q'   = ½ q ⊗ (0, ω)                                    q takes axes to world
     Γ'   = Γ × ω,  Σ' = Σ × ω                              Poisson: a fixed vector, seen turning
 
@@ -46,7 +46,8 @@ INVERSE_MOMENT = 4  # 1/I, 1/(kg m²)
 LINEAR = 5  # −c/I, 1/s
 GRAVITY_WORLD = 6  # m/s²
 TORQUE_WORLD = 7  # N m
-ROWS = 8
+MOMENTUM = 8  # h, kg m²/s
+ROWS = 9
 
 # The vectors constant in the world: where the constants hold them, where the series does.
 WORLD_CONSTANTS = (GRAVITY_WORLD, TORQUE_WORLD)
@@ -61,11 +62,12 @@ class Terms(NamedTuple):
     """Which terms the motion calls for; the others are not computed.
 
     `world_vectors` tells of gravity and of a torque constant in the world, in this order; `linear`
-    of a torque −c ω.
+    of a torque −c ω; `momentum` of h × ω.
     """
 
     world_vectors: tuple[bool, bool]
     linear: bool
+    momentum: bool
 
 
 @kernel
@@ -131,6 +133,14 @@ def _acceleration(
         total = add_product(total, load(constants, INVERSE_MOMENT, i), torque)
     if terms.linear:
         total = add_product(total, load(constants, LINEAR, i), load(series, n, OMEGA + i))
+    if terms.momentum:
+        gyroscopic = multiply(load(constants, MOMENTUM, NEXT[i]), load(series, n, OMEGA + AFTER[i]))
+        gyroscopic = add_product(
+            gyroscopic,
+            negative(load(constants, MOMENTUM, AFTER[i])),
+            load(series, n, OMEGA + NEXT[i]),
+        )
+        total = add_product(total, load(constants, INVERSE_MOMENT, i), rounded(gyroscopic))
     if n == 0:
         total = add(total, load(constants, CONSTANT, i))
     return rounded(total)

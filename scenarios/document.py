@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 from pydantic import BaseModel, Discriminator, Field, Tag, create_model, model_validator
 
 from .body import Body, body_about_com, body_about_origin, body_of_particles
-from .effects import Effects
+from .effects import Effects, Rotors, RotorTable, whole
 from .errors import Misfit
 from .signals import SIGNAL, SIGNALS
 from .values import (
@@ -30,6 +30,7 @@ from .values import (
 T = TypeVar("T", bound=BaseModel)
 
 MAX_SAMPLES = 1_000_000
+MAX_ROTORS = 16
 
 
 class BodyTable(Table):
@@ -53,6 +54,9 @@ class BodyTable(Table):
         None, description="the URDF or MJCF file the numbers are from, relative to this one"
     )
     link: Text | None = Field(None, description="its link, or body")
+    welded: tuple[Text, ...] | None = Field(
+        None, description="links welded to that one, whose mass and inertia are added"
+    )
     sha256: Digest | None = Field(None, description="of that file, hexadecimal")
 
     @model_validator(mode="after")
@@ -62,6 +66,8 @@ class BodyTable(Table):
         if stated_keys and len(stated_keys) < len(origin):
             missing = [key for key in origin if key not in stated_keys]
             raise ValueError(f"{_names(stated_keys)} needs {_names(missing)} too")
+        if self.welded and not stated_keys:
+            raise ValueError(f"'welded' needs {_names(origin)} too")
         return self
 
     @model_validator(mode="after")
@@ -252,6 +258,9 @@ class Document(Table):
     )
     body: BodyTable = Field(description="the rigid body")
     start: StartTable = Field(description="the state at t = 0")
+    rotors: tuple[RotorTable, ...] | None = Field(
+        None, description="parts that turn in the body", max_length=MAX_ROTORS
+    )
     effects: Effects = Field(Effects(), description="what acts on the body")
     window: Window = Field(description="the span that is simulated")
     published: tuple[Published, ...] = Field((), description="values that others printed")
@@ -266,6 +275,12 @@ class Document(Table):
             for key in ("position", "velocity"):
                 if key in self.start.model_fields_set:
                     raise Misfit("for free bodies; this one has a pivot", "start", key)
+        rotors = self.rotors or ()
+        for k in range(len(rotors)):
+            try:
+                whole(self.body.body(), Rotors.of(rotors[: k + 1]))
+            except ValueError as error:
+                raise Misfit(f"with it in the body, {error}", "rotors", k) from None
         duration = self.window.duration
         for index, value in enumerate(self.published):
             if value.t > duration:
@@ -280,6 +295,10 @@ class Document(Table):
                     *("expect", index, "timestep"),
                 )
         return self
+
+    def whole_body(self) -> Body:
+        """The body with its rotors as if they did not turn in it."""
+        return whole(self.body.body(), Rotors.of(self.rotors))
 
 
 def _names(keys: Any) -> str:

@@ -47,10 +47,7 @@ euler_zyz_rates = [2.0, 0.0, 80.0]  # rad/s: precession, nutation, spin
     ),
     "[effects]": (Effects, ""),
     **{
-        f"[effects.{effect.table}]": (
-            effect.model,
-            f"[effects.{effect.table}]\n{effect.model.EXAMPLE}",
-        )
+        effect.heading: (effect.model, f"{effect.heading}\n{effect.model.EXAMPLE}")
         for effect in EFFECTS.values()
     },
     "[window]": (
@@ -64,7 +61,7 @@ samples = 201
         Published,
         """[[published]]
 t = 0.0
-energy = 1.5494                   # J
+energy = 4.5064                   # J
 tolerance = 1e-4
 source = "worked out by hand"
 """,

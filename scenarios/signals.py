@@ -4,6 +4,7 @@ Everything that computes, bounds, stores or shows errors iterates over `SIGNALS`
 an entry there and a field of `Errors`.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Literal
@@ -87,9 +88,14 @@ class Signal:
         return f"{self.label}, {self.unit or 'relative'}"
 
     @property
+    def shown(self) -> float:
+        """What its errors are multiplied by where people read them: of angles, degrees a rad."""
+        return math.degrees(1.0) if self.unit == "rad" else 1.0
+
+    @property
     def error_title(self) -> str:
-        """The same of its error: `ω error, relative`."""
-        return f"{self.label} error, {self.unit or 'relative'}"
+        """A heading of its errors where people read them: `ω error, relative`."""
+        return f"{self.label} error, {'°' if self.unit == 'rad' else 'relative'}"
 
     def declared_order(self, order: int, attitude_order: int) -> int:
         """The order of accuracy of a method that declares those of ω and of the attitude."""

@@ -57,7 +57,8 @@ def test_every_command_has_the_options_that_are_shown(name: str) -> None:
         command = group.get_command(None, words[1])  # type: ignore[arg-type]
         assert command is not None, words
         own = words[: words.index("--")] if "--" in words else words
-        options = {option for parameter in command.params for option in parameter.opts}
+        context = command.make_context(words[1], [], resilient_parsing=True)
+        options = {option for parameter in command.get_params(context) for option in parameter.opts}
         shown = {word.partition("=")[0] for word in own if re.match(r"--?[a-z]", word)}
         assert shown <= options, words
 

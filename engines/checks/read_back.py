@@ -1,7 +1,7 @@
 """Compares body and start as read back from an engine with the scene's, before the first step."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,22 +49,49 @@ class BodyReading:
     com: FloatArray
     inertia_com: FloatArray
 
+    def placed(self, at: FloatArray, R: FloatArray) -> "BodyReading":
+        """The same body in other axes: its origin is at `at` (3,) m there, turned by R (3, 3)."""
+        return BodyReading(self.mass, at + R @ self.com, R @ self.inertia_com @ R.T)
+
+
+def composed(parts: Sequence[BodyReading]) -> BodyReading:
+    """Parts in the same axes as one rigid body (parallel-axis theorem)."""
+    mass = sum(part.mass for part in parts)
+    com = sum((part.mass * part.com for part in parts), np.zeros(3)) / (mass or 1.0)
+    tensor = np.zeros((3, 3))
+    for part in parts:
+        arm = part.com - com
+        tensor += part.inertia_com + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return BodyReading(mass, com, tensor)
+
 
 @dataclass(frozen=True, eq=False)
 class State:
     """What is read at a sample: attitude (4,), ω (3,) rad/s, com (3,) m, its velocity (3,) m/s.
 
-    For n samples, one a row: (n, 4) and (n, 3).
+    Of rotors also their spins relative to the body, (rotors,) rad/s. For n samples, one a row:
+    (n, 4) and (n, 3).
     """
 
     q_world_body_wxyz: FloatArray
     omega_body: FloatArray
     com_world: FloatArray
     velocity_world: FloatArray
+    spins: FloatArray = field(default_factory=lambda: np.empty(0))
+
+    def __post_init__(self) -> None:
+        if not self.spins.size:
+            object.__setattr__(self, "spins", np.empty((*self.omega_body.shape[:-1], 0)))
 
     def rows(self, kept: int | slice | NDArray[np.bool_]) -> "State":
         """One of n states by its index, or several by a slice or a mask, (n,)."""
         return State(*(column[kept] for column in vars(self).values()))
+
+
+def stacked(states: Sequence[State]) -> State:
+    """One state after the other, as rows."""
+    columns = zip(*(vars(state).values() for state in states), strict=True)
+    return State(*(np.array(column) for column in columns))
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +153,7 @@ def start_state(scenario: Scenario) -> State:
         start.omega_body,
         constraint.com_world(R_world_body @ constraint.lever, start.position_world),
         constraint.velocity_world(swing_world, start.velocity_world),
+        scenario.rotors.start_spins,
     )
 
 

@@ -5,7 +5,7 @@ from .difference import AGREES, BodyDifference, difference
 from .file_engine import FileEngine
 from .model_reader import Advice, Configuration, ModelReader, RefusalAdvice, model_readers
 from .named_link import UsersLink, users_link
-from .users_urdf import link_alone, with_meshes
+from .users_urdf import body_alone, with_meshes
 
 __all__ = [
     "AGREES",
@@ -17,9 +17,9 @@ __all__ = [
     "ModelReader",
     "RefusalAdvice",
     "UsersLink",
+    "body_alone",
     "cause",
     "difference",
-    "link_alone",
     "model_readers",
     "unstated_body",
     "users_link",

@@ -48,15 +48,15 @@ class FileEngine(Engine):
         others = [one for one in differing if one.what not in OF_BODY]
         if len(others) == len(differing):
             return differing
-        link = users_link(scenario).link
-        assert link.stated is not None, "a link without an inertia is refused"
+        users = users_link(scenario)
         # Compared with the scene's numbers; the file is needed for those without the rotation.
         numbers = scenario.body
         stated = replace(
-            link.stated, mass=numbers.mass, com=numbers.com, inertia=numbers.inertia_com
+            users.stated, mass=numbers.mass, com=numbers.com, inertia=numbers.inertia_com
         )
         apart, made_up = difference(stated, body), self.made_up.get(method, "")
-        _, words = cause(stated, body, apart, problems(link), made_up)
+        wrong = tuple(problem for link, _ in users.body.parts for problem in problems(link))
+        _, words = cause(stated, body, apart, wrong, made_up)
         other = _OtherBody("body", stated.inertia, body.inertia_com, apart.worst, words)
         return [other, *others]
 

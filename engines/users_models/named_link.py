@@ -6,7 +6,15 @@ from hashlib import sha256
 from pathlib import Path
 
 from ...scenarios import Scenario
-from ...scenarios.users_models import Link, ModelFile, ModelFileError, read_model
+from ...scenarios.users_models import (
+    IDENTITY,
+    ModelFile,
+    ModelFileError,
+    RigidBody,
+    Stated,
+    read_model,
+    rigid_bodies,
+)
 from ..checks.read_back import EngineError, UnsupportedError
 
 #: Number of files kept: all runs of a ladder need the same one.
@@ -15,10 +23,17 @@ KEPT = 16
 
 @dataclass(frozen=True, eq=False)
 class UsersLink:
-    """A link, and its file."""
+    """A link with what is welded to it, and its file.
+
+    Attributes
+    ----------
+    body : only those welded links that the scene names
+    stated : mass, com and tensor of the whole
+    """
 
     model: ModelFile
-    link: Link
+    body: RigidBody
+    stated: Stated
 
 
 def users_link(scenario: Scenario) -> UsersLink:
@@ -40,13 +55,26 @@ def users_link(scenario: Scenario) -> UsersLink:
         raise EngineError(str(error), "refused") from None
     if sha256(model.data).hexdigest() != body.sha256:
         raise EngineError(f"'{body.model}' has changed since the scene was made of it", "refused")
-    try:
-        link = model.link(body.link)
-    except KeyError:
-        raise EngineError(f"'{body.model}' has no link '{body.link}'", "refused") from None
-    if link.stated is None:
+    whole = _rigid_body(model, body.link, body.model)
+    if unknown := sorted({*(body.welded or ())} - {*whole.welded}):
+        raise EngineError(
+            f"in '{body.model}' no link '{unknown[0]}' with an inertia is welded to '{body.link}'",
+            "refused",
+        )
+    whole = whole.only(body.welded or ())
+    if whole.stated is None:
         raise EngineError(f"'{body.model}' states no inertia of '{body.link}'", "refused")
-    return UsersLink(model, link)
+    return UsersLink(model, whole, whole.stated)
+
+
+def _rigid_body(model: ModelFile, link: str, file: str) -> RigidBody:
+    """The body of that link, with all that is welded to it."""
+    try:
+        alone = model.link(link)
+    except KeyError:
+        raise EngineError(f"'{file}' has no link '{link}'", "refused") from None
+    hosted = [body for body in rigid_bodies(model.links) if body.host is alone]
+    return hosted[0] if hosted else RigidBody(((alone, IDENTITY),))
 
 
 @lru_cache(maxsize=KEPT)

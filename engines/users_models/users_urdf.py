@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from ...scenarios.users_models import Link, ModelFile, Shape
+from ...scenarios.users_models import Link, ModelFile, RigidBody, Shape
 
 _FILENAME = re.compile(rb"""\bfilename\s*=\s*(?:"[^"]*"|'[^']*')""")
 
@@ -26,21 +26,25 @@ def with_meshes(model: ModelFile, usable: Callable[[Shape], bool]) -> tuple[byte
     return _edited(model.data, edits), meshes
 
 
-def link_alone(
-    model: ModelFile, link: Link, usable: Callable[[Shape], bool] | None = None
+def body_alone(
+    model: ModelFile, body: RigidBody, usable: Callable[[Shape], bool] | None = None
 ) -> tuple[bytes, dict[str, Path]]:
-    """A URDF of one link, cut verbatim out of a model.
+    """A URDF of one body, its links and the joints between them cut verbatim out of a model.
 
     Parameters
     ----------
-    usable : as in `with_meshes`; if None, the link has no shapes
+    usable : as in `with_meshes`; if None, the links have no shapes
     """
-    start, end = link.span
-    edits, meshes = _edits(model, (link,), usable) if usable else ([], {})
+    links = [link for link, _ in body.parts]
+    edits, meshes = _edits(model, links, usable) if usable else ([], {})
     if not usable:
-        edits = [(shape.span, b"") for shape in link.shapes]
-    shifted = [((first - start, last - start), new) for (first, last), new in edits]
-    return b'<robot name="cut">' + _edited(model.data[start:end], shifted) + b"</robot>", meshes
+        edits = [(shape.span, b"") for link in links for shape in link.shapes]
+    spans = [link.span for link in links] + [link.joint for link in links[1:]]
+    cut = []
+    for start, end in spans:
+        own = [((a - start, b - start), new) for (a, b), new in edits if start <= a < end]
+        cut.append(_edited(model.data[start:end], own))
+    return b"".join([b'<robot name="cut">', *cut, b"</robot>"]), meshes
 
 
 def _edits(

@@ -23,6 +23,8 @@ _HEAD = 1 << 14
 #: The settings of which engines are tested, and of how many steps a run of a ladder may take.
 _UNSUPPORTED = "unsupported: "
 _ENGINES, _MAX_STEPS = "spincheck_engines", "spincheck_max_steps"
+#: Options of `spincheck.suite`.
+ENGINE, XFAILS, SUITE = "--spincheck-engine", "--spincheck-xfails", "--spincheck-suite"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -40,10 +42,31 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         default="",
     )
 
+    group = parser.getgroup("spincheck", "spincheck.suite, tests of a physics engine")
+    group.addoption(
+        ENGINE,
+        action="append",
+        metavar="ENGINE",
+        help="what the suite tests: my_package:MyEngine, an engine of 'spincheck engines', "
+        "'child:COMMAND', or a folder of recorded motions; may be repeated",
+    )
+    group.addoption(
+        XFAILS, metavar="FILE", help="TOML: the tests that are known to fail, each with its reason"
+    )
+    group.addoption(
+        SUITE, metavar="YYYY.MM", help="leave out tests that are newer than this version"
+    )
+
 
 def pytest_configure(config: pytest.Config) -> None:
     """Check the settings, before anything is collected."""
     _asked_steps(config)
+    if names := config.getoption(ENGINE):
+        from .suite.hooks import SuiteHooks
+
+        config.pluginmanager.register(
+            SuiteHooks(names, config.getoption(XFAILS), config.getoption(SUITE))
+        )
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:

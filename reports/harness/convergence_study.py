@@ -16,7 +16,7 @@ from .comparison import row_of, unmet_expectations
 from .defects import defects
 from .executors import Answer, CallFailed
 from .judging.places import Places
-from .ladder import MIN_RUNGS, Ladder, Rung
+from .ladder import ENOUGH_STEPS, LEAST_RUNGS, MIN_RUNGS, Ladder, Rung
 from .ladder_judge import LadderJudge
 from .stock import STEP_BUDGET, StockRun, stock_timesteps
 
@@ -226,9 +226,11 @@ class ConvergenceStudy:
 
     @property
     def _is_decided(self) -> bool:
-        """Whether finer rungs would show nothing but errors and costs, and there are enough."""
-        decided = self.local is not None and self.local.converges
-        return decided and self.rows[-1].steps >= STEP_BUDGET
+        """Whether steps and pieces decide, and errors and costs are shown by rungs enough."""
+        if self.local is None or not self.local.converges:
+            return False
+        enough = ENOUGH_STEPS if len(self.rows) >= LEAST_RUNGS else STEP_BUDGET
+        return self.rows[-1].steps >= enough
 
     @property
     def last_row(self) -> Row | None:

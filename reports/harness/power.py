@@ -1,9 +1,13 @@
 """Finds effects that a scene cannot test: without them no signal would change."""
 
 from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
 
 from ...reference import IntegrationError, solve
 from ...scenarios import Errors, Scenario, errors_between
+from ...scenarios.effects import Effect
 from ...scenarios.scenario import with_tables
 
 
@@ -15,27 +19,32 @@ def powerless(scenario: Scenario) -> Iterator[str]:
     IntegrationError
         If the exact motion cannot be found.
     """
-    present = [effect.table for effect in scenario.acting if effect.constraint is None]
+    present = [effect for effect in scenario.acting if effect.constraint is None]
     if not present:
         return
     solution = solve(scenario, scenario.times)
     exact = solution.trajectory
-    for name in present:
+    for effect in present:
         try:
-            other = solve(_without(scenario, name), exact.t).trajectory
+            other = solve(_without(scenario, effect), exact.t).trajectory
         except IntegrationError:
             continue
         until = min(len(other.t), len(exact.t))
-        moved = errors_between(scenario, other.until(until), exact.until(until))
+        kept = exact.until(until)
+        # Parts that are not there do not turn.
+        without = replace(other.until(until), spins=np.zeros_like(kept.spins))
+        moved = errors_between(scenario, without, kept)
         if _is_nothing(moved, solution.uncertainty):
             yield (
-                f"{scenario.name}: cannot tell whether there is {name}: without it no signal "
-                f"changes by more than the reference's uncertainty"
+                f"{scenario.name}: cannot tell whether there is {effect.table}: without it no "
+                f"signal changes by more than the reference's uncertainty"
             )
 
 
-def _without(scenario: Scenario, name: str) -> Scenario:
-    return with_tables(scenario, effects=scenario.effects.model_copy(update={name: None}))
+def _without(scenario: Scenario, effect: Effect) -> Scenario:
+    if effect.is_part:
+        return with_tables(scenario, **{effect.table: None})
+    return with_tables(scenario, effects=scenario.effects.model_copy(update={effect.table: None}))
 
 
 def _is_nothing(moved: Errors, uncertainty: Errors) -> bool:

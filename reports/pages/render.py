@@ -19,6 +19,7 @@ from .overview.first_screen import answer
 from .overview.heat_map import FIRST_SIGNAL, heat_map
 from .overview.left_out_tables import effects_table, harm_in_words, passes_tables
 from .overview.protocol import constants
+from .overview.spread import spread
 from .overview.stock_table import stock_table
 from .page_data import PageData
 from .scene import scene_tables
@@ -111,11 +112,13 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
     plain = gathered.plain
     return {
         "answer": answer(gathered, results.effects),
+        "spread": spread(results),
         "heat": heat_map(gathered),
         "first_signal": FIRST_SIGNAL,
         "stock": stock_table(plain),
         "headline": overview.headline(gathered),
         "counts": overview.counts(plain),
+        "at_stock": overview.at_stock(plain),
         "matrix": overview.matrix(plain),
         "methods": overview.methods_table(plain),
         "costs": cost_section(plain),

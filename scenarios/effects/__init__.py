@@ -11,13 +11,26 @@ from .gravity import GravityTable
 from .pivot import EFFECT as PIVOT
 from .pivot import PivotTable
 from .push import push
+from .rotors import EFFECT as ROTORS
+from .rotors import Rotors, RotorTable, whole, without_free_axes
 from .torque import TORQUE_BODY, TORQUE_WORLD, TorqueTable
 
-__all__ = ["EFFECTS", "PUSHED", "Effect", "EffectTable", "Effects", "push"]
+__all__ = [
+    "EFFECTS",
+    "PUSHED",
+    "Effect",
+    "EffectTable",
+    "Effects",
+    "RotorTable",
+    "Rotors",
+    "push",
+    "whole",
+    "without_free_axes",
+]
 
 #: All of them by name, in the order in which they are listed everywhere.
 EFFECTS: dict[str, Effect] = {
-    effect.name: effect for effect in (GRAVITY, PIVOT, DRAG, TORQUE_BODY, TORQUE_WORLD)
+    effect.name: effect for effect in (GRAVITY, PIVOT, DRAG, TORQUE_BODY, TORQUE_WORLD, ROTORS)
 }
 #: Names of those that `push` includes.
 PUSHED = frozenset(name for name, effect in EFFECTS.items() if effect.is_pushed)

@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     from ..scenario import Scenario
 
 #: Where a quantity is written in a file, what it is, its size and its unit.
-Size = tuple[tuple[str, ...], str, mpf, str]
+Size = tuple[tuple[str | int, ...], str, mpf, str]
 #: Where a rate is written, what it is, and 1/s.
-Rate = tuple[tuple[str, ...], str, mpf]
+Rate = tuple[tuple[str | int, ...], str, mpf]
 
 
 class EffectTable(Table):
-    """Base of the tables in `[effects]`.
+    """Base of the tables in `[effects]`, and of those that add parts to the body.
 
     Attributes
     ----------
@@ -84,6 +84,7 @@ class Effect:
     ----------
     name : as engines claim it and results show it
     table, model : its table in `[effects]`, by name and format
+    is_part : whether it adds parts to the body, in an array of tables beside `[effects]`
     key : what that table must hold; empty if it need not hold anything
     constraint : how it holds the body, if it does: without it the scene would be another one
     is_pushed : whether it is a torque that `push` includes
@@ -97,6 +98,7 @@ class Effect:
     table: str
     model: type[EffectTable]
     key: str = ""
+    is_part: bool = False
     constraint: Callable[["Scenario"], Constraint] | None = None
     is_pushed: bool = False
     sizes: Callable[[Extent], Iterator[Size]] = _nothing
@@ -106,9 +108,16 @@ class Effect:
     decay: Callable[["Scenario"], float] = _no_rate
     potential: Callable[["Scenario", FloatArray], FloatArray] | None = None
 
-    def is_called_for(self, tables: Table) -> bool:
-        """Whether the tables of a scene's `[effects]` call for it."""
-        table = getattr(tables, self.table, None)
+    @property
+    def heading(self) -> str:
+        """What its table begins with in a scene."""
+        return f"[[{self.table}]]" if self.is_part else f"[effects.{self.table}]"
+
+    def is_called_for(self, document: Any) -> bool:
+        """Whether a scene's document calls for it."""
+        table = getattr(document if self.is_part else document.effects, self.table, None)
+        if not table and self.is_part:
+            return False
         return table is not None and (not self.key or getattr(table, self.key) is not None)
 
 

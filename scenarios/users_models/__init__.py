@@ -2,13 +2,16 @@
 
 from .errors import ModelFileError
 from .mjcf import unnamed
-from .model_file import Format, Link, ModelFile, Pose, Shape, Stated, fused, welded
+from .model_file import IDENTITY, Format, Link, ModelFile, Pose, Shape, Stated, fused, welded
 from .origin import check_origin
 from .problems import FileProblem, principal_moments, problems
 from .read import read_model
+from .rigid_bodies import WORLD, RigidBody, rigid_bodies
 from .scenes import LinkScene, link_scenes
 
 __all__ = [
+    "IDENTITY",
+    "WORLD",
     "FileProblem",
     "Format",
     "Link",
@@ -16,6 +19,7 @@ __all__ = [
     "ModelFile",
     "ModelFileError",
     "Pose",
+    "RigidBody",
     "Shape",
     "Stated",
     "check_origin",
@@ -24,6 +28,7 @@ __all__ = [
     "principal_moments",
     "problems",
     "read_model",
+    "rigid_bodies",
     "unnamed",
     "welded",
 ]

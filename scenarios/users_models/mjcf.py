@@ -178,17 +178,17 @@ class _Reader:
             element.refuse(f"more than {MAX_BODIES} bodies")
         name = element.attributes.get("name") or self._next_unnamed()
         inertial = element.only("inertial")
+        by_shapes = self._compiler.from_shapes or (inertial is None and _has_shapes(element))
         self.links.append(
             Link(
                 name=name,
                 where=element.where,
-                stated=None
-                if inertial is None or self._compiler.from_shapes
-                else _stated(inertial, self._compiler),
+                stated=None if inertial is None or by_shapes else _stated(inertial, self._compiler),
                 parent=parent,
                 pose=frame.then(_pose(element, self._compiler)),
                 moves=any(child.tag in ("joint", "freejoint") for child in element.children),
                 span=(element.start, element.end),
+                by_shapes=by_shapes,
             )
         )
         self.read(element, name, IDENTITY)
@@ -214,6 +214,13 @@ class _Reader:
     def _next_unnamed(self) -> str:
         self._unnamed += 1
         return unnamed(self._unnamed)
+
+
+def _has_shapes(element: Element) -> bool:
+    return any(
+        child.tag == "geom" or (child.tag in ("frame", "replicate") and _has_shapes(child))
+        for child in element.children
+    )
 
 
 def unnamed(number: int) -> str:

@@ -80,8 +80,10 @@ class Link:
     parent : the link that it hangs on; empty for a root
     pose : of its frame in its parent's
     moves : whether a joint lets it move against its parent
+    by_shapes : whether its inertia is that of its shapes, which is not computed here
     shapes : that it is drawn and collides with
     span : bytes of the file that its element takes up
+    joint : likewise of the URDF joint that it hangs on
     """
 
     name: str
@@ -92,6 +94,8 @@ class Link:
     moves: bool
     shapes: tuple[Shape, ...] = ()
     span: tuple[int, int] = (0, 0)
+    joint: tuple[int, int] = (0, 0)
+    by_shapes: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,7 +189,8 @@ def fused(parts: Iterable[tuple[Stated, Pose]]) -> Stated:
         moved = part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
         inertia += pose.R @ part.inertia @ pose.R.T + moved
         unturned += pose.R @ part.unturned @ pose.R.T + moved
-    return Stated(float(mass), com, inertia, unturned)
+    # Turned tensors are symmetric but for rounding.
+    return Stated(float(mass), com, (inertia + inertia.T) / 2, unturned)
 
 
 def welded(links: Sequence[Link], host: str, gone: frozenset[str]) -> list[tuple[Link, Pose]]:

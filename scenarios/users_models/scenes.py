@@ -1,4 +1,7 @@
-"""Scenes of a model's links: each tumbles on its own, with the numbers that its file states."""
+"""Scenes of a model's links: each tumbles on its own, with the numbers that its file states.
+
+Links that are welded together are one body and make one scene.
+"""
 
 import math
 import os
@@ -11,9 +14,10 @@ import numpy as np
 
 from ..errors import ScenarioError
 from ..write import to_toml
-from .model_file import Link, ModelFile, Stated
+from .model_file import ModelFile, Stated
 from .origin import digest
 from .problems import problems
+from .rigid_bodies import RigidBody, rigid_bodies
 
 #: rad/s along the principal axes, ascending moments: a turn a second about the middle axis, which
 #: no body keeps, and a little about the others.
@@ -28,19 +32,22 @@ class LinkScene:
 
     Attributes
     ----------
+    link : that others may be welded to
+    welded : the links with an inertia that are welded to it: parts of the same body
     name : of the scene: the link's, in characters that files may have
     text : of the file; empty if the link is left out
     left_out : why; empty if it is not
     """
 
     link: str
+    welded: tuple[str, ...]
     name: str
     text: str
     left_out: str
 
 
 def link_scenes(model: ModelFile, folder: Path) -> Iterator[LinkScene]:
-    """A scene of every link that has an inertia which a body can have.
+    """A scene of every link, with those welded to it, whose inertia a body can have.
 
     Parameters
     ----------
@@ -51,34 +58,43 @@ def link_scenes(model: ModelFile, folder: Path) -> Iterator[LinkScene]:
     taken: set[str] = set()
     sha256 = digest(model.path)
     file = _relative(model.folders.own / model.path.name, folder)
-    for link in model.links:
-        name = _scene_name(link.name, taken)
-        left_out, text = _left_out(link), ""
-        if link.stated is not None and not left_out:
-            text = to_toml(_tables(model, link, link.stated, file, sha256))
+    for body in rigid_bodies(model.links):
+        name, stated = _scene_name(body.host.name, taken), body.stated
+        left_out, text = _left_out(body, stated), ""
+        if stated is not None and not left_out:
+            text = to_toml(_tables(model, body, stated, file, sha256))
             try:
                 loads(text, name)
             except ScenarioError as error:
                 left_out, text = str(error), ""
-        yield LinkScene(link.name, name, text, left_out)
+        yield LinkScene(body.host.name, body.welded, name, text, left_out)
 
 
-def _left_out(link: Link) -> str:
-    if link.stated is None:
+def _left_out(body: RigidBody, stated: Stated | None) -> str:
+    if stated is None:
         return "the file states no inertia of it"
-    impossible = [problem.text for problem in problems(link) if problem.impossible]
+    impossible = [
+        f"{problem.text}{'' if link is body.host else f' (of {link.name}, welded to it)'}"
+        for link, _ in body.parts
+        for problem in problems(link)
+        if problem.impossible
+    ]
     if impossible:
         return "; ".join(impossible)
-    return "" if link.stated.is_physical else "it has no mass"
+    return body.unread or ("" if stated.is_physical else "it has no mass")
 
 
-def _tables(model: ModelFile, link: Link, stated: Stated, file: str, sha256: str) -> dict[str, Any]:
+def _tables(
+    model: ModelFile, body: RigidBody, stated: Stated, file: str, sha256: str
+) -> dict[str, Any]:
+    link, welded = body.host, body.welded
     axes = np.linalg.eigh(stated.inertia)[1]
     kind = "link" if model.format == "urdf" else "body"
+    others = f" with {', '.join(welded)}, welded to it" if welded else ""
     return {
         "spincheck": 1,
         "title": f"{link.name} of {model.path.name}: tumbles",
-        "source": f"{model.path.name}, {kind} '{link.name}'",
+        "source": f"{model.path.name}, {kind} '{link.name}'{others}",
         "tags": ["free", "imported"],
         "body": {
             "mass": stated.mass,
@@ -86,6 +102,7 @@ def _tables(model: ModelFile, link: Link, stated: Stated, file: str, sha256: str
             "com": stated.com.tolist(),
             "model": file,
             "link": link.name,
+            **({"welded": list(welded)} if welded else {}),
             "sha256": sha256,
         },
         "start": {"rotation_vector_deg": [0.0, 0.0, 0.0], "omega_body": (axes @ START).tolist()},

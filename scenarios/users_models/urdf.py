@@ -96,6 +96,7 @@ def _link(name: str, element: Element, joint: tuple[str, Element] | None) -> Lin
         moves=holder is not None and holder.attributes.get("type") != FIXED,
         shapes=_shapes(element),
         span=(element.start, element.end),
+        joint=(0, 0) if holder is None else (holder.start, holder.end),
     )
 
 

@@ -9,17 +9,24 @@ from ....scenarios import Scenario
 from ...engine import COMMON_EFFECTS, Engine, Method
 from ...models.mjcf import mjcf
 from ...session import Session
+from ..mujoco.engine import setup
 from ..mujoco.session import check_not_too_small
 from .script import left_in, script
 from .session import MJXSession
 
 #: Torques along the world's axes come out wrong on a free body: docs/measured/engines-more.md.
 EFFECTS = COMMON_EFFECTS - {"torque_world"}
+
+
+def _method(name: str, order: int, summary: str) -> Method:
+    return Method(name, order, order, summary, EFFECTS, setup=setup(name))
+
+
 CLEAN = (
-    Method("Euler", 1, 1, "semi-implicit Euler, joint damping implicit", EFFECTS),
-    Method("implicitfast", 1, 1, "implicit in velocity, without gyroscopic terms", EFFECTS),
+    _method("Euler", 1, "semi-implicit Euler, joint damping implicit"),
+    _method("implicitfast", 1, "implicit in velocity, without gyroscopic terms"),
     # It averages the stages' rotations, as MuJoCo did before 4.0.
-    Method("RK4", 2, 2, "Runge-Kutta of fourth order, but for rotations", EFFECTS),
+    _method("RK4", 2, "Runge-Kutta of fourth order, but for rotations"),
 )
 
 

@@ -16,7 +16,8 @@ from ....scenarios import FloatArray, Scenario
 
 #: Parts of a model that no scene calls for; those with non-zero values are reported.
 FOREIGN: dict[str, Callable[[Any], Any]] = {
-    "a second body": lambda m: m.nbody - 2,
+    # Bodies welded to the first are parts of it.
+    "a second body": lambda m: m.body_weldid[2:] != m.body_weldid[1],
     "a second joint": lambda m: m.njnt - 1,
     "collision geometry": lambda m: m.ngeom,
     "equality constraints": lambda m: m.neq,

@@ -26,6 +26,19 @@ KEPT = 16
 ANY_TIMESTEP = 1e-3
 
 
+def setup(integrator: str) -> str:
+    """An integrator in MJCF, and set on a model."""
+    return f"""\
+<option integrator="{integrator}" timestep="TIMESTEP"/>
+
+model.opt.integrator = mujoco.mjtIntegrator.mjINT_{integrator.upper()}
+model.opt.timestep = TIMESTEP"""
+
+
+def _method(name: str, order: int, summary: str) -> Method:
+    return Method(name, order, order, summary, COMMON_EFFECTS, setup=setup(name))
+
+
 @final
 class MuJoCo(Engine):
     """MuJoCo's rigid-body dynamics in reduced coordinates."""
@@ -36,23 +49,11 @@ class MuJoCo(Engine):
     # Orders: MuJoCo documentation, "Numerical integration" and changelog 4.0.0, item 5; measured
     # in docs/measured/engines-mujoco.md.
     methods = (
-        Method("Euler", 1, 1, "semi-implicit Euler, joint damping implicit", COMMON_EFFECTS),
-        Method(
-            "implicitfast",
-            1,
-            1,
-            "implicit in velocity; gyroscopic terms of free bodies only",
-            COMMON_EFFECTS,
-        ),
-        Method("implicit", 1, 1, "implicit in velocity, gyroscopic terms included", COMMON_EFFECTS),
-        Method("RK4", 4, 4, "Runge-Kutta of fourth order", COMMON_EFFECTS),
-        Method(
-            "discrete",
-            1,
-            1,
-            "implicit in velocity and position, one solve with the constraints",
-            COMMON_EFFECTS,
-        ),
+        _method("Euler", 1, "semi-implicit Euler, joint damping implicit"),
+        _method("implicitfast", 1, "implicit in velocity; gyroscopic terms of free bodies only"),
+        _method("implicit", 1, "implicit in velocity, gyroscopic terms included"),
+        _method("RK4", 4, "Runge-Kutta of fourth order"),
+        _method("discrete", 1, "implicit in velocity and position, one solve with the constraints"),
         Method(
             "default",
             1,

@@ -9,7 +9,7 @@ import mujoco
 from ....scenarios import Scenario
 from ...engine import Method, Release
 from ...models.mjcf import start_coordinates, switched_off
-from ...users_models import FileEngine, UsersLink, link_alone, users_link
+from ...users_models import FileEngine, UsersLink, body_alone, users_link
 from .audit import disable
 from .engine import KEPT, MuJoCo, release
 from .model_reader import name_bodies, spec_of_mjcf
@@ -34,6 +34,7 @@ class MuJoCoFile(FileEngine):
             4,
             "Runge-Kutta of fourth order, on the link as read from the user's own file",
             frozenset({"gravity"}),
+            reader=True,
         ),
     )
 
@@ -66,23 +67,30 @@ def _model(users: UsersLink) -> Any:
 
 def _of_urdf(users: UsersLink) -> Any:
     """The link's element verbatim without its shapes, which do not affect a stated inertia."""
-    text, _ = link_alone(users.model, users.link)
+    text, _ = body_alone(users.model, users.body)
     spec = mujoco.MjSpec.from_string(text.decode(errors="replace"))
     # By default the reader fuses a single link with the world.
     spec.compiler.fusestatic = False
-    return _freed(spec, spec.body(users.link.name))
+    return _freed(spec, spec.body(users.body.host.name))
 
 
 def _of_mjcf(users: UsersLink) -> Any:
-    """The body with its file's compiler settings and defaults, without its child bodies."""
+    """The body with its file's compiler settings and defaults, without children that move."""
     whole = spec_of_mjcf(users.model)
     name_bodies(whole)
     spec = mujoco.MjSpec()
-    body = spec.worldbody.add_frame().attach_body(whole.body(users.link.name), PREFIX, "")
+    # Versions from 4.0.0 on warn where options differ; none of the file's is part of the body.
+    for name in (name for name in dir(spec.option) if not name.startswith("_")):
+        setattr(whole.option, name, getattr(spec.option, name))
+    body = spec.worldbody.add_frame().attach_body(whole.body(users.body.host.name), PREFIX, "")
     for parts in (spec.sensors, spec.actuators, spec.tendons, spec.equalities, spec.keys):
         for part in list(parts):
             spec.delete(part)
-    for parts in (spec.joints, spec.geoms, spec.sites, spec.cameras, spec.lights, body.bodies):
+    kept = {f"{PREFIX}{link.name}" for link, _ in users.body.parts}
+    for inner in [one for one in spec.bodies if one.name.startswith(PREFIX)]:
+        if inner.name not in kept and inner.parent.name in kept:
+            spec.delete(inner)
+    for parts in (spec.joints, spec.geoms, spec.sites, spec.cameras, spec.lights):
         for part in list(parts):
             spec.delete(part)
     return _freed(spec, body)

@@ -11,13 +11,15 @@ from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import across, cross, matrices, matrix, turned
-from ...checks.read_back import BodyReading, EngineError, State, UnsupportedError
+from ...checks.read_back import BodyReading, EngineError, State, UnsupportedError, composed
 from ...fault import Fault
 from ...models.mjcf import switched_off
 from ...session import Session
 from . import clock
 from .audit import acting
 
+#: MuJoCo's number of the world, which every model begins with.
+WORLD = 0
 #: How many leading numbers of a free joint's qpos and qvel are the origin's position and velocity.
 TRANSLATION = 3
 #: What is read at a sample, as MuJoCo's flag: time, qpos and qvel.
@@ -34,7 +36,7 @@ Snapshot = bytes
 
 @final
 class MuJoCoSession(Session):
-    """One body on a ball joint at its origin, or free; the last body of the model.
+    """One body on a ball joint at its origin, or free, and what is welded to it.
 
     Parameters
     ----------
@@ -60,7 +62,7 @@ class MuJoCoSession(Session):
         # Reused for each snapshot: fetching MuJoCo's own arrays would double the time.
         self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
         self._read = self._reading[1:]
-        self._com_body = model.body_ipos[-1].copy()
+        self._com_body = body_of(model).com
         self._steps = 0
         self._warnings: list[str] = []
         self._clock = clock.SHIPPED if has_clock else None
@@ -185,12 +187,26 @@ def _rows(snapshots: Sequence[Snapshot]) -> FloatArray:
 
 
 def body_of(model: Any) -> BodyReading:
-    """The last body of a compiled model, its principal moments turned back into body axes."""
-    R_body_axes = _rotation(model.body_iquat[-1]).as_matrix()
+    """The body of a compiled model with those welded to it, in its own axes."""
+    if model.nbody == WORLD + 2:
+        return _body(model, -1)
+    parts = [_body(model, WORLD + 1)]
+    poses = {WORLD + 1: (np.zeros(3), np.eye(3))}
+    for body in range(WORLD + 2, model.nbody):
+        at, R = poses[model.body_parentid[body]]
+        at, R = at + R @ model.body_pos[body], R @ _rotation(model.body_quat[body]).as_matrix()
+        poses[body] = at, R
+        parts.append(_body(model, body).placed(at, R))
+    return composed(parts)
+
+
+def _body(model: Any, body: int) -> BodyReading:
+    """One body, its principal moments turned back into its axes."""
+    R_body_axes = _rotation(model.body_iquat[body]).as_matrix()
     return BodyReading(
-        mass=float(model.body_mass[-1]),
-        com=model.body_ipos[-1].copy(),
-        inertia_com=R_body_axes @ np.diag(model.body_inertia[-1]) @ R_body_axes.T,
+        mass=float(model.body_mass[body]),
+        com=model.body_ipos[body].copy(),
+        inertia_com=R_body_axes @ np.diag(model.body_inertia[body]) @ R_body_axes.T,
     )
 
 

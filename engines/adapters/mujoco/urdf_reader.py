@@ -41,6 +41,7 @@ class MuJoCoURDF(Engine):
             4,
             "Runge-Kutta of fourth order, on the body as read from URDF",
             frozenset({"gravity", "pivot"}),
+            reader=True,
         ),
     )
 

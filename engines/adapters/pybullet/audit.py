@@ -68,6 +68,8 @@ def _holds(model: Model) -> set[str]:
     acting = set()
     for joint in range(p.getNumJoints(model.body, model.client)):
         kind = p.getJointInfo(model.body, joint, model.client)[2]
+        if kind == p.JOINT_FIXED:
+            continue  # of a part of the body
         acting.add("pivot" if kind == p.JOINT_SPHERICAL else f"a joint of type {kind}")
     for index in range(p.getNumConstraints(model.client)):
         constraint = p.getConstraintUniqueId(index, model.client)

@@ -23,7 +23,7 @@ with native_output():
     from .as_shipped import DEFAULT_DAMPING
     from .load import DEFAULTS, INERTIA, JOINT_MOTOR, BodyRepresentation, left_out
     from .pivot_limit import check_borne
-    from .script import script
+    from .script import script, setup
     from .session import PyBulletSession
 
 #: rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h, for every kind of body.
@@ -55,6 +55,7 @@ class PyBullet(Engine):
             "joint coordinates, a pivot as a spherical joint",
             COMMON_EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
+            setup=setup(REPRESENTATIONS["multibody"]),
         ),
         Method(
             "multibody-p2p",
@@ -64,6 +65,7 @@ class PyBullet(Engine):
             COMMON_EFFECTS,
             requires=frozenset({"pivot"}),
             max_rotation_per_step=MOST_ROTATION_A_STEP,
+            setup=setup(REPRESENTATIONS["multibody-p2p"]),
         ),
         Method(
             "maximal",
@@ -72,6 +74,7 @@ class PyBullet(Engine):
             "six coordinates a body, gyroscopic term implicit, the pivot as a constraint",
             COMMON_EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
+            setup=setup(REPRESENTATIONS["maximal"]),
         ),
         Method(
             "default",

@@ -4,7 +4,7 @@ from typing import ClassVar, final
 
 from ....scenarios import Scenario
 from ...engine import Method, Release
-from ...users_models import FileEngine, link_alone, users_link
+from ...users_models import FileEngine, body_alone, users_link
 from .engine import MOST_ROTATION_A_STEP, PyBullet, installed_version, release
 from .load import DEFAULTS, INERTIA, BodyRepresentation, OwnURDF
 from .model_reader import DEFAULT, FROM_FILE, MADE_UP, takes_mesh
@@ -30,6 +30,7 @@ class PyBulletFile(FileEngine):
             "the link as read from the user's own URDF, with URDF_USE_INERTIA_FROM_FILE",
             frozenset({"gravity"}),
             max_rotation_per_step=MOST_ROTATION_A_STEP,
+            reader=True,
         ),
         Method(
             DEFAULT,
@@ -53,7 +54,7 @@ class PyBulletFile(FileEngine):
         left = LEFT[method.name]
         # Shapes are needed only if PyBullet makes up tensors from them.
         shapes = takes_mesh if INERTIA in left else None
-        text, meshes = link_alone(users.model, users.link, shapes)
+        text, meshes = body_alone(users.model, users.body, shapes)
         own = OwnURDF(text, tuple(meshes.items()))
         representation = BodyRepresentation(maximal=False, hung=False, defaults=left, own=own)
         return PyBulletSession(scenario, representation, timestep)

@@ -272,7 +272,7 @@ def _tie_to_world(model: Model, representation: BodyRepresentation) -> None:
         BASE,
         p.JOINT_POINT2POINT,
         jointAxis=(0, 0, 0),
-        parentFramePosition=model.body_from_principal.inv().apply(-model.com),
+        parentFramePosition=model.body_from_principal.inv().apply(-model.link_com),
         childFramePosition=(0, 0, 0),
         physicsClientId=model.client,
     )

@@ -33,6 +33,14 @@ with tempfile.TemporaryDirectory() as folder:
         path, {position}, {attitude}, useMaximalCoordinates={maximal}, flags={flags}
     )
 """
+NO_DAMPING = "p.changeDynamics(body, -1, linearDamping=0, angularDamping=0)"
+NO_CLAMP = "p.changeDynamics(body, -1, maxJointVelocity=1e100)"
+NO_MOTOR = (
+    "p.setJointMotorControlMultiDof(body, 0, p.POSITION_CONTROL, "
+    "targetPosition=[0, 0, 0, 1], positionGain=0, velocityGain=0, force=[0, 0, 0])"
+)
+EXACT_SOLVER = "p.setPhysicsEngineParameter(constraintSolverType=p.CONSTRAINT_SOLVER_LCP_DANTZIG)"
+STRONG_TIE = "p.changeConstraint(tie, maxForce=1e100)"
 _STEPS = """
 
 def motion():
@@ -54,6 +62,18 @@ def state():
     q = product(np.array([w, x, y, z]), conjugate(np.array(Q_BODY_PRINCIPAL)))
     return q, turned(conjugate(q), np.array(omega_world))
 """
+
+
+def setup(representation: BodyRepresentation) -> str:
+    """What users write who load a URDF of their own, its pivot a joint or a constraint."""
+    maximal = ", useMaximalCoordinates=True" if representation.maximal else ""
+    pivot = (
+        ["# on a spherical joint:", NO_MOTOR]
+        if representation.hung and not representation.maximal
+        else ["# tied to a point:", EXACT_SOLVER, STRONG_TIE]
+    )
+    load = f'body = p.loadURDF("body.urdf", flags=p.URDF_USE_INERTIA_FROM_FILE{maximal})'
+    return "\n".join(["p.setTimeStep(TIMESTEP)", load, NO_DAMPING, NO_CLAMP, *pivot])
 
 
 def script(scenario: Scenario, representation: BodyRepresentation, timestep: float) -> str:  # noqa: ARG001
@@ -91,15 +111,12 @@ def _settings(
     world_from_body = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
     omega_body = np.array(scenario.start.omega_body)
     if DAMPING not in representation.defaults:
-        yield "p.changeDynamics(body, -1, linearDamping=0, angularDamping=0)"
+        yield NO_DAMPING
     if CLAMP not in representation.defaults:
-        yield "p.changeDynamics(body, -1, maxJointVelocity=1e100)"
+        yield NO_CLAMP
     if hung:
         if JOINT_MOTOR not in representation.defaults:
-            yield (
-                "p.setJointMotorControlMultiDof(body, 0, p.POSITION_CONTROL, "
-                "targetPosition=[0, 0, 0, 1], positionGain=0, velocityGain=0, force=[0, 0, 0])"
-            )
+            yield NO_MOTOR
         if scenario.drag:
             yield f"p.changeDynamics(body, 0, jointDamping={scenario.drag!r})"
         q_joint = (principal.inv() * world_from_body * principal).as_quat()
@@ -108,7 +125,7 @@ def _settings(
         return
     velocity = scenario.start.velocity_world
     if scenario.constraint.is_pivot:
-        yield "p.setPhysicsEngineParameter(constraintSolverType=p.CONSTRAINT_SOLVER_LCP_DANTZIG)"
+        yield EXACT_SOLVER
         anchor = "-1"
         if representation.maximal:
             yield "anchor = p.createMultiBody(baseMass=0, useMaximalCoordinates=True)"
@@ -118,7 +135,7 @@ def _settings(
             f"tie = p.createConstraint(body, -1, {anchor}, -1, p.JOINT_POINT2POINT, "
             f"[0, 0, 0], {pivot}, [0, 0, 0])"
         )
-        yield "p.changeConstraint(tie, maxForce=1e100)"
+        yield STRONG_TIE
         velocity = world_from_body.apply(np.cross(omega_body, scenario.body.com))
     omega_world = world_from_body.apply(omega_body)
     yield f"p.resetBaseVelocity(body, {python_list(velocity)}, {python_list(omega_world)})"

@@ -19,9 +19,10 @@ from ...harness.choice import Choice
 from ...harness.executors import TIME_LIMIT, LocalWorkers
 from ...harness.plan import plan
 from ...harness.study import run_study
+from ...pages.analysis.best_choice import BOUNDS, steady
 from ...pages.analysis.candidates import Candidate, ErrorBounds, candidates
-from ...pages.analysis.report_data import report_data
-from ...pages.analysis.timesteps import ATTITUDE_WITHIN, OMEGA_WITHIN
+from ...pages.analysis.report_data import SceneRuns, report_data
+from ...pages.analysis.wording import rounded_down
 from ...results.records import Key, Row
 from ...results.store import Results, open_store
 from ..choosing import choose
@@ -34,8 +35,6 @@ from .error_bounds import option
 
 #: Checks before it is given up.
 CHECKS = 4
-#: The bounds where none is given: those of a report.
-REPORTS_OWN: ErrorBounds = {"attitude": ATTITUDE_WITHIN, "omega": OMEGA_WITHIN}
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +46,9 @@ class Recommendation:
     candidates : every method, the cheapest first, those that cannot reach the bounds last
     checks : runs at exactly a recommended timestep; the last one is of the first candidate
     unchecked : why the choice was not checked; empty if it was
-    command : runs the first candidate again; empty where no method reaches the bounds
+    setup : what to type into the engine of the first candidate; empty if that is not known
+    command : runs the first candidate again; empty where nothing is recommended
+    nothing : why nothing is recommended; empty if something is
     source : the result file used; empty if the scene was run now
     """
 
@@ -56,14 +57,24 @@ class Recommendation:
     candidates: tuple[Candidate, ...]
     checks: tuple[Row, ...]
     unchecked: str = ""
+    setup: str = ""
     command: str = ""
+    nothing: str = ""
     source: str = ""
 
     @property
     def best(self) -> Candidate | None:
-        """The cheapest; None where no method reaches the bounds."""
-        first = self.candidates[0]
-        return first if first.timestep is not None else None
+        """The cheapest; None where nothing is recommended."""
+        return None if self.nothing else self.candidates[0]
+
+    @property
+    def of_other_engines(self) -> list[Candidate]:
+        """The cheapest of each engine but the recommended one, of those that reach the bounds."""
+        first: dict[str, Candidate] = {}
+        for candidate in self.candidates if self.best else ():
+            if candidate.timestep is not None:
+                first.setdefault(candidate.key.engine, candidate)
+        return list(first.values())[1:]
 
     @property
     def verified(self) -> bool:
@@ -86,7 +97,7 @@ def recommend(
         If a bound is not positive, the scene, the file or an engine cannot be
         used, or nothing could be run.
     """
-    bounds = bounds or REPORTS_OWN
+    bounds = bounds or BOUNDS
     _check_bounds(bounds)
     methods = _methods(engine_names)
     check_temporary_folder()
@@ -120,12 +131,15 @@ def _check_bounds(bounds: ErrorBounds) -> None:
 
 
 def _methods(engine_names: Sequence[str]) -> list[str]:
-    """Names of the methods of the engines named, or of all by default, except those as shipped."""
+    """Names of the methods of the engines named, or of all by default, that are recommendable."""
     chosen = choose(engine_names, [], []).engines
-    offered = [method.name for e in chosen for method in e.methods if not method.as_shipped]
+    offered = [method.name for e in chosen for method in e.methods if method.is_recommendable]
     if not offered:
-        names = ", ".join(engine_names)
-        raise Complaint(f"{names}: has no method but as shipped, which is not recommended", NOT_RUN)
+        raise Complaint(
+            f"{', '.join(engine_names)}: has no method that is recommended: those as shipped are "
+            "not, nor other readers of an engine's models, such as mujoco-urdf",
+            NOT_RUN,
+        )
     return list(dict.fromkeys(offered))
 
 
@@ -160,18 +174,39 @@ def _checked(scene: str, bounds: ErrorBounds, results: Results, folder: Path) ->
     checks: list[Row] = []
     while True:
         (tried,) = report_data(results).scenes
-        ranked = tuple(candidates(tried, bounds))
+        ranked = tuple(map(_as_typed, candidates(tried, bounds)))
         best = ranked[0]
-        if best.timestep is None or tried.solved is None:
-            return Recommendation(tried.name, bounds, ranked, tuple(checks))
+        nothing = steady(tried.solved, bounds) if tried.solved else "it could not be solved"
+        if best.timestep is None:
+            nothing = nothing or "no method reaches the bounds"
+        if nothing or best.timestep is None or tried.solved is None:
+            return Recommendation(tried.name, bounds, ranked, tuple(checks), nothing=nothing)
         unchecked = _too_long(best, float(tried.solved.solution.trajectory.t[-1]))
         if not unchecked:
             out = folder / f"check-{len(checks)}.sqlite"
             checks.append(_run_again(tried.solved.scenario, best.key, best.timestep, out))
         if unchecked or within(checks[-1], bounds) or len(checks) == CHECKS:
-            command = _command(scene, best)
-            return Recommendation(tried.name, bounds, ranked, tuple(checks), unchecked, command)
+            setup, command = _setup(tried, best), _command(scene, best)
+            named = (tried.name, bounds, ranked, tuple(checks), unchecked, setup, command)
+            return Recommendation(*named)
         results = _with_run(results, checks[-1])
+
+
+def _as_typed(candidate: Candidate) -> Candidate:
+    """The candidate with a timestep of two digits, which is no longer, and its cost."""
+    if candidate.timestep is None or candidate.cost is None:
+        return candidate
+    timestep = rounded_down(candidate.timestep)
+    cost = candidate.cost * candidate.timestep / timestep
+    return replace(candidate, timestep=timestep, cost=cost)
+
+
+def _setup(scene: SceneRuns, best: Candidate) -> str:
+    assert best.timestep is not None, "only what reaches the bounds is recommended"
+    runs = next(
+        r for r in scene.methods if (r.engine, r.method) == (best.key.engine, best.key.method)
+    )
+    return runs.setup(best.timestep)
 
 
 def _too_long(best: Candidate, duration: float) -> str:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import asdict
+from textwrap import indent
 from typing import Any
 
 from ....scenarios import SIGNAL
@@ -19,6 +20,7 @@ def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
         "bounds": dict(recommendation.bounds),
         "recommended": methods[0] if recommendation.best else None,
         "verified": recommendation.verified,
+        "nothing": recommendation.nothing,
         "unchecked": recommendation.unchecked,
         "checks": [
             asdict(row.key)
@@ -26,6 +28,7 @@ def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
             | (asdict(row.errors) if row.errors else {})
             for row in recommendation.checks
         ],
+        "setup": recommendation.setup,
         "command": recommendation.command,
         "source": recommendation.source or None,
         "methods": methods,
@@ -49,20 +52,28 @@ def print_recommendation(recommendation: Recommendation) -> None:
             print(f"{candidate.label}: {candidate.word}: {candidate.reason}")
     best = recommendation.best
     if best is None:
-        print("No method reaches it.")
+        print(f"Nothing is recommended: {recommendation.nothing}.")
         return
-    print(
-        f"Cheapest: {best.label} with a timestep of {best.timestep!r} s, "
-        f"{best.cost:.3g} CPU seconds a simulated second."
-    )
+    print(f"Cheapest: {_priced(best)}.")
     if alike := as_cheap(recommendation.candidates):
         labels = ", ".join(candidate.label for candidate in alike)
         print(f"As cheap, within the spread of the timings: {labels}.")
+    if others := recommendation.of_other_engines:
+        print(f"Cheapest of other engines: {'; '.join(map(_priced, others))}.")
     for row in recommendation.checks:
         print(_check_line(row, recommendation.bounds))
     if recommendation.unchecked:
         print(f"Not checked: {recommendation.unchecked}.")
+    if recommendation.setup:
+        print(f"In {best.key.engine}:\n{indent(recommendation.setup, '  ')}")
     print(f"To check it again:\n  {recommendation.command}")
+
+
+def _priced(candidate: Candidate) -> str:
+    return (
+        f"{candidate.label} with a timestep of {candidate.timestep!r} s, "
+        f"{candidate.cost:.3g} CPU seconds a simulated second"
+    )
 
 
 def _method(candidate: Candidate) -> dict[str, Any]:

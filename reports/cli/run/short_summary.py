@@ -7,14 +7,9 @@ from collections.abc import Iterator, Sequence
 from statistics import median_high
 
 from ....scenarios import SIGNALS, Signal
+from ...pages.analysis.best_choice import BOUNDS, best_choice, within_in_words
 from ...pages.analysis.report_data import MethodRuns, ReportData, report_data
-from ...pages.analysis.timesteps import (
-    as_shipped,
-    attitudes_at,
-    best_choice,
-    leading,
-    stock_timesteps,
-)
+from ...pages.analysis.timesteps import as_shipped, attitudes_at, leading, stock_timesteps
 from ...pages.analysis.wording import duration, plural
 from ...results.records import Row, Verdict
 from ...results.store import Results
@@ -104,19 +99,19 @@ def _at_stock(report: ReportData) -> Iterator[str]:
 
 def _best(report: ReportData) -> Iterator[str]:
     """The cheapest accurate run of each of few scenes; the methods most often best on many."""
-    choices = {scene.name: best_choice(scene) for scene in report.scenes if scene.solved}
+    choices = {scene.name: best_choice(scene) for scene in report.scenes}
     best = {name: choice for name, choice in choices.items() if choice is not None}
     if not best:
         return
     if len(best) > SCENES_PRINTED:
         methods = Counter(_named(choice.runs) for choice in best.values())
         often = ", ".join(f"{name} on {count}" for name, count in methods.most_common(3))
-        yield from textwrap.wrap(f"Best choice (within 0.1° and 1e-3 in ω): {often}.", WIDTH)
+        yield from textwrap.wrap(f"Best choice ({within_in_words(BOUNDS)}): {often}.", WIDTH)
         return
     for name, choice in best.items():
         assert choice.row.errors is not None, "only a run with errors is chosen"
         price = f", {choice.cost:.1e} CPU s per simulated s" if choice.cost else ""
-        method = f"{_named(choice.runs)} at {duration(choice.row.timestep)}"
+        method = f"{_named(choice.runs)} at {duration(choice.timestep)}"
         yield f"Best for {name}: {method}"
         yield f"    {_degrees(choice.row.errors.attitude)} off{price}"
 

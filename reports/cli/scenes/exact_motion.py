@@ -48,6 +48,8 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
         "L_world": angular_momentum_world(scenario, motion),
         "energy": energy(scenario, motion),
     }
+    if scenario.rotors:
+        columns["rotors_spin"] = motion.spins
     return {
         "scenario": scenario.name,
         "method": solution.method,

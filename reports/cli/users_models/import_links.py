@@ -1,4 +1,4 @@
-"""The command 'import': a model's links as scenes, and what was left out of it."""
+"""The command 'import': scenes of a model's links, welded ones as one, and what was left out."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -6,6 +6,7 @@ from pathlib import Path
 from ....scenarios import printable
 from ....scenarios.regular_files import write_new
 from ....scenarios.users_models import LinkScene, ModelFileError, link_scenes, read_model
+from ...harness.users_models import listed
 from ..terminal import BAD_INPUT, Complaint
 
 
@@ -23,15 +24,18 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
         file exists already.
     """
     try:
-        scenes = list(link_scenes(read_model(file), out.absolute()))
+        model = read_model(file)
+        scenes = list(link_scenes(model, out.absolute()))
     except ModelFileError as error:
         raise Complaint(str(error), BAD_INPUT) from None
-    there = {scene.link for scene in scenes}
+    there = {link.name for link in model.links}
     if unknown := [link for link in links if link not in there]:
         raise Complaint(f"{file}: there is no link '{unknown[0]}'", BAD_INPUT)
-    wanted = [scene for scene in scenes if not links or scene.link in links]
+    wanted = [s for s in scenes if not links or {s.link, *s.welded}.intersection(links)]
     if not any(scene.text for scene in wanted):
-        why = f"'{wanted[0].link}' is left out: {wanted[0].left_out}"
+        why = f"'{links[0]}' is welded to another and has no inertia of its own" if links else ""
+        if wanted:
+            why = f"'{wanted[0].link}' is left out: {wanted[0].left_out}"
         raise Complaint(f"{file}: no link makes a scene; {why}", BAD_INPUT)
     paths = {out / f"{scene.name}.toml": scene for scene in wanted if scene.text}
     if there_already := [path for path in paths if path.exists()]:
@@ -47,7 +51,13 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
     except OSError as error:
         where = error.filename or out
         raise Complaint(f"{where}: cannot be written: {error.strerror}", BAD_INPUT) from None
-    return [printable(line) for line in (*map(str, paths), *_left_out(wanted))]
+    said = (*(_path_line(path, scene) for path, scene in paths.items()), *_left_out(wanted))
+    return [printable(line) for line in said]
+
+
+def _path_line(path: Path, scene: LinkScene) -> str:
+    others = listed(scene.welded)
+    return f"{path}: {scene.link} with {others}, welded to it: one body" if others else str(path)
 
 
 def _left_out(scenes: Sequence[LinkScene]) -> Iterator[str]:

@@ -13,6 +13,7 @@ from ...harness.users_models import (
     InspectedLink,
     Inspection,
     cell_text,
+    composed_bodies,
     differences,
     inspect_model,
     problems_of,
@@ -102,6 +103,9 @@ def print_inspection(inspection: Inspection) -> None:
     _print_list("Bodies that engines hold differently, the worst first:", differences(inspection))
     _print_list("Impossible in the file:", problems_of(inspection, impossible=True))
     _print_list("Doubtful in the file:", problems_of(inspection, impossible=False))
+    _print_list(
+        "Welded together, each one body and one scene of 'import':", composed_bodies(inspection)
+    )
     _print_list("What to do:", remedies(inspection))
     _print_list("Besides:", model.notes)
     if inspection.is_well:

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from ....scenarios.users_models import Stated, principal_moments
 from .records import InspectedLink, Inspection, LinkReading
 
 #: Links that a line names.
@@ -93,6 +94,20 @@ def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
         if problem.impossible == impossible
     ]
     return _grouped(("", problem.text, _place(link)) for problem, link in linked_problems)
+
+
+def composed_bodies(inspection: Inspection) -> list[Finding]:
+    """The bodies of several links, with mass and moments of the whole."""
+    return [
+        Finding("", (body.host.name, *body.welded), body.unread or _whole(stated))
+        for body in inspection.composed
+        if (stated := body.stated) is not None
+    ]
+
+
+def _whole(stated: Stated) -> str:
+    moments = ", ".join(f"{moment:.4g}" for moment in principal_moments(stated.inertia))
+    return f"{stated.mass:.4g} kg, principal moments {moments} kg m²"
 
 
 def worst_links(inspection: Inspection) -> list[InspectedLink]:

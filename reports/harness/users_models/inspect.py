@@ -16,15 +16,23 @@ from ....engines.users_models import (
 )
 from ....engines.versions import VersionError, versioned
 from ....scenarios import did_you_mean
-from ....scenarios.users_models import FileProblem, Link, ModelFile, Pose, fused, problems, welded
+from ....scenarios.users_models import (
+    WORLD,
+    FileProblem,
+    Link,
+    ModelFile,
+    Pose,
+    fused,
+    problems,
+    rigid_bodies,
+    welded,
+)
 from ..executors import CallFailed, Executor
 from .motion_apart import attitude_apart_deg
 from .records import InspectedLink, Inspection, LinkReading
 
 #: CPU s for one engine to read one file, meshes included; the largest take a few.
 READ_LIMIT = 60.0
-#: Names of URDF links that engines take for the world itself.
-WORLD = "world"
 
 Bodies = dict[str, BodyReading]
 
@@ -113,7 +121,8 @@ def inspect_model(
         for link, one in _compared(model, answer.value, who, setting, faults):
             readings[link.name].append(one)
     links = [InspectedLink(li, faults[li.name], tuple(readings[li.name])) for li in model.links]
-    return Inspection(model, tuple(links), refusals)
+    composed = tuple(body for body in rigid_bodies(model.links) if body.welded)
+    return Inspection(model, tuple(links), refusals, composed)
 
 
 def read_held(engine: str, model: ModelFile, configuration: str) -> Bodies | str:

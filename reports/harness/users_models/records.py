@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from ....engines.checks.read_back import BodyReading
 from ....engines.users_models import BodyDifference, Kind
-from ....scenarios.users_models import FileProblem, Link, ModelFile, Stated
+from ....scenarios.users_models import FileProblem, Link, ModelFile, RigidBody, Stated
 
 #: s after which two motions are compared.
 TIMES = (1.0, 3.0)
@@ -61,11 +61,13 @@ class Inspection:
     Attributes
     ----------
     refusals : why an engine holds nothing of the file, by engine and configuration
+    composed : bodies of several links, which move as one
     """
 
     model: ModelFile
     links: tuple[InspectedLink, ...]
     refusals: dict[tuple[str, str], str]
+    composed: tuple[RigidBody, ...] = ()
 
     @property
     def is_well(self) -> bool:

@@ -44,9 +44,10 @@ class Candidate:
 def candidates(scene: SceneRuns, bounds: ErrorBounds) -> list[Candidate]:
     """Timestep and cost of each method for staying within all bounds, the cheapest first.
 
-    Engines as shipped are left out, since they may simulate something else than the scene.
+    Engines as shipped are left out, since they may simulate something else than the scene, and so
+    are other readers of models.
     """
-    offered = [runs for runs in scene.methods if not (runs.declared and runs.declared.as_shipped)]
+    offered = [runs for runs in scene.methods if runs.is_recommendable]
     offers = [_candidate(scene, runs, bounds) for runs in offered]
     return sorted(offers, key=lambda candidate: candidate.cost or math.inf)
 

@@ -14,6 +14,7 @@ from ...results.default_records import DefaultEffects
 from ...results.records import Pair, Row, Verdict
 from ...results.store import Results, SceneResult
 from .trace_style import TraceStyle, trace_styles
+from .wording import typed
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +39,15 @@ class MethodRuns:
     def label(self) -> str:
         """As users type it."""
         return f"{self.engine} {self.method}"
+
+    def setup(self, timestep: float) -> str:
+        """What users write to have it at a timestep, s; empty if its adapter does not say."""
+        return self.declared.setup.replace("TIMESTEP", typed(timestep)) if self.declared else ""
+
+    @property
+    def is_recommendable(self) -> bool:
+        """Whether users may be recommended it; older files do not have what was declared."""
+        return self.declared is None or self.declared.is_recommendable
 
     @cached_property
     def sampled(self) -> tuple[Row, ...]:

@@ -1,36 +1,16 @@
-"""A method's runs at the timesteps that people use, and the best run there is of a scene."""
+"""A method's runs at the timesteps that people use."""
 
 import math
-from dataclasses import dataclass
 from statistics import median_high
 from typing import Literal
 
 from ...harness.stock import COMMON_TIMESTEP
 from ...results.records import Pair, Row
-from .report_data import MethodRuns, ReportData, SceneRuns
-from .work_precision import cost
+from .report_data import MethodRuns, ReportData
 
 #: The engine's own stock timestep, the one that all engines share, and the finest that ended well.
 At = Literal["stock", "common", "finest"]
 AT: tuple[At, ...] = ("stock", "common", "finest")
-#: Bounds of a best choice: attitude in rad; ω, relative to its largest.
-ATTITUDE_WITHIN, OMEGA_WITHIN = math.radians(0.1), 1e-3
-
-
-@dataclass(frozen=True, eq=False)
-class BestChoice:
-    """The cheapest run of a scene that is accurate enough.
-
-    Attributes
-    ----------
-    cost : CPU seconds a simulated second; None where nothing was timed
-    within : whether it is accurate enough; if not, it is the most accurate run
-    """
-
-    runs: MethodRuns
-    row: Row
-    cost: float | None
-    within: bool
 
 
 def stock_timesteps(gathered: ReportData) -> dict[str, float]:
@@ -93,37 +73,3 @@ def leading(gathered: ReportData) -> list[Pair]:
     for pair in sorted(middles, key=lambda one: middles[one]):
         best.setdefault(pair[0], pair)
     return [*first.values(), *best.values()]
-
-
-def best_choice(scene: SceneRuns) -> BestChoice | None:
-    """The cheapest run within `ATTITUDE_WITHIN` and `OMEGA_WITHIN`, of methods that converge.
-
-    If there is none, the most accurate run; None if no method converges. Engines as shipped are
-    left out; so are untimed runs if any run was timed.
-    """
-    tried = [
-        BestChoice(runs, row, cost(row), _within(scene, row))
-        for runs in scene.methods
-        if runs.verdict and runs.verdict.verdict == "converges" and not runs.verdict.as_shipped
-        for row in runs.rows
-        if row.survived and row.errors
-    ]
-    tried = [one for one in tried if one.cost is not None] or tried
-    accurate = [one for one in tried if one.within]
-    if accurate:
-        return min(accurate, key=lambda one: (one.cost or 0.0, -one.row.timestep))
-    return min(tried, key=lambda one: _attitude(one.row), default=None)
-
-
-def _within(scene: SceneRuns, row: Row) -> bool:
-    assert row.errors is not None, "only a run with errors is chosen"
-    limits = scene.uncertainty(row)
-    return (
-        max(row.errors.attitude, limits.attitude) <= ATTITUDE_WITHIN
-        and max(row.errors.omega, limits.omega) <= OMEGA_WITHIN
-    )
-
-
-def _attitude(row: Row) -> float:
-    assert row.errors is not None, "only a run with errors is chosen"
-    return row.errors.attitude

@@ -44,13 +44,15 @@ class TraceStyle:
 def trace_styles(pairs: Iterable[tuple[str, str]]) -> dict[tuple[str, str], TraceStyle]:
     """A style for every (engine, method); one method's name has one colour in every engine.
 
-    Dash and marker together are of one pair alone, up to as many as there are of both.
+    Defaults have little in common but the name: each has a colour of its own. Dash and marker
+    together are of one pair alone, up to as many as there are of both.
     """
     pairs = list(pairs)
-    methods = list(dict.fromkeys(method for _, method in pairs))
+    named = {pair: pair if pair[1].startswith("default") else pair[1] for pair in pairs}
+    colours = list(dict.fromkeys(named.values()))
     return {
         pair: TraceStyle(
-            COLOURS[methods.index(pair[1]) % len(COLOURS)],
+            COLOURS[colours.index(named[pair]) % len(COLOURS)],
             DASHES[(rank + rank // len(SYMBOLS)) % len(DASHES)],
             SYMBOLS[rank % len(SYMBOLS)],
         )

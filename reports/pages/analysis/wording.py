@@ -1,6 +1,7 @@
 """Formats numbers for the report: three significant digits, powers of ten, limited errors."""
 
 import math
+from decimal import ROUND_DOWN, Decimal
 
 from ....scenarios import SIGNALS, Errors
 
@@ -9,6 +10,8 @@ NOTHING = "—"
 #: Numbers from 0.01 up to 1000 are printed without a power of ten.
 PLAIN_POWERS = range(-2, 3)
 SIGNIFICANT_DIGITS, COMPARED_DIGITS, READABLE_DIGITS = 3, 5, 2
+#: Significant digits of a recommended timestep.
+TYPED_DIGITS = 2
 
 #: Common step rates, 1/s: their timesteps are printed as fractions, such as 1/240 s.
 RATES = range(30, 1000, 30)
@@ -59,6 +62,19 @@ def duration(seconds: float) -> str:
     return f"{shown.rstrip('0').rstrip('.') if '.' in shown else shown} {unit}"
 
 
+def rounded_down(seconds: float) -> float:
+    """A timestep of two significant digits, as people type it, never a longer one."""
+    exact = Decimal(repr(seconds))
+    digit = Decimal((0, (1,), exact.adjusted() - TYPED_DIGITS + 1))
+    return float(exact.quantize(digit, ROUND_DOWN))
+
+
+def typed(seconds: float) -> str:
+    """A timestep as people write it in a program: 0.002, 1/240."""
+    shown = duration(seconds)
+    return shown.removesuffix(" s") if shown.startswith("1/") else repr(seconds)
+
+
 def observed(value: float) -> str:
     """Five significant digits, for values that are compared with each other."""
     return number(value, COMPARED_DIGITS)
@@ -77,10 +93,13 @@ def limited(error: float | None, uncertainty: float) -> str:
 
 
 def limited_errors(errors: Errors | None, uncertainty: Errors) -> tuple[str, ...]:
-    """The errors of a run, in the order of `SIGNALS`."""
+    """The errors of a run, in the order of `SIGNALS`, angles in degrees."""
     if errors is None:
         return (NOTHING,) * len(SIGNALS)
-    return tuple(limited(error, uncertainty[name]) for name, error in errors)
+    return tuple(
+        limited(errors[signal.name] * signal.shown, uncertainty[signal.name] * signal.shown)
+        for signal in SIGNALS
+    )
 
 
 def order(value: float | None) -> str:

@@ -27,7 +27,7 @@ class DrawnBody:
     half_sides : m, along its principal axes, (3,); a solid of the body's mass and moments
     R_body_axes : principal axes about the com to body axes, (3, 3)
     axis_body : unit vector of the axis whose path is drawn, (3,)
-    up_world : the direction that the axis' tilt θ is measured from, unit, (3,)
+    up_world : the direction that the axis' tilt β is measured from, unit, (3,)
     up_means : that direction in words
     """
 

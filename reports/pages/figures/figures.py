@@ -54,7 +54,7 @@ def _signals(scene: SceneRuns) -> Iterator[Titled]:
     up = drawn_body(scene.solved).up_means
     yield Titled(
         "tilt",
-        "θ(t), and where it goes wrong",
+        "β(t), and where it goes wrong",
         f"Above: the tilt of the body's axis from {up}. Below: the angle between the attitude of "
         "each run and the exact one; a dot marks where it first exceeds 1°. Grey: the "
         "reference's uncertainty, below which nothing is claimed.",

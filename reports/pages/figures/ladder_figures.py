@@ -70,7 +70,7 @@ def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Iterator[tup
     x_range = _x_range(scene, abscissa)
     ended = list(_ended(scene, abscissa))
     for signal in SIGNALS:
-        floor = scene.solved.solution.uncertainty[signal.name]
+        floor = scene.solved.solution.uncertainty[signal.name] * signal.shown
         traces = [
             trace for runs in scene.methods for trace in _curves(runs, scene, signal, abscissa)
         ]
@@ -141,7 +141,7 @@ def _front(scene: SceneRuns, signal: Signal) -> Trace:
     best = [point for _, point in front(curves(scene, signal.name))]
     return line(
         np.array([point.cost for point in best], dtype=float),
-        np.array([point.error for point in best]),
+        np.array([point.error * signal.shown for point in best]),
         1,
         line={"color": WIRE, "width": FRONT_WIDTH, "shape": "hv"},
         name="Pareto front",
@@ -180,7 +180,7 @@ def _claimed(scene: SceneRuns, rows: Sequence[Row], signal: Signal) -> FloatArra
         for row in rows
         if row.errors
     ]
-    return claimed(np.array(errors), 0.0)
+    return claimed(np.array(errors) * signal.shown, 0.0)
 
 
 def _hover(runs: MethodRuns, row: Row) -> str:
@@ -250,7 +250,7 @@ def _guide(anchor: tuple[float, float], order: int, scene: SceneRuns, signal: Si
     labels = [*[""] * (len(errors) - 1), f"order {order}"]
     return line(
         timesteps,
-        errors,
+        errors * signal.shown,
         1,
         mode="lines+text",
         text=labels,

@@ -24,7 +24,7 @@ AXES = ("₁", "₂", "₃")
 
 
 def tilt_figure(scene: SceneRuns) -> Figure:
-    """θ(t), and below it the angle between each run's attitude and the exact one."""
+    """β(t), and below it the angle between each run's attitude and the exact one."""
     assert scene.solved is not None, "what is exact is known of a solved scene"
     exact, body = scene.solved.solution.trajectory, drawn_body(scene.solved)
     cosine = np.clip(exact.to_world(body.axis_body) @ body.up_world, -1.0, 1.0)
@@ -34,7 +34,7 @@ def tilt_figure(scene: SceneRuns) -> Figure:
     floor = math.degrees(scene.solved.solution.uncertainty.attitude)
     curves = [np.degrees(run.series["attitude"]) for run in scene.compared]
     panels = [
-        Panel("", "θ, °", "Tilt", False, (low, high), _window(scene.solved), domain=TILT),
+        Panel("", "β, °", "Tilt", False, (low, high), _window(scene.solved), domain=TILT),
         Panel(
             "t, s",
             "off by, °",

@@ -7,8 +7,9 @@ import numpy as np
 from ....scenarios import SIGNALS
 from ...results.records import Pair, Row
 from ...results.verdict_words import LISTED, RANKS
+from ..analysis.best_choice import BestChoice, best_choices, nothing_because
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
-from ..analysis.timesteps import AT, as_shipped, best_choice, leading, row_at, stock_timesteps
+from ..analysis.timesteps import AT, as_shipped, leading, row_at, stock_timesteps
 from ..analysis.wording import duration
 from ..analysis.work_precision import cost
 from ..links import method_anchor, scene_page
@@ -18,12 +19,10 @@ from .overview import GROUPS, group_of
 DIGITS = 3
 #: The signal whose errors are shown at first.
 FIRST_SIGNAL = "attitude"
-#: Characters of the reason of a run that is not ok.
-REASON = 160
 
 
 def heat_map(gathered: ReportData) -> dict[str, Any]:
-    """Columns, and for each scene a cell a column and the best choice.
+    """Columns, and for each scene a cell a column and the best choices, the best of all first.
 
     A cell is None where a method was not tried. Its runs are by the names in `AT`, None where there
     is none. An error below the reference's uncertainty is given as that uncertainty with a minus
@@ -49,8 +48,17 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
     for scene in gathered.scenes:
         tried = {(runs.engine, runs.method): runs for runs in scene.methods}
         cells = [_cell(scene, tried.get(pair), steps.get(pair[0])) for pair in pairs]
-        scenes.append(_scene(scene) | {"cells": cells, "best": _best(scene, steps)})
-    verdicts = {kind.word: {"sign": kind.sign, "rank": RANKS[kind.word]} for kind in LISTED}
+        best = [_best(scene, choice, steps) for choice in best_choices(scene)]
+        why_none = "" if best else nothing_because(scene)
+        scenes.append(_scene(scene) | {"cells": cells, "best": best, "none": why_none})
+    verdicts = {
+        kind.word: {
+            "sign": kind.sign,
+            "rank": RANKS[kind.word],
+            "phrase": kind.phrases[0] if kind.needs_reason else "",
+        }
+        for kind in LISTED
+    }
     signals = [{"name": s.name, "label": s.label, "unit": s.unit} for s in SIGNALS]
     return {
         "columns": columns,
@@ -98,7 +106,7 @@ def _run(scene: SceneRuns, row: Row) -> dict[str, Any]:
             "timestep": row.timestep,
             "outcome": row.outcome,
             "when": _rounded(row.stopped_at),
-            "why": row.reason[:REASON],
+            "why": row.reason,
         }
     limits = scene.uncertainty(row)
     errors = {
@@ -108,11 +116,8 @@ def _run(scene: SceneRuns, row: Row) -> dict[str, Any]:
     return {"timestep": _rounded(row.timestep), "cost": _rounded(cost(row)), "errors": errors}
 
 
-def _best(scene: SceneRuns, steps: dict[str, float]) -> dict[str, Any] | None:
-    """The best choice, and how many times the default costs: its engine's own, or the first."""
-    best = best_choice(scene) if scene.solved else None
-    if best is None:
-        return None
+def _best(scene: SceneRuns, best: BestChoice, steps: dict[str, float]) -> dict[str, Any]:
+    """A best choice, and how many times the default costs: its engine's own, or the first."""
     defaults = {
         runs.engine: cost(row)
         for runs in scene.methods
@@ -123,8 +128,9 @@ def _best(scene: SceneRuns, steps: dict[str, float]) -> dict[str, Any] | None:
     default = defaults.get(engine, next(iter(defaults.values()), None))
     return {
         "label": best.runs.label,
+        "engine": engine,
         "anchor": method_anchor(best.runs.engine, best.runs.method),
-        "timestep": duration(best.row.timestep),
+        "timestep": duration(best.timestep),
         "within": best.within,
         "default": engine if engine in defaults else next(iter(defaults), ""),
         "price": _rounded(best.cost / default) if best.cost and default else None,

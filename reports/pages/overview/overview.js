@@ -19,6 +19,9 @@
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const checked = (name) => document.querySelector(`.controls input[name=${name}]:checked`).value;
   const state = { signal: checked("signal"), at: checked("at"), find: "", kind: "", tag: "", engine: "", verdict: "", methods: "all", sort: null, up: false };
+  // What of it the address carries, as name=value after the #.
+  const ADDRESSED = ["signal", "at", "find", "kind", "tag", "engine", "verdict"];
+  const atFirst = { ...state };
   // More columns do not fit a window; of each engine two are shown then, unless all are asked for.
   const MOST_COLUMNS = 14;
   const open = new Set();
@@ -111,13 +114,14 @@
     const parts = [where, about, verdict || "no verdict"].filter(Boolean);
     return linked(td, `${scene.page}#${column.anchor}`, text, parts.join(" · "));
   }
+  // The best of all engines, or of the one that is chosen.
+  const bestOf = (scene) => scene.best.find((best) => !state.engine || best.engine === state.engine);
   function bestCell(scene) {
     const td = element("td", undefined, { class: "best" });
-    const best = scene.best;
+    const best = bestOf(scene);
     if (!best) {
-      td.append("none converges");
       td.classList.add("absent");
-      return td;
+      return linked(td, scene.page, "nothing", `${scene.name} · ${scene.none || `${state.engine}: no method converges`}`);
     }
     const value = valueOf(best.run);
     const shown = value === null ? "—" : `${isBound(best.run) ? "≤ " : ""}${short(value)}${quantity().suffix ?? ""}`;
@@ -179,7 +183,7 @@
       td.title = `${column.engine} ${column.method}: median of ${values.length} runs; converges on ${good} of ${cells.length}`;
       row.append(td);
     }
-    const within = scenes.filter((scene) => scene.best?.within).length;
+    const within = scenes.filter((scene) => bestOf(scene)?.within).length;
     row.append(element("td", `within 0.1° on ${within} of ${scenes.length}`, { class: "best" }));
     return row;
   }
@@ -194,7 +198,7 @@
   }
   function key(scene) {
     if (state.sort === "scene") return scene.name;
-    if (state.sort === "best") return scene.best ? (valueOf(scene.best.run) ?? Infinity) : Infinity;
+    if (state.sort === "best") return bestOf(scene) ? (valueOf(bestOf(scene).run) ?? Infinity) : Infinity;
     const cell = scene.cells[state.sort];
     if (!cell || cell.verdict === "unsupported") return null;
     const run = cell.runs[state.at];
@@ -211,6 +215,20 @@
       return a < b ? -way : a > b ? way : 0;
     });
     return keyed.map(([, scene]) => scene);
+  }
+  // In place of the rows: why there is none, and the way back.
+  function nothingFound(columns) {
+    const filters = ["find", "kind", "tag", "verdict"].filter((name) => state[name]);
+    const row = element("tr", undefined, { class: "none" });
+    const cell = element("td", `No scene matches ${filters.map((name) => `${name} “${state[name]}”`).join(" and ")}. `, { colspan: String(columns.length + 2) });
+    const button = element("button", "Show all scenes", { type: "button" });
+    button.addEventListener("click", () => {
+      for (const name of filters) state[name] = document.getElementById(name).value = "";
+      draw();
+    });
+    cell.append(button);
+    row.append(cell);
+    return row;
   }
   function body(columns) {
     const shown = data.scenes.filter((scene) => matches(scene, columns));
@@ -232,6 +250,7 @@
       rows.push(foldedRow(kind, hard, columns));
       if (open.has(kind)) rows.push(...sorted(hard).map((scene) => sceneRow(scene, columns, true)));
     }
+    if (!shown.length) rows.push(nothingFound(columns));
     const total = data.scenes.length;
     document.getElementById("shown").textContent =
       `${shown.length === total ? total : `${shown.length} of ${total}`} scenes`;
@@ -289,6 +308,43 @@
     const first = tbody.querySelector("a");
     if (first) first.tabIndex = 0;
     scale();
+    explain(columns);
+    address();
+  }
+  // The signs that the table shows, in words.
+  function explain(columns) {
+    const cells = data.scenes.flatMap((scene) => columns.map(({ index }) => scene.cells[index])).filter(Boolean);
+    const runs = cells.map((cell) => cell.runs[state.at]);
+    const given = new Set(cells.map((cell) => cell.verdict));
+    const parts = Object.entries(data.verdicts)
+      .filter(([word, { phrase }]) => phrase && given.has(word))
+      .map(([word, { sign, phrase }]) => `${sign} before a number: at finer timesteps the method ${phrase}`);
+    if (runs.some((run) => run?.outcome === "diverged")) parts.push("↗ 2.8 s: this run blew up at 2.8 s");
+    const lost = runs.find((run) => run?.outcome && !["diverged", "unsupported"].includes(run.outcome));
+    if (lost) parts.push(`! ${lost.outcome}: this run gave no motion to compare`);
+    if (runs.some((run) => run?.outcome === "unsupported")) parts.push("n/a: not run at this timestep");
+    if (given.has("unsupported")) parts.push("–: the engine cannot simulate the scene");
+    if (runs.some((run) => run?.errors && Object.values(run.errors).some((error) => error < 0 || Object.is(error, -0))))
+      parts.push("≤: as close as the exact motion is known");
+    document.getElementById("signs").textContent = parts.join(" · ");
+  }
+  function address() {
+    const changed = ADDRESSED.filter((name) => state[name] !== atFirst[name]);
+    const filters = new URLSearchParams(changed.map((name) => [name, state[name]])).toString();
+    if (filters || location.hash.includes("=")) history.replaceState(null, "", `#${filters}`);
+  }
+  // The filters of an address; what this table does not offer is passed over.
+  function readAddress() {
+    const filters = new URLSearchParams(location.hash.slice(1));
+    for (const name of ADDRESSED) {
+      if (!filters.has(name)) continue;
+      const value = filters.get(name);
+      const radio = [...document.querySelectorAll(`.controls input[name=${name}]`)].find((input) => input.value === value);
+      const control = document.getElementById(name);
+      if (radio) radio.checked = true;
+      else if (control) control.value = value;
+      state[name] = radio || control?.value === value ? value : atFirst[name];
+    }
   }
   function scale() {
     const { title, low, high, suffix = "" } = quantity();
@@ -365,5 +421,11 @@
   });
 
   dark.addEventListener("change", draw);
+  addEventListener("hashchange", () => {
+    if (!location.hash.includes("=")) return;
+    readAddress();
+    draw();
+  });
+  readAddress();
   draw();
 })();

@@ -4,8 +4,9 @@ import math
 
 from ...results.records import Row
 from ...results.verdict_words import VERDICT
+from ..analysis.best_choice import best_choice
 from ..analysis.report_data import ReportData, SceneRuns
-from ..analysis.timesteps import as_shipped, best_choice, row_at, stock_timesteps
+from ..analysis.timesteps import as_shipped, row_at, stock_timesteps
 from ..analysis.wording import NOTHING, duration, limited
 from ..links import scene_page
 from ..tables import Cell, Table, figure, table
@@ -41,11 +42,11 @@ def _cell(scene: SceneRuns, pair: tuple[str, str], stock: float) -> Cell:
 
 
 def _best(scene: SceneRuns) -> str:
-    best = best_choice(scene) if scene.solved else None
+    best = best_choice(scene)
     if best is None:
         return NOTHING
     within = "" if best.within else ", the most accurate there is"
-    timestep = duration(best.row.timestep)
+    timestep = duration(best.timestep)
     return f"{best.runs.label} {timestep}: {_attitude(scene, best.row)}{within}"
 
 

@@ -1,4 +1,4 @@
-"""The motions of a scene as its page carries them: compact, for the player and for θ(t), ω(t).
+"""The motions of a scene as its page carries them: compact, for the player and for β(t), ω(t).
 
 Attitudes and rates are rounded to what a picture shows. Errors are not read off those: they are
 computed here from the doubles of the result file, and carried as logarithms.

@@ -6,22 +6,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...results.records import Key, Row
-from ..analysis.report_data import Compared, MethodRuns, SceneRuns
-from ..analysis.timesteps import (
-    ATTITUDE_WITHIN,
-    OMEGA_WITHIN,
+from ..analysis.best_choice import (
+    BOUNDS,
     BestChoice,
     best_choice,
+    best_choices,
+    nothing_because,
+    within_in_words,
 )
-from ..analysis.wording import NOTHING, duration, limited, number, plural
+from ..analysis.report_data import Compared, MethodRuns, SceneRuns
+from ..analysis.wording import NOTHING, duration, limited, number, plural, typed
 from ..analysis.work_precision import cost
 from ..tables import Cell, Table, figure, table
 from .motion_data import noticeable_from
 
 HEADINGS = (
-    "engine",
-    "method",
-    "timestep",
+    "run",
     "attitude off by, °",
     "more than 1° off from",
     "ω error, relative",
@@ -35,23 +35,39 @@ SHOWN_DEFAULTS = 2
 
 
 @dataclass(frozen=True, eq=False)
+class Use:
+    """A choice as users take it.
+
+    Attributes
+    ----------
+    within : whether it is accurate enough; if not, it is the most accurate
+    summary : method, timestep and error in a line
+    setup : what to type into the engine; without that, the command that prints a whole program
+    command : runs it again
+    """
+
+    within: bool
+    summary: str
+    facts: tuple[tuple[str, str], ...]
+    setup: str
+    command: str
+
+
+@dataclass(frozen=True, eq=False)
 class SceneAnswer:
     """The answer at the top of a scene's page.
 
     Attributes
     ----------
     sentence : the defaults' errors, and what to use instead, in words
-    best : None where no method converges on the scene
-    command : runs the best choice again; empty without one
+    uses : the best choice of each engine, the best of all first; none where no method converges,
+        or the motion tells nothing about methods
     defaults : engines as shipped at their stock timesteps, and the best choice
     others : every other method at its engine's stock timestep and at 1 ms
     """
 
     sentence: str
-    best: BestChoice | None
-    label: str
-    facts: tuple[tuple[str, str], ...]
-    command: str
+    uses: tuple[Use, ...]
     defaults: Table
     others: Table
 
@@ -60,19 +76,15 @@ def scene_answer(scene: SceneRuns) -> SceneAnswer | None:
     """The answer for a scene; None if it could not be solved."""
     if scene.solved is None:
         return None
-    best = best_choice(scene)
+    choices = best_choices(scene)
     shipped = [runs for runs in scene.methods if runs.declared and runs.declared.as_shipped]
     others = [runs for runs in scene.methods if runs not in shipped]
     seen = {(run.row.key, run.row.timestep): run for run in scene.compared}
     rows = [_line(scene, runs, row, seen) for runs in shipped for row in runs.stock[:1]]
-    if best is not None:
-        rows.append(_line(scene, best.runs, best.row, seen, "recommended"))
+    rows += [_line(scene, best.runs, best.row, seen, "recommended") for best in choices[:1]]
     return SceneAnswer(
-        _sentence(scene, best),
-        best,
-        f"{best.runs.label} at {duration(best.row.timestep)}" if best else "",
-        tuple(_facts(scene, best)) if best else (),
-        _command(scene, best) if best else "",
+        _sentence(scene, next(iter(choices), None)),
+        tuple(_use(scene, choice) for choice in choices),
         table(HEADINGS, rows),
         table(HEADINGS, [_line(scene, runs, row, seen) for runs in others for row in runs.stock]),
     )
@@ -80,7 +92,7 @@ def scene_answer(scene: SceneRuns) -> SceneAnswer | None:
 
 def shown_at_first(scene: SceneRuns) -> set[str]:
     """Labels of the methods in figures of motions: the closest defaults and the best choice."""
-    best = best_choice(scene) if scene.solved else None
+    best = best_choice(scene)
     closest = [runs.label for runs, _ in closest_defaults(scene)[:SHOWN_DEFAULTS]]
     return {*closest, *([best.runs.label] if best else [])}
 
@@ -107,17 +119,16 @@ def _sentence(scene: SceneRuns, best: BestChoice | None) -> str:
         are = "is" if len(others) == 1 else "are"
         sentences.append(f"{plural(len(others), 'other default')} {are} no closer.")
     if best is None:
-        return " ".join([*sentences, "No method converges on this scene: nothing is recommended."])
+        return " ".join([*sentences, nothing_because(scene)])
     angle = attitude_in_degrees(scene, best.row)
-    label = f"{best.runs.label} at {duration(best.row.timestep)}"
+    label = f"{best.runs.label} at {duration(best.timestep)}"
     if best.within:
         within = angle.removeprefix("≤ ")
         sentences.append(f"{_capital(label)} is within {within}°{_price(best, defaults)}.")
     else:
-        bound = number(math.degrees(ATTITUDE_WITHIN), 1)
         sentences.append(
-            f"No run comes within {bound}° of attitude and {OMEGA_WITHIN:g} of ω; the most "
-            f"accurate is {label}, off by {angle}°."
+            f"No run comes within {within_in_words(BOUNDS)}; the most accurate is {label}, off by "
+            f"{angle}°."
         )
     return " ".join(sentences)
 
@@ -144,19 +155,42 @@ def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
     return ""
 
 
+def _use(scene: SceneRuns, choice: BestChoice) -> Use:
+    off = attitude_in_degrees(scene, choice.row)
+    key = choice.row.key
+    whole = ["spincheck", "reproduce", scene.name, "--engine", key.engine, "--method", key.method]
+    return Use(
+        choice.within,
+        f"{choice.runs.label} at {duration(choice.timestep)}: {off}°{_bound_missed(choice)}",
+        tuple(_facts(scene, choice)),
+        choice.setup or shlex.join([*whole, "--timestep", repr(choice.timestep)]),
+        _command(scene, choice),
+    )
+
+
 def _facts(scene: SceneRuns, best: BestChoice) -> list[tuple[str, str]]:
     errors, limits = best.row.errors, scene.uncertainty(best.row)
     assert errors is not None, "only a run with errors is recommended"
     facts = [
         ("engine", f"{best.runs.engine} {best.row.engine_version}"),
         ("integrator", best.runs.method),
-        ("timestep", duration(best.row.timestep)),
+        ("timestep", f"{typed(best.timestep)} s{_as_run(best)}"),
         ("attitude error", f"{attitude_in_degrees(scene, best.row)}°"),
         ("ω error", limited(errors.omega, limits.omega)),
     ]
     if best.cost is not None:
         facts.append(("cost", f"{number(best.cost)} CPU s a simulated s"))
     return facts
+
+
+def _bound_missed(choice: BestChoice) -> str:
+    return "" if choice.within else ", its most accurate run"
+
+
+def _as_run(best: BestChoice) -> str:
+    """The timestep of the run that was measured, where that is not quite what is recommended."""
+    run = best.row.timestep
+    return "" if run == best.timestep else f" (measured at {number(run, 4)} s)"
 
 
 def _line(
@@ -169,9 +203,9 @@ def _line(
     compared = seen.get((row.key, row.timestep))
     noticed = noticeable_from(compared) if compared else None
     return [
-        Cell(runs.engine, "name", note),
-        Cell(runs.method, "name"),
-        figure(duration(row.timestep)),
+        Cell(
+            runs.label, "name", ", ".join(part for part in (duration(row.timestep), note) if part)
+        ),
         *_errors(scene, row, noticed),
         figure(number(cost(row))),
     ]
@@ -196,7 +230,7 @@ def _errors(scene: SceneRuns, row: Row, noticed: float | None) -> list[Cell]:
 def _command(scene: SceneRuns, best: BestChoice) -> str:
     key = best.row.key
     words = ["spincheck", "run", scene.name, "--engine", key.engine, "--method", key.method]
-    return shlex.join([*words, "--timestep", repr(best.row.timestep)])
+    return shlex.join([*words, "--timestep", repr(best.timestep)])
 
 
 def _capital(text: str) -> str:

@@ -7,7 +7,7 @@ from ....reference import facts, invariants
 from ....reference.observables import observables
 from ....scenarios import EFFECTS, SIGNAL, SIGNALS, FloatArray, Scenario, Trajectory
 from ...harness.published import published_values
-from ...results.records import Row
+from ...results.records import Row, Verdict
 from ...results.store import SceneResult
 from ..analysis.report_data import MethodRuns, SceneRuns
 from ..analysis.survival import in_words, survival
@@ -43,11 +43,11 @@ def exact_motion_table(solved: SceneResult) -> Table:
     """Table of the reference's uncertainty and conditioning."""
     rows = [
         (
-            Cell(str(SIGNAL[name]), "name"),
-            figure(number(value)),
-            figure(number(solved.solution.conditioning[name])),
+            Cell(signal.error_title, "name"),
+            figure(number(signal.shown * solved.solution.uncertainty[signal.name])),
+            figure(number(signal.shown * solved.solution.conditioning[signal.name])),
         )
-        for name, value in solved.solution.uncertainty
+        for signal in SIGNALS
     ]
     return table(("signal", "uncertainty", "what one ulp in the start does"), rows)
 
@@ -93,17 +93,22 @@ def signals_table(scene: SceneRuns) -> Table:
         [
             Cell(runs.engine, "name"),
             Cell(runs.method, "name"),
-            SIGNAL[signal.signal].label,
+            SIGNAL[signal.signal].error_title,
             verdict_cell(signal.verdict),
             figure(order(signal.order)),
             figure(str(signal.declared_order)),
-            figure(number(signal.limit_error)),
-            figure(number(signal.tolerance)),
+            figure(_shown(signal.limit_error, signal.signal)),
+            figure(_shown(signal.tolerance, signal.signal)),
         ]
         for runs in scene.methods
         for signal in (runs.verdict.signals if runs.verdict else ())
     ]
     return table(headings, rows)
+
+
+def _shown(error: float | None, signal: str) -> str:
+    """An error of a signal as people read it."""
+    return number(None if error is None else error * SIGNAL[signal].shown)
 
 
 def published_table(scenario: Scenario) -> Table | None:
@@ -212,7 +217,8 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
         uncertainty = scene.solved.solution.uncertainty[verdict.signal]
     decided = ""
     if verdict.limit_error is not None:
-        decided = f"{SIGNAL[verdict.signal].label}; tolerance {number(verdict.tolerance)}"
+        tolerance = _shown(verdict.tolerance, verdict.signal)
+        decided = f"{SIGNAL[verdict.signal].error_title}; tolerance {tolerance}"
     declared = ""
     if runs.declared is not None:
         attitude = verdict.signal == "attitude"
@@ -222,10 +228,17 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
         *_named(runs),
         verdict_cell(verdict.verdict, verdict.ground),
         Cell(order(verdict.order), "number", declared if verdict.order is not None else ""),
-        Cell(limited(verdict.limit_error, uncertainty), "number", decided),
+        Cell(_limit(verdict, uncertainty), "number", decided),
         stable,
         Cell(reason_of(verdict), note=_besides(runs)),
     ]
+
+
+def _limit(verdict: Verdict, uncertainty: float) -> str:
+    if verdict.limit_error is None:
+        return NOTHING
+    shown = SIGNAL[verdict.signal].shown
+    return limited(verdict.limit_error * shown, uncertainty * shown)
 
 
 def _besides(runs: MethodRuns) -> str:

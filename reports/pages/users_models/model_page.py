@@ -16,6 +16,7 @@ from ...harness.users_models import (
     LinkReading,
     attitude_apart,
     cell_text,
+    composed_bodies,
     differences,
     line_without_rotation,
     problems_of,
@@ -104,6 +105,7 @@ def _content(inspection: Inspection) -> dict[str, object]:
         "differences": differences(inspection),
         "impossible": problems_of(inspection, impossible=True),
         "doubtful": problems_of(inspection, impossible=False),
+        "composed": composed_bodies(inspection),
         "all_links": _all_links(inspection, who),
         "notes": model.notes,
     }

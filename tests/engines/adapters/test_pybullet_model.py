@@ -116,7 +116,10 @@ def test_a_body_read_in_the_engines_own_frame_is_another_body(method: Method, fa
     with opened(scenario, method) as session:
         model, state = session.model, session.read_state()
         check_read_back(scenario, model.read_body(), state)
-        faults = {"axes": {"body_from_principal": Rotation.identity()}, "com": {"com": np.zeros(3)}}
+        faults = {
+            "axes": {"body_from_principal": Rotation.identity()},
+            "com": {"link_com": np.zeros(3)},
+        }
         misread = replace(model, **faults[fault])
         with pytest.raises(EngineError, match="must read back as"):
             check_read_back(scenario, misread.read_body(), state)

@@ -1,16 +1,18 @@
 """Engines that load the link a scene names out of the user's own file: what they hold and do."""
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from case_loops import each_case
 from spincheck.engines import engines
 from spincheck.engines.users_models import AGREES
 from spincheck.engines.users_models import named_link as of_scene
-from spincheck.engines.users_models.users_urdf import link_alone
+from spincheck.engines.users_models.users_urdf import body_alone
 from spincheck.reference import solve
 from spincheck.scenarios import Scenario, find, load
-from spincheck.scenarios.users_models import read_model
+from spincheck.scenarios.users_models import IDENTITY, RigidBody, read_model
 from spincheck.scenarios.users_models.scenes import link_scenes
 from users_models import TENSOR, arm, body, diagonal, inertial, joint, link, robot, written
 
@@ -68,14 +70,14 @@ def test_a_body_of_an_mjcf_moves_without_what_hangs_on_it(tmp_path):
 def test_a_reader_that_holds_another_tensor_fails_with_the_cause(tmp_path, name, monkeypatch):
     """Planted: the file's rotation is lost before the engine reads it."""
     scenario = scene_of(tmp_path, arm())
-    module = __import__(type(engines()[name]).__module__, fromlist=["link_alone"])
-    cut = module.link_alone
+    module = __import__(type(engines()[name]).__module__, fromlist=["body_alone"])
+    cut = module.body_alone
 
     def unturned(*arguments):
         data, meshes = cut(*arguments)
         return data.replace(b'rpy="0 0 0.5"', b""), meshes
 
-    monkeypatch.setattr(module, "link_alone", unturned)
+    monkeypatch.setattr(module, "body_alone", unturned)
     done = run(name, scenario)
     assert (done.outcome, done.cause) == ("failed", "read-back")
     assert done.reason == (
@@ -119,13 +121,54 @@ def test_an_engine_that_cannot_read_the_format_is_not_asked(tmp_path):
     ]
 
 
+#: An arm with two tools of other axes, one of them on the other; a wheel turns on the arm.
+WELDED = robot(
+    link("base"),
+    *(link(name, inertial() + BOX) for name in ("arm", "tool", "tip", "wheel")),
+    joint("base", "arm"),
+    joint("arm", "tool", "fixed"),
+    joint("tool", "tip", "fixed", '<origin xyz="0.2 0.1 -0.1" rpy="0.4 -0.7 1.1"/>'),
+    joint("arm", "wheel"),
+)
+#: The same arm and tool in MJCF, with a hinged body on the tool.
+NESTED = """<mujoco><option timestep="0.01"/><worldbody><body name="arm"><freejoint/>
+<body name="tool" pos="0.1 0.2 -0.1" euler="20 30 40">
+<inertial mass="2" pos="0.1 0 0" euler="40 20 50" diaginertia="0.03 0.04 0.05"/>
+<body name="wheel"><joint/><inertial mass="1" pos="0 0 0" diaginertia="1 1.2 1.5"/></body>
+</body></body></worldbody></mujoco>
+"""
+
+
+@each_case(
+    ("name", "text", "file"),
+    [
+        ("mujoco-file", WELDED, "robot.urdf"),
+        ("pybullet-file", WELDED, "robot.urdf"),
+        ("mujoco-file", NESTED, "robot.xml"),
+    ],
+)
+def test_links_that_are_welded_move_as_one_body(tmp_path, name, text, file):
+    scenario = scene_of(tmp_path, text, file)
+    done = run(name, scenario)
+    assert (done.outcome, done.reason, done.active) == ("ok", "", frozenset())
+    exact = solve(scenario, STEPS * TIMESTEP).trajectory
+    turn = float(np.linalg.norm(scenario.start.omega_body)) * TIMESTEP
+    assert np.abs(done.trajectory.omega_body - exact.omega_body).max() <= STEPS[-1] * turn**2
+    assert np.abs(done.trajectory.com_world - exact.com_world).max() <= STEPS[-1] * turn**2
+    # Planted: the engine is given the host without what is welded to it.
+    short = re.sub("(?m)^welded = .*$", "welded = []", scenario.text)
+    assert short != scenario.text
+    done = run(name, load(written(tmp_path, short, "scenes/short.toml")))
+    assert done.outcome == "failed"
+
+
 def test_a_link_is_cut_out_byte_for_byte(tmp_path):
     odd = "<!-- ünïcödé --><inertial>\n <mass value='2.50e0'/>" + (
         f"<inertia {TENSOR}/><origin\txyz='0 0 1'/></inertial><odd:tag a='>'/>"
     )
     text = robot(link("base"), link("arm", odd + BOX), joint("base", "arm"))
     model = read_model(written(tmp_path, text))
-    cut, meshes = link_alone(model, model.link("arm"))
+    cut, meshes = body_alone(model, RigidBody(((model.link("arm"), IDENTITY),)))
     assert cut.decode() == f'<robot name="cut"><link name="arm">{odd}</link></robot>'
     assert meshes == {}
 
@@ -134,7 +177,7 @@ def test_of_its_shapes_those_are_kept_that_a_tensor_is_made_up_from(tmp_path):
     mesh = '<collision><geometry><mesh filename="a.obj"/></geometry></collision>'
     written(tmp_path, "v 0 0 0", "a.obj")
     model = read_model(written(tmp_path, arm(inside=BOX + mesh)))
-    cut, meshes = link_alone(model, model.link("arm"), lambda _: True)
+    cut, meshes = body_alone(model, RigidBody(((model.link("arm"), IDENTITY),)), lambda _: True)
     assert BOX.encode() in cut
     assert b'filename="mesh-0.obj"' in cut
     assert meshes == {"mesh-0.obj": tmp_path / "a.obj"}

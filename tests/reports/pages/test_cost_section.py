@@ -93,5 +93,6 @@ def test_the_front_is_drawn_behind_the_curves(part: int, signal: str) -> None:
     traces = work_precision(scene)[part]["data"]
     assert [trace["name"] for trace in traces].index("Pareto front") == 0
     best = [point for _, point in front(curves(scene, signal))]
+    errors = [point.error * SIGNAL[signal].shown for point in best]
     np.testing.assert_array_equal(values_of(traces[0]["x"]), np.float32([p.cost for p in best]))
-    np.testing.assert_array_equal(values_of(traces[0]["y"]), np.float32([p.error for p in best]))
+    np.testing.assert_array_equal(values_of(traces[0]["y"]), np.float32(errors))

@@ -353,3 +353,40 @@ def test_the_library_s_report_stays_below_25_mb(folder):
     once = sum(path.stat().st_size for path in (folder / "assets").iterdir())
     first = sum((folder / name).stat().st_size for name in ("index.html", "report.md"))
     assert once + (sum(pages) + first) * scenes / len(SCENES) < LARGEST_REPORT
+
+
+def test_the_address_carries_the_filters_and_a_search_without_hits_says_so(visit, folder):
+    page = open_table(visit, folder)
+    page.locator("#find").fill("hammer")
+    page.locator("#tag").select_option("hard")
+    expect(page.locator("#heat tbody")).to_contain_text("No scene matches find “hammer” and tag")
+    again = page.url
+    page.goto("about:blank")
+    page.goto(again, wait_until="domcontentloaded")
+    assert page.locator("#find").input_value() == "hammer"
+    page.locator("#heat tr.none button").click()
+    assert {"fast-top", "hammer"} <= set(rows(page))
+    assert "=" not in page.url
+
+
+def test_the_best_choice_is_that_of_the_engine_chosen(visit, folder):
+    page = open_table(visit, folder)
+    page.locator("#engine").select_option("pybullet")
+    assert "pybullet" in cell(page, "fast-top", "cheapest")
+
+
+@pytest.mark.parametrize("name", ["index.html", "scenes/fast-top.html"])
+def test_the_first_error_is_in_sight_on_a_phone(visit, folder, name):
+    page = open_page(visit, folder, name)
+    page.set_viewport_size(PHONE)
+    place = "#heat tbody td" if name == "index.html" else ".given tbody td.number"
+    box = page.locator(place).first.bounding_box()
+    assert box["x"] + box["width"] <= PHONE["width"]
+
+
+def test_a_click_on_what_to_type_selects_all_of_it(visit, folder):
+    page = open_page(visit, folder, "scenes/fast-top.html")
+    page.locator(".best .command").first.click()
+    selected = page.evaluate("getSelection().toString()")
+    assert 'integrator="RK4"' in selected
+    assert "model.opt.timestep" in selected

@@ -101,7 +101,7 @@ def test_engines_as_shipped_are_not_even_run(monkeypatch: pytest.MonkeyPatch) ->
     ).engines
     every = [method for engine in chosen for method in engine.methods]
     assert any(method.as_shipped for method in every)
-    assert set(methods_asked[0]) == {method.name for method in every if not method.as_shipped}
+    assert set(methods_asked[0]) == {method.name for method in every if method.is_recommendable}
 
 
 @pytest.mark.parametrize(
@@ -131,7 +131,7 @@ def test_an_engine_that_is_there_as_shipped_only_is_one_message(
     raw = type("Raw", (Works,), {"name": "raw", "methods": (replace(METHOD, as_shipped=True),)})
     for module in (recommend_module, choosing):
         monkeypatch.setattr(module, "engines", lambda: {"raw": raw(lambda _: None)})
-    with pytest.raises(Complaint, match="raw: has no method but as shipped"):
+    with pytest.raises(Complaint, match="raw: has no method that is recommended"):
         recommend(TOP, {"omega": BETWEEN}, ["raw"], 1, NO_FILE)
 
 

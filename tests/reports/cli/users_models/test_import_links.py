@@ -60,6 +60,32 @@ def test_what_no_body_has_is_left_out_with_the_reason(tmp_path):
     assert "left out, 0.1 + 0.3 < 0.9: no body has it: bad" in imported(tmp_path)[1]
 
 
+def test_welded_links_are_one_scene_with_the_sum_of_their_numbers(tmp_path):
+    """Two halves 2 m apart, in axes of their own, as one body: by hand."""
+    half = inertial("1", diagonal(0.1, 0.1, 0.1), origin="")
+    text = robot(
+        link("base"), link("arm", half), link("tool", half), joint("base", "arm"),
+        joint("arm", "tool", "fixed", '<origin xyz="2 0 0" rpy="0.3 0.4 0.5"/>'),
+    )  # fmt: skip
+    path, (line, _) = imported(tmp_path, text)
+    assert line.endswith("arm.toml: arm with tool, welded to it: one body")
+    scene = load(line.partition(":")[0])
+    assert (scene.body.mass, scene.body.com.tolist()) == (2.0, [1.0, 0.0, 0.0])
+    rounding = 8 * np.finfo(float).eps
+    wanted = np.diag([0.2, 2.2, 2.2])
+    assert np.abs(scene.body.inertia_com - wanted).max() <= rounding * wanted.max()
+    assert scene.document.body.welded == ("tool",)
+    # A part may be named too.
+    out = tmp_path / "one"
+    assert import_scenes(path, out, ["tool"]) == [line.replace(str(tmp_path / "scenes"), str(out))]
+
+
+def test_a_body_of_a_part_that_no_body_has_is_left_out(tmp_path):
+    text = robot(link("arm", inertial()), link("bad", BAD), joint("arm", "bad", "fixed"))
+    with pytest.raises(Complaint, match=r"0\.1 \+ 0\.3 < 0\.9: no body has it \(of bad, welded to"):
+        imported(tmp_path, text)
+
+
 def test_one_link_can_be_asked_for(tmp_path):
     assert [line[-13:] for line in imported(tmp_path, links=("fore arm",))[1]] == ["fore-arm.toml"]
 

@@ -81,6 +81,16 @@ def test_json_keeps_its_contract(tmp_path):
     }
 
 
+def test_welded_links_are_said_to_be_one_body(tmp_path):
+    path = written(tmp_path, arm_with_a_tool(ROUND))
+    ended = inspect(path)
+    said = "Welded together, each one body and one scene of 'import':\n  arm, tool: 4 kg, principal"
+    assert said in ended.stdout
+    (whole,) = records(path)["summary"]["composed"]
+    assert (whole["link"], whole["welded"], whole["mass"]) == ("arm", ["tool"], 4.0)
+    assert records(written(tmp_path, arm(), "one.urdf"))["summary"]["composed"] == []
+
+
 def test_several_files_are_a_list(tmp_path):
     path = written(tmp_path, arm())
     assert [one["file"] for one in records(path, path)] == [str(path)] * 2

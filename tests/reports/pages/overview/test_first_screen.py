@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 from made_up import SECONDS_PER_STEP, SIZE, TIMESTEPS, MadeUp, results
 from markdown_text import markdown_tables, plain
+from spincheck.reports.pages.analysis.best_choice import ATTITUDE_WITHIN, best_choice
 from spincheck.reports.pages.analysis.report_data import ReportData, report_data
-from spincheck.reports.pages.analysis.timesteps import ATTITUDE_WITHIN, best_choice
 from spincheck.reports.pages.overview.first_screen import answer
 from spincheck.reports.pages.overview.heat_map import heat_map
 from spincheck.reports.pages.render import render

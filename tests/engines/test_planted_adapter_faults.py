@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from adapter_checks import CHECKS, Check
 from spincheck.engines import BodyReading, Engine, Method, Session, State
-from spincheck.engines.contract import CHECKS, Check, ContractBroken, checks
 from spincheck.scenarios import Scenario
+from spincheck.suite import test_adapter
+from spincheck.suite.comparisons import ContractBroken
 from stranger.toy_engine import Toy, ToySession
 
 pytestmark = pytest.mark.slow
@@ -161,25 +163,25 @@ class RestartIsWarm(ToySession):
 
 
 FAULTS: list[tuple[type[ToySession], Check]] = [
-    (OtherMass, checks.holds_the_scene_and_only_its_effects_act),
-    (OtherStart, checks.holds_the_scene_and_only_its_effects_act),
-    (GravityUncalledFor, checks.holds_the_scene_and_only_its_effects_act),
-    (GravityInSecret, checks.begins_as_the_equations_of_motion_say),
-    (GravityLeftOut, checks.holds_the_scene_and_only_its_effects_act),
-    (GravityLeftOut, checks.begins_as_the_equations_of_motion_say),
-    (DegreesPerSecond, checks.begins_as_the_equations_of_motion_say),
-    (WorldOmega, checks.begins_as_the_equations_of_motion_say),
-    (FirstOrder, checks.is_of_the_declared_order),
-    (Noisy, checks.repeats_to_the_last_bit),
-    (OneStepShort, checks.takes_many_steps_at_once_as_it_takes_them_one_by_one),
-    (DisturbedByReading, checks.is_not_disturbed_by_being_read),
-    (SharesItsState, checks.shares_no_memory_between_sessions),
-    (GivesItsOwnArrays, checks.shares_no_memory_between_sessions),
-    (RecordsAStepLate, checks.records_what_it_reads),
-    (RestartForgetsOmega, checks.restarts_as_it_opens),
-    (RestartKeepsVelocity, checks.restarts_as_it_opens),
-    (RestartKeepsTimestep, checks.restarts_as_it_opens),
-    (RestartIsWarm, checks.restarts_as_it_opens),
+    (OtherMass, test_adapter.test_holds_the_scene_and_only_its_effects_act),
+    (OtherStart, test_adapter.test_holds_the_scene_and_only_its_effects_act),
+    (GravityUncalledFor, test_adapter.test_holds_the_scene_and_only_its_effects_act),
+    (GravityInSecret, test_adapter.test_begins_as_the_equations_of_motion_say),
+    (GravityLeftOut, test_adapter.test_holds_the_scene_and_only_its_effects_act),
+    (GravityLeftOut, test_adapter.test_begins_as_the_equations_of_motion_say),
+    (DegreesPerSecond, test_adapter.test_begins_as_the_equations_of_motion_say),
+    (WorldOmega, test_adapter.test_begins_as_the_equations_of_motion_say),
+    (FirstOrder, test_adapter.test_order_of_accuracy),
+    (Noisy, test_adapter.test_repeats_to_the_last_bit),
+    (OneStepShort, test_adapter.test_many_steps_at_once_equal_single_steps),
+    (DisturbedByReading, test_adapter.test_reading_does_not_disturb),
+    (SharesItsState, test_adapter.test_shares_no_memory_between_sessions),
+    (GivesItsOwnArrays, test_adapter.test_shares_no_memory_between_sessions),
+    (RecordsAStepLate, test_adapter.test_records_what_it_reads),
+    (RestartForgetsOmega, test_adapter.test_restarts_as_it_opens),
+    (RestartKeepsVelocity, test_adapter.test_restarts_as_it_opens),
+    (RestartKeepsTimestep, test_adapter.test_restarts_as_it_opens),
+    (RestartIsWarm, test_adapter.test_restarts_as_it_opens),
 ]
 
 
@@ -206,7 +208,7 @@ def test_a_method_that_is_another_by_name_only_is_caught() -> None:
 
     engine = Twice()
     with pytest.raises(ContractBroken, match="it never differs from RK45"):
-        checks.differs_from_every_other_method(engine, engine.methods[0])
+        test_adapter.test_differs_from_every_other_method(engine, engine.methods[0])
 
 
 def test_a_method_that_is_better_than_declared_is_reported_so() -> None:
@@ -215,7 +217,7 @@ def test_a_method_that_is_better_than_declared_is_reported_so() -> None:
 
     engine = Modest()
     with pytest.raises(ContractBroken, match="declared are less"):
-        checks.is_of_the_declared_order(engine, engine.methods[0])
+        test_adapter.test_order_of_accuracy(engine, engine.methods[0])
 
 
 def test_a_method_that_can_simulate_nothing_is_caught() -> None:
@@ -229,4 +231,6 @@ def test_a_method_that_can_simulate_nothing_is_caught() -> None:
 
 
 def test_every_check_catches_something() -> None:
-    assert {check for _, check in FAULTS} | {checks.differs_from_every_other_method} == set(CHECKS)
+    assert {check for _, check in FAULTS} | {
+        test_adapter.test_differs_from_every_other_method
+    } == set(CHECKS)

@@ -3,8 +3,8 @@
 `SCENES` holds them by name. `scene` builds another from tables of its own.
 """
 
-from ...scenarios import Scenario, loads
-from ...scenarios.scenario import started_at
+from spincheck.scenarios import Scenario, loads
+from spincheck.scenarios.scenario import started_at
 
 #: Principal moments all different, the triangle inequality satisfied with room to spare.
 ASYMMETRIC = """
