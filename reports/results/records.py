@@ -5,7 +5,7 @@ field is added by adding it here, with a default that says that it is absent.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Annotated, ClassVar
 
 from pydantic import AfterValidator, ConfigDict
@@ -140,6 +140,7 @@ class SolvedScene(Record):
     uncertainty: Errors
     conditioning: Errors
     horizon: Size | None = None
+    lifts_off: bool = False
     trajectory: Trajectory | None = None
 
     @staticmethod
@@ -157,9 +158,8 @@ class SolvedScene(Record):
         """
         if self.trajectory is None:
             raise ValueError("a scene without its exact motion")
-        solution = Solution(
-            self.trajectory, self.method, self.uncertainty, self.conditioning, self.horizon
-        )
+        names = (field.name for field in fields(Solution))
+        solution = Solution(**{name: getattr(self, name) for name in names})
         return loads(self.toml, self.scenario), solution
 
 
