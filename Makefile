@@ -71,7 +71,7 @@ suite: $(READY)
 	$(BIN)/pytest --pyargs spincheck.suite --spincheck-engine all \
 		--spincheck-xfails tests/reports/interface/suite/known_failures.toml
 
-# What engines hold of the robots of public packages (200 MB of them): docs/how-to/models.md.
+# What engines hold of the robots of public packages (200 MB of them): docs/measured/public-models.md.
 survey: $(READY)
 	$(BIN)/pip install --quiet --editable '.[models]'
 	$(BIN)/python tests/reports/harness/users_models/survey.py

@@ -6,8 +6,8 @@ wait for the disk. A killed process loses nothing by that, since the operating s
 wrote; a power cut may lose the last runs, which the next study makes again, but does not damage the
 file (https://www.sqlite.org/pragma.html, synchronous).
 
-A result file may come from anyone. Before anything is read from it, its schema is compared with
-ours word for word, so that no foreign view, trigger or expression is ever evaluated
+A result file may come from anyone. Before anything is read from it, the digest of its schema is
+compared with ours, so that no foreign view, trigger or expression is ever evaluated
 (https://www.sqlite.org/security.html).
 """
 
