@@ -8,4 +8,4 @@ INCLUDED = (*TOPS, *(f"{top}.*" for top in TOPS))
 INTERFACE = "reports.interface"
 
 found = find_packages(include=INCLUDED, exclude=(f"{INTERFACE}*",))
-setup(packages=["spincheck", *(f"spincheck.{name}" for name in found)])
+setup(packages=["spincheck", "spincheck.suite", *(f"spincheck.{name}" for name in found)])

@@ -13,8 +13,8 @@ from ..scenarios import Scenario, Trajectory
 from ..scenarios.fastest_rate import decay_rate
 from .checks.audit import audit
 from .checks.bounds import Bounds
+from .checks.equation_residuals import equation_residuals
 from .checks.faults import clamped_turn
-from .checks.first_steps import NEGLIGIBLE, equation_residuals
 from .checks.precision import single_precision
 from .checks.read_back import (
     READ_BACK_SLACK,
@@ -88,11 +88,13 @@ class Release:
         version needs otherwise than the newest does
     methods : with their orders in that version
     installed_as : the engine whose installed versions it shares; its own name if empty
+    surplus : packages that come along and that no run imports: they are not kept
     """
 
     requirements: tuple[str, ...]
     methods: tuple[Method, ...]
     installed_as: str = ""
+    surplus: tuple[str, ...] = ()
 
 
 class Engine(ABC):
@@ -246,17 +248,11 @@ class Engine(ABC):
         return ""
 
     @final
-    def equation_residuals(
-        self, scenario: Scenario, method: Method, *, single_precision: bool = False
-    ) -> str:
-        """How the engine's first steps differ from the scene's equations, in words; else empty.
+    def equation_residuals(self, scenario: Scenario, method: Method) -> str:
+        """How the engine's steps from the start differ from the scene's equations, in words.
 
-        Empty also for an engine as shipped, which need not obey them, and where the engine raises
-        an `EngineError` before these steps are done.
-
-        Parameters
-        ----------
-        single_precision : whether its runs are of single precision, declared or not
+        Empty if they do not, also for an engine as shipped, which need not obey them, and where the
+        engine raises an `EngineError` before these steps are done.
 
         Raises
         ------
@@ -265,21 +261,17 @@ class Engine(ABC):
         """
         if method.as_shipped or self.unsupported(scenario, method):
             return ""
-        negligible = max(NEGLIGIBLE, self.slack) if self.of_file else NEGLIGIBLE
-        is_single = single_precision or self.single_precision
-        numbers = np.float32 if is_single else np.float64
         try:
-            residuals = equation_residuals(
+            return equation_residuals(
                 lambda scene, timestep: self.open(scene, method, timestep),
                 scenario,
-                float(np.finfo(numbers).eps),
-                negligible,
+                self.slack if self.of_file else 0.0,
+                is_single=self.single_precision,
             )
         except EngineError as error:
             if error.cause in ENVIRONMENTAL:
                 raise
             return ""
-        return "; ".join(residuals)
 
     @final
     def run(

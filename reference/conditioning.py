@@ -1,8 +1,9 @@
 """What one ulp in the start and the body does to a motion.
 
-Changed are, in extended precision, ω and attitude at t = 0, the principal moments, and the lever's
-length: every number by as much, relative to the largest of its kind. Equal moments stay equal and
-the lever keeps its direction: rounding in a run, step by step, changes no body's symmetry.
+Changed are, in extended precision, ω and attitude at t = 0, the principal moments, the lever's
+length, and what rotors keep: every number by as much, relative to the largest of its kind. Equal
+moments stay equal and the lever keeps its direction: rounding in a run, step by step, changes no
+body's symmetry.
 
 To first order the change of the motion is J x, x being the dozen nudges. It is measured for four x
 of signs only; the root mean square of |J x| over random signs is the Frobenius norm of J
@@ -62,6 +63,11 @@ def nudged(problem: Problem, k: int, size: mpf) -> Problem:
             omega_axes=(w1, w2, w3),
             q_world_axes=product(problem.q_world_axes, turn),
             lever_axes=scaled(problem.lever_axes, 1 + size * SIGNS_OF_LEVER[0][k]),
+            tip_axes=scaled(problem.tip_axes, 1 + size * SIGNS_OF_LEVER[0][k]),
+            kept=tuple(
+                kept * (1 + size * SIGNS_OF_LEVER[rotor % 2][k])
+                for rotor, kept in enumerate(problem.kept)
+            ),
         )
 
 

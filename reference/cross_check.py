@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from ..scenarios import PUSHED, FloatArray, Scenario, Trajectory, push
+from ..scenarios.effects import table
 from ..scenarios.fastest_rate import decay_rate, fastest_rate
 
 EPS = float(np.finfo(float).eps)
@@ -74,7 +75,8 @@ def cross_check(scenario: Scenario, times: FloatArray) -> CrossCheck:
     velocity = constraint.velocity_world(R_world_body.apply(swing), velocity)
     # Twelve evaluations a step, and one more that the next step begins with.
     steps = int(solution.nfev // 11)
-    return CrossCheck(Trajectory(times, q, omega, com, velocity), steps, tolerance)
+    spins = scenario.rotors.spins(omega, _kept(scenario))
+    return CrossCheck(Trajectory(times, q, omega, com, velocity, spins), steps, tolerance)
 
 
 def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]:
@@ -87,7 +89,10 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
     mass = scenario.body.mass * float(scenario.constraint.is_pivot)
     lever = (mass * scenario.body.com).tolist()
     gravity, is_pushed = scenario.gravity_world.tolist(), bool(scenario.called_for & PUSHED)
+    on_table = scenario.effects.table is not None
     falling = [0.0, 0.0, 0.0] if scenario.constraint.is_pivot else gravity
+    rotors = scenario.rotors
+    kept = (_kept(scenario) @ rotors.axes_body).tolist()
 
     def rate(_t: float, state: FloatArray) -> list[float]:
         a, b, c, w, x, y, z, *_, vx, vy, vz = state.tolist()
@@ -99,12 +104,19 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
         ]
         pull = _product(R_body_world, gravity)
         omega = [a, b, c]
-        fall, gyroscopic = _cross(lever, pull), _cross(omega, _product(differences, omega))
+        L = _product(differences, omega)
+        fall = _cross(lever, pull)
+        gyroscopic = _cross(omega, [L[k] + kept[k] for k in range(3)])
         torque = [fall[k] / norm - gyroscopic[k] for k in range(3)]
         if is_pushed:
             R = np.array(R_body_world) / norm
             pushed = R @ push(scenario.pushed, R.T, R.T @ omega)
             torque = [torque[k] + pushed[k] for k in range(3)]
+        if on_table:
+            up, turning = np.array(R_body_world).T[2] / norm, np.array(omega)
+            pressed = table.normal_force(scenario, up, turning, np.array(torque))
+            arm = table.arm_body(scenario, up)
+            torque = [torque[k] + float(pressed * arm[k]) for k in range(3)]
         q_rate = [
             0.5 * (-x * a - y * b - z * c),
             0.5 * (w * a + y * c - z * b),
@@ -128,6 +140,11 @@ def _cross(u: list[float], v: list[float]) -> list[float]:
         u[2] * v[0] - u[0] * v[2],
         u[0] * v[1] - u[1] * v[0],
     ]
+
+
+def _kept(scenario: Scenario) -> FloatArray:
+    """Angular momentum that the rotors' hinges keep, kg m²/s, (rotors,)."""
+    return scenario.rotors.kept(scenario.start.omega_body, scenario.rotors.start_spins)
 
 
 def _differences(scenario: Scenario) -> FloatArray:

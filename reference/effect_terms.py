@@ -6,25 +6,32 @@ is why the equations are about the body's origin.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from mpmath import mpf
 
 from ..scenarios import Scenario
+from ..scenarios.effects.rotors import kept_exact
 from ..scenarios.exact import ZERO, Quaternion, Vector, rotate, vector
 from .problem import Problem
 from .taylor_coefficients import (
     CONSTANT,
+    DOWN_AND_RADIUS,
     GRAVITY_WORLD,
     LEVER_AFTER,
     LEVER_NEXT,
     LINEAR,
+    MASS_OVER_MOMENT,
+    MOMENTUM,
+    TIP,
     TORQUE_WORLD,
+    UP_WORLD,
 )
 
 #: A lever times a vector fixed in the world; a torque fixed in the world; one fixed in the body,
-#: which is a constant; one proportional to ω.
-Form = Literal["lever", "world", "constant", "linear"]
+#: which is a constant; one proportional to ω; a force that keeps a point on a plane; a momentum
+#: fixed in the body, times ω.
+Form = Literal["lever", "world", "constant", "linear", "plane", "momentum"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +47,7 @@ class EffectTerms:
     """
 
     form: Form
-    posed: Callable[[Scenario, Quaternion], dict[str, Vector | mpf]]
+    posed: Callable[[Scenario, Quaternion], dict[str, Any]]
     turns: Callable[[Problem], bool]
     constants: Callable[[Problem, int, int, int], dict[int, mpf]]
 
@@ -89,12 +96,48 @@ TORQUE_OF_WORLD = EffectTerms(
     constants=lambda problem, i, *_: {TORQUE_WORLD: problem.torque_world[i]},
 )
 
+
+def _posed_table(scenario: Scenario, q: Quaternion) -> dict[str, Vector | mpf]:
+    table = scenario.effects.table
+    if table is None:
+        return {}
+    x, y, z = rotate(q, scenario.constraint.lever_exact)
+    radius, mass = mpf(table.radius), scenario.body.mass_exact
+    return {"tip_axes": (-x, -y, -z), "tip_radius": radius, "mass": mass}
+
+
+TABLE = EffectTerms(
+    form="plane",
+    posed=_posed_table,
+    turns=lambda problem: any(problem.tip_axes),
+    constants=lambda problem, i, *_: {
+        TIP: problem.tip_axes[i],
+        MASS_OVER_MOMENT: problem.mass / problem.moments[i],
+        UP_WORLD: mpf(i == 2),
+        DOWN_AND_RADIUS: (-problem.gravity_world[2], problem.tip_radius, mpf(0))[i],
+    },
+)
+
+ROTORS = EffectTerms(
+    form="momentum",
+    posed=lambda scenario, q: {
+        "kept": tuple(
+            kept_exact(rotor, scenario.start.omega_body_exact) for rotor in scenario.rotors.each
+        ),
+        "rotors_axes": tuple(rotate(q, rotor.axis) for rotor in scenario.rotors.each),
+    },
+    turns=lambda problem: any(problem.rotors_momentum),
+    constants=lambda problem, i, *_: {MOMENTUM: problem.rotors_momentum[i]},
+)
+
 #: By the effect's name.
 TERMS = {
     "gravity": GRAVITY,
+    "table": TABLE,
     "drag": DRAG,
     "torque_body": TORQUE_OF_BODY,
     "torque_world": TORQUE_OF_WORLD,
+    "rotors": ROTORS,
 }
 
 

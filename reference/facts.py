@@ -17,6 +17,7 @@ from ..scenarios import (
     kinetic_energy,
     potential_energy,
 )
+from ..scenarios.effects.rotors import EFFECT as ROTORS
 from ..scenarios.exact import DIGITS, dot
 from . import heavy_symmetric_top as lagrangian
 from . import stability
@@ -86,8 +87,14 @@ def _start(scenario: Scenario, problem: Problem) -> Trajectory:
 
 def _of_any_body(scenario: Scenario, problem: Problem, start: Trajectory) -> Iterator[Fact]:
     point = "pivot" if scenario.constraint.is_pivot else "centre of mass"
+    less = ", less those of free rotors about their axles" if scenario.rotors else ""
     for k, moment in enumerate(problem.moments, start=1):
-        yield Fact(f"moment {k}", float(moment), "kg m²", f"principal, about the {point}")
+        yield Fact(f"moment {k}", float(moment), "kg m²", f"principal, about the {point}{less}")
+    if scenario.rotors:
+        kept = float(norm(problem.rotors_momentum))
+        yield Fact("rotors' momentum", kept, "kg m²/s", "‖h‖, what free and driven hinges keep")
+        rate = ROTORS.rate(scenario)
+        yield Fact("gyroscopic rate", rate, "rad/s", "‖h‖ over the least moment across h")
     kinetic = float(kinetic_energy(scenario, start)[0])
     potential = float(potential_energy(scenario, start)[0]) + 0.0  # never −0
     L = float(np.linalg.norm(angular_momentum_world(scenario, start)[0]))

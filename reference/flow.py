@@ -16,7 +16,7 @@ from .motion import Flight, along_axes, assembled
 from .problem import Problem
 from .rotational_problem import rotational_problem
 from .taylor import IntegrationError, constants_of, inverses_to, terms_of
-from .taylor_coefficients import COLUMNS, OMEGA, STATE, Q, Terms, extend
+from .taylor_coefficients import COLUMNS, MOMENTUM, OMEGA, STATE, Q, Terms, extend
 from .taylor_march import start_from_state, step_size
 
 #: A step ends where the series is e⁻³⁶ of the state, an ulp. To a given end the lowest of these
@@ -52,21 +52,24 @@ def flow(scenario: Scenario, states: Trajectory, spans: FloatArray) -> Trajector
     attitude, spin = table[:, Q : Q + 4], table[:, OMEGA : OMEGA + 3]
     q_world_axes, omega_axes = along_axes(problem, states)
     attitude[:], spin[:] = q_world_axes[: len(spans)], omega_axes[: len(spans)]
-    done = flow_each(constants, inverses, terms, table, spans, MAX_STEPS)
+    kept = scenario.rotors.kept(states.omega_body, states.spins)[: len(spans)]
+    momenta = kept @ np.array(problem.rotors_axes, dtype=float).reshape(-1, 3)
+    done = flow_each(constants.copy(), inverses, terms, table, momenta, spans, MAX_STEPS)
     if done < len(spans):
         raise IntegrationError(
             f"The motion from state {done} cannot be followed for {spans[done]:g} s: it is too "
             f"fast for doubles, or for {MAX_STEPS} steps. Ask for a shorter span."
         )
     flight = Flight(spans, states.com_world[: len(spans)], states.velocity_world[: len(spans)])
-    return assembled(scenario, problem, states.t[: len(spans)], (attitude, spin), flight)
+    return assembled(scenario, problem, states.t[: len(spans)], (attitude, spin), flight, kept)
 
 
 @lru_cache(maxsize=RECENT)
 def _posed(scenario: Scenario) -> tuple[Problem, FloatArray, Terms]:
     """Problem, constants and terms: in extended precision they take as long as many flows."""
     problem = rotational_problem(scenario)
-    return problem, constants_of(problem)[0], terms_of(problem)
+    terms = terms_of(problem)
+    return problem, constants_of(problem)[0], terms._replace(momentum=bool(scenario.rotors))
 
 
 @kernel
@@ -85,10 +88,13 @@ def flow_each(
     inverses: FloatArray,
     terms: Terms,
     states: FloatArray,
+    momenta: FloatArray,
     spans: FloatArray,
     steps: int,
 ) -> int:
     """Move states (n, STATE) on, each by its own span, in a limited number of steps each.
+
+    Those of bodies with rotors have a momentum h each, (n, 3), which the constants are given.
 
     Returns how many of them, from the first on, are done.
     """
@@ -96,6 +102,8 @@ def flow_each(
     for k in range(spans.size):
         for i in range(STATE):
             series[0, i] = states[k, i]
+        if terms.momentum:
+            constants[MOMENTUM] = momenta[k]
         left = spans[k]
         taken = 0
         while left > 0.0:

@@ -39,7 +39,8 @@ def motion(
     """
     start = scenario.start
     flight = Flight(times, start.position_world, start.velocity_world)
-    return assembled(scenario, problem, times, states, flight)
+    kept = np.array(problem.kept, dtype=float)
+    return assembled(scenario, problem, times, states, flight, kept)
 
 
 def assembled(
@@ -48,12 +49,14 @@ def assembled(
     times: FloatArray,
     states: tuple[FloatArray, FloatArray],
     flight: Flight,
+    kept: FloatArray,
 ) -> Trajectory:
     """Assemble a trajectory whose samples need not have flown from one start.
 
     Parameters
     ----------
     times, states : as of `motion`
+    kept : angular momentum that the rotors' hinges keep, kg m²/s, (rotors,) or (n, rotors)
     """
     q_world_axes, omega_axes = states
     q_axes_body = np.array(problem.q_axes_body, dtype=float)
@@ -66,7 +69,8 @@ def assembled(
         # scipy refuses read-only arrays, hence the copies here and below.
         omega_body = np.asarray(R_axes_body.inv().apply(np.array(omega_axes)))
     com_world, velocity_world = _placed(scenario, q_world_body, omega_body, flight)
-    return Trajectory(times, q_world_body, omega_body, com_world, velocity_world)
+    spins = scenario.rotors.spins(omega_body, kept)
+    return Trajectory(times, q_world_body, omega_body, com_world, velocity_world, spins)
 
 
 def along_axes(problem: Problem, motion: Trajectory) -> tuple[FloatArray, FloatArray]:

@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass
 
-from mpmath import mpf
+from mpmath import mp, mpf
 
-Vector = tuple[mpf, mpf, mpf]
-Quaternion = tuple[mpf, mpf, mpf, mpf]
+from ..scenarios.exact import DIGITS, ZERO, Quaternion, Vector
+
+_ONE = mpf(1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +26,13 @@ class Problem:
     gravity_world : acceleration, m/s²
     torque_axes, torque_world : constant torques along the principal and the world axes, N m
     drag : coefficient c of the torque −c ω, N m s
+    tip_axes : of the sphere that slides on a table, its centre from the centre of mass, m; zero
+        without a table
+    tip_radius : of that sphere, m
+    mass : kg
     q_axes_body : takes body components to components along the principal axes
+    kept, rotors_axes : of each rotor, the angular momentum that its hinge keeps, kg m²/s, and its
+        unit axis along the principal axes
     """
 
     moments: Vector
@@ -37,3 +44,17 @@ class Problem:
     torque_world: Vector
     drag: mpf
     q_axes_body: Quaternion
+    tip_axes: Vector = ZERO
+    tip_radius: mpf = ZERO[0]
+    mass: mpf = _ONE
+    kept: tuple[mpf, ...] = ()
+    rotors_axes: tuple[Vector, ...] = ()
+
+    @property
+    def rotors_momentum(self) -> Vector:
+        """Σ kept · axis, kg m²/s: what is added to I ω."""
+        with mp.workdps(DIGITS):
+            total = ZERO
+            for kept, (u, v, w) in zip(self.kept, self.rotors_axes, strict=True):
+                total = (total[0] + kept * u, total[1] + kept * v, total[2] + kept * w)
+            return total

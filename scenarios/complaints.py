@@ -16,7 +16,7 @@ MAX_COMPLAINTS = 20
 #: Characters of a key, a value or a parser's message that are shown.
 MAX_SHOWN = 100
 _TABLES = ("body", "start", "effects", "window")
-_TABLE_ARRAYS = ("published", "expect")
+_TABLE_ARRAYS = ("published", "expect", "known", "rotors")
 _PUBLISHED = ("omega_body", "omega_world", "com_world", "L_world")
 _UNION_ARMS = (
     ("inertia", "moments"),

@@ -9,13 +9,14 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 from pydantic import BaseModel, Discriminator, Field, Tag, create_model, model_validator
 
 from .body import Body, body_about_com, body_about_origin, body_of_particles
-from .effects import Effects
+from .effects import Effects, Rotors, RotorTable, whole
 from .errors import Misfit
 from .signals import SIGNAL, SIGNALS
 from .values import (
     Digest,
     Inertia,
     Matrix,
+    NotNegative,
     Number,
     Positive,
     Prose,
@@ -30,6 +31,7 @@ from .values import (
 T = TypeVar("T", bound=BaseModel)
 
 MAX_SAMPLES = 1_000_000
+MAX_ROTORS = 16
 
 
 class BodyTable(Table):
@@ -120,8 +122,12 @@ class StartTable(Table):
     euler_zyz_rates: Vector | None = Field(
         None, description="rad/s: α̇ β̇ γ̇; takes the attitude as euler_zyz_deg"
     )
-    position: Vector | None = Field(None, description="m, of the com; free bodies only")
-    velocity: Vector | None = Field(None, description="m/s, of the com; free bodies only")
+    position: Vector | None = Field(
+        None, description="m, of the com; not with a pivot; on a table z follows from the attitude"
+    )
+    velocity: Vector | None = Field(
+        None, description="m/s, of the com; not with a pivot; on a table z follows from ω"
+    )
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
@@ -176,7 +182,7 @@ Components = Annotated[
 class Published(Table):
     """Published values, which the reference is compared with."""
 
-    t: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)] = Field(description="s")
+    t: NotNegative = Field(description="s")
     omega_body: Components | None = Field(None, description="rad/s, body axes")
     omega_world: Components | None = Field(None, description="rad/s, world axes")
     quaternion_wxyz: Quaternion | None = Field(None, description="body to world, up to its sign")
@@ -257,6 +263,9 @@ class Document(Table):
     )
     body: BodyTable = Field(description="the rigid body")
     start: StartTable = Field(description="the state at t = 0")
+    rotors: tuple[RotorTable, ...] | None = Field(
+        None, description="parts that turn in the body", max_length=MAX_ROTORS
+    )
     effects: Effects = Field(Effects(), description="what acts on the body")
     window: Window = Field(description="the span that is simulated")
     published: tuple[Published, ...] = Field((), description="values that others printed")
@@ -271,6 +280,12 @@ class Document(Table):
             for key in ("position", "velocity"):
                 if key in self.start.model_fields_set:
                     raise Misfit("for free bodies; this one has a pivot", "start", key)
+        rotors = self.rotors or ()
+        for k in range(len(rotors)):
+            try:
+                whole(self.body.body(), Rotors.of(rotors[: k + 1]))
+            except ValueError as error:
+                raise Misfit(f"with it in the body, {error}", "rotors", k) from None
         duration = self.window.duration
         for index, value in enumerate(self.published):
             if value.t > duration:
@@ -285,6 +300,10 @@ class Document(Table):
                     *("expect", index, "timestep"),
                 )
         return self
+
+    def whole_body(self) -> Body:
+        """The body with its rotors as if they did not turn in it."""
+        return whole(self.body.body(), Rotors.of(self.rotors))
 
 
 def _names(keys: Any) -> str:

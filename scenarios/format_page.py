@@ -19,7 +19,8 @@ from .document import (
 from .effects import EFFECTS, Effects
 from .values import Table
 
-#: Every table of the file in the order it is written, with an example; together they are a scene.
+#: Every table of the file in the order it is written, with an example; together they are a scene,
+#: but for the table, which excludes the pivot.
 EXAMPLES: dict[str, tuple[type[Table], str]] = {
     "The top of the file": (
         Document,
@@ -47,10 +48,7 @@ euler_zyz_rates = [2.0, 0.0, 80.0]  # rad/s: precession, nutation, spin
     ),
     "[effects]": (Effects, ""),
     **{
-        f"[effects.{effect.table}]": (
-            effect.model,
-            f"[effects.{effect.table}]\n{effect.model.EXAMPLE}",
-        )
+        effect.heading: (effect.model, f"{effect.heading}\n{effect.model.EXAMPLE}")
         for effect in EFFECTS.values()
     },
     "[window]": (
@@ -64,7 +62,7 @@ samples = 201
         Published,
         """[[published]]
 t = 0.0
-energy = 1.5494                   # J
+energy = 4.5064                   # J
 tolerance = 1e-4
 source = "worked out by hand"
 """,

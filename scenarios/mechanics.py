@@ -20,11 +20,14 @@ RECENT = 16
 def angular_momentum_world(scenario: "Scenario", motion: Trajectory) -> FloatArray:
     """L about the pivot, or the com where there is none, kg m²/s, (n, 3), read-only.
 
-    L = R I_com ω, and m r × v besides where there is a pivot
+    L = R I_com ω, with what rotors add to I_com ω, and m r × v besides where there is a pivot
     (Goldstein, Classical Mechanics, eq. 1.28: L of the centre of mass plus L about it).
     """
     body = scenario.body
-    L_world = motion.to_world(motion.omega_body @ body.inertia_com)
+    L_body = motion.omega_body @ body.inertia_com
+    if scenario.rotors:
+        L_body = L_body + scenario.rotors.momentum_body(motion.spins)
+    L_world = motion.to_world(L_body)
     if not scenario.constraint.is_pivot:
         return _readonly(L_world)
     momentum_world = body.mass * motion.velocity_world
@@ -32,12 +35,13 @@ def angular_momentum_world(scenario: "Scenario", motion: Trajectory) -> FloatArr
 
 
 def kinetic_energy(scenario: "Scenario", motion: Trajectory) -> FloatArray:
-    """T = ½ m v² + ½ ω·I_com ω, J, (n,) (Goldstein, eq. 1.31 and 5.16)."""
+    """T = ½ m v² + ½ ω·I_com ω, with what rotors add, J, (n,) (Goldstein, eq. 1.31 and 5.16)."""
     body = scenario.body
     omega = motion.omega_body
     rotation: FloatArray = np.einsum("ni,ij,nj->n", omega, body.inertia_com, omega)
     speed_squared: FloatArray = np.einsum("ni,ni->n", motion.velocity_world, motion.velocity_world)
-    return 0.5 * (rotation + body.mass * speed_squared)
+    rigid = 0.5 * (rotation + body.mass * speed_squared)
+    return rigid + scenario.rotors.energy(omega, motion.spins) if scenario.rotors else rigid
 
 
 def potential_energy(scenario: "Scenario", motion: Trajectory) -> FloatArray:

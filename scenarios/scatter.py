@@ -54,10 +54,10 @@ def member(scenario: Scenario, seed: int, number: int) -> Scenario:
     start["quaternion_wxyz"] = _attitude(scenario, attitude).as_quat(scalar_first=True).tolist()
     turned = Rotation.from_rotvec(SCATTER * turn).apply(np.array(scenario.start.omega_body))
     start["omega_body"] = (turned * _factor(longer)).tolist()
-    body["mass"] = float(scenario.body.mass * _factor(mass))
-    body["inertia"] = _inertia(scenario.body, shape)
-    if not scenario.constraint.is_free:
-        body["com"] = (scenario.body.com * _factor(arm)).tolist()
+    body["mass"] = float(scenario.carrier.mass * _factor(mass))
+    body["inertia"] = _inertia(scenario.carrier, shape)
+    if scenario.constraint.is_pivot:
+        body["com"] = (scenario.carrier.com * _factor(arm)).tolist()
     changed = tables | {"start": start, "body": body}
     return rewritten(scenario, changed, f"member {number} of seed {seed}")
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from mpmath import mp
@@ -14,7 +15,7 @@ from . import exact
 from .body import Body
 from .constraint import Constraint
 from .document import Document, Expect, Known, Published, StartTable, Window
-from .effects import EFFECTS, Effect, Effects
+from .effects import EFFECTS, Effect, Effects, Rotors, without_free_axes
 from .float_array import FloatArray, read_only
 from .values import Table
 from .write import to_toml
@@ -62,7 +63,7 @@ class Scenario:
     path : the file it was read from, or None for one built in memory
     text : the file, as read or as it would be written
     document : its tables
-    body, start : what they describe
+    body, start : what they describe; of the body with its rotors as if they did not turn in it
     """
 
     name: str
@@ -79,12 +80,12 @@ class Scenario:
     @cached_property
     def digest(self) -> str:
         """SHA-256, hexadecimal, of what the motion depends on: whether a run is of this scene."""
-        return self._digest("body", "start", "effects", "window")
+        return self._digest("body", "rotors", "start", "effects", "window")
 
     @cached_property
     def judged_digest(self) -> str:
         """Likewise of what verdicts depend on: also expectations and expected failures."""
-        return self._digest("body", "start", "effects", "window", "expect", "known")
+        return self._digest("body", "rotors", "start", "effects", "window", "expect", "known")
 
     def _digest(self, *tables: str) -> str:
         # Without what is not there: an effect that is new to the format leaves all other scenes be.
@@ -134,29 +135,42 @@ class Scenario:
     @cached_property
     def acting(self) -> tuple[Effect, ...]:
         """The same, in the order of `EFFECTS`."""
-        return tuple(one for one in EFFECTS.values() if one.is_called_for(self.effects))
+        return tuple(one for one in EFFECTS.values() if one.is_called_for(self.document))
 
     @cached_property
     def constraint(self) -> Constraint:
-        """What holds the body; of one that is free, nothing."""
-        holding = [effect.constraint(self) for effect in self.acting if effect.constraint]
-        return holding[0] if holding else Constraint((False,) * 3, self.body.com_exact)
+        """What holds the body."""
+        return _constraint(self.document, self.body)
 
     @property
     def about(self) -> str:
         """The point that L and the moments of inertia are about: "pivot" or "com"."""
         return "pivot" if self.constraint.is_pivot else "com"
 
-    @property
-    def inertia_exact(self) -> exact.Tensor:
-        """Inertia tensor about the pivot, or the com where there is none, kg m², body axes."""
-        body = self.body
-        return body.inertia_origin_exact if self.about == "pivot" else body.inertia_com_exact
+    @cached_property
+    def rotors(self) -> Rotors:
+        """The parts of the body that turn in it."""
+        return Rotors.of(self.document.rotors)
 
-    @property
+    @cached_property
+    def carrier(self) -> Body:
+        """The body without its rotors."""
+        return self.document.body.body() if self.rotors else self.body
+
+    @cached_property
+    def inertia_exact(self) -> exact.Tensor:
+        """Inertia tensor about the pivot, or the com where there is none, kg m², body axes.
+
+        It is what ω' is multiplied by: without what rotors that turn freely have about their axles.
+        """
+        body = self.body
+        tensor = body.inertia_origin_exact if self.about == "pivot" else body.inertia_com_exact
+        return without_free_axes(tensor, self.rotors)
+
+    @cached_property
     def inertia(self) -> FloatArray:
         """The same as doubles, (3, 3)."""
-        return self.body.inertia_origin if self.about == "pivot" else self.body.inertia_com
+        return read_only(self.inertia_exact)
 
     @cached_property
     def gravity_world(self) -> FloatArray:
@@ -201,29 +215,32 @@ def _rebuilt(text: str, name: str, path: Path | None) -> Scenario:
 
 def build(document: Document, name: str, text: str, path: Path | None = None) -> Scenario:
     """Turn a validated document, whose text this is, into a scenario."""
+    body = document.whole_body()
     return Scenario(
         name=name,
         path=path,
         text=text,
         document=document,
-        body=document.body.body(),
-        start=_start(document.start),
+        body=body,
+        start=_start(document.start, _constraint(document, body)),
     )
 
 
-def with_tables(scenario: Scenario, **tables: Table) -> Scenario:
+def with_tables(scenario: Scenario, **tables: Table | tuple[Table, ...] | None) -> Scenario:
     """The scene with other tables, such as `window`, under the same name; its text is rewritten.
 
     Published values and expectations are left out: they hold of the scene as it was.
     """
     alone: dict[str, object] = dict.fromkeys(OF_THE_SCENE_ALONE, ())
     document = scenario.document.model_copy(update=alone | tables)
+    body = document.whole_body() if {"body", "rotors"} & tables.keys() else scenario.body
+    moved = {"start", "body", "rotors", "effects"} & tables.keys()
     return replace(
         scenario,
         text=to_toml(document.model_dump(mode="json", exclude_defaults=True)),
         document=document,
-        body=document.body.body() if "body" in tables else scenario.body,
-        start=_start(document.start) if "start" in tables else scenario.start,
+        body=body,
+        start=_start(document.start, _constraint(document, body)) if moved else scenario.start,
     )
 
 
@@ -233,6 +250,7 @@ def started_at(
     omega_body: Sequence[float] | FloatArray,
     com_world: Sequence[float] | FloatArray,
     velocity_world: Sequence[float] | FloatArray,
+    spins: Sequence[float] | FloatArray | None = None,
 ) -> Scenario:
     """The scene with another state at its start, as `with_tables`.
 
@@ -240,8 +258,9 @@ def started_at(
     ----------
     q_world_body_wxyz : attitude, takes body to world components, unit quaternion, (4,)
     omega_body : angular velocity, rad/s, body axes, (3,)
-    com_world, velocity_world : of the centre of mass, m and m/s, (3,); with a pivot they follow
-        from the other two and are not looked at
+    com_world, velocity_world : of the centre of mass, m and m/s, (3,); along axes along which the
+        body is held they follow from the other two and are not looked at
+    spins : of the rotors, relative to the body, rad/s, (rotors,); as they are if None
 
     Raises
     ------
@@ -252,16 +271,38 @@ def started_at(
     if not scenario.constraint.is_pivot:
         numbers |= {"position": com_world, "velocity": velocity_world}
     start = {key: tuple(float(value) for value in values) for key, values in numbers.items()}
-    return with_tables(scenario, start=StartTable.model_validate(start))
+    tables: dict[str, Any] = {"start": StartTable.model_validate(start)}
+    if scenario.rotors and spins is not None:
+        tables["rotors"] = tuple(
+            table.model_copy(update={"spin": float(spin)})
+            for table, spin in zip(scenario.document.rotors or (), spins, strict=True)
+        )
+    return with_tables(scenario, **tables)
 
 
-def _start(table: StartTable) -> Start:
+def _constraint(document: Document, body: Body) -> Constraint:
+    """What holds a body; of one that is free, nothing."""
+    called_for = (one for one in EFFECTS.values() if one.is_called_for(document))
+    holding = [one.constraint(document.effects, body) for one in called_for if one.constraint]
+    return holding[0] if holding else Constraint((False, False, False), body.com_exact)
+
+
+def _start(table: StartTable, constraint: Constraint) -> Start:
     q = _attitude(table)
+    omega_body = _omega_body(table, q)
+    position, velocity = (read_only(v or exact.ZERO) for v in (table.position, table.velocity))
+    if not (constraint.is_pivot or constraint.is_free):
+        lever = constraint.lever_exact
+        with mp.workdps(exact.DIGITS):
+            lever_world = exact.rotate(q, lever)
+            swing_world = exact.rotate(q, exact.cross(omega_body, lever))
+        position = constraint.com_world(read_only(lever_world), position)
+        velocity = constraint.velocity_world(read_only(swing_world), velocity)
     return Start(
         q_exact=q,
-        omega_body_exact=_omega_body(table, q),
-        position_world=read_only(table.position or exact.ZERO),
-        velocity_world=read_only(table.velocity or exact.ZERO),
+        omega_body_exact=omega_body,
+        position_world=read_only(position),
+        velocity_world=read_only(velocity),
     )
 
 

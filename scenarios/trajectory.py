@@ -1,14 +1,17 @@
 """A motion, sampled."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from .float_array import FloatArray, read_only
 from .rotation import matrices, turned
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +25,7 @@ class Trajectory:
     omega_body : (n, 3) rad/s, body axes
     com_world : (n, 3) m, the centre of mass
     velocity_world : (n, 3) m/s, of the centre of mass
+    spins : (n, rotors) rad/s, of the body's rotors relative to it; without any if left out
 
     Raises
     ------
@@ -35,21 +39,26 @@ class Trajectory:
     omega_body: FloatArray
     com_world: FloatArray
     velocity_world: FloatArray
+    spins: FloatArray = field(default_factory=lambda: np.empty(0))
 
     #: Engines normalise to a few ulp at best, single-precision ones to 1e-7.
     UNIT_NORM_SLACK = 1e-6
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            object.__setattr__(self, field.name, read_only(getattr(self, field.name)))
+        for one in fields(self):
+            object.__setattr__(self, one.name, read_only(getattr(self, one.name)))
         if self.t.ndim != 1:
             raise ValueError(f"'t' must have one dimension, got {self.t.ndim}.")
         n = len(self.t)
+        if not self.spins.size:
+            object.__setattr__(self, "spins", read_only(np.empty((n, 0))))
+        if self.spins.shape[:-1] != (n,):
+            raise ValueError(f"'spins' must have shape ({n}, rotors), got {self.spins.shape}.")
         for name, width in _WIDTHS.items():
             shape = getattr(self, name).shape
             if shape != (n, width):
                 raise ValueError(f"'{name}' must have shape ({n}, {width}), got {shape}.")
-        if not all(np.isfinite(getattr(self, field.name)).all() for field in fields(self)):
+        if not all(np.isfinite(getattr(self, one.name)).all() for one in fields(self)):
             raise ValueError("a trajectory must be finite throughout.")
         if n and not (np.diff(self.t) > 0).all():
             raise ValueError("'t' must increase.")
@@ -59,11 +68,14 @@ class Trajectory:
 
     def __reduce__(self) -> tuple[type["Trajectory"], tuple[FloatArray, ...]]:
         """Unpickled by construction: NumPy's own way gives arrays that can be written to."""
-        return Trajectory, tuple(getattr(self, field.name) for field in fields(self))
+        return Trajectory, tuple(getattr(self, one.name) for one in fields(self))
 
     @property
-    def R_world_body(self) -> Rotation:
+    def R_world_body(self) -> "Rotation":
         """Attitudes as rotations, n of them."""
+        # To import it takes as long as all of spincheck's own modules.
+        from scipy.spatial.transform import Rotation
+
         return Rotation.from_quat(self.q_world_body_wxyz, scalar_first=True)
 
     def to_world(self, vectors_body: FloatArray) -> FloatArray:
@@ -81,11 +93,11 @@ class Trajectory:
         """The first n samples; itself where there are no more."""
         if n >= len(self.t):
             return self
-        return Trajectory(**{field.name: getattr(self, field.name)[:n] for field in fields(self)})
+        return Trajectory(**{one.name: getattr(self, one.name)[:n] for one in fields(self)})
 
     def every(self, n: int) -> "Trajectory":
         """The first sample, and each n-th after it."""
-        return Trajectory(**{field.name: getattr(self, field.name)[::n] for field in fields(self)})
+        return Trajectory(**{one.name: getattr(self, one.name)[::n] for one in fields(self)})
 
     def at(self, samples: NDArray[np.intp]) -> "Trajectory":
         """Some of the samples, by their indices, (k,), increasing."""

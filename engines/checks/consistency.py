@@ -41,7 +41,7 @@ class Steps:
 
     Attributes
     ----------
-    timesteps : (J,) s, each half of the one before
+    timesteps : (J,) s
     """
 
     timesteps: FloatArray
@@ -53,6 +53,13 @@ class Steps:
     def spans(self) -> FloatArray:
         """The timestep of each row, s, (J K,)."""
         return np.repeat(self.timesteps, len(self.before.omega_body) // len(self.timesteps))
+
+    def part(self, first: int, beyond: int) -> "Steps":
+        """The steps with some of the timesteps."""
+        count = len(self.before.omega_body) // len(self.timesteps)
+        rows = slice(first * count, beyond * count)
+        states = (states.rows(rows) for states in (self.before, self.after, self.exact))
+        return Steps(self.timesteps[first:beyond], *states)
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,7 +229,8 @@ def _sizes(equations: Equations, states: State) -> FloatArray:
         velocity, place = speeds * reach, np.full_like(speeds, reach)
     else:
         velocity, place = g + reach * speeds**2, norms(states.velocity_world) + reach * speeds
-    torque = _largest_moment(equations) * speeds**2 + outer
+    torque = _largest_moment(equations) * speeds**2 + norms(equations.kept_body(states)) * speeds
+    torque += outer
     return np.stack([speeds, torque, velocity, place], axis=1)
 
 

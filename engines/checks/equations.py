@@ -10,10 +10,10 @@ from functools import cached_property
 import numpy as np
 
 from ...scenarios import PUSHED, FloatArray, Scenario, push
-from ...scenarios.effects import gravity
+from ...scenarios.effects import gravity, table
 from ...scenarios.fastest_rate import fastest_rate
 from ...scenarios.rotation import cross, matrix, rotation_vectors
-from .read_back import State
+from .read_back import State, stacked
 
 #: rad, largest step of the classical Runge–Kutta rule that computes an exact gain.
 FINE_TURN = 0.05
@@ -21,20 +21,13 @@ FINE_TURN = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """The right-hand sides for one scene; vectors (3,), SI.
-
-    Attributes
-    ----------
-    gyroscopic : whether ω × I ω acts, I about the com; the part due to the com's motion round a
-        pivot acts in any case
-    """
+    """The right-hand sides for one scene; vectors (3,), SI."""
 
     scenario: Scenario
-    gyroscopic: bool = True
 
     @cached_property
     def inertia(self) -> FloatArray:
-        """Tensor about the pivot, or the com without one, kg m², body axes, (3, 3)."""
+        """As `Scenario.inertia`."""
         return self.scenario.inertia
 
     @cached_property
@@ -74,12 +67,22 @@ class Equations:
         pushed: FloatArray = push(self.scenario.pushed, R_world_body, R_world_body @ omega_body)
         return pulled + pushed @ R_world_body
 
-    def torque_body(self, R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
-        """I dω/dt, N m."""
-        inertia = self.inertia
-        if not self.gyroscopic:
-            inertia = inertia - self.scenario.body.inertia_com
-        return self.outer_body(R_world_body, omega_body) - cross(omega_body, inertia @ omega_body)
+    def torque_body(
+        self, R_world_body: FloatArray, omega_body: FloatArray, kept_body: FloatArray
+    ) -> FloatArray:
+        """I dω/dt, N m, given the angular momentum that rotors keep, kg m²/s."""
+        gyroscopic = cross(omega_body, self.inertia @ omega_body + kept_body)
+        torque_body = self.outer_body(R_world_body, omega_body) - gyroscopic
+        if self.scenario.effects.table is None:
+            return torque_body
+        up_body = R_world_body[2]
+        force = table.normal_force(self.scenario, up_body, omega_body, torque_body)
+        return np.asarray(torque_body + force * table.arm_body(self.scenario, up_body))
+
+    def kept_body(self, state: State) -> FloatArray:
+        """The angular momentum that rotors keep, kg m²/s, (3,) or (n, 3)."""
+        rotors = self.scenario.rotors
+        return np.asarray(rotors.kept(state.omega_body, state.spins) @ rotors.axes_body)
 
     def after(self, state: State, span: float) -> State:
         """The state a time `span` later, s."""
@@ -89,22 +92,37 @@ class Equations:
             state.q_world_body_wxyz / np.linalg.norm(state.q_world_body_wxyz),
             state.omega_body,
         )
+        kept = self.kept_body(state)
         for _ in range(steps):
-            q, omega = self._step(q, omega, span / steps)
-        gravity = self.scenario.gravity_world
+            q, omega = self._step(q, omega, kept, span / steps)
+        gravity, constraint = self.scenario.gravity_world, self.scenario.constraint
         com = state.com_world + span * state.velocity_world + span**2 / 2 * gravity
-        return State(q, omega, com, state.velocity_world + span * gravity)
+        R_world_body, rotors = matrix(q), self.scenario.rotors
+        swing_world = R_world_body @ cross(omega, constraint.lever)
+        return State(
+            q,
+            omega,
+            constraint.com_world(R_world_body @ constraint.lever, com),
+            constraint.velocity_world(swing_world, state.velocity_world + span * gravity),
+            rotors.spins(omega, rotors.kept(state.omega_body, state.spins)),
+        )
 
-    def _step(self, q: FloatArray, omega: FloatArray, h: float) -> tuple[FloatArray, FloatArray]:
+    def after_each(self, states: State, spans: FloatArray) -> State:
+        """The states a time later of each of n states, s, (n,)."""
+        return stacked([self.after(states.rows(k), span) for k, span in enumerate(spans)])
+
+    def _step(
+        self, q: FloatArray, omega: FloatArray, kept: FloatArray, h: float
+    ) -> tuple[FloatArray, FloatArray]:
         y = np.concatenate([q, omega])
-        first = self._rates(y)
-        second = self._rates(y + h / 2 * first)
-        third = self._rates(y + h / 2 * second)
-        fourth = self._rates(y + h * third)
+        first = self._rates(y, kept)
+        second = self._rates(y + h / 2 * first, kept)
+        third = self._rates(y + h / 2 * second, kept)
+        fourth = self._rates(y + h * third, kept)
         y = y + h / 6 * (first + 2 * second + 2 * third + fourth)
         return y[:4] / np.linalg.norm(y[:4]), y[4:]
 
-    def _rates(self, y: FloatArray) -> FloatArray:
+    def _rates(self, y: FloatArray, kept: FloatArray) -> FloatArray:
         w, x, y_, z = y[:4]
         omega = y[4:]
         a, b, c = omega
@@ -115,7 +133,7 @@ class Equations:
             w * c + x * b - y_ * a,
         ]
         R_world_body = matrix(y[:4])
-        omega_rate = self.inverse @ self.torque_body(R_world_body, omega)
+        omega_rate = self.inverse @ self.torque_body(R_world_body, omega, kept)
         return np.concatenate([np.array(q_rate) / 2, omega_rate])
 
 
@@ -125,8 +143,8 @@ class Gain:
 
     Attributes
     ----------
-    before, after : the states, as read
-    span : s, between them
+    before : the state
+    span : s, of the gain
     excess : (4, 3): of the attitude rad/s in body axes, of I ω N m in body axes; of a free body's
         velocity m/s² and position m/s, in world axes; of a body on a pivot how far velocity (m/s)
         and com (m) are from where ω and attitude put them
@@ -134,61 +152,33 @@ class Gain:
     """
 
     before: State
-    after: State
     span: float
     excess: FloatArray
     wanted: FloatArray
 
 
-def gain_between(equations: Equations, before: State, after: State, span: float) -> Gain:
-    """Compare what a state gained within a span, s, with the exact gain."""
-    exact = equations.after(before, span)
-    turn = _turn(before, after) / span
-    exact_turn = _turn(before, exact) / span
-    torque = equations.inertia @ (after.omega_body - before.omega_body) / span
-    exact_torque = equations.inertia @ (exact.omega_body - before.omega_body) / span
-    if equations.scenario.constraint.is_pivot:
-        R = matrix(after.q_world_body_wxyz)
-        com = np.array(equations.scenario.body.com)
-        got = np.array([turn, torque, after.velocity_world, after.com_world])
-        wanted = [exact_turn, exact_torque, R @ cross(after.omega_body, com), R @ com]
-    else:
-        velocity = (after.velocity_world - before.velocity_world) / span
-        position = (after.com_world - before.com_world) / span
-        got = np.array([turn, torque, velocity, position])
-        exact_position = (exact.com_world - before.com_world) / span
-        wanted = [exact_turn, exact_torque, equations.scenario.gravity_world, exact_position]
-    return Gain(before, after, span, got - np.array(wanted), np.array(wanted))
+def gains_of(
+    equations: Equations, before: State, exact: State, spans: FloatArray, excess: FloatArray
+) -> list[Gain]:
+    """The exact gains of the last K of n states, beside what is gained in excess, (K, 4, 3).
 
-
-def gain_sizes(equations: Equations, gain: Gain) -> FloatArray:
-    """Sizes of the terms that the gains are sums of, (4,)."""
-    omega = gain.before.omega_body
-    R = matrix(gain.before.q_world_body_wxyz)
-    L = float(np.linalg.norm(equations.inertia @ omega))
-    speed = float(np.linalg.norm(omega))
-    still, pushed = (push(equations.scenario.pushed, R, R @ spin) for spin in (np.zeros(3), omega))
-    outer = gravity.torque_body(equations.scenario, R), still, pushed - still
-    torque = L * speed + sum(float(np.linalg.norm(one)) for one in outer)
-    places = np.linalg.norm(gain.wanted[2:], axis=1)
-    if equations.scenario.constraint.is_pivot:
-        places = np.maximum(places, np.array([speed, 1.0]) * equations.reach)
-    return np.array([speed, torque, *places])
-
-
-def rounded(equations: Equations, gain: Gain, epsilon: float) -> FloatArray:
-    """The change of a gain by one rounding of the states read, (4,)."""
-    speed = float(np.linalg.norm(gain.before.omega_body)) + equations.rate
-    fast = float(np.linalg.norm(gain.before.velocity_world)) + equations.reach * speed
-    far = float(np.linalg.norm(gain.before.com_world)) + equations.reach
-    largest = float(np.linalg.norm(equations.inertia, 2))
-    sizes = np.array([1 / gain.span, largest * speed / gain.span, fast, far])
-    if not equations.scenario.constraint.is_pivot:
-        sizes[2:] /= gain.span
-    return epsilon * sizes
-
-
-def _turn(before: State, after: State) -> FloatArray:
-    """Rotation vector from one attitude to the other, rad, body axes, (3,)."""
-    first, second = before.q_world_body_wxyz[None], after.q_world_body_wxyz[None]
-    return np.asarray(rotation_vectors(first, second)[0])
+    Parameters
+    ----------
+    exact : the states a time `spans` later, s, (n,)
+    """
+    gains: list[Gain] = []
+    turns = rotation_vectors(before.q_world_body_wxyz, exact.q_world_body_wxyz)
+    for k, beyond in enumerate(excess, len(spans) - len(excess)):
+        start, end, span = before.rows(k), exact.rows(k), float(spans[k])
+        torque = equations.inertia @ (end.omega_body - start.omega_body) / span
+        if equations.scenario.constraint.is_pivot:
+            R, com = matrix(end.q_world_body_wxyz), np.array(equations.scenario.body.com)
+            velocity, place = R @ cross(end.omega_body, com), R @ com
+        else:
+            velocity = equations.scenario.gravity_world
+            if not equations.scenario.constraint.is_free:
+                velocity = (end.velocity_world - start.velocity_world) / span
+            place = (end.com_world - start.com_world) / span
+        wanted = np.array([turns[k] / span, torque, velocity, place])
+        gains.append(Gain(start, span, beyond, wanted))
+    return gains

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...scenarios import FloatArray
+from ...scenarios.effects import table
 from ...scenarios.rotation import cross, matrix
 from .equations import Equations, Gain
 
@@ -24,8 +25,6 @@ WHOLE = 1e-2
 RANK = 1e-6
 #: A change that seven digits show to a tenth.
 VISIBLE = 1e-5
-#: Also used in `first_steps`, where the motion without that torque is compared as a whole.
-NO_GYROSCOPIC_TORQUE = "there were no gyroscopic torque"
 #: Two changes are distinguished if what they leave unexplained differs by this factor.
 ALIKE = 4.0
 
@@ -84,6 +83,9 @@ def _changes(equations: Equations, gains: Sequence[Gain]) -> Iterator[_Change]:
     def effect(*columns: Callable[["_Start"], FloatArray]) -> FloatArray:
         return np.stack([[column(start) for start in starts] for column in columns], axis=-1)
 
+    # Of a body held by a constraint what is due to spin about the com may be left out alone.
+    com = equations.scenario.body.inertia_com
+    yield _Change(effect(lambda s: s.torque(cross(s.omega, com @ s.omega))), _gyroscopic)
     yield _Change(effect(lambda s: s.torque(s.gyroscopic)), _gyroscopic)
     if equations.scenario.gravity_world.any():
         yield _Change(effect(lambda s: s.gravity(equations.scenario.gravity_world)), _strength)
@@ -94,6 +96,11 @@ def _changes(equations: Equations, gains: Sequence[Gain]) -> Iterator[_Change]:
         )
     yield _Change(effect(lambda s: s.torque(-s.omega)), _resistance)
     yield _Change(effect(lambda s: s.torque(-s.L)), _decay)
+    if equations.scenario.rotors:
+        yield _Change(
+            effect(lambda s: s.torque(-cross(s.omega, s.kept))),
+            lambda t: f"the rotors had {_factor(t[0])} times their angular momentum",
+        )
     yield _Change(effect(lambda s: s.gain.wanted * s.is_rate), _step)
     yield _Change(
         effect(_Start.scaled_omega), lambda t: f"ω were read {_factor(t[0])} times too large"
@@ -137,15 +144,25 @@ class _Start:
         middle = equations.after(gain.before, gain.span / 2)
         self.R = matrix(middle.q_world_body_wxyz)
         self.omega = middle.omega_body
-        self.L = equations.inertia @ self.omega
+        self.kept = equations.kept_body(middle)
+        self.L = equations.inertia @ self.omega + self.kept
         self.gyroscopic = cross(self.omega, self.L)
-        self.omega_rate = equations.inverse @ equations.torque_body(self.R, self.omega)
+        self.omega_rate = equations.inverse @ equations.torque_body(self.R, self.omega, self.kept)
         pivot = equations.scenario.constraint.is_pivot
         self.is_rate = np.array([1, 1, not pivot, not pivot], dtype=float)[:, None]
 
     def torque(self, torque_body: FloatArray) -> FloatArray:
         """The change of the gain by an additional torque."""
-        return np.array([np.zeros(3), torque_body, np.zeros(3), np.zeros(3)])
+        return self._answered(torque_body, np.zeros(3))
+
+    def _answered(self, torque_body: FloatArray, pull_world: FloatArray) -> FloatArray:
+        """The change by a torque and an acceleration, and by what a table does about them."""
+        scenario, up_body = self.equations.scenario, self.R[2]
+        if scenario.effects.table is not None:
+            force = table.added_force(scenario, up_body, torque_body, -pull_world[2])
+            torque_body = torque_body + force * table.arm_body(scenario, up_body)
+            pull_world = pull_world + np.array([0.0, 0.0, force / scenario.body.mass])
+        return np.array([np.zeros(3), torque_body, pull_world, np.zeros(3)])
 
     def of_tensor(self, tensor: FloatArray) -> FloatArray:
         """The torque that an additional tensor causes."""
@@ -154,7 +171,7 @@ class _Start:
     def gravity(self, gravity_world: FloatArray) -> FloatArray:
         """The change of the gain by additional gravity."""
         if not self.equations.scenario.constraint.is_pivot:
-            return np.array([np.zeros(3), np.zeros(3), gravity_world, np.zeros(3)])
+            return self._answered(np.zeros(3), gravity_world)
         body = self.equations.scenario.body
         return self.torque(body.mass * cross(body.com, gravity_world @ self.R))
 
@@ -180,7 +197,7 @@ class _Start:
 def _gyroscopic(theta: FloatArray) -> str:
     left_out = theta[0]
     if abs(left_out - 1) <= WHOLE:
-        return NO_GYROSCOPIC_TORQUE
+        return "there were no gyroscopic torque"
     return f"the gyroscopic torque ω × Iω were {_factor(-left_out)} times as strong"
 
 

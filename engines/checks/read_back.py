@@ -1,7 +1,7 @@
 """Compares body and start as read back from an engine with the scene's, before the first step."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,12 +42,14 @@ class UnsupportedError(EngineError):
 class BodyReading:
     """A body as the engine holds it: kg; m from the body's origin; kg m² about the com; body axes.
 
-    `com` is (3,), `inertia_com` is (3, 3).
+    `com` is (3,), `inertia_com` is (3, 3). Of rotors, which are in it as if they did not turn,
+    `axial` is what a spin adds to L: axis times moment about it, kg m², (rotors, 3).
     """
 
     mass: float
     com: FloatArray
     inertia_com: FloatArray
+    axial: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
 
     def placed(self, at: FloatArray, R: FloatArray) -> "BodyReading":
         """The same body in other axes: its origin is at `at` (3,) m there, turned by R (3, 3)."""
@@ -69,17 +71,29 @@ def composed(parts: Sequence[BodyReading]) -> BodyReading:
 class State:
     """What is read at a sample: attitude (4,), ω (3,) rad/s, com (3,) m, its velocity (3,) m/s.
 
-    For n samples, one a row: (n, 4) and (n, 3).
+    Of rotors also their spins relative to the body, (rotors,) rad/s. For n samples, one a row:
+    (n, 4) and (n, 3).
     """
 
     q_world_body_wxyz: FloatArray
     omega_body: FloatArray
     com_world: FloatArray
     velocity_world: FloatArray
+    spins: FloatArray = field(default_factory=lambda: np.empty(0))
+
+    def __post_init__(self) -> None:
+        if not self.spins.size:
+            object.__setattr__(self, "spins", np.empty((*self.omega_body.shape[:-1], 0)))
 
     def rows(self, kept: int | slice | NDArray[np.bool_]) -> "State":
         """One of n states by its index, or several by a slice or a mask, (n,)."""
         return State(*(column[kept] for column in vars(self).values()))
+
+
+def stacked(states: Sequence[State]) -> State:
+    """One state after the other, as rows."""
+    columns = zip(*(vars(state).values() for state in states), strict=True)
+    return State(*(np.array(column) for column in columns))
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,6 +155,7 @@ def start_state(scenario: Scenario) -> State:
         start.omega_body,
         constraint.com_world(R_world_body @ constraint.lever, start.position_world),
         constraint.velocity_world(swing_world, start.velocity_world),
+        scenario.rotors.start_spins,
     )
 
 
@@ -155,6 +170,12 @@ def _pairs(
     yield "com", reading.com, body.com, arm
     # Not of the tensor about the origin: with a long arm that would hide faults of this one.
     yield "inertia_com", reading.inertia_com, body.inertia_com, float(body.principal_moments[-1])
+    for rotor, axial in enumerate(scenario.rotors.axial_body):
+        name = f"axial moment of rotor {rotor + 1}"
+        yield name, reading.axial[rotor], axial, float(np.linalg.norm(axial))
+        spin = scenario.rotors.start_spins[rotor : rotor + 1]
+        size = float(np.abs(spin).max()) + speed
+        yield f"spin of rotor {rotor + 1}", state.spins[rotor : rotor + 1], spin, size
     yield "omega_body", state.omega_body, start.omega_body, speed
     size = arm + float(np.linalg.norm(start.com_world))
     yield "com_world", state.com_world, start.com_world, size

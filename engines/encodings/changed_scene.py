@@ -129,6 +129,7 @@ class SceneChange:
             omega_new @ R_body_new.T * self.time,
             (states.com_world - unmoved) * sign / self.length,
             (states.velocity_world - self.boost * _X) * sign * self.time / self.length,
+            states.spins,
         )
 
     def motion(self, states: State, times_old: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -11,6 +11,7 @@ from functools import lru_cache
 from mpmath import mp
 
 from ...scenarios import Body, Scenario
+from ...scenarios.effects.rotors import Rotor
 from ...scenarios.exact import DIGITS, cross, rotate
 from .description import (
     COMPENSATED,
@@ -28,6 +29,10 @@ from .text import decimals, xml_text
 
 BODY = "top"
 JOINT = "joint"
+ROTOR = "rotor"
+#: Inertia of a drive that keeps a rotor's spin, in moments of the rotor: the spin changes by an ulp
+#: of what ω does.
+DRIVE = 2.0**50
 START_KEY = "start"
 BODY_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 NO_FORCE = (0.0, 0.0, 0.0)
@@ -111,13 +116,17 @@ def switched_off(scenario: Scenario) -> tuple[str, ...]:
 def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
     """qpos and qvel at t = 0.
 
-    A ball joint's are the attitude (w, x, y, z) and ω in body axes. A free joint's begin with the
+    A ball joint's are the attitude (w, x, y, z) and ω in body axes; angles and spins of rotors that
+    turn come last. A free joint's begin with the
     position and velocity of the body frame's origin, not of the com, in world axes
     (MuJoCo documentation, "Floating objects").
     """
     start, com_body = scenario.start, scenario.body.com_exact
     q, omega_body = start.q_exact, start.omega_body_exact
-    rotation = [float(c) for c in q], [float(c) for c in omega_body]
+    rotors = scenario.rotors
+    spins = rotors.start_spins[rotors.is_turning].tolist()
+    angles = [0.0] * len(spins)
+    rotation = [float(c) for c in q] + angles, [float(c) for c in omega_body] + spins
     if scenario.constraint.is_pivot:
         return rotation
     with mp.workdps(DIGITS):
@@ -130,7 +139,7 @@ def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
 
 def _add_body(world: ET.Element, scenario: Scenario, description: Description) -> None:
     elements: list[ET.Element] = []
-    for part in parts_of(scenario.body, description.parts):
+    for part in parts_of(scenario.carrier, description.parts):
         if part.onto is None:
             element = ET.SubElement(world, "body", name=BODY)
             _add_joints(element, scenario, description.joint)
@@ -143,6 +152,19 @@ def _add_body(world: ET.Element, scenario: Scenario, description: Description) -
         if part.body is not None:
             _add_inertia(element, part.body, description)
         elements.append(element)
+    for number, rotor in enumerate(scenario.rotors.each, start=1):
+        part_of_body = ET.SubElement(elements[0], "body", name=f"{ROTOR}{number}")
+        if rotor.hinge != "locked":
+            hinge = ET.SubElement(part_of_body, "joint", name=f"hinge{number}", type="hinge")
+            hinge.set("axis", decimals(map(float, rotor.axis)))
+            hinge.set("pos", decimals(rotor.body.com))
+            hinge.set("armature", decimals([armature(rotor)]))
+        _add_inertia(part_of_body, rotor.body)
+
+
+def armature(rotor: Rotor) -> float:
+    """Inertia against a change of the spin relative to the body, kg m²: of a drive, all of it."""
+    return DRIVE * float(rotor.along) if rotor.hinge == "driven" else 0.0
 
 
 def _add_joints(element: ET.Element, scenario: Scenario, kind: Joint) -> None:
@@ -163,7 +185,7 @@ def _add_joints(element: ET.Element, scenario: Scenario, kind: Joint) -> None:
         ET.SubElement(element, "freejoint", name=JOINT, align=align)
 
 
-def _add_inertia(element: ET.Element, body: Body, description: Description) -> None:
+def _add_inertia(element: ET.Element, body: Body, description: Description = PLAIN) -> None:
     frame = principal_frame(body)
     pos, quat = decimals(body.com), decimals(frame.q_body_axes_wxyz)
     if description.joint == "aligned":

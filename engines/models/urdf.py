@@ -6,9 +6,12 @@ the adapters that load it.
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
+from dataclasses import replace
 
 from ...scenarios import Body, Scenario
-from .description import PLAIN, Description, Part, parts_of
+from ...scenarios.effects.rotors import Rotor
+from ...scenarios.exact import ZERO
+from .description import PLAIN, Description, parts_of
 from .principal_frame import principal_frame, roll_pitch_yaw_of
 from .shape import box_of
 from .text import decimals, xml_text
@@ -18,6 +21,10 @@ BODY_LINK = "top"
 #: The name that both readers take for the fixed world.
 WORLD_LINK = "world"
 PIVOT_JOINT = "pivot"
+#: m, and rad: where a joint is that is at its link's origin.
+NOWHERE = (0.0, 0.0, 0.0)
+#: A ball joint has no axis, but readers warn if none is given.
+ANY_AXIS = (0.0, 0.0, 1.0)
 
 
 def urdf(
@@ -46,47 +53,62 @@ def urdf(
     robot = ET.Element("robot", name=scenario.name)
     if scenario.constraint.is_pivot:
         ET.SubElement(robot, "link", name=WORLD_LINK)
-    for index, part in enumerate(parts_of(scenario.body, description.parts)):
+    for index, part in enumerate(parts_of(scenario.carrier, description.parts)):
         name = f"{BODY_LINK}-{index}" if index else BODY_LINK
-        link = ET.SubElement(robot, "link", name=name)
-        if part.body is not None:
-            _add_inertial(link, part.body, thickness, whole=description.full_tensor)
+        _add_link(robot, name, part.body, thickness, whole=description.full_tensor)
         if part.onto is not None:
-            _add_weld(robot, name, part)
+            parent = f"{BODY_LINK}-{part.onto}" if part.onto else BODY_LINK
+            rpy = roll_pitch_yaw_of(part.q)
+            _add_joint(robot, f"to-{name}", "fixed", (parent, name), part.position, rpy=rpy)
     if shape_radius:
         _add_shape(robot, scenario.body.com, (0.0, 0.0, 0.0), "sphere", radius=[shape_radius])
     if has_box:
-        frame = principal_frame(scenario.body, thickness)
-        box = box_of(scenario.body.mass, frame.moments)
-        _add_shape(robot, scenario.body.com, frame.rpy_body_axes, "box", size=box.sides)
+        _add_box(robot, scenario.carrier, thickness)
     if scenario.constraint.is_pivot:
-        _add_pivot(robot)
+        _add_joint(robot, PIVOT_JOINT, "spherical", (WORLD_LINK, BODY_LINK))
+    for number, rotor in enumerate(scenario.rotors.each, start=1):
+        _add_rotor(robot, number, rotor, thickness, has_box)
     return xml_text(robot)
 
 
-def _add_inertial(link: ET.Element, body: Body, thickness: float, *, whole: bool) -> None:
+def _add_rotor(
+    robot: ET.Element, number: int, rotor: Rotor, thickness: float, has_box: bool
+) -> None:
+    """A link whose frame is at the rotor's centre of mass, and its hinge."""
+    name, body = f"rotor{number}", replace(rotor.body, com_exact=ZERO)
+    _add_link(robot, name, body, thickness)
+    kind = "fixed" if rotor.hinge == "locked" else "continuous"
+    axis = [float(component) for component in rotor.axis]
+    _add_joint(robot, f"hinge{number}", kind, (BODY_LINK, name), rotor.body.com, axis)
+    if has_box:
+        _add_box(robot, body, thickness)
+
+
+def _add_link(
+    robot: ET.Element, name: str, body: Body | None, thickness: float, *, whole: bool = False
+) -> None:
+    """A link; without an inertial if it has no body."""
+    link = ET.SubElement(robot, "link", name=name)
+    if body is None:
+        return
     frame = principal_frame(body, thickness)
     inertial = ET.SubElement(link, "inertial")
-    rpy = decimals((0.0, 0.0, 0.0) if whole else frame.rpy_body_axes)
+    rpy = decimals(NOWHERE if whole else frame.rpy_body_axes)
     ET.SubElement(inertial, "origin", xyz=decimals(body.com), rpy=rpy)
     ET.SubElement(inertial, "mass", value=decimals([body.mass]))
     if whole:
-        (xx, xy, xz), (_, yy, yz), (_, _, zz) = (
-            [repr(i) for i in r] for r in body.inertia_com.tolist()
-        )
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = (map(repr, r) for r in body.inertia_com.tolist())
         ET.SubElement(inertial, "inertia", ixx=xx, ixy=xy, ixz=xz, iyy=yy, iyz=yz, izz=zz)
         return
     ixx, iyy, izz = (decimals([moment]) for moment in frame.moments)
     ET.SubElement(inertial, "inertia", ixx=ixx, ixy="0", ixz="0", iyy=iyy, iyz="0", izz=izz)
 
 
-def _add_weld(robot: ET.Element, name: str, part: Part) -> None:
-    parent = f"{BODY_LINK}-{part.onto}" if part.onto else BODY_LINK
-    joint = ET.SubElement(robot, "joint", name=f"to-{name}", type="fixed")
-    ET.SubElement(joint, "parent", link=parent)
-    ET.SubElement(joint, "child", link=name)
-    rpy = decimals(roll_pitch_yaw_of(part.q))
-    ET.SubElement(joint, "origin", xyz=decimals(part.position), rpy=rpy)
+def _add_box(robot: ET.Element, body: Body, thickness: float) -> None:
+    """The uniform box with a body's tensor, as the last link's collision shape."""
+    frame = principal_frame(body, thickness)
+    sides = box_of(body.mass, frame.moments).sides
+    _add_shape(robot, body.com, frame.rpy_body_axes, "box", size=sides)
 
 
 def _add_shape(
@@ -102,10 +124,17 @@ def _add_shape(
     ET.SubElement(ET.SubElement(collision, "geometry"), shape, numbers)
 
 
-def _add_pivot(robot: ET.Element) -> None:
-    joint = ET.SubElement(robot, "joint", name=PIVOT_JOINT, type="spherical")
-    ET.SubElement(joint, "parent", link=WORLD_LINK)
-    ET.SubElement(joint, "child", link=BODY_LINK)
-    ET.SubElement(joint, "origin", xyz="0 0 0", rpy="0 0 0")
-    # A ball joint has no axis, but readers warn if none is given.
-    ET.SubElement(joint, "axis", xyz="0 0 1")
+def _add_joint(
+    robot: ET.Element,
+    name: str,
+    kind: str,
+    links: tuple[str, str],
+    place: Iterable[float] = NOWHERE,
+    axis: Iterable[float] = ANY_AXIS,
+    rpy: Iterable[float] = NOWHERE,
+) -> None:
+    joint = ET.SubElement(robot, "joint", name=name, type=kind)
+    ET.SubElement(joint, "parent", link=links[0])
+    ET.SubElement(joint, "child", link=links[1])
+    ET.SubElement(joint, "origin", xyz=decimals(place), rpy=decimals(rpy))
+    ET.SubElement(joint, "axis", xyz=decimals(axis))

@@ -194,6 +194,7 @@ def run(
         say(f"Results are in {out}; 'spincheck report {out}' makes pages of them.")
         if unproven := running.unproven_in_words(results):
             say(unproven)
+    running.say_where_bodies_lift_off(results)
     running.tell_untrue(results)
     code = running.exit_code(results, strict=strict)
     if as_encoded and not are_alike(results.encodings):

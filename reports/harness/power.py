@@ -1,41 +1,60 @@
-"""Finds effects that a scene cannot test: without them no signal would change."""
+"""Finds what a scene cannot test: effects without which no signal would change, and its end."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
-from ...reference import IntegrationError, solve
+import numpy as np
+
+from ...reference import IntegrationError, Solution, solve
 from ...scenarios import Errors, Scenario, errors_between
+from ...scenarios.effects import Effect
 from ...scenarios.scenario import with_tables
 
 
 def powerless(scenario: Scenario) -> Iterator[str]:
-    """Effects without which no signal of a scene would change, one sentence each.
+    """Effects without which no signal of a scene would change, one sentence each, and a lift-off.
 
     Raises
     ------
     IntegrationError
         If the exact motion cannot be found.
     """
-    present = [effect.table for effect in scenario.acting if effect.constraint is None]
+    present = [effect for effect in scenario.acting if effect.constraint is None]
     if not present:
         return
     solution = solve(scenario, scenario.times)
     exact = solution.trajectory
-    for name in present:
+    if solution.lifts_off:
+        yield f"{scenario.name}: {too_long(scenario, solution)}"
+    for effect in present:
         try:
-            other = solve(_without(scenario, name), exact.t).trajectory
+            other = solve(_without(scenario, effect), exact.t).trajectory
         except IntegrationError:
             continue
         until = min(len(other.t), len(exact.t))
-        moved = errors_between(scenario, other.until(until), exact.until(until))
+        kept = exact.until(until)
+        # Parts that are not there do not turn.
+        without = replace(other.until(until), spins=np.zeros_like(kept.spins))
+        moved = errors_between(scenario, without, kept)
         if _is_nothing(moved, solution.uncertainty):
             yield (
-                f"{scenario.name}: cannot tell whether there is {name}: without it no signal "
-                f"changes by more than the reference's uncertainty"
+                f"{scenario.name}: cannot tell whether there is {effect.table}: without it no "
+                f"signal changes by more than the reference's uncertainty"
             )
 
 
-def _without(scenario: Scenario, name: str) -> Scenario:
-    return with_tables(scenario, effects=scenario.effects.model_copy(update={name: None}))
+def too_long(scenario: Scenario, solution: Solution) -> str:
+    """The sentence on a window that goes on after a body has left its table."""
+    return (
+        f"{solution.ending}, before the window ends at {scenario.window.duration:g} s: nothing is "
+        "compared from there on; shorten '[window] duration'"
+    )
+
+
+def _without(scenario: Scenario, effect: Effect) -> Scenario:
+    if effect.is_part:
+        return with_tables(scenario, **{effect.table: None})
+    return with_tables(scenario, effects=scenario.effects.model_copy(update={effect.table: None}))
 
 
 def _is_nothing(moved: Errors, uncertainty: Errors) -> bool:

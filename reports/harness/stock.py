@@ -33,10 +33,14 @@ class StockRun:
     refusal: str = ""
 
 
+def stock_timestep(engine: Engine) -> float:
+    """The timestep, s, that its users get who say nothing; without one, that of all engines."""
+    return engine.stock_timestep or COMMON_TIMESTEP
+
+
 def stock_timesteps(engine: Engine) -> tuple[float, ...]:
     """The timesteps, s, at which an engine is run on every scene, the coarsest first."""
-    own = engine.stock_timestep
-    return tuple(sorted({own or COMMON_TIMESTEP, COMMON_TIMESTEP}, reverse=True))
+    return tuple(sorted({stock_timestep(engine), COMMON_TIMESTEP}, reverse=True))
 
 
 def stock_rung(times: FloatArray, timestep: float, rate: float) -> Rung | str:

@@ -2,14 +2,16 @@
 
 import numpy as np
 
+from ...engines import Engine
 from ...scenarios import Scenario
 from ...scenarios.fastest_rate import fastest_rate
 from ...scenarios.scatter import member
 from ...scenarios.vary import varied
 from ..results.sweep_records import SweepPoint
 from .ladder import Rung, single
+from .stock import stock_rung, stock_timestep
 
-#: Angle turned in a step if no timestep is asked for, rad, at the fastest rate at the start.
+#: Angle turned in a step of a map without a timestep, rad, at the fastest rate at the start.
 STEP_TURN = 0.02
 
 
@@ -24,8 +26,10 @@ def scene_at(point: SweepPoint, base: Scenario) -> Scenario:
     return member(base, *point.member) if point.member else varied(base, dict(point.numbers))
 
 
-def rung_at(point: SweepPoint, scenario: Scenario) -> Rung:
-    """Timestep and samples of a run of the scene at a point.
+def rung_at(point: SweepPoint, scenario: Scenario, engine: Engine) -> Rung | str:
+    """Timestep and samples of a run of the scene at a point, or why the run is not made.
+
+    Of a member of an ensemble without a timestep it is the engine's stock timestep.
 
     Raises
     ------
@@ -34,8 +38,10 @@ def rung_at(point: SweepPoint, scenario: Scenario) -> Rung:
     """
     if point.timestep is not None:
         return single(point.timestep, scenario.times)
+    rate = fastest_rate(scenario, scenario.start.omega_body)
+    if point.member:
+        return stock_rung(scenario.times, stock_timestep(engine), rate)
     intervals = scenario.window.samples - 1
     interval = scenario.window.duration / intervals
-    rate = fastest_rate(scenario, scenario.start.omega_body)
     per_interval = max(1, int(np.ceil(interval * rate / STEP_TURN)))
     return Rung(interval / per_interval, np.arange(intervals + 1, dtype=np.int64) * per_interval)

@@ -11,7 +11,7 @@ from ..results.sweep_records import PointOutcome, PointResult, SweepPoint
 from .choice import EngineMethod
 from .comparison import row_of
 from .executors import CallFailed, cause_of, is_environmental
-from .ladder import Rung
+from .ladder import Rung, single
 from .sweep_points import rung_at, scene_at
 
 #: A run of more steps is not made: it would take about 1 s in MuJoCo, a few in PyBullet.
@@ -23,44 +23,39 @@ def run_point(
 ) -> list[PointResult]:
     """One result for each method; a single one if the point's numbers make no valid scene.
 
+    Without methods the exact motion is found, and there are no results.
+
     Parameters
     ----------
     base : the scene that is varied
     """
-    run = _scene_and_rung(base, point)
-    if isinstance(run, PointResult):
-        return [run]
-    scenario, rung = run
-    keys = _keys(base, pairs)
-    if rung.steps > STEP_BUDGET:
-        reason = f"it takes {rung.steps} steps, and a point may take {STEP_BUDGET}"
-        return [_not_run(point, key, rung, "skipped", "steps", reason) for key in keys]
-    try:
-        solution = solve(scenario, np.asarray(rung.sample_steps * rung.timestep, dtype=float))
-    except Exception as error:
-        if is_environmental(cause_of(error)):
-            raise
-        reason = f"the exact motion could not be found: {type(error).__name__}: {error}"
-        return [_not_run(point, key, rung, "failed", "unsolved", reason) for key in keys]
-    return [_result(scenario, point, rung, solution, pair) for pair in pairs]
+    scenario = _scene(base, point)
+    if isinstance(scenario, PointResult):
+        return [scenario]
+    if not pairs:
+        solve(scenario, scenario.times)
+    exact = _ExactMotions(scenario)
+    return [_result(scenario, point, exact, pair) for pair in pairs]
 
 
 def failed_point(
     base: Scenario, point: SweepPoint, pair: EngineMethod, failure: CallFailed
 ) -> PointResult:
     """The result of a method whose call has failed."""
-    run = _scene_and_rung(base, point)
-    if isinstance(run, PointResult):
-        return run
-    (key,) = _keys(base, [pair])
-    return _not_run(point, key, run[1], "failed", failure.cause, failure.reason)
+    scenario = _scene(base, point)
+    if isinstance(scenario, PointResult):
+        return scenario
+    rung = rung_at(point, scenario, pair[0])
+    return _not_run(point, _key(base, pair), rung, "failed", failure.cause, failure.reason)
 
 
-def _scene_and_rung(base: Scenario, point: SweepPoint) -> tuple[Scenario, Rung] | PointResult:
-    """The scene of a point and its rung, or the result that says why there is none."""
+def _scene(base: Scenario, point: SweepPoint) -> Scenario | PointResult:
+    """The scene of a point, or the result that says why there is none."""
     try:
         scenario = scene_at(point, base)
-        return scenario, rung_at(point, scenario)
+        if point.timestep is not None:
+            single(point.timestep, scenario.times)
+        return scenario
     except ScenarioError as error:
         # Without the line number: the varied file exists in memory only.
         reason = "; ".join(line.partition(": ")[2] for line in str(error).splitlines())
@@ -70,11 +65,43 @@ def _scene_and_rung(base: Scenario, point: SweepPoint) -> tuple[Scenario, Rung] 
     return PointResult(point.at, key, point.timestep or 0.0, "invalid", "scene", reason)
 
 
+class _ExactMotions:
+    """The exact motion of a point's scene, found once for all methods of one timestep."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+        self._solved: dict[float, Solution | str] = {}
+
+    def at(self, rung: Rung) -> Solution | str:
+        """The exact motion at the samples of a run, or why it could not be found."""
+        if rung.timestep not in self._solved:
+            self._solved[rung.timestep] = self._solve(rung)
+        return self._solved[rung.timestep]
+
+    def _solve(self, rung: Rung) -> Solution | str:
+        try:
+            times = np.asarray(rung.sample_steps * rung.timestep, dtype=float)
+            return solve(self._scenario, times)
+        except Exception as error:
+            if is_environmental(cause_of(error)):
+                raise
+            return f"the exact motion could not be found: {type(error).__name__}: {error}"
+
+
 def _result(
-    scenario: Scenario, point: SweepPoint, rung: Rung, solution: Solution, pair: EngineMethod
+    scenario: Scenario, point: SweepPoint, exact: _ExactMotions, pair: EngineMethod
 ) -> PointResult:
     engine, method = pair
-    (key,) = _keys(scenario, [pair])
+    key = _key(scenario, pair)
+    rung = rung_at(point, scenario, engine)
+    if isinstance(rung, str):
+        return _not_run(point, key, rung, "skipped", "steps", rung)
+    if rung.steps > STEP_BUDGET:
+        reason = f"it takes {rung.steps} steps, and a point may take {STEP_BUDGET}"
+        return _not_run(point, key, rung, "skipped", "steps", reason)
+    solution = exact.at(rung)
+    if isinstance(solution, str):
+        return _not_run(point, key, rung, "failed", "unsolved", solution)
     within = Rung(rung.timestep, rung.sample_steps[: len(solution.trajectory.t)])
     run = engine.run(scenario, method, within.timestep, within.sample_steps)
     return _of_row(point, row_of(scenario, key, engine.version, within, run, solution))
@@ -96,10 +123,17 @@ def _of_row(point: SweepPoint, row: Row) -> PointResult:
 
 
 def _not_run(
-    point: SweepPoint, key: Key, rung: Rung, outcome: PointOutcome, cause: str, reason: str
+    point: SweepPoint,
+    key: Key,
+    rung: Rung | str,
+    outcome: PointOutcome,
+    cause: str,
+    reason: str,
 ) -> PointResult:
-    return PointResult(point.at, key, rung.timestep, outcome, cause, reason)
+    timestep = rung.timestep if isinstance(rung, Rung) else 0.0
+    return PointResult(point.at, key, timestep, outcome, cause, reason)
 
 
-def _keys(base: Scenario, pairs: Sequence[EngineMethod]) -> list[Key]:
-    return [Key(base.name, engine.name, method.name) for engine, method in pairs]
+def _key(base: Scenario, pair: EngineMethod) -> Key:
+    engine, method = pair
+    return Key(base.name, engine.name, method.name)

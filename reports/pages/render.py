@@ -19,6 +19,7 @@ from .overview.first_screen import answer
 from .overview.heat_map import FIRST_SIGNAL, heat_map
 from .overview.left_out_tables import effects_table, harm_in_words, passes_tables
 from .overview.protocol import constants
+from .overview.spread import spread
 from .overview.stock_table import stock_table
 from .page_data import PageData
 from .scene import scene_tables
@@ -112,6 +113,7 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
     plain = gathered.plain
     return {
         "answer": answer(gathered, results.effects),
+        "spread": spread(results),
         "heat": heat_map(gathered),
         "first_signal": FIRST_SIGNAL,
         "stock": stock_table(plain),

@@ -12,14 +12,15 @@ from typing import Any
 import numpy as np
 
 from ...scenarios import FloatArray, Trajectory
-from ...scenarios.document import MAX_SAMPLES
+from ...scenarios.document import MAX_ROTORS, MAX_SAMPLES
 
 #: Bytes of an array's header: magic, shape and type (numpy.lib.format).
 HEADER = 1 << 10
 _NAMES = tuple(field.name for field in fields(Trajectory))
-#: Components of the widest array, the quaternions.
+#: Arrays that the motions of some scenes alone have.
+_OPTIONAL = ("spins",)
+#: Components of the widest of the other arrays.
 _WIDEST = 4
-_LARGEST = HEADER + _WIDEST * 8 * MAX_SAMPLES
 
 
 def pack(motion: Trajectory) -> bytes:
@@ -28,7 +29,11 @@ def pack(motion: Trajectory) -> bytes:
     Compressing takes several times as long, and motions become only a fifth smaller.
     """
     buffer = io.BytesIO()
-    arrays: dict[str, Any] = {n: np.ascontiguousarray(getattr(motion, n)) for n in _NAMES}
+    arrays: dict[str, Any] = {
+        name: np.ascontiguousarray(values)
+        for name in _NAMES
+        if (values := getattr(motion, name)).size or name not in _OPTIONAL
+    }
     np.savez(buffer, **arrays)
     return buffer.getvalue()
 
@@ -45,7 +50,8 @@ def unpack(blob: bytes) -> Trajectory:
     """
     with zipfile.ZipFile(io.BytesIO(blob)) as archive:
         members = archive.infolist()
-        if sorted(member.filename for member in members) != sorted(f"{n}.npy" for n in _NAMES):
+        names = [member.filename.removesuffix(".npy") for member in members]
+        if sorted({*names, *_OPTIONAL}) != sorted(_NAMES) or len(set(names)) < len(members):
             raise ValueError("the archive does not hold the arrays of a motion")
         arrays = {
             member.filename.removesuffix(".npy"): _array(archive, member) for member in members
@@ -54,7 +60,8 @@ def unpack(blob: bytes) -> Trajectory:
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> FloatArray:
-    if member.file_size > _LARGEST:
+    widest = MAX_ROTORS if member.filename.removesuffix(".npy") in _OPTIONAL else _WIDEST
+    if member.file_size > HEADER + widest * 8 * MAX_SAMPLES:
         raise ValueError(f"an array of {member.file_size} bytes, more than {MAX_SAMPLES} samples")
     if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         raise ValueError("the archive is compressed otherwise than a motion is")

@@ -6,12 +6,13 @@ wait for the disk. A killed process loses nothing by that, since the operating s
 wrote; a power cut may lose the last runs, which the next study makes again, but does not damage the
 file (https://www.sqlite.org/pragma.html, synchronous).
 
-A result file may come from anyone. Before anything is read from it, its schema is compared with
-ours word for word, so that no foreign view, trigger or expression is ever evaluated
+A result file may come from anyone. Before anything is read from it, the digest of its schema is
+compared with ours, so that no foreign view, trigger or expression is ever evaluated
 (https://www.sqlite.org/security.html).
 """
 
 import errno
+import json
 import os
 import secrets
 import sqlite3
@@ -20,6 +21,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
 from functools import cache
+from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
@@ -78,12 +80,15 @@ class OpenFile(NamedTuple):
 
 
 @contextmanager
-def opened(path: Path, schemas: Mapping[int, str], *, writing: bool) -> Iterator[OpenFile]:
+def opened(
+    path: Path, schema: str, older: Mapping[int, str], *, writing: bool
+) -> Iterator[OpenFile]:
     """Open a result file for reading, or for writing; a new one is created if there is none.
 
     Parameters
     ----------
-    schemas : the tables as SQL, of `FORMAT` and of the older formats that are read
+    schema : the tables as SQL
+    older : of the older formats that are read, the digests of their schemas (`digest_of`)
 
     Raises
     ------
@@ -91,7 +96,8 @@ def opened(path: Path, schemas: Mapping[int, str], *, writing: bool) -> Iterator
         If the file is missing, cannot be opened, read or written, is not a result file of this
         format, or is being written by another process.
     """
-    schemas = {version: _SCHEMA + schema for version, schema in schemas.items()}
+    schema = _SCHEMA + schema
+    own = {FORMAT: _digest_of_tables(schema)}
     try:
         if not _is_there(path, "written" if writing else "read") and not writing:
             raise ResultFileError(
@@ -102,7 +108,9 @@ def opened(path: Path, schemas: Mapping[int, str], *, writing: bool) -> Iterator
         place = path.resolve()
         _check_journals(place)
         _check_log(place)
-        with _to_write(place, schemas[FORMAT]) if writing else _to_read(place, schemas) as file:
+        with (
+            _to_write(place, schema, own) if writing else _to_read(place, {**older, **own}) as file
+        ):
             yield file
     except sqlite3.DatabaseError as error:
         code = getattr(error, "sqlite_errorcode", 0)
@@ -162,21 +170,21 @@ def _last_bytes(path: Path, count: int) -> bytes:
 
 
 @contextmanager
-def _to_read(path: Path, schemas: Mapping[int, str]) -> Iterator[OpenFile]:
+def _to_read(path: Path, digests: Mapping[int, str]) -> Iterator[OpenFile]:
     # Before it is opened: opening creates an empty file.
     log_missing = not _has_log(path)
     with _connected(path, "mode=ro") as connection:
         connection.execute("PRAGMA query_only = ON")
-        version = _check(connection, schemas)
+        version = _check(connection, digests)
         (whole,) = connection.execute("SELECT min(whole) FROM file").fetchone()
         yield OpenFile(connection, lambda: None, log_missing and not whole, version)
 
 
 @contextmanager
-def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
+def _to_write(path: Path, schema: str, own: Mapping[int, str]) -> Iterator[OpenFile]:
     with _alone(path) as check, _connected(path, "mode=rw") as connection:
         if connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
-            _check(connection, {FORMAT: schema})
+            _check(connection, own)
         else:
             _begin(connection, schema)
         # Before there is a log, so that the file records that it has one, and which.
@@ -317,20 +325,17 @@ def _begin(connection: sqlite3.Connection, schema: str) -> None:
     )
 
 
-def _check(connection: sqlite3.Connection, schemas: Mapping[int, str]) -> int:
+def _check(connection: sqlite3.Connection, digests: Mapping[int, str]) -> int:
     """The file's format, after a check that it is one of ours and undamaged."""
     if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION_ID:
         raise ResultFileError("not a result file of spincheck")
     version = connection.execute("PRAGMA user_version").fetchone()[0]
-    if version not in schemas:
-        known = " and ".join(map(str, sorted(schemas)))
-        does = "reads" if len(schemas) > 1 else "continues"
+    if version not in digests:
+        known = " and ".join(map(str, sorted(digests)))
+        does = "reads" if len(digests) > 1 else "continues"
         raise ResultFileError(f"result file format {version}, this version {does} {known}")
-    if strange := _objects(connection) ^ _objects_of(schemas[version]):
-        name = min(named[1] for named in strange)
-        raise ResultFileError(
-            f"its schema is not that of a result file: '{printable(name, 100)}' differs"
-        )
+    if digest_of(connection) != digests[version]:
+        raise ResultFileError(f"its schema is not that of a result file of format {version}")
     # Damage is reported here, not in the middle of a report.
     first_damage = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
     if first_damage != "ok":
@@ -338,10 +343,11 @@ def _check(connection: sqlite3.Connection, schemas: Mapping[int, str]) -> int:
     return int(version)
 
 
-def _objects(connection: sqlite3.Connection) -> frozenset[tuple[str, ...]]:
-    """Type, name, table and text of everything that a schema holds."""
+def digest_of(connection: sqlite3.Connection) -> str:
+    """SHA-256 of type, name, table and text of everything that a schema holds."""
     query = "SELECT type, name, tbl_name, sql FROM sqlite_master"
-    return frozenset(tuple(map(str, columns)) for columns in connection.execute(query))
+    objects = sorted([*map(str, columns)] for columns in connection.execute(query))
+    return sha256(json.dumps(objects).encode()).hexdigest()
 
 
 def _text(content: bytes) -> str:
@@ -350,7 +356,7 @@ def _text(content: bytes) -> str:
 
 
 @cache
-def _objects_of(schema: str) -> frozenset[tuple[str, ...]]:
+def _digest_of_tables(schema: str) -> str:
     with closing(sqlite3.connect(":memory:")) as connection:
         connection.executescript(schema)
-        return _objects(connection)
+        return digest_of(connection)

@@ -36,7 +36,7 @@ class SweepPoint:
     at : the axes' values in the order of the axes; of an ensemble the member's number
     numbers : what is varied, by path, in the order of the axes; none for a member
     member : seed and number; None of a map
-    timestep : s; None if it is chosen from the scene at the point
+    timestep : s; None if it is chosen from the scene at the point, or is each engine's stock one
     """
 
     at: tuple[float, ...]
@@ -166,7 +166,7 @@ class Ensemble(Sweep):
     Attributes
     ----------
     scenario : the scene's name
-    timestep : s, of every run; None if it is chosen for each member, as in a map
+    timestep : s, of every run; None for each engine's stock timestep
     """
 
     scenario: SceneName

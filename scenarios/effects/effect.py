@@ -12,16 +12,18 @@ from ..float_array import FloatArray
 from ..values import Table
 
 if TYPE_CHECKING:
+    from ..body import Body
     from ..scenario import Scenario
+    from . import Effects
 
 #: Where a quantity is written in a file, what it is, its size and its unit.
-Size = tuple[tuple[str, ...], str, mpf, str]
+Size = tuple[tuple[str | int, ...], str, mpf, str]
 #: Where a rate is written, what it is, and 1/s.
-Rate = tuple[tuple[str, ...], str, mpf]
+Rate = tuple[tuple[str | int, ...], str, mpf]
 
 
 class EffectTable(Table):
-    """Base of the tables in `[effects]`.
+    """Base of the tables in `[effects]`, and of those that add parts to the body.
 
     Attributes
     ----------
@@ -72,6 +74,10 @@ def _nothing(extent: Extent) -> Iterator[Any]:  # noqa: ARG001
     yield from ()
 
 
+def _goes_with_all(scenario: "Scenario") -> None:
+    pass
+
+
 def _no_rate(scenario: "Scenario") -> float:  # noqa: ARG001
     return 0.0
 
@@ -84,9 +90,11 @@ class Effect:
     ----------
     name : as engines claim it and results show it
     table, model : its table in `[effects]`, by name and format
+    is_part : whether it adds parts to the body, in an array of tables beside `[effects]`
     key : what that table must hold; empty if it need not hold anything
     constraint : how it holds the body, if it does: without it the scene would be another one
     is_pushed : whether it is a torque that `push` includes
+    check : raises `Misfit` for a scene whose start it does not go with
     sizes, rates : its numbers that must be computable, each with where it is written
     rate : 1/s, the fastest at which it changes a state; `rate_formula` is that in words
     decay : 1/s, the fastest at which it slows the body
@@ -97,8 +105,10 @@ class Effect:
     table: str
     model: type[EffectTable]
     key: str = ""
-    constraint: Callable[["Scenario"], Constraint] | None = None
+    is_part: bool = False
+    constraint: Callable[["Effects", "Body"], Constraint] | None = None
     is_pushed: bool = False
+    check: Callable[["Scenario"], None] = _goes_with_all
     sizes: Callable[[Extent], Iterator[Size]] = _nothing
     rates: Callable[[Extent], Iterator[Rate]] = _nothing
     rate: Callable[["Scenario"], float] = _no_rate
@@ -106,9 +116,16 @@ class Effect:
     decay: Callable[["Scenario"], float] = _no_rate
     potential: Callable[["Scenario", FloatArray], FloatArray] | None = None
 
-    def is_called_for(self, tables: Table) -> bool:
-        """Whether the tables of a scene's `[effects]` call for it."""
-        table = getattr(tables, self.table, None)
+    @property
+    def heading(self) -> str:
+        """What its table begins with in a scene."""
+        return f"[[{self.table}]]" if self.is_part else f"[effects.{self.table}]"
+
+    def is_called_for(self, document: Any) -> bool:
+        """Whether a scene's document calls for it."""
+        table = getattr(document if self.is_part else document.effects, self.table, None)
+        if not table and self.is_part:
+            return False
         return table is not None and (not self.key or getattr(table, self.key) is not None)
 
 

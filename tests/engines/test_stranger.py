@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from adapter_checks import CHECKS, Check
 from library_scenes import library_scene
-from spincheck.engines import Missing, discovery
-from spincheck.engines.contract import CHECKS, Check, contract_tests, tests
+from spincheck.engines import discovery
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.plan import plan
@@ -41,23 +41,6 @@ def installed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 def test_it_keeps_the_contract(installed: None, check: Check) -> None:
     toy = discovery.engines()["toy"]
     check(toy, toy.methods[0])
-
-
-def test_its_own_tests_are_one_line(installed: None) -> None:
-    (mark,) = contract_tests("toy").pytestmark  # type: ignore[attr-defined]
-    names = [case.id for case in mark.args[1]]
-    assert names == [f"toy-RK4-{check.__name__}" for check in CHECKS]
-
-
-def test_the_contract_of_an_engine_that_is_missing_says_why(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    with pytest.raises(ValueError, match="'no-engine': must be one of"):
-        contract_tests("no-engine")
-    absent = Missing("toy", "toy", "the package 'toy' is not installed")
-    monkeypatch.setattr(tests, "missing", lambda: (absent,))
-    with pytest.raises(ValueError, match="'toy': the package 'toy' is not installed"):
-        contract_tests("toy")
 
 
 def test_it_is_short() -> None:

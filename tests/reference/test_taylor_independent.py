@@ -36,6 +36,10 @@ TERMS: dict[str, dict[str, object]] = {
     "torque in the body": {"torque_axes": (mpf(1) / 3, -mpf(1) / 2, mpf(2) / 3)},
     "torque in the world": {"torque_world": (-mpf(1) / 7, mpf(2), mpf(1) / 2)},
     "drag": {"drag": mpf(1) / 9},
+    "rotors": {
+        "kept": (mpf(1) / 3, -mpf(2)),
+        "rotors_axes": ((mpf(3) / 5, mpf(0), mpf(4) / 5), (mpf(0), mpf(1), mpf(0))),
+    },
 }
 TERMS["everything"] = {name: value for terms in TERMS.values() for name, value in terms.items()}
 
@@ -68,7 +72,10 @@ def step(p: Problem, L: list[mpf], rows: list[list[mpf]], h: mpf) -> None:
     L_series = [[x] for x in L]
     row_series = [[[x] for x in row] for row in rows]
     for n in range(ORDER):
-        omega = [[x / i for x in series] for series, i in zip(L_series, p.moments, strict=True)]
+        omega = [
+            [(x - h * (order == 0)) / i for order, x in enumerate(series)]
+            for series, i, h in zip(L_series, p.moments, p.rotors_momentum, strict=True)
+        ]
         gained = torque(p, row_series, omega, n)
         turning = [crossed(row, omega, n) for row in row_series]
         rate = crossed(L_series, omega, n)
@@ -85,11 +92,13 @@ def step(p: Problem, L: list[mpf], rows: list[list[mpf]], h: mpf) -> None:
 
 def second_solution(p: Problem) -> tuple[list[list[mpf]], list[mpf]]:
     """R, row by row, and ω after `DURATION`."""
-    L = [i * w for i, w in zip(p.moments, p.omega_axes, strict=True)]
+    numbers = zip(p.moments, p.omega_axes, p.rotors_momentum, strict=True)
+    L = [i * w + h for i, w, h in numbers]
     rows = rotation(p.q_world_axes)
     for _ in range(STEPS):
         step(p, L, rows, mpf(DURATION) / STEPS)
-    return rows, [x / i for x, i in zip(L, p.moments, strict=True)]
+    numbers = zip(L, p.rotors_momentum, p.moments, strict=True)
+    return rows, [(x - h) / i for x, h, i in numbers]
 
 
 def flat(rows: list[list[mpf]]) -> list[mpf]:
@@ -112,12 +121,16 @@ def test_the_motion_is_that_of_a_second_derivation(terms: dict[str, object]) -> 
         assert distance(flat(rotation(q)), flat(rows)) < BOUND
 
 
+def times_ulp(value: object, ulp: mpf) -> object:
+    """A number, or all numbers of a tuple, times a factor."""
+    return tuple(times_ulp(x, ulp) for x in value) if isinstance(value, tuple) else value * ulp
+
+
 @pytest.mark.parametrize("name", sorted(TERMS["everything"]))
 def test_every_term_shows_when_it_is_off_by_one_ulp(name: str) -> None:
     p = replace(FREE, **TERMS["everything"])
     value = getattr(p, name)
-    ulp = 1 + mpf(EPS)
-    nudged = value * ulp if name == "drag" else tuple(x * ulp for x in value)
+    nudged = times_ulp(value, 1 + mpf(EPS))
     states = integrate_double_double(replace(p, **{name: nudged}), np.array([DURATION]))
     with mp.workdps(DIGITS):
         assert distance(q_and_omega(states, 0)[1], second_solution(p)[1]) > BOUND

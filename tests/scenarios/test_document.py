@@ -146,6 +146,20 @@ def test_it_is_refused(replacement, complaint):
         scene(replacement)
 
 
+def rotor(line: str) -> str:
+    """A table of a rotor, one of its lines another."""
+    lines = {
+        "axis": "axis = [0.0, 0.0, 2.0]",
+        "position": "position = [0.0, 0.1, 0.0]",
+        "mass": "mass = 0.5",
+        "inertia": "inertia = [1.0, 1.0]",
+        "spin": "spin = 3.0",
+        "hinge": 'hinge = "free"',
+    }
+    lines[line.split(" ")[0]] = line
+    return "\n".join(["[[rotors]]", *lines.values()]) + "\n"
+
+
 REFUSED_TABLES = {
     "unknown effect": (
         "[effects.wind]\n",
@@ -163,6 +177,34 @@ REFUSED_TABLES = {
     "two torques": (
         "[effects.torque]\nbody = [0, 0, 1]\nworld = [0, 0, 1]\n",
         r"torque: takes exactly one of 'body' and 'world'",
+    ),
+    "a rotor of negative mass": (
+        rotor("mass = -1.0"),
+        r":17: \[\[rotors\]\] number 1 mass: .* greater than 0, got -1",
+    ),
+    "an axis of no length": (
+        rotor("axis = [0.0, 0.0, 0.0]"),
+        r":15: \[\[rotors\]\] number 1 axis: must have a length, got \[0, 0, 0\]",
+    ),
+    "a rotor that is no body": (
+        rotor("inertia = [1.0, 2.5]"),
+        r":18: .* inertia: the moment along .* twice that across it, got 1, 2.5 kg m²",
+    ),
+    "a locked rotor that spins": (
+        rotor('hinge = "locked"'),
+        r":19: .* number 1 spin: must be 0 on a locked hinge, got 3 rad/s",
+    ),
+    "a second rotor on no hinge": (
+        rotor("mass = 1.0") + rotor('hinge = "loose"'),
+        r":27: \[\[rotors\]\] number 2 hinge: .* 'free', 'driven' or 'locked', got 'loose'",
+    ),
+    "a body that is none once its rotors are in": (
+        rotor("position = [0.0, 0.0, 1e200]"),
+        r":14: \[\[rotors\]\] number 1: with it in the body, mass, com and inertia are too large",
+    ),
+    "a rotor too far to be computed with": (
+        rotor("spin = 1e160"),
+        r":14: \[\[rotors\]\] number 1: the rotor's angular momentum is 1.0e\+160 .* too large",
     ),
     "published after the end": (
         published("t = 1.5", "energy = 2.0"),

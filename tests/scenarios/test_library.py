@@ -8,7 +8,7 @@ from spincheck.scenarios import EFFECTS, LIBRARY, Scenario, find, load
 from spincheck.scenarios.document import BodyTable, StartTable
 
 SCENES = [load(path) for path in find([])]
-KINDS = ("free", "thrown", "heavy", "driven")
+KINDS = ("free", "thrown", "heavy", "driven", "rotors")
 #: Scenes of any kind that are hard to get right.
 HARD = "hard"
 #: Scenes whose length is what is hard about them.
@@ -65,8 +65,9 @@ def test_scene_lies_in_the_folder_of_its_kind(scenario: Scenario) -> None:
         kind = "heavy" if scenario.constraint.is_pivot else "thrown"
     else:
         kind = "free"
-    assert folder(scenario) in (kind, HARD)
-    assert kind in scenario.document.tags
+    parts = "rotors" if scenario.rotors else kind
+    assert folder(scenario) in (parts, HARD)
+    assert {kind, parts} <= set(scenario.document.tags)
     assert folder(scenario) != HARD or HARD in scenario.document.tags
 
 

@@ -126,7 +126,8 @@ def _examples(schema: dict[str, Any], row: int = 0) -> Iterator[Any]:
         elif kind == "array" and "prefixItems" in arm:
             if all(_resolved(item).get("type") == "number" for item in arm["prefixItems"]):
                 n = len(arm["prefixItems"])
-                yield [float(k == row) for k in range(n)]
+                positive = ["exclusiveMinimum" in _resolved(item) for item in arm["prefixItems"]]
+                yield [1.0] * n if all(positive) else [float(k == row) for k in range(n)]
                 yield [1.0] + [float(k == row) for k in range(n - 1)]
             else:
                 yield [next(_examples(item, k)) for k, item in enumerate(arm["prefixItems"])]

@@ -15,7 +15,7 @@ from quiet_session import QuietSession
 from scipy.spatial.transform import Rotation
 from spincheck.engines import BodyReading, Engine, EngineError, Method, Session, State
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
-from spincheck.engines.checks.first_steps import starting_with
+from spincheck.engines.checks.equation_residuals import starting_with
 from spincheck.scenarios import EFFECTS, Scenario, loads
 
 METHOD = Method("Heun", 2, 2, "Heun's method on rotation vectors", frozenset(EFFECTS) - {"pivot"})

@@ -1,6 +1,6 @@
 """The scenes of the contract, for all other tests of engines."""
 
-from spincheck.engines.contract.scenes import (
+from spincheck.suite.contract_scenes import (
     ASYMMETRIC,
     DRAG,
     GRAVITY,

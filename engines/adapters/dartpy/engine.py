@@ -3,64 +3,25 @@
 What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
-from importlib.metadata import version
-from pathlib import Path
 from typing import final
 
 import numpy as np
 
-from ....scenarios import Scenario
-from ...engine import COMMON_EFFECTS, Engine, Method
-from ...session import Session
-from ...world_session import WorldBody, WorldSession, world_script
+from ...engine import COMMON_EFFECTS, Method
+from ...world_engine import WorldEngine
+from ...world_session import WorldBody, WorldSession
 
 TORQUES = frozenset({"torque_body", "torque_world"})
 #: Number of coordinates that turn the body; they come first in a joint.
 TURNING = 3
 #: Relative rounding of a torque that was rotated twice.
 SLACK = 16 * float(np.finfo(float).eps)
-WORLD = Path(__file__).with_name("world.py")
 #: How users keep bodies from falling asleep.
 AWAKE = """\
 world.setTimeStep(TIMESTEP)
 options = world.getDeactivationOptions()
 options.mEnabled = False
 world.setDeactivationOptions(options)"""
-
-
-@final
-class Dart(Engine):
-    """A body on a free joint, or on a ball joint at its pivot."""
-
-    name = "dartpy"
-    package = "dartpy"
-    step_seconds = 2e-6
-    # getTimeStep() of a new World.
-    stock_timestep = 1e-3
-    methods = (
-        Method(
-            "semi-implicit",
-            1,
-            1,
-            "semi-implicit Euler in joint coordinates",
-            COMMON_EFFECTS,
-            setup=AWAKE,
-        ),
-        Method("default", 1, 1, "as shipped: may fall asleep", COMMON_EFFECTS, as_shipped=True),
-    )
-
-    @property
-    def version(self) -> str:
-        """The version of the installed package."""
-        return version("dartpy")
-
-    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Build a world with the body on its joint."""
-        return DartSession(f"{__package__}.world", scenario, method.name, timestep)
-
-    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
-        """The world as Python."""
-        return world_script(WORLD, scenario, method.name)
 
 
 @final
@@ -97,3 +58,26 @@ class DartSession(WorldSession):
         }
         acting = frozenset(name for name, acts in named.items() if acts)
         return acting | (scenario.called_for & TORQUES if torque.any() else frozenset())
+
+
+@final
+class Dart(WorldEngine):
+    """A body on a free joint, or on a ball joint at its pivot."""
+
+    session = DartSession
+    name = "dartpy"
+    package = "dartpy"
+    step_seconds = 2e-6
+    # getTimeStep() of a new World.
+    stock_timestep = 1e-3
+    methods = (
+        Method(
+            "semi-implicit",
+            1,
+            1,
+            "semi-implicit Euler in joint coordinates",
+            COMMON_EFFECTS,
+            setup=AWAKE,
+        ),
+        Method("default", 1, 1, "as shipped: may fall asleep", COMMON_EFFECTS, as_shipped=True),
+    )

@@ -3,22 +3,19 @@
 What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
-from importlib.metadata import version
-from pathlib import Path
 from typing import final
 
 import numpy as np
 
-from ....scenarios import FloatArray, Scenario
+from ....scenarios import FloatArray
 from ...checks.read_back import EngineError
-from ...engine import COMMON_EFFECTS, Engine, Method
-from ...session import Session
-from ...world_session import WorldBody, WorldSession, world_script
+from ...engine import COMMON_EFFECTS, Method
+from ...world_engine import WorldEngine
+from ...world_session import WorldBody, WorldSession
 
 TORQUES = frozenset({"torque_body", "torque_world"})
 #: Relative rounding of a torque that was rotated.
 SLACK = 16 * float(np.finfo(float).eps)
-WORLD = Path(__file__).with_name("world.py")
 
 
 def _method(name: str, order: int, summary: str, as_shipped: bool = False) -> Method:
@@ -38,38 +35,6 @@ ApplySimulatorConfig(config, simulator)"""
         by_angles=True,
         setup="plant = MultibodyPlant(time_step=TIMESTEP)" if name == "discrete" else setup,
     )
-
-
-@final
-class Drake(Engine):
-    """A body on a quaternion joint, or on a ball joint of roll, pitch and yaw at its pivot."""
-
-    name = "drake"
-    package = "pydrake"
-    step_seconds = 15e-6
-    # MultibodyPlantConfig.time_step.
-    stock_timestep = 1e-3
-    # Orders: its documentation of the integrators; measured in docs/measured/engines-more.md.
-    methods = (
-        _method("runge_kutta5", 5, "Runge-Kutta of fifth order"),
-        _method("runge_kutta3", 3, "Runge-Kutta of third order"),
-        _method("semi_explicit_euler", 1, "semi-implicit Euler"),
-        _method("discrete", 1, "the plant's own steps, without an integrator"),
-        _method("default", 1, "as shipped: as discrete, with a scene graph", as_shipped=True),
-    )
-
-    @property
-    def version(self) -> str:
-        """The version of the installed package."""
-        return version("drake")
-
-    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Build a diagram of the plant and of a system that applies the scene's torques, if any."""
-        return DrakeSession(f"{__package__}.world", scenario, method.name, timestep)
-
-    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
-        """The plant as Python."""
-        return world_script(WORLD, scenario, method.name)
 
 
 @final
@@ -143,3 +108,23 @@ class DrakeSession(WorldSession):
         port, context = self.world.plant.get_applied_spatial_force_input_port(), self.world.context
         forces = port.Eval(context) if port.HasValue(context) else []
         return sum((np.array(force.F_Bq_W.rotational()) for force in forces), np.zeros(3))
+
+
+@final
+class Drake(WorldEngine):
+    """A body on a quaternion joint, or on a ball joint of roll, pitch and yaw at its pivot."""
+
+    session = DrakeSession
+    name = "drake"
+    package = "pydrake"
+    step_seconds = 15e-6
+    # MultibodyPlantConfig.time_step.
+    stock_timestep = 1e-3
+    # Orders: its documentation of the integrators; measured in docs/measured/engines-more.md.
+    methods = (
+        _method("runge_kutta5", 5, "Runge-Kutta of fifth order"),
+        _method("runge_kutta3", 3, "Runge-Kutta of third order"),
+        _method("semi_explicit_euler", 1, "semi-implicit Euler"),
+        _method("discrete", 1, "the plant's own steps, without an integrator"),
+        _method("default", 1, "as shipped: as discrete, with a scene graph", as_shipped=True),
+    )

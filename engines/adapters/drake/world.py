@@ -83,7 +83,10 @@ class World:
         self.timestep, self.taken, self.clock = timestep, 0, 0.0
         self.simulator.get_mutable_context().SetTime(0.0)
         if not self.is_discrete:
-            self.simulator.get_mutable_integrator().set_maximum_step_size(timestep)
+            integrator = self.simulator.get_mutable_integrator()
+            integrator.set_maximum_step_size(timestep)
+            if integrator.get_initial_step_size_target() > timestep:
+                integrator.request_initial_step_size_target(timestep)
         joint, context = self.joint, self.context
         if self.is_free:
             joint.SetQuaternion(context, drake.Quaternion(motion["q"]))

@@ -4,22 +4,20 @@ What it does to a top by default, and how each effect was measured: docs/measure
 """
 
 import warnings
-from importlib.metadata import version
-from pathlib import Path
 from typing import Any, final
 
 import numpy as np
 
 from ....scenarios import Scenario
 from ...checks.read_back import EngineError
-from ...engine import COMMON_EFFECTS, Engine, Method
+from ...engine import COMMON_EFFECTS, Method
 from ...native_output import native_output
 from ...session import Session
-from ...world_session import WorldBody, WorldSession, world_script
+from ...world_engine import WorldEngine
+from ...world_session import WorldBody, WorldSession
 
 #: Types of the objects that a scene needs.
 KINDS = frozenset({"RigidBody", "Ground", "ConnectorCoordinate", "ConnectorRigidBodySpringDamper"})
-WORLD = Path(__file__).with_name("world.py")
 #: Relative difference allowed of a step's length, as Exudyn sums up the time.
 CLOCK_SLACK = 1e-6
 
@@ -31,53 +29,6 @@ settings.timeIntegration.endTime = duration
 settings.timeIntegration.numberOfSteps = round(duration / TIMESTEP)
 mbs.SolveDynamic(settings, solverType=exudyn.DynamicSolverType.{name})"""
     return Method(name, order, order, summary, COMMON_EFFECTS, setup=setup)
-
-
-@final
-class Exudyn(Engine):
-    """A rigid body on a Lie-group node, its pivot three constrained coordinates."""
-
-    name = "exudyn"
-    package = "exudyn"
-    step_seconds = 5e-6
-    # SimulationSettings: a hundred steps to an end time of 1 s.
-    stock_timestep = 0.01
-    # Orders: its manual, "Explicit solvers" and "Implicit solvers"; measured in
-    # docs/measured/engines-more.md.
-    methods = (
-        _method("ExplicitEuler", 1, "explicit Euler, the attitude by the exponential map"),
-        _method("ExplicitMidpoint", 2, "explicit midpoint rule"),
-        _method("RK33", 3, "Runge-Kutta of third order"),
-        _method("RK44", 4, "Runge-Kutta of fourth order"),
-        _method("RK67", 6, "Runge-Kutta of sixth order, seven stages"),
-        _method("TrapezoidalIndex2", 2, "implicit trapezoidal rule, constraints in velocities"),
-        Method(
-            "default",
-            2,
-            2,
-            "as shipped: generalised α, spectral radius 0.9",
-            COMMON_EFFECTS,
-            as_shipped=True,
-        ),
-    )
-
-    @property
-    def version(self) -> str:
-        """The version of the installed package."""
-        return version("exudyn")
-
-    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Assemble the system and set its start."""
-        with native_output() as printed, warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            session = ExudynSession(f"{__package__}.world", scenario, method.name, timestep)
-        if "ERROR" in printed.text:
-            raise EngineError(f"Exudyn: {' '.join(printed.text.split())}")
-        return session
-
-    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
-        """The system as Python."""
-        return world_script(WORLD, scenario, method.name)
 
 
 @final
@@ -151,3 +102,42 @@ class ExudynSession(WorldSession):
         """Drop the system."""
         self.world.solver.FinalizeSolver(self.world.system, self.world.settings)
         self.world.container.Reset()
+
+
+@final
+class Exudyn(WorldEngine):
+    """A rigid body on a Lie-group node, its pivot three constrained coordinates."""
+
+    session = ExudynSession
+    name = "exudyn"
+    package = "exudyn"
+    step_seconds = 5e-6
+    # SimulationSettings: a hundred steps to an end time of 1 s.
+    stock_timestep = 0.01
+    # Orders: its manual, "Explicit solvers" and "Implicit solvers"; measured in
+    # docs/measured/engines-more.md.
+    methods = (
+        _method("ExplicitEuler", 1, "explicit Euler, the attitude by the exponential map"),
+        _method("ExplicitMidpoint", 2, "explicit midpoint rule"),
+        _method("RK33", 3, "Runge-Kutta of third order"),
+        _method("RK44", 4, "Runge-Kutta of fourth order"),
+        _method("RK67", 6, "Runge-Kutta of sixth order, seven stages"),
+        _method("TrapezoidalIndex2", 2, "implicit trapezoidal rule, constraints in velocities"),
+        Method(
+            "default",
+            2,
+            2,
+            "as shipped: generalised α, spectral radius 0.9",
+            COMMON_EFFECTS,
+            as_shipped=True,
+        ),
+    )
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        """Assemble the system and set its start."""
+        with native_output() as printed, warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            session = super().open(scenario, method, timestep)
+        if "ERROR" in printed.text:
+            raise EngineError(f"Exudyn: {' '.join(printed.text.split())}")
+        return session

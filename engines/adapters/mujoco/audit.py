@@ -4,7 +4,7 @@ Forces in MuJoCo come from the model, from what was applied to its data, and fro
 process; all three are checked.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -13,6 +13,8 @@ import mujoco
 import numpy as np
 
 from ....scenarios import FloatArray, Scenario
+from ....scenarios.effects.rotors import Rotor
+from ...models.mjcf import armature
 
 #: Parts of a model that no scene calls for; those with non-zero values are reported.
 FOREIGN: dict[str, Callable[[Any], Any]] = {
@@ -37,6 +39,11 @@ FOREIGN: dict[str, Callable[[Any], Any]] = {
     "wind": lambda m: m.opt.wind,
     "air": lambda m: [m.opt.density, m.opt.viscosity],
 }
+
+#: Those that rotors on hinges are to MuJoCo.
+OF_ROTORS = {"a second body", "a second joint", "added rotor inertia"}
+#: Relative, of numbers that went through text.
+HINGE_SLACK = 1e-12
 
 #: MuJoCo's flags in words; flags of later versions are reported by MuJoCo's own names.
 FLAG_WORDS = {
@@ -106,12 +113,41 @@ def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
         "applied forces": data.qfrc_applied.any() or data.xfrc_applied.any(),
     }
     names_acting = {name for name, acts in named.items() if acts}
-    names_acting |= {name for name, part in FOREIGN.items() if _has(model, part)}
+    foreign = {name for name, part in FOREIGN.items() if _has(model, part)}
+    if scenario.rotors:
+        wrong = list(_wrong_hinges(model, scenario.rotors.each))
+        names_acting |= set(wrong) or {"rotors"}
+        foreign -= set() if wrong else OF_ROTORS
+    names_acting |= foreign
     names_acting |= {
         f"callback {n}" for n in CALLBACKS if getattr(mujoco, f"get_mjcb_{n}")() is not None
     }
     names_acting |= set(_wrong_strengths(effects, drag, scenario))
     return frozenset(names_acting) | effects.other | _idle_passes(model, effects)
+
+
+def _wrong_hinges(model: Any, rotors: Sequence[Rotor]) -> Iterator[str]:
+    """How the bodies after the first are other than rotors on their hinges, in words."""
+    if model.nbody - 2 != len(rotors) or (model.body_parentid[2:] != 1).any():
+        yield f"{model.nbody - 2} parts of the body, not {len(rotors)} rotors"
+        return
+    for number, rotor in enumerate(rotors, start=1):
+        joint, count = model.body_jntadr[number + 1], model.body_jntnum[number + 1]
+        if rotor.hinge == "locked" or count != 1:
+            if count != (rotor.hinge != "locked"):
+                yield f"rotor {number} on {count} joints, though it is {rotor.hinge}"
+            continue
+        dof = model.jnt_dofadr[joint]
+        numbers = model.dof_armature[dof], model.dof_damping[dof]
+        if model.jnt_type[joint] != mujoco.mjtJoint.mjJNT_HINGE:
+            yield f"rotor {number} on a joint that is no hinge"
+        if not np.allclose(numbers, (armature(rotor), 0.0), rtol=HINGE_SLACK, atol=0.0):
+            inertia, damping = map(float, numbers)
+            on = f"on a {rotor.hinge} hinge"
+            yield f"rotor {number} with {inertia:g} kg m² and {damping:g} N m s {on}"
+        off = model.jnt_pos[joint] - model.body_ipos[number + 1]
+        if np.linalg.norm(np.cross(off, model.jnt_axis[joint])) > HINGE_SLACK * np.linalg.norm(off):
+            yield f"rotor {number} on a hinge beside its centre of mass"
 
 
 def _has(model: Any, part: Callable[[Any], Any]) -> bool:
@@ -144,7 +180,7 @@ def read_effects(model: Any) -> EffectsReading:
     reading = EffectsReading(
         pivot=False,
         gravity_world=model.opt.gravity * _is_on(model, "gravity"),
-        joint_damping=np.diag(model.dof_damping[-3:]) * _is_on(model, "damper"),
+        joint_damping=np.diag(model.dof_damping[_turning(model)]) * _is_on(model, "damper"),
         servo_drag=np.zeros((3, 3), numbers),
         torque_body=np.zeros(3, numbers),
         torque_world=np.zeros(3, numbers),
@@ -154,6 +190,12 @@ def read_effects(model: Any) -> EffectsReading:
     if _is_on(model, "actuation"):
         other |= {word for word in _add_actuators(model, reading) if word}
     return EffectsReading(**{**vars(reading), "pivot": pivot, "other": frozenset(other)})
+
+
+def _turning(model: Any) -> slice:
+    """The velocities that are the body's ω."""
+    is_free = model.njnt and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
+    return slice(3, 6) if is_free else slice(0, 3)
 
 
 def _joint(model: Any) -> tuple[bool, set[str]]:
@@ -175,7 +217,8 @@ def _add_actuators(model: Any, reading: EffectsReading) -> list[str]:
     other = []
     for i in range(model.nu):
         gear = model.actuator_gear[i]
-        torque, force = (gear[:3], gear[3:]) if model.nv == 3 else (gear[3:], gear[:3])
+        first = _turning(model).start
+        torque, force = (gear[3:], gear[:3]) if first else (gear[:3], gear[3:])
         constant, per_length, per_velocity = model.actuator_biasprm[i][:3]
         # Both are constant torques; they differ in the axes that the gear is written in.
         turned_by = {

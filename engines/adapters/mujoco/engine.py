@@ -25,6 +25,7 @@ SINCE = {"discrete": "3.13.0"}
 KEPT = 16
 #: s, timestep of a compiled model before that of the run is set.
 ANY_TIMESTEP = 1e-3
+EFFECTS = COMMON_EFFECTS | {"rotors"}
 
 
 def setup(integrator: str) -> str:
@@ -37,7 +38,7 @@ model.opt.timestep = TIMESTEP"""
 
 
 def _method(name: str, order: int, summary: str) -> Method:
-    return Method(name, order, order, summary, COMMON_EFFECTS, setup=setup(name))
+    return Method(name, order, order, summary, EFFECTS, setup=setup(name))
 
 
 @final
@@ -61,7 +62,7 @@ class MuJoCo(Engine):
             1,
             1,
             "as shipped: Euler, with every pass on",
-            COMMON_EFFECTS,
+            EFFECTS,
             as_shipped=True,
         ),
     )

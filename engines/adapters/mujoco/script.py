@@ -24,7 +24,7 @@ def step(count):
 
 def state():
     \"\"\"Attitude, w x y z, body to world, and angular velocity in body axes.\"\"\"
-    return data.qpos[-4:].copy(), data.qvel[-3:].copy()
+    return data.qpos[{attitude}].copy(), data.qvel[{rotation}].copy()
 """
 
 
@@ -35,4 +35,10 @@ def script(scenario: Scenario, integrator: str | None, timestep: float) -> str:
     off += ("passive",) * ({"spring", "damper"} <= set(off))
     text = mjcf(scenario, timestep, integrator, left_in=switched_off(scenario))
     flags = tuple(name.upper() for name in off)
-    return _SCRIPT.format(lines=python_lines(text), flags=flags)
+    first = 0 if scenario.constraint.is_pivot else 3
+    return _SCRIPT.format(
+        lines=python_lines(text),
+        flags=flags,
+        attitude=f"{first}:{first + 4}",
+        rotation=f"{first}:{first + 3}",
+    )

@@ -3,10 +3,12 @@
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any, final
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray, Scenario
@@ -23,6 +25,8 @@ from .audit import acting
 WORLD = 0
 #: How many leading numbers of a free joint's qpos and qvel are the origin's position and velocity.
 TRANSLATION = 3
+#: Of a body without rotors, whether each of them turns.
+NO_ROTORS = np.empty(0, dtype=bool)
 #: What is read at a sample, as MuJoCo's flag: time, qpos and qvel.
 READ = int(
     mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL
@@ -63,15 +67,16 @@ class MuJoCoSession(Session):
         # Reused for each snapshot: fetching MuJoCo's own arrays would double the time.
         self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
         self._read = self._reading[1:]
-        self._com_body = body_of(model).com
-        self._on_hinges = model.jnt_type[-1] == mujoco.mjtJoint.mjJNT_HINGE
+        self._com_body, self._is_turning = body_of(model).com, scenario.rotors.is_turning
+        last_of_body = model.body_jntadr[WORLD + 1] + model.body_jntnum[WORLD + 1] - 1
+        self._on_hinges = model.jnt_type[last_of_body] == mujoco.mjtJoint.mjJNT_HINGE
         self._steps = 0
         self._warnings: list[str] = []
         self._clock = clock.SHIPPED if has_clock else None
 
     def read_body(self) -> BodyReading:
         """The body of the compiled model, its principal moments turned back into body axes."""
-        return body_of(self.model)
+        return replace(body_of(self.model), axial=_axial(self.model))
 
     def read_state(self) -> State:
         """The state now; see `states`."""
@@ -85,14 +90,15 @@ class MuJoCoSession(Session):
     @property
     def restarts_to_the_last_bit(self) -> bool:
         """Unless MuJoCo moves another point of the body than its com."""
-        return self.model.nv == TRANSLATION or not self._com_body.any()
+        on_pivot = self.model.jnt_type[0] == mujoco.mjtJoint.mjJNT_BALL
+        return bool(on_pivot or not self._com_body.any())
 
     def restart(self, state: State, timestep: float | None = None) -> None:
         """`mj_resetData`, and the coordinates of the state."""
         if timestep is not None:
             self.model.opt.timestep = timestep
         mujoco.mj_resetData(self.model, self.data)
-        coordinates = coordinates_of(state, self.model.nv, self._com_body)
+        coordinates = coordinates_of(state, self.model.nv, self._com_body, self._is_turning)
         self.data.qpos[:], self.data.qvel[:] = (
             hinged(*coordinates) if self._on_hinges else coordinates
         )
@@ -151,7 +157,7 @@ class MuJoCoSession(Session):
         coordinates = rows[:, 2 : 2 + nq], rows[:, 2 + nq :]
         if self._on_hinges:
             coordinates = unhinged(*coordinates)
-        return states_of(*coordinates, self._com_body)
+        return states_of(*coordinates, self._com_body, self._is_turning)
 
     def first_fault(
         self,
@@ -208,6 +214,16 @@ def body_of(model: Any) -> BodyReading:
     return composed(parts)
 
 
+def _axial(model: Any) -> FloatArray:
+    """Axis times moment about it of the bodies after the first, kg m², zero if welded, (n, 3)."""
+    rows = np.zeros((model.nbody - WORLD - 2, 3))
+    for joint in range(model.body_jntnum[WORLD + 1], model.njnt):
+        body = model.jnt_bodyid[joint]
+        axis = _rotation(model.body_quat[body]).apply(model.jnt_axis[joint])
+        rows[body - WORLD - 2] = axis * (axis @ _body(model, body).inertia_com @ axis)
+    return rows
+
+
 def _body(model: Any, body: int) -> BodyReading:
     """One body, its principal moments turned back into its axes."""
     R_body_axes = _rotation(model.body_iquat[body]).as_matrix()
@@ -218,12 +234,22 @@ def _body(model: Any, body: int) -> BodyReading:
     )
 
 
-def states_of(qpos: FloatArray, qvel: FloatArray, com_body: FloatArray) -> State:
+def states_of(
+    qpos: FloatArray,
+    qvel: FloatArray,
+    com_body: FloatArray,
+    is_turning: NDArray[np.bool_] = NO_ROTORS,
+) -> State:
     """The states of one body from its coordinates, (n, nq), and velocities, (n, nv).
 
     The com is the body's origin plus the compiled arm, its velocity that of the origin plus
     ω × arm; a ball joint's origin stands still.
     """
+    spins = np.zeros((len(qvel), len(is_turning)))
+    count = np.count_nonzero(is_turning)
+    if count:
+        spins[:, is_turning] = qvel[:, -count:]
+        qpos, qvel = qpos[:, :-count], qvel[:, :-count]
     q_world_body_wxyz, omega_body = qpos[:, -4:], qvel[:, -3:]
     R_world_body = matrices(q_world_body_wxyz)
     com_world = R_world_body @ com_body
@@ -231,20 +257,25 @@ def states_of(qpos: FloatArray, qvel: FloatArray, com_body: FloatArray) -> State
     if qvel.shape[1] > TRANSLATION:
         com_world += qpos[:, :TRANSLATION]
         velocity_world += qvel[:, :TRANSLATION]
-    return State(q_world_body_wxyz, omega_body, com_world, velocity_world)
+    return State(q_world_body_wxyz, omega_body, com_world, velocity_world, spins)
 
 
-def coordinates_of(state: State, nv: int, com_body: FloatArray) -> tuple[FloatArray, FloatArray]:
+def coordinates_of(
+    state: State, nv: int, com_body: FloatArray, is_turning: NDArray[np.bool_] = NO_ROTORS
+) -> tuple[FloatArray, FloatArray]:
     """Coordinates, (nq,), and velocities, (nv,), of a state, as `states_of` reads them."""
     q_world_body_wxyz, omega_body = state.q_world_body_wxyz, state.omega_body
-    if nv == TRANSLATION:
-        return q_world_body_wxyz, omega_body
+    spins = state.spins[is_turning]
+    angles = np.zeros_like(spins)
+    if nv - len(spins) == TRANSLATION:
+        turning = np.concatenate([q_world_body_wxyz, angles]), np.concatenate([omega_body, spins])
+        return turning if len(spins) else (q_world_body_wxyz, omega_body)
     R_world_body = matrix(q_world_body_wxyz)
     origin_world = state.com_world - R_world_body @ com_body
     speed_world = state.velocity_world - R_world_body @ cross(omega_body, com_body)
     return (
-        np.concatenate([origin_world, q_world_body_wxyz]),
-        np.concatenate([speed_world, omega_body]),
+        np.concatenate([origin_world, q_world_body_wxyz, angles]),
+        np.concatenate([speed_world, omega_body, spins]),
     )
 
 
@@ -255,7 +286,8 @@ def left_out(scenario: Scenario) -> tuple[str, ...]:
 
 def check_not_too_small(scenario: Scenario) -> None:
     """Raise `UnsupportedError` for a body whose numbers are too small for MuJoCo."""
-    least = min(scenario.body.mass, *scenario.body.principal_moments)
+    parts = scenario.carrier, *(rotor.body for rotor in scenario.rotors.each)
+    least = min(min(part.mass, *part.principal_moments) for part in parts)
     if least <= mujoco.mjMINVAL:
         raise UnsupportedError(
             f"MuJoCo takes no mass or moment unless it exceeds {mujoco.mjMINVAL:g} (kg, kg m²), "

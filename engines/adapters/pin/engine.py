@@ -4,52 +4,14 @@ What is judged is its forward dynamics (articulated-body algorithm), stepped as 
 by a Runge-Kutta rule. How each effect was measured: docs/measured/engines-more.md.
 """
 
-from importlib.metadata import version
-from pathlib import Path
 from typing import final
 
 import numpy as np
 
-from ....scenarios import PUSHED, Scenario
-from ...engine import COMMON_EFFECTS, Engine, Method
-from ...session import Session
-from ...world_session import WorldBody, WorldSession, world_script
-
-WORLD = Path(__file__).with_name("world.py")
-
-
-@final
-class Pinocchio(Engine):
-    """A body on a free-flyer joint, or on a spherical joint at its pivot."""
-
-    name = "pin"
-    package = "pinocchio"
-    step_seconds = 30e-6
-    methods = (
-        Method("semi-implicit", 1, 1, "aba, then integrate with the new velocity", COMMON_EFFECTS),
-        Method("RK4", 4, 4, "aba, in classical Runge-Kutta steps of its state", COMMON_EFFECTS),
-        Method(
-            "default",
-            1,
-            1,
-            "the loop of its examples, which is semi-implicit: it has no integrator",
-            COMMON_EFFECTS,
-            as_shipped=True,
-        ),
-    )
-
-    @property
-    def version(self) -> str:
-        """The version of the installed package."""
-        return version("pin")
-
-    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Build a model of one joint and its body."""
-        return PinocchioSession(f"{__package__}.world", scenario, method.name, timestep)
-
-    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
-        """The model and its steps as Python."""
-        return world_script(WORLD, scenario, method.name)
+from ....scenarios import PUSHED
+from ...engine import COMMON_EFFECTS, Method
+from ...world_engine import WorldEngine
+from ...world_session import WorldBody, WorldSession
 
 
 @final
@@ -76,3 +38,25 @@ class PinocchioSession(WorldSession):
             "joint friction": model.damping.any() or model.friction.any(),
         }
         return frozenset(name for name, acts in named.items() if acts)
+
+
+@final
+class Pinocchio(WorldEngine):
+    """A body on a free-flyer joint, or on a spherical joint at its pivot."""
+
+    session = PinocchioSession
+    name = "pin"
+    package = "pinocchio"
+    step_seconds = 30e-6
+    methods = (
+        Method("semi-implicit", 1, 1, "aba, then integrate with the new velocity", COMMON_EFFECTS),
+        Method("RK4", 4, 4, "aba, in classical Runge-Kutta steps of its state", COMMON_EFFECTS),
+        Method(
+            "default",
+            1,
+            1,
+            "the loop of its examples, which is semi-implicit: it has no integrator",
+            COMMON_EFFECTS,
+            as_shipped=True,
+        ),
+    )

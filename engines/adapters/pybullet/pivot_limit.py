@@ -14,7 +14,8 @@ def check_borne(equations: Equations, state: State, timestep: float) -> None:
     """Raise `UnsupportedError` if the pivot cannot bear the body at this state."""
     body, com = equations.scenario.body, equations.scenario.body.com
     R_world_body, omega_body = matrix(state.q_world_body_wxyz), state.omega_body
-    omega_rate = equations.inverse @ equations.torque_body(R_world_body, omega_body)
+    torque_body = equations.torque_body(R_world_body, omega_body, equations.kept_body(state))
+    omega_rate = equations.inverse @ torque_body
     pull_body = cross(omega_rate, com) + cross(omega_body, cross(omega_body, com))
     force_world = body.mass * (R_world_body @ pull_body - equations.scenario.gravity_world)
     impulse = float(np.abs(force_world).max()) * timestep

@@ -1,6 +1,7 @@
 """A scene running in PyBullet: its steps, and the torques that no model element gives."""
 
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 from functools import cache, cached_property
 from math import isnan
 from struct import Struct
@@ -8,7 +9,6 @@ from typing import final
 
 import numpy as np
 import pybullet as p
-from scipy.spatial.transform import Rotation
 
 from ....scenarios import Scenario
 from ...checks.equations import Equations
@@ -19,7 +19,7 @@ from ...session import Session
 from .as_shipped import DEFAULT_CLAMP, UNREACHED_VELOCITY
 from .audit import what_acts
 from .load import CLAMP, BodyRepresentation, load
-from .model import BASE, HUNG, Model
+from .model import BASE, HUNG, Model, Placed
 from .pivot_limit import check_borne
 from .torques import torques
 from .worlds import give_back, take_world
@@ -58,6 +58,7 @@ class PyBulletSession(Session):
         self.client, self.model = _open(scenario, representation, left_in)
         self._clamp = DEFAULT_CLAMP if CLAMP in representation.defaults else UNREACHED_VELOCITY
         self._torques, self.at_once = torques(self.model, scenario)
+        self._placed: dict[bytes, Placed] = {}
         self.set_timestep(timestep)
 
     def read_body(self) -> BodyReading:
@@ -88,22 +89,23 @@ class PyBulletSession(Session):
         timestep = self._timestep if timestep is None else timestep
         if self._is_maximal and self._scenario.constraint.is_pivot:
             check_borne(self._equations, state, timestep)
-        world_from_body = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
-        if self.model.link == HUNG:
-            self.model.set_joint_attitude(world_from_body)
-        else:
-            if self._is_maximal:
-                self._renew_inertia(world_from_body)
-            self.model.set_pose(state.com_world, world_from_body)
-        omega_world = world_from_body.apply(np.array(state.omega_body))
-        self.model.set_velocity(omega_world, state.velocity_world)
+        # The same few states are set at many timesteps.
+        turned = state.q_world_body_wxyz.tobytes() + state.omega_body.tobytes()
+        if turned not in self._placed:
+            self._placed[turned] = self.model.placed(state)
+        placed = self._placed[turned]
+        if self._is_maximal:
+            self._renew_inertia(placed)
+        self.model.place(placed, state.com_world, state.velocity_world)
+        if self.model.hinges:
+            self.model.hinges.set(state.spins)
         self.set_timestep(timestep)
 
-    def _renew_inertia(self, world_from_body: Rotation) -> None:
+    def _renew_inertia(self, placed: Placed) -> None:
         """Have PyBullet turn a rigid body's inertia, which it does at the end of a step only."""
-        is_held = self._scenario.constraint.is_pivot
-        com_world = world_from_body.apply(self.model.com) if is_held else np.zeros(3)
-        self.model.set_pose(com_world, world_from_body)
+        rest = np.zeros(3)
+        com_world = placed.arm_world if self._scenario.constraint.is_pivot else rest
+        self.model.place(replace(placed, omega=rest), com_world, rest)
         self.set_timestep(IDLE)
         self.advance(1)
 
@@ -192,7 +194,12 @@ class PyBulletSession(Session):
                 raise EngineError(NOT_FINITE, "not-finite")
             return pack(*com_world, *q_xyzw, *velocity_world, *omega_world)
 
-        return of_base if link == BASE else of_link
+        of_body = of_base if link == BASE else of_link
+        hinges = self.model.hinges
+        if hinges is None:
+            return of_body
+        # Not with `pack`, whose numbers are those of one body.
+        return lambda: of_body() + np.array(hinges.read()).tobytes()
 
     def states(self, snapshots: Sequence[bytes]) -> State:
         """The states of n snapshots, in spincheck's frames."""

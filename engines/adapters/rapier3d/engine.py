@@ -3,73 +3,26 @@
 What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
-from importlib.metadata import version
 from math import pi
-from pathlib import Path
 from typing import final
 
 import numpy as np
 
-from ....scenarios import PUSHED, Scenario
+from ....scenarios import PUSHED
 from ...checks.read_back import EngineError
-from ...engine import COMMON_EFFECTS, Engine, Method
-from ...session import Session
+from ...engine import COMMON_EFFECTS, Method
+from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
-from ...world_session import WorldBody, WorldSession, world_script
+from ...world_session import WorldBody, WorldSession
 
 #: rad: ANGULAR_MOTION_THRESHOLD of its sources: by default a body turns no further in a step.
 MOST_ROTATION_A_STEP = pi / 4
 #: Relative rounding of numbers in single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
-WORLD = Path(__file__).with_name("world.py")
 #: How users keep bodies from falling asleep, and from being clamped.
 AWAKE = """\
 world.integration_parameters.dt = TIMESTEP
 body = rapier3d.RigidBody.dynamic().can_sleep(False).allow_fast_rotation(True)"""
-
-
-@final
-class Rapier3D(Engine):
-    """Rapier's rigid bodies, a pivot as an impulse joint."""
-
-    name = "rapier3d"
-    package = "rapier3d"
-    step_seconds = 6e-6
-    single_precision = True
-    # IntegrationParameters.dt of its documentation.
-    stock_timestep = 1 / 60
-    methods = (
-        Method(
-            "impulse",
-            1,
-            1,
-            "semi-implicit Euler, the pivot as an impulse joint",
-            COMMON_EFFECTS,
-            setup=AWAKE,
-        ),
-        Method(
-            "default",
-            1,
-            1,
-            "as shipped: may fall asleep, and clamps the rotation a step",
-            COMMON_EFFECTS,
-            max_rotation_per_step=MOST_ROTATION_A_STEP,
-            as_shipped=True,
-        ),
-    )
-
-    @property
-    def version(self) -> str:
-        """The version of the installed package."""
-        return version("rapier3d")
-
-    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Build a world with the body, and for a pivot the joint that holds it."""
-        return Rapier3DSession(f"{__package__}.world", scenario, method.name, timestep)
-
-    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
-        """The world as Python."""
-        return world_script(WORLD, scenario, method.name)
 
 
 @final
@@ -118,3 +71,35 @@ class Rapier3DSession(WorldSession):
         acting = {name for name, acts in named.items() if acts}
         stated_effects = scenario.called_for & PUSHED
         return frozenset(acting | stated_effects if got.any() else acting)
+
+
+@final
+class Rapier3D(WorldEngine):
+    """Rapier's rigid bodies, a pivot as an impulse joint."""
+
+    session = Rapier3DSession
+    name = "rapier3d"
+    package = "rapier3d"
+    step_seconds = 6e-6
+    single_precision = True
+    # IntegrationParameters.dt of its documentation.
+    stock_timestep = 1 / 60
+    methods = (
+        Method(
+            "impulse",
+            1,
+            1,
+            "semi-implicit Euler, the pivot as an impulse joint",
+            COMMON_EFFECTS,
+            setup=AWAKE,
+        ),
+        Method(
+            "default",
+            1,
+            1,
+            "as shipped: may fall asleep, and clamps the rotation a step",
+            COMMON_EFFECTS,
+            max_rotation_per_step=MOST_ROTATION_A_STEP,
+            as_shipped=True,
+        ),
+    )

@@ -35,8 +35,7 @@ BEGINS_WITH = ("gravity", "pivot")
 
 def _effects() -> str:
     """The tables of all effects."""
-    models = {effect.table: effect.model for effect in EFFECTS.values()}
-    texts = {name: f"[effects.{name}]\n{model.EXAMPLE}" for name, model in models.items()}
+    texts = {e.table: f"{e.heading}\n{e.model.EXAMPLE}" for e in EFFECTS.values()}
     return "".join(
         line if name in BEGINS_WITH else f"# {line}"
         for name, text in texts.items()

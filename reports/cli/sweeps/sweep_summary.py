@@ -1,6 +1,7 @@
 """A sweep on the terminal: a line a method, the worst point, and the same as JSON."""
 
 import json
+import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
@@ -8,12 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from ....scenarios import SIGNAL
+from ...pages.analysis.ensemble_numbers import QUANTILES
 from ...results.as_json import as_json
 from ...results.sweep_records import Ensemble, EnsembleResult, Map, MapResult, PointResult
 from ..terminal import table
-
-#: Quantiles that are printed of the ω errors of the runs that finished.
-QUANTILES = {"median": 0.5, "90 %": 0.9, "99 %": 0.99}
 
 
 def print_sweep(sweep: MapResult | EnsembleResult) -> None:
@@ -61,19 +61,24 @@ def _by_method(points: Iterable[PointResult]) -> dict[str, list[PointResult]]:
 
 def _line(method: str, points: Sequence[PointResult], names: Sequence[str]) -> dict[str, object]:
     outcomes = Counter(point.outcome for point in points)
-    ended = [(p.errors.omega, p) for p in points if p.errors is not None and p.outcome == "ok"]
-    ended.sort(key=lambda pair: pair[0])
-    errors = [error for error, _ in ended]
-    worst = ended[-1] if ended else None
     causes = Counter(point.cause for point in points if point.cause)
+    run = [(_attitude(p), p) for p in points if p.outcome in ("ok", "diverged", "failed")]
+    run.sort(key=lambda pair: pair[0])
+    errors = [error for error, _ in run]
     return {
         "method": method,
-        **{name: outcomes[name] for name in ("ok", "diverged", "unsupported", "failed", "skipped")},
+        "ended": ", ".join(f"{count} {outcome}" for outcome, count in outcomes.most_common()),
         "why": ", ".join(f"{cause} {count}" for cause, count in causes.most_common()),
-        **{f"ω error, {name}": _quantile(errors, share) for name, share in QUANTILES.items()},
-        "worst": worst[0] if worst else None,
-        "worst at": _place(worst[1], names) if worst else "",
+        **{f"off by, °: {name}": _quantile(errors, share) for name, share in QUANTILES.items()},
+        "worst at": _place(run[-1][1], names) if run else "",
     }
+
+
+def _attitude(point: PointResult) -> float:
+    """The error in degrees; infinite of a run that did not finish."""
+    if point.outcome != "ok" or point.errors is None:
+        return math.inf
+    return point.errors.attitude * SIGNAL["attitude"].shown
 
 
 def _quantile(ascending: Sequence[float], share: float) -> float | None:

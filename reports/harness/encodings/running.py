@@ -8,7 +8,7 @@ from ....engines import Engine, Method, Run
 from ....engines.encodings import ENCODINGS, EncodedEngine, Encoding
 from ....reference import Solution
 from ....scenarios import Scenario
-from ...results.encoding_records import EncodedRun, EncodedRuns
+from ...results.encoding_records import EncodedRuns
 from ...results.records import Key
 from ...results.store import Store
 from ..choice import Choice
@@ -84,6 +84,9 @@ class _Runner:
 
     def run(self, encoding: Encoding, method: str, halvings: int = 0) -> Run:
         """A run; one whose process is lost has failed."""
+        named = (self.engine.name, self.engine.version, method)
+        if why_not := encoding.why_not(self.engine, self.scenario):
+            return Run(*named, self.rung.timestep, "unsupported", why_not)
         rung = replace(
             self.rung,
             timestep=self.rung.timestep / 2**halvings,
@@ -94,8 +97,7 @@ class _Runner:
             self.engine.site, simulate, encoded, self.scenario, method, rung
         ).value
         if isinstance(answer, CallFailed):
-            named = (self.engine.name, self.engine.version, method, rung.timestep)
-            return Run(*named, "failed", answer.reason, answer.cause)
+            return Run(*named, rung.timestep, "failed", answer.reason, answer.cause)
         return answer
 
     def pair(self, method: str, encoding: Encoding, halvings: int) -> Pair:
@@ -124,11 +126,7 @@ def _encoded_runs(
         partial(runner.pair, method.name),
         plain,
     )
-    each = []
-    for encoding in (ENCODINGS[name] for name in names):
-        if why_not := encoding.why_not(engine, scenario):
-            each.append(EncodedRun(encoding.name, "left out", why_not))
-        else:
-            pair = Pair(runner.run(encoding, method.name), own)
-            each.append(judge.judged(encoding, pair))
+    encodings = [ENCODINGS[name] for name in names]
+    pairs = [Pair(runner.run(encoding, method.name), own) for encoding in encodings]
+    each = map(judge.judged, encodings, pairs)
     return replace(record, each=tuple(each))

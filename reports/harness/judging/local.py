@@ -10,13 +10,11 @@ from dataclasses import replace
 import numpy as np
 
 from ....engines import Engine, EngineError, Method, UnsupportedError
-from ....engines.checks.consistency import Excess, Open, Steps, excess, single_steps
-from ....engines.checks.equations import Equations, Gain, gain_between
-from ....engines.checks.explanations import explanation
+from ....engines.checks.consistency import Excess, Open, Steps
+from ....engines.checks.equation_residuals import differing, leap, rounding_of, settled
+from ....engines.checks.equations import Equations
 from ....engines.checks.extrapolation import ABOVE, COARSER
-from ....engines.checks.first_steps import residual_words
-from ....engines.checks.precision import single_precision
-from ....engines.checks.read_back import State
+from ....engines.checks.read_back import State, stacked
 from ....engines.session import Session
 from ....scenarios import Scenario, Trajectory
 from ....scenarios.scenario import started_at
@@ -32,16 +30,8 @@ from .places import (
     apart,
     flowed,
     rounding_of_body,
-    stacked,
 )
 
-#: Steps until a constraint has settled. Bullet removes a fifth of its error in a step: 0.8^128 =
-#: 4e-13 of it is left.
-SETTLING = 128
-#: Fraction of the largest terms that a constraint's solver may leave as an error.
-NEGLIGIBLE = 2e-6
-#: So many of the shortest steps have to show that an error does not depend on their length.
-LEAPS = 4
 #: Rungs of the pieces, and the uncertainty of their limits that is enough.
 PIECE_RUNGS, PIECE_GOAL = 7, 1e-4
 #: Halvings of all timesteps where the coarsest are refused.
@@ -79,13 +69,12 @@ def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) ->
     steps, found = _consistency(
         lambda scene, timestep: engine.open(scene, method, timestep), engine, scenario, at
     )
-    eps = _epsilon(engine, steps)
-    settles = found.is_constrained
-    wrong = misread or _wrong(engine, equations, steps, found, at, is_smooth=not settles)
+    eps = rounding_of(steps.before, engine.single_precision)
+    is_smooth = not found.is_constrained
+    wrong = misread or _wrong(engine, equations, steps, found, at, is_smooth=is_smooth)
     return LocalCheck(
         reason=wrong,
         tolerance=float((found.tolerance / np.maximum(found.sizes, 1e-300)).max()),
-        settles=settles,
         at_any_timestep=bool(found.by_tolerance.max() > 1),
         is_open=found.is_open,
         states=len(at.times),
@@ -109,38 +98,15 @@ def _consistency(
     open_at: Open, engine: Engine, scenario: Scenario, at: Places
 ) -> tuple[Steps, Excess]:
     """Steps from exact states, and what they gain; once settled where a constraint holds them."""
-    equations = Equations(scenario)
-
-    def steps_after(settling: int) -> tuple[Steps, Steps]:
-        halved, others = (
-            single_steps(
-                open_at,
-                scenario,
-                at.states,
-                timesteps,
-                lambda states, spans: flowed(scenario, states, spans),
-                settling,
-            )
-            for timesteps in (at.timesteps, np.array(_others(engine, at)))
-        )
-        return halved, others
-
-    steps, others = steps_after(0)
-    eps = _epsilon(engine, steps)
-    slack = max(engine.slack, rounding_of_body(at.condition))
-    found = excess(equations, steps, others, eps, slack)
-    if found.is_constrained:
-        # From an exact state a constraint takes some steps to settle.
-        steps, others = steps_after(SETTLING)
-        settled = excess(equations, steps, others, eps, max(slack, NEGLIGIBLE / ABOVE))
-        found = replace(settled, is_constrained=True)
-    return steps, found
-
-
-def _epsilon(engine: Engine, steps: Steps) -> float:
-    """The rounding of the numbers that an engine's states have, declared or not."""
-    is_single = engine.single_precision or bool(single_precision(steps.before))
-    return float(np.finfo(np.float32 if is_single else float).eps)
+    return settled(
+        open_at,
+        scenario,
+        at.states,
+        (at.timesteps, np.array(_others(engine, at))),
+        lambda states, spans: flowed(scenario, states, spans),
+        max(engine.slack, rounding_of_body(at.condition)),
+        engine.single_precision,
+    )
 
 
 def _others(engine: Engine, at: Places) -> list[float]:
@@ -194,11 +160,8 @@ def _wrong(
     is_smooth: bool,
 ) -> str:
     """How steps are inconsistent with the equations of motion, in words; else empty."""
-    off = found.by_tolerance
-    if leap := _leap(found, at):
-        return leap
-    if off.max() > 1:
-        return _explained(equations, steps, found, at)
+    if wrong := leap(found, steps) or differing(equations, steps, found, [*map(_when, at.times)]):
+        return wrong
     unsmooth = np.vstack([found.unsmooth, found.unsmooth_others])
     if is_smooth and unsmooth.max() > 1:
         j, quantity = np.unravel_index(int(np.argmax(unsmooth)), unsmooth.shape)
@@ -210,37 +173,7 @@ def _wrong(
     return ""
 
 
-def _leap(found: Excess, at: Places) -> str:
-    """The reason if a step changes the state by as much however short it is; else empty."""
-    gains = found.by_timestep[-LEAPS:] * at.timesteps[-LEAPS:, None]
-    leaps = (np.ptp(gains, axis=0) < gains.min(axis=0) / 2) & (found.unsmooth.max(axis=0) > 1)
-    if not leaps.any():
-        return ""
-    quantity = int(np.argmax(leaps * gains.max(axis=0)))
-    what, unit = LEAPING[quantity]
-    return (
-        f"{what} is off by {gains[-1, quantity] * found.sizes[quantity]:.2g} {unit} after a step, "
-        f"however short it is, down to {at.timesteps[-1]:.2g} s"
-    )
-
-
-LEAPING = (("attitude", "rad"), ("I ω", "N m s"), ("the com's velocity", "m/s"), ("com", "m"))
 QUANTITY_NAMES = ("dR/dt", "I dω/dt", "the com's velocity", "the com's place")
-
-
-def _explained(equations: Equations, steps: Steps, found: Excess, at: Places) -> str:
-    count = len(at.times)
-    first = len(steps.spans) - count
-    gains: list[Gain] = []
-    for k in range(count):
-        before, after = steps.before.rows(first + k), steps.after.rows(first + k)
-        gain = gain_between(equations, before, after, float(steps.timesteps[-1]))
-        gains.append(replace(gain, excess=found.limit[k]))
-    as_if = explanation(equations, gains, found.tolerance)
-    worst, quantity = divmod(int(np.argmax(found.by_tolerance)), found.by_tolerance.shape[1])
-    when = _when(at.times[worst])
-    what = residual_words(gains[worst], quantity, equations.scenario.constraint.is_pivot, when)
-    return f"behaves as if {as_if}: {what}" if as_if else what
 
 
 def _when(time: float) -> str:

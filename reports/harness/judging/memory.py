@@ -7,10 +7,10 @@ import numpy as np
 
 from ....engines import Engine, EngineError
 from ....engines.checks.extrapolation import ABOVE
-from ....engines.checks.read_back import State
+from ....engines.checks.read_back import State, stacked
 from ....scenarios import Scenario, Trajectory
 from ..ladder import Rung
-from .places import apart, rounding_of_body, stacked
+from .places import apart, rounding_of_body
 
 #: Intervals of a run that are gone through again, and the most steps of one.
 INTERVALS, MOST_STEPS = 5, 1 << 12

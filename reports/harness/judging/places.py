@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ....engines.checks.equation_residuals import ASKEW
 from ....engines.checks.read_back import State
 from ....reference import Solution, flow
 from ....scenarios import SIGNAL, Errors, FloatArray, Scenario, Trajectory
@@ -15,9 +16,6 @@ from ..ladder import COARSEST_TURN
 
 #: States spread over the window, beside those where something is largest or least.
 SPREAD = 12
-#: Directions of ω in the body, of further states: askew to every axis of a body that is drawn along
-#: its axes, so that no torque vanishes by symmetry.
-ASKEW = ((0.62, 0.55, 0.56), (-0.48, 0.71, 0.52))
 #: Timesteps of single steps, each half of the one before.
 HALVINGS = 10
 #: Pieces, and the coarsest steps of each: two radians at the ladder's coarsest timestep.
@@ -123,7 +121,8 @@ def _askew(scenario: Scenario, along: Trajectory, omega_body: FloatArray) -> Sta
     constraint = scenario.constraint
     swing_world = matrix(q) @ cross(omega_body, constraint.lever)
     velocity_world = constraint.velocity_world(swing_world, along.velocity_world[0])
-    return State(q[None], omega_body[None], com_world[None], velocity_world[None])
+    rows = q, omega_body, com_world, velocity_world, along.spins[0]
+    return State(*(row[None] for row in rows))
 
 
 def _pieces(scenario: Scenario, starts: State, timestep: float, condition: float) -> Solution:
@@ -156,10 +155,3 @@ def apart(states: State, others: State) -> FloatArray:
     omega = norms(states.omega_body - others.omega_body) / speed
     turns = rotation_vectors(states.q_world_body_wxyz, others.q_world_body_wxyz)
     return np.maximum(omega, norms(turns))
-
-
-def stacked(states: list[State]) -> State:
-    """One state after the other, as rows."""
-    return State(
-        *(np.array(rows) for rows in zip(*(vars(s).values() for s in states), strict=True))
-    )

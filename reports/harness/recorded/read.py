@@ -66,14 +66,12 @@ def read_recording(path: Path) -> Recording:
         If the file cannot be read, or holds no such motion.
     """
     where = printable(str(path))
-    readers = {".csv": _csv, ".txt": _csv, ".jsonl": _json_lines, ".ndjson": _json_lines}
-    readers |= {".npz": _npz, ".parquet": _parquet}
-    reader = readers.get(path.suffix.lower())
+    reader = READERS.get(path.suffix.lower())
     try:
         if not stat.S_ISREG(path.stat().st_mode):
             raise RecordingError("is not a regular file")
         if reader is None:
-            raise RecordingError(f"its name must end in one of {', '.join(readers)}")
+            raise RecordingError(f"its name must end in one of {', '.join(READERS)}")
         recording = reader(path)
         check_motion(recording.arrays)
     except (RecordingError, ColumnError) as error:
@@ -221,7 +219,8 @@ def _npz(path: Path) -> Recording:
         with zipfile.ZipFile(path) as archive:
             for entry in archive.namelist():
                 name = entry.removesuffix(".npy")
-                if name in SETTINGS:
+                # ω itself, or the axes that it is in.
+                if name in SETTINGS and _header(archive, entry)[0] == ():
                     value = str(_array(archive, entry, ())[()])
                     settings |= _setting(name, value, None)
                 elif name in quantities:
@@ -240,12 +239,18 @@ def _npz(path: Path) -> Recording:
     return Recording(path, arrays, settings, tuple(ignored))
 
 
-def _array(archive: zipfile.ZipFile, entry: str, wanted: tuple[int | None, ...]) -> Any:
-    """An array whose shape is checked before it is unpacked."""
+def _header(archive: zipfile.ZipFile, entry: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    """Shape and type of an array, which is not unpacked."""
     with archive.open(entry) as file:
         version = npy.read_magic(file)
         read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
         shape, _, dtype = read(file)
+    return shape, dtype
+
+
+def _array(archive: zipfile.ZipFile, entry: str, wanted: tuple[int | None, ...]) -> Any:
+    """An array whose shape is checked before it is unpacked."""
+    shape, dtype = _header(archive, entry)
     is_text = dtype.kind == "U" and dtype.itemsize <= 4 * LONGEST_LINE
     if dtype.kind not in "fiu" and not (wanted == () and is_text):
         raise RecordingError(f"'{printable(entry)}' must hold numbers, got {dtype}")
@@ -354,3 +359,14 @@ def check_motion(arrays: dict[str, FloatArray]) -> None:
 def _first(wrong: NDArray[np.bool_]) -> int:
     """The number of the first row with something wrong, counted from one."""
     return int(np.argmax(wrong.reshape(len(wrong), -1).any(axis=1))) + 1
+
+
+#: By the ending of a file's name, what reads it.
+READERS = {
+    ".csv": _csv,
+    ".txt": _csv,
+    ".jsonl": _json_lines,
+    ".ndjson": _json_lines,
+    ".npz": _npz,
+    ".parquet": _parquet,
+}

@@ -10,8 +10,7 @@ from ...results.sweep_records import PointResult
 from .map_marks import is_coloured
 
 #: Quantiles that are shown, as order statistics: each is the error of some member.
-QUANTILES = (0.5, 0.9, 1.0)
-QUANTILE_NAMES = ("median", "90 %", "largest")
+QUANTILES = {"p50": 0.5, "p95": 0.95, "p99": 0.99, "largest": 1.0}
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,11 +40,13 @@ class Members:
         return np.sort(np.array(errors, dtype=float))
 
     def quantiles(self, signal: str) -> tuple[float, ...] | None:
-        """The errors at `QUANTILES`; None if no member finished."""
-        errors = self.errors(signal)
+        """The errors at `QUANTILES`; infinite of a member that did not finish; None without any."""
+        unfinished = len(self.points) - len(self.finished)
+        errors = np.append(self.errors(signal), np.full(unfinished, np.inf))
         if not len(errors):
             return None
-        return tuple(np.quantile(errors, QUANTILES, method="inverted_cdf").tolist())
+        shares = list(QUANTILES.values())
+        return tuple(np.quantile(errors, shares, method="inverted_cdf").tolist())
 
     def worst(self, count: int) -> tuple[PointResult, ...]:
         """The worst members: those that did not finish, earliest first, then by the error of ω."""

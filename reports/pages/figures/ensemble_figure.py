@@ -1,31 +1,37 @@
 """The errors of an ensemble as empirical distributions, one curve a method."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 
 import numpy as np
 
+from ....scenarios import Signal
 from ...results.records import Pair
 from ..analysis.ensemble_numbers import Members
 from ..analysis.trace_style import TraceStyle
 from .plot import Figure, Panel, layout, line, method_style
 
-HEIGHT = 480
+HEIGHT, LOW = 480, 250
 #: Margins: a factor beside the outermost errors, and percent beside 0 and 100.
 BESIDE, MARGIN = 2.0, 3.0
-#: Largest error drawn; a blow-up that finished would compress the rest of the axis.
-LARGEST = 1e2
+#: Largest error drawn, relative or in degrees; a blow-up that finished would compress the axis.
+LARGEST = 180.0
 
 
-def distribution(members: Sequence[Members], trace_styles: dict[Pair, TraceStyle]) -> Figure:
-    """Percentage of all members whose error of ω is at most so much.
+def distribution(
+    members: Sequence[Members],
+    trace_styles: Mapping[Pair, TraceStyle],
+    signal: Signal,
+    height: int = HEIGHT,
+) -> Figure:
+    """Percentage of all members whose error in a signal is at most so much.
 
     A curve ends at the percentage that finished; at least one member did.
     """
     traces = []
     outermost = []
     for of_method in members:
-        errors = of_method.errors("omega")
+        errors = of_method.errors(signal.name) * signal.shown
         errors = errors[errors > 0]
         if not len(errors):
             continue
@@ -41,10 +47,10 @@ def distribution(members: Sequence[Members], trace_styles: dict[Pair, TraceStyle
         outermost += [float(errors[0]), float(errors[-1])]
     x_range = min(outermost) / BESIDE, min(max(outermost), LARGEST) * BESIDE
     panel = Panel(
-        "ω error, relative",
+        signal.error_title,
         "% of members within it",
         log_x=True,
         x_range=x_range,
         y_range=(-MARGIN, 100 + MARGIN),
     )
-    return {"data": traces, "layout": layout([[panel]], HEIGHT)}
+    return {"data": traces, "layout": layout([[panel]], height)}

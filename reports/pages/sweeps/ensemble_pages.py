@@ -3,6 +3,7 @@
 import shlex
 from dataclasses import dataclass
 
+from ....scenarios import SIGNAL
 from ...results.store import Results
 from ...results.sweep_records import Ensemble, EnsembleResult
 from ..analysis.ensemble_numbers import members_of
@@ -16,10 +17,14 @@ from .ensemble_tables import quantile_tables, worst_table
 from .map_tables import ends_table
 from .sweep_pages import method_options, methods_of, numbered, timestep_in_words, timestep_option
 
+AT_STOCK = "Every engine takes its stock timestep."
 CAPTION = (
-    "Percentage of the members whose largest error of ω is at most so much. Further left is "
+    "Percentage of the members whose largest error is at most so much. Further left is "
     "better; a curve that does not come to 100 % ends at the percentage that finished."
 )
+
+#: The signals whose errors are drawn.
+DRAWN = ("attitude", "omega")
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,9 +72,8 @@ def _page(name: str, result: EnsembleResult, results: Results) -> EnsemblePage:
     compared = [of_method for of_method in members if (of_method.errors("omega") > 0).any()]
     drawing = None
     if compared:
-        drawing = Titled(
-            "errors", "How errors of ω are distributed", CAPTION, distribution(compared, drawn)
-        )
+        figures = [distribution(compared, drawn, SIGNAL[name]) for name in DRAWN]
+        drawing = Titled("errors", "How errors are distributed", CAPTION, figures[0], (figures[1],))
     title = f"{count(ensemble.members)} members like {ensemble.scenario}, seed {ensemble.seed}"
     return EnsemblePage(
         name=name,
@@ -78,7 +82,7 @@ def _page(name: str, result: EnsembleResult, results: Results) -> EnsemblePage:
         scene=ensemble.scenario,
         scene_title=result.scenario.title,
         command=command(ensemble, method_options(pairs, results)),
-        timestep=timestep_in_words(ensemble.timestep),
+        timestep=timestep_in_words(ensemble.timestep, otherwise=AT_STOCK),
         figure=drawing,
         shown=tuple((" ".join(of_method.pair), drawn[of_method.pair]) for of_method in compared),
         ends=ends_table(result.points, pairs),

@@ -3,9 +3,9 @@
 import shlex
 from collections.abc import Iterator, Sequence
 
-from ....scenarios import SIGNALS
+from ....scenarios import SIGNAL, SIGNALS
 from ...results.sweep_records import Ensemble, PointResult
-from ..analysis.ensemble_numbers import QUANTILE_NAMES, Members
+from ..analysis.ensemble_numbers import QUANTILES, Members
 from ..analysis.map_marks import is_coloured
 from ..analysis.wording import NOTHING, limited, number
 from ..tables import Cell, Table, figure, table
@@ -17,7 +17,7 @@ WORST = 3
 
 def quantile_tables(members: Sequence[Members]) -> list[tuple[str, Table]]:
     """Title and table of quantiles, for each error."""
-    return [(str(signal), _quantiles(members, signal.name)) for signal in SIGNALS]
+    return [(signal.error_title, _quantiles(members, signal.name)) for signal in SIGNALS]
 
 
 def worst_table(ensemble: Ensemble, members: Sequence[Members]) -> Table:
@@ -40,7 +40,7 @@ def member_command(ensemble: Ensemble, number_of_member: int) -> str:
 
 def _quantiles(members: Sequence[Members], signal: str) -> Table:
     return table(
-        ("engine", "method", "members", "finished", *QUANTILE_NAMES),
+        ("engine", "method", "members", "finished", *QUANTILES),
         (list(_quantile_row(of_method, signal)) for of_method in members),
     )
 
@@ -52,9 +52,8 @@ def _quantile_row(of_method: Members, signal: str) -> Iterator[Cell]:
     yield Cell(method, "name")
     yield figure(str(run))
     yield figure(percent(finished, run) if run else NOTHING)
-    quantiles = of_method.quantiles(signal)
-    for value in quantiles or (None,) * len(QUANTILE_NAMES):
-        yield figure(number(value))
+    for value in of_method.quantiles(signal) or (None,) * len(QUANTILES):
+        yield figure(number(None if value is None else value * SIGNAL[signal].shown))
 
 
 def _member(ensemble: Ensemble, point: PointResult) -> Iterator[Cell]:

@@ -10,6 +10,7 @@ from ...results.records import Pair
 from ...results.store import Results
 from ...results.sweep_records import EnsembleResult, MapResult, PointResult
 
+AT_A_TURN = "Timesteps are chosen run by run, so that the body turns equally far in a step."
 #: Digits of a number in a command: those that were typed, and none that rounding added.
 TYPED_DIGITS = 12
 
@@ -54,10 +55,17 @@ def timestep_option(timestep: float | None) -> list[str]:
     return [] if timestep is None else ["--timestep", typed(timestep)]
 
 
-def timestep_in_words(timestep: float | None, axes: tuple[Axis, ...] = ()) -> str:
-    """Which timestep the runs take, where it is not an axis."""
+def timestep_in_words(
+    timestep: float | None, axes: tuple[Axis, ...] = (), otherwise: str = AT_A_TURN
+) -> str:
+    """Which timestep the runs take, where it is not an axis.
+
+    Parameters
+    ----------
+    otherwise : which it is where none was given
+    """
     if any(axis.path == "timestep" for axis in axes):
         return ""
     if timestep is None:
-        return "Timesteps are chosen run by run, so that the body turns equally far in a step."
+        return otherwise
     return f"Every run takes steps of {timestep:g} s."

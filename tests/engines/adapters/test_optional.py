@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from adapter_checks import CHECKS, Check
 from kinds_of_engines import OPTIONAL, why_missing
 from library_scenes import library_scene
 from spincheck.engines import Engine, engines, missing
@@ -15,8 +16,7 @@ from spincheck.engines.adapters.mjx import session as mjx_session
 from spincheck.engines.adapters.node import discovered
 from spincheck.engines.adapters.node.discovered import HERE
 from spincheck.engines.child.process import end_idle
-from spincheck.engines.contract.checks import CHECKS, Check
-from spincheck.engines.contract.scenes import SCENES, scene
+from spincheck.suite.contract_scenes import SCENES, scene
 
 pytestmark = pytest.mark.slow
 
@@ -104,7 +104,9 @@ def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
 ) -> None:
     residual = engine.equation_residuals((SCENES | {"on-axis": ON_AXIS})[name], engine.methods[0])
     if engine.name in WITHOUT_GYROSCOPIC_TORQUE:
-        assert residual.startswith("behaves as if there were no gyroscopic torque")
+        # Havok's pivot gives way in a first step, by a fifth of that torque.
+        number = "the gyroscopic torque" if (engine.name, name) == ("havok", "heavy-top") else ""
+        assert residual.startswith(f"behaves as if {number or 'there were no gyroscopic torque'}")
     else:
         assert residual == ""
 

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from spincheck.engines import EngineError, engines
 from spincheck.engines.checks.read_back import UnsupportedError, start_state
-from spincheck.engines.contract import ContractBroken, checks
-from spincheck.engines.contract.scenes import SCENES
+from spincheck.suite import test_adapter
+from spincheck.suite.comparisons import ContractBroken
+from spincheck.suite.contract_scenes import SCENES
 
 pytestmark = pytest.mark.slow
 
@@ -19,7 +20,7 @@ def test_a_clock_of_mujoco_that_goes_on_is_caught(monkeypatch: pytest.MonkeyPatc
     engine = engines()["mujoco"]
     monkeypatch.setattr(mujoco, "mj_resetData", lambda *_: None)
     with pytest.raises(EngineError, match="clock must be at"):
-        checks.restarts_as_it_opens(engine, engine.method("RK4"))
+        test_adapter.test_restarts_as_it_opens(engine, engine.method("RK4"))
 
 
 @pytest.mark.needs_pybullet
@@ -32,7 +33,7 @@ def test_an_inertia_of_pybullet_that_stays_behind_is_caught(
     engine = engines()["pybullet"]
     monkeypatch.setattr(PyBulletSession, "_renew_inertia", lambda *_: None)
     with pytest.raises(ContractBroken, match="a restart is not a scene opened there"):
-        checks.restarts_as_it_opens(engine, engine.method("maximal"))
+        test_adapter.test_restarts_as_it_opens(engine, engine.method("maximal"))
 
 
 @pytest.mark.needs_pybullet

@@ -12,10 +12,10 @@ from spincheck.engines import EngineError, Run
 from spincheck.engines.child import ChildEngine, ProtocolError, child_engine
 from spincheck.engines.child.messages import Stepped
 from spincheck.engines.child.process import ChildProcess, end_idle
-from spincheck.engines.contract import ContractBroken
-from spincheck.engines.contract.checks import restarts_as_it_opens
-from spincheck.engines.contract.scenes import scene
 from spincheck.reports.harness.executors import CallFailed, LocalWorkers
+from spincheck.suite import test_adapter
+from spincheck.suite.comparisons import ContractBroken
+from spincheck.suite.contract_scenes import scene
 
 pytestmark = pytest.mark.processes
 
@@ -87,7 +87,9 @@ def test_a_child_that_restarts_keeps_the_contract() -> None:
     with engine.open(SPHERE, engine.methods[0], TIMESTEP) as session:
         assert session.can_restart
     with pytest.raises(ContractBroken, match="restarted, 'omega_body' must read back"):
-        restarts_as_it_opens(planted("restarts with its old spin"), engine.methods[0])
+        test_adapter.test_restarts_as_it_opens(
+            planted("restarts with its old spin"), engine.methods[0]
+        )
 
 
 def test_a_number_that_is_not_finite_is_a_motion_that_diverged() -> None:

@@ -2,6 +2,7 @@
 
 import sqlite3
 from contextlib import closing, suppress
+from copy import copy
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,10 +18,12 @@ from planted import (
     SegfaultSession,
     planted,
 )
+from spincheck.engines import Engine
 from spincheck.engines.lost_process import KILLED
 from spincheck.reports.harness import sweep_run
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import CallFailed, Executor, LocalWorkers
+from spincheck.reports.harness.stock import COMMON_TIMESTEP
 from spincheck.reports.harness.sweep import plan_sweep
 from spincheck.reports.harness.sweep_points import STEP_TURN
 from spincheck.reports.results import fingerprints as fingerprints
@@ -34,7 +37,7 @@ from spincheck.reports.results.sweep_records import (
     SweepPoint,
 )
 from spincheck.scenarios import loads
-from spincheck.scenarios.scatter import member
+from spincheck.scenarios.vary import varied
 from studies import sweep as sweep_of
 
 pytestmark = pytest.mark.slow
@@ -309,12 +312,40 @@ def test_a_reference_that_takes_its_process_with_it_is_not_blamed_on_a_method(pa
     assert points[0].reason == "the exact motion could not be found: it crashed"
 
 
-def test_members_are_those_of_the_seed_and_run_at_a_fixed_turn_a_step(path):
-    points = sweep(path, ENSEMBLE)
-    assert [p.at for p in points] == [(0.0,), (1.0,), (2.0,)]
-    for point in points:
-        speed = np.linalg.norm(member(SCENE, 5, int(point.at[0])).start.omega_body)
+def test_a_map_without_timesteps_is_run_at_a_fixed_turn_a_step(path):
+    masses = Axis("body.mass", (1.0, 2.0), logarithmic=False)
+    for point in sweep(path, replace(MAP, axes=(SPIN, masses))):
+        numbers = dict(zip((SPIN.path, masses.path), point.at, strict=True))
+        speed = np.linalg.norm(varied(SCENE, numbers).start.omega_body)
         assert STEP_TURN / 2 < speed * point.timestep <= STEP_TURN
+
+
+def with_stock_timestep(name: str, timestep: float | None) -> Engine:
+    engine = copy(planted(HeunSession))
+    engine.name, engine.stock_timestep = name, timestep
+    return engine
+
+
+def test_members_are_those_of_the_seed_and_run_at_each_engines_stock_timestep(path):
+    """One engine has a stock timestep of its own, of the other all engines' is taken."""
+    own, common = with_stock_timestep("own", 0.004), with_stock_timestep("common", None)
+    points = sweep(path, ENSEMBLE, Choice((own, common), timed=False))
+    assert [p.at for p in points] == [(k,) for k in (0.0, 1.0, 2.0) for _ in (own, common)]
+    assert {(p.key.engine, p.timestep) for p in points} == {
+        ("own", 0.004),
+        ("common", COMMON_TIMESTEP),
+    }
+    errors = {p.key.engine: p.errors.omega for p in points if p.at == (0.0,)}
+    # Of second order, each beside the exact motion at its own samples.
+    ratio = (0.004 / COMMON_TIMESTEP) ** 2
+    assert errors["own"] / errors["common"] == pytest.approx(ratio, rel=0.2)
+
+
+def test_a_member_that_a_stock_timestep_does_not_resolve_is_skipped(path):
+    coarse = Choice((with_stock_timestep("coarse", 10.0),), timed=False)
+    points = sweep(path, ENSEMBLE, coarse)
+    assert {(p.outcome, p.cause) for p in points} == {("skipped", "steps")}
+    assert all("rad a step" in p.reason or "too few" in p.reason for p in points)
 
 
 def test_members_at_a_timestep_that_was_asked_for_have_it(path):

@@ -7,11 +7,11 @@ import pytest
 from scene_texts import FAST_TOP
 from spincheck.engines import engines
 from spincheck.engines.adapters.mujoco import MuJoCo
-from spincheck.engines.contract.scenes import SCENES
 from spincheck.engines.versions.engine import VersionedEngine
 from spincheck.engines.versions.folders import folder_of
 from spincheck.reports.results import fingerprints
 from spincheck.scenarios import loads
+from spincheck.suite.contract_scenes import SCENES
 
 pytestmark = pytest.mark.slow
 

@@ -15,7 +15,13 @@ from kinds_of_engines import OPTIONAL, why_missing
 from spincheck.engines import Engine, Method, engines
 from spincheck.engines.adapters.node.discovered import modules_folder
 from spincheck.engines.child.process import end_idle
-from spincheck.engines.contract.scenes import (
+from spincheck.engines.session import Session
+from spincheck.engines.user_cache import user_cache
+from spincheck.reports.cli.engines import reproduce
+from spincheck.reports.cli.engines.reproduce import reproduction
+from spincheck.reports.cli.engines.script_frames import FRAMES
+from spincheck.scenarios import Scenario
+from spincheck.suite.contract_scenes import (
     DRAG,
     PIVOT,
     SKEW_GRAVITY,
@@ -25,12 +31,6 @@ from spincheck.engines.contract.scenes import (
     TORQUE_WORLD,
     scene,
 )
-from spincheck.engines.session import Session
-from spincheck.engines.user_cache import user_cache
-from spincheck.reports.cli.engines import reproduce
-from spincheck.reports.cli.engines.reproduce import reproduction
-from spincheck.reports.cli.engines.script_frames import FRAMES
-from spincheck.scenarios import Scenario
 from written_scripts import PRINTED, harness_errors, printed_errors, solved
 
 pytestmark = pytest.mark.slow

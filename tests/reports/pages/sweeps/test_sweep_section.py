@@ -1,5 +1,6 @@
 """Maps and ensembles in a report: pages, tables, commands that make them again."""
 
+import math
 import shlex
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +17,8 @@ from plotted import coloured, values_of
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.sweep import plan_sweep
 from spincheck.reports.pages.analysis.ensemble_numbers import Members, members_of
+from spincheck.reports.pages.analysis.wording import readable
+from spincheck.reports.pages.overview.spread import spread
 from spincheck.reports.pages.render import render
 from spincheck.reports.pages.sweeps.ensemble_pages import ensemble_pages
 from spincheck.reports.pages.sweeps.map_pages import map_pages, vary_option
@@ -168,15 +171,51 @@ def euler() -> Members:
 
 def test_quantiles_are_errors_of_members() -> None:
     """Errors 0.01 to 0.20: the 10th, the 18th and the 20th."""
-    assert euler().quantiles("omega") == (0.10, 0.18, 0.20)
-    assert euler().quantiles("attitude") == (0.20, 0.36, 0.40)
+    assert euler().quantiles("omega") == (0.10, 0.19, 0.20, 0.20)
+    assert euler().quantiles("attitude") == (0.20, 0.38, 0.40, 0.40)
 
 
-def test_quantiles_are_of_those_that_finished() -> None:
-    """Of PyBullet's, members 0, 2, … 18 did."""
+def test_what_did_not_finish_is_worse_than_any_error() -> None:
+    """Of PyBullet's, members 0, 2, … 18 did finish: the tenth of twenty is off by 0.19."""
     of_method = members_of(ensemble_result(20).points, [MULTIBODY])[0]
     assert len(of_method.points) == 20
-    assert of_method.quantiles("omega") == (0.09, 0.17, 0.19)
+    assert of_method.quantiles("omega") == (0.19, math.inf, math.inf, math.inf)
+
+
+def at_stock() -> Results:
+    """The ensemble at stock timesteps, its Euler as shipped."""
+    stored = swept()
+    (ensemble,) = stored.ensembles
+    ensembles = [replace(ensemble, sweep=replace(ensemble.sweep, timestep=None))]
+    shipped = replace(stored.methods["mujoco", "Euler"], as_shipped=True)
+    methods = stored.methods | {("mujoco", "Euler"): shipped}
+    return replace(stored, ensembles=ensembles, methods=methods)
+
+
+def test_the_first_screen_has_the_default_and_the_best_of_each_engine() -> None:
+    shown = spread(at_stock())
+    assert shown is not None
+    rows = [[cell.text for cell in row] for row in shown.table.rows]
+    assert [row[0] for row in rows] == [
+        "mujoco Euler, 10 ms",
+        "mujoco RK4, 10 ms",
+        "pybullet multibody, 10 ms",
+    ]
+    assert shown.table.headings[1:] == ("p50", "p95", "p99", "largest")
+    median = math.degrees(2 * 0.05)
+    assert rows[0][1] == readable(median)
+    assert rows[2][-1] == "∞"
+    curve = next(t for t in shown.figure.figure["data"] if t["name"] == "mujoco Euler")
+    np.testing.assert_allclose(values_of(curve["x"])[5], median, rtol=1e-6)
+    assert spread(swept()) is None
+
+
+def test_a_report_of_nothing_but_sweeps_draws_them_on_its_first_page(tmp_path: Path) -> None:
+    render(swept(), tmp_path)
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    drawn = [*map_pages(swept()), *ensemble_pages(swept())]
+    assert page.count('class="plot"') == sum(len(one.figure.parts) for one in drawn if one.figure)
+    assert "assets/plotly.js" in page
 
 
 def test_no_error_is_reported_below_the_reference() -> None:
@@ -205,7 +244,8 @@ def test_the_distribution_rises_at_every_error() -> None:
     go.Figure(coloured(page.figure.figure))
     curve = next(t for t in page.figure.figure["data"] if t["name"] == "mujoco Euler")
     np.testing.assert_allclose(values_of(curve["y"]), np.arange(0, 101, 10), rtol=1e-6)
-    np.testing.assert_allclose(values_of(curve["x"])[1:], np.arange(1, 11) / 100, rtol=1e-6)
+    degrees = np.degrees(2 * np.arange(1, 11) / 100)
+    np.testing.assert_allclose(values_of(curve["x"])[1:], degrees, rtol=1e-6)
 
 
 def test_the_distribution_ends_at_what_finished() -> None:
@@ -222,7 +262,7 @@ def test_an_ensemble_of_which_none_finished_has_tables_and_no_figure() -> None:
     )
     (page,) = ensemble_pages(replace(swept(), ensembles=[replace(ensemble, points=crashed)]))
     assert page.figure is None
-    assert {cell.text for row in page.quantiles[0][1].rows for cell in row} >= {"0 %", "—"}
+    assert {cell.text for row in page.quantiles[0][1].rows for cell in row} >= {"0 %", "∞"}
 
 
 def test_the_scene_is_linked_only_where_it_has_a_page(tmp_path: Path) -> None:

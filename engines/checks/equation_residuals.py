@@ -1,0 +1,182 @@
+"""Whether an engine's single steps obey the scene's equations of motion, and how not, in words.
+
+A model can read back correctly and still move wrongly: moments in another order, gravity with the
+opposite sign, an additional damping, no gyroscopic torque, a clock at another rate. At ordinary
+timesteps such faults are hidden by the method's own error; in the limit of short steps they are
+not (`consistency`).
+
+A body that turns about a principal axis has no gyroscopic torque. So steps are taken from two other
+states too, with ω askew to the body's axes. Together they determine which change of the model
+explains what the steps gain (`explanations`). A constraint needs some steps to settle; these are
+skipped.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...scenarios import FloatArray, Scenario
+from ...scenarios.scenario import started_at
+from .consistency import NEGLIGIBLE, After, Excess, Open, Steps, excess, single_steps
+from .equations import Equations, Gain, gains_of
+from .explanations import explanation
+from .extrapolation import ABOVE, COARSER
+from .precision import single_precision
+from .read_back import State, stacked, start_state
+
+#: Steps until a constraint has settled. Bullet removes a fifth of its error in a step: 0.8^128 =
+#: 4e-13 of it is left.
+SETTLING = 128
+#: Directions of ω in the body, beside the scene's own: askew to every axis of a body that is drawn
+#: along its axes, so that no torque vanishes by symmetry.
+ASKEW = ((0.62, 0.55, 0.56), (-0.48, 0.71, 0.52))
+#: rad at the scene's fastest rate, in the longest step; and the timesteps, each half of the one
+#: before.
+LONGEST_TURN, HALVINGS = 0.1, 10
+#: So many of the shortest steps have to show that an error does not depend on their length.
+LEAPS = 4
+#: Digits printed of a number; more if they are needed to show a difference.
+DIGITS = 3
+
+
+def equation_residuals(
+    open_at: Open, scenario: Scenario, slack: float = 0.0, *, is_single: bool = False
+) -> str:
+    """What an engine's steps from the start gain beyond the scene's equations of motion, in words.
+
+    Parameters
+    ----------
+    open_at : opens a scene with a timestep, s
+    slack : relative to the largest terms, what a body that an engine holds so exactly leaves
+    is_single : whether it declares single precision
+
+    Returns
+    -------
+    The words; empty if there is nothing.
+    """
+    equations = Equations(scenario)
+    speed = float(np.linalg.norm(scenario.start.omega_body)) or equations.rate
+    starts = [scenario, *(starting_with(scenario, speed * np.array(way)) for way in ASKEW)]
+    states = stacked([start_state(start) for start in starts])
+    turns = LONGEST_TURN / 2.0 ** np.arange(HALVINGS)
+    if is_single:
+        # Where a constraint holds a body, its place's rounding is an acceleration as 1/h².
+        turns = turns[turns >= np.cbrt(np.finfo(np.float32).eps)]
+    timesteps = np.asarray(turns / equations.rate)
+    others = np.asarray(timesteps[COARSER : COARSER + 1] / 2**0.5)
+    after = equations.after_each
+    slack = max(slack, NEGLIGIBLE / ABOVE)
+    steps, found = settled(open_at, scenario, states, (timesteps, others), after, slack, is_single)
+    when = ["at the start", *["turned askew at the start"] * len(ASKEW)]
+    return leap(found, steps) or differing(equations, steps, found, when)
+
+
+def starting_with(scenario: Scenario, omega_body: FloatArray) -> Scenario:
+    """The scene with another ω at its start, rad/s, body axes."""
+    start = scenario.start
+    flight = start.position_world, start.velocity_world
+    return started_at(scenario, start.q_world_body_wxyz, omega_body, *flight)
+
+
+def settled(
+    open_at: Open,
+    scenario: Scenario,
+    states: State,
+    timesteps: tuple[FloatArray, FloatArray],
+    after: After,
+    slack: float,
+    is_single: bool,
+) -> tuple[Steps, Excess]:
+    """Steps from exact states, and what they gain; once settled where a constraint holds them.
+
+    Parameters
+    ----------
+    timesteps : s, each half of the one before; and others, which these are to predict
+    after : the exact motion
+    slack, is_single : as of `equation_residuals`
+    """
+    equations = Equations(scenario)
+
+    def steps_after(settling: int) -> tuple[Steps, Steps]:
+        together = np.concatenate(timesteps)
+        steps = single_steps(open_at, scenario, states, together, after, settling)
+        halved = len(timesteps[0])
+        return steps.part(0, halved), steps.part(halved, len(together))
+
+    steps, others = steps_after(0)
+    epsilon = rounding_of(steps.before, is_single)
+    found = excess(equations, steps, others, epsilon, slack)
+    if found.is_constrained:
+        # From an exact state a constraint takes some steps to settle.
+        steps, others = steps_after(SETTLING)
+        slack = max(slack, NEGLIGIBLE / ABOVE)
+        found = replace(excess(equations, steps, others, epsilon, slack), is_constrained=True)
+    return steps, found
+
+
+def rounding_of(states: State, is_single: bool) -> float:
+    """The relative rounding of states as an engine holds them, whether it declares it or not."""
+    return float(np.finfo(np.float32 if is_single or single_precision(states) else float).eps)
+
+
+_LEAPING = (("attitude", "rad"), ("I ω", "N m s"), ("the com's velocity", "m/s"), ("com", "m"))
+
+
+def leap(found: Excess, steps: Steps) -> str:
+    """The message if a step changes the state by as much however short it is; else empty."""
+    gains = found.by_timestep[-LEAPS:] * steps.timesteps[-LEAPS:, None]
+    leaps = (np.ptp(gains, axis=0) < gains.min(axis=0) / 2) & (found.unsmooth.max(axis=0) > 1)
+    if not leaps.any():
+        return ""
+    quantity = int(np.argmax(leaps * gains.max(axis=0)))
+    what, unit = _LEAPING[quantity]
+    return (
+        f"{what} is off by {gains[-1, quantity] * found.sizes[quantity]:.2g} {unit} after a step, "
+        f"however short it is, down to {steps.timesteps[-1]:.2g} s"
+    )
+
+
+_WHAT = ("dR/dt, rad/s in body axes,", "I dω/dt, N m in body axes,")
+_WHAT_FREE = ("dv/dt, m/s² in world axes,", "dr/dt, m/s in world axes,")
+_WHAT_HELD = ("the com's velocity, m/s,", "the com, m,")
+
+
+def differing(equations: Equations, steps: Steps, found: Excess, when: Sequence[str]) -> str:
+    """How steps differ from the equations of motion, and which change of them explains it.
+
+    Parameters
+    ----------
+    when : words for each of the states
+
+    Returns
+    -------
+    The words; empty if steps differ by no more than their tolerance.
+    """
+    off = found.by_tolerance
+    if off.max() <= 1:
+        return ""
+    gains = gains_of(equations, steps.before, steps.exact, steps.spans, found.limit)
+    as_if = explanation(equations, gains, found.tolerance)
+    worst, quantity = divmod(int(np.argmax(off)), off.shape[1])
+    what = _residual(gains[worst], quantity, equations.scenario.constraint.is_pivot, when[worst])
+    return f"behaves as if {as_if}: {what}" if as_if else what
+
+
+def _residual(gain: Gain, quantity: int, is_held: bool, when: str) -> str:
+    """What one of the four quantities of a gain is, and what it should be."""
+    what = (*_WHAT, *(_WHAT_HELD if is_held else _WHAT_FREE))[quantity]
+    excess, wanted = gain.excess[quantity], gain.wanted[quantity]
+    digits = _digits_that_differ(wanted, excess)
+    got, should = _numbers(wanted + excess, digits), _numbers(wanted, digits)
+    return f"{what} is {got} {when}, not {should}"
+
+
+def _digits_that_differ(wanted: FloatArray, excess: FloatArray) -> int:
+    part = float(np.abs(excess).max()) / (float(np.abs(wanted).max()) or 1.0)
+    return DIGITS + max(0, math.ceil(-math.log10(part)) - 1)
+
+
+def _numbers(vector: FloatArray, digits: int) -> str:
+    return f"[{', '.join(f'{value:.{digits}g}' for value in vector)}]"

@@ -1,0 +1,37 @@
+"""An engine whose worlds are a stand-alone module beside its adapter, `world.py`."""
+
+import inspect
+from importlib.metadata import version
+from pathlib import Path
+from typing import ClassVar
+
+from ..scenarios import Scenario
+from .engine import Engine, Method
+from .session import Session
+from .world_session import WorldSession, world_script
+
+
+class WorldEngine(Engine):
+    """Opens scenes in such worlds, and writes the module out; its distribution has its name.
+
+    Attributes
+    ----------
+    session : reads a world
+    """
+
+    session: ClassVar[type[WorldSession]]
+
+    @property
+    def version(self) -> str:
+        """The version of the installed package."""
+        return version(self.name)
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        """Build a world with the body, held where the scene says."""
+        module = type(self).__module__.rpartition(".")[0]
+        return self.session(f"{module}.world", scenario, method.name, timestep)
+
+    def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
+        """The world as Python."""
+        world = Path(inspect.getfile(type(self))).with_name("world.py")
+        return world_script(world, scenario, method.name)

@@ -1,0 +1,1 @@
+"""The options and hooks of pytest that `spincheck.suite` is run with."""

@@ -1,0 +1,109 @@
+"""Comparisons of sessions and runs, which the tests of adapters are made of."""
+
+from collections.abc import Iterable, Iterator
+from itertools import pairwise
+
+import numpy as np
+from spincheck.engines import Engine, Method, Session
+from spincheck.scenarios import FloatArray, Scenario, Trajectory
+from spincheck.scenarios.rotation import norms, rotation_vectors
+from spincheck.suite.contract_scenes import SCENES
+
+TIMESTEP = 1e-3
+#: s, and steps over it at which a method of this order is in its asymptotic range.
+SPAN = 0.25
+COARSEST = {1: 1024, 2: 128, 3: 128, 4: 16, 5: 32}
+#: Differences that an order is computed from are at least this many roundings.
+ABOVE_ROUND_OFF = 1000
+#: Number of steps that is no power of two.
+ODD_STEPS = 115
+#: Steps after a restart: what it left out may show in the first alone.
+RESTART_STRIDES = (1, ODD_STEPS - 1)
+#: Samples of a run.
+SAMPLES = 8
+
+
+class ContractBroken(AssertionError):
+    """An engine does not meet a requirement on every engine."""
+
+
+def able_scenes(
+    engine: Engine, method: Method, names: Iterable[str] = SCENES
+) -> Iterator[Scenario]:
+    """The scenes that the method can simulate; at least one, or the contract is broken."""
+    able = [SCENES[name] for name in names if not engine.unsupported(SCENES[name], method)]
+    require(bool(able), engine, method, None, "it can simulate none of the contract's scenes")
+    yield from able
+
+
+def moves_as_opened(engine: Engine, method: Method, scene: Scenario, session: Session) -> None:
+    """Require that a restarted session steps like one that is opened."""
+    with engine.open(scene, method, TIMESTEP) as opened:
+        for steps in RESTART_STRIDES:
+            opened.advance(steps)
+            session.advance(steps)
+            is_same = same(session, opened)
+            if not session.restarts_to_the_last_bit:
+                is_same |= apart(session, opened) <= engine.slack
+            require(is_same, engine, method, scene, "a restart is not a scene opened there")
+
+
+def apart(first: Session, second: Session) -> float:
+    """The largest difference of two states: rad, of other quantities relative to their size."""
+    one, other = first.read_state(), second.read_state()
+    turn = rotation_vectors(one.q_world_body_wxyz[None], other.q_world_body_wxyz[None])
+    pairs = list(zip(vars(one).values(), vars(other).values(), strict=True))[1:]
+    apart = [float(np.linalg.norm(a - b) / (np.linalg.norm(b) or 1.0)) for a, b in pairs]
+    return max(float(np.abs(turn).max()), *apart)
+
+
+def moves_apart(engine: Engine, method: Method, other: Method, scene: Scenario) -> bool:
+    """Whether two methods differ after a few steps."""
+    with (
+        engine.open(scene, method, TIMESTEP) as first,
+        engine.open(scene, other, TIMESTEP) as second,
+    ):
+        first.advance(SAMPLES)
+        second.advance(SAMPLES)
+        return not same(first, second)
+
+
+def observed_orders(engine: Engine, method: Method, scene: Scenario) -> tuple[float, float] | None:
+    """Signed orders of ω and attitude, from three runs; None where round-off hides them."""
+    coarsest = COARSEST.get(method.order, SAMPLES)
+    motions: list[Trajectory] = []
+    for refinement in (1, 2, 4):
+        steps = coarsest * refinement
+        run = engine.run(scene, method, SPAN / steps, np.arange(SAMPLES + 1) * (steps // SAMPLES))
+        require(run.trajectory is not None, engine, method, scene, run.reason)
+        assert run.trajectory is not None
+        motions.append(run.trajectory)
+    pairs = list(pairwise(motions))
+    omega = [float(norms(a.omega_body - b.omega_body).max()) for a, b in pairs]
+    turns = [rotation_vectors(a.q_world_body_wxyz, b.q_world_body_wxyz) for a, b in pairs]
+    attitude = [float(norms(turn).max()) for turn in turns]
+    numbers = np.float32 if engine.single_precision else np.float64
+    visible = ABOVE_ROUND_OFF * float(np.finfo(numbers).eps)
+    speed = float(norms(motions[0].omega_body).max())
+    if omega[1] < visible * speed or attitude[1] < visible:
+        return None
+    return float(np.log2(omega[0] / omega[1])), float(np.log2(attitude[0] / attitude[1]))
+
+
+def numbers(session: Session) -> FloatArray:
+    """All numbers of a state, (13,)."""
+    return np.concatenate([np.ravel(column) for column in vars(session.read_state()).values()])
+
+
+def same(first: Session, second: Session) -> bool:
+    """Whether two sessions are in the same state, to the last bit."""
+    return np.array_equal(numbers(first), numbers(second))
+
+
+def require(
+    holds: bool, engine: Engine, method: Method, scene: Scenario | None, words: str
+) -> None:
+    """Raise `ContractBroken`, with what is wrong in words, unless the condition holds."""
+    if not holds:
+        where = f" on '{scene.name}'" if scene is not None else ""
+        raise ContractBroken(f"{engine.name} {method.name}{where}: {words}.")

@@ -1,0 +1,141 @@
+"""Small scenes, built in memory: one for every effect and every trap of a model.
+
+`SCENES` holds them by name. `scene` builds another from tables of its own.
+"""
+
+from spincheck.scenarios import Scenario, loads
+from spincheck.scenarios.scenario import started_at
+
+#: Principal moments all different, the triangle inequality satisfied with room to spare.
+ASYMMETRIC = """
+mass = 1.5
+inertia = [1.0, 2.0, 2.5]
+"""
+#: Not aligned with its own frame, its com off the origin and off the axis of ω: mix-ups show.
+TILTED = """
+mass = 1.3
+inertia = [[1.4, 0.2, -0.1], [0.2, 1.1, 0.3], [-0.1, 0.3, 0.9]]
+com = [0.15, -0.1, 0.2]
+"""
+#: The triangle equality: a plate, in a frame of its own; readers are known to refuse some of these.
+TILTED_PLATE = """
+mass = 0.7
+inertia = [[1.5, 0.5, 0.0], [0.5, 1.5, 0.0], [0.0, 0.0, 3.0]]
+com = [0.0, 0.0, 0.0]
+"""
+#: A toy top: moments about its com, the pivot 4 cm below it.
+TOP = """
+mass = 0.1
+inertia = [2.0e-4, 2.0e-4, 1.0e-4]
+com = [0.0, 0.0, 0.04]
+"""
+
+TUMBLE = """
+rotation_vector_deg = [20.0, -50.0, 35.0]
+omega_body = [1.0, -2.0, 3.0]
+"""
+THROWN = (
+    TUMBLE
+    + """
+position = [0.3, -0.1, 0.5]
+velocity = [0.2, 1.0, -0.4]
+"""
+)
+SPUN_UP = """
+euler_zyz_deg = [25.0, 30.0, 10.0]
+omega_body = [0.3, -0.2, 40.0]
+"""
+
+PIVOT = "[effects.pivot]\n"
+GRAVITY = "[effects.gravity]\nacceleration = [0.0, 0.0, -9.81]\n"
+#: Along no axis, so that a swapped or flipped component shows.
+SKEW_GRAVITY = "[effects.gravity]\nacceleration = [1.0, -2.0, -9.0]\n"
+DRAG = "[effects.drag]\nrotational = 0.3\n"
+TORQUE_BODY = "[effects.torque]\nbody = [0.4, -0.3, 0.2]\n"
+TORQUE_WORLD = "[effects.torque]\nworld = [0.4, -0.3, 0.2]\n"
+#: One on each kind of hinge, along no axes, of two directions of spin.
+ROTORS = """
+[[rotors]]
+axis = [1.0, 2.0, -1.0]
+position = [0.1, 0.0, 0.2]
+mass = 0.5
+inertia = [0.1, 0.15]
+spin = 9.0
+hinge = "free"
+[[rotors]]
+axis = [1.0, 0.0, 1.0]
+position = [-0.1, 0.1, 0.0]
+mass = 0.2
+inertia = [0.05, 0.08]
+hinge = "locked"
+[[rotors]]
+axis = [0.0, -1.0, 1.0]
+position = [0.0, 0.2, -0.1]
+mass = 0.3
+inertia = [0.1, 0.12]
+spin = -5.0
+hinge = "driven"
+"""
+
+
+def scene(
+    name: str,
+    body: str = ASYMMETRIC,
+    start: str = TUMBLE,
+    effects: str = "",
+    duration: float = 1.0,
+    samples: int = 11,
+) -> Scenario:
+    """A scenario out of the contents of its tables; `effects` comes with its own headers.
+
+    Parameters
+    ----------
+    body, start : lines of these tables
+    effects : tables, headers included
+    duration : s
+    """
+    return loads(
+        f"""spincheck = 1
+title = "{name}"
+source = "a scene for tests"
+[body]{body}
+[start]{start}
+{effects}
+[window]
+duration = {duration!r}
+samples = {samples}
+""",
+        name=name,
+    )
+
+
+def from_elsewhere(scenario: Scenario) -> Scenario:
+    """The scene from another attitude, ω, spins and, where it is free, position and velocity."""
+    motion = ((-2.5, 0.5, 1.5), (-0.2, 0.7, 0.1), (1.5, 0.3, -0.6))
+    spins = -scenario.rotors.start_spins / 2
+    return started_at(scenario, (-0.5, 0.5, -0.1, 0.7), *motion, spins)
+
+
+SCENES: dict[str, Scenario] = {
+    built.name: built
+    for built in (
+        scene("free"),
+        scene("free-thrown", start=THROWN),
+        scene("free-tilted", body=TILTED, start=THROWN),
+        scene("free-tilted-plate", body=TILTED_PLATE),
+        scene("free-falling", body=TILTED, start=THROWN, effects=SKEW_GRAVITY),
+        scene("free-drag", body=TILTED, start=THROWN, effects=DRAG),
+        scene("free-torque-body", body=TILTED, start=THROWN, effects=TORQUE_BODY),
+        scene("free-torque-world", body=TILTED, start=THROWN, effects=TORQUE_WORLD),
+        scene("pivot", body=TILTED, effects=PIVOT),
+        scene("pivot-plate", body=TILTED_PLATE, effects=PIVOT),
+        scene("heavy-top", body=TOP, start=SPUN_UP, effects=PIVOT + GRAVITY),
+        scene("heavy-tilted", body=TILTED, effects=PIVOT + SKEW_GRAVITY),
+        scene("pivot-drag", body=TILTED, effects=PIVOT + DRAG),
+        scene("pivot-torque-body", body=TILTED, effects=PIVOT + TORQUE_BODY),
+        scene("pivot-torque-world", body=TILTED, effects=PIVOT + TORQUE_WORLD),
+        scene("free-rotors", body=TILTED, start=THROWN, effects=SKEW_GRAVITY + ROTORS),
+        scene("pivot-rotors", body=TILTED, effects=PIVOT + SKEW_GRAVITY + ROTORS),
+        scene("everything", body=TILTED, effects=PIVOT + SKEW_GRAVITY + DRAG + TORQUE_WORLD),
+    )
+}

@@ -1,0 +1,149 @@
+"""The suite as its adopters run it: on engines, programs and recordings, with known failures."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import spincheck
+from _pytest.pytester import SysModulesSnapshot
+from spincheck.engines import engines
+from spincheck.suite import SCENES, VERSION
+
+pytestmark = pytest.mark.slow
+
+pytest_plugins = ["pytester"]
+
+KNOWN = Path(__file__).with_name("known_failures.toml")
+FAULTY = """
+from stepped import DRAG, METHODS, Stepped, SteppedEngine
+
+class Damped(Stepped):
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        self.constants[DRAG] += 0.04 * self.inertia[0, 0]
+
+class Faulty(SteppedEngine):
+    methods = METHODS[2:]
+
+    def __init__(self):
+        super().__init__(Damped)
+        self.name = "faulty"
+
+not_one = 3
+"""
+DAMPING, TORQUE = "test_no_hidden_damping", "test_torque_in_world_axes"
+
+
+@pytest.fixture
+def suite(pytester, monkeypatch):
+    """Run pytest on the suite, in this process."""
+    # pytester would forget what is imported meanwhile, and numba imports its parts but once.
+    keeping_all = SysModulesSnapshot(preserve=lambda _: True)
+    monkeypatch.setattr(pytester, "_sys_modules_snapshot", keeping_all)
+    monkeypatch.setattr(pytester, "_Pytester__take_sys_modules_snapshot", lambda: keeping_all)
+    pytester.makepyfile(faulty=FAULTY)
+    pytester.syspathinsert()
+    known = dict(engines())
+
+    def run_on(*arguments: str, of: str = "spincheck.suite.test_physics"):
+        options = ("-p", "no:cacheprovider", "-p", "no:xdist", "-rsx", "--pyargs", of)
+        return pytester.runpytest_inprocess(*options, *arguments)
+
+    yield run_on
+    engines().clear()
+    engines().update(known)
+
+
+def named(*names: str) -> list[str]:
+    return [part for name in names for part in ("--spincheck-engine", name)]
+
+
+REQUIRED = [name for name in ("mujoco", "mujoco-urdf", "pybullet") if name in engines()]
+
+
+def test_the_engines_of_this_installation_keep_the_contract_of_adapters(suite) -> None:
+    result = suite(*named(*REQUIRED), of="spincheck.suite.test_adapter")
+    assert result.ret == 0
+    assert set(result.parseoutcomes()) == {"passed"}
+
+
+def test_of_their_motions_nothing_fails_but_what_is_known_to(suite) -> None:
+    chosen = "pybullet or mujoco-RK4 or mujoco-default"
+    result = suite(*named(*REQUIRED), "-k", chosen, "--spincheck-xfails", str(KNOWN))
+    assert result.ret == 0
+    result.stdout.fnmatch_lines([f"spincheck suite {VERSION} on mujoco *"])
+
+
+def test_a_failure_says_what_it_means_and_which_issues_it_would_have_caught(suite) -> None:
+    result = suite(*named("faulty:Faulty"), "-k", DAMPING)
+    result.assert_outcomes(failed=1, deselected=15)
+    lines = ["on *sphere.toml it disagrees: *", "*what this failure means*"]
+    lines += ["Something slows a free body *", "https://github.com/mockingbirdnest/Principia/*"]
+    result.stdout.fnmatch_lines(lines)
+
+
+def test_a_known_failure_is_none_and_one_that_passes_again_is_one(suite, pytester) -> None:
+    text = f'{DAMPING} = "damps at 0.04 /s"\n"{TORQUE}[mujoco-RK4]" = "was fixed"\n'
+    file = str(pytester.makefile(".toml", known=text))
+    result = suite(*named("faulty:Faulty"), "-k", DAMPING, "--spincheck-xfails", file)
+    result.assert_outcomes(xfailed=1, deselected=15)
+    result.stdout.fnmatch_lines(["XFAIL *damps at 0.04 /s*"])
+    again = suite(*named("mujoco"), "-k", f"{TORQUE} and RK4", "--spincheck-xfails", file)
+    assert again.ret == 1
+    again.stdout.fnmatch_lines(["*XPASS(strict)*was fixed*"])
+
+
+REFUSED = {
+    "no engine": ((), "'--spincheck-engine' must name what is tested"),
+    "an unknown engine": (named("mujocco"), "must be one of *did you mean*mujoco"),
+    "no such module": (named("no_module:Engine"), "ModuleNotFoundError: No module named"),
+    "an object that is none": (named("faulty:not_one"), "must be a subclass of * got 3"),
+    "a version to come": ((*named("mujoco"), "--spincheck-suite", "9999.01"), f"must be {VERSION}"),
+    "no file": ((*named("mujoco"), "--spincheck-xfails", "none.toml"), "cannot be read: No such"),
+    "no TOML": ((*named("mujoco"), "--spincheck-xfails", "faulty.py"), "must be TOML in UTF-8"),
+    "no test": (
+        (*named("mujoco"), "--spincheck-xfails", "typo.toml"),
+        "mean*test_heavy_top",
+    ),
+    "no reason": ((*named("mujoco"), "--spincheck-xfails", "mute.toml"), "must have its reason"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_used_is_refused_with_one_message(case: str, suite, pytester) -> None:
+    pytester.makefile(".toml", typo='test_heavy_tops = "x"', mute='test_heavy_top = ""')
+    arguments, words = REFUSED[case]
+    result = suite(*arguments)
+    assert result.ret == pytest.ExitCode.USAGE_ERROR
+    text = " ".join((result.stdout.str() + result.stderr.str()).split())
+    assert all(part in text for part in words.split("*"))
+
+
+def test_tests_newer_than_the_version_asked_for_are_left_out(suite) -> None:
+    result = suite(*named("mujoco"), "--spincheck-suite", "2026.10", "--collect-only", "-q")
+    assert result.ret == pytest.ExitCode.NO_TESTS_COLLECTED
+
+
+@pytest.mark.processes
+def test_a_program_is_tested_as_any_engine(suite) -> None:
+    child = Path(spincheck.engines.__path__[0]).parent / "tests/engines/child/planted_child.py"
+    command = f"child:{sys.executable} -S {child} "
+    result = suite(*named(command), "-k", "test_attitude_follows_omega")
+    assert result.ret == 0
+
+
+def test_recordings_are_judged_and_what_is_missing_is_skipped(suite, tmp_path: Path) -> None:
+    times = np.linspace(0.0, 2.0, 41)
+    for name, offset in (("torque-in-body-axes", 0.0), ("offset-com", 0.01)):
+        scene = spincheck.load(SCENES / f"{name}.toml")
+        exact = spincheck.exact(scene).at(times)
+        (tmp_path / name).mkdir()
+        for timestep in 0.01 / 2.0 ** np.arange(6):
+            off = timestep + offset
+            arrays = {"q": exact.q_world_body_wxyz, "omega": exact.omega_body * (1 + off)}
+            path = tmp_path / name / f"{timestep}.npz"
+            np.savez(path, t=times, timestep=str(timestep), com=exact.com_world, **arrays)
+    result = suite(*named(str(tmp_path)))
+    result.assert_outcomes(passed=1, failed=1, skipped=14)
+    result.stdout.fnmatch_lines(["SKIPPED *heavy-top.toml, at halved timesteps*got 0"])
