@@ -18,7 +18,6 @@ from ....scenarios import FloatArray, Scenario
 FOREIGN: dict[str, Callable[[Any], Any]] = {
     # Bodies welded to the first are parts of it.
     "a second body": lambda m: m.body_weldid[2:] != m.body_weldid[1],
-    "a second joint": lambda m: m.njnt - 1,
     "collision geometry": lambda m: m.ngeom,
     "equality constraints": lambda m: m.neq,
     "tendons": lambda m: m.ntendon,
@@ -72,7 +71,8 @@ class EffectsReading:
 
     Attributes
     ----------
-    pivot : whether a ball joint holds the body's origin at the world's origin
+    held_by : "pivot" for a ball joint at the world's origin, "table" for one on two slides, or
+        nothing
     gravity_world : m/s², (3,)
     joint_damping, servo_drag : N m s, (3, 3), the D of the torque −D ω in body axes, of the joint
         and of the actuators
@@ -80,7 +80,7 @@ class EffectsReading:
     other : anything else that the joint or an actuator does, in words
     """
 
-    pivot: bool
+    held_by: str
     gravity_world: FloatArray
     joint_damping: FloatArray
     servo_drag: FloatArray
@@ -94,10 +94,10 @@ def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
 
     An effect whose strength differs from the scene's is described too.
     """
-    effects = read_effects(model)
+    effects = read_effects(model, scenario)
     drag = effects.joint_damping + effects.servo_drag
     named = {
-        "pivot": effects.pivot,
+        effects.held_by: effects.held_by,
         "gravity": effects.gravity_world.any(),
         "drag": drag.any(),
         "uneven drag": (drag != drag[0, 0] * np.eye(3)).any(),
@@ -138,11 +138,11 @@ def _wrong_strengths(
             yield f"{name} of {got.tolist()}, not {wanted.tolist()}"
 
 
-def read_effects(model: Any) -> EffectsReading:
+def read_effects(model: Any, scenario: Scenario) -> EffectsReading:
     """The strength of every effect, with what is disabled counted as absent."""
     numbers = model.opt.gravity.dtype
     reading = EffectsReading(
-        pivot=False,
+        held_by="",
         gravity_world=model.opt.gravity * _is_on(model, "gravity"),
         joint_damping=np.diag(model.dof_damping[-3:]) * _is_on(model, "damper"),
         servo_drag=np.zeros((3, 3), numbers),
@@ -150,24 +150,37 @@ def read_effects(model: Any) -> EffectsReading:
         torque_world=np.zeros(3, numbers),
         other=frozenset(),
     )
-    pivot, other = _joint(model)
+    held_by, other = _joints(model, scenario)
     if _is_on(model, "actuation"):
         other |= {word for word in _add_actuators(model, reading) if word}
-    return EffectsReading(**{**vars(reading), "pivot": pivot, "other": frozenset(other)})
+    return EffectsReading(**{**vars(reading), "held_by": held_by, "other": frozenset(other)})
 
 
-def _joint(model: Any) -> tuple[bool, set[str]]:
-    """Whether the first joint is the pivot; in words, what it is if neither that nor free."""
+def _joints(model: Any, scenario: Scenario) -> tuple[str, set[str]]:
+    """The effect that the joints are; in words, what they are if neither that nor free."""
     if model.njnt == 0:
-        return False, {"a weld to the world"}
-    kind = model.jnt_type[0]
-    if kind == mujoco.mjtJoint.mjJNT_FREE:
-        return False, {"drag on the translation"} if model.dof_damping[:3].any() else set()
-    body = model.jnt_bodyid[0]
-    offsets = (model.jnt_pos[0], model.body_pos[body], model.body_quat[body] - (1, 0, 0, 0))
-    if kind != mujoco.mjtJoint.mjJNT_BALL or np.any(np.concatenate(offsets)):
-        return False, {"a joint that is no ball at the world's origin"}
-    return True, set()
+        return "", {"a weld to the world"}
+    slides, ball = model.jnt_type[:-1], model.jnt_type[-1]
+    other = {"drag on the translation"} if model.dof_damping[:-3].any() else set()
+    if len(slides) == 0 and ball == mujoco.mjtJoint.mjJNT_FREE:
+        return "", other
+    body, constraint = model.jnt_bodyid[-1], scenario.constraint
+    wanted = [
+        axis for axis, is_held in zip(np.eye(3), constraint.is_held, strict=True) if not is_held
+    ]
+    point_body = scenario.body.com - constraint.lever
+    place_world = np.array(constraint.place_exact, dtype=float)
+    is_held = (
+        ball == mujoco.mjtJoint.mjJNT_BALL
+        and (slides == mujoco.mjtJoint.mjJNT_SLIDE).all()
+        and np.array_equal(model.jnt_axis[:-1], np.reshape(wanted, (-1, 3)))
+        and np.array_equal(model.jnt_pos[-1], point_body)
+        and np.array_equal(model.body_pos[body], place_world - point_body)
+        and np.array_equal(model.body_quat[body], (1, 0, 0, 0))
+    )
+    if not is_held:
+        return "", {"a joint that is no ball where the scene holds the body"}
+    return "pivot" if constraint.is_pivot else "table", other
 
 
 def _add_actuators(model: Any, reading: EffectsReading) -> list[str]:
@@ -175,7 +188,8 @@ def _add_actuators(model: Any, reading: EffectsReading) -> list[str]:
     other = []
     for i in range(model.nu):
         gear = model.actuator_gear[i]
-        torque, force = (gear[:3], gear[3:]) if model.nv == 3 else (gear[3:], gear[:3])
+        is_ball = model.jnt_type[-1] == mujoco.mjtJoint.mjJNT_BALL
+        torque, force = (gear[:3], gear[3:]) if is_ball else (gear[3:], gear[:3])
         constant, per_length, per_velocity = model.actuator_biasprm[i][:3]
         # Both are constant torques; they differ in the axes that the gear is written in.
         turned_by = {

@@ -35,8 +35,12 @@ model.opt.integrator = mujoco.mjtIntegrator.mjINT_{integrator.upper()}
 model.opt.timestep = TIMESTEP"""
 
 
+#: What joints can be of: a table is two slides under a ball.
+EFFECTS = COMMON_EFFECTS | {"table"}
+
+
 def _method(name: str, order: int, summary: str) -> Method:
-    return Method(name, order, order, summary, COMMON_EFFECTS, setup=setup(name))
+    return Method(name, order, order, summary, EFFECTS, setup=setup(name))
 
 
 @final
@@ -59,7 +63,7 @@ class MuJoCo(Engine):
             1,
             1,
             "as shipped: Euler, with every pass on",
-            COMMON_EFFECTS,
+            EFFECTS,
             as_shipped=True,
         ),
     )

@@ -20,8 +20,8 @@ from .audit import acting
 
 #: MuJoCo's number of the world, which every model begins with.
 WORLD = 0
-#: How many leading numbers of a free joint's qpos and qvel are the origin's position and velocity.
-TRANSLATION = 3
+#: How many numbers at the end of qvel are ω; those before move a point, at most three.
+TURNING = 3
 #: What is read at a sample, as MuJoCo's flag: time, qpos and qvel.
 READ = int(
     mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL
@@ -36,7 +36,7 @@ Snapshot = bytes
 
 @final
 class MuJoCoSession(Session):
-    """One body on a ball joint at its origin, or free, and what is welded to it.
+    """One body on a ball joint, which may be on slides, or free, and what is welded to it.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class MuJoCoSession(Session):
         # Reused for each snapshot: fetching MuJoCo's own arrays would double the time.
         self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
         self._read = self._reading[1:]
-        self._com_body = body_of(model).com
+        self._arm_body, self._place_world = _anchor(model)
         self._steps = 0
         self._warnings: list[str] = []
         self._clock = clock.SHIPPED if has_clock else None
@@ -83,14 +83,14 @@ class MuJoCoSession(Session):
     @property
     def restarts_to_the_last_bit(self) -> bool:
         """Unless MuJoCo moves another point of the body than its com."""
-        return self.model.nv == TRANSLATION or not self._com_body.any()
+        return self.model.nv == TURNING or not self._arm_body.any()
 
     def restart(self, state: State, timestep: float | None = None) -> None:
         """`mj_resetData`, and the coordinates of the state."""
         if timestep is not None:
             self.model.opt.timestep = timestep
         mujoco.mj_resetData(self.model, self.data)
-        self.data.qpos[:], self.data.qvel[:] = coordinates_of(state, self.model.nv, self._com_body)
+        self.data.qpos[:], self.data.qvel[:] = coordinates_of(state, self.model.nv, self._arm_body)
         self._steps = 0
         self._warnings.clear()
 
@@ -143,7 +143,9 @@ class MuJoCoSession(Session):
         """The states, from qpos and qvel alone: derived data (xipos, cvel) is one step old."""
         nq = self.model.nq
         rows = _rows(snapshots)
-        return states_of(rows[:, 2 : 2 + nq], rows[:, 2 + nq :], self._com_body)
+        states = states_of(rows[:, 2 : 2 + nq], rows[:, 2 + nq :], self._arm_body)
+        states.com_world[:] += self._place_world
+        return states
 
     def first_fault(
         self,
@@ -210,33 +212,39 @@ def _body(model: Any, body: int) -> BodyReading:
     )
 
 
-def states_of(qpos: FloatArray, qvel: FloatArray, com_body: FloatArray) -> State:
+def _anchor(model: Any) -> tuple[FloatArray, FloatArray]:
+    """From the point that the coordinates move to the com, m, body axes; and where that begins."""
+    com_body, joint = body_of(model).com, model.jnt_pos[-1]
+    if model.jnt_type[-1] == mujoco.mjtJoint.mjJNT_FREE:
+        return com_body, np.zeros(3)
+    return com_body - joint, model.body_pos[WORLD + 1] + joint
+
+
+def states_of(qpos: FloatArray, qvel: FloatArray, arm_body: FloatArray) -> State:
     """The states of one body from its coordinates, (n, nq), and velocities, (n, nv).
 
-    The com is the body's origin plus the compiled arm, its velocity that of the origin plus
-    ω × arm; a ball joint's origin stands still.
+    The com is a point that the first coordinates move plus the compiled arm, its velocity that of
+    the point plus ω × arm; the origin on a ball joint alone stands still.
     """
-    q_world_body_wxyz, omega_body = qpos[:, -4:], qvel[:, -3:]
+    q_world_body_wxyz, omega_body = qpos[:, -4:], qvel[:, -TURNING:]
     R_world_body = matrices(q_world_body_wxyz)
-    com_world = R_world_body @ com_body
-    velocity_world = turned(R_world_body, omega_body @ across(com_body))
-    if qvel.shape[1] > TRANSLATION:
-        com_world += qpos[:, :TRANSLATION]
-        velocity_world += qvel[:, :TRANSLATION]
+    com_world = R_world_body @ arm_body
+    velocity_world = turned(R_world_body, omega_body @ across(arm_body))
+    moving = qvel.shape[1] - TURNING
+    com_world[:, :moving] += qpos[:, :moving]
+    velocity_world[:, :moving] += qvel[:, :moving]
     return State(q_world_body_wxyz, omega_body, com_world, velocity_world)
 
 
-def coordinates_of(state: State, nv: int, com_body: FloatArray) -> tuple[FloatArray, FloatArray]:
+def coordinates_of(state: State, nv: int, arm_body: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Coordinates, (nq,), and velocities, (nv,), of a state, as `states_of` reads them."""
     q_world_body_wxyz, omega_body = state.q_world_body_wxyz, state.omega_body
-    if nv == TRANSLATION:
-        return q_world_body_wxyz, omega_body
-    R_world_body = matrix(q_world_body_wxyz)
-    origin_world = state.com_world - R_world_body @ com_body
-    speed_world = state.velocity_world - R_world_body @ cross(omega_body, com_body)
+    R_world_body, moving = matrix(q_world_body_wxyz), nv - TURNING
+    place_world = state.com_world - R_world_body @ arm_body
+    speed_world = state.velocity_world - R_world_body @ cross(omega_body, arm_body)
     return (
-        np.concatenate([origin_world, q_world_body_wxyz]),
-        np.concatenate([speed_world, omega_body]),
+        np.concatenate([place_world[:moving], q_world_body_wxyz]),
+        np.concatenate([speed_world[:moving], omega_body]),
     )
 
 
