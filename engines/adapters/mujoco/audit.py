@@ -13,12 +13,12 @@ import mujoco
 import numpy as np
 
 from ....scenarios import FloatArray, Scenario
+from ...models.mjcf_contact import PASSES, sphere_and_plane
 
 #: Parts of a model that no scene calls for; those with non-zero values are reported.
 FOREIGN: dict[str, Callable[[Any], Any]] = {
     # Bodies welded to the first are parts of it.
     "a second body": lambda m: m.body_weldid[2:] != m.body_weldid[1],
-    "collision geometry": lambda m: m.ngeom,
     "equality constraints": lambda m: m.neq,
     "tendons": lambda m: m.ntendon,
     "flexible bodies": lambda m: m.nflex,
@@ -160,6 +160,9 @@ def _joints(model: Any, scenario: Scenario) -> tuple[str, set[str]]:
     """The effect that the joints are; in words, what they are if neither that nor free."""
     if model.njnt == 0:
         return "", {"a weld to the world"}
+    if model.ngeom:
+        rests = scenario.effects.table is not None and _rests(model, scenario)
+        return ("table", set()) if rests else ("", {"collision geometry"})
     slides, ball = model.jnt_type[:-1], model.jnt_type[-1]
     other = {"drag on the translation"} if model.dof_damping[:-3].any() else set()
     if len(slides) == 0 and ball == mujoco.mjtJoint.mjJNT_FREE:
@@ -181,6 +184,22 @@ def _joints(model: Any, scenario: Scenario) -> tuple[str, set[str]]:
     if not is_held:
         return "", {"a joint that is no ball where the scene holds the body"}
     return "pivot" if constraint.is_pivot else "table", other
+
+
+def _rests(model: Any, scenario: Scenario) -> bool:
+    """Whether a free body's sphere lies on a plane as the scene's tip does, without friction."""
+    kinds = [mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_SPHERE]
+    radius, height = sphere_and_plane(scenario)
+    table = scenario.effects.table
+    assert table is not None
+    return (
+        model.njnt == 1
+        and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
+        and model.geom_type.tolist() == kinds
+        and model.geom_condim.tolist() == [1, 1]
+        and np.array_equal(model.geom_pos, [(0.0, 0.0, height), table.tip])
+        and model.geom_size[1, 0] == radius
+    )
 
 
 def _add_actuators(model: Any, reading: EffectsReading) -> list[str]:
@@ -214,6 +233,7 @@ def _idle_passes(model: Any, effects: EffectsReading) -> frozenset[str]:
     needed = {"gravity"} | CONTACT_CHOICES
     needed |= {"damper", "eulerdamp"} if has_damping else set()
     needed |= {"actuation"} if model.nu else set()
+    needed |= PASSES if model.ngeom else set()
     disabling = _disabling()
     needed_bits = {disabling[name] for name in needed & disabling.keys()}
     on = {name for name, bit in disabling.items() if _is_on(model, name) and bit not in needed_bits}

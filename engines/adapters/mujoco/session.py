@@ -44,6 +44,7 @@ class MuJoCoSession(Session):
     model : compiled, options and effects set
     qpos, qvel : the start, as `mjcf.start_coordinates` gives it
     has_clock : whether MuJoCo reads the clock that its Python package installs
+    tied : timesteps that the time constant of contacts is; 0 where it is the model's own
     """
 
     def __init__(
@@ -53,8 +54,9 @@ class MuJoCoSession(Session):
         qpos: Sequence[float],
         qvel: Sequence[float],
         has_clock: bool = False,
+        tied: float = 0.0,
     ) -> None:
-        self._scenario = scenario
+        self._scenario, self._tied = scenario, tied
         self.model = model
         self.data = mujoco.MjData(model)
         self.data.qpos[:] = qpos
@@ -85,10 +87,16 @@ class MuJoCoSession(Session):
         """Unless MuJoCo moves another point of the body than its com."""
         return self.model.nv == TURNING or not self._arm_body.any()
 
+    def set_timestep(self, timestep: float) -> None:
+        """Length of the steps from now on, s."""
+        self.model.opt.timestep = timestep
+        if self._tied:
+            self.model.geom_solref[:, 0] = self._tied * timestep
+
     def restart(self, state: State, timestep: float | None = None) -> None:
         """`mj_resetData`, and the coordinates of the state."""
         if timestep is not None:
-            self.model.opt.timestep = timestep
+            self.set_timestep(timestep)
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:], self.data.qvel[:] = coordinates_of(state, self.model.nv, self._arm_body)
         self._steps = 0
