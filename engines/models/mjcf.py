@@ -11,13 +11,18 @@ from functools import lru_cache
 import numpy as np
 from mpmath import mp
 
-from ...scenarios import Scenario
+from ...scenarios import Body, Scenario
+from ...scenarios.effects.rotors import Rotor
 from ...scenarios.exact import DIGITS, cross, rotate
 from .principal_frame import principal_frame
 from .text import decimals, xml_text
 
 BODY = "top"
 JOINT = "joint"
+ROTOR = "rotor"
+#: Inertia of a drive that keeps a rotor's spin, in moments of the rotor: the spin changes by an ulp
+#: of what ω does.
+DRIVE = 2.0**50
 START_KEY = "start"
 BODY_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 NO_FORCE = (0.0, 0.0, 0.0)
@@ -97,29 +102,51 @@ def switched_off(scenario: Scenario) -> tuple[str, ...]:
 def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
     """qpos and qvel at t = 0.
 
-    A ball joint's are the attitude (w, x, y, z) and ω in body axes. A free joint's begin with the
+    A ball joint's are the attitude (w, x, y, z) and ω in body axes; angles and spins of rotors that
+    turn come last. A free joint's begin with the
     position and velocity of the body frame's origin, not of the com, in world axes
     (MuJoCo documentation, "Floating objects"), and those of slides with the tip's.
     """
-    start, constraint = scenario.start, scenario.constraint
+    start, constraint, rotors = scenario.start, scenario.constraint, scenario.rotors
     q, omega_body, lever = start.q_exact, start.omega_body_exact, constraint.lever_exact
     moves = [axis for axis in range(3) if not constraint.is_held[axis]]
+    spins = rotors.start_spins[rotors.is_turning].tolist()
     with mp.workdps(DIGITS):
         arm_world = rotate(q, lever)
         swing_world = rotate(q, cross(omega_body, lever))
         place = [float(start.position_world[k] - arm_world[k]) for k in moves]
         speed = [float(start.velocity_world[k] - swing_world[k]) for k in moves]
-    return [*place, *map(float, q)], [*speed, *map(float, omega_body)]
+    return (
+        [*place, *map(float, q), *([0.0] * len(spins))],
+        [*speed, *map(float, omega_body), *spins],
+    )
 
 
 def _add_body(world: ET.Element, scenario: Scenario) -> None:
-    body, frame = scenario.body, principal_frame(scenario.body)
     element = ET.SubElement(world, "body", name=BODY)
     if scenario.constraint.is_free:
         # Aligned with the inertial frame, qpos and qvel would be along other axes.
         ET.SubElement(element, "freejoint", name=JOINT, align="false")
     else:
         _add_joints(element, scenario)
+    _add_inertia(element, scenario.carrier)
+    for number, rotor in enumerate(scenario.rotors.each, start=1):
+        part = ET.SubElement(element, "body", name=f"{ROTOR}{number}")
+        if rotor.hinge != "locked":
+            hinge = ET.SubElement(part, "joint", name=f"hinge{number}", type="hinge")
+            hinge.set("axis", decimals(map(float, rotor.axis)))
+            hinge.set("pos", decimals(rotor.body.com))
+            hinge.set("armature", decimals([armature(rotor)]))
+        _add_inertia(part, rotor.body)
+
+
+def armature(rotor: Rotor) -> float:
+    """Inertia against a change of the spin relative to the body, kg m²: of a drive, all of it."""
+    return DRIVE * float(rotor.along) if rotor.hinge == "driven" else 0.0
+
+
+def _add_inertia(element: ET.Element, body: Body) -> None:
+    frame = principal_frame(body)
     ET.SubElement(
         element,
         "inertial",

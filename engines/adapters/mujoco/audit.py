@@ -4,7 +4,7 @@ Forces in MuJoCo come from the model, from what was applied to its data, and fro
 process; all three are checked.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -13,12 +13,15 @@ import mujoco
 import numpy as np
 
 from ....scenarios import FloatArray, Scenario
+from ....scenarios.effects.rotors import Rotor
+from ...models.mjcf import armature
 from ...models.mjcf_contact import PASSES, sphere_and_plane
 
 #: Parts of a model that no scene calls for; those with non-zero values are reported.
 FOREIGN: dict[str, Callable[[Any], Any]] = {
     # Bodies welded to the first are parts of it.
     "a second body": lambda m: m.body_weldid[2:] != m.body_weldid[1],
+    "a second joint": lambda m: m.jnt_bodyid != 1,
     "equality constraints": lambda m: m.neq,
     "tendons": lambda m: m.ntendon,
     "flexible bodies": lambda m: m.nflex,
@@ -36,6 +39,11 @@ FOREIGN: dict[str, Callable[[Any], Any]] = {
     "wind": lambda m: m.opt.wind,
     "air": lambda m: [m.opt.density, m.opt.viscosity],
 }
+
+#: Those that rotors on hinges are to MuJoCo.
+OF_ROTORS = {"a second body", "a second joint", "added rotor inertia"}
+#: Relative, of numbers that went through text.
+HINGE_SLACK = 1e-12
 
 #: MuJoCo's flags in words; flags of later versions are reported by MuJoCo's own names.
 FLAG_WORDS = {
@@ -106,12 +114,41 @@ def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
         "applied forces": data.qfrc_applied.any() or data.xfrc_applied.any(),
     }
     names_acting = {name for name, acts in named.items() if acts}
-    names_acting |= {name for name, part in FOREIGN.items() if _has(model, part)}
+    foreign = {name for name, part in FOREIGN.items() if _has(model, part)}
+    if scenario.rotors:
+        wrong = list(_wrong_hinges(model, scenario.rotors.each))
+        names_acting |= set(wrong) or {"rotors"}
+        foreign -= set() if wrong else OF_ROTORS
+    names_acting |= foreign
     names_acting |= {
         f"callback {n}" for n in CALLBACKS if getattr(mujoco, f"get_mjcb_{n}")() is not None
     }
     names_acting |= set(_wrong_strengths(effects, drag, scenario))
     return frozenset(names_acting) | effects.other | _idle_passes(model, effects)
+
+
+def _wrong_hinges(model: Any, rotors: Sequence[Rotor]) -> Iterator[str]:
+    """How the bodies after the first are other than rotors on their hinges, in words."""
+    if model.nbody - 2 != len(rotors) or (model.body_parentid[2:] != 1).any():
+        yield f"{model.nbody - 2} parts of the body, not {len(rotors)} rotors"
+        return
+    for number, rotor in enumerate(rotors, start=1):
+        joint, count = model.body_jntadr[number + 1], model.body_jntnum[number + 1]
+        if rotor.hinge == "locked" or count != 1:
+            if count != (rotor.hinge != "locked"):
+                yield f"rotor {number} on {count} joints, though it is {rotor.hinge}"
+            continue
+        dof = model.jnt_dofadr[joint]
+        numbers = model.dof_armature[dof], model.dof_damping[dof]
+        if model.jnt_type[joint] != mujoco.mjtJoint.mjJNT_HINGE:
+            yield f"rotor {number} on a joint that is no hinge"
+        if not np.allclose(numbers, (armature(rotor), 0.0), rtol=HINGE_SLACK, atol=0.0):
+            inertia, damping = map(float, numbers)
+            on = f"on a {rotor.hinge} hinge"
+            yield f"rotor {number} with {inertia:g} kg m² and {damping:g} N m s {on}"
+        off = model.jnt_pos[joint] - model.body_ipos[number + 1]
+        if np.linalg.norm(np.cross(off, model.jnt_axis[joint])) > HINGE_SLACK * np.linalg.norm(off):
+            yield f"rotor {number} on a hinge beside its centre of mass"
 
 
 def _has(model: Any, part: Callable[[Any], Any]) -> bool:
@@ -144,7 +181,7 @@ def read_effects(model: Any, scenario: Scenario) -> EffectsReading:
     reading = EffectsReading(
         held_by="",
         gravity_world=model.opt.gravity * _is_on(model, "gravity"),
-        joint_damping=np.diag(model.dof_damping[-3:]) * _is_on(model, "damper"),
+        joint_damping=np.diag(model.dof_damping[_turning(model)]) * _is_on(model, "damper"),
         servo_drag=np.zeros((3, 3), numbers),
         torque_body=np.zeros(3, numbers),
         torque_world=np.zeros(3, numbers),
@@ -156,6 +193,20 @@ def read_effects(model: Any, scenario: Scenario) -> EffectsReading:
     return EffectsReading(**{**vars(reading), "held_by": held_by, "other": frozenset(other)})
 
 
+def _own_joints(model: Any) -> int:
+    """How many joints are the body's own, and not of its rotors; they come first."""
+    return int(np.count_nonzero(model.jnt_bodyid == 1))
+
+
+def _turning(model: Any) -> slice:
+    """The velocities that are the body's ω."""
+    last = _own_joints(model) - 1
+    if last < 0:
+        return slice(0, 3)
+    first = model.jnt_dofadr[last] + 3 * (model.jnt_type[last] == mujoco.mjtJoint.mjJNT_FREE)
+    return slice(first, first + 3)
+
+
 def _joints(model: Any, scenario: Scenario) -> tuple[str, set[str]]:
     """The effect that the joints are; in words, what they are if neither that nor free."""
     if model.njnt == 0:
@@ -163,11 +214,12 @@ def _joints(model: Any, scenario: Scenario) -> tuple[str, set[str]]:
     if model.ngeom:
         rests = scenario.effects.table is not None and _rests(model, scenario)
         return ("table", set()) if rests else ("", {"collision geometry"})
-    slides, ball = model.jnt_type[:-1], model.jnt_type[-1]
-    other = {"drag on the translation"} if model.dof_damping[:-3].any() else set()
+    last, turning = _own_joints(model) - 1, _turning(model)
+    slides, ball = model.jnt_type[:last], model.jnt_type[last]
+    other = {"drag on the translation"} if model.dof_damping[: turning.start].any() else set()
     if len(slides) == 0 and ball == mujoco.mjtJoint.mjJNT_FREE:
         return "", other
-    body, constraint = model.jnt_bodyid[-1], scenario.constraint
+    constraint = scenario.constraint
     wanted = [
         axis for axis, is_held in zip(np.eye(3), constraint.is_held, strict=True) if not is_held
     ]
@@ -176,10 +228,10 @@ def _joints(model: Any, scenario: Scenario) -> tuple[str, set[str]]:
     is_held = (
         ball == mujoco.mjtJoint.mjJNT_BALL
         and (slides == mujoco.mjtJoint.mjJNT_SLIDE).all()
-        and np.array_equal(model.jnt_axis[:-1], np.reshape(wanted, (-1, 3)))
-        and np.array_equal(model.jnt_pos[-1], point_body)
-        and np.array_equal(model.body_pos[body], place_world - point_body)
-        and np.array_equal(model.body_quat[body], (1, 0, 0, 0))
+        and np.array_equal(model.jnt_axis[:last], np.reshape(wanted, (-1, 3)))
+        and np.array_equal(model.jnt_pos[last], point_body)
+        and np.array_equal(model.body_pos[1], place_world - point_body)
+        and np.array_equal(model.body_quat[1], (1, 0, 0, 0))
     )
     if not is_held:
         return "", {"a joint that is no ball where the scene holds the body"}
@@ -193,7 +245,7 @@ def _rests(model: Any, scenario: Scenario) -> bool:
     table = scenario.effects.table
     assert table is not None
     return (
-        model.njnt == 1
+        _own_joints(model) == 1
         and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
         and model.geom_type.tolist() == kinds
         and model.geom_condim.tolist() == [1, 1]
@@ -207,8 +259,8 @@ def _add_actuators(model: Any, reading: EffectsReading) -> list[str]:
     other = []
     for i in range(model.nu):
         gear = model.actuator_gear[i]
-        is_ball = model.jnt_type[-1] == mujoco.mjtJoint.mjJNT_BALL
-        torque, force = (gear[:3], gear[3:]) if is_ball else (gear[3:], gear[:3])
+        is_free = model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
+        torque, force = (gear[3:], gear[:3]) if is_free else (gear[:3], gear[3:])
         constant, per_length, per_velocity = model.actuator_biasprm[i][:3]
         # Both are constant torques; they differ in the axes that the gear is written in.
         turned_by = {

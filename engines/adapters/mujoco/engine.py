@@ -61,8 +61,8 @@ WAYS = {
     "contact-RK4": Way("RK4", by_contact=True, tied=STIFFEST),
     "contact-default": Way(None, by_contact=True),
 }
-#: What joints can be of: a table is two slides under a ball.
-EFFECTS = COMMON_EFFECTS | {"table"}
+#: What joints can be of: a table is two slides under a ball, a rotor's hinge is a hinge.
+EFFECTS = COMMON_EFFECTS | {"table", "rotors"}
 ON_TABLE = frozenset({"table"})
 CONTACT_SETUP = """\
 {setup}
@@ -138,7 +138,8 @@ class MuJoCo(Engine):
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """The MJCF, and the few calls that step it."""
         way, off = _way(method), () if method.as_shipped else _switched_off(scenario, method)
-        return script(_text(scenario, timestep, way), off)
+        moving = 3 if way.by_contact else 3 - sum(scenario.constraint.is_held)
+        return script(_text(scenario, timestep, way), off, moving)
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """The passes that are switched off, and the clock."""

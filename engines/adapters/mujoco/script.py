@@ -22,13 +22,24 @@ def step(count):
 
 def state():
     \"\"\"Attitude, w x y z, body to world, and angular velocity in body axes.\"\"\"
-    return data.qpos[-4:].copy(), data.qvel[-3:].copy()
+    return data.qpos[{attitude}].copy(), data.qvel[{rotation}].copy()
 """
 
 
-def script(mjcf: str, switched_off: tuple[str, ...]) -> str:
-    """A model, and the passes that are switched off in it."""
+def script(mjcf: str, switched_off: tuple[str, ...], moving: int) -> str:
+    """A model and its steps.
+
+    Parameters
+    ----------
+    switched_off : passes
+    moving : coordinates that move a point of the body; its attitude comes after them
+    """
     # One flag up to 3.3.0.
     off = switched_off + ("passive",) * ({"spring", "damper"} <= set(switched_off))
     flags = tuple(name.upper() for name in off)
-    return _SCRIPT.format(lines=python_lines(mjcf), flags=flags)
+    return _SCRIPT.format(
+        lines=python_lines(mjcf),
+        flags=flags,
+        attitude=f"{moving}:{moving + 4}",
+        rotation=f"{moving}:{moving + 3}",
+    )

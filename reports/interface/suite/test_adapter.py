@@ -32,7 +32,7 @@ ORDER_SLACK = 0.25
 #: For requirements that do not depend on the scene: free and on a pivot, with changing torques.
 FEW = ("free", "free-torque-body", "heavy-tilted", "everything")
 #: For restarts: also a body whose com is not its origin, free to move.
-RESTARTED = (*FEW, "free-falling", "pivot-drag")
+RESTARTED = (*FEW, "free-falling", "pivot-drag", "free-rotors", "pivot-rotors")
 
 
 @failure_means(
