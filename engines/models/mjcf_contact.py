@@ -12,6 +12,8 @@ from .text import decimals, xml_text
 
 #: A tip that is a point has a sphere of so many levers, and the plane is as much lower.
 SHARE_OF_LEVER = 0.25
+#: Relative: by so much the plane is higher, so that rounding never leaves the start off it.
+TOUCHING = 1e-12
 #: Passes that a contact needs.
 PASSES = frozenset({"constraint", "contact"})
 #: Of both shapes: a contact without friction has one direction.
@@ -29,7 +31,8 @@ def sphere_and_plane(scenario: Scenario) -> tuple[float, float]:
     table, lever = scenario.effects.table, float(np.linalg.norm(scenario.constraint.lever))
     assert table is not None
     radius = table.radius or SHARE_OF_LEVER * lever or 1.0
-    return radius, table.height + table.radius - radius
+    height = table.height + table.radius - radius
+    return radius, height + TOUCHING * (abs(table.height) + table.radius + radius + lever)
 
 
 def with_contact(text: str, scenario: Scenario, solref: tuple[float, float] | None) -> str:

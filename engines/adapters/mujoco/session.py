@@ -222,7 +222,7 @@ def body_of(model: Any) -> BodyReading:
 def _axial(model: Any) -> FloatArray:
     """Axis times moment about it of the bodies after the first, kg m², zero if welded, (n, 3)."""
     rows = np.zeros((model.nbody - WORLD - 2, 3))
-    for joint in range(1, model.njnt):
+    for joint in range(model.body_jntnum[WORLD + 1], model.njnt):
         body = model.jnt_bodyid[joint]
         axis = _rotation(model.body_quat[body]).apply(model.jnt_axis[joint])
         rows[body - WORLD - 2] = axis * (axis @ _body(model, body).inertia_com @ axis)
