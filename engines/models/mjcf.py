@@ -8,6 +8,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Collection, Iterable, Iterator
 from functools import lru_cache
 
+import numpy as np
 from mpmath import mp
 
 from ...scenarios import Body, Scenario
@@ -101,7 +102,7 @@ def mjcf(
 def switched_off(scenario: Scenario) -> tuple[str, ...]:
     """MuJoCo's names of the passes that the scene does not need."""
     effects = scenario.called_for
-    joint_damping = "drag" in effects and scenario.constraint.is_pivot
+    joint_damping = "drag" in effects and not scenario.constraint.is_free
     needed = {
         "gravity": "gravity" in effects,
         "damper": joint_damping,
@@ -119,22 +120,21 @@ def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
     A ball joint's are the attitude (w, x, y, z) and ω in body axes; angles and spins of rotors that
     turn come last. A free joint's begin with the
     position and velocity of the body frame's origin, not of the com, in world axes
-    (MuJoCo documentation, "Floating objects").
+    (MuJoCo documentation, "Floating objects"), and those of slides with the tip's.
     """
-    start, com_body = scenario.start, scenario.body.com_exact
-    q, omega_body = start.q_exact, start.omega_body_exact
-    rotors = scenario.rotors
+    start, constraint, rotors = scenario.start, scenario.constraint, scenario.rotors
+    q, omega_body, lever = start.q_exact, start.omega_body_exact, constraint.lever_exact
+    moves = [axis for axis in range(3) if not constraint.is_held[axis]]
     spins = rotors.start_spins[rotors.is_turning].tolist()
-    angles = [0.0] * len(spins)
-    rotation = [float(c) for c in q] + angles, [float(c) for c in omega_body] + spins
-    if scenario.constraint.is_pivot:
-        return rotation
     with mp.workdps(DIGITS):
-        arm_world = rotate(q, com_body)
-        swing_world = rotate(q, cross(omega_body, com_body))
-        origin = [float(p - a) for p, a in zip(start.position_world, arm_world, strict=True)]
-        speed = [float(v - s) for v, s in zip(start.velocity_world, swing_world, strict=True)]
-    return origin + rotation[0], speed + rotation[1]
+        arm_world = rotate(q, lever)
+        swing_world = rotate(q, cross(omega_body, lever))
+        place = [float(start.position_world[k] - arm_world[k]) for k in moves]
+        speed = [float(start.velocity_world[k] - swing_world[k]) for k in moves]
+    return (
+        [*place, *map(float, q), *([0.0] * len(spins))],
+        [*speed, *map(float, omega_body), *spins],
+    )
 
 
 def _add_body(world: ET.Element, scenario: Scenario, description: Description) -> None:
@@ -167,24 +167,6 @@ def armature(rotor: Rotor) -> float:
     return DRIVE * float(rotor.along) if rotor.hinge == "driven" else 0.0
 
 
-def _add_joints(element: ET.Element, scenario: Scenario, kind: Joint) -> None:
-    is_pivot = scenario.constraint.is_pivot
-    if kind in ("slides and ball", "hinges") and not is_pivot:
-        for axis in BODY_AXES:
-            ET.SubElement(element, "joint", type="slide", axis=decimals(axis))
-    if kind == "hinges":
-        for axis in reversed(BODY_AXES):
-            ET.SubElement(element, "joint", type="hinge", axis=decimals(axis))
-    elif is_pivot or kind == "slides and ball":
-        joint = ET.SubElement(element, "joint", name=JOINT, type="ball")
-        if scenario.drag:
-            joint.set("damping", decimals([scenario.drag]))
-    else:
-        # Aligned with the inertial frame, qpos and qvel would be along other axes.
-        align = "true" if kind == "aligned" else "false"
-        ET.SubElement(element, "freejoint", name=JOINT, align=align)
-
-
 def _add_inertia(element: ET.Element, body: Body, description: Description = PLAIN) -> None:
     frame = principal_frame(body)
     pos, quat = decimals(body.com), decimals(frame.q_body_axes_wxyz)
@@ -209,6 +191,31 @@ def _add_inertia(element: ET.Element, body: Body, description: Description = PLA
     inertial.set("diaginertia", decimals(frame.moments))
 
 
+def _add_joints(element: ET.Element, scenario: Scenario, kind: Joint) -> None:
+    """A ball joint at the point that is held, on a slide along each axis that it may move along."""
+    constraint, point = scenario.constraint, scenario.body.com - scenario.constraint.lever
+    if constraint.is_free and kind in ("own", "aligned"):
+        # Aligned with the inertial frame, qpos and qvel would be along other axes.
+        align = "true" if kind == "aligned" else "false"
+        ET.SubElement(element, "freejoint", name=JOINT, align=align)
+        return
+    if not constraint.is_pivot:
+        place = np.array(constraint.place_exact, dtype=float)
+        element.set("pos", decimals(place - point))
+        for axis, is_held in zip(BODY_AXES, constraint.is_held, strict=True):
+            if not is_held:
+                ET.SubElement(element, "joint", type="slide", axis=decimals(axis))
+    if kind == "hinges":
+        for axis in reversed(BODY_AXES):
+            ET.SubElement(element, "joint", type="hinge", axis=decimals(axis))
+        return
+    joint = ET.SubElement(element, "joint", name=JOINT, type="ball")
+    if point.any():
+        joint.set("pos", decimals(point))
+    if scenario.drag:
+        joint.set("damping", decimals([scenario.drag]))
+
+
 def _actuators(scenario: Scenario) -> Iterator[ET.Element]:
     """Torques that are no joint damping: constant ones, and the drag of a free body.
 
@@ -220,7 +227,7 @@ def _actuators(scenario: Scenario) -> Iterator[ET.Element]:
     if "torque_world" in effects:
         # The parent's axes, which are the world's.
         yield _actuator(scenario, "jointinparent", scenario.torque_world, constant=1.0)
-    if "drag" in effects and not scenario.constraint.is_pivot:
+    if "drag" in effects and scenario.constraint.is_free:
         for axis in BODY_AXES:
             yield _actuator(scenario, "joint", axis, per_velocity=-scenario.drag)
 
@@ -234,8 +241,8 @@ def _actuator(
 ) -> ET.Element:
     """A torque (constant + per_velocity · ω·axis) along `axis`, independent of control signals."""
     # A free joint's gear begins with a force.
-    is_pivot = scenario.constraint.is_pivot
-    gear = decimals(axis) if is_pivot else f"{decimals(NO_FORCE)} {decimals(axis)}"
+    is_free = scenario.constraint.is_free
+    gear = f"{decimals(NO_FORCE)} {decimals(axis)}" if is_free else decimals(axis)
     return ET.Element(
         "general",
         {transmission: JOINT},
