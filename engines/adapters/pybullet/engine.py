@@ -158,7 +158,9 @@ class PyBullet(Engine):
 def release(version: str, methods: tuple[Method, ...]) -> Release:
     """A version of PyBullet; 3.2.6 and older need numpy 1."""
     older = ("numpy==1.26.4",) if numbers_of(version) <= (3, 2, 6) else ()
-    return Release((f"pybullet=={version}", *older), methods, PyBullet.name)
+    # Robots and meshes: 142 MB.
+    robots = ("pybullet_data",)
+    return Release((f"pybullet=={version}", *older), methods, PyBullet.name, robots)
 
 
 @cache
