@@ -104,16 +104,15 @@ def name_of(one: Record) -> str:
 def page(one: Record) -> str:
     """The page of a version."""
     methods = sorted({name for name, *_ in one["verdicts"]})
-    count = len(one["scenes"])
     return f"""# {one["engine"]} {one["version"]}, {one["date"]}
 
-On {count} scenes; [every verdict with its reason]({name_of(one)}.json).
+On {len(one["scenes"])} scenes; [every verdict with its reason]({name_of(one)}.json).
 
 {table(COLUMNS, [line(one, method) for method in methods])}"""
 
 
 def index() -> str:
-    """The page of all days: a line a version and day, newest first, with counts over all methods."""
+    """The page of all days: a line a version and day, newest first; counts over all methods."""
     paths = sorted(FOLDER.glob("*/*.json"), reverse=True)
     lines = []
     for path in paths:
