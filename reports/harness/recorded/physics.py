@@ -77,7 +77,7 @@ def _change(scenario: Scenario, motion: Trajectory, timestep: float | None) -> l
     spans = np.diff(motion.t)
     rate = fastest_rate(scenario, motion.omega_body)
     near = np.flatnonzero(spans * rate <= NEAR)
-    if len(near) < FEWEST or not rate:
+    if len(near) < FEWEST or not motion.omega_body.any():
         return []
     kept = near[np.unique(np.linspace(0, len(near) - 1, MOST).astype(int))]
     before, after = (_states(motion, at) for at in (kept, kept + 1))
