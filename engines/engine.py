@@ -87,11 +87,13 @@ class Release:
         version needs otherwise than the newest does
     methods : with their orders in that version
     installed_as : the engine whose installed versions it shares; its own name if empty
+    surplus : packages that come along and that no run imports: they are not kept
     """
 
     requirements: tuple[str, ...]
     methods: tuple[Method, ...]
     installed_as: str = ""
+    surplus: tuple[str, ...] = ()
 
 
 class Engine(ABC):

@@ -63,6 +63,7 @@ def nudged(problem: Problem, k: int, size: mpf) -> Problem:
             omega_axes=(w1, w2, w3),
             q_world_axes=product(problem.q_world_axes, turn),
             lever_axes=scaled(problem.lever_axes, 1 + size * SIGNS_OF_LEVER[0][k]),
+            tip_axes=scaled(problem.tip_axes, 1 + size * SIGNS_OF_LEVER[0][k]),
             kept=tuple(
                 kept * (1 + size * SIGNS_OF_LEVER[rotor % 2][k])
                 for rotor, kept in enumerate(problem.kept)

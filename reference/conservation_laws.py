@@ -20,6 +20,9 @@ from .symmetry import (
     up_world,
 )
 
+#: The normal of a table.
+UP_WORLD = np.array([0.0, 0.0, 1.0])
+
 
 @dataclass(frozen=True, eq=False)
 class InvariantScales:
@@ -34,7 +37,7 @@ class InvariantScales:
 
     @cached_property
     def pull(self) -> float:
-        """M g l, N m; 0 without a pivot."""
+        """M g l, N m; 0 of a free body."""
         return float(gravity_torque_scale(self.problem))
 
     @cached_property
@@ -57,8 +60,9 @@ class InvariantScales:
         numbers = zip(self.problem.moments, self.problem.omega_axes, strict=True)
         turning = float(sum(moment * w * w for moment, w in numbers)) / 2
         turning += float(self.rotors_kept @ (self.rotors_kept / self.scenario.rotors.along)) / 2
+        turning += 2 * self.pull
         if self.scenario.constraint.is_pivot:
-            return turning + 2 * self.pull
+            return turning
         fall = float(np.linalg.norm(self.scenario.gravity_world)) * self.duration
         straight = float(np.linalg.norm(self.scenario.start.velocity_world))
         return turning + self.scenario.body.mass * (straight + fall) ** 2 / 2
@@ -88,8 +92,13 @@ class InvariantScales:
 
     @cached_property
     def up_world(self) -> FloatArray:
-        """Against gravity, which must not be zero: a unit vector, world axes, (3,)."""
-        return up_world(self.problem)
+        """Off the table, else against gravity, which must not be zero: a unit vector, (3,)."""
+        return UP_WORLD if any(self.problem.tip_axes) else up_world(self.problem)
+
+    @property
+    def is_flying(self) -> FloatArray:
+        """1 along axes of the world along which nothing holds the body, else 0, (3,)."""
+        return 1.0 - np.array(self.scenario.constraint.is_held)
 
     @cached_property
     def axis_body(self) -> FloatArray:
@@ -159,16 +168,19 @@ def _goryachev_chaplygin(scene: InvariantScales, motion: Trajectory) -> FloatArr
 
 def _momentum(scene: InvariantScales, motion: Trajectory) -> FloatArray:
     gained = motion.t[:, None] * scene.scenario.gravity_world
-    return scene.scenario.body.mass * (motion.velocity_world - gained)
+    return scene.scenario.body.mass * (motion.velocity_world - gained) * scene.is_flying
 
 
 def _parabola(scene: InvariantScales, motion: Trajectory) -> FloatArray:
     t = motion.t[:, None]
-    return motion.com_world - t * motion.velocity_world + t**2 / 2 * scene.scenario.gravity_world
+    fallen = t**2 / 2 * scene.scenario.gravity_world
+    return (motion.com_world - t * motion.velocity_world + fallen) * scene.is_flying
 
 
-def _pivot(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    return motion.com_world - motion.R_world_body.apply(np.array(scene.scenario.body.com))
+def _held_point(scene: InvariantScales, motion: Trajectory) -> FloatArray:
+    constraint = scene.scenario.constraint
+    point_world = motion.com_world - motion.R_world_body.apply(np.array(constraint.lever))
+    return point_world * constraint.is_held
 
 
 def _turned_by_at_most(*names: str) -> Callable[[InvariantScales], bool]:
@@ -177,18 +189,18 @@ def _turned_by_at_most(*names: str) -> Callable[[InvariantScales], bool]:
 
 
 def _is_heavy(scene: InvariantScales) -> bool:
-    """Gravity about a pivot, and at most a torque fixed in the world."""
-    return {"gravity"} <= turning(scene.problem) <= {"gravity", "torque_world", "rotors"}
+    """Gravity about a pivot or a table, and at most a torque fixed in the world and rotors."""
+    return turning(scene.problem) - {"torque_world", "rotors"} in ({"gravity"}, {"table"})
 
 
 def _is_symmetric(scene: InvariantScales) -> bool:
     """A symmetric body with its com on the axis, and at most a torque fixed in it."""
-    is_spun_at_most = turning(scene.problem) <= {"gravity", "torque_body"}
+    is_spun_at_most = turning(scene.problem) <= {"gravity", "table", "torque_body"}
     return is_spun_at_most and symmetry_axis(scene.problem) is not None
 
 
 def _is_thrown(scene: InvariantScales) -> bool:
-    return scene.scenario.constraint.is_free
+    return not scene.scenario.constraint.is_pivot
 
 
 LAWS = (
@@ -196,7 +208,7 @@ LAWS = (
         name="energy",
         formula="E = T + V, less the work of rotors' drives",
         unit="J",
-        holds=_turned_by_at_most("gravity", "rotors"),
+        holds=_turned_by_at_most("gravity", "table", "rotors"),
         values=_energy,
         scale=lambda scene: scene.energy,
     ),
@@ -258,7 +270,7 @@ LAWS = (
     ),
     Law(
         name="momentum_less_impulse",
-        formula="m (v − g t)",
+        formula="m (v − g t), of a body on a table along it",
         unit="kg m/s",
         holds=_is_thrown,
         values=_momentum,
@@ -266,7 +278,7 @@ LAWS = (
     ),
     Law(
         name="com_parabola",
-        formula="r − v t + ½ g t²",
+        formula="r − v t + ½ g t², of a body on a table along it",
         unit="m",
         holds=_is_thrown,
         values=_parabola,
@@ -277,7 +289,15 @@ LAWS = (
         formula="r_com − R com: where the body's origin is",
         unit="m",
         holds=lambda scene: scene.scenario.constraint.is_pivot,
-        values=_pivot,
+        values=_held_point,
+        scale=lambda scene: scene.radius,
+    ),
+    Law(
+        name="table",
+        formula="z of r_com − R (com − tip): the height of the tip",
+        unit="m",
+        holds=lambda scene: "table" in scene.scenario.called_for,
+        values=_held_point,
         scale=lambda scene: scene.radius,
     ),
 )

@@ -16,17 +16,22 @@ from ..scenarios.exact import ZERO, Quaternion, Vector, rotate, vector
 from .problem import Problem
 from .taylor_coefficients import (
     CONSTANT,
+    DOWN_AND_RADIUS,
     GRAVITY_WORLD,
     LEVER_AFTER,
     LEVER_NEXT,
     LINEAR,
+    MASS_OVER_MOMENT,
     MOMENTUM,
+    TIP,
     TORQUE_WORLD,
+    UP_WORLD,
 )
 
 #: A lever times a vector fixed in the world; a torque fixed in the world; one fixed in the body,
-#: which is a constant; one proportional to ω; a momentum fixed in the body, times ω.
-Form = Literal["lever", "world", "constant", "linear", "momentum"]
+#: which is a constant; one proportional to ω; a force that keeps a point on a plane; a momentum
+#: fixed in the body, times ω.
+Form = Literal["lever", "world", "constant", "linear", "plane", "momentum"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +96,28 @@ TORQUE_OF_WORLD = EffectTerms(
     constants=lambda problem, i, *_: {TORQUE_WORLD: problem.torque_world[i]},
 )
 
+
+def _posed_table(scenario: Scenario, q: Quaternion) -> dict[str, Vector | mpf]:
+    table = scenario.effects.table
+    if table is None:
+        return {}
+    x, y, z = rotate(q, scenario.constraint.lever_exact)
+    radius, mass = mpf(table.radius), scenario.body.mass_exact
+    return {"tip_axes": (-x, -y, -z), "tip_radius": radius, "mass": mass}
+
+
+TABLE = EffectTerms(
+    form="plane",
+    posed=_posed_table,
+    turns=lambda problem: any(problem.tip_axes),
+    constants=lambda problem, i, *_: {
+        TIP: problem.tip_axes[i],
+        MASS_OVER_MOMENT: problem.mass / problem.moments[i],
+        UP_WORLD: mpf(i == 2),
+        DOWN_AND_RADIUS: (-problem.gravity_world[2], problem.tip_radius, mpf(0))[i],
+    },
+)
+
 ROTORS = EffectTerms(
     form="momentum",
     posed=lambda scenario, q: {
@@ -106,6 +133,7 @@ ROTORS = EffectTerms(
 #: By the effect's name.
 TERMS = {
     "gravity": GRAVITY,
+    "table": TABLE,
     "drag": DRAG,
     "torque_body": TORQUE_OF_BODY,
     "torque_world": TORQUE_OF_WORLD,

@@ -89,14 +89,14 @@ class HeavySymmetricTop:
 
 
 def heavy_symmetric_top(problem: Problem) -> HeavySymmetricTop | None:
-    """The top of a problem at t = 0; None where it is not symmetric or gravity cannot turn it.
+    """The top of a problem at t = 0; None where it is not symmetric or has no pivot and gravity.
 
     Other effects are not looked at: with them the "constants" hold at t = 0 only.
     """
     axis = symmetry_axis(problem)
     with mp.workdps(DIGITS):
         kappa = gravity_torque_scale(problem)
-        if axis is None or kappa == 0:
+        if axis is None or kappa == 0 or not any(problem.lever_axes):
             return None
         up_world = scaled(problem.gravity_world, -1 / norm(problem.gravity_world))
         up = rotate(conjugate(problem.q_world_axes), up_world)

@@ -4,10 +4,9 @@ from dataclasses import dataclass
 
 from mpmath import mp, mpf
 
-from ..scenarios.exact import DIGITS, ZERO
+from ..scenarios.exact import DIGITS, ZERO, Quaternion, Vector
 
-Vector = tuple[mpf, mpf, mpf]
-Quaternion = tuple[mpf, mpf, mpf, mpf]
+_ONE = mpf(1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +26,10 @@ class Problem:
     gravity_world : acceleration, m/s²
     torque_axes, torque_world : constant torques along the principal and the world axes, N m
     drag : coefficient c of the torque −c ω, N m s
+    tip_axes : of the sphere that slides on a table, its centre from the centre of mass, m; zero
+        without a table
+    tip_radius : of that sphere, m
+    mass : kg
     q_axes_body : takes body components to components along the principal axes
     kept, rotors_axes : of each rotor, the angular momentum that its hinge keeps, kg m²/s, and its
         unit axis along the principal axes
@@ -41,6 +44,9 @@ class Problem:
     torque_world: Vector
     drag: mpf
     q_axes_body: Quaternion
+    tip_axes: Vector = ZERO
+    tip_radius: mpf = ZERO[0]
+    mass: mpf = _ONE
     kept: tuple[mpf, ...] = ()
     rotors_axes: tuple[Vector, ...] = ()
 

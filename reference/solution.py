@@ -17,8 +17,9 @@ class Solution:
     conditioning : what a relative change of one ulp in the start and the body does to the motion,
         to first order and in its worst direction. Symmetric bodies stay symmetric: rounding, step
         by step, changes states and not the body
-    horizon : s, the time at which the uncertainty of a chaotic motion exceeds `MAX_UNCERTAINTY`;
-        the trajectory ends before it. None where it never does
+    horizon : s, the time at which the uncertainty of a chaotic motion exceeds `MAX_UNCERTAINTY`,
+        or at which a body leaves its table; the trajectory ends before it. None where neither does
+    lifts_off : whether it is the latter
     """
 
     trajectory: Trajectory
@@ -26,6 +27,18 @@ class Solution:
     uncertainty: Errors
     conditioning: Errors
     horizon: float | None = None
+    lifts_off: bool = False
+
+    @property
+    def ending(self) -> str:
+        """Why it is known until its horizon only, in words; empty where it has none."""
+        if self.horizon is None:
+            return ""
+        if self.lifts_off:
+            return f"the body leaves the table at t = {self.horizon:.6g} s"
+        return (
+            f"it is chaotic, and from t = {self.horizon:.6g} s on not known to {MAX_UNCERTAINTY:g}"
+        )
 
 
 #: A motion whose uncertainty is larger than this, relative or in rad, is not used as a reference.

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import final
+from typing import NamedTuple, final
 
 import numpy as np
 
@@ -15,7 +15,15 @@ from .motion import motion
 from .problem import Problem
 from .rotational_problem import rotational_problem
 from .solution import MAX_UNCERTAINTY, Solution
-from .taylor import CHECK_ORDERS, FINE_ORDERS, TRUTH_ORDERS, IntegrationError, Orders, integrate
+from .taylor import (
+    CHECK_ORDERS,
+    FINE_ORDERS,
+    TRUTH_ORDERS,
+    IntegrationError,
+    LiftOffError,
+    Orders,
+    integrate,
+)
 
 EPS = float(np.finfo(float).eps)
 #: Rounding of the states to double and of L and E computed from them, in ulp.
@@ -77,7 +85,7 @@ class ExactMotion:
         times = _increasing(times)
         if self._closed is not None:
             return motion(self._scenario, self._problem, times, self._closed.states(times))
-        return _integrated_to_horizon(self._scenario, self._problem, times)[0]
+        return _integrated_to_horizon(self._scenario, self._problem, times).trajectory
 
 
 @lru_cache(maxsize=SCENES)
@@ -100,8 +108,15 @@ def _part(together: Solution, times: FloatArray) -> Solution:
         len(times) if together.horizon is None else int(np.searchsorted(times, together.horizon))
     )
     at = np.searchsorted(together.trajectory.t, times[:count])
-    horizon = float(times[count]) if count < len(times) else None
-    return replace(together, trajectory=together.trajectory.at(at), horizon=horizon)
+    horizon = None
+    if count < len(times):
+        horizon = together.horizon if together.lifts_off else float(times[count])
+    return replace(
+        together,
+        trajectory=together.trajectory.at(at),
+        horizon=horizon,
+        lifts_off=together.lifts_off and horizon is not None,
+    )
 
 
 def solve_ode(scenario: Scenario, times: FloatArray) -> Trajectory:
@@ -177,8 +192,8 @@ def _conditioning_of_closed(
 
 
 def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solution:
-    within, coarser = _integrated_to_horizon(scenario, problem, times)
-    n = len(within.t)
+    known = _integrated_to_horizon(scenario, problem, times)
+    within = known.trajectory
 
     def solved(neighbour: Problem) -> Trajectory:
         return motion(scenario, neighbour, within.t, integrate(neighbour, within.t, CHECK_ORDERS))
@@ -186,21 +201,38 @@ def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
     return Solution(
         trajectory=within,
         method="Taylor series of the equations of motion, low orders in double-double",
-        uncertainty=_at_least(errors_between(scenario, within, coarser), ROUNDING),
+        uncertainty=_at_least(errors_between(scenario, within, known.coarser), ROUNDING),
         conditioning=conditioning(scenario, problem, within, solved),
-        horizon=float(times[n]) if n < len(times) else None,
+        horizon=known.horizon,
+        lifts_off=known.lifts_off,
     )
 
 
-def _integrated_to_horizon(
-    scenario: Scenario, problem: Problem, times: FloatArray
-) -> tuple[Trajectory, Trajectory]:
-    """The motion by two series, the better one first, as far as they agree."""
+class _Known(NamedTuple):
+    """A motion by two series, as far as they agree; horizon and lift-off as of a `Solution`."""
+
+    trajectory: Trajectory
+    coarser: Trajectory
+    horizon: float | None
+    lifts_off: bool = False
+
+
+def _integrated_to_horizon(scenario: Scenario, problem: Problem, times: FloatArray) -> _Known:
+    """The motion up to where it is chaotic, or leaves its table."""
 
     def integrated(orders: Orders) -> Trajectory:
         return motion(scenario, problem, times, integrate(problem, times, orders))
 
-    coarser, trajectory = integrated(CHECK_ORDERS), integrated(TRUTH_ORDERS)
+    try:
+        coarser, trajectory = integrated(CHECK_ORDERS), integrated(TRUTH_ORDERS)
+    except LiftOffError as lift_off:
+        within = times[times < lift_off.time]
+        if not len(within):
+            raise
+        known = _integrated_to_horizon(scenario, problem, within)
+        if known.horizon is not None:
+            return known
+        return known._replace(horizon=lift_off.time, lifts_off=True)
     n = _count_of_agreeing_samples(scenario, trajectory, coarser)
     if n < len(times):  # chaos: where the usual series ends, the dearest goes on
         coarser, trajectory = trajectory, integrated(FINE_ORDERS)
@@ -209,7 +241,8 @@ def _integrated_to_horizon(
         raise IntegrationError(
             f"The motion is chaotic and not known any more at {times[0]} s. Ask for earlier times."
         )
-    return trajectory.until(n), coarser.until(n)
+    horizon = float(times[n]) if n < len(times) else None
+    return _Known(trajectory.until(n), coarser.until(n), horizon)
 
 
 def _checked_times(times: FloatArray, rate: float) -> FloatArray:

@@ -34,10 +34,18 @@ def scaled(vector: Vector, factor: mpf) -> Vector:
     return (factor * x, factor * y, factor * z)
 
 
+def lever_of(problem: Problem) -> Vector:
+    """Mass times the com from the pivot, or from the tip on a table, kg m; zero of a free body."""
+    if any(problem.tip_axes):
+        with mp.workdps(DIGITS):
+            return scaled(problem.tip_axes, -problem.mass)
+    return problem.lever_axes
+
+
 def gravity_torque_scale(problem: Problem) -> mpf:
-    """M g l, N m: weight times the com's distance from the pivot; 0 without a pivot."""
+    """M g l, N m: weight times the com's distance from pivot or tip; 0 of a free body."""
     with mp.workdps(DIGITS):
-        return norm(problem.lever_axes) * norm(problem.gravity_world)
+        return norm(lever_of(problem)) * norm(problem.gravity_world)
 
 
 def is_undriven(problem: Problem) -> bool:
@@ -54,7 +62,7 @@ def symmetry_axis(problem: Problem) -> Vector | None:
     """Unit vector of the axis a top is symmetric about, principal components; None without one.
 
     Symmetric means: the two moments across the axis are equal, and gravity's lever lies on it.
-    With a lever the axis points from the pivot to the com. Without one it is the principal axis
+    With a lever the axis points from pivot or tip to the com. Without one it is the principal axis
     whose moment differs from the other two; a sphere has none. Rotors that turn make it none.
     """
     if any(problem.rotors_momentum):
@@ -63,7 +71,8 @@ def symmetry_axis(problem: Problem) -> Vector | None:
         if gravity_torque_scale(problem) == 0:
             single = _axis_of_the_single_moment(problem.moments)
             return None if single is None else UNIT_VECTORS[single]
-        axis = scaled(problem.lever_axes, 1 / norm(problem.lever_axes))
+        lever = lever_of(problem)
+        axis = scaled(lever, 1 / norm(lever))
         first, second, third = problem.moments
         if equal(first, second) and equal(second, third):
             return axis

@@ -27,7 +27,7 @@ from .taylor_coefficients import (
     Q,
     Terms,
 )
-from .taylor_march import PAUSED, STUCK, Tables, march
+from .taylor_march import LIFTED, PAUSED, STUCK, Tables, march
 
 #: A step takes 2 to 10 µs; more than this would take minutes, and a study does not wait for it.
 MAX_STEPS = 20_000_000
@@ -42,6 +42,19 @@ _CONSTANT_BITS = 400
 
 class IntegrationError(ArithmeticError):
     """A motion that cannot be integrated over the span asked for."""
+
+
+class LiftOffError(IntegrationError):
+    """A body leaves its table.
+
+    Attributes
+    ----------
+    time : s, at which the table would have to pull, or the com is no longer above it
+    """
+
+    def __init__(self, time: float) -> None:
+        super().__init__(f"The body leaves the table at {time:.6g} s. Ask for earlier times.")
+        self.time = time
 
 
 class Orders(NamedTuple):
@@ -93,6 +106,8 @@ def integrate(
         If the times are not as above.
     IntegrationError
         If numbers overflow or the motion takes more than `MAX_STEPS` steps.
+    LiftOffError
+        If a body leaves its table by the last of them.
     """
     states = integrate_double_double(problem, times, orders)
     return states.q_world_axes, states.omega_axes
@@ -143,6 +158,8 @@ def _march(problem: Problem, times: FloatArray, orders: Orders, states: Tables) 
             min(STEPS_AT_ONCE, MAX_STEPS - steps),
         )
         steps += STEPS_AT_ONCE
+    if outcome == LIFTED:
+        raise LiftOffError(float(clock[0]))
     if outcome == STUCK:
         raise IntegrationError(
             f"The motion leaves the range of doubles at {clock[0]} s: it is too fast for its "
@@ -153,7 +170,7 @@ def _march(problem: Problem, times: FloatArray, orders: Orders, states: Tables) 
 def terms_of(problem: Problem) -> Terms:
     """Return which terms a motion calls for."""
     forms = {TERMS[name].form for name in turning(problem)}
-    vectors = "lever" in forms, "world" in forms
+    vectors = "lever" in forms, "world" in forms, "plane" in forms
     return Terms(world_vectors=vectors, linear="linear" in forms, momentum="momentum" in forms)
 
 

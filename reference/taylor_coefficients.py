@@ -7,11 +7,16 @@ constant in the world as seen from the principal axes::
     q'   = ½ q ⊗ (0, ω)                                    q takes axes to world
     Γ'   = Γ × ω,  Σ' = Σ × ω                              Poisson: a fixed vector, seen turning
 
+On a table (scenarios/effects/table.py) with the tip at a from the centre of mass, U the upward
+normal as seen from the axes, b = a × U, u the ω' above, e = (m/I) b, and f = N/m::
+
+    U' = U × ω,  ω' = u + f e,  f (1 + b·e) = −g_z − a·(U' × ω) − b·u
+
 (Goldstein, Poole & Safko, Classical Mechanics, 3rd ed., §5.5, and §4.9 for vectors seen turning.)
 Right-hand sides are sums of products of two series, so that order n + 1 follows from orders 0..n
-by Cauchy products (Jorba & Zou, Experimental Mathematics 14 (2005) 99-117, section 2.1).
-Γ and Σ are no part of the state, which could not keep them consistent with q: every step makes
-them anew from q, and only their higher orders come from their own equation.
+by Cauchy products (Jorba & Zou, Experimental Mathematics 14 (2005) 99-117, section 2.1), and f as
+a quotient. Γ, Σ and U are no part of the state, which could not keep them consistent with q: every
+step makes them anew from q, and only their higher orders come from their own equation.
 
 A series is a table with a row for each order and a column for each component.
 """
@@ -27,6 +32,7 @@ from .taylor_numbers import (
     load,
     multiply,
     negative,
+    reciprocal,
     rounded,
     store,
     zero,
@@ -35,7 +41,9 @@ from .taylor_numbers import (
 Vector = tuple[Number, Number, Number]
 
 # Columns of a series. The first STATE are the state.
-OMEGA, Q, STATE, GRAVITY, TORQUE, COLUMNS = 0, 3, 7, 7, 10, 13
+OMEGA, Q, STATE, GRAVITY, TORQUE, UP = 0, 3, 7, 7, 10, 13
+# On a table: U', b, e, u; 1 + b·e and f.
+UP_RATE, ARM, GAIN, OTHER, MOBILITY, PRESSED, COLUMNS = 16, 19, 22, 25, 28, 29, 30
 
 # Rows of the table of constants, one column an axis; "and cyclic" for the other two axes.
 EULER = 0  # (I₂ − I₃)/I₁ and cyclic
@@ -46,12 +54,18 @@ INVERSE_MOMENT = 4  # 1/I, 1/(kg m²)
 LINEAR = 5  # −c/I, 1/s
 GRAVITY_WORLD = 6  # m/s²
 TORQUE_WORLD = 7  # N m
-MOMENTUM = 8  # h, kg m²/s
-ROWS = 9
+TIP = 8  # a, m
+MASS_OVER_MOMENT = 9  # m/I, 1/m²
+UP_WORLD = 10
+DOWN_AND_RADIUS = 11  # −g_z, m/s², and the radius of the tip, m
+MOMENTUM = 12  # h, kg m²/s
+ROWS = 13
 
 # The vectors constant in the world: where the constants hold them, where the series does.
-WORLD_CONSTANTS = (GRAVITY_WORLD, TORQUE_WORLD)
-WORLD_VECTORS = (GRAVITY, TORQUE)
+WORLD_CONSTANTS = (GRAVITY_WORLD, TORQUE_WORLD, UP_WORLD)
+WORLD_VECTORS = (GRAVITY, TORQUE, UP)
+#: Which of them is there on a table.
+ON_TABLE = 2
 
 # a × b has component i = a[NEXT[i]] b[AFTER[i]] − a[AFTER[i]] b[NEXT[i]].
 NEXT = (1, 2, 0)
@@ -61,11 +75,11 @@ AFTER = (2, 0, 1)
 class Terms(NamedTuple):
     """Which terms the motion calls for; the others are not computed.
 
-    `world_vectors` tells of gravity and of a torque constant in the world, in this order; `linear`
-    of a torque −c ω; `momentum` of h × ω.
+    `world_vectors` tells of gravity, of a torque constant in the world, and of a table, in this
+    order; `linear` of a torque −c ω; `momentum` of h × ω.
     """
 
-    world_vectors: tuple[bool, bool]
+    world_vectors: tuple[bool, bool, bool]
     linear: bool
     momentum: bool
 
@@ -154,6 +168,55 @@ def _turn_world_vector(series: Table, inverses: Table, n: int, column: int) -> N
 
 
 @kernel
+def _dot(series: Table, n: int, left: int, right: int) -> Number:
+    """Order n of the scalar product of two vectors, each in three columns from one on."""
+    total = zero(series)
+    for k in range(n + 1):
+        u1, u2, u3 = _vector(series, k, left)
+        v1, v2, v3 = _vector(series, n - k, right)
+        total = add_product(add_product(add_product(total, u1, v1), u2, v2), u3, v3)
+    return rounded(total)
+
+
+@kernel
+def _press(series: Table, constants: Table, n: int) -> None:
+    """Write order n of f, the force of the table over the mass, and of all that it takes."""
+    rate = _cross_omega(series, UP, n)
+    for i in range(3):
+        store(series, n, UP_RATE + i, rate[i])
+        after, next_ = load(series, n, UP + AFTER[i]), load(series, n, UP + NEXT[i])
+        arm = multiply(load(constants, TIP, NEXT[i]), after)
+        arm = rounded(add_product(arm, negative(load(constants, TIP, AFTER[i])), next_))
+        store(series, n, ARM + i, arm)
+        store(series, n, GAIN + i, multiply(load(constants, MASS_OVER_MOMENT, i), arm))
+    mobility = _dot(series, n, ARM, GAIN)
+    total = _dot(series, n, ARM, OTHER)
+    bend = _cross_omega(series, UP_RATE, n)
+    for i in range(3):
+        total = add_product(total, load(constants, TIP, i), bend[i])
+    total = negative(rounded(total))
+    if n == 0:
+        mobility = add(mobility, load(constants, UP_WORLD, 2))
+        total = add(total, load(constants, DOWN_AND_RADIUS, 0))
+    store(series, n, MOBILITY, mobility)
+    for k in range(1, n + 1):
+        spread = negative(load(series, k, MOBILITY))
+        total = add_product(total, spread, load(series, n - k, PRESSED))
+    share = reciprocal(load(series, 0, MOBILITY))
+    store(series, n, PRESSED, multiply(rounded(total), share))
+
+
+@kernel
+def _pressed_acceleration(series: Table, n: int, i: int) -> Number:
+    """Order n of component i of ω' on a table: u + f e."""
+    total = load(series, n, OTHER + i)
+    for k in range(n + 1):
+        gain = load(series, n - k, GAIN + i)
+        total = add_product(total, load(series, k, PRESSED), gain)
+    return rounded(total)
+
+
+@kernel
 def extend(
     series: Table, constants: Table, inverses: Table, terms: Terms, first: int, last: int
 ) -> None:
@@ -166,6 +229,12 @@ def extend(
         for i in range(3):
             rate = _acceleration(series, constants, terms, n, i, products[i])
             store(series, n + 1, OMEGA + i, multiply(load(inverses, 0, n + 1), rate))
+            store(series, n, OTHER + i, rate)
+        if terms.world_vectors[ON_TABLE]:
+            _press(series, constants, n)
+            for i in range(3):
+                rate = _pressed_acceleration(series, n, i)
+                store(series, n + 1, OMEGA + i, multiply(load(inverses, 0, n + 1), rate))
         turn = _q_times_omega(series, n)
         for i in range(4):
             store(series, n + 1, Q + i, multiply(load(inverses, 1, n + 1), turn[i]))

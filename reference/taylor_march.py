@@ -12,8 +12,13 @@ from ..scenarios import FloatArray
 from .doubledouble import DoubleDouble, dd_add, dd_mul, quick_two_sum, two_sum
 from .kernel import kernel
 from .taylor_coefficients import (
+    DOWN_AND_RADIUS,
     OMEGA,
+    ON_TABLE,
+    PRESSED,
     STATE,
+    TIP,
+    UP,
     WORLD_CONSTANTS,
     WORLD_VECTORS,
     Q,
@@ -26,7 +31,7 @@ from .taylor_numbers import Table, high, store, zero
 Tables = tuple[FloatArray, FloatArray]
 
 # How a call of `march` ends.
-DONE, PAUSED, STUCK = 0, 1, 2
+DONE, PAUSED, STUCK, LIFTED = 0, 1, 2, 3
 
 #: Step over radius of convergence that costs least (Jorba & Zou 2005, section 3.2).
 STEP = math.exp(-2.0)
@@ -34,6 +39,9 @@ STEP = math.exp(-2.0)
 SMALLEST = 1e-290
 #: rad/s; a spin decayed to this has stopped. Decay goes on until underflow spoils it.
 STOPPED = 1e-240
+#: Times in a step at which it is looked whether a body has left its table, and halvings of the
+#: interval in which it has. Over a step its series is all but a polynomial of low degree.
+LOOKS, HALVINGS = 32, 60
 #: A step below this share of the time is lost on a double-double clock.
 CLOCK_TICK = 2.0**-104
 
@@ -117,6 +125,37 @@ def _expand(
 
 
 @kernel
+def _rests(series: FloatArray, constants: FloatArray, total: int, t: float) -> bool:
+    """Whether the table pushes, and the com is above it, at a time t from the centre."""
+    force, along = 0.0, 0.0
+    for n in range(total - 1, -1, -1):
+        force = force * t + series[n, PRESSED]
+        lever = 0.0
+        for i in range(3):
+            lever += constants[TIP, i] * series[n, UP + i]
+        along = along * t + lever
+    return force > 0.0 and constants[DOWN_AND_RADIUS, 1] > along
+
+
+@kernel
+def _lifts_off(series: FloatArray, constants: FloatArray, total: int, h: float) -> float:
+    """Return when a body leaves its table in a step, from the centre; infinite if it does not."""
+    before = 0.0
+    for k in range(LOOKS + 1):
+        after = h * k / LOOKS
+        if not _rests(series, constants, total, after):
+            for _ in range(HALVINGS):
+                middle = (before + after) / 2
+                if _rests(series, constants, total, middle):
+                    before = middle
+                else:
+                    after = middle
+            return after
+        before = after
+    return np.inf
+
+
+@kernel
 def march(
     constants: Tables,
     inverses: Tables,
@@ -141,6 +180,11 @@ def march(
         h = step_size(series[0], total)
         if not h > CLOCK_TICK * clock[0]:
             return STUCK, first
+        if terms.world_vectors[ON_TABLE]:
+            left = _lifts_off(series[0], constants[0], total, min(h, times[-1] - clock[0]))
+            if math.isfinite(left):
+                clock[0] += left
+                return LIFTED, first
         while first < times.size and times[first] <= clock[0] + h:
             s, f = two_sum(times[first], -clock[0])
             inside = quick_two_sum(s, f - clock[1])

@@ -74,6 +74,19 @@ def multiply(a: Number, b: Number) -> Number:
     return a * b
 
 
+@kernel
+def _reciprocal(a: DoubleDouble) -> DoubleDouble:
+    guess = (1.0 / a[0], 0.0)
+    left = dd_add((1.0, 0.0), dd_neg(dd_mul(a, guess)))
+    return dd_add(guess, dd_mul(left, guess))
+
+
+@for_pairs(lambda a: _reciprocal(a))
+def reciprocal(a: Number) -> Number:
+    """Return 1/a; a pair's by a step of Newton's method from the double."""
+    return 1.0 / a
+
+
 @for_pairs(lambda a: dd_neg(a))
 def negative(a: Number) -> Number:
     """Return -a."""

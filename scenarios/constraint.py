@@ -37,7 +37,7 @@ class Constraint:
 
     @cached_property
     def lever(self) -> FloatArray:
-        """From the point to the centre of mass, m, body axes, (3,)."""
+        """Vector from that point to the centre of mass, m, body axes, (3,)."""
         return read_only(self.lever_exact)
 
     def com_world(self, lever_world: FloatArray, flown_world: FloatArray) -> FloatArray:

@@ -16,6 +16,7 @@ from .values import (
     Digest,
     Inertia,
     Matrix,
+    NotNegative,
     Number,
     Positive,
     Prose,
@@ -121,8 +122,12 @@ class StartTable(Table):
     euler_zyz_rates: Vector | None = Field(
         None, description="rad/s: α̇ β̇ γ̇; takes the attitude as euler_zyz_deg"
     )
-    position: Vector | None = Field(None, description="m, of the com; free bodies only")
-    velocity: Vector | None = Field(None, description="m/s, of the com; free bodies only")
+    position: Vector | None = Field(
+        None, description="m, of the com; not with a pivot; on a table z follows from the attitude"
+    )
+    velocity: Vector | None = Field(
+        None, description="m/s, of the com; not with a pivot; on a table z follows from ω"
+    )
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
@@ -177,7 +182,7 @@ Components = Annotated[
 class Published(Table):
     """Published values, which the reference is compared with."""
 
-    t: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)] = Field(description="s")
+    t: NotNegative = Field(description="s")
     omega_body: Components | None = Field(None, description="rad/s, body axes")
     omega_world: Components | None = Field(None, description="rad/s, world axes")
     quaternion_wxyz: Quaternion | None = Field(None, description="body to world, up to its sign")

@@ -19,7 +19,8 @@ from .document import (
 from .effects import EFFECTS, Effects
 from .values import Table
 
-#: Every table of the file in the order it is written, with an example; together they are a scene.
+#: Every table of the file in the order it is written, with an example; together they are a scene,
+#: but for the table, which excludes the pivot.
 EXAMPLES: dict[str, tuple[type[Table], str]] = {
     "The top of the file": (
         Document,

@@ -16,7 +16,6 @@ from .errors import Misfit, ScenarioError, printable
 from .read_text import first_key, is_nested_too_deeply, read_text
 from .scales import check_scales
 from .scenario import Scenario, build
-from .users_models import check_origin
 from .write import to_toml
 
 MARKER = "spincheck"
@@ -129,7 +128,13 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
 def _scenario(tables: dict[str, Any], name: str, text: str, path: Path | None) -> Scenario:
     scenario = build(Document.model_validate(tables), name=name, text=text, path=path)
     check_scales(scenario)
-    check_origin(scenario)
+    for effect in scenario.acting:
+        effect.check(scenario)
+    if scenario.document.body.model is not None:
+        # Few scenes have one, and readers of model files import much.
+        from .users_models import check_origin
+
+        check_origin(scenario)
     return scenario
 
 

@@ -56,7 +56,7 @@ def member(scenario: Scenario, seed: int, number: int) -> Scenario:
     start["omega_body"] = (turned * _factor(longer)).tolist()
     body["mass"] = float(scenario.carrier.mass * _factor(mass))
     body["inertia"] = _inertia(scenario.carrier, shape)
-    if not scenario.constraint.is_free:
+    if scenario.constraint.is_pivot:
         body["com"] = (scenario.carrier.com * _factor(arm)).tolist()
     changed = tables | {"start": start, "body": body}
     return rewritten(scenario, changed, f"member {number} of seed {seed}")

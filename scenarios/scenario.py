@@ -139,9 +139,8 @@ class Scenario:
 
     @cached_property
     def constraint(self) -> Constraint:
-        """What holds the body; of one that is free, nothing."""
-        holding = [effect.constraint(self) for effect in self.acting if effect.constraint]
-        return holding[0] if holding else Constraint((False,) * 3, self.body.com_exact)
+        """What holds the body."""
+        return _constraint(self.document, self.body)
 
     @property
     def about(self) -> str:
@@ -216,13 +215,14 @@ def _rebuilt(text: str, name: str, path: Path | None) -> Scenario:
 
 def build(document: Document, name: str, text: str, path: Path | None = None) -> Scenario:
     """Turn a validated document, whose text this is, into a scenario."""
+    body = document.whole_body()
     return Scenario(
         name=name,
         path=path,
         text=text,
         document=document,
-        body=document.whole_body(),
-        start=_start(document.start),
+        body=body,
+        start=_start(document.start, _constraint(document, body)),
     )
 
 
@@ -233,12 +233,14 @@ def with_tables(scenario: Scenario, **tables: Table | tuple[Table, ...] | None) 
     """
     alone: dict[str, object] = dict.fromkeys(OF_THE_SCENE_ALONE, ())
     document = scenario.document.model_copy(update=alone | tables)
+    body = document.whole_body() if {"body", "rotors"} & tables.keys() else scenario.body
+    moved = {"start", "body", "rotors", "effects"} & tables.keys()
     return replace(
         scenario,
         text=to_toml(document.model_dump(mode="json", exclude_defaults=True)),
         document=document,
-        body=document.whole_body() if {"body", "rotors"} & tables.keys() else scenario.body,
-        start=_start(document.start) if "start" in tables else scenario.start,
+        body=body,
+        start=_start(document.start, _constraint(document, body)) if moved else scenario.start,
     )
 
 
@@ -256,8 +258,8 @@ def started_at(
     ----------
     q_world_body_wxyz : attitude, takes body to world components, unit quaternion, (4,)
     omega_body : angular velocity, rad/s, body axes, (3,)
-    com_world, velocity_world : of the centre of mass, m and m/s, (3,); with a pivot they follow
-        from the other two and are not looked at
+    com_world, velocity_world : of the centre of mass, m and m/s, (3,); along axes along which the
+        body is held they follow from the other two and are not looked at
     spins : of the rotors, relative to the body, rad/s, (rotors,); as they are if None
 
     Raises
@@ -278,13 +280,29 @@ def started_at(
     return with_tables(scenario, **tables)
 
 
-def _start(table: StartTable) -> Start:
+def _constraint(document: Document, body: Body) -> Constraint:
+    """What holds a body; of one that is free, nothing."""
+    called_for = (one for one in EFFECTS.values() if one.is_called_for(document))
+    holding = [one.constraint(document.effects, body) for one in called_for if one.constraint]
+    return holding[0] if holding else Constraint((False, False, False), body.com_exact)
+
+
+def _start(table: StartTable, constraint: Constraint) -> Start:
     q = _attitude(table)
+    omega_body = _omega_body(table, q)
+    position, velocity = (read_only(v or exact.ZERO) for v in (table.position, table.velocity))
+    if not (constraint.is_pivot or constraint.is_free):
+        lever = constraint.lever_exact
+        with mp.workdps(exact.DIGITS):
+            lever_world = exact.rotate(q, lever)
+            swing_world = exact.rotate(q, exact.cross(omega_body, lever))
+        position = constraint.com_world(read_only(lever_world), position)
+        velocity = constraint.velocity_world(read_only(swing_world), velocity)
     return Start(
         q_exact=q,
-        omega_body_exact=_omega_body(table, q),
-        position_world=read_only(table.position or exact.ZERO),
-        velocity_world=read_only(table.velocity or exact.ZERO),
+        omega_body_exact=omega_body,
+        position_world=read_only(position),
+        velocity_world=read_only(velocity),
     )
 
 

@@ -2,13 +2,16 @@
 
 from dataclasses import dataclass, field, fields
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from .float_array import FloatArray, read_only
 from .rotation import matrices, turned
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,8 +71,11 @@ class Trajectory:
         return Trajectory, tuple(getattr(self, one.name) for one in fields(self))
 
     @property
-    def R_world_body(self) -> Rotation:
+    def R_world_body(self) -> "Rotation":
         """Attitudes as rotations, n of them."""
+        # To import it takes as long as all of spincheck's own modules.
+        from scipy.spatial.transform import Rotation
+
         return Rotation.from_quat(self.q_world_body_wxyz, scalar_first=True)
 
     def to_world(self, vectors_body: FloatArray) -> FloatArray:

@@ -55,6 +55,7 @@ Version = Annotated[Literal[1], BeforeValidator(_whole_number)]
 #: TOML integers are numbers too; strings and booleans are not, nor are inf and nan.
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
+NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
 Vector = tuple[Number, Number, Number]
 Quaternion = tuple[Number, Number, Number, Number]
 Matrix = tuple[Vector, Vector, Vector]

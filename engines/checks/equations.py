@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...scenarios import PUSHED, FloatArray, Scenario, push
-from ...scenarios.effects import gravity
+from ...scenarios.effects import gravity, table
 from ...scenarios.fastest_rate import fastest_rate
-from ...scenarios.rotation import cross, matrix, rotation_vectors
+from ...scenarios.rotation import cross, matrices, matrix, rotation_vectors
 from .read_back import State, stacked
 
 #: rad, largest step of the classical Runge–Kutta rule that computes an exact gain.
@@ -37,8 +38,8 @@ class Equations:
 
     @cached_property
     def arm(self) -> float:
-        """m, from the body's origin to the com."""
-        return float(np.linalg.norm(self.scenario.body.com))
+        """m, from the point that is held, or of a free body its origin, to the com."""
+        return float(np.linalg.norm(self.scenario.constraint.lever))
 
     @cached_property
     def reach(self) -> float:
@@ -72,12 +73,25 @@ class Equations:
     ) -> FloatArray:
         """I dω/dt, N m, given the angular momentum that rotors keep, kg m²/s."""
         gyroscopic = cross(omega_body, self.inertia @ omega_body + kept_body)
-        return self.outer_body(R_world_body, omega_body) - gyroscopic
+        torque_body = self.outer_body(R_world_body, omega_body) - gyroscopic
+        if self.scenario.effects.table is None:
+            return torque_body
+        up_body = R_world_body[2]
+        force = table.normal_force(self.scenario, up_body, omega_body, torque_body)
+        return np.asarray(torque_body + force * table.arm_body(self.scenario, up_body))
 
     def kept_body(self, state: State) -> FloatArray:
         """The angular momentum that rotors keep, kg m²/s, (3,) or (n, 3)."""
         rotors = self.scenario.rotors
         return np.asarray(rotors.kept(state.omega_body, state.spins) @ rotors.axes_body)
+
+    def bears(self, states: State) -> NDArray[np.bool_]:
+        """Whether what holds the body can hold it at each of n states: a table does not pull."""
+        if self.scenario.effects.table is None:
+            return np.ones(len(states.omega_body), dtype=bool)
+        R_world_body = matrices(states.q_world_body_wxyz)
+        force = table.force(self.scenario, R_world_body, states.omega_body, states.spins)
+        return np.asarray(force > 0)
 
     def after(self, state: State, span: float) -> State:
         """The state a time `span` later, s."""
@@ -90,10 +104,17 @@ class Equations:
         kept = self.kept_body(state)
         for _ in range(steps):
             q, omega = self._step(q, omega, kept, span / steps)
-        gravity, rotors = self.scenario.gravity_world, self.scenario.rotors
+        gravity, constraint = self.scenario.gravity_world, self.scenario.constraint
         com = state.com_world + span * state.velocity_world + span**2 / 2 * gravity
-        spins = rotors.spins(omega, rotors.kept(state.omega_body, state.spins))
-        return State(q, omega, com, state.velocity_world + span * gravity, spins)
+        R_world_body, rotors = matrix(q), self.scenario.rotors
+        swing_world = R_world_body @ cross(omega, constraint.lever)
+        return State(
+            q,
+            omega,
+            constraint.com_world(R_world_body @ constraint.lever, com),
+            constraint.velocity_world(swing_world, state.velocity_world + span * gravity),
+            rotors.spins(omega, rotors.kept(state.omega_body, state.spins)),
+        )
 
     def after_each(self, states: State, spans: FloatArray) -> State:
         """The states a time later of each of n states, s, (n,)."""
@@ -164,6 +185,8 @@ def gains_of(
             velocity, place = R @ cross(end.omega_body, com), R @ com
         else:
             velocity = equations.scenario.gravity_world
+            if not equations.scenario.constraint.is_free:
+                velocity = (end.velocity_world - start.velocity_world) / span
             place = (end.com_world - start.com_world) / span
         wanted = np.array([turns[k] / span, torque, velocity, place])
         gains.append(Gain(start, span, beyond, wanted))

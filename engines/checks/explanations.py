@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...scenarios import FloatArray
+from ...scenarios.effects import table
 from ...scenarios.rotation import cross, matrix
 from .equations import Equations, Gain
 
@@ -156,7 +157,16 @@ class _Start:
 
     def torque(self, torque_body: FloatArray) -> FloatArray:
         """The change of the gain by an additional torque."""
-        return np.array([np.zeros(3), torque_body, np.zeros(3), np.zeros(3)])
+        return self._answered(torque_body, np.zeros(3))
+
+    def _answered(self, torque_body: FloatArray, pull_world: FloatArray) -> FloatArray:
+        """The change by a torque and an acceleration, and by what a table does about them."""
+        scenario, up_body = self.equations.scenario, self.R[2]
+        if scenario.effects.table is not None:
+            force = table.added_force(scenario, up_body, torque_body, -pull_world[2])
+            torque_body = torque_body + force * table.arm_body(scenario, up_body)
+            pull_world = pull_world + np.array([0.0, 0.0, force / scenario.body.mass])
+        return np.array([np.zeros(3), torque_body, pull_world, np.zeros(3)])
 
     def of_tensor(self, tensor: FloatArray) -> FloatArray:
         """The torque that an additional tensor causes."""
@@ -165,7 +175,7 @@ class _Start:
     def gravity(self, gravity_world: FloatArray) -> FloatArray:
         """The change of the gain by additional gravity."""
         if not self.equations.scenario.constraint.is_pivot:
-            return np.array([np.zeros(3), np.zeros(3), gravity_world, np.zeros(3)])
+            return self._answered(np.zeros(3), gravity_world)
         body = self.equations.scenario.body
         return self.torque(body.mass * cross(body.com, gravity_world @ self.R))
 

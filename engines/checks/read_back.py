@@ -42,12 +42,14 @@ class UnsupportedError(EngineError):
 class BodyReading:
     """A body as the engine holds it: kg; m from the body's origin; kg m² about the com; body axes.
 
-    `com` is (3,), `inertia_com` is (3, 3).
+    `com` is (3,), `inertia_com` is (3, 3). Of rotors, which are in it as if they did not turn,
+    `axial` is what a spin adds to L: axis times moment about it, kg m², (rotors, 3).
     """
 
     mass: float
     com: FloatArray
     inertia_com: FloatArray
+    axial: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
 
     def placed(self, at: FloatArray, R: FloatArray) -> "BodyReading":
         """The same body in other axes: its origin is at `at` (3,) m there, turned by R (3, 3)."""
@@ -168,6 +170,12 @@ def _pairs(
     yield "com", reading.com, body.com, arm
     # Not of the tensor about the origin: with a long arm that would hide faults of this one.
     yield "inertia_com", reading.inertia_com, body.inertia_com, float(body.principal_moments[-1])
+    for rotor, axial in enumerate(scenario.rotors.axial_body):
+        name = f"axial moment of rotor {rotor + 1}"
+        yield name, reading.axial[rotor], axial, float(np.linalg.norm(axial))
+        spin = scenario.rotors.start_spins[rotor : rotor + 1]
+        size = float(np.abs(spin).max()) + speed
+        yield f"spin of rotor {rotor + 1}", state.spins[rotor : rotor + 1], spin, size
     yield "omega_body", state.omega_body, start.omega_body, speed
     size = arm + float(np.linalg.norm(start.com_world))
     yield "com_world", state.com_world, start.com_world, size

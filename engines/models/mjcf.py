@@ -8,15 +8,21 @@ import xml.etree.ElementTree as ET
 from collections.abc import Collection, Iterable, Iterator
 from functools import lru_cache
 
+import numpy as np
 from mpmath import mp
 
-from ...scenarios import Scenario
+from ...scenarios import Body, Scenario
+from ...scenarios.effects.rotors import Rotor
 from ...scenarios.exact import DIGITS, cross, rotate
 from .principal_frame import principal_frame
 from .text import decimals, xml_text
 
 BODY = "top"
 JOINT = "joint"
+ROTOR = "rotor"
+#: Inertia of a drive that keeps a rotor's spin, in moments of the rotor: the spin changes by an ulp
+#: of what ω does.
+DRIVE = 2.0**50
 START_KEY = "start"
 BODY_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 NO_FORCE = (0.0, 0.0, 0.0)
@@ -81,7 +87,7 @@ def mjcf(
 def switched_off(scenario: Scenario) -> tuple[str, ...]:
     """MuJoCo's names of the passes that the scene does not need."""
     effects = scenario.called_for
-    joint_damping = "drag" in effects and scenario.constraint.is_pivot
+    joint_damping = "drag" in effects and not scenario.constraint.is_free
     needed = {
         "gravity": "gravity" in effects,
         "damper": joint_damping,
@@ -96,33 +102,51 @@ def switched_off(scenario: Scenario) -> tuple[str, ...]:
 def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
     """qpos and qvel at t = 0.
 
-    A ball joint's are the attitude (w, x, y, z) and ω in body axes. A free joint's begin with the
+    A ball joint's are the attitude (w, x, y, z) and ω in body axes; angles and spins of rotors that
+    turn come last. A free joint's begin with the
     position and velocity of the body frame's origin, not of the com, in world axes
-    (MuJoCo documentation, "Floating objects").
+    (MuJoCo documentation, "Floating objects"), and those of slides with the tip's.
     """
-    start, com_body = scenario.start, scenario.body.com_exact
-    q, omega_body = start.q_exact, start.omega_body_exact
-    rotation = [float(c) for c in q], [float(c) for c in omega_body]
-    if scenario.constraint.is_pivot:
-        return rotation
+    start, constraint, rotors = scenario.start, scenario.constraint, scenario.rotors
+    q, omega_body, lever = start.q_exact, start.omega_body_exact, constraint.lever_exact
+    moves = [axis for axis in range(3) if not constraint.is_held[axis]]
+    spins = rotors.start_spins[rotors.is_turning].tolist()
     with mp.workdps(DIGITS):
-        arm_world = rotate(q, com_body)
-        swing_world = rotate(q, cross(omega_body, com_body))
-        origin = [float(p - a) for p, a in zip(start.position_world, arm_world, strict=True)]
-        speed = [float(v - s) for v, s in zip(start.velocity_world, swing_world, strict=True)]
-    return origin + rotation[0], speed + rotation[1]
+        arm_world = rotate(q, lever)
+        swing_world = rotate(q, cross(omega_body, lever))
+        place = [float(start.position_world[k] - arm_world[k]) for k in moves]
+        speed = [float(start.velocity_world[k] - swing_world[k]) for k in moves]
+    return (
+        [*place, *map(float, q), *([0.0] * len(spins))],
+        [*speed, *map(float, omega_body), *spins],
+    )
 
 
 def _add_body(world: ET.Element, scenario: Scenario) -> None:
-    body, frame = scenario.body, principal_frame(scenario.body)
     element = ET.SubElement(world, "body", name=BODY)
-    if scenario.constraint.is_pivot:
-        joint = ET.SubElement(element, "joint", name=JOINT, type="ball")
-        if scenario.drag:
-            joint.set("damping", decimals([scenario.drag]))
-    else:
+    if scenario.constraint.is_free:
         # Aligned with the inertial frame, qpos and qvel would be along other axes.
         ET.SubElement(element, "freejoint", name=JOINT, align="false")
+    else:
+        _add_joints(element, scenario)
+    _add_inertia(element, scenario.carrier)
+    for number, rotor in enumerate(scenario.rotors.each, start=1):
+        part = ET.SubElement(element, "body", name=f"{ROTOR}{number}")
+        if rotor.hinge != "locked":
+            hinge = ET.SubElement(part, "joint", name=f"hinge{number}", type="hinge")
+            hinge.set("axis", decimals(map(float, rotor.axis)))
+            hinge.set("pos", decimals(rotor.body.com))
+            hinge.set("armature", decimals([armature(rotor)]))
+        _add_inertia(part, rotor.body)
+
+
+def armature(rotor: Rotor) -> float:
+    """Inertia against a change of the spin relative to the body, kg m²: of a drive, all of it."""
+    return DRIVE * float(rotor.along) if rotor.hinge == "driven" else 0.0
+
+
+def _add_inertia(element: ET.Element, body: Body) -> None:
+    frame = principal_frame(body)
     ET.SubElement(
         element,
         "inertial",
@@ -131,6 +155,22 @@ def _add_body(world: ET.Element, scenario: Scenario) -> None:
         quat=decimals(frame.q_body_axes_wxyz),
         diaginertia=decimals(frame.moments),
     )
+
+
+def _add_joints(element: ET.Element, scenario: Scenario) -> None:
+    """A ball joint at the point that is held, on a slide along each axis that it may move along."""
+    constraint, point = scenario.constraint, scenario.body.com - scenario.constraint.lever
+    if not constraint.is_pivot:
+        place = np.array(constraint.place_exact, dtype=float)
+        element.set("pos", decimals(place - point))
+        for axis, is_held in zip(BODY_AXES, constraint.is_held, strict=True):
+            if not is_held:
+                ET.SubElement(element, "joint", type="slide", axis=decimals(axis))
+    joint = ET.SubElement(element, "joint", name=JOINT, type="ball")
+    if point.any():
+        joint.set("pos", decimals(point))
+    if scenario.drag:
+        joint.set("damping", decimals([scenario.drag]))
 
 
 def _actuators(scenario: Scenario) -> Iterator[ET.Element]:
@@ -144,7 +184,7 @@ def _actuators(scenario: Scenario) -> Iterator[ET.Element]:
     if "torque_world" in effects:
         # The parent's axes, which are the world's.
         yield _actuator(scenario, "jointinparent", scenario.torque_world, constant=1.0)
-    if "drag" in effects and not scenario.constraint.is_pivot:
+    if "drag" in effects and scenario.constraint.is_free:
         for axis in BODY_AXES:
             yield _actuator(scenario, "joint", axis, per_velocity=-scenario.drag)
 
@@ -158,8 +198,8 @@ def _actuator(
 ) -> ET.Element:
     """A torque (constant + per_velocity · ω·axis) along `axis`, independent of control signals."""
     # A free joint's gear begins with a force.
-    is_pivot = scenario.constraint.is_pivot
-    gear = decimals(axis) if is_pivot else f"{decimals(NO_FORCE)} {decimals(axis)}"
+    is_free = scenario.constraint.is_free
+    gear = f"{decimals(NO_FORCE)} {decimals(axis)}" if is_free else decimals(axis)
     return ET.Element(
         "general",
         {transmission: JOINT},

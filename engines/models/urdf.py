@@ -9,7 +9,8 @@ from collections.abc import Iterable
 from math import sqrt
 
 from ...scenarios import Scenario
-from .principal_frame import principal_frame
+from ...scenarios.effects.rotors import Rotor
+from .principal_frame import PrincipalFrame, principal_frame
 from .text import decimals, xml_text
 
 #: Name of the body's link; its frame is the scene's body frame.
@@ -17,6 +18,10 @@ BODY_LINK = "top"
 #: The name that both readers take for the fixed world.
 WORLD_LINK = "world"
 PIVOT_JOINT = "pivot"
+#: m, and rad: where a joint is that is at its link's origin.
+NOWHERE = (0.0, 0.0, 0.0)
+#: A ball joint has no axis, but readers warn if none is given.
+ANY_AXIS = (0.0, 0.0, 1.0)
 
 
 def urdf(
@@ -43,24 +48,41 @@ def urdf(
     robot = ET.Element("robot", name=scenario.name)
     if scenario.constraint.is_pivot:
         ET.SubElement(robot, "link", name=WORLD_LINK)
-    _add_body(robot, scenario, thickness)
+    frame = principal_frame(scenario.carrier, thickness)
+    _add_link(robot, BODY_LINK, scenario.carrier.mass, scenario.carrier.com, frame)
     if shape_radius:
         _add_shape(robot, scenario.body.com, (0.0, 0.0, 0.0), "sphere", radius=[shape_radius])
     if has_box:
-        frame = principal_frame(scenario.body, thickness)
-        sides = box_sides(scenario.body.mass, frame.moments)
-        _add_shape(robot, scenario.body.com, frame.rpy_body_axes, "box", size=sides)
+        sides = box_sides(scenario.carrier.mass, frame.moments)
+        _add_shape(robot, scenario.carrier.com, frame.rpy_body_axes, "box", size=sides)
     if scenario.constraint.is_pivot:
-        _add_pivot(robot)
+        _add_joint(robot, PIVOT_JOINT, "spherical", (WORLD_LINK, BODY_LINK))
+    for number, rotor in enumerate(scenario.rotors.each, start=1):
+        _add_rotor(robot, number, rotor, principal_frame(rotor.body, thickness), has_box)
     return xml_text(robot)
 
 
-def _add_body(robot: ET.Element, scenario: Scenario, thickness: float) -> None:
-    body, frame = scenario.body, principal_frame(scenario.body, thickness)
-    link = ET.SubElement(robot, "link", name=BODY_LINK)
+def _add_rotor(
+    robot: ET.Element, number: int, rotor: Rotor, frame: PrincipalFrame, has_box: bool
+) -> None:
+    """A link whose frame is at the rotor's centre of mass, and its hinge."""
+    name, mass = f"rotor{number}", rotor.body.mass
+    _add_link(robot, name, mass, NOWHERE, frame)
+    kind = "fixed" if rotor.hinge == "locked" else "continuous"
+    axis = [float(component) for component in rotor.axis]
+    _add_joint(robot, f"hinge{number}", kind, (BODY_LINK, name), rotor.body.com, axis)
+    if has_box:
+        sides = box_sides(mass, frame.moments)
+        _add_shape(robot, NOWHERE, frame.rpy_body_axes, "box", size=sides)
+
+
+def _add_link(
+    robot: ET.Element, name: str, mass: float, com: Iterable[float], frame: PrincipalFrame
+) -> None:
+    link = ET.SubElement(robot, "link", name=name)
     inertial = ET.SubElement(link, "inertial")
-    ET.SubElement(inertial, "origin", xyz=decimals(body.com), rpy=decimals(frame.rpy_body_axes))
-    ET.SubElement(inertial, "mass", value=decimals([body.mass]))
+    ET.SubElement(inertial, "origin", xyz=decimals(com), rpy=decimals(frame.rpy_body_axes))
+    ET.SubElement(inertial, "mass", value=decimals([mass]))
     ixx, iyy, izz = (decimals([moment]) for moment in frame.moments)
     ET.SubElement(inertial, "inertia", ixx=ixx, ixy="0", ixz="0", iyy=iyy, iyz="0", izz=izz)
 
@@ -87,10 +109,16 @@ def _add_shape(
     ET.SubElement(ET.SubElement(collision, "geometry"), shape, numbers)
 
 
-def _add_pivot(robot: ET.Element) -> None:
-    joint = ET.SubElement(robot, "joint", name=PIVOT_JOINT, type="spherical")
-    ET.SubElement(joint, "parent", link=WORLD_LINK)
-    ET.SubElement(joint, "child", link=BODY_LINK)
-    ET.SubElement(joint, "origin", xyz="0 0 0", rpy="0 0 0")
-    # A ball joint has no axis, but readers warn if none is given.
-    ET.SubElement(joint, "axis", xyz="0 0 1")
+def _add_joint(
+    robot: ET.Element,
+    name: str,
+    kind: str,
+    links: tuple[str, str],
+    place: Iterable[float] = NOWHERE,
+    axis: Iterable[float] = ANY_AXIS,
+) -> None:
+    joint = ET.SubElement(robot, "joint", name=name, type=kind)
+    ET.SubElement(joint, "parent", link=links[0])
+    ET.SubElement(joint, "child", link=links[1])
+    ET.SubElement(joint, "origin", xyz=decimals(place), rpy=decimals(NOWHERE))
+    ET.SubElement(joint, "axis", xyz=decimals(axis))

@@ -187,6 +187,7 @@ def run(
         say(f"Results are in {out}; 'spincheck report {out}' makes pages of them.")
         if unproven := running.unproven_in_words(results):
             say(unproven)
+    running.say_where_bodies_lift_off(results)
     running.tell_untrue(results)
     raise typer.Exit(running.exit_code(results, strict=strict))
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from tempfile import gettempdir
 
 from ..harness.executors import Executor, LocalWorkers
-from ..harness.executors.dask_cluster import ClusterError, DaskCluster
 from .terminal import BAD_INPUT, NOT_RUN, Complaint
 
 
@@ -34,8 +33,15 @@ def executor_for(where: Where, time_limit: float | None) -> Iterator[Executor]:
         If the cluster cannot be used, or goes away, or engines have no temporary folder here.
     """
     check_temporary_folder()
+    if where.cluster is None:
+        with LocalWorkers(where.jobs, time_limit) as executor:
+            yield executor
+        return
+    # What talks to clusters is of no use to others, and takes long to import.
+    from ..harness.executors.dask_cluster import ClusterError, DaskCluster
+
     try:
-        with _executor(where, time_limit) as executor:
+        with DaskCluster(where.cluster, time_limit) as executor:
             yield executor
     except ClusterError as error:
         exit_code = BAD_INPUT if error.bad_address else NOT_RUN
@@ -54,9 +60,3 @@ def check_temporary_folder() -> None:
         gettempdir()
     except FileNotFoundError as error:
         raise Complaint(f"{error.strerror}; 'TMPDIR' names another", NOT_RUN) from None
-
-
-def _executor(where: Where, time_limit: float | None) -> Executor:
-    if where.cluster is None:
-        return LocalWorkers(where.jobs, time_limit)
-    return DaskCluster(where.cluster, time_limit)

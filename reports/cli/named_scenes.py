@@ -4,7 +4,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ...reference import IntegrationError
 from ...scenarios import (
     LIBRARY,
     Scenario,
@@ -13,7 +12,6 @@ from ...scenarios import (
     load_each,
     printable,
 )
-from ..harness.expectations import unknown_expectations
 from .terminal import BAD_INPUT, Complaint
 
 
@@ -46,6 +44,8 @@ def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Sc
     scenarios, wrong = load_each(_files(names))
     complain(wrong)
     if expectations:
+        from ..harness.expectations import unknown_expectations
+
         complain(unknown_expectations(scenarios))
     return scenarios
 
@@ -89,6 +89,8 @@ class Checked:
 
 def checked(names: Iterable[str]) -> Checked:
     """Check scenes: files, folders, library scenes."""
+    from ...reference import IntegrationError
+    from ..harness.expectations import unknown_expectations
     from ..harness.power import powerless
     from ..harness.published import published_that_do_not_hold
 

@@ -172,25 +172,40 @@ def cell(value: object) -> str:
     return f"{value:.3g}" if isinstance(value, float) else printable(str(value))
 
 
+def _left(finished: Sequence[float], total: int) -> str:
+    """The time left in words, from the later half of what finished; empty after the first."""
+    done = len(finished)
+    if done < 2:
+        return ""
+    since = (done - 1) // 2
+    each = (finished[-1] - finished[since]) / (done - 1 - since)
+    return f", {in_words(each * (total - done))} left"
+
+
+def in_words(seconds: float) -> str:
+    """An estimate of a time: 42 s, 3 min."""
+    return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"
+
+
 @contextmanager
 def progress(total: int, lines: int | None = None) -> Iterator[Callable[[str], None]]:
     """A bar on a terminal, plain lines elsewhere; each call counts as one of `total`.
 
-    Both show the time left, extrapolated from the time taken so far.
+    Both show the time left, extrapolated from what finished last: the first call may have waited
+    for processes to start and kernels to compile, and the machine's load changes.
 
     Parameters
     ----------
     lines : at most so many of the plain lines are printed, evenly spaced; all of them if None
     """
     if not sys.stderr.isatty():
-        done, begun = 0, time.monotonic()
+        finished: list[float] = []
 
         def line(text: str) -> None:
-            nonlocal done
-            done += 1
+            finished.append(time.monotonic())
+            done = len(finished)
             if lines is None or done * lines // total > (done - 1) * lines // total:
-                left = (time.monotonic() - begun) / done * (total - done)
-                say(f"[{done}/{total}, {left / 60:.0f} min left] {text}")
+                say(f"[{done}/{total}{_left(finished, total)}] {text}")
 
         yield line
         return

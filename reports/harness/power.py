@@ -1,18 +1,18 @@
-"""Finds effects that a scene cannot test: without them no signal would change."""
+"""Finds what a scene cannot test: effects without which no signal would change, and its end."""
 
 from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from ...reference import IntegrationError, solve
+from ...reference import IntegrationError, Solution, solve
 from ...scenarios import Errors, Scenario, errors_between
 from ...scenarios.effects import Effect
 from ...scenarios.scenario import with_tables
 
 
 def powerless(scenario: Scenario) -> Iterator[str]:
-    """Effects without which no signal of a scene would change, one sentence each.
+    """Effects without which no signal of a scene would change, one sentence each, and a lift-off.
 
     Raises
     ------
@@ -24,6 +24,8 @@ def powerless(scenario: Scenario) -> Iterator[str]:
         return
     solution = solve(scenario, scenario.times)
     exact = solution.trajectory
+    if solution.lifts_off:
+        yield f"{scenario.name}: {too_long(scenario, solution)}"
     for effect in present:
         try:
             other = solve(_without(scenario, effect), exact.t).trajectory
@@ -39,6 +41,14 @@ def powerless(scenario: Scenario) -> Iterator[str]:
                 f"{scenario.name}: cannot tell whether there is {effect.table}: without it no "
                 f"signal changes by more than the reference's uncertainty"
             )
+
+
+def too_long(scenario: Scenario, solution: Solution) -> str:
+    """The sentence on a window that goes on after a body has left its table."""
+    return (
+        f"{solution.ending}, before the window ends at {scenario.window.duration:g} s: nothing is "
+        "compared from there on; shorten '[window] duration'"
+    )
 
 
 def _without(scenario: Scenario, effect: Effect) -> Scenario:

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-from ...reference.solution import MAX_UNCERTAINTY
 from ...scenarios.signals import SIGNAL
 from ..results.records import CONSISTENT, LocalCheck, Row, Verdict
 from ..results.verdict_words import RANKS
@@ -152,8 +151,8 @@ def _no_ladder(study: ConvergenceStudy, ladder: Ladder) -> str:
     """Why the scene has no ladder, and how many steps one would take."""
     if not ladder.least_steps:
         return (
-            f"the motion is known to {MAX_UNCERTAINTY:g} up to {study.solution.horizon:g} s "
-            "only, before the first sample"
+            "the motion is known up to a time before the first sample only"
+            f"{': ' if study.solution.ending else ''}{study.solution.ending}"
         )
     return (
         f"at {COARSEST_TURN:g} rad a step a run takes {ladder.least_steps:.1e} steps, which is "

@@ -59,7 +59,7 @@ class ExactMotion:
         Raises
         ------
         ValueError
-            If the times are not such, or beyond the horizon of a chaotic motion.
+            If the times are not such, or beyond what is known of a chaotic motion, or a lift-off.
         spincheck.reference.IntegrationError
             If the motion cannot be integrated that far.
         """
@@ -69,8 +69,8 @@ class ExactMotion:
         motion = solution.trajectory
         if len(motion.t) < len(wanted):
             raise ValueError(
-                f"'times' must not exceed {solution.horizon:.6g} s, up to which this chaotic "
-                f"motion is known; got {wanted[-1]:.6g}."
+                f"'times' must not reach {solution.horizon:.6g} s, got {wanted[-1]:.6g}: "
+                f"{solution.ending}."
             )
         return ExactStates(
             motion.t,

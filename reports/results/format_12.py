@@ -13,52 +13,8 @@ from .database import Database, put
 from .result_file import OpenFile
 from .tables import DIGEST, TABLES, as_result_file_error
 
-SCHEMA = """
-CREATE TABLE environment (
-    name TEXT PRIMARY KEY, value TEXT NOT NULL, checksum TEXT NOT NULL);
-CREATE TABLE methods (
-    engine TEXT, method TEXT, "order" INTEGER NOT NULL, attitude_order INTEGER NOT NULL,
-    summary TEXT NOT NULL, effects TEXT NOT NULL, requires TEXT NOT NULL,
-    max_rotation_per_step REAL NOT NULL, as_shipped INTEGER NOT NULL, stock_timestep REAL,
-    checksum TEXT NOT NULL, PRIMARY KEY (engine, method));
-CREATE TABLE fingerprints (
-    scenario TEXT, engine TEXT, digest TEXT NOT NULL, checksum TEXT NOT NULL,
-    PRIMARY KEY (scenario, engine));
-CREATE TABLE scenes (
-    scenario TEXT PRIMARY KEY, digest TEXT NOT NULL, toml TEXT NOT NULL, method TEXT NOT NULL,
-    uncertainty TEXT NOT NULL, conditioning TEXT NOT NULL, horizon REAL, truth BLOB NOT NULL,
-    checksum TEXT NOT NULL);
-CREATE TABLE rows (
-    scenario TEXT, engine TEXT, method TEXT, timestep REAL, engine_version TEXT NOT NULL,
-    outcome TEXT NOT NULL, reason TEXT NOT NULL, cause TEXT NOT NULL, lost INTEGER NOT NULL,
-    stock INTEGER NOT NULL, unasked TEXT NOT NULL, stopped_at REAL, errors TEXT, drifts TEXT,
-    uncertainty REAL NOT NULL, steps INTEGER NOT NULL, motion BLOB, printed TEXT NOT NULL,
-    checksum TEXT NOT NULL, PRIMARY KEY (scenario, engine, method, timestep));
-CREATE TABLE costs (
-    scenario TEXT, engine TEXT, method TEXT, processor TEXT NOT NULL, seconds_per_step REAL,
-    seconds_spread REAL, wall_seconds_per_step REAL, checksum TEXT NOT NULL,
-    PRIMARY KEY (scenario, engine, method));
-CREATE TABLE left_out (
-    scenario TEXT, engine TEXT, method TEXT, kind TEXT, record TEXT NOT NULL,
-    checksum TEXT NOT NULL, PRIMARY KEY (scenario, engine, method, kind));
-CREATE TABLE default_effects (
-    scenario TEXT, engine TEXT, method TEXT, record TEXT NOT NULL, checksum TEXT NOT NULL,
-    PRIMARY KEY (scenario, engine, method));
-CREATE TABLE verdicts (
-    scenario TEXT, engine TEXT, method TEXT, timesteps TEXT, verdict TEXT NOT NULL,
-    reason TEXT NOT NULL, signal TEXT NOT NULL, "order" REAL, limit_error REAL,
-    tolerance REAL, signals TEXT NOT NULL, unmet TEXT NOT NULL, as_shipped INTEGER NOT NULL,
-    known INTEGER NOT NULL, step_limit INTEGER, checksum TEXT NOT NULL,
-    PRIMARY KEY (scenario, engine, method, timesteps));
-CREATE TABLE sweeps (
-    scenario TEXT, kind TEXT, asked TEXT, toml TEXT NOT NULL, checksum TEXT NOT NULL,
-    PRIMARY KEY (scenario, kind, asked));
-CREATE TABLE points (
-    scenario TEXT, place TEXT, engine TEXT, method TEXT, timestep REAL NOT NULL,
-    outcome TEXT NOT NULL, cause TEXT NOT NULL, reason TEXT NOT NULL, stopped_at REAL,
-    errors TEXT, uncertainty REAL NOT NULL, steps INTEGER NOT NULL, checksum TEXT NOT NULL,
-    PRIMARY KEY (scenario, place, engine, method));
-"""
+#: Of its tables, as `result_file.digest_of` gives it.
+SCHEMA_DIGEST = "d557e638327efe5c879987229a7de5c3dc42c60ee5ea27057999361c85f3ac2e"
 
 Columns = dict[str, Any]
 

@@ -19,9 +19,8 @@ HEADER = 1 << 10
 _NAMES = tuple(field.name for field in fields(Trajectory))
 #: Arrays that the motions of some scenes alone have.
 _OPTIONAL = ("spins",)
-#: Components of the widest array.
-_WIDEST = max(4, MAX_ROTORS)
-_LARGEST = HEADER + _WIDEST * 8 * MAX_SAMPLES
+#: Components of the widest of the other arrays.
+_WIDEST = 4
 
 
 def pack(motion: Trajectory) -> bytes:
@@ -61,7 +60,8 @@ def unpack(blob: bytes) -> Trajectory:
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> FloatArray:
-    if member.file_size > _LARGEST:
+    widest = MAX_ROTORS if member.filename.removesuffix(".npy") in _OPTIONAL else _WIDEST
+    if member.file_size > HEADER + widest * 8 * MAX_SAMPLES:
         raise ValueError(f"an array of {member.file_size} bytes, more than {MAX_SAMPLES} samples")
     if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         raise ValueError("the archive is compressed otherwise than a motion is")

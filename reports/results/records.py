@@ -5,7 +5,7 @@ field is added by adding it here, with a default that says that it is absent.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Annotated, ClassVar
 
 from pydantic import AfterValidator, ConfigDict
@@ -140,6 +140,7 @@ class SolvedScene(Record):
     uncertainty: Errors
     conditioning: Errors
     horizon: Size | None = None
+    lifts_off: bool = False
     trajectory: Trajectory | None = None
 
     @staticmethod
@@ -157,9 +158,8 @@ class SolvedScene(Record):
         """
         if self.trajectory is None:
             raise ValueError("a scene without its exact motion")
-        solution = Solution(
-            self.trajectory, self.method, self.uncertainty, self.conditioning, self.horizon
-        )
+        names = (field.name for field in fields(Solution))
+        solution = Solution(**{name: getattr(self, name) for name in names})
         return loads(self.toml, self.scenario), solution
 
 
@@ -269,7 +269,6 @@ class LocalCheck:
     ----------
     reason : how its steps are inconsistent with the equations of motion, in words; empty if not
     tolerance : to which they are known to be consistent, relative to the largest terms
-    settles : whether a constraint holds the body, which takes some steps to settle
     at_any_timestep : whether steps are inconsistent however short they are
     is_open : whether steps leave something where next to nothing acts, which may add up
     states : number of states
@@ -278,7 +277,6 @@ class LocalCheck:
 
     reason: str
     tolerance: float
-    settles: bool
     at_any_timestep: bool
     is_open: bool
     states: int

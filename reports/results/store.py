@@ -309,6 +309,5 @@ def open_store(path: Path, *, create: bool = False) -> Iterator[Store]:
     ResultFileError
         As `result_file.opened`.
     """
-    schemas = {FORMAT: SCHEMA, 12: format_12.SCHEMA}
-    with opened(path, schemas, writing=create) as file:
+    with opened(path, SCHEMA, {12: format_12.SCHEMA_DIGEST}, writing=create) as file:
         yield Store(file if file.format == FORMAT else format_12.converted(file, SCHEMA))

@@ -13,6 +13,8 @@ from .pivot import PivotTable
 from .push import push
 from .rotors import EFFECT as ROTORS
 from .rotors import Rotors, RotorTable, whole, without_free_axes
+from .table import EFFECT as TABLE
+from .table import TableTable
 from .torque import TORQUE_BODY, TORQUE_WORLD, TorqueTable
 
 __all__ = [
@@ -30,7 +32,8 @@ __all__ = [
 
 #: All of them by name, in the order in which they are listed everywhere.
 EFFECTS: dict[str, Effect] = {
-    effect.name: effect for effect in (GRAVITY, PIVOT, DRAG, TORQUE_BODY, TORQUE_WORLD, ROTORS)
+    effect.name: effect
+    for effect in (GRAVITY, PIVOT, TABLE, DRAG, TORQUE_BODY, TORQUE_WORLD, ROTORS)
 }
 #: Names of those that `push` includes.
 PUSHED = frozenset(name for name, effect in EFFECTS.items() if effect.is_pushed)
@@ -41,6 +44,9 @@ class Effects(Table):
 
     gravity: GravityTable | None = Field(default=None, description="a uniform field")
     pivot: PivotTable | None = Field(default=None, description="a ball joint at the body's origin")
+    table: TableTable | None = Field(
+        default=None, description="a smooth plane that the body's tip slides on"
+    )
     drag: DragTable | None = Field(
         default=None, description="a torque against the angular velocity"
     )

@@ -12,7 +12,9 @@ from ..float_array import FloatArray
 from ..values import Table
 
 if TYPE_CHECKING:
+    from ..body import Body
     from ..scenario import Scenario
+    from . import Effects
 
 #: Where a quantity is written in a file, what it is, its size and its unit.
 Size = tuple[tuple[str | int, ...], str, mpf, str]
@@ -72,6 +74,10 @@ def _nothing(extent: Extent) -> Iterator[Any]:  # noqa: ARG001
     yield from ()
 
 
+def _goes_with_all(scenario: "Scenario") -> None:
+    pass
+
+
 def _no_rate(scenario: "Scenario") -> float:  # noqa: ARG001
     return 0.0
 
@@ -88,6 +94,7 @@ class Effect:
     key : what that table must hold; empty if it need not hold anything
     constraint : how it holds the body, if it does: without it the scene would be another one
     is_pushed : whether it is a torque that `push` includes
+    check : raises `Misfit` for a scene whose start it does not go with
     sizes, rates : its numbers that must be computable, each with where it is written
     rate : 1/s, the fastest at which it changes a state; `rate_formula` is that in words
     decay : 1/s, the fastest at which it slows the body
@@ -99,8 +106,9 @@ class Effect:
     model: type[EffectTable]
     key: str = ""
     is_part: bool = False
-    constraint: Callable[["Scenario"], Constraint] | None = None
+    constraint: Callable[["Effects", "Body"], Constraint] | None = None
     is_pushed: bool = False
+    check: Callable[["Scenario"], None] = _goes_with_all
     sizes: Callable[[Extent], Iterator[Size]] = _nothing
     rates: Callable[[Extent], Iterator[Rate]] = _nothing
     rate: Callable[["Scenario"], float] = _no_rate

@@ -12,5 +12,5 @@ EFFECT = Effect(
     "pivot",
     "pivot",
     PivotTable,
-    constraint=lambda scenario: Constraint((True, True, True), scenario.body.com_exact),
+    constraint=lambda _, body: Constraint((True, True, True), body.com_exact),
 )

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 import numpy as np
 from mpmath import mp, mpf
+from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from ..body import Body
@@ -102,6 +103,11 @@ class Rotor:
         position = vector(table.position)
         return cls((x, y, z), position, mpf(table.mass), across, along, spin, table.hinge)
 
+    @cached_property
+    def body(self) -> Body:
+        """It by itself, in the body's axes and from its origin."""
+        return Body(self.mass, self.position, self.inertia)
+
     @property
     def inertia(self) -> Tensor:
         """About its com, kg m²: A 1 + (C − A) u uᵀ."""
@@ -150,6 +156,16 @@ class Rotors:
         return read_only([float(rotor.hinge == "free") for rotor in self.each])
 
     @cached_property
+    def is_turning(self) -> NDArray[np.bool_]:
+        """Whether the hinge is not locked, (rotors,)."""
+        return np.array([rotor.hinge != "locked" for rotor in self.each], dtype=bool)
+
+    @cached_property
+    def axial_body(self) -> FloatArray:
+        """What a spin is multiplied by in L, C u, kg m², (rotors, 3); zero where one is locked."""
+        return read_only((self.along * self.is_turning)[:, None] * self.axes_body)
+
+    @cached_property
     def start_spins(self) -> FloatArray:
         """Spins at t = 0, relative to the body, rad/s, (rotors,)."""
         return read_only([rotor.spin for rotor in self.each])
@@ -166,7 +182,7 @@ class Rotors:
 
     def momentum_body(self, spins: FloatArray) -> FloatArray:
         """Σ C s u, kg m²/s, (n, 3): what they add to L."""
-        return np.asarray((self.along * spins) @ self.axes_body)
+        return np.asarray(spins @ self.axial_body)
 
     def energy(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
         """Σ (C s u·ω + ½ C s²), J, (n,): what they add to T."""

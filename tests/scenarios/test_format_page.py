@@ -14,7 +14,10 @@ PAGE = Path(__file__).parents[2] / "docs/reference/scene-format.md"
 FIRST = PAGE.parents[1] / "start/first-scene.md"
 
 #: All examples of the page in one file.
-EXAMPLE = "\n".join(text for _, text in EXAMPLES.values() if text)
+#: A body has a pivot or a table, not both.
+EXAMPLE = "\n".join(
+    text for name, (_, text) in EXAMPLES.items() if text and name != "[effects.table]"
+)
 
 
 def _tables(annotation: Any) -> set[type[BaseModel]]:

@@ -1,7 +1,5 @@
 """A MuJoCo model and its steps as Python that needs `mujoco` alone."""
 
-from ....scenarios import Scenario
-from ...models.mjcf import mjcf, switched_off
 from ...models.text import python_lines
 
 _SCRIPT = """\
@@ -24,15 +22,24 @@ def step(count):
 
 def state():
     \"\"\"Attitude, w x y z, body to world, and angular velocity in body axes.\"\"\"
-    return data.qpos[-4:].copy(), data.qvel[-3:].copy()
+    return data.qpos[{attitude}].copy(), data.qvel[{rotation}].copy()
 """
 
 
-def script(scenario: Scenario, integrator: str | None, timestep: float) -> str:
-    """The model of a method; as shipped where there is no integrator."""
-    off = () if integrator is None else switched_off(scenario)
+def script(mjcf: str, switched_off: tuple[str, ...], moving: int) -> str:
+    """A model and its steps.
+
+    Parameters
+    ----------
+    switched_off : passes
+    moving : coordinates that move a point of the body; its attitude comes after them
+    """
     # One flag up to 3.3.0.
-    off += ("passive",) * ({"spring", "damper"} <= set(off))
-    text = mjcf(scenario, timestep, integrator, left_in=switched_off(scenario))
+    off = switched_off + ("passive",) * ({"spring", "damper"} <= set(switched_off))
     flags = tuple(name.upper() for name in off)
-    return _SCRIPT.format(lines=python_lines(text), flags=flags)
+    return _SCRIPT.format(
+        lines=python_lines(mjcf),
+        flags=flags,
+        attitude=f"{moving}:{moving + 4}",
+        rotation=f"{moving}:{moving + 3}",
+    )

@@ -3,10 +3,12 @@
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any, final
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray, Scenario
@@ -20,8 +22,10 @@ from .audit import acting
 
 #: MuJoCo's number of the world, which every model begins with.
 WORLD = 0
-#: How many leading numbers of a free joint's qpos and qvel are the origin's position and velocity.
-TRANSLATION = 3
+#: How many numbers are ω; those before them move a point, at most three.
+TURNING = 3
+#: Of a body without rotors, whether each of them turns.
+NO_ROTORS = np.empty(0, dtype=bool)
 #: What is read at a sample, as MuJoCo's flag: time, qpos and qvel.
 READ = int(
     mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL
@@ -36,7 +40,7 @@ Snapshot = bytes
 
 @final
 class MuJoCoSession(Session):
-    """One body on a ball joint at its origin, or free, and what is welded to it.
+    """One body on a ball joint, which may be on slides, or free, and what is welded to it.
 
     Parameters
     ----------
@@ -44,6 +48,7 @@ class MuJoCoSession(Session):
     model : compiled, options and effects set
     qpos, qvel : the start, as `mjcf.start_coordinates` gives it
     has_clock : whether MuJoCo reads the clock that its Python package installs
+    tied : timesteps that the time constant of contacts is; 0 where it is the model's own
     """
 
     def __init__(
@@ -53,8 +58,9 @@ class MuJoCoSession(Session):
         qpos: Sequence[float],
         qvel: Sequence[float],
         has_clock: bool = False,
+        tied: float = 0.0,
     ) -> None:
-        self._scenario = scenario
+        self._scenario, self._tied = scenario, tied
         self.model = model
         self.data = mujoco.MjData(model)
         self.data.qpos[:] = qpos
@@ -62,14 +68,15 @@ class MuJoCoSession(Session):
         # Reused for each snapshot: fetching MuJoCo's own arrays would double the time.
         self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
         self._read = self._reading[1:]
-        self._com_body = body_of(model).com
+        self._arm_body, self._place_world = _anchor(model)
+        self._is_turning = scenario.rotors.is_turning
         self._steps = 0
         self._warnings: list[str] = []
         self._clock = clock.SHIPPED if has_clock else None
 
     def read_body(self) -> BodyReading:
         """The body of the compiled model, its principal moments turned back into body axes."""
-        return body_of(self.model)
+        return replace(body_of(self.model), axial=_axial(self.model))
 
     def read_state(self) -> State:
         """The state now; see `states`."""
@@ -83,14 +90,23 @@ class MuJoCoSession(Session):
     @property
     def restarts_to_the_last_bit(self) -> bool:
         """Unless MuJoCo moves another point of the body than its com."""
-        return self.model.nv == TRANSLATION or not self._com_body.any()
+        on_pivot = self.model.jnt_type[0] == mujoco.mjtJoint.mjJNT_BALL
+        return bool(on_pivot or not self._arm_body.any())
+
+    def set_timestep(self, timestep: float) -> None:
+        """Length of the steps from now on, s."""
+        self.model.opt.timestep = timestep
+        if self._tied:
+            self.model.geom_solref[:, 0] = self._tied * timestep
 
     def restart(self, state: State, timestep: float | None = None) -> None:
         """`mj_resetData`, and the coordinates of the state."""
         if timestep is not None:
-            self.model.opt.timestep = timestep
+            self.set_timestep(timestep)
         mujoco.mj_resetData(self.model, self.data)
-        self.data.qpos[:], self.data.qvel[:] = coordinates_of(state, self.model.nv, self._com_body)
+        self.data.qpos[:], self.data.qvel[:] = coordinates_of(
+            state, self.model.nv, self._arm_body, self._is_turning
+        )
         self._steps = 0
         self._warnings.clear()
 
@@ -143,7 +159,10 @@ class MuJoCoSession(Session):
         """The states, from qpos and qvel alone: derived data (xipos, cvel) is one step old."""
         nq = self.model.nq
         rows = _rows(snapshots)
-        return states_of(rows[:, 2 : 2 + nq], rows[:, 2 + nq :], self._com_body)
+        coordinates = rows[:, 2 : 2 + nq], rows[:, 2 + nq :]
+        states = states_of(*coordinates, self._arm_body, self._is_turning)
+        states.com_world[:] += self._place_world
+        return states
 
     def first_fault(
         self,
@@ -200,6 +219,16 @@ def body_of(model: Any) -> BodyReading:
     return composed(parts)
 
 
+def _axial(model: Any) -> FloatArray:
+    """Axis times moment about it of the bodies after the first, kg m², zero if welded, (n, 3)."""
+    rows = np.zeros((model.nbody - WORLD - 2, 3))
+    for joint in range(model.body_jntnum[WORLD + 1], model.njnt):
+        body = model.jnt_bodyid[joint]
+        axis = _rotation(model.body_quat[body]).apply(model.jnt_axis[joint])
+        rows[body - WORLD - 2] = axis * (axis @ _body(model, body).inertia_com @ axis)
+    return rows
+
+
 def _body(model: Any, body: int) -> BodyReading:
     """One body, its principal moments turned back into its axes."""
     R_body_axes = _rotation(model.body_iquat[body]).as_matrix()
@@ -210,33 +239,52 @@ def _body(model: Any, body: int) -> BodyReading:
     )
 
 
-def states_of(qpos: FloatArray, qvel: FloatArray, com_body: FloatArray) -> State:
+def _anchor(model: Any) -> tuple[FloatArray, FloatArray]:
+    """From the point that the coordinates move to the com, m, body axes; and where that begins."""
+    com_body, last = body_of(model).com, model.body_jntnum[WORLD + 1] - 1
+    if model.jnt_type[last] == mujoco.mjtJoint.mjJNT_FREE:
+        return com_body, np.zeros(3)
+    return com_body - model.jnt_pos[last], model.body_pos[WORLD + 1] + model.jnt_pos[last]
+
+
+def states_of(
+    qpos: FloatArray,
+    qvel: FloatArray,
+    arm_body: FloatArray,
+    is_turning: NDArray[np.bool_] = NO_ROTORS,
+) -> State:
     """The states of one body from its coordinates, (n, nq), and velocities, (n, nv).
 
-    The com is the body's origin plus the compiled arm, its velocity that of the origin plus
-    ω × arm; a ball joint's origin stands still.
+    The com is a point that the first coordinates move plus the compiled arm, its velocity that of
+    the point plus ω × arm; the origin on a ball joint alone stands still.
     """
-    q_world_body_wxyz, omega_body = qpos[:, -4:], qvel[:, -3:]
+    spins = np.zeros((len(qvel), len(is_turning)))
+    count = np.count_nonzero(is_turning)
+    if count:
+        spins[:, is_turning] = qvel[:, -count:]
+        qpos, qvel = qpos[:, :-count], qvel[:, :-count]
+    q_world_body_wxyz, omega_body = qpos[:, -4:], qvel[:, -TURNING:]
     R_world_body = matrices(q_world_body_wxyz)
-    com_world = R_world_body @ com_body
-    velocity_world = turned(R_world_body, omega_body @ across(com_body))
-    if qvel.shape[1] > TRANSLATION:
-        com_world += qpos[:, :TRANSLATION]
-        velocity_world += qvel[:, :TRANSLATION]
-    return State(q_world_body_wxyz, omega_body, com_world, velocity_world)
+    com_world = R_world_body @ arm_body
+    velocity_world = turned(R_world_body, omega_body @ across(arm_body))
+    moving = qvel.shape[1] - TURNING
+    com_world[:, :moving] += qpos[:, :moving]
+    velocity_world[:, :moving] += qvel[:, :moving]
+    return State(q_world_body_wxyz, omega_body, com_world, velocity_world, spins)
 
 
-def coordinates_of(state: State, nv: int, com_body: FloatArray) -> tuple[FloatArray, FloatArray]:
+def coordinates_of(
+    state: State, nv: int, arm_body: FloatArray, is_turning: NDArray[np.bool_] = NO_ROTORS
+) -> tuple[FloatArray, FloatArray]:
     """Coordinates, (nq,), and velocities, (nv,), of a state, as `states_of` reads them."""
     q_world_body_wxyz, omega_body = state.q_world_body_wxyz, state.omega_body
-    if nv == TRANSLATION:
-        return q_world_body_wxyz, omega_body
-    R_world_body = matrix(q_world_body_wxyz)
-    origin_world = state.com_world - R_world_body @ com_body
-    speed_world = state.velocity_world - R_world_body @ cross(omega_body, com_body)
+    spins = state.spins[is_turning]
+    R_world_body, moving = matrix(q_world_body_wxyz), nv - len(spins) - TURNING
+    place_world = state.com_world - R_world_body @ arm_body
+    speed_world = state.velocity_world - R_world_body @ cross(omega_body, arm_body)
     return (
-        np.concatenate([origin_world, q_world_body_wxyz]),
-        np.concatenate([speed_world, omega_body]),
+        np.concatenate([place_world[:moving], q_world_body_wxyz, np.zeros_like(spins)]),
+        np.concatenate([speed_world[:moving], omega_body, spins]),
     )
 
 
@@ -247,7 +295,8 @@ def left_out(scenario: Scenario) -> tuple[str, ...]:
 
 def check_not_too_small(scenario: Scenario) -> None:
     """Raise `UnsupportedError` for a body whose numbers are too small for MuJoCo."""
-    least = min(scenario.body.mass, *scenario.body.principal_moments)
+    parts = scenario.carrier, *(rotor.body for rotor in scenario.rotors.each)
+    least = min(min(part.mass, *part.principal_moments) for part in parts)
     if least <= mujoco.mjMINVAL:
         raise UnsupportedError(
             f"MuJoCo takes no mass or moment unless it exceeds {mujoco.mjMINVAL:g} (kg, kg m²), "

@@ -5,6 +5,7 @@ gravity, from rest and once more from a slow spin: the gain of angular momentum 
 torque that acts.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -68,7 +69,7 @@ def _holds(model: Model) -> set[str]:
     acting = set()
     for joint in range(p.getNumJoints(model.body, model.client)):
         kind = p.getJointInfo(model.body, joint, model.client)[2]
-        if kind == p.JOINT_FIXED:
+        if kind == p.JOINT_FIXED or (model.hinges and joint in model.hinges.links):
             continue  # of a part of the body
         acting.add("pivot" if kind == p.JOINT_SPHERICAL else f"a joint of type {kind}")
     for index in range(p.getNumConstraints(model.client)):
@@ -129,6 +130,8 @@ class _Probe:
         steps.set_timestep(PROBE_STEP)
         if scenario.constraint.is_pivot and model.link == BASE:
             model.put_on_pivot()
+        if model.hinges:
+            model.hinges.set(np.full(len(scenario.rotors.each), PROBE_SPIN))
         R_world_body = model.R_world_body()
         push_world = R_world_body @ scenario.torque_body + scenario.torque_world
         spin_world = R_world_body @ np.full(3, PROBE_SPIN)
@@ -175,6 +178,17 @@ class _Probe:
             force = f"a force of {_size(momentum)} N at {slow} m/s"
         return torque, resistance, force
 
+    def wrong_hinges(self) -> Iterator[str]:
+        """The hinges that do not keep what they should, from a slow spin, in words."""
+        assert self.model.hinges is not None
+        rotors = self.scenario.rotors
+        self.model.hinges.set(np.full(len(rotors.each), PROBE_SPIN))
+        before, after = self.after(self.spin_world)
+        kept = [rotors.kept(state.omega_body, state.spins) for state in (before, after)]
+        for number, torque in enumerate((kept[1] - kept[0]) / PROBE_STEP, start=1):
+            if not abs(torque) <= self.noise:
+                yield f"a torque of {abs(torque):.3g} N m on the hinge of rotor {number}"
+
     @property
     def noise(self) -> float:
         """Noise of the measured torque, N m."""
@@ -191,7 +205,8 @@ class _Probe:
         # Normalised to the last digit, as differences are divided by a very short time.
         q_world_body = state.q_world_body_wxyz / np.linalg.norm(state.q_world_body_wxyz)
         R_world_body = matrix(q_world_body)
-        L_world = R_world_body @ (self.reading.inertia_com @ state.omega_body)
+        turning = state.spins @ self.reading.axial
+        L_world = R_world_body @ (self.reading.inertia_com @ state.omega_body + turning)
         if self.scenario.constraint.is_pivot:
             L_world += self.reading.mass * cross(state.com_world, state.velocity_world)
         return np.asarray(L_world)
@@ -209,8 +224,19 @@ def _acting(probe: _Probe) -> set[str]:
         acting |= probe.scenario.called_for & {"torque_body", "torque_world"}
     if not resistance:
         acting |= probe.scenario.called_for & {"drag"}
+    if probe.scenario.rotors:
+        acting |= _wrong_hinges(probe) or {"rotors"}
     # Last, as so fast a step changes the attitude.
     return acting | ({"velocity clamp"} if _is_clamped(probe) else set())
+
+
+def _wrong_hinges(probe: _Probe) -> set[str]:
+    """What is wrong with the hinges; PyBullet's motors if it ends without them."""
+    assert probe.model.hinges is not None
+    if not any(probe.wrong_hinges()):
+        return set()
+    probe.model.hinges.take_away_motors()
+    return set(probe.wrong_hinges()) or {"joint motor"}
 
 
 def _slowing_defaults(probe: _Probe) -> set[str]:

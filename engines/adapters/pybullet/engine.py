@@ -30,6 +30,9 @@ with native_output():
 #: Beyond it the attitude turns only by this much a step, while ω still reads its full value.
 MOST_ROTATION_A_STEP = pi / 4
 
+#: What bodies in joint coordinates have besides.
+JOINTED = COMMON_EFFECTS | {"rotors"}
+
 REPRESENTATIONS = {
     "multibody": BodyRepresentation(maximal=False, hung=True),
     "multibody-p2p": BodyRepresentation(maximal=False, hung=False),
@@ -53,7 +56,7 @@ class PyBullet(Engine):
             1,
             1,
             "joint coordinates, a pivot as a spherical joint",
-            COMMON_EFFECTS,
+            JOINTED,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             setup=setup(REPRESENTATIONS["multibody"]),
         ),
@@ -62,7 +65,7 @@ class PyBullet(Engine):
             1,
             1,
             "joint coordinates, the pivot as a point-to-point constraint",
-            COMMON_EFFECTS,
+            JOINTED,
             requires=frozenset({"pivot"}),
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             setup=setup(REPRESENTATIONS["multibody-p2p"]),
@@ -81,7 +84,7 @@ class PyBullet(Engine):
             1,
             1,
             "as shipped: the URDF without flags, with damping, joint motor and velocity clamp",
-            COMMON_EFFECTS,
+            JOINTED,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             as_shipped=True,
             damping=DEFAULT_DAMPING,
@@ -91,7 +94,7 @@ class PyBullet(Engine):
             1,
             1,
             "as shipped, but for the inertia, which is the file's (URDF_USE_INERTIA_FROM_FILE)",
-            COMMON_EFFECTS,
+            JOINTED,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             as_shipped=True,
             damping=DEFAULT_DAMPING,
@@ -136,9 +139,11 @@ class PyBullet(Engine):
         return release(version, self.methods)
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """The defaults of a method as shipped; the motor only if there is a joint."""
+        """The defaults of a method as shipped; motors only if there is a joint."""
         left = REPRESENTATIONS[method.name].defaults - (
-            frozenset() if scenario.constraint.is_pivot else {JOINT_MOTOR}
+            frozenset()
+            if scenario.constraint.is_pivot or scenario.rotors.is_turning.any()
+            else {JOINT_MOTOR}
         )
         return tuple(name for name in DEFAULTS if name in left)
 
@@ -153,7 +158,9 @@ class PyBullet(Engine):
 def release(version: str, methods: tuple[Method, ...]) -> Release:
     """A version of PyBullet; 3.2.6 and older need numpy 1."""
     older = ("numpy==1.26.4",) if numbers_of(version) <= (3, 2, 6) else ()
-    return Release((f"pybullet=={version}", *older), methods, PyBullet.name)
+    # Robots and meshes: 142 MB.
+    robots = ("pybullet_data",)
+    return Release((f"pybullet=={version}", *older), methods, PyBullet.name, robots)
 
 
 @cache

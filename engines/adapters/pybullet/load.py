@@ -17,10 +17,12 @@ import pybullet as p
 from scipy.spatial.transform import Rotation
 
 from ....scenarios import Effects, FloatArray, Scenario
+from ....scenarios.effects.rotors import Rotors
 from ....scenarios.scenario import with_tables
 from ...checks.read_back import EngineError, UnsupportedError
 from ...models.urdf import urdf
 from .as_shipped import idle_motor, take_away_clamp, take_away_damping, take_away_motor
+from .hinges import Hinges
 from .model import BASE, HUNG, Model
 
 #: Names of the parts left out; they would change no motion.
@@ -103,7 +105,7 @@ def load(
     text = representation.own or _scenes_own(scenario, representation, left_in)
     if hung:
         body = _load_urdf(client, text, representation, np.zeros(3), Rotation.identity())
-        model = _model_of_link(client, body, HUNG)
+        model = _model_of_link(client, body, HUNG, scenario.rotors)
     else:
         is_held = scenario.constraint.is_pivot
         position = np.zeros(3) if is_held else scenario.start.position_world - arm_world
@@ -111,7 +113,7 @@ def load(
         if representation.maximal:
             model = _model_of_rigid_body(client, body, position, world_from_body)
         else:
-            model = _model_of_link(client, body, BASE)
+            model = _model_of_link(client, body, BASE, scenario.rotors)
     if DAMPING not in representation.defaults:
         take_away_damping(model)
     if CLAMP not in representation.defaults:
@@ -128,6 +130,12 @@ def load(
     model.set_velocity(
         omega_world, at_pivot if scenario.constraint.is_pivot else scenario.start.velocity_world
     )
+    if model.hinges:
+        if JOINT_MOTOR not in representation.defaults:
+            model.hinges.take_away_motors()
+        if not representation.as_shipped:
+            _solve_exactly(client)
+        model.hinges.set(scenario.rotors.start_spins)
     return model
 
 
@@ -205,9 +213,12 @@ def _folder() -> str:
     return folder.name
 
 
-def _model_of_link(client: int, body: int, link: int) -> Model:
+def _model_of_link(client: int, body: int, link: int, rotors: Rotors) -> Model:
     _, _, _, com, q_body_principal_xyzw, *_ = p.getDynamicsInfo(body, link, client)
-    return Model(client, body, link, Rotation.from_quat(q_body_principal_xyzw), np.array(com))
+    is_driven = np.array([rotor.hinge == "driven" for rotor in rotors.each])
+    hinges = Hinges(client, body, link + 1, rotors.is_turning, is_driven) if rotors else None
+    axes = Rotation.from_quat(q_body_principal_xyzw)
+    return Model(client, body, link, axes, np.array(com), hinges)
 
 
 def _model_of_rigid_body(
@@ -235,7 +246,7 @@ def _gyration_radius(scenario: Scenario) -> float:
 
 def _check_not_lost(scenario: Scenario, representation: BodyRepresentation) -> None:
     """Raise if Bullet would leave out terms, which it does below an absolute constant."""
-    mass, moments = scenario.body.mass, scenario.body.principal_moments
+    mass, moments = scenario.carrier.mass, scenario.carrier.principal_moments
     if representation.maximal and np.prod(moments) <= TAKEN_FOR_ZERO:
         raise UnsupportedError(
             "in maximal coordinates PyBullet drops the gyroscopic term unless the product of the "
@@ -250,15 +261,20 @@ def _check_not_lost(scenario: Scenario, representation: BodyRepresentation) -> N
         )
 
 
+def _solve_exactly(client: int) -> None:
+    """Have constraints, and drives, solved directly: 50 iterations leave some of them unsolved."""
+    p.setPhysicsEngineParameter(
+        constraintSolverType=p.CONSTRAINT_SOLVER_LCP_DANTZIG, physicsClientId=client
+    )
+
+
 def _tie_to_world(model: Model, representation: BodyRepresentation) -> None:
     """A point-to-point constraint from the body's origin to the world's, solved directly.
 
     The default solver's 50 iterations leave so much of a slender body's constraint unsolved that
     its error is no longer of first order.
     """
-    p.setPhysicsEngineParameter(
-        constraintSolverType=p.CONSTRAINT_SOLVER_LCP_DANTZIG, physicsClientId=model.client
-    )
+    _solve_exactly(model.client)
     anchor = BASE
     if representation.maximal:
         # Of two rigid bodies only: a massless, shapeless one stands for the world.

@@ -1,6 +1,6 @@
 """A body in a PyBullet world, read in spincheck's frames."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from ....scenarios import FloatArray
 from ....scenarios.rotation import across, cross, matrices, matrix, times, turned, turned_back
 from ...checks.read_back import BodyReading, State, composed
+from .hinges import Hinges
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -49,6 +50,7 @@ class Model:
     link : `BASE`, or `HUNG` if the body hangs by a joint
     body_from_principal : takes components along the engine's axes (principal) to body components
     link_com : of that link alone, as the engine holds it, m, body axes, (3,)
+    hinges : of a body with rotors
     """
 
     client: int
@@ -56,9 +58,10 @@ class Model:
     link: int
     body_from_principal: Rotation
     link_com: FloatArray
+    hinges: Hinges | None = None
 
     def read_body(self) -> BodyReading:
-        """Mass, com and tensor, with what is welded to the link."""
+        """Mass, com and tensor, with what is welded to the link, and its rotors."""
         return self._body
 
     @cached_property
@@ -72,10 +75,21 @@ class Model:
         if not links:
             return alone
         poses = {self.link: (self.link_com, self.body_from_principal)}
-        return composed([alone, *(self._welded(link, poses) for link in links)])
+        body = composed([alone, *(self._welded(link, poses) for link in links)])
+        return replace(body, axial=self._axial(poses)) if self.hinges else body
+
+    def _axial(self, poses: dict[int, tuple[FloatArray, Rotation]]) -> FloatArray:
+        """Axis times moment about it of each rotor, kg m², body axes, (rotors, 3); 0 if locked."""
+        assert self.hinges is not None
+        axial = np.zeros((len(self.hinges.is_turning), 3))
+        for link, axis in zip(self.hinges.links, self.hinges.axes(), strict=True):
+            moments = np.array(p.getDynamicsInfo(self.body, link, self.client)[2])
+            moment = float(axis @ (moments * axis))
+            axial[link - self.hinges.first] = poses[link][1].apply(axis) * moment
+        return axial
 
     def _welded(self, link: int, poses: dict[int, tuple[FloatArray, Rotation]]) -> BodyReading:
-        """A link on a fixed joint, in body axes.
+        """A link on a fixed joint, or on a hinge at angle 0, in body axes.
 
         Parameters
         ----------
@@ -103,7 +117,8 @@ class Model:
 
     def read_state(self) -> State:
         """The state now."""
-        rows = np.concatenate(self.motion())[None]
+        spins = self.hinges.read() if self.hinges else ()
+        rows = np.concatenate([*self.motion(), spins])[None]
         return self.states(rows).rows(0)
 
     def motion(self) -> Motion:
@@ -124,24 +139,26 @@ class Model:
 
         Parameters
         ----------
-        rows : the numbers of each reading, (n, 13)
+        rows : the numbers of each reading, (n, 13), and the spins of rotors that turn
         """
         com_world, q_wxyz = rows[:, :3], rows[:, (6, 3, 4, 5)]
-        velocity_world, omega_world = rows[:, 7:10], rows[:, 10:]
+        velocity_world, omega_world = rows[:, 7:10], rows[:, 10:13]
         q_world_body = q_wxyz @ self._times_q_principal_body
         R_world_body = matrices(q_world_body)
         omega_body = turned_back(R_world_body, omega_world)
         if self._arm.any():
             com_world = com_world + R_world_body @ self._arm
             velocity_world = velocity_world + turned(R_world_body, omega_body @ across(self._arm))
-        return State(q_world_body, omega_body, com_world, velocity_world)
+        spins = self.hinges.spins(rows[:, 13:]) if self.hinges else np.empty((len(rows), 0))
+        return State(q_world_body, omega_body, com_world, velocity_world, spins)
 
     def coordinates(self, states: State) -> FloatArray:
-        """The velocity coordinates that PyBullet clamps, rad/s and m/s, (n, 3) or (n, 6)."""
+        """The velocity coordinates that PyBullet clamps, rad/s and m/s, a row of each state."""
         if self.link == HUNG:
-            return states.omega_body @ self.body_from_principal.as_matrix()
+            turning = states.omega_body @ self.body_from_principal.as_matrix()
+            return np.hstack([turning, states.spins])
         omega_world = turned(matrices(states.q_world_body_wxyz), states.omega_body)
-        return np.hstack([omega_world, states.velocity_world])
+        return np.hstack([omega_world, states.velocity_world, states.spins])
 
     def R_world_body(self) -> FloatArray:
         """The body's attitude now, (3, 3)."""

@@ -80,7 +80,7 @@ def script(scenario: Scenario, representation: BodyRepresentation, timestep: flo
     """The world of a method; its timestep is the script's `TIMESTEP`."""
     hung = representation.hung and scenario.constraint.is_pivot
     world_from_body = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
-    frame = principal_frame(scenario.body).q_body_axes_wxyz
+    frame = principal_frame(scenario.carrier).q_body_axes_wxyz
     position, attitude = np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0])
     if not hung:
         attitude = world_from_body.as_quat()
@@ -110,6 +110,7 @@ def _settings(
     """What is taken away, what holds the body, and its start."""
     world_from_body = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
     omega_body = np.array(scenario.start.omega_body)
+    yield from _hinges(scenario, representation, first_link=1 if hung else 0)
     if DAMPING not in representation.defaults:
         yield NO_DAMPING
     if CLAMP not in representation.defaults:
@@ -130,7 +131,7 @@ def _settings(
         if representation.maximal:
             yield "anchor = p.createMultiBody(baseMass=0, useMaximalCoordinates=True)"
             anchor = "anchor"
-        pivot = python_list(principal.inv().apply(-np.array(scenario.body.com)))
+        pivot = python_list(principal.inv().apply(-np.array(scenario.carrier.com)))
         yield (
             f"tie = p.createConstraint(body, -1, {anchor}, -1, p.JOINT_POINT2POINT, "
             f"[0, 0, 0], {pivot}, [0, 0, 0])"
@@ -138,7 +139,27 @@ def _settings(
         yield STRONG_TIE
         velocity = world_from_body.apply(np.cross(omega_body, scenario.body.com))
     omega_world = world_from_body.apply(omega_body)
+    if scenario.rotors:
+        arm_world = world_from_body.apply(scenario.body.com - scenario.carrier.com)
+        velocity = velocity - np.cross(omega_world, arm_world)
     yield f"p.resetBaseVelocity(body, {python_list(velocity)}, {python_list(omega_world)})"
+
+
+def _hinges(
+    scenario: Scenario, representation: BodyRepresentation, first_link: int
+) -> Iterator[str]:
+    """The motors that are taken away, the drives, and the spins at the start."""
+    if scenario.rotors and not representation.as_shipped:
+        yield EXACT_SOLVER
+    for link, rotor in enumerate(scenario.rotors.each, start=first_link):
+        spin = float(rotor.spin)
+        motor = f"p.setJointMotorControl2(body, {link}, p.VELOCITY_CONTROL, targetVelocity"
+        if rotor.hinge == "driven":
+            yield f"{motor}={spin!r}, force=1e100)"
+        elif rotor.hinge == "free" and JOINT_MOTOR not in representation.defaults:
+            yield f"{motor}=0, force=0)"
+        if rotor.hinge != "locked":
+            yield f"p.resetJointState(body, {link}, 0, {spin!r})"
 
 
 def _pushes(scenario: Scenario, principal: Rotation, hung: bool) -> Iterator[str]:

@@ -97,6 +97,8 @@ class PyBulletSession(Session):
         if self._is_maximal:
             self._renew_inertia(placed)
         self.model.place(placed, state.com_world, state.velocity_world)
+        if self.model.hinges:
+            self.model.hinges.set(state.spins)
         self.set_timestep(timestep)
 
     def _renew_inertia(self, placed: Placed) -> None:
@@ -192,7 +194,12 @@ class PyBulletSession(Session):
                 raise EngineError(NOT_FINITE, "not-finite")
             return pack(*com_world, *q_xyzw, *velocity_world, *omega_world)
 
-        return of_base if link == BASE else of_link
+        of_body = of_base if link == BASE else of_link
+        hinges = self.model.hinges
+        if hinges is None:
+            return of_body
+        # Not with `pack`, whose numbers are those of one body.
+        return lambda: of_body() + np.array(hinges.read()).tobytes()
 
     def states(self, snapshots: Sequence[bytes]) -> State:
         """The states of n snapshots, in spincheck's frames."""

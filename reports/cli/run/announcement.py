@@ -1,11 +1,13 @@
 """The line printed before a run: its engines, and roughly how long it takes."""
 
+import os
 from collections.abc import Iterable
 
 from ....engines import Engine
 from ...harness.choice import QUICK_STEPS, Choice
 from ...harness.plan import Plan
 from ...pages.analysis.wording import plural
+from ..terminal import in_words
 
 #: Typical number of steps of all runs of one verdict: on short ladders, and on whole ones.
 STEPS_QUICK, STEPS = 35_000, 150_000
@@ -21,9 +23,10 @@ def announcement(left: Plan, choice: Choice, jobs: int) -> str:
     names = dict.fromkeys(engine.name for engine, _ in pairs)
     timings = sum(len(scene.to_run) for scene in left.scenes if scene.to_time)
     seconds = _seconds((engine for engine, _ in pairs), choice) / jobs + TIMING * timings
+    seconds /= _share(jobs)
     return (
         f"{plural(len(pairs), 'verdict')} of {plural(len(names), 'engine')} ({', '.join(names)}) "
-        f"on {plural(len(left.scenes), 'scene')}: roughly {_rounded(seconds)} "
+        f"on {plural(len(left.scenes), 'scene')}: roughly {in_words(seconds)} "
         f"with {plural(jobs, 'worker')}{'; --engine names fewer' if len(names) > 2 else ''}"
     )
 
@@ -35,6 +38,9 @@ def _seconds(engines: Iterable[Engine], choice: Choice) -> float:
     return sum(steps * engine.step_seconds + OVERHEAD for engine in engines)
 
 
-def _rounded(seconds: float) -> str:
-    """The estimate in words: seconds, minutes or hours, rounded."""
-    return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"
+def _share(jobs: int) -> float:
+    """The part of a core that each worker may hope for, beside what runs here already."""
+    cores = os.cpu_count() or 1
+    # Not every system tells.
+    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
+    return min(1.0, cores / (load + jobs))

@@ -103,7 +103,10 @@ def _check_line(row: Row, bounds: ErrorBounds) -> str:
     run = f"{row.key.engine} {row.key.method} at {row.timestep!r} s"
     if row.outcome != "ok" or row.errors is None:
         return f"Check of {run}: {row.outcome}: {row.reason}"
-    errors_in_words = ", ".join(f"{SIGNAL[name].label} {error:.3g}" for name, error in row.errors)
+    errors_in_words = ", ".join(
+        f"{SIGNAL[name].label} {error * SIGNAL[name].shown:.3g}{'°' if SIGNAL[name].unit else ''}"
+        for name, error in row.errors
+    )
     missed = [SIGNAL[name].label for name, bound in bounds.items() if not row.errors[name] <= bound]
     outcome = f"misses the bound on {' and '.join(missed)}" if missed else "within every bound"
     return f"Check of {run}: {outcome}: {errors_in_words}"

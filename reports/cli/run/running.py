@@ -8,6 +8,7 @@ from ....reference.compiled import is_compiled
 from ....scenarios import Scenario, printable
 from ...harness.choice import QUICK_STEPS, Choice
 from ...harness.plan import plan
+from ...harness.power import too_long
 from ...harness.published import published_that_do_not_hold
 from ...harness.study import run_study
 from ...results.records import UNSOLVED, Key, Row
@@ -158,6 +159,13 @@ def tell_untrue(results: Results) -> None:
     untrue = [line for scenario in scenarios for line in published_that_do_not_hold(scenario)]
     if untrue:
         raise Complaint("\n".join(untrue), DISAGREES)
+
+
+def say_where_bodies_lift_off(results: Results) -> None:
+    """Say of each scene whose body leaves its table that the window is too long."""
+    for name, scene in results.scenes.items():
+        if scene.solution.lifts_off:
+            say(f"{name}: {too_long(scene.scenario, scene.solution)}")
 
 
 def unproven_in_words(results: Results) -> str:

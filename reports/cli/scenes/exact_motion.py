@@ -56,6 +56,7 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
         "uncertainty": asdict(solution.uncertainty),
         "conditioning": asdict(solution.conditioning),
         "horizon": solution.horizon,
+        "ending": solution.ending,
         "states": [
             {name: np.asarray(values)[k].tolist() for name, values in columns.items()}
             for k in range(len(motion.t))
@@ -70,10 +71,8 @@ def print_truth(truth: dict[str, Any]) -> None:
     print(f"{truth['scenario']}: {truth['method']}")
     for state in truth["states"]:
         print("\n".join(_state(state)))
-    if truth["horizon"] is not None:
-        print(
-            f"Chaotic: beyond t = {truth['horizon']:.6g} s the exact motion is not known to 1e-9.\n"
-        )
+    if truth["ending"]:
+        print(f"The motion is known no longer: {truth['ending']}.\n")
     table([{"": what} | {s.label: truth[what][s.name] for s in SIGNALS} for what in _ERRORS])
     table([{"conserved": name, "drift": drift} for name, drift in truth["drifts"].items()])
     table([{**fact, "value": _shown(fact["value"])} for fact in truth["facts"]])

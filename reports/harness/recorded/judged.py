@@ -137,8 +137,7 @@ def exact_at(scenario: Scenario, times: FloatArray) -> Solution:
     known = len(solution.trajectory.t)
     if known < len(times):
         raise RecordingError(
-            f"the exact motion of {scenario.name} is known until {solution.horizon:.6g} s only, "
-            f"since it is chaotic; sample {known + 1} is at {times[known]:.6g} s: leave out what "
-            "comes after"
+            f"the exact motion of {scenario.name} is not known at sample {known + 1}, at "
+            f"{times[known]:.6g} s: {solution.ending}; leave out what comes after"
         )
     return solution

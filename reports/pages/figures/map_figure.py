@@ -16,8 +16,6 @@ from ..analysis.map_marks import HORIZON, Mark, is_coloured, marks
 from ..analysis.wording import number, power_of_ten
 from .map_axes import cell_side, columns_of, edges, panels
 from .map_bounds import Bound, bounds_of
-from .map_contour import zero_lines
-from .map_labels import Placed, place
 from .plot import GROUND, INK, Figure, Trace, axis_suffix, packed
 
 #: Perceptually uniform, and the same to all kinds of colour vision (Nathaniel Smith & Stéfan van
@@ -38,14 +36,13 @@ def map_figure(grid: Grid) -> Figure:
     signs = marks(grid.result.points)
     legend = _legend(grid, signs)
     traces = [*legend]
-    labels = []
+    labels: list[dict[str, Any]] = []
     cell = cell_side(grid.shape, columns_of(len(grid.methods)))
     for k, pair in enumerate(grid.methods, start=1):
         traces += _errors(grid, pair, k)
         traces += _signs(grid, pair, k, signs, cell)
-        lines, words = _bounds(grid, pair, k)
-        traces += lines
-        labels += words
+        traces += _lines(grid, pair, k)
+        labels += _labels(grid, pair, k)
     made = panels(grid, len(legend))
     made["coloraxis"] = _colour_axis(_least(grid))
     made["annotations"] += labels
@@ -100,7 +97,7 @@ def _errors(grid: Grid, pair: Pair, k: int) -> Iterator[Trace]:
         "type": "heatmap",
         "x": packed(edges(across)),
         "y": packed(edges(up)),
-        "z": packed(values) | {"shape": ", ".join(map(str, grid.shape))},
+        "z": _packed_grid(values),
         "text": texts,
         "hovertemplate": _hover(pair),
         "hoverongaps": False,
@@ -169,57 +166,74 @@ def _ended(point: PointResult) -> str:
     return f"{point.outcome}{at}" + (f" ({point.cause})" if point.cause else "")
 
 
-def drawn_bounds(grid: Grid, pair: Pair) -> list[tuple[Bound, list[FloatArray]]]:
-    """The bounds that cross a method's panel, as curves in the coordinates of the axes."""
-    across, up = (places(axis) for axis in grid.axes)
-    bounds = []
+def drawn_bounds(grid: Grid, pair: Pair) -> list[tuple[Bound, FloatArray, FloatArray]]:
+    """The bounds that cross a method's panel, the values whose zeros they are, and points of them.
+
+    The points, (n, 2), are in the coordinates of the axes, from left to right.
+    """
+    x, y = (places(axis) for axis in grid.axes)
+    drawn = []
     for bound in bounds_of(grid.methods[pair], grid.stock_timesteps.get(pair[0])):
-        curves = zero_lines(across, up, grid.evaluated(bound.value))
-        if curves:
-            bounds.append((bound, curves))
-    return bounds
+        values = grid.evaluated(bound.value)
+        points = np.vstack([_crossings(x, y, values), _crossings(y, x, values.T)[:, ::-1]])
+        if len(points):
+            drawn.append((bound, values, points[np.lexsort(points.T[::-1])]))
+    return drawn
 
 
-def _bounds(grid: Grid, pair: Pair, k: int) -> tuple[list[Trace], list[dict[str, Any]]]:
+def _crossings(x: FloatArray, y: FloatArray, values: FloatArray) -> FloatArray:
+    """Where linear interpolation along y between neighbouring nodes is zero, (n, 2)."""
+    low, high = values[:-1], values[1:]
+    rows, columns = at = np.nonzero(((low < 0) != (high < 0)) & np.isfinite(low + high))
+    part = low[at] / (low[at] - high[at])
+    return np.column_stack([x[columns], y[rows] + part * np.diff(y)[rows]])
+
+
+def _lines(grid: Grid, pair: Pair, k: int) -> Iterator[Trace]:
+    """Lines visible on every colour: in the text's colour, on broader ones in the page's."""
+    across, up = (places(axis) for axis in grid.axes)
+    for bound, values, _ in drawn_bounds(grid, pair):
+        for colour, width, dash in ((GROUND, CASING_WIDTH, "solid"), (INK, LINE_WIDTH, bound.dash)):
+            yield {
+                "type": "contour",
+                "x": packed(across),
+                "y": packed(up),
+                "z": _packed_grid(values),
+                "autocontour": False,
+                "contours": {"coloring": "none", "start": 0, "end": 0, "size": 1},
+                "line": {"color": colour, "width": width, "dash": dash},
+                "hoverinfo": "skip",
+                "xaxis": f"x{axis_suffix(k)}",
+                "yaxis": f"y{axis_suffix(k)}",
+                "showscale": False,
+                "showlegend": False,
+            }
+
+
+def _labels(grid: Grid, pair: Pair, k: int) -> Iterator[dict[str, Any]]:
+    """A word on each line: on the first a small part of the way along it, on the last a large one.
+
+    So lines that cross or run together have their words apart.
+    """
     drawn = drawn_bounds(grid, pair)
-    traces = [
-        trace for bound, curves in drawn for curve in curves for trace in _line(bound, curve, k)
-    ]
-    spans = tuple((float(at[0]), float(at[-1])) for at in map(places, grid.axes))
-    placed = place([(bound.label, curves) for bound, curves in drawn], spans)
-    return traces, [_label(label, k) for label in placed]
-
-
-def _line(bound: Bound, curve: FloatArray, k: int) -> Iterator[Trace]:
-    """A line visible on every colour: in the text's colour, on a broader one in the page's."""
-    for colour, width, dash in ((GROUND, CASING_WIDTH, "solid"), (INK, LINE_WIDTH, bound.dash)):
+    for rank, (bound, _, points) in enumerate(drawn, start=1):
+        x, y = points[rank * len(points) // (len(drawn) + 1)].tolist()
         yield {
-            "type": "scatter",
-            "mode": "lines",
-            "x": packed(curve[:, 0]),
-            "y": packed(curve[:, 1]),
-            "line": {"color": colour, "width": width, "dash": dash},
-            "name": bound.meaning,
-            "hoverinfo": "skip",
-            "xaxis": f"x{axis_suffix(k)}",
-            "yaxis": f"y{axis_suffix(k)}",
-            "showlegend": False,
+            "text": bound.label,
+            "x": x,
+            "y": y,
+            "xref": f"x{axis_suffix(k)}",
+            "yref": f"y{axis_suffix(k)}",
+            "showarrow": False,
+            "font": {"size": LABEL_SIZE, "color": INK},
+            "bgcolor": GROUND,
+            "opacity": 0.9,
+            "borderpad": 1,
         }
 
 
-def _label(label: Placed, k: int) -> dict[str, Any]:
-    return {
-        "text": label.text,
-        "x": label.x,
-        "y": label.y,
-        "xref": f"x{axis_suffix(k)}",
-        "yref": f"y{axis_suffix(k)}",
-        "showarrow": False,
-        "font": {"size": LABEL_SIZE, "color": INK},
-        "bgcolor": GROUND,
-        "opacity": 0.9,
-        "borderpad": 1,
-    }
+def _packed_grid(values: FloatArray) -> dict[str, str]:
+    return packed(values) | {"shape": ", ".join(map(str, values.shape))}
 
 
 def _legend(grid: Grid, signs: dict[Any, Mark]) -> list[Trace]:
@@ -248,5 +262,5 @@ def legend_of_bounds(grid: Grid) -> Sequence[Bound]:
     """Legend entries of the lines, each once."""
     by_meaning: dict[str, Bound] = {}
     for pair in grid.methods:
-        by_meaning |= {bound.meaning: bound for bound, _ in drawn_bounds(grid, pair)}
+        by_meaning |= {bound.meaning: bound for bound, *_ in drawn_bounds(grid, pair)}
     return list(by_meaning.values())

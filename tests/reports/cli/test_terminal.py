@@ -46,3 +46,12 @@ def test_in_a_pipe_a_record_is_a_line(capsys: pytest.CaptureFixture[str]) -> Non
     row: dict[str, object] = {str(k): number for k, number in enumerate(NUMBERS * 4)}
     lines = printed([row, row], capsys).strip().split("\n")
     assert sum(NUMBERS[0] in line for line in lines) == 2
+
+
+def test_the_time_left_rests_on_what_finished_last() -> None:
+    """The first took a minute to start; the others two seconds each."""
+    finished = [60.0, 62.0, 64.0, 66.0, 68.0]
+    assert terminal._left(finished, 15) == ", 20 s left"
+    assert terminal._left(finished[:1], 15) == ""
+    busier = [*finished, 78.0, 88.0, 98.0]
+    assert terminal._left(busier, 15) == ", 56 s left"

@@ -9,14 +9,20 @@ import command_line
 import numpy as np
 import pytest
 import small_result_file
+from spincheck.engines.engine import COMMON_EFFECTS
 from spincheck.reports.cli.terminal import BAD_INPUT
 from spincheck.reports.results.result_file import APPLICATION_ID, ResultFileError
 from spincheck.reports.results.store import Results, open_store
 
 #: What `small_result_file.write` wrote with the last program of that format, as `.dump` prints it.
 DUMP = Path(__file__).with_name("format_12.sql")
-#: Added to records since: absent from such a file.
-ABSENT_FROM_METHODS = {"by_angles": False, "damping": 0.0}
+#: Added to records since: absent from such a file; and the effects that there were.
+ABSENT_FROM_METHODS = {
+    "by_angles": False,
+    "damping": 0.0,
+    "setup": "",
+    "effects": COMMON_EFFECTS,
+}
 ABSENT_FROM_VERDICTS = {"ground": ""}
 
 

@@ -1,7 +1,9 @@
 """A run says at its start which engines it uses, and an estimate that grows with their steps."""
 
+import os
 from dataclasses import replace
 
+import pytest
 from scenes import SCENES
 from spincheck.engines import engines
 from spincheck.reports.cli.run.announcement import announcement
@@ -37,3 +39,14 @@ def test_whole_ladders_take_longer_than_short_ones() -> None:
 
 def test_nothing_is_said_of_a_run_that_has_nothing_to_do() -> None:
     assert announcement(Plan([], 3, 0), CHOICE, 2) == ""
+
+
+def test_on_a_busy_machine_it_takes_longer(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "cpu_count", lambda: 4)
+    estimates = []
+    for load in (0.0, 3.0, 15.0):
+        monkeypatch.setattr(os, "getloadavg", lambda load=load: (load, load, load))
+        estimates.append(minutes(CHOICE))
+    idle, almost_full, four_to_a_core = estimates
+    assert idle == almost_full
+    assert four_to_a_core == pytest.approx(4 * idle, rel=0.1)

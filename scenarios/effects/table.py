@@ -1,0 +1,172 @@
+"""A table: a smooth horizontal plane on which the body's tip slides without friction.
+
+The tip is a sphere about a point of the body, or that point. Its force N is vertical and passes
+through the sphere's centre, whatever the radius; it does no work. With b the torque of a unit of it
+about the centre of mass, along body axes, and T all other torque with −ω × Iω::
+
+    I ω' = T + N b,   m z'' = N + m g_z,   z = height + radius + ẑ·lever
+    N (1/m + b·I⁻¹b) = −g_z + ẑ·(ω × (ω × lever)) − b·I⁻¹T
+
+(Routh, Dynamics of a System of Rigid Bodies II, §§ 207, 241: tops on a smooth plane.)
+"""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from mpmath import mp, mpf
+from pydantic import Field
+
+from ..constraint import Constraint
+from ..errors import Misfit
+from ..exact import DIGITS
+from ..float_array import FloatArray
+from ..rotation import cross, matrix
+from ..values import NotNegative, Number, Vector
+from .effect import Effect, EffectTable, Extent, Size, length
+from .push import push
+
+if TYPE_CHECKING:
+    from ..body import Body
+    from ..scenario import Scenario
+    from . import Effects
+
+WHERE = ("effects", "table")
+#: By how much a stated place or velocity may be off the table, in levers and levers times ω: it is
+#: typed in decimals, and the one on the table is used instead.
+TYPED = 1e-6
+
+
+class TableTable(EffectTable):
+    """A smooth horizontal plane under the body's tip, which slides on it without friction."""
+
+    EXAMPLE: ClassVar[str] = (
+        "height = 0.0                       # m, of the plane, along z\n"
+        "tip = [0.0, 0.0, 0.0]              # m, from the body's origin, body axes\n"
+        "radius = 0.0                       # m, of a sphere about the tip; 0: a point\n"
+    )
+
+    height: Number = Field(description="m, of the plane, along the world's z axis")
+    tip: Vector = Field(description="m, of the tip's centre, from the body's origin, body axes")
+    radius: NotNegative = Field(description="m, of the sphere about it that slides; 0 is a point")
+
+
+def constraint(effects: "Effects", body: "Body") -> Constraint:
+    """The tip's centre, held at its height."""
+    table = effects.table
+    assert table is not None
+    with mp.workdps(DIGITS):
+        x, y, z = (com - mpf(tip) for com, tip in zip(body.com_exact, table.tip, strict=True))
+        height = mpf(table.height) + mpf(table.radius)
+    return Constraint((False, False, True), (x, y, z), (mpf(0), mpf(0), height))
+
+
+def arm_body(scenario: "Scenario", up_body: FloatArray) -> FloatArray:
+    """b, the torque about the com of a unit of N, m, body axes, (n, 3) or (3,) as `up_body`."""
+    return cross(up_body, scenario.constraint.lever)
+
+
+def normal_force(
+    scenario: "Scenario", up_body: FloatArray, omega_body: FloatArray, torque_body: FloatArray
+) -> FloatArray:
+    """N, in newtons, (n,) or a number; negative where the table would have to pull.
+
+    Parameters
+    ----------
+    up_body, omega_body : ẑ of the world and ω, rad/s, body axes, (n, 3) or (3,)
+    torque_body : T, N m, body axes, likewise
+    """
+    circling = cross(omega_body, cross(omega_body, scenario.constraint.lever))
+    lift = (up_body * circling).sum(-1) - scenario.gravity_world[2]
+    return added_force(scenario, up_body, torque_body, lift)
+
+
+def added_force(
+    scenario: "Scenario", up_body: FloatArray, torque_body: FloatArray, lift: FloatArray | float
+) -> FloatArray:
+    """N that answers a torque, N m, and an acceleration downwards, m/s²: in newtons."""
+    b, inverse = arm_body(scenario, up_body), np.linalg.inv(scenario.inertia)
+    mobility = 1 / scenario.body.mass + (b * (b @ inverse)).sum(-1)
+    return np.asarray((lift - (b * (torque_body @ inverse)).sum(-1)) / mobility)
+
+
+def force(
+    scenario: "Scenario", R_world_body: FloatArray, omega_body: FloatArray, spins: FloatArray
+) -> FloatArray:
+    """N at states, in newtons, (n,) or a number.
+
+    Parameters
+    ----------
+    R_world_body, omega_body, spins : (n, 3, 3), (n, 3) and (n, rotors), or one of each, rad/s
+    """
+    omega_world = (R_world_body * omega_body[..., None, :]).sum(-1)
+    pushed = push(scenario.pushed, R_world_body, omega_world)
+    torque_body = (R_world_body * pushed[..., :, None]).sum(-2)
+    rotors = scenario.rotors
+    kept_body = rotors.kept(omega_body, spins) @ rotors.axes_body
+    torque_body = torque_body - cross(omega_body, omega_body @ scenario.inertia + kept_body)
+    return normal_force(scenario, R_world_body[..., 2, :], omega_body, torque_body)
+
+
+def check(scenario: "Scenario") -> None:
+    """See that a scene starts on its table and is pressed on it.
+
+    Raises
+    ------
+    Misfit
+        If it is not.
+    """
+    if scenario.effects.pivot is not None:
+        raise Misfit("does not go with a pivot: both hold the body; remove one", *WHERE)
+    start, table = scenario.start, scenario.effects.table
+    assert table is not None
+    com_height = start.position_world[2] - table.height
+    if com_height <= 0:
+        raise Misfit(
+            f"must touch the table below the centre of mass, which would be {-com_height:.3g} m "
+            "under it; turn the body, or state another point",
+            *(*WHERE, "tip"),
+        )
+    lever = float(np.linalg.norm(scenario.constraint.lever))
+    slack = TYPED * (lever + abs(start.position_world[2]))
+    _check_stated(scenario, "position", "m", slack, ("pierces the table", "hangs above the table"))
+    slack = TYPED * lever * float(np.linalg.norm(start.omega_body))
+    _check_stated(
+        scenario, "velocity", "m/s", slack, ("drives the tip into the table", "lifts the tip off")
+    )
+    R_world_body = matrix(start.q_world_body_wxyz)
+    pressed = float(force(scenario, R_world_body, start.omega_body, scenario.rotors.start_spins))
+    if not pressed > 0:
+        raise Misfit(
+            f"would have to pull at the body with {-pressed + 0.0:.3g} N to keep it from lifting "
+            "off at once; it takes gravity along −z, and a start that does not throw the body up",
+            *WHERE,
+        )
+
+
+def _check_stated(
+    scenario: "Scenario", key: str, unit: str, slack: float, ways: tuple[str, str]
+) -> None:
+    """Raise `Misfit` if the third component that a file states is not the one on the table."""
+    stated = getattr(scenario.document.start, key)
+    if stated is None:
+        return
+    wanted = float(getattr(scenario.start, f"{key}_world")[2])
+    if abs(off := stated[2] - wanted) > slack:
+        raise Misfit(
+            f"{ways[off > 0]}, by {abs(off):.3g} {unit}: its third component must be "
+            f"{wanted!r} {unit}, got {stated[2]!r}",
+            *("start", key),
+        )
+
+
+def _sizes(extent: Extent) -> Iterator[Size]:
+    table = extent.scenario.effects.table
+    assert table is not None
+    yield (*WHERE, "height"), "the table's height", abs(mpf(table.height)), "m"
+    yield (*WHERE, "radius"), "the tip's radius", mpf(table.radius), "m"
+    lever = length(extent.scenario.constraint.lever_exact)
+    yield (*WHERE, "tip"), "the com's distance from the tip", lever, "m"
+
+
+EFFECT = Effect("table", "table", TableTable, constraint=constraint, check=check, sizes=_sizes)
