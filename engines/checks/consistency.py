@@ -156,8 +156,8 @@ def excess(
     epsilon : relative rounding of the engine's floating-point numbers
     slack : relative to the largest terms, what a body that an engine holds so exactly leaves
     """
-    gains = _gains(equations, steps)
-    sizes = np.maximum(_sizes(equations, steps.before).max(axis=0), NO_SIZE)
+    gains = step_gains(equations, steps)
+    sizes = np.maximum(term_sizes(equations, steps.before).max(axis=0), NO_SIZE)
     read = ABOVE * slack * _rates(equations, sizes)
     noise = np.minimum(noise_of(steps.timesteps, gains), read)
 
@@ -167,15 +167,16 @@ def excess(
 
     limit, known_to = extrapolated(steps.timesteps, gains, rounding(steps))
     # Where next to nothing acts, as on a body at rest, next to nothing is asked.
-    local = _sizes(equations, steps.before).reshape(gains.shape[:3])[0]
+    local = term_sizes(equations, steps.before).reshape(gains.shape[:3])[0]
     is_idle = local < NEGLIGIBLE * sizes
     slack_of_terms = (ABOVE * slack + np.where(is_idle, NEGLIGIBLE, 0.0)) * sizes
     if not equations.scenario.constraint.is_pivot:
         # Engines may solve for rotation and flight together, with terms m v² that cancel.
         speeds = norms(steps.before.velocity_world).reshape(gains.shape[:2])[0]
         slack_of_terms[:, 1] += ROUNDINGS * epsilon * equations.scenario.body.mass * speeds**2
+    off = norms(_off_the_constraint(equations, steps.after)[1])
     nodes = Gains(steps.timesteps, gains, rounding(steps))
-    added = Gains(others.timesteps, _gains(equations, others), rounding(others))
+    added = Gains(others.timesteps, step_gains(equations, others), rounding(others))
     unsmooth, unsmooth_others = (
         surprises(nodes, at, least) / (slack_of_terms + read / at.timesteps[:, None, None])
         for at, least in ((nodes, COARSER), (added, 1))
@@ -189,32 +190,39 @@ def excess(
         unsmooth_others.max(axis=1),
         is_idle,
         # By how much the com is off: a body that is another keeps that, a constraint does not.
-        bool(
-            equations.scenario.constraint.is_pivot
-            and np.ptp(np.linalg.norm(gains[:, :, 3], axis=2), axis=0).max()
-            > ABOVE * slack * sizes[3]
-        ),
+        bool(np.ptp(off.reshape(gains.shape[:2]), axis=0).max() > ABOVE * slack * equations.reach),
     )
 
 
-def _gains(equations: Equations, steps: Steps) -> FloatArray:
+def step_gains(equations: Equations, steps: Steps) -> FloatArray:
     """What each step gains beyond the exact motion, a second, (J, K, 4, 3)."""
     spans, after, exact = steps.spans[:, None], steps.after, steps.exact
     shape = (len(steps.timesteps), -1, 4, 3)
     attitude = rotation_vectors(exact.q_world_body_wxyz, after.q_world_body_wxyz) / spans
     torque = (after.omega_body - exact.omega_body) @ equations.inertia.T / spans
     if equations.scenario.constraint.is_pivot:
-        R_world_body = matrices(after.q_world_body_wxyz)
-        com = np.array(equations.scenario.body.com)
-        velocity = after.velocity_world - turned(R_world_body, np.cross(after.omega_body, com))
-        place = after.com_world - R_world_body @ com
+        velocity, place = _off_the_constraint(equations, after)
     else:
-        velocity = (after.velocity_world - exact.velocity_world) / spans
-        place = (after.com_world - exact.com_world) / spans
+        # A contact lets a body sink in: that is not a step's doing, and the exact motion has none.
+        off_velocity, off_place = _off_the_constraint(equations, steps.before)
+        velocity = (after.velocity_world - exact.velocity_world - off_velocity) / spans
+        place = (after.com_world - exact.com_world - off_place) / spans
     return np.stack([attitude, torque, velocity, place], axis=1).reshape(shape)
 
 
-def _sizes(equations: Equations, states: State) -> FloatArray:
+def _off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray, FloatArray]:
+    """How far velocity, m/s, and com, m, are from where ω and attitude put them, (n, 3) each."""
+    constraint = equations.scenario.constraint
+    R_world_body = matrices(states.q_world_body_wxyz)
+    swing_world = turned(R_world_body, np.cross(states.omega_body, constraint.lever))
+    lever_world = R_world_body @ constraint.lever
+    return (
+        states.velocity_world - constraint.velocity_world(swing_world, states.velocity_world),
+        states.com_world - constraint.com_world(lever_world, states.com_world),
+    )
+
+
+def term_sizes(equations: Equations, states: State) -> FloatArray:
     """Sizes of the terms that gains are sums of, (n, 4)."""
     scenario, reach = equations.scenario, equations.reach
     speeds = norms(states.omega_body)
@@ -224,8 +232,9 @@ def _sizes(equations: Equations, states: State) -> FloatArray:
         for omega in (np.zeros(3), np.array(states.omega_body))
     )
     outer = np.linalg.norm(still) + norms(pushed - still)
-    if scenario.constraint.is_pivot:
+    if not scenario.constraint.is_free:
         outer = outer + scenario.body.mass * g * equations.arm
+    if scenario.constraint.is_pivot:
         velocity, place = speeds * reach, np.full_like(speeds, reach)
     else:
         velocity, place = g + reach * speeds**2, norms(states.velocity_world) + reach * speeds
