@@ -174,6 +174,13 @@ def excess(
         # Engines may solve for rotation and flight together, with terms m v² that cancel.
         speeds = norms(steps.before.velocity_world).reshape(gains.shape[:2])[0]
         slack_of_terms[:, 1] += ROUNDINGS * epsilon * equations.scenario.body.mass * speeds**2
+    if equations.scenario.rotors:
+        spins = steps.before.spins.reshape(*gains.shape[:2], -1)[0]
+        body = equations.scenario.body
+        force, _ = equations.scenario.rotors.cancelling(spins, body.com)
+        rounded = ROUNDINGS * epsilon * force / body.mass
+        slack_of_terms[:, 2] += rounded
+        slack_of_terms[:, 3] += rounded * steps.timesteps[0]
     nodes = Gains(steps.timesteps, gains, rounding(steps))
     added = Gains(others.timesteps, _gains(equations, others), rounding(others))
     unsmooth, unsmooth_others = (

@@ -81,8 +81,7 @@ class Equations:
 
     def kept_body(self, state: State) -> FloatArray:
         """The angular momentum that rotors keep, kg m²/s, (3,) or (n, 3)."""
-        rotors = self.scenario.rotors
-        return np.asarray(rotors.kept(state.omega_body, state.spins) @ rotors.axes_body)
+        return self.scenario.rotors.kept_body(state.omega_body, state.spins)
 
     def after(self, state: State, span: float) -> State:
         """The state a time `span` later, s."""
