@@ -9,6 +9,8 @@ from hashlib import sha256
 from importlib.metadata import version as version_of
 from pathlib import Path
 
+from jupyter_cache import get_cache
+
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS / "extensions"))
 
@@ -45,6 +47,8 @@ highlight_language = "none"
 # Notebooks run in an empty folder; a cell that fails, fails the build.
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(DOCS.parent / "build" / "notebooks" / digest_of_program())
+# Made here, as two processes that read pages would both make it.
+get_cache(nb_execution_cache_path).list_cache_records()
 nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300

@@ -190,8 +190,7 @@ def _turned_by_at_most(*names: str) -> Callable[[InvariantScales], bool]:
 
 def _is_heavy(scene: InvariantScales) -> bool:
     """Gravity about a pivot or a table, and at most a torque fixed in the world and rotors."""
-    held = turning(scene.problem) - {"torque_world", "rotors"}
-    return held in ({"gravity"}, {"table"})
+    return turning(scene.problem) - {"torque_world", "rotors"} in ({"gravity"}, {"table"})
 
 
 def _is_symmetric(scene: InvariantScales) -> bool:

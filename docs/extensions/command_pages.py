@@ -1,5 +1,6 @@
 """Writes the page of all commands, from what `--help` of each says."""
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -46,7 +47,10 @@ def page() -> str:
     group = typer.main.get_command(commands)
     parent = group.make_context("spincheck", [], resilient_parsing=True)
     sections = [HEAD]
-    for heading, names in GROUPS.items():
+    others = sorted(
+        set(group.list_commands(parent)) - {n for names in GROUPS.values() for n in names}
+    )
+    for heading, names in (GROUPS | ({"Others": others} if others else {})).items():
         sections.append(f"## {heading}\n")
         sections += [section(name, group.get_command(parent, name), parent) for name in names]
     return "\n".join(sections)
@@ -58,7 +62,8 @@ def section(name: str, command: Any, parent: Any) -> str:
     recorder = Recorder()
     command.format_usage(context, recorder)
     command.format_options(context, recorder)
-    paragraphs = [command.help or "", f"```text\n{recorder.usage}\n```"]
+    described = re.sub(r"^Example:.*$", "", command.help or "", flags=re.MULTILINE)
+    paragraphs = [described, f"```text\n{recorder.usage}\n```"]
     for heading, rows in recorder.sections.items():
         rows = [row for row in rows if row[0] != "--help"]
         if rows:

@@ -3,11 +3,13 @@
 ``%%bash`` becomes a block of shell commands, ``%%writefile NAME`` one with the name above it.
 """
 
+from pathlib import Path
+
 from docutils import nodes
-from pygments.lexers import get_lexer_for_filename
 from sphinx.application import Sphinx
 
 SHELL, FILE = "%%bash", "%%writefile "
+LANGUAGES = {".c": "c", ".py": "python", ".toml": "toml", ".urdf": "xml"}
 
 
 def without_magic(_: Sphinx, document: nodes.document) -> None:
@@ -18,7 +20,7 @@ def without_magic(_: Sphinx, document: nodes.document) -> None:
             block.replace_self(nodes.literal_block(text, text, language="sh"))
         elif magic.startswith(FILE):
             name = magic.removeprefix(FILE).strip()
-            language = get_lexer_for_filename(name).aliases[0]
+            language = LANGUAGES[Path(name).suffix]
             shown = nodes.literal_block(text, text, language=language)
             block.replace_self([nodes.paragraph("", "", nodes.literal(name, name)), shown])
 

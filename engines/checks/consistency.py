@@ -174,13 +174,14 @@ def excess(
         # Engines may solve for rotation and flight together, with terms m v² that cancel.
         speeds = norms(steps.before.velocity_world).reshape(gains.shape[:2])[0]
         slack_of_terms[:, 1] += ROUNDINGS * epsilon * equations.scenario.body.mass * speeds**2
-    if equations.scenario.rotors:
+    if equations.scenario.rotors and equations.scenario.constraint.is_free:
         spins = steps.before.spins.reshape(*gains.shape[:2], -1)[0]
         body = equations.scenario.body
         force, _ = equations.scenario.rotors.cancelling(spins, body.com)
         rounded = ROUNDINGS * epsilon * force / body.mass
         slack_of_terms[:, 2] += rounded
         slack_of_terms[:, 3] += rounded * steps.timesteps[0]
+    off = norms(_off_the_constraint(equations, steps.after)[1])
     nodes = Gains(steps.timesteps, gains, rounding(steps))
     added = Gains(others.timesteps, _gains(equations, others), rounding(others))
     unsmooth, unsmooth_others = (
@@ -196,11 +197,7 @@ def excess(
         unsmooth_others.max(axis=1),
         is_idle,
         # By how much the com is off: a body that is another keeps that, a constraint does not.
-        bool(
-            equations.scenario.constraint.is_pivot
-            and np.ptp(np.linalg.norm(gains[:, :, 3], axis=2), axis=0).max()
-            > ABOVE * slack * sizes[3]
-        ),
+        bool(np.ptp(off.reshape(gains.shape[:2]), axis=0).max() > ABOVE * slack * equations.reach),
     )
 
 
@@ -211,14 +208,25 @@ def _gains(equations: Equations, steps: Steps) -> FloatArray:
     attitude = rotation_vectors(exact.q_world_body_wxyz, after.q_world_body_wxyz) / spans
     torque = (after.omega_body - exact.omega_body) @ equations.inertia.T / spans
     if equations.scenario.constraint.is_pivot:
-        R_world_body = matrices(after.q_world_body_wxyz)
-        com = np.array(equations.scenario.body.com)
-        velocity = after.velocity_world - turned(R_world_body, np.cross(after.omega_body, com))
-        place = after.com_world - R_world_body @ com
+        velocity, place = _off_the_constraint(equations, after)
     else:
-        velocity = (after.velocity_world - exact.velocity_world) / spans
-        place = (after.com_world - exact.com_world) / spans
+        # A contact lets a body sink in: that is not a step's doing, and the exact motion has none.
+        off_velocity, off_place = _off_the_constraint(equations, steps.before)
+        velocity = (after.velocity_world - exact.velocity_world - off_velocity) / spans
+        place = (after.com_world - exact.com_world - off_place) / spans
     return np.stack([attitude, torque, velocity, place], axis=1).reshape(shape)
+
+
+def _off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray, FloatArray]:
+    """How far velocity, m/s, and com, m, are from where ω and attitude put them, (n, 3) each."""
+    constraint = equations.scenario.constraint
+    R_world_body = matrices(states.q_world_body_wxyz)
+    swing_world = turned(R_world_body, np.cross(states.omega_body, constraint.lever))
+    lever_world = R_world_body @ constraint.lever
+    return (
+        states.velocity_world - constraint.velocity_world(swing_world, states.velocity_world),
+        states.com_world - constraint.com_world(lever_world, states.com_world),
+    )
 
 
 def _sizes(equations: Equations, states: State) -> FloatArray:
@@ -231,8 +239,9 @@ def _sizes(equations: Equations, states: State) -> FloatArray:
         for omega in (np.zeros(3), np.array(states.omega_body))
     )
     outer = np.linalg.norm(still) + norms(pushed - still)
-    if scenario.constraint.is_pivot:
+    if not scenario.constraint.is_free:
         outer = outer + scenario.body.mass * g * equations.arm
+    if scenario.constraint.is_pivot:
         velocity, place = speeds * reach, np.full_like(speeds, reach)
     else:
         velocity, place = g + reach * speeds**2, norms(states.velocity_world) + reach * speeds

@@ -60,6 +60,7 @@ def equation_residuals(
     speed = float(np.linalg.norm(scenario.start.omega_body)) or equations.rate
     starts = [scenario, *(starting_with(scenario, speed * np.array(way)) for way in ASKEW)]
     states = stacked([start_state(start) for start in starts])
+    states = states.rows(equations.bears(states))
     turns = LONGEST_TURN / 2.0 ** np.arange(HALVINGS)
     if is_single:
         # Where a constraint holds a body, its place's rounding is an acceleration as 1/h².
@@ -69,7 +70,7 @@ def equation_residuals(
     after = equations.after_each
     slack = max(slack, NEGLIGIBLE / ABOVE)
     steps, found = settled(open_at, scenario, states, (timesteps, others), after, slack, is_single)
-    when = ["at the start", *["turned askew at the start"] * len(ASKEW)]
+    when = ["at the start", *["turned askew at the start"] * (len(states.omega_body) - 1)]
     return leap(found, steps) or differing(equations, steps, found, when)
 
 

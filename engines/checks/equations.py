@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...scenarios import PUSHED, FloatArray, Scenario, push
 from ...scenarios.effects import gravity, table
 from ...scenarios.fastest_rate import fastest_rate
-from ...scenarios.rotation import cross, matrix, rotation_vectors
+from ...scenarios.rotation import cross, matrices, matrix, rotation_vectors
 from .read_back import State, stacked
 
 #: rad, largest step of the classical Runge–Kutta rule that computes an exact gain.
@@ -37,8 +38,8 @@ class Equations:
 
     @cached_property
     def arm(self) -> float:
-        """m, from the body's origin to the com."""
-        return float(np.linalg.norm(self.scenario.body.com))
+        """m, from the point that is held, or of a free body its origin, to the com."""
+        return float(np.linalg.norm(self.scenario.constraint.lever))
 
     @cached_property
     def reach(self) -> float:
@@ -82,6 +83,14 @@ class Equations:
     def kept_body(self, state: State) -> FloatArray:
         """The angular momentum that rotors keep, kg m²/s, (3,) or (n, 3)."""
         return self.scenario.rotors.kept_body(state.omega_body, state.spins)
+
+    def bears(self, states: State) -> NDArray[np.bool_]:
+        """Whether what holds the body can hold it at each of n states: a table does not pull."""
+        if self.scenario.effects.table is None:
+            return np.ones(len(states.omega_body), dtype=bool)
+        R_world_body = matrices(states.q_world_body_wxyz)
+        force = table.force(self.scenario, R_world_body, states.omega_body, states.spins)
+        return np.asarray(force > 0)
 
     def after(self, state: State, span: float) -> State:
         """The state a time `span` later, s."""

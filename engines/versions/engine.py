@@ -110,7 +110,7 @@ def versioned(name: str, python: str = "") -> VersionedEngine:
     installed_as = f"{release.installed_as or base}@{version}"
     if python:
         code = [Path(next(iter(import_module(name).__path__))) for name in PACKAGES]
-        site = install_for(python, installed_as, release.requirements, code)
+        site = install_for(python, installed_as, release.requirements, code, release.surplus)
     else:
-        site = install(installed_as, release.requirements)
+        site = install(installed_as, release.requirements, release.surplus)
     return VersionedEngine(base, version, release.methods, site)

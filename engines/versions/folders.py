@@ -73,8 +73,12 @@ def installed() -> list[Installed]:
     return installations
 
 
-def install(name: str, requirements: Sequence[str]) -> Path:
+def install(name: str, requirements: Sequence[str], surplus: Sequence[str] = ()) -> Path:
     """Install an engine@version with pip, unless it is there: then nothing is downloaded.
+
+    Parameters
+    ----------
+    surplus : packages of it that are not kept
 
     Raises
     ------
@@ -85,11 +89,18 @@ def install(name: str, requirements: Sequence[str]) -> Path:
     def fill(target: Path) -> None:
         command = [*_pip(sys.executable), "--no-deps", "--target", str(target), *requirements]
         _call(_not_there(name, requirements), command)
+        _drop(target, surplus)
 
     return _made(folder_of(name), fill)
 
 
-def install_for(python: str, name: str, requirements: Sequence[str], code: Sequence[Path]) -> Path:
+def install_for(
+    python: str,
+    name: str,
+    requirements: Sequence[str],
+    code: Sequence[Path],
+    surplus: Sequence[str] = (),
+) -> Path:
     """The same for another Python: a virtual environment of it.
 
     Parameters
@@ -118,7 +129,9 @@ def install_for(python: str, name: str, requirements: Sequence[str], code: Seque
         needed = [*RUNS_WITH, *requirements]
         # Only what is not copied knows where it is.
         _call(_not_there(name, needed), [*_pip(str(interpreter_of(target))), *needed])
-        package = next(target.glob("lib/python3*/site-packages")) / "spincheck"
+        packages = next(target.glob("lib/python3*/site-packages"))
+        _drop(packages, surplus)
+        package = packages / "spincheck"
         package.mkdir()
         for folder in code:
             (package / folder.name).symlink_to(folder)
@@ -149,6 +162,11 @@ def check_version(version: str) -> None:
 def _pip(python: str) -> list[str]:
     quietly = ["--quiet", "--no-input", "--only-binary", ":all:", "--disable-pip-version-check"]
     return [python, ISOLATED, "-m", "pip", "install", *quietly]
+
+
+def _drop(packages: Path, surplus: Sequence[str]) -> None:
+    for name in surplus:
+        shutil.rmtree(packages / name, ignore_errors=True)
 
 
 def _made(folder: Path, fill: Callable[[Path], None]) -> Path:

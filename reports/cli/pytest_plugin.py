@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 _HEAD = 1 << 14
 #: The settings of which engines are tested, and of how many steps a run of a ladder may take.
 _UNSUPPORTED = "unsupported: "
+#: The keyword of the items of scenes.
+_OWN = "spincheck_scene"
 _ENGINES, _MAX_STEPS = "spincheck_engines", "spincheck_max_steps"
 #: Options of `spincheck.suite`.
 ENGINE, XFAILS, SUITE = "--spincheck-engine", "--spincheck-xfails", "--spincheck-suite"
@@ -82,13 +84,25 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
-    """Say how many methods cannot simulate a scene's effects."""
-    skipped = terminalreporter.stats.get("skipped", [])
-    count = sum(_UNSUPPORTED in str(report.longrepr) for report in skipped)
-    if count:
-        terminalreporter.write_line(
-            f"spincheck: {count} items were skipped: their method does not support the scene"
-        )
+    """Say in a line how many methods on how many scenes agree, fail, or could not be judged."""
+    own = {
+        outcome: [r for r in terminalreporter.stats.get(outcome, []) if _is_own(r)]
+        for outcome in ("passed", "failed", "skipped")
+    }
+    scenes = {report.nodeid.partition("::")[0] for reports in own.values() for report in reports}
+    if not scenes:
+        return
+    unsupported = sum(_UNSUPPORTED in str(report.longrepr) for report in own["skipped"])
+    open_ = len(own["skipped"]) - unsupported
+    terminalreporter.write_line(
+        f"spincheck: scenes: {len(scenes)}; items that agree: {len(own['passed'])}, fail: "
+        f"{len(own['failed'])}, do not support the scene: {unsupported}, skipped otherwise: {open_}"
+    )
+
+
+def _is_own(report: Any) -> bool:
+    """Whether it is of an item of a scene; other plugins may collect TOML files too."""
+    return _OWN in getattr(report, "keywords", {})
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
@@ -160,6 +174,10 @@ class SceneItem(pytest.Item):
     """An item whose failure is one message, not a stack trace."""
 
     parent: ScenarioFile
+
+    def __init__(self, **parent_and_name: Any) -> None:
+        super().__init__(**parent_and_name)
+        self.keywords[_OWN] = True
 
     def reportinfo(self) -> tuple[Path, None, str]:
         """File, line (none) and name of the item, for pytest's report."""

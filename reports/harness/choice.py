@@ -9,7 +9,8 @@ from .ladder import MAX_STEPS
 
 EngineMethod = tuple[Engine, Method]
 
-#: A quick study's ladders end before a run would take more steps than this.
+#: A quick study's ladders end before a run would take more steps than this, and those of any study
+#: where single steps and pieces decide.
 QUICK_STEPS = 1 << 14
 
 

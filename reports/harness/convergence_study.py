@@ -12,13 +12,14 @@ from ...reference import Solution
 from ...scenarios import Expect, Scenario
 from ..results.evidence import JudgedRung
 from ..results.records import Defect, Key, LocalCheck, Row
+from .choice import QUICK_STEPS
 from .comparison import row_of, unmet_expectations
 from .defects import defects
 from .executors import Answer, CallFailed
 from .judging.places import Places
-from .ladder import ENOUGH_STEPS, LEAST_RUNGS, MIN_RUNGS, Ladder, Rung
+from .ladder import EXCESS, LEAST_RUNGS, MIN_RUNGS, Ladder, Rung
 from .ladder_judge import LadderJudge
-from .stock import STEP_BUDGET, StockRun, stock_timesteps
+from .stock import StockRun, stock_timesteps
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,11 +227,16 @@ class ConvergenceStudy:
 
     @property
     def _is_decided(self) -> bool:
-        """Whether steps and pieces decide, and errors and costs are shown by rungs enough."""
+        """Whether steps and pieces decide, and a quick study's ladder has no more to show.
+
+        Errors of finer rungs, and their costs, follow by the order.
+        """
         if self.local is None or not self.local.converges:
             return False
-        enough = ENOUGH_STEPS if len(self.rows) >= LEAST_RUNGS else STEP_BUDGET
-        return self.rows[-1].steps >= enough
+        last, excess = self.rows[-1], EXCESS if len(self.rows) < LEAST_RUNGS else 1
+        finest = last.timestep * last.steps / QUICK_STEPS
+        in_vain = len(self.rows) >= MIN_RUNGS and self.judge.is_out_of_reach(finest)
+        return in_vain or 2 * last.steps > excess * QUICK_STEPS
 
     @property
     def last_row(self) -> Row | None:

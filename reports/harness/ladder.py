@@ -25,9 +25,6 @@ MIN_RUNGS = 6
 #: confirms it.
 LEAST_RUNGS = 4
 EXCESS = 4
-#: Where single steps and pieces decide, a ladder of `LEAST_RUNGS` ends with the first run of so
-#: many steps: errors of finer ones, and their costs, follow by the order.
-ENOUGH_STEPS = 1 << 15
 #: Largest step count: beyond it a step's number is no longer exact as a double.
 MOST_STEPS = 2.0**53
 

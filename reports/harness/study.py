@@ -81,7 +81,7 @@ def study_method(
     # What has been run is judged again by the numbers that are stored of it.
     study = begin(store.judged_rungs(key))
     if not is_run(study, stored, executor):
-        study = begin()
+        study = replace(begin(), local=study.local)
         for row in run_rungs(study, executor, stored):
             store.put(row)
         if method.as_shipped:
@@ -266,7 +266,7 @@ def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run
 def _examine(study: ConvergenceStudy, executor: Executor) -> None:
     """Examine the method from exact states of the motion, in a worker."""
     at, site = study.places, study.engine.site
-    if at is not None and not study.method.as_shipped:
+    if at is not None and study.local is None and not study.method.as_shipped:
         arguments = (study.engine, study.scenario, study.method.name, at)
         found = executor.call_at(site, examine, *arguments).value
         study.local = None if isinstance(found, CallFailed) else found

@@ -151,8 +151,8 @@ def _no_ladder(study: ConvergenceStudy, ladder: Ladder) -> str:
     """Why the scene has no ladder, and how many steps one would take."""
     if not ladder.least_steps:
         return (
-            f"the motion is known up to a time before the first sample only: "
-            f"{study.solution.ending}"
+            "the motion is known up to a time before the first sample only"
+            f"{': ' if study.solution.ending else ''}{study.solution.ending}"
         )
     return (
         f"at {COARSEST_TURN:g} rad a step a run takes {ladder.least_steps:.1e} steps, which is "

@@ -269,7 +269,6 @@ class LocalCheck:
     ----------
     reason : how its steps are inconsistent with the equations of motion, in words; empty if not
     tolerance : to which they are known to be consistent, relative to the largest terms
-    settles : whether a constraint holds the body, which takes some steps to settle
     at_any_timestep : whether steps are inconsistent however short they are
     is_open : whether steps leave something where next to nothing acts, which may add up
     states : number of states
@@ -278,7 +277,6 @@ class LocalCheck:
 
     reason: str
     tolerance: float
-    settles: bool
     at_any_timestep: bool
     is_open: bool
     states: int

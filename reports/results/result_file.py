@@ -11,13 +11,10 @@ compared with ours, so that no foreign view, trigger or expression is ever evalu
 (https://www.sqlite.org/security.html).
 """
 
-import errno
 import json
-import os
 import secrets
 import sqlite3
 import stat
-import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
 from functools import cache
@@ -26,6 +23,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ...scenarios import printable
+from .journals import check_journals, has_log, log_of
+from .only_writer import only_writer
+from .result_file_error import ResultFileError as ResultFileError
 
 #: "spin" in ASCII: distinguishes a result file from other SQLite databases.
 APPLICATION_ID = 0x7370696E
@@ -50,17 +50,8 @@ _IN_WORDS = {
     sqlite3.SQLITE_BUSY: "another program has locked it",
     sqlite3.SQLITE_TOOBIG: "a record is larger than any that spincheck writes",
 }
-#: The last bytes of a journal that ends in the name of a super-journal.
-_NAMES_ANOTHER = bytes.fromhex("d9d505f920a163d7")
 #: An SQLite error code's lowest byte is its kind.
 _KIND = 0xFF
-#: The byte that is locked on Windows, beyond the end of any result file: a lock within the file
-#: would keep readers out.
-_BEYOND = 1 << 62
-
-
-class ResultFileError(ValueError):
-    """A result file is missing, not one of ours, changed by others, or not writable."""
 
 
 class OpenFile(NamedTuple):
@@ -106,7 +97,7 @@ def opened(
             )
         # SQLite has its journals beside the file itself, not beside a link to it.
         place = path.resolve()
-        _check_journals(place)
+        check_journals(place)
         _check_log(place)
         with (
             _to_write(place, schema, own) if writing else _to_read(place, {**older, **own}) as file
@@ -139,40 +130,10 @@ def _is_there(path: Path, purpose: str) -> bool:
     return True
 
 
-def _check_journals(path: Path) -> None:
-    """See that what SQLite keeps beside a file is its own, before SQLite acts on it.
-
-    SQLite writes to '-wal' and '-shm', waits for one that is a pipe, and undoes what '-journal'
-    says was half written; if that ends in the name of a super-journal, SQLite deletes the file of
-    that name. It writes such a name where databases are attached, which is never done here
-    (https://www.sqlite.org/fileformat2.html, *The Rollback Journal*).
-    """
-    for suffix in ("-wal", "-shm", "-journal"):
-        beside = path.with_name(f"{path.name}{suffix}")
-        name = printable(beside.name)
-        # Another run may remove it meanwhile.
-        with suppress(FileNotFoundError):
-            found = beside.lstat()
-            if not stat.S_ISREG(found.st_mode) or found.st_nlink > 1:
-                raise ResultFileError(f"'{name}' beside it must be a file of its own; remove that")
-            if suffix == "-journal" and _last_bytes(beside, len(_NAMES_ANOTHER)) == _NAMES_ANOTHER:
-                raise ResultFileError(
-                    f"'{name}' beside it names another file, which SQLite would delete; "
-                    "spincheck writes no such journal: remove it"
-                )
-
-
-def _last_bytes(path: Path, count: int) -> bytes:
-    with path.open("rb") as file:
-        size = file.seek(0, os.SEEK_END)
-        file.seek(max(0, size - count))
-        return file.read(count)
-
-
 @contextmanager
 def _to_read(path: Path, digests: Mapping[int, str]) -> Iterator[OpenFile]:
     # Before it is opened: opening creates an empty file.
-    log_missing = not _has_log(path)
+    log_missing = not has_log(path)
     with _connected(path, "mode=ro") as connection:
         connection.execute("PRAGMA query_only = ON")
         version = _check(connection, digests)
@@ -182,7 +143,7 @@ def _to_read(path: Path, digests: Mapping[int, str]) -> Iterator[OpenFile]:
 
 @contextmanager
 def _to_write(path: Path, schema: str, own: Mapping[int, str]) -> Iterator[OpenFile]:
-    with _alone(path) as check, _connected(path, "mode=rw") as connection:
+    with only_writer(path) as check, _connected(path, "mode=rw") as connection:
         if connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
             _check(connection, own)
         else:
@@ -233,12 +194,12 @@ def _check_log(path: Path) -> None:
 
     SQLite would apply the log to whatever file now has the name.
     """
-    if not (_has_log(path) and path.exists()):
+    if not (has_log(path) and path.exists()):
         return
     by_itself = _session(path, "immutable=1")
     if by_itself is not None and _session(path, "mode=ro") != by_itself:
         raise ResultFileError(
-            f"the log beside it, '{printable(_log(path).name)}', belongs to another result file, "
+            f"the log beside it, '{printable(log_of(path).name)}', belongs to another result file, "
             "whose run was killed: put those two side by side again, or delete the log, and with "
             "it the last runs of that one"
         )
@@ -256,63 +217,6 @@ def _session(path: Path, options: str) -> str | None:
     except sqlite3.DatabaseError:
         pass
     return None
-
-
-def _log(path: Path) -> Path:
-    return path.with_name(f"{path.name}-wal")
-
-
-def _has_log(path: Path) -> bool:
-    with suppress(OSError):
-        return _log(path).stat().st_size > 0
-    return False
-
-
-@contextmanager
-def _alone(path: Path) -> Iterator[Callable[[], None]]:
-    """Lock the file as its only writer; the system releases the lock when this process ends.
-
-    The lock is independent of those by which SQLite coordinates readers and a writer. Yields a
-    function that raises if the file has been removed or replaced since.
-    """
-    try:
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-    except OSError as error:
-        raise ResultFileError(f"cannot be written: {error.strerror}") from None
-    try:
-        _lock(descriptor)
-        yield lambda: _check_still_there(path, descriptor)
-    finally:
-        os.close(descriptor)
-
-
-def _lock(descriptor: int) -> None:
-    try:
-        if sys.platform == "win32":
-            import msvcrt
-
-            os.lseek(descriptor, _BEYOND, os.SEEK_SET)
-            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
-        else:
-            import fcntl
-
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
-        if error.errno in (errno.EWOULDBLOCK, errno.EACCES, errno.EDEADLK):
-            raise ResultFileError("another 'spincheck run' is writing to it") from None
-        raise ResultFileError(
-            f"cannot be locked against a second run: {error.strerror}; "
-            "put it on a disk of this computer"
-        ) from None
-
-
-def _check_still_there(path: Path, descriptor: int) -> None:
-    with suppress(FileNotFoundError):
-        if os.path.samestat(path.stat(), os.fstat(descriptor)):
-            return
-    raise ResultFileError(
-        "was removed or replaced while it was being written; what this run has found is lost"
-    )
 
 
 def _begin(connection: sqlite3.Connection, schema: str) -> None:

@@ -16,7 +16,7 @@ from ...models.mjcf import START_KEY, start_coordinates
 from ...session import Session
 from ...user_cache import user_cache
 from ..mujoco.audit import FLAG_WORDS, acting
-from ..mujoco.session import TRANSLATION, body_of, compiled, coordinates_of, states_of
+from ..mujoco.session import TURNING, body_of, compiled, coordinates_of, states_of
 from .script import SPRINGS
 
 #: Samples that one call takes: a call costs as much as a hundred steps.
@@ -52,7 +52,7 @@ class MJXSession(Session):
     @property
     def restarts_to_the_last_bit(self) -> bool:
         """Unless it moves another point of the body than its com."""
-        return self._model.nv == TRANSLATION or not self._model.body_ipos[-1].any()
+        return self._model.nv == TURNING or not self._model.body_ipos[-1].any()
 
     def restart(self, state: State, timestep: float | None = None) -> None:
         """The data of the start with the coordinates of the state; nothing is compiled again."""

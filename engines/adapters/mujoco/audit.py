@@ -15,13 +15,13 @@ import numpy as np
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.effects.rotors import Rotor
 from ...models.mjcf import armature
+from ...models.mjcf_contact import PASSES, sphere_and_plane
 
 #: Parts of a model that no scene calls for; those with non-zero values are reported.
 FOREIGN: dict[str, Callable[[Any], Any]] = {
     # Bodies welded to the first are parts of it.
     "a second body": lambda m: m.body_weldid[2:] != m.body_weldid[1],
-    "a second joint": lambda m: m.njnt - 1,
-    "collision geometry": lambda m: m.ngeom,
+    "a second joint": lambda m: m.jnt_bodyid != 1,
     "equality constraints": lambda m: m.neq,
     "tendons": lambda m: m.ntendon,
     "flexible bodies": lambda m: m.nflex,
@@ -79,7 +79,8 @@ class EffectsReading:
 
     Attributes
     ----------
-    pivot : whether a ball joint holds the body's origin at the world's origin
+    held_by : "pivot" for a ball joint at the world's origin, "table" for one on two slides, or
+        nothing
     gravity_world : m/s², (3,)
     joint_damping, servo_drag : N m s, (3, 3), the D of the torque −D ω in body axes, of the joint
         and of the actuators
@@ -87,7 +88,7 @@ class EffectsReading:
     other : anything else that the joint or an actuator does, in words
     """
 
-    pivot: bool
+    held_by: str
     gravity_world: FloatArray
     joint_damping: FloatArray
     servo_drag: FloatArray
@@ -101,10 +102,10 @@ def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
 
     An effect whose strength differs from the scene's is described too.
     """
-    effects = read_effects(model)
+    effects = read_effects(model, scenario)
     drag = effects.joint_damping + effects.servo_drag
     named = {
-        "pivot": effects.pivot,
+        effects.held_by: effects.held_by,
         "gravity": effects.gravity_world.any(),
         "drag": drag.any(),
         "uneven drag": (drag != drag[0, 0] * np.eye(3)).any(),
@@ -174,11 +175,11 @@ def _wrong_strengths(
             yield f"{name} of {got.tolist()}, not {wanted.tolist()}"
 
 
-def read_effects(model: Any) -> EffectsReading:
+def read_effects(model: Any, scenario: Scenario) -> EffectsReading:
     """The strength of every effect, with what is disabled counted as absent."""
     numbers = model.opt.gravity.dtype
     reading = EffectsReading(
-        pivot=False,
+        held_by="",
         gravity_world=model.opt.gravity * _is_on(model, "gravity"),
         joint_damping=np.diag(model.dof_damping[_turning(model)]) * _is_on(model, "damper"),
         servo_drag=np.zeros((3, 3), numbers),
@@ -186,30 +187,71 @@ def read_effects(model: Any) -> EffectsReading:
         torque_world=np.zeros(3, numbers),
         other=frozenset(),
     )
-    pivot, other = _joint(model)
+    held_by, other = _joints(model, scenario)
     if _is_on(model, "actuation"):
         other |= {word for word in _add_actuators(model, reading) if word}
-    return EffectsReading(**{**vars(reading), "pivot": pivot, "other": frozenset(other)})
+    return EffectsReading(**{**vars(reading), "held_by": held_by, "other": frozenset(other)})
+
+
+def _own_joints(model: Any) -> int:
+    """How many joints are the body's own, and not of its rotors; they come first."""
+    return int(np.count_nonzero(model.jnt_bodyid == 1))
 
 
 def _turning(model: Any) -> slice:
     """The velocities that are the body's ω."""
-    is_free = model.njnt and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
-    return slice(3, 6) if is_free else slice(0, 3)
+    last = _own_joints(model) - 1
+    if last < 0:
+        return slice(0, 3)
+    first = model.jnt_dofadr[last] + 3 * (model.jnt_type[last] == mujoco.mjtJoint.mjJNT_FREE)
+    return slice(first, first + 3)
 
 
-def _joint(model: Any) -> tuple[bool, set[str]]:
-    """Whether the first joint is the pivot; in words, what it is if neither that nor free."""
+def _joints(model: Any, scenario: Scenario) -> tuple[str, set[str]]:
+    """The effect that the joints are; in words, what they are if neither that nor free."""
     if model.njnt == 0:
-        return False, {"a weld to the world"}
-    kind = model.jnt_type[0]
-    if kind == mujoco.mjtJoint.mjJNT_FREE:
-        return False, {"drag on the translation"} if model.dof_damping[:3].any() else set()
-    body = model.jnt_bodyid[0]
-    offsets = (model.jnt_pos[0], model.body_pos[body], model.body_quat[body] - (1, 0, 0, 0))
-    if kind != mujoco.mjtJoint.mjJNT_BALL or np.any(np.concatenate(offsets)):
-        return False, {"a joint that is no ball at the world's origin"}
-    return True, set()
+        return "", {"a weld to the world"}
+    if model.ngeom:
+        rests = scenario.effects.table is not None and _rests(model, scenario)
+        return ("table", set()) if rests else ("", {"collision geometry"})
+    last, turning = _own_joints(model) - 1, _turning(model)
+    slides, ball = model.jnt_type[:last], model.jnt_type[last]
+    other = {"drag on the translation"} if model.dof_damping[: turning.start].any() else set()
+    if len(slides) == 0 and ball == mujoco.mjtJoint.mjJNT_FREE:
+        return "", other
+    constraint = scenario.constraint
+    wanted = [
+        axis for axis, is_held in zip(np.eye(3), constraint.is_held, strict=True) if not is_held
+    ]
+    point_body = scenario.body.com - constraint.lever
+    place_world = np.array(constraint.place_exact, dtype=float)
+    is_held = (
+        ball == mujoco.mjtJoint.mjJNT_BALL
+        and (slides == mujoco.mjtJoint.mjJNT_SLIDE).all()
+        and np.array_equal(model.jnt_axis[:last], np.reshape(wanted, (-1, 3)))
+        and np.array_equal(model.jnt_pos[last], point_body)
+        and np.array_equal(model.body_pos[1], place_world - point_body)
+        and np.array_equal(model.body_quat[1], (1, 0, 0, 0))
+    )
+    if not is_held:
+        return "", {"a joint that is no ball where the scene holds the body"}
+    return "pivot" if constraint.is_pivot else "table", other
+
+
+def _rests(model: Any, scenario: Scenario) -> bool:
+    """Whether a free body's sphere lies on a plane as the scene's tip does, without friction."""
+    kinds = [mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_SPHERE]
+    radius, height = sphere_and_plane(scenario)
+    table = scenario.effects.table
+    assert table is not None
+    return (
+        _own_joints(model) == 1
+        and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
+        and model.geom_type.tolist() == kinds
+        and model.geom_condim.tolist() == [1, 1]
+        and np.array_equal(model.geom_pos, [(0.0, 0.0, height), table.tip])
+        and model.geom_size[1, 0] == radius
+    )
 
 
 def _add_actuators(model: Any, reading: EffectsReading) -> list[str]:
@@ -217,8 +259,8 @@ def _add_actuators(model: Any, reading: EffectsReading) -> list[str]:
     other = []
     for i in range(model.nu):
         gear = model.actuator_gear[i]
-        first = _turning(model).start
-        torque, force = (gear[3:], gear[:3]) if first else (gear[:3], gear[3:])
+        is_free = model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
+        torque, force = (gear[3:], gear[:3]) if is_free else (gear[:3], gear[3:])
         constant, per_length, per_velocity = model.actuator_biasprm[i][:3]
         # Both are constant torques; they differ in the axes that the gear is written in.
         turned_by = {
@@ -243,6 +285,7 @@ def _idle_passes(model: Any, effects: EffectsReading) -> frozenset[str]:
     needed = {"gravity"} | CONTACT_CHOICES
     needed |= {"damper", "eulerdamp"} if has_damping else set()
     needed |= {"actuation"} if model.nu else set()
+    needed |= PASSES if model.ngeom else set()
     disabling = _disabling()
     needed_bits = {disabling[name] for name in needed & disabling.keys()}
     on = {name for name, bit in disabling.items() if _is_on(model, name) and bit not in needed_bits}

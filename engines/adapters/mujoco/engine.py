@@ -2,7 +2,7 @@
 
 from collections.abc import Collection
 from copy import copy
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, final
 
@@ -11,7 +11,9 @@ import mujoco
 from ....scenarios import Scenario
 from ...checks.read_back import UnsupportedError
 from ...engine import COMMON_EFFECTS, Engine, Method, Release
+from ...models.description import PLAIN, Description
 from ...models.mjcf import mjcf, switched_off
+from ...models.mjcf_contact import PASSES, off_its_table, with_contact
 from ...release import numbers_of
 from .audit import disable
 from .clock import CLOCK
@@ -24,7 +26,6 @@ SINCE = {"discrete": "3.13.0"}
 KEPT = 16
 #: s, timestep of a compiled model before that of the run is set.
 ANY_TIMESTEP = 1e-3
-EFFECTS = COMMON_EFFECTS | {"rotors"}
 
 
 def setup(integrator: str) -> str:
@@ -34,6 +35,40 @@ def setup(integrator: str) -> str:
 
 model.opt.integrator = mujoco.mjtIntegrator.mjINT_{integrator.upper()}
 model.opt.timestep = TIMESTEP"""
+
+
+@dataclass(frozen=True)
+class Way:
+    """How a method steps a body and holds it.
+
+    Attributes
+    ----------
+    integrator : as MJCF names it; None for MuJoCo's default
+    by_contact : whether a table is a contact instead of joints
+    tied : timesteps that a contact's time constant is; 0 for MuJoCo's own
+    """
+
+    integrator: str | None
+    by_contact: bool = False
+    tied: float = 0.0
+
+
+#: Timesteps: the shortest time constant that MuJoCo takes a contact to be stable with.
+STIFFEST = 2.0
+#: Methods that are not an integrator on joints.
+WAYS = {
+    "default": Way(None),
+    "contact-Euler": Way("Euler", by_contact=True, tied=STIFFEST),
+    "contact-RK4": Way("RK4", by_contact=True, tied=STIFFEST),
+    "contact-default": Way(None, by_contact=True),
+}
+#: What joints can be of: a table is two slides under a ball, a rotor's hinge is a hinge.
+EFFECTS = COMMON_EFFECTS | {"table", "rotors"}
+ON_TABLE = frozenset({"table"})
+CONTACT_SETUP = """\
+{setup}
+# of the plane and of the sphere at the tip, whenever the timestep is set:
+model.geom_solref[:, 0] = 2 * TIMESTEP"""
 
 
 def _method(name: str, order: int, summary: str) -> Method:
@@ -47,6 +82,7 @@ class MuJoCo(Engine):
     name = "mujoco"
     # Documentation, XML reference, option/timestep.
     stock_timestep = 0.002
+    describes = frozenset({"parts", "full tensor", "shape", "joint", "compensated"})
     # Orders: MuJoCo documentation, "Numerical integration" and changelog 4.0.0, item 5; measured
     # in docs/measured/engines-mujoco.md.
     methods = (
@@ -63,6 +99,33 @@ class MuJoCo(Engine):
             EFFECTS,
             as_shipped=True,
         ),
+        Method(
+            "contact-RK4",
+            2,
+            2,
+            "RK4, the table as a contact as stiff as the timestep allows",
+            EFFECTS,
+            requires=ON_TABLE,
+            setup=CONTACT_SETUP.format(setup=setup("RK4")),
+        ),
+        Method(
+            "contact-Euler",
+            1,
+            1,
+            "Euler, the table as a contact as stiff as the timestep allows",
+            EFFECTS,
+            requires=ON_TABLE,
+            setup=CONTACT_SETUP.format(setup=setup("Euler")),
+        ),
+        Method(
+            "contact-default",
+            1,
+            1,
+            "as shipped: Euler, the table as a contact with a time constant of 20 ms",
+            EFFECTS,
+            requires=ON_TABLE,
+            as_shipped=True,
+        ),
     )
 
     @property
@@ -72,17 +135,33 @@ class MuJoCo(Engine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
         """Compile the scene's MJCF and set its keyframe."""
-        if method.as_shipped:
-            return _open(scenario, timestep, None, left_out(scenario))
-        return _open(scenario, timestep, method.name, ())
+        return _open(scenario, timestep, method, left_out(scenario) if method.as_shipped else ())
+
+    def open_as(
+        self, scenario: Scenario, method: Method, timestep: float, description: Description
+    ) -> MuJoCoSession:
+        """Compile the scene's MJCF with the body described otherwise."""
+        # Gravity is compensated among the passive forces.
+        left_in = ("gravity", "spring", "damper") if description.compensated else ()
+        return _open(scenario, timestep, method, left_in, description)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """The MJCF, and the few calls that step it."""
-        return script(scenario, None if method.as_shipped else method.name, timestep)
+        way, off = _way(method), () if method.as_shipped else _switched_off(scenario, method)
+        moving = 3 if way.by_contact else 3 - sum(scenario.constraint.is_held)
+        return script(_text(scenario, timestep, way), off, moving)
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """The passes that are switched off, and the clock."""
-        return () if method.as_shipped else left_out(scenario)
+        return (
+            ()
+            if method.as_shipped
+            else tuple(
+                name
+                for name in left_out(scenario)
+                if not (_way(method).by_contact and name in PASSES)
+            )
+        )
 
     def open_unpruned(
         self,
@@ -94,7 +173,7 @@ class MuJoCo(Engine):
         """As `open`, with passes left on, to time what they cost."""
         if not (names := self.left_out(scenario, method)):
             return None
-        return _open(scenario, timestep, method.name, names if left_in is None else left_in)
+        return _open(scenario, timestep, method, names if left_in is None else left_in)
 
     def at_version(self, version: str) -> Release:
         """Another version; its differences are from MuJoCo's changelog."""
@@ -113,28 +192,53 @@ def release(version: str, methods: tuple[Method, ...]) -> Release:
     return Release(tuple(f"{part}=={version}" for part in parts), methods, MuJoCo.name)
 
 
+def _way(method: Method) -> Way:
+    return WAYS.get(method.name, Way(method.name))
+
+
+def _switched_off(scenario: Scenario, method: Method) -> tuple[str, ...]:
+    """The passes that a method does not need."""
+    needed = PASSES if _way(method).by_contact else frozenset()
+    return tuple(name for name in switched_off(scenario) if name not in needed)
+
+
 def _open(
-    scenario: Scenario, timestep: float, integrator: str | None, left_in: Collection[str]
+    scenario: Scenario,
+    timestep: float,
+    method: Method,
+    left_in: Collection[str],
+    description: Description = PLAIN,
 ) -> MuJoCoSession:
     """Open a session; flags are set after compiling, as older versions refuse some in MJCF."""
     check_not_too_small(scenario)
-    if integrator is not None:
-        _check_has(integrator)
-    model = copy(_model(scenario, integrator))
-    model.opt.timestep = timestep
-    disable(model, (name for name in switched_off(scenario) if name not in left_in))
+    way = _way(method)
+    if way.integrator is not None:
+        _check_has(way.integrator)
+    model = copy(_model(scenario, way, description))
+    disable(model, (name for name in _switched_off(scenario, method) if name not in left_in))
     start = model.key(0)
-    return MuJoCoSession(scenario, model, start.qpos, start.qvel, CLOCK in left_in)
+    session = MuJoCoSession(scenario, model, start.qpos, start.qvel, CLOCK in left_in, way.tied)
+    session.set_timestep(timestep)
+    return session
 
 
 @lru_cache(maxsize=KEPT)
-def _model(scenario: Scenario, integrator: str | None) -> Any:
+def _model(scenario: Scenario, way: Way, description: Description) -> Any:
     """The compiled scene, with every pass on."""
-    text = mjcf(scenario, ANY_TIMESTEP, integrator, left_in=switched_off(scenario))
+    text = _text(scenario, ANY_TIMESTEP, way, description)
     if not hasattr(getattr(mujoco, "MjsJoint", None), "align"):
         # Versions without the attribute behave as if it were set.
         text = text.replace(' align="false"', "")
     return compiled(lambda: mujoco.MjModel.from_xml_string(text))
+
+
+def _text(scenario: Scenario, timestep: float, way: Way, description: Description = PLAIN) -> str:
+    """The scene as MJCF, with every pass on."""
+    held = off_its_table(scenario) if way.by_contact else scenario
+    text = mjcf(held, timestep, way.integrator, switched_off(held), description)
+    if not way.by_contact:
+        return text
+    return with_contact(text, scenario, (way.tied * timestep, 1.0) if way.tied else None)
 
 
 def _check_has(integrator: str) -> None:

@@ -1,7 +1,5 @@
 """A MuJoCo model and its steps as Python that needs `mujoco` alone."""
 
-from ....scenarios import Scenario
-from ...models.mjcf import mjcf, switched_off
 from ...models.text import python_lines
 
 _SCRIPT = """\
@@ -28,17 +26,20 @@ def state():
 """
 
 
-def script(scenario: Scenario, integrator: str | None, timestep: float) -> str:
-    """The model of a method; as shipped where there is no integrator."""
-    off = () if integrator is None else switched_off(scenario)
+def script(mjcf: str, switched_off: tuple[str, ...], moving: int) -> str:
+    """A model and its steps.
+
+    Parameters
+    ----------
+    switched_off : passes
+    moving : coordinates that move a point of the body; its attitude comes after them
+    """
     # One flag up to 3.3.0.
-    off += ("passive",) * ({"spring", "damper"} <= set(off))
-    text = mjcf(scenario, timestep, integrator, left_in=switched_off(scenario))
+    off = switched_off + ("passive",) * ({"spring", "damper"} <= set(switched_off))
     flags = tuple(name.upper() for name in off)
-    first = 0 if scenario.constraint.is_pivot else 3
     return _SCRIPT.format(
-        lines=python_lines(text),
+        lines=python_lines(mjcf),
         flags=flags,
-        attitude=f"{first}:{first + 4}",
-        rotation=f"{first}:{first + 3}",
+        attitude=f"{moving}:{moving + 4}",
+        rotation=f"{moving}:{moving + 3}",
     )

@@ -15,6 +15,7 @@ from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import across, cross, matrices, matrix, turned
 from ...checks.read_back import BodyReading, EngineError, State, UnsupportedError, composed
 from ...fault import Fault
+from ...models.hinged import hinged, unhinged
 from ...models.mjcf import switched_off
 from ...session import Session
 from . import clock
@@ -22,8 +23,8 @@ from .audit import acting
 
 #: MuJoCo's number of the world, which every model begins with.
 WORLD = 0
-#: How many leading numbers of a free joint's qpos and qvel are the origin's position and velocity.
-TRANSLATION = 3
+#: How many numbers are ω; those before them move a point, at most three.
+TURNING = 3
 #: Of a body without rotors, whether each of them turns.
 NO_ROTORS = np.empty(0, dtype=bool)
 #: What is read at a sample, as MuJoCo's flag: time, qpos and qvel.
@@ -40,7 +41,7 @@ Snapshot = bytes
 
 @final
 class MuJoCoSession(Session):
-    """One body on a ball joint at its origin, or free, and what is welded to it.
+    """One body on a ball joint, which may be on slides, or free, and what is welded to it.
 
     Parameters
     ----------
@@ -48,6 +49,7 @@ class MuJoCoSession(Session):
     model : compiled, options and effects set
     qpos, qvel : the start, as `mjcf.start_coordinates` gives it
     has_clock : whether MuJoCo reads the clock that its Python package installs
+    tied : timesteps that the time constant of contacts is; 0 where it is the model's own
     """
 
     def __init__(
@@ -57,8 +59,9 @@ class MuJoCoSession(Session):
         qpos: Sequence[float],
         qvel: Sequence[float],
         has_clock: bool = False,
+        tied: float = 0.0,
     ) -> None:
-        self._scenario = scenario
+        self._scenario, self._tied = scenario, tied
         self.model = model
         self.data = mujoco.MjData(model)
         self.data.qpos[:] = qpos
@@ -66,7 +69,10 @@ class MuJoCoSession(Session):
         # Reused for each snapshot: fetching MuJoCo's own arrays would double the time.
         self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
         self._read = self._reading[1:]
-        self._com_body, self._is_turning = body_of(model).com, scenario.rotors.is_turning
+        self._arm_body, self._place_world = _anchor(model)
+        self._is_turning = scenario.rotors.is_turning
+        last_of_body = model.body_jntadr[WORLD + 1] + model.body_jntnum[WORLD + 1] - 1
+        self._on_hinges = model.jnt_type[last_of_body] == mujoco.mjtJoint.mjJNT_HINGE
         self._steps = 0
         self._warnings: list[str] = []
         self._clock = clock.SHIPPED if has_clock else None
@@ -88,15 +94,22 @@ class MuJoCoSession(Session):
     def restarts_to_the_last_bit(self) -> bool:
         """Unless MuJoCo moves another point of the body than its com."""
         on_pivot = self.model.jnt_type[0] == mujoco.mjtJoint.mjJNT_BALL
-        return bool(on_pivot or not self._com_body.any())
+        return bool(on_pivot or not self._arm_body.any())
+
+    def set_timestep(self, timestep: float) -> None:
+        """Length of the steps from now on, s."""
+        self.model.opt.timestep = timestep
+        if self._tied:
+            self.model.geom_solref[:, 0] = self._tied * timestep
 
     def restart(self, state: State, timestep: float | None = None) -> None:
         """`mj_resetData`, and the coordinates of the state."""
         if timestep is not None:
-            self.model.opt.timestep = timestep
+            self.set_timestep(timestep)
         mujoco.mj_resetData(self.model, self.data)
-        self.data.qpos[:], self.data.qvel[:] = coordinates_of(
-            state, self.model.nv, self._com_body, self._is_turning
+        coordinates = coordinates_of(state, self.model.nv, self._arm_body, self._is_turning)
+        self.data.qpos[:], self.data.qvel[:] = (
+            hinged(*coordinates) if self._on_hinges else coordinates
         )
         self._steps = 0
         self._warnings.clear()
@@ -151,7 +164,11 @@ class MuJoCoSession(Session):
         nq = self.model.nq
         rows = _rows(snapshots)
         coordinates = rows[:, 2 : 2 + nq], rows[:, 2 + nq :]
-        return states_of(*coordinates, self._com_body, self._is_turning)
+        if self._on_hinges:
+            coordinates = unhinged(*coordinates)
+        states = states_of(*coordinates, self._arm_body, self._is_turning)
+        states.com_world[:] += self._place_world
+        return states
 
     def first_fault(
         self,
@@ -211,7 +228,7 @@ def body_of(model: Any) -> BodyReading:
 def _axial(model: Any) -> FloatArray:
     """Axis times moment about it of the bodies after the first, kg m², zero if welded, (n, 3)."""
     rows = np.zeros((model.nbody - WORLD - 2, 3))
-    for joint in range(1, model.njnt):
+    for joint in range(model.body_jntnum[WORLD + 1], model.njnt):
         body = model.jnt_bodyid[joint]
         axis = _rotation(model.body_quat[body]).apply(model.jnt_axis[joint])
         rows[body - WORLD - 2] = axis * (axis @ _body(model, body).inertia_com @ axis)
@@ -228,48 +245,52 @@ def _body(model: Any, body: int) -> BodyReading:
     )
 
 
+def _anchor(model: Any) -> tuple[FloatArray, FloatArray]:
+    """From the point that the coordinates move to the com, m, body axes; and where that begins."""
+    com_body, last = body_of(model).com, model.body_jntnum[WORLD + 1] - 1
+    if model.jnt_type[last] == mujoco.mjtJoint.mjJNT_FREE:
+        return com_body, np.zeros(3)
+    return com_body - model.jnt_pos[last], model.body_pos[WORLD + 1] + model.jnt_pos[last]
+
+
 def states_of(
     qpos: FloatArray,
     qvel: FloatArray,
-    com_body: FloatArray,
+    arm_body: FloatArray,
     is_turning: NDArray[np.bool_] = NO_ROTORS,
 ) -> State:
     """The states of one body from its coordinates, (n, nq), and velocities, (n, nv).
 
-    The com is the body's origin plus the compiled arm, its velocity that of the origin plus
-    ω × arm; a ball joint's origin stands still.
+    The com is a point that the first coordinates move plus the compiled arm, its velocity that of
+    the point plus ω × arm; the origin on a ball joint alone stands still.
     """
     spins = np.zeros((len(qvel), len(is_turning)))
     count = np.count_nonzero(is_turning)
     if count:
         spins[:, is_turning] = qvel[:, -count:]
         qpos, qvel = qpos[:, :-count], qvel[:, :-count]
-    q_world_body_wxyz, omega_body = qpos[:, -4:], qvel[:, -3:]
+    q_world_body_wxyz, omega_body = qpos[:, -4:], qvel[:, -TURNING:]
     R_world_body = matrices(q_world_body_wxyz)
-    com_world = R_world_body @ com_body
-    velocity_world = turned(R_world_body, omega_body @ across(com_body))
-    if qvel.shape[1] > TRANSLATION:
-        com_world += qpos[:, :TRANSLATION]
-        velocity_world += qvel[:, :TRANSLATION]
+    com_world = R_world_body @ arm_body
+    velocity_world = turned(R_world_body, omega_body @ across(arm_body))
+    moving = qvel.shape[1] - TURNING
+    com_world[:, :moving] += qpos[:, :moving]
+    velocity_world[:, :moving] += qvel[:, :moving]
     return State(q_world_body_wxyz, omega_body, com_world, velocity_world, spins)
 
 
 def coordinates_of(
-    state: State, nv: int, com_body: FloatArray, is_turning: NDArray[np.bool_] = NO_ROTORS
+    state: State, nv: int, arm_body: FloatArray, is_turning: NDArray[np.bool_] = NO_ROTORS
 ) -> tuple[FloatArray, FloatArray]:
     """Coordinates, (nq,), and velocities, (nv,), of a state, as `states_of` reads them."""
     q_world_body_wxyz, omega_body = state.q_world_body_wxyz, state.omega_body
     spins = state.spins[is_turning]
-    angles = np.zeros_like(spins)
-    if nv - len(spins) == TRANSLATION:
-        turning = np.concatenate([q_world_body_wxyz, angles]), np.concatenate([omega_body, spins])
-        return turning if len(spins) else (q_world_body_wxyz, omega_body)
-    R_world_body = matrix(q_world_body_wxyz)
-    origin_world = state.com_world - R_world_body @ com_body
-    speed_world = state.velocity_world - R_world_body @ cross(omega_body, com_body)
+    R_world_body, moving = matrix(q_world_body_wxyz), nv - len(spins) - TURNING
+    place_world = state.com_world - R_world_body @ arm_body
+    speed_world = state.velocity_world - R_world_body @ cross(omega_body, arm_body)
     return (
-        np.concatenate([origin_world, q_world_body_wxyz, angles]),
-        np.concatenate([speed_world, omega_body, spins]),
+        np.concatenate([place_world[:moving], q_world_body_wxyz, np.zeros_like(spins)]),
+        np.concatenate([speed_world[:moving], omega_body, spins]),
     )
 
 

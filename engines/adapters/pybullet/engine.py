@@ -14,6 +14,7 @@ from ....scenarios import Scenario
 from ...checks.equations import Equations
 from ...checks.read_back import start_state
 from ...engine import COMMON_EFFECTS, Engine, Method, Release
+from ...models.description import Description
 from ...native_output import native_output
 from ...release import numbers_of
 from ...session import Session
@@ -50,6 +51,7 @@ class PyBullet(Engine):
     name = "pybullet"
     # PyBullet quickstart guide, setTimeStep.
     stock_timestep = 1 / 240
+    describes = frozenset({"parts", "full tensor", "shape"})
     methods = (
         Method(
             "multibody",
@@ -113,6 +115,15 @@ class PyBullet(Engine):
             check_borne(Equations(scenario), start_state(scenario), timestep)
         return PyBulletSession(scenario, representation, timestep)
 
+    def open_as(
+        self, scenario: Scenario, method: Method, timestep: float, description: Description
+    ) -> Session:
+        """Load the scene's URDF with the body described otherwise; a shape is a collision box."""
+        representation = replace(REPRESENTATIONS[method.name], description=description)
+        if description.shape:
+            representation = replace(representation, defaults=frozenset({INERTIA}))
+        return PyBulletSession(scenario, representation, timestep)
+
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """The URDF, and the calls that take away PyBullet's defaults and step it."""
         return script(scenario, REPRESENTATIONS[method.name], timestep)
@@ -158,7 +169,9 @@ class PyBullet(Engine):
 def release(version: str, methods: tuple[Method, ...]) -> Release:
     """A version of PyBullet; 3.2.6 and older need numpy 1."""
     older = ("numpy==1.26.4",) if numbers_of(version) <= (3, 2, 6) else ()
-    return Release((f"pybullet=={version}", *older), methods, PyBullet.name)
+    # Robots and meshes: 142 MB.
+    robots = ("pybullet_data",)
+    return Release((f"pybullet=={version}", *older), methods, PyBullet.name, robots)
 
 
 @cache

@@ -20,6 +20,7 @@ from ....scenarios import Effects, FloatArray, Scenario
 from ....scenarios.effects.rotors import Rotors
 from ....scenarios.scenario import with_tables
 from ...checks.read_back import EngineError, UnsupportedError
+from ...models.description import PLAIN, Description
 from ...models.urdf import urdf
 from .as_shipped import idle_motor, take_away_clamp, take_away_damping, take_away_motor
 from .hinges import Hinges
@@ -59,12 +60,14 @@ class BodyRepresentation:
     hung : whether the pivot is a spherical joint; otherwise a point-to-point constraint
     defaults : those of `DEFAULTS` that are kept
     own : the file that is loaded; the scene's URDF if None
+    description : how the scene's URDF describes the body
     """
 
     maximal: bool
     hung: bool
     defaults: frozenset[str] = frozenset()
     own: OwnURDF | None = None
+    description: Description = PLAIN
 
     @property
     def as_shipped(self) -> bool:
@@ -148,6 +151,7 @@ def _scenes_own(
         scenario if hung else set_free(scenario),
         shape_radius=_gyration_radius(scenario) if SHAPE in left_in else 0.0,
         has_box=representation.as_shipped,
+        description=representation.description,
     )
     return OwnURDF(text.encode(), ())
 

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from statistics import median_high
 
+from ....engines.fault import ENVIRONMENTAL
 from ....scenarios import SIGNALS, Signal
 from ...pages.analysis.best_choice import BOUNDS, best_choice, within_in_words
 from ...pages.analysis.report_data import MethodRuns, ReportData, report_data
@@ -35,7 +36,7 @@ def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str
     timesteps : s, those asked for; their errors are printed instead of those at stock timesteps
     """
     report = report_data(results)
-    lines = [*_counts(results.verdicts), *_first_failure(results.verdicts)]
+    lines = [*_counts(results.verdicts), *_first_failure(results.verdicts), *_lost(results.rows)]
     if timesteps:
         return [*lines, *_asked_for(results.rows, timesteps)]
     return [*lines, *_at_stock(report), *_best(report)]
@@ -50,8 +51,12 @@ def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
     yield from textwrap.wrap(text, WIDTH)
     shipped = [verdict for verdict in verdicts if verdict.as_shipped]
     if shipped:
-        good = sum(verdict.verdict == "converges" for verdict in shipped)
-        yield f"With their defaults (as shipped): {good} of {len(shipped)} converge."
+        counts = Counter(verdict.verdict for verdict in shipped)
+        failed = f", {counts['failed']} failed" if counts["failed"] else ""
+        yield (
+            f"With their defaults (as shipped): {counts['converges']} of {len(shipped)} "
+            f"converge{failed}."
+        )
 
 
 def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
@@ -69,6 +74,15 @@ def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
     if len(wrong) > 1:
         more = "1 more fails" if len(wrong) == 2 else f"{len(wrong) - 1} more fail"
         yield f"{more}: 'spincheck verdicts' has them all."
+
+
+def _lost(rows: Sequence[Row]) -> Iterator[str]:
+    """How many runs were lost to the machine, and why the first."""
+    lost = [row for row in rows if row.cause in ENVIRONMENTAL]
+    if lost:
+        text = f"{plural(len(lost), 'run')} lost by the machine's fault: {lost[0].reason}"
+        yield from textwrap.wrap(text, WIDTH, max_lines=REASON_LINES, placeholder=" …")
+        yield "The same command makes them again."
 
 
 def _at_stock(report: ReportData) -> Iterator[str]:

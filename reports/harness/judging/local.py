@@ -70,12 +70,11 @@ def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) ->
         lambda scene, timestep: engine.open(scene, method, timestep), engine, scenario, at
     )
     eps = rounding_of(steps.before, engine.single_precision)
-    settles = found.is_constrained
-    wrong = misread or _wrong(engine, equations, steps, found, at, is_smooth=not settles)
+    is_smooth = not found.is_constrained
+    wrong = misread or _wrong(engine, equations, steps, found, at, is_smooth=is_smooth)
     return LocalCheck(
         reason=wrong,
         tolerance=float((found.tolerance / np.maximum(found.sizes, 1e-300)).max()),
-        settles=settles,
         at_any_timestep=bool(found.by_tolerance.max() > 1),
         is_open=found.is_open,
         states=len(at.times),

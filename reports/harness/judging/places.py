@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....engines.checks.equation_residuals import ASKEW
+from ....engines.checks.equations import Equations
 from ....engines.checks.read_back import State
 from ....reference import Solution, flow
 from ....scenarios import (
@@ -74,7 +75,8 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
     speed = float(norms(motion.omega_body).max()) or rate
     parts = [_state(along), *(_askew(scenario, along, speed * np.array(d)) for d in ASKEW)]
     states = State(*(np.vstack(columns) for columns in zip(*map(_columns, parts), strict=True)))
-    times = np.append(along.t, [np.nan] * len(ASKEW))
+    bears = Equations(scenario).bears(states)
+    states, times = states.rows(bears), np.append(along.t, [np.nan] * len(ASKEW))[bears]
     starts = np.unique(np.linspace(0, len(chosen) - 1, PIECES).astype(int))
     condition = float(np.linalg.cond(scenario.inertia)) + _of_rotors(scenario, motion)
     pieces = _pieces(scenario, states.rows(starts), timestep, condition)

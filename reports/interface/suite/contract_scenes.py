@@ -50,8 +50,11 @@ PIVOT = "[effects.pivot]\n"
 GRAVITY = "[effects.gravity]\nacceleration = [0.0, 0.0, -9.81]\n"
 #: Along no axis, so that a swapped or flipped component shows.
 SKEW_GRAVITY = "[effects.gravity]\nacceleration = [1.0, -2.0, -9.0]\n"
+TABLE = "[effects.table]\nheight = 0.1\ntip = [0.0, 0.0, -0.005]\nradius = 0.02\n"
 DRAG = "[effects.drag]\nrotational = 0.3\n"
 TORQUE_BODY = "[effects.torque]\nbody = [0.4, -0.3, 0.2]\n"
+#: For the toy top.
+FEEBLE = "[effects.torque]\nbody = [1e-4, -2e-4, 3e-4]\n"
 TORQUE_WORLD = "[effects.torque]\nworld = [0.4, -0.3, 0.2]\n"
 #: One on each kind of hinge, along no axes, of two directions of spin.
 ROTORS = """
@@ -110,10 +113,14 @@ samples = {samples}
 
 
 def from_elsewhere(scenario: Scenario) -> Scenario:
-    """The scene from another attitude, ω, spins and, where it is free, position and velocity."""
+    """The scene from another attitude, ω, spins and, where it is free, position and velocity.
+
+    A body on a table leans a little the other way, so that the table still pushes.
+    """
     motion = ((-2.5, 0.5, 1.5), (-0.2, 0.7, 0.1), (1.5, 0.3, -0.6))
     spins = -scenario.rotors.start_spins / 2
-    return started_at(scenario, (-0.5, 0.5, -0.1, 0.7), *motion, spins)
+    attitude = (-0.5, 0.5, -0.1, 0.7) if scenario.effects.table is None else (0.96, -0.28, 0.0, 0.0)
+    return started_at(scenario, attitude, *motion, spins)
 
 
 SCENES: dict[str, Scenario] = {
@@ -136,6 +143,8 @@ SCENES: dict[str, Scenario] = {
         scene("pivot-torque-world", body=TILTED, effects=PIVOT + TORQUE_WORLD),
         scene("free-rotors", body=TILTED, start=THROWN, effects=SKEW_GRAVITY + ROTORS),
         scene("pivot-rotors", body=TILTED, effects=PIVOT + SKEW_GRAVITY + ROTORS),
+        scene("table", body=TOP, start=SPUN_UP, effects=TABLE + GRAVITY),
+        scene("table-torque-body", body=TOP, start=SPUN_UP, effects=TABLE + GRAVITY + FEEBLE),
         scene("everything", body=TILTED, effects=PIVOT + SKEW_GRAVITY + DRAG + TORQUE_WORLD),
     )
 }

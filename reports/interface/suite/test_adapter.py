@@ -29,8 +29,9 @@ from spincheck.suite.failure_means import failure_means
 ODD_TIMESTEP = 1e-4
 #: How far an order may fall short of the declared one, as for the verdict of a ladder.
 ORDER_SLACK = 0.25
-#: For requirements that do not depend on the scene: free and on a pivot, with changing torques.
-FEW = ("free", "free-torque-body", "heavy-tilted", "everything")
+#: For requirements that do not depend on the scene: free, on a pivot and on a table, with changing
+#: torques.
+FEW = ("free", "free-torque-body", "heavy-tilted", "table-torque-body", "everything")
 #: For restarts: also a body whose com is not its origin, free to move.
 RESTARTED = (*FEW, "free-falling", "pivot-drag", "free-rotors", "pivot-rotors")
 

@@ -26,7 +26,7 @@ COST_FACTOR = 1.25
 OUTCOMES: tuple[Outcome, ...] = ("ok", "unsupported", "diverged", "failed")
 
 Kind = Literal[
-    "environment", "scene", "method", "verdict", "expectation", "outcome", "error", "cost"
+    "environment", "scene", "method", "verdict", "order", "expectation", "outcome", "error", "cost"
 ]
 Direction = Literal["worse", "better", "other"]
 
@@ -65,6 +65,7 @@ def changes(old: Results, new: Results) -> list[Change]:
     same_machine = old.environment.get("processor") == new.environment.get("processor")
     for key in sorted(before.keys() & after.keys(), key=str):
         differences += _verdict(key, before[key].verdict, after[key].verdict)
+        differences += _order(key, before[key].verdict, after[key].verdict)
         differences += _expectations(key, before[key].verdict, after[key].verdict)
         if key.scenario not in edited:
             differences += _runs(key, before[key], after[key])
@@ -127,6 +128,16 @@ def _verdict(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Cha
     before, after = old.verdict if old else None, new.verdict if new else None
     if before != after:
         yield _in_words(key, "verdict", before, after, tuple(RANKS))
+
+
+def _order(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
+    """Observed orders of accuracy that differ as whole numbers."""
+    before, after = (v.order if v and v.verdict == "converges" else None for v in (old, new))
+    if before is None or after is None or round(before) == round(after):
+        return
+    worse = after < before
+    direction: Direction = "worse" if worse else "better"
+    yield Change("order", "order", round(before), round(after), direction, worse, **_where(key))
 
 
 def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:

@@ -51,6 +51,18 @@ def test_what_is_there_is_not_downloaded(monkeypatch: pytest.MonkeyPatch) -> Non
     assert versioned("mujoco@3.1.6").site == str(folder)
 
 
+def test_robots_that_come_along_are_not_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    def pip(_: str, command: list[str]) -> str:
+        target = Path(command[command.index("--target") + 1])
+        for name in ("pybullet", "pybullet_data"):
+            (target / name).mkdir(parents=True)
+        return ""
+
+    monkeypatch.setattr(folders, "_call", pip)
+    site = Path(versioned("pybullet@3.2.5").site)
+    assert [folder.name for folder in site.iterdir()] == ["pybullet"]
+
+
 def test_without_a_network_one_message_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PIP_NO_INDEX", "1")
     monkeypatch.setenv("PIP_CONFIG_FILE", "/dev/null")

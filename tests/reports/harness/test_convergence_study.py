@@ -9,12 +9,14 @@ import pytest
 from scene_texts import sphere_text
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Engine, Method, Run
+from spincheck.reports.harness.choice import QUICK_STEPS
 from spincheck.reports.harness.convergence_study import ConvergenceStudy
 from spincheck.reports.harness.executors import Answer
 from spincheck.reports.harness.ladder import MAX_STEPS, MIN_RUNGS, Rung
 from spincheck.reports.harness.ladder_judge import GOAL, RUNGS_OF_A_LIMIT
 from spincheck.reports.harness.study import prepare
 from spincheck.reports.harness.study_verdict import verdict_on
+from spincheck.reports.results.records import LocalCheck
 from spincheck.scenarios import Scenario, Trajectory, loads
 
 METHOD = Method("made-up", 1, 1, "made up", frozenset())
@@ -128,6 +130,21 @@ def test_errors_that_are_large_but_shrink_are_followed_to_where_they_tell():
     small = 0.02 / finest
     go_down(convergence, lambda dt: small * dt / (1 + small * dt))
     assert verdict_on(convergence).verdict == "converges"
+
+
+@pytest.mark.parametrize("speed", [3.0, 400.0, 3e3])
+@pytest.mark.parametrize("error_of_dt", [wandering, lambda dt: dt**0.5], ids=["lost", "slow"])
+def test_where_pieces_decide_a_ladder_is_as_short_as_a_quick_one(speed, error_of_dt):
+    """Slow, so that the goal is out of reach; fast, so that the first rungs exceed its limit."""
+    decided = LocalCheck("", 0.0, at_any_timestep=False, is_open=False, states=1)
+    whole, quick = (study(speed, max_steps=limit) for limit in (MAX_STEPS, QUICK_STEPS))
+    for convergence in (whole, quick):
+        convergence.local = decided
+        go_down(convergence, error_of_dt)
+        assert not convergence.cut_short
+    assert [row.timestep for row in whole.rows] == [row.timestep for row in quick.rows]
+    longer = go_down(study(speed), error_of_dt)
+    assert len(longer.rows) > len(whole.rows) or error_of_dt is wandering
 
 
 def test_what_a_short_ladder_left_open_is_reported_as_cut_short():

@@ -87,6 +87,17 @@ def test_a_worse_verdict_is_a_regression_and_a_better_one_is_not(before, old, ne
     assert exit_code(differences) == (RANKS[new] > RANKS[old])
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [(1.98, 4.02, (2, 4, "better")), (4.02, 1.98, (4, 2, "worse")), (3.9, 4.1, None)],
+)
+def test_an_order_that_is_another_whole_number_is_reported(before, old, new, words):
+    converging = with_verdict(before, verdict="converges")
+    differences = changes(with_verdict(converging, order=old), with_verdict(converging, order=new))
+    found = [(change.old, change.new, change.direction) for change in differences]
+    assert found == ([words] if words else [])
+
+
 @pytest.mark.parametrize("old", OUTCOMES)
 @pytest.mark.parametrize("new", OUTCOMES)
 def test_a_worse_outcome_is_a_regression_and_a_better_one_is_not(before, old, new):

@@ -52,3 +52,13 @@ def test_a_timestep_that_was_asked_for_has_its_errors():
     name = f"{row.key.scenario} {row.key.engine} {row.key.method} "
     assert any(line.startswith(name) and f"{row.errors.omega:.0e}" in line for line in lines)
     assert max(map(len, lines)) <= WIDTH
+
+
+def test_a_default_that_failed_and_runs_lost_by_the_machine_are_told():
+    shipped = [replace(v, as_shipped=True, verdict="failed") for v in FOUND.verdicts]
+    lost = replace(FOUND.rows[0], outcome="failed", cause="killed", errors=None)
+    lost = replace(lost, reason="it was killed")
+    text = "\n".join(short_summary(replace(FOUND, verdicts=shipped, rows=[lost, *FOUND.rows[1:]])))
+    assert f"converge, {len(shipped)} failed." in text
+    assert "1 run lost by the machine's fault: it was killed" in text
+    assert "lost" not in "\n".join(short_summary(FOUND))

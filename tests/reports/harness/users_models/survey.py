@@ -1,4 +1,4 @@
-"""Inspects the models of public packages and writes the tables of docs/how-to/models.md.
+"""Inspects the models of public packages and writes the tables of docs/measured/public-models.md.
 
 Run by ``make survey``, which installs the packages; PyBullet comes with its own.
 """
@@ -33,7 +33,7 @@ PACKAGES = {
 }
 #: Files that are parts of others, or no models at all.
 PARTS = ("has no <body>", "has no <link>", "is neither URDF")
-DOCUMENT = Path("docs/how-to/models.md")
+DOCUMENT = Path("docs/measured/public-models.md")
 BEGIN, END = "<!-- make survey writes from here -->", "<!-- to here -->"
 #: How far off a tensor is, relative to the file's.
 LIMITS = (1e-12, AGREES, 1e-2)

@@ -1,0 +1,60 @@
+"""A scene's table as a contact in MJCF: a free body with a sphere, on a plane, without friction."""
+
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+
+import numpy as np
+
+from ...scenarios import Scenario
+from ...scenarios.scenario import with_tables
+from .mjcf import BODY
+from .text import decimals, xml_text
+
+#: A tip that is a point has a sphere of so many levers, and the plane is as much lower.
+SHARE_OF_LEVER = 0.25
+#: Relative: by so much the plane is higher, so that rounding never leaves the start off it.
+TOUCHING = 1e-12
+#: Passes that a contact needs.
+PASSES = frozenset({"constraint", "contact"})
+#: Of both shapes: a contact without friction has one direction.
+FRICTIONLESS = {"condim": "1", "friction": "0 0 0"}
+
+
+def off_its_table(scenario: Scenario) -> Scenario:
+    """The scene as if its body were free, with the same start."""
+    effects = scenario.effects.model_copy(update={"table": None})
+    return replace(with_tables(scenario, effects=effects), start=scenario.start)
+
+
+def sphere_and_plane(scenario: Scenario) -> tuple[float, float]:
+    """The sphere's radius and the plane's height, m."""
+    table, lever = scenario.effects.table, float(np.linalg.norm(scenario.constraint.lever))
+    assert table is not None
+    radius = table.radius or SHARE_OF_LEVER * lever or 1.0
+    height = table.height + table.radius - radius
+    return radius, height + TOUCHING * (abs(table.height) + table.radius + radius + lever)
+
+
+def with_contact(text: str, scenario: Scenario, solref: tuple[float, float] | None) -> str:
+    """The MJCF of a free body with the contact added.
+
+    Parameters
+    ----------
+    solref : time constant, s, and damping ratio of the contact; None for MuJoCo's own
+    """
+    table, (radius, height) = scenario.effects.table, sphere_and_plane(scenario)
+    assert table is not None
+    root = ET.fromstring(text)
+    if (flags := root.find("option/flag")) is not None:
+        for name in PASSES & flags.attrib.keys():
+            del flags.attrib[name]
+    shape = FRICTIONLESS | ({"solref": decimals(solref)} if solref else {})
+    world = root.find("worldbody")
+    body = root.find(f"worldbody/body[@name='{BODY}']")
+    assert world is not None
+    assert body is not None
+    ET.SubElement(world, "geom", shape, type="plane", size="1 1 1", pos=f"0 0 {height!r}")
+    ET.SubElement(
+        body, "geom", shape, type="sphere", mass="0", size=repr(radius), pos=decimals(table.tip)
+    )
+    return xml_text(root)

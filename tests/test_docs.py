@@ -1,0 +1,99 @@
+"""Docs agree with the repository: links lead somewhere, commands and options exist."""
+
+import re
+import shlex
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+from case_loops import each_case
+from spincheck.reports.cli.app import app
+from typer.main import get_group
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+TOPS = ("docs", "engines", "reference", "reports", "scenarios", "tests")
+#: Written while the site is built.
+MADE = {DOCS / "reference/commands.md"}
+PAGES = sorted({*DOCS.rglob("*.md"), *ROOT.glob("*.md")} - MADE)
+TEXTS = {page.relative_to(ROOT).as_posix(): page.read_text(encoding="utf-8") for page in PAGES}
+#: A path below docs/ that a text or a source names.
+NAMED = re.compile(r"(?<![\w/.-])docs/[\w/-]+\.(?:md|yml|png)\b")
+
+
+def links(text: str) -> list[str]:
+    """Targets of links to files; code is left out."""
+    text = re.sub(r"```.*?```|`[^`]*`", "", text, flags=re.DOTALL)
+    return [link for link in re.findall(r"\]\(([^)\s#]+)", text) if "://" not in link]
+
+
+def commands(text: str) -> list[list[str]]:
+    """Calls of spincheck in the blocks of shell commands, a list of words each."""
+    blocks = re.findall(r"```(?:sh|\{code-cell\}\n%%bash)\n(.*?)```", text, flags=re.DOTALL)
+    lines = "\n".join(blocks).replace("\\\n", " ").splitlines()
+    found = [line for line in lines if re.match(r"\s*spincheck [a-z]", line)]
+    return [shlex.split(re.split(r" \|\| | > | 2>|; ", line)[0], comments=True) for line in found]
+
+
+def test_there_are_pages_links_and_commands() -> None:
+    assert len(TEXTS) > 50
+    assert sum(len(links(text)) for text in TEXTS.values()) > 100
+    assert sum(len(commands(text)) for text in TEXTS.values()) > 50
+
+
+@each_case("name", sorted(TEXTS))
+def test_every_link_leads_somewhere(name: str) -> None:
+    folder = (ROOT / name).parent
+    targets = {link: (folder / link).resolve() for link in links(TEXTS[name])}
+    assert [k for k, path in targets.items() if not path.exists() and path not in MADE] == []
+
+
+@each_case("name", sorted(TEXTS))
+def test_every_command_has_the_options_that_are_shown(name: str) -> None:
+    group = get_group(app)
+    for words in commands(TEXTS[name]):
+        command = group.get_command(None, words[1])  # type: ignore[arg-type]
+        assert command is not None, words
+        own = words[: words.index("--")] if "--" in words else words
+        context = command.make_context(words[1], [], resilient_parsing=True)
+        options = {option for parameter in command.get_params(context) for option in parameter.opts}
+        shown = {word.partition("=")[0] for word in own if re.match(r"--?[a-z]", word)}
+        assert shown <= options, words
+
+
+def test_every_page_that_sources_name_exists() -> None:
+    sources = [path for top in TOPS for path in (ROOT / top).rglob("*.*")]
+    named = {
+        (path.relative_to(ROOT).as_posix(), name)
+        for path in sources
+        if path.suffix in (".py", ".mjs", ".md", ".toml", ".html")
+        for name in NAMED.findall(path.read_text(encoding="utf-8"))
+    }
+    assert len(named) > 20
+    assert {(source, name) for source, name in named if not (ROOT / name).exists()} == set()
+
+
+def test_what_is_wrong_would_be_found() -> None:
+    assert links("[a](b.md#c), `[d](e)`, [f](https://g)") == ["b.md"]
+    assert commands("```sh\nspincheck run a --quick || echo no\n```") == [
+        ["spincheck", "run", "a", "--quick"]
+    ]
+    assert NAMED.findall("see docs/explanation/cost.md.") == ["docs/explanation/cost.md"]
+
+
+@pytest.mark.slow
+@pytest.mark.processes
+@pytest.mark.skipif(find_spec("myst_nb") is None, reason="pip install 'spincheck[docs]'")
+def test_the_site_is_built_without_a_warning_and_fetches_nothing(tmp_path: Path) -> None:
+    """Every example runs while it is built; a cell or command that fails, fails it."""
+    build = (sys.executable, "-m", "sphinx", "--fail-on-warning", "-q", "-j", "2")
+    done = subprocess.run([*build, DOCS, tmp_path], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-3000:]
+    fetched = re.compile(r"<(?:script|img|iframe|link)[^>]+(?:src|href)=\"(?:https?:)?//[^\"]+")
+    pages = {page.name: page.read_text(encoding="utf-8") for page in tmp_path.rglob("*.html")}
+    assert len(pages) > 60
+    assert {name: found for name, text in pages.items() if (found := fetched.findall(text))} == {}
+    index = (tmp_path / "searchindex.js").read_text(encoding="utf-8")
+    assert "kovalevskaya" in index.lower()
