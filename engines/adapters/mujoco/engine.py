@@ -52,6 +52,8 @@ class Way:
     tied: float = 0.0
 
 
+#: What alters the motion of a body on a contact: off, so that a step depends on the state alone.
+OF_CONTACTS = ("warmstart",)
 #: Timesteps: the shortest time constant that MuJoCo takes a contact to be stable with.
 STIFFEST = 2.0
 #: Methods that are not an integrator on joints.
@@ -149,7 +151,7 @@ class MuJoCo(Engine):
             else tuple(
                 name
                 for name in left_out(scenario)
-                if not (_way(method).by_contact and name in PASSES)
+                if not (_way(method).by_contact and name in (*PASSES, *OF_CONTACTS))
             )
         )
 
