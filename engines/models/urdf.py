@@ -27,7 +27,7 @@ ANY_AXIS = (0.0, 0.0, 1.0)
 def urdf(
     scenario: Scenario,
     thickness: float = 0.0,
-    shape_radius: float = 0.0,
+    sphere: tuple[Iterable[float], float] | None = None,
     has_box: bool = False,
 ) -> str:
     """The scene's body, and its pivot where there is one, as a URDF document.
@@ -42,7 +42,7 @@ def urdf(
     Parameters
     ----------
     thickness : as in `principal_frame`, for a reader that refuses an entirely flat body
-    shape_radius : m, of a collision sphere about the com; none if zero
+    sphere : centre and radius of a collision sphere, m, body axes
     has_box : whether to add a collision box: the uniform box with the body's tensor
     """
     robot = ET.Element("robot", name=scenario.name)
@@ -50,8 +50,9 @@ def urdf(
         ET.SubElement(robot, "link", name=WORLD_LINK)
     frame = principal_frame(scenario.carrier, thickness)
     _add_link(robot, BODY_LINK, scenario.carrier.mass, scenario.carrier.com, frame)
-    if shape_radius:
-        _add_shape(robot, scenario.body.com, (0.0, 0.0, 0.0), "sphere", radius=[shape_radius])
+    if sphere:
+        centre, radius = sphere
+        _add_shape(robot, centre, (0.0, 0.0, 0.0), "sphere", radius=[radius])
     if has_box:
         sides = box_sides(scenario.carrier.mass, frame.moments)
         _add_shape(robot, scenario.carrier.com, frame.rpy_body_axes, "box", size=sides)

@@ -43,8 +43,8 @@ def _signals(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Itera
         since = exact.t[np.argmax(L_errors >= L_true.max())]
         yield _words("L", L_errors.max() / L_true.max(), since)
     start, is_flying = exact.com_world[0], ~np.array(scenario.constraint.is_held)
-    paths = ((one.com_world - start) * is_flying for one in (motion, exact))
-    yield from _of_path("com", *paths, exact.t)
+    flown, exactly = ((one.com_world - start) * is_flying for one in (motion, exact))
+    yield from _of_path("com", flown, exactly, exact.t)
 
 
 def _of_path(name: str, run: FloatArray, exact: FloatArray, times: FloatArray) -> Iterator[str]:
