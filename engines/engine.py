@@ -27,6 +27,7 @@ from .checks.read_back import (
     differences,
 )
 from .fault import ENVIRONMENTAL, Cause
+from .models.description import Description
 from .run import Outcome, Run
 from .sampling import Sampled, sample
 from .session import Session
@@ -111,6 +112,7 @@ class Engine(ABC):
     family : a name for several optional engines, by which users may ask for all of them
     of_file : whether it loads the link that a scene names out of the user's own model file
     script_language : what `script` is written in
+    describes : features of `Description` that `open_as` can write
     """
 
     name: str
@@ -123,6 +125,7 @@ class Engine(ABC):
     family: str = ""
     of_file: bool = False
     script_language: Literal["Python", "JavaScript"] = "Python"
+    describes: frozenset[str] = frozenset()
 
     @property
     def is_optional(self) -> bool:
@@ -156,6 +159,12 @@ class Engine(ABC):
     @abstractmethod
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Compile the scene, with its effects and nothing else, and set its start."""
+
+    def open_as(
+        self, scenario: Scenario, method: Method, timestep: float, description: Description
+    ) -> Session:
+        """As `open`, with the body described in another way; see `describes`."""
+        raise NotImplementedError(f"{self.name} has one way to describe a body.")
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
         """Code that builds the scene with this engine's package alone; empty if there is none.
@@ -209,6 +218,10 @@ class Engine(ABC):
     ) -> list[Difference]:
         """Differences between a freshly loaded model and the scene."""
         return differences(scenario, body, state, self.slack)
+
+    def steps_angles(self, scenario: Scenario, method: Method) -> bool:
+        """Whether the attitude is stepped as three angles."""
+        return method.by_angles and scenario.constraint.is_pivot
 
     def applies_to(self, scenario: Scenario) -> bool:  # noqa: ARG002
         """Whether the engine can load anything of the scene."""
@@ -288,7 +301,7 @@ class Engine(ABC):
                     return ended("failed", unlike[0].complaint, "read-back")
                 arm = read_back[0].com if scenario.constraint.is_pivot else None
                 decay = decay_rate(scenario) + method.damping
-                by_angles = method.by_angles and scenario.constraint.is_pivot
+                by_angles = self.steps_angles(scenario, method)
                 bounds = Bounds(timestep, most, self.slack, decay, arm, by_angles)
                 sampled = sample(session, sample_steps, bounds)
                 audited = audit(session, scenario, sampled)

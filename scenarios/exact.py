@@ -17,6 +17,9 @@ Quaternion = tuple[mpf, mpf, mpf, mpf]
 Tensor = tuple[Vector, Vector, Vector]
 
 ZERO: Vector = (mpf(0), mpf(0), mpf(0))
+#: The unit quaternion of no turn.
+NO_TURN: Quaternion = (mpf(1), mpf(0), mpf(0), mpf(0))
+_AXES: Tensor = ((mpf(1), mpf(0), mpf(0)), (mpf(0), mpf(1), mpf(0)), (mpf(0), mpf(0), mpf(1)))
 
 
 def exact(values: Sequence[float]) -> tuple[mpf, ...]:
@@ -128,6 +131,16 @@ def add(a: Tensor, b: Tensor, sign: int = 1) -> Tensor:
     """a + sign b, entry by entry."""
     with mp.workdps(DIGITS):
         return _tensor([[a[i][j] + sign * b[i][j] for j in range(3)] for i in range(3)])
+
+
+def turned_tensor(tensor: Tensor, q: Quaternion) -> Tensor:
+    """Rᵀ I R, R the rotation of q: along axes that q turns from those of I; symmetric."""
+    with mp.workdps(DIGITS):
+        axes = [rotate(q, axis) for axis in _AXES]
+        images = [tuple(dot(row, axis) for row in tensor) for axis in axes]
+        return _tensor(
+            [[dot(axes[min(i, j)], images[max(i, j)]) for j in range(3)] for i in range(3)]
+        )
 
 
 def _tensor(rows: Sequence[Sequence[mpf]]) -> Tensor:

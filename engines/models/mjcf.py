@@ -14,7 +14,18 @@ from mpmath import mp
 from ...scenarios import Body, Scenario
 from ...scenarios.effects.rotors import Rotor
 from ...scenarios.exact import DIGITS, cross, rotate
+from .description import (
+    COMPENSATED,
+    PLAIN,
+    TURN,
+    Description,
+    Joint,
+    away_from,
+    parts_of,
+)
+from .hinged import hinged
 from .principal_frame import principal_frame
+from .shape import box_of
 from .text import decimals, xml_text
 
 BODY = "top"
@@ -54,6 +65,7 @@ def mjcf(
     timestep: float,
     integrator: str | None,
     left_in: Collection[str] = (),
+    description: Description = PLAIN,
 ) -> str:
     """The scene as an MJCF document.
 
@@ -63,22 +75,25 @@ def mjcf(
     integrator : as MuJoCo spells it; None for its default
     left_in : passes that stay on, as by default, though the scene does not need them; names out of
         `switched_off`
+    description : how the body is written
     """
     root = ET.Element("mujoco", model=scenario.name)
     option = ET.SubElement(
         root,
         "option",
         timestep=decimals([timestep]),
-        gravity=decimals(scenario.gravity_world),
+        gravity=decimals(COMPENSATED if description.compensated else scenario.gravity_world),
     )
     if integrator is not None:
         option.set("integrator", integrator)
     if disabled := [name for name in switched_off(scenario) if name not in left_in]:
         ET.SubElement(option, "flag", dict.fromkeys(disabled, "disable"))
-    _add_body(ET.SubElement(root, "worldbody"), scenario)
+    _add_body(ET.SubElement(root, "worldbody"), scenario, description)
     if actuators := list(_actuators(scenario)):
         ET.SubElement(root, "actuator").extend(actuators)
     qpos, qvel = start_coordinates(scenario)
+    if description.joint == "hinges":
+        qpos, qvel = (part.tolist() for part in hinged(qpos, qvel))
     keys = ET.SubElement(root, "keyframe")
     ET.SubElement(keys, "key", name=START_KEY, qpos=decimals(qpos), qvel=decimals(qvel))
     return xml_text(root)
@@ -122,22 +137,29 @@ def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
     )
 
 
-def _add_body(world: ET.Element, scenario: Scenario) -> None:
-    element = ET.SubElement(world, "body", name=BODY)
-    if scenario.constraint.is_free:
-        # Aligned with the inertial frame, qpos and qvel would be along other axes.
-        ET.SubElement(element, "freejoint", name=JOINT, align="false")
-    else:
-        _add_joints(element, scenario)
-    _add_inertia(element, scenario.carrier)
+def _add_body(world: ET.Element, scenario: Scenario, description: Description) -> None:
+    elements: list[ET.Element] = []
+    for part in parts_of(scenario.carrier, description.parts):
+        if part.onto is None:
+            element = ET.SubElement(world, "body", name=BODY)
+            _add_joints(element, scenario, description.joint)
+        else:
+            place = {"pos": decimals(part.position), "quat": decimals(part.q)}
+            name = f"{BODY}-{len(elements)}"
+            element = ET.SubElement(elements[part.onto], "body", {"name": name, **place})
+        if description.compensated:
+            element.set("gravcomp", "1")
+        if part.body is not None:
+            _add_inertia(element, part.body, description)
+        elements.append(element)
     for number, rotor in enumerate(scenario.rotors.each, start=1):
-        part = ET.SubElement(element, "body", name=f"{ROTOR}{number}")
+        part_of_body = ET.SubElement(elements[0], "body", name=f"{ROTOR}{number}")
         if rotor.hinge != "locked":
-            hinge = ET.SubElement(part, "joint", name=f"hinge{number}", type="hinge")
+            hinge = ET.SubElement(part_of_body, "joint", name=f"hinge{number}", type="hinge")
             hinge.set("axis", decimals(map(float, rotor.axis)))
             hinge.set("pos", decimals(rotor.body.com))
             hinge.set("armature", decimals([armature(rotor)]))
-        _add_inertia(part, rotor.body)
+        _add_inertia(part_of_body, rotor.body)
 
 
 def armature(rotor: Rotor) -> float:
@@ -145,27 +167,48 @@ def armature(rotor: Rotor) -> float:
     return DRIVE * float(rotor.along) if rotor.hinge == "driven" else 0.0
 
 
-def _add_inertia(element: ET.Element, body: Body) -> None:
+def _add_inertia(element: ET.Element, body: Body, description: Description = PLAIN) -> None:
     frame = principal_frame(body)
-    ET.SubElement(
-        element,
-        "inertial",
-        mass=decimals([body.mass]),
-        pos=decimals(body.com),
-        quat=decimals(frame.q_body_axes_wxyz),
-        diaginertia=decimals(frame.moments),
-    )
+    pos, quat = decimals(body.com), decimals(frame.q_body_axes_wxyz)
+    if description.joint == "aligned":
+        # Such a body's axes are the principal ones: MuJoCo moves its frame there.
+        pos, quat = decimals(away_from(body)), decimals(TURN)
+    if description.shape:
+        box = box_of(body.mass, frame.moments)
+        geom = {"type": "box", "size": decimals(side / 2 for side in box.sides)}
+        density = decimals([box.density])
+        unseen = {"contype": "0", "conaffinity": "0"}
+        ET.SubElement(
+            element, "geom", {**geom, **unseen, "density": density, "pos": pos, "quat": quat}
+        )
+        return
+    inertial = ET.SubElement(element, "inertial", mass=decimals([body.mass]), pos=pos)
+    if description.full_tensor:
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia_com
+        inertial.set("fullinertia", decimals([xx, yy, zz, xy, xz, yz]))
+        return
+    inertial.set("quat", quat)
+    inertial.set("diaginertia", decimals(frame.moments))
 
 
-def _add_joints(element: ET.Element, scenario: Scenario) -> None:
+def _add_joints(element: ET.Element, scenario: Scenario, kind: Joint) -> None:
     """A ball joint at the point that is held, on a slide along each axis that it may move along."""
     constraint, point = scenario.constraint, scenario.body.com - scenario.constraint.lever
+    if constraint.is_free and kind in ("own", "aligned"):
+        # Aligned with the inertial frame, qpos and qvel would be along other axes.
+        align = "true" if kind == "aligned" else "false"
+        ET.SubElement(element, "freejoint", name=JOINT, align=align)
+        return
     if not constraint.is_pivot:
         place = np.array(constraint.place_exact, dtype=float)
         element.set("pos", decimals(place - point))
         for axis, is_held in zip(BODY_AXES, constraint.is_held, strict=True):
             if not is_held:
                 ET.SubElement(element, "joint", type="slide", axis=decimals(axis))
+    if kind == "hinges":
+        for axis in reversed(BODY_AXES):
+            ET.SubElement(element, "joint", type="hinge", axis=decimals(axis))
+        return
     joint = ET.SubElement(element, "joint", name=JOINT, type="ball")
     if point.any():
         joint.set("pos", decimals(point))

@@ -7,9 +7,9 @@ from functools import lru_cache
 from mpmath import mp, mpf
 
 from ...scenarios import Body, FloatArray
-from ...scenarios.exact import DIGITS, Quaternion, Tensor, Vector, product
+from ...scenarios.exact import DIGITS, Quaternion, Tensor, Vector, product, rotate
 from ...scenarios.float_array import read_only
-from ...scenarios.principal import principal_axes
+from ...scenarios.principal import IDENTITY, principal_axes
 
 #: Number of bodies whose frame is kept: every run of a scene needs it.
 KEPT = 64
@@ -52,6 +52,14 @@ def principal_frame(body: Body, thickness: float = 0.0) -> PrincipalFrame:
             read_only(_quaternion(rpy)),
             read_only(rpy),
         )
+
+
+def roll_pitch_yaw_of(q: Quaternion) -> FloatArray:
+    """A rotation as URDF writes it, rad, (3,)."""
+    with mp.workdps(DIGITS):
+        columns = [rotate(q, axis) for axis in IDENTITY]
+        first, second, third = zip(*columns, strict=True)
+        return read_only(_roll_pitch_yaw((first, second, third)))
 
 
 def _within_triangle(moments: Iterable[mpf], thickness: float) -> list[float]:

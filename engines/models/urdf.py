@@ -6,11 +6,14 @@ the adapters that load it.
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
-from math import sqrt
+from dataclasses import replace
 
-from ...scenarios import Scenario
+from ...scenarios import Body, Scenario
 from ...scenarios.effects.rotors import Rotor
-from .principal_frame import PrincipalFrame, principal_frame
+from ...scenarios.exact import ZERO
+from .description import PLAIN, Description, parts_of
+from .principal_frame import principal_frame, roll_pitch_yaw_of
+from .shape import box_of
 from .text import decimals, xml_text
 
 #: Name of the body's link; its frame is the scene's body frame.
@@ -29,6 +32,7 @@ def urdf(
     thickness: float = 0.0,
     sphere: tuple[Iterable[float], float] | None = None,
     has_box: bool = False,
+    description: Description = PLAIN,
 ) -> str:
     """The scene's body, and its pivot where there is one, as a URDF document.
 
@@ -44,57 +48,68 @@ def urdf(
     thickness : as in `principal_frame`, for a reader that refuses an entirely flat body
     sphere : centre and radius of a collision sphere, m, body axes
     has_box : whether to add a collision box: the uniform box with the body's tensor
+    description : how the body is written: its parts, and whether tensors are whole
     """
     robot = ET.Element("robot", name=scenario.name)
     if scenario.constraint.is_pivot:
         ET.SubElement(robot, "link", name=WORLD_LINK)
-    frame = principal_frame(scenario.carrier, thickness)
-    _add_link(robot, BODY_LINK, scenario.carrier.mass, scenario.carrier.com, frame)
+    for index, part in enumerate(parts_of(scenario.carrier, description.parts)):
+        name = f"{BODY_LINK}-{index}" if index else BODY_LINK
+        _add_link(robot, name, part.body, thickness, whole=description.full_tensor)
+        if part.onto is not None:
+            parent = f"{BODY_LINK}-{part.onto}" if part.onto else BODY_LINK
+            rpy = roll_pitch_yaw_of(part.q)
+            _add_joint(robot, f"to-{name}", "fixed", (parent, name), part.position, rpy=rpy)
     if sphere:
         centre, radius = sphere
         _add_shape(robot, centre, (0.0, 0.0, 0.0), "sphere", radius=[radius])
     if has_box:
-        sides = box_sides(scenario.carrier.mass, frame.moments)
-        _add_shape(robot, scenario.carrier.com, frame.rpy_body_axes, "box", size=sides)
+        _add_box(robot, scenario.carrier, thickness)
     if scenario.constraint.is_pivot:
         _add_joint(robot, PIVOT_JOINT, "spherical", (WORLD_LINK, BODY_LINK))
     for number, rotor in enumerate(scenario.rotors.each, start=1):
-        _add_rotor(robot, number, rotor, principal_frame(rotor.body, thickness), has_box)
+        _add_rotor(robot, number, rotor, thickness, has_box)
     return xml_text(robot)
 
 
 def _add_rotor(
-    robot: ET.Element, number: int, rotor: Rotor, frame: PrincipalFrame, has_box: bool
+    robot: ET.Element, number: int, rotor: Rotor, thickness: float, has_box: bool
 ) -> None:
     """A link whose frame is at the rotor's centre of mass, and its hinge."""
-    name, mass = f"rotor{number}", rotor.body.mass
-    _add_link(robot, name, mass, NOWHERE, frame)
+    name, body = f"rotor{number}", replace(rotor.body, com_exact=ZERO)
+    _add_link(robot, name, body, thickness)
     kind = "fixed" if rotor.hinge == "locked" else "continuous"
     axis = [float(component) for component in rotor.axis]
     _add_joint(robot, f"hinge{number}", kind, (BODY_LINK, name), rotor.body.com, axis)
     if has_box:
-        sides = box_sides(mass, frame.moments)
-        _add_shape(robot, NOWHERE, frame.rpy_body_axes, "box", size=sides)
+        _add_box(robot, body, thickness)
 
 
 def _add_link(
-    robot: ET.Element, name: str, mass: float, com: Iterable[float], frame: PrincipalFrame
+    robot: ET.Element, name: str, body: Body | None, thickness: float, *, whole: bool = False
 ) -> None:
+    """A link; without an inertial if it has no body."""
     link = ET.SubElement(robot, "link", name=name)
+    if body is None:
+        return
+    frame = principal_frame(body, thickness)
     inertial = ET.SubElement(link, "inertial")
-    ET.SubElement(inertial, "origin", xyz=decimals(com), rpy=decimals(frame.rpy_body_axes))
-    ET.SubElement(inertial, "mass", value=decimals([mass]))
+    rpy = decimals(NOWHERE if whole else frame.rpy_body_axes)
+    ET.SubElement(inertial, "origin", xyz=decimals(body.com), rpy=rpy)
+    ET.SubElement(inertial, "mass", value=decimals([body.mass]))
+    if whole:
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = (map(repr, r) for r in body.inertia_com.tolist())
+        ET.SubElement(inertial, "inertia", ixx=xx, ixy=xy, ixz=xz, iyy=yy, iyz=yz, izz=zz)
+        return
     ixx, iyy, izz = (decimals([moment]) for moment in frame.moments)
     ET.SubElement(inertial, "inertia", ixx=ixx, ixy="0", ixz="0", iyy=iyy, iyz="0", izz=izz)
 
 
-def box_sides(mass: float, moments: Iterable[float]) -> list[float]:
-    """Sides of the uniform box with these principal moments, m; of a flat body one is zero.
-
-    From I₁ = m (b² + c²) / 12 and so on; the triangle inequality makes the squares positive.
-    """
-    moments = list(moments)
-    return [sqrt(max(0.0, 6 * (sum(moments) - 2 * own) / mass)) for own in moments]
+def _add_box(robot: ET.Element, body: Body, thickness: float) -> None:
+    """The uniform box with a body's tensor, as the last link's collision shape."""
+    frame = principal_frame(body, thickness)
+    sides = box_of(body.mass, frame.moments).sides
+    _add_shape(robot, body.com, frame.rpy_body_axes, "box", size=sides)
 
 
 def _add_shape(
@@ -117,9 +132,10 @@ def _add_joint(
     links: tuple[str, str],
     place: Iterable[float] = NOWHERE,
     axis: Iterable[float] = ANY_AXIS,
+    rpy: Iterable[float] = NOWHERE,
 ) -> None:
     joint = ET.SubElement(robot, "joint", name=name, type=kind)
     ET.SubElement(joint, "parent", link=links[0])
     ET.SubElement(joint, "child", link=links[1])
-    ET.SubElement(joint, "origin", xyz=decimals(place), rpy=decimals(NOWHERE))
+    ET.SubElement(joint, "origin", xyz=decimals(place), rpy=decimals(rpy))
     ET.SubElement(joint, "axis", xyz=decimals(axis))

@@ -18,6 +18,7 @@ from .options import (
     REPORT_FOLDER,
     RESULT_FILE,
     Again,
+    AsEncoded,
     AsJson,
     Dask,
     Engines,
@@ -40,7 +41,7 @@ from .scenes.scene_commands import app as scene_commands
 from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last_words
 from .sweeps.sweep_commands import app as sweep_commands
 from .sweeps.sweep_commands import run_members
-from .terminal import BAD_INPUT, Complaint, escape_what_turns_text, say, to_json
+from .terminal import BAD_INPUT, DISAGREES, Complaint, escape_what_turns_text, say, to_json
 from .users_models import app as model_commands
 
 app = typer.Typer(
@@ -119,6 +120,7 @@ def run(
     engine: Engines = None,
     method: Methods = None,
     timestep: Timesteps = None,
+    as_encoded: AsEncoded = "",
     jobs: Jobs = CORES,
     out: Annotated[Path, typer.Option(help="The result file; added to.")] = RESULT_FILE,
     quick: Annotated[
@@ -148,6 +150,7 @@ def run(
     from .executing import Where
     from .run import running
     from .run.brief_records import verdict_lines
+    from .run.encodings import are_alike, encoding_lines, named_encodings
     from .run.short_summary import short_summary
     from .run.summary import results_as_json
 
@@ -155,6 +158,8 @@ def run(
     if ensemble is not None:
         if quick:
             raise Complaint("'--quick' is for ladders; an ensemble has none", BAD_INPUT)
+        if as_encoded:
+            raise Complaint("'--as' is for scenes, not for members of an ensemble", BAD_INPUT)
         code = run_members(
             scenes or [],
             ensemble,
@@ -177,19 +182,24 @@ def run(
         time_limit=time_limit,
         again=again,
         python=python,
+        encodings=named_encodings(as_encoded),
     )
     if as_json:
         print(to_json(results_as_json(results)))
     else:
         every = verdict_lines(results.verdicts) if verbose else ()
-        for line in (*every, *short_summary(results, timestep or [])):
+        described = encoding_lines(results.encodings) if as_encoded else ()
+        for line in (*every, *short_summary(results, timestep or []), *described):
             print(line)
         say(f"Results are in {out}; 'spincheck report {out}' makes pages of them.")
         if unproven := running.unproven_in_words(results):
             say(unproven)
     running.say_where_bodies_lift_off(results)
     running.tell_untrue(results)
-    raise typer.Exit(running.exit_code(results, strict=strict))
+    code = running.exit_code(results, strict=strict)
+    if as_encoded and not are_alike(results.encodings):
+        code = code or DISAGREES
+    raise typer.Exit(code)
 
 
 @app.command(epilog="Example: spincheck report spincheck.sqlite --out pages")

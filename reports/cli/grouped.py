@@ -10,7 +10,7 @@ GROUPS = {
     "Look at results": ["rows", "verdicts", "points", "tidy"],
     "Scenes": ["list", "show", "new", "check", "reference", "export", "vary", "member"],
     "Robot models": ["inspect", "import"],
-    "Engines": ["engines", "conform"],
+    "Engines": ["engines", "encodings", "conform"],
 }
 _OTHERS = "Others"
 

@@ -69,6 +69,15 @@ From = Annotated[
 MemberCount = Annotated[
     int | None, typer.Option("--ensemble", min=1, help="Scatter one scene into so many members.")
 ]
+AsEncoded = Annotated[
+    str,
+    typer.Option(
+        "--as",
+        metavar="ENCODINGS",
+        help="Run each body also in other descriptions that mean the same: 'all', or names of "
+        "'spincheck encodings' with commas between.",
+    ),
+]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Of the ensemble's random numbers.")]
 Again = Annotated[
     bool, typer.Option("--again", help="Run what the result file holds already, too.")

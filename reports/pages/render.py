@@ -24,6 +24,7 @@ from .overview.stock_table import stock_table
 from .page_data import PageData
 from .scene import scene_tables
 from .scene.default_tables import default_tables
+from .scene.encoding_tables import encoding_tables
 from .scene.motion_data import motion_data
 from .scene.scene_answer import scene_answer, shown_at_first
 from .sweeps.sweep_section import sweep_section, write_sweeps
@@ -165,6 +166,7 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
             "published": scene_tables.published_table(scene.solved.scenario),
             "models": _models(scene.solved.scenario),
             "defaults": default_tables(scene),
+            "encodings": encoding_tables(scene),
         }
     return content
 

@@ -20,6 +20,7 @@ from . import format_12, tables
 from .cost_records import EffectsCost, PassCosts
 from .database import Database, put
 from .default_records import DefaultEffects
+from .encoding_records import EncodedRuns
 from .evidence import Evidence, JudgedRung
 from .records import (
     UNSOLVED,
@@ -73,6 +74,7 @@ class Results:
     effects: list[EffectsCost] = field(default_factory=list)
     passes: list[PassCosts] = field(default_factory=list)
     defaults: list[DefaultEffects] = field(default_factory=list)
+    encodings: list[EncodedRuns] = field(default_factory=list)
     methods: dict[Pair, Method] = field(default_factory=dict)
     stock_timesteps: dict[str, float] = field(default_factory=dict)
     maps: list[MapResult] = field(default_factory=list)
@@ -272,6 +274,7 @@ class Store:
             effects=self.select(tables.EFFECTS_COSTS, order=_SORTED),
             passes=self.select(tables.PASS_COSTS, order=_SORTED),
             defaults=self.select(tables.DEFAULT_EFFECTS, order=_SORTED),
+            encodings=self.select(tables.ENCODINGS, order=_SORTED),
             maps=maps,
             ensembles=ensembles,
             methods={(e.name, method.name): method for e in engines for method in e.methods},

@@ -20,6 +20,7 @@ from ...scenarios import printable
 from .cost_records import EffectsCost, MethodCost, PassCosts
 from .database import shown
 from .default_records import DefaultEffects
+from .encoding_records import EncodedRuns
 from .evidence import Evidence
 from .motion_blobs import pack, unpack
 from .records import (
@@ -187,8 +188,18 @@ COSTS = Table("costs", MethodCost, _ONE_METHOD, _COST)
 EFFECTS_COSTS = Table("effects_costs", EffectsCost, _ONE_METHOD, _COST)
 PASS_COSTS = Table("pass_costs", PassCosts, _ONE_METHOD, _COST)
 DEFAULT_EFFECTS = Table("default_effects", DefaultEffects, _ONE_METHOD, _RUN)
+ENCODINGS = Table("encodings", EncodedRuns, _ONE_METHOD, _RUN)
 #: Results of a method on a scene.
-OF_STUDIES = (ROWS, EVIDENCE, VERDICTS, COSTS, EFFECTS_COSTS, PASS_COSTS, DEFAULT_EFFECTS)
+OF_STUDIES = (
+    ROWS,
+    EVIDENCE,
+    VERDICTS,
+    COSTS,
+    EFFECTS_COSTS,
+    PASS_COSTS,
+    DEFAULT_EFFECTS,
+    ENCODINGS,
+)
 SWEEPS = Table("sweeps", DefinedSweep, ("scenario", "sweep"), ("motion",))
 POINTS = Table("points", PointResult, ("scenario", "place", "engine", "method"), _RUN)
 TABLES: tuple[Table[Any], ...] = (

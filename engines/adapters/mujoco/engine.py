@@ -11,6 +11,7 @@ import mujoco
 from ....scenarios import Scenario
 from ...checks.read_back import UnsupportedError
 from ...engine import COMMON_EFFECTS, Engine, Method, Release
+from ...models.description import PLAIN, Description
 from ...models.mjcf import mjcf, switched_off
 from ...models.mjcf_contact import PASSES, off_its_table, with_contact
 from ...release import numbers_of
@@ -83,6 +84,7 @@ class MuJoCo(Engine):
     name = "mujoco"
     # Documentation, XML reference, option/timestep.
     stock_timestep = 0.002
+    describes = frozenset({"parts", "full tensor", "shape", "joint", "compensated"})
     # Orders: MuJoCo documentation, "Numerical integration" and changelog 4.0.0, item 5; measured
     # in docs/measured/engines-mujoco.md.
     methods = (
@@ -136,6 +138,14 @@ class MuJoCo(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
         """Compile the scene's MJCF and set its keyframe."""
         return _open(scenario, timestep, method, left_out(scenario) if method.as_shipped else ())
+
+    def open_as(
+        self, scenario: Scenario, method: Method, timestep: float, description: Description
+    ) -> MuJoCoSession:
+        """Compile the scene's MJCF with the body described otherwise."""
+        # Gravity is compensated among the passive forces.
+        left_in = ("gravity", "spring", "damper") if description.compensated else ()
+        return _open(scenario, timestep, method, left_in, description)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """The MJCF, and the few calls that step it."""
@@ -195,14 +205,18 @@ def _switched_off(scenario: Scenario, method: Method) -> tuple[str, ...]:
 
 
 def _open(
-    scenario: Scenario, timestep: float, method: Method, left_in: Collection[str]
+    scenario: Scenario,
+    timestep: float,
+    method: Method,
+    left_in: Collection[str],
+    description: Description = PLAIN,
 ) -> MuJoCoSession:
     """Open a session; flags are set after compiling, as older versions refuse some in MJCF."""
     check_not_too_small(scenario)
     way = _way(method)
     if way.integrator is not None:
         _check_has(way.integrator)
-    model = copy(_model(scenario, way))
+    model = copy(_model(scenario, way, description))
     disable(model, (name for name in _switched_off(scenario, method) if name not in left_in))
     start = model.key(0)
     session = MuJoCoSession(scenario, model, start.qpos, start.qvel, CLOCK in left_in, way.tied)
@@ -211,19 +225,19 @@ def _open(
 
 
 @lru_cache(maxsize=KEPT)
-def _model(scenario: Scenario, way: Way) -> Any:
+def _model(scenario: Scenario, way: Way, description: Description) -> Any:
     """The compiled scene, with every pass on."""
-    text = _text(scenario, ANY_TIMESTEP, way)
+    text = _text(scenario, ANY_TIMESTEP, way, description)
     if not hasattr(getattr(mujoco, "MjsJoint", None), "align"):
         # Versions without the attribute behave as if it were set.
         text = text.replace(' align="false"', "")
     return compiled(lambda: mujoco.MjModel.from_xml_string(text))
 
 
-def _text(scenario: Scenario, timestep: float, way: Way) -> str:
+def _text(scenario: Scenario, timestep: float, way: Way, description: Description = PLAIN) -> str:
     """The scene as MJCF, with every pass on."""
     held = off_its_table(scenario) if way.by_contact else scenario
-    text = mjcf(held, timestep, way.integrator, left_in=switched_off(held))
+    text = mjcf(held, timestep, way.integrator, switched_off(held), description)
     if not way.by_contact:
         return text
     return with_contact(text, scenario, (way.tied * timestep, 1.0) if way.tied else None)

@@ -15,6 +15,7 @@ from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import across, cross, matrices, matrix, turned
 from ...checks.read_back import BodyReading, EngineError, State, UnsupportedError, composed
 from ...fault import Fault
+from ...models.hinged import hinged, unhinged
 from ...models.mjcf import switched_off
 from ...session import Session
 from . import clock
@@ -70,6 +71,8 @@ class MuJoCoSession(Session):
         self._read = self._reading[1:]
         self._arm_body, self._place_world = _anchor(model)
         self._is_turning = scenario.rotors.is_turning
+        last_of_body = model.body_jntadr[WORLD + 1] + model.body_jntnum[WORLD + 1] - 1
+        self._on_hinges = model.jnt_type[last_of_body] == mujoco.mjtJoint.mjJNT_HINGE
         self._steps = 0
         self._warnings: list[str] = []
         self._clock = clock.SHIPPED if has_clock else None
@@ -104,8 +107,9 @@ class MuJoCoSession(Session):
         if timestep is not None:
             self.set_timestep(timestep)
         mujoco.mj_resetData(self.model, self.data)
-        self.data.qpos[:], self.data.qvel[:] = coordinates_of(
-            state, self.model.nv, self._arm_body, self._is_turning
+        coordinates = coordinates_of(state, self.model.nv, self._arm_body, self._is_turning)
+        self.data.qpos[:], self.data.qvel[:] = (
+            hinged(*coordinates) if self._on_hinges else coordinates
         )
         self._steps = 0
         self._warnings.clear()
@@ -160,6 +164,8 @@ class MuJoCoSession(Session):
         nq = self.model.nq
         rows = _rows(snapshots)
         coordinates = rows[:, 2 : 2 + nq], rows[:, 2 + nq :]
+        if self._on_hinges:
+            coordinates = unhinged(*coordinates)
         states = states_of(*coordinates, self._arm_body, self._is_turning)
         states.com_world[:] += self._place_world
         return states

@@ -14,6 +14,7 @@ from ....scenarios import Scenario
 from ...checks.equations import Equations
 from ...checks.read_back import start_state
 from ...engine import COMMON_EFFECTS, Engine, Method, Release
+from ...models.description import Description
 from ...native_output import native_output
 from ...release import numbers_of
 from ...session import Session
@@ -55,6 +56,7 @@ class PyBullet(Engine):
     name = "pybullet"
     # PyBullet quickstart guide, setTimeStep.
     stock_timestep = 1 / 240
+    describes = frozenset({"parts", "full tensor", "shape"})
     methods = (
         Method(
             "multibody",
@@ -132,6 +134,15 @@ class PyBullet(Engine):
         representation = REPRESENTATIONS[method.name]
         if representation.maximal and scenario.constraint.is_pivot:
             check_borne(Equations(scenario), start_state(scenario), timestep)
+        return PyBulletSession(scenario, representation, timestep)
+
+    def open_as(
+        self, scenario: Scenario, method: Method, timestep: float, description: Description
+    ) -> Session:
+        """Load the scene's URDF with the body described otherwise; a shape is a collision box."""
+        representation = replace(REPRESENTATIONS[method.name], description=description)
+        if description.shape:
+            representation = replace(representation, defaults=frozenset({INERTIA}))
         return PyBulletSession(scenario, representation, timestep)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:

@@ -20,6 +20,7 @@ from ....scenarios import Effects, FloatArray, Scenario
 from ....scenarios.effects.rotors import Rotors
 from ....scenarios.scenario import with_tables
 from ...checks.read_back import EngineError, UnsupportedError
+from ...models.description import PLAIN, Description
 from ...models.mjcf_contact import sphere_and_plane
 from ...models.urdf import urdf
 from .as_shipped import idle_motor, take_away_clamp, take_away_damping, take_away_motor
@@ -68,12 +69,14 @@ class BodyRepresentation:
     defaults : those of `DEFAULTS` that are kept
     own : the file that is loaded; the scene's URDF if None
     by_contact : whether a table is a contact of a sphere and a plane
+    description : how the scene's URDF describes the body
     """
 
     maximal: bool
     hung: bool
     defaults: frozenset[str] = frozenset()
     own: OwnURDF | None = None
+    description: Description = PLAIN
     by_contact: bool = False
 
     @property
@@ -162,7 +165,10 @@ def _scenes_own(
     elif SHAPE in left_in:
         sphere = scenario.body.com, _gyration_radius(scenario)
     text = urdf(
-        scenario if hung else set_free(scenario), sphere=sphere, has_box=representation.as_shipped
+        scenario if hung else set_free(scenario),
+        sphere=sphere,
+        has_box=representation.as_shipped,
+        description=representation.description,
     )
     return OwnURDF(text.encode(), ())
 

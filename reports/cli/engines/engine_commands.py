@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..options import AsJson, Scene
-from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, to_json
+from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table, to_json
 
 if TYPE_CHECKING:
     from ....engines import Engine
@@ -91,6 +91,15 @@ def _methods_of(engine: "Engine") -> Iterator[str]:
             break_on_hyphens=False,
         )
     yield ""
+
+
+@app.command("encodings", epilog="Example: spincheck encodings --json")
+def list_encodings(as_json: AsJson = False) -> None:
+    """List the descriptions of a body that mean the same, which 'run --as' compares."""
+    from ..run.encodings import encoding_rows
+
+    rows = encoding_rows()
+    print(to_json(rows)) if as_json else table(rows)
 
 
 @app.command(epilog="Example: spincheck conform -- node my-engine.mjs")

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ..options import CORES, RESULT_FILE, AsJson, Jobs, Methods, Python
+from ..options import CORES, RESULT_FILE, AsEncoded, AsJson, Jobs, Methods, Python
 from ..terminal import BAD_INPUT, Complaint, say, table, to_json
 
 app = typer.Typer()
@@ -49,6 +49,7 @@ def versions(
     method: Methods = None,
     jobs: Jobs = CORES,
     out: Annotated[Path, typer.Option(help="The result file; added to.")] = RESULT_FILE,
+    as_encoded: AsEncoded = "",
     python: Python = "",
     as_json: AsJson = False,
 ) -> None:
@@ -64,6 +65,7 @@ def versions(
     from ..executing import Where
     from ..results.compare import changes_as_json, exit_code, print_changes
     from ..run import running
+    from ..run.encodings import encoding_changes, encoding_lines, named_encodings
     from .versions import SCENES, changes_between_versions
 
     numbers = [word for word in arguments if word[:1].isdigit()]
@@ -71,11 +73,20 @@ def versions(
         raise Complaint("'versions' takes two versions at the least, oldest first", BAD_INPUT)
     scenes = [word for word in arguments if word not in numbers] or list(SCENES)
     names = [f"{engine}@{number}" for number in numbers]
-    results = running.run(scenes, names, method or [], [], Where(jobs), out, python=python)
+    encodings = named_encodings(as_encoded)
+    results = running.run(
+        *(scenes, names, method or [], [], Where(jobs), out), python=python, encodings=encodings
+    )
     changed = changes_between_versions(results, names)
     if as_json:
         print(to_json(changes_as_json(changed)))
     else:
         print_changes(changed)
+        if encodings:
+            for line in (
+                *encoding_lines(results.encodings),
+                *encoding_changes(results.encodings, names),
+            ):
+                print(line)
         say(f"Results are in {out}; 'spincheck report {out}' shows the versions side by side.")
     raise typer.Exit(exit_code(changed))

@@ -7,6 +7,7 @@ from pathlib import Path
 from ....reference.compiled import is_compiled
 from ....scenarios import Scenario, printable
 from ...harness.choice import QUICK_STEPS, Choice
+from ...harness.encodings import run_encodings
 from ...harness.plan import plan
 from ...harness.power import too_long
 from ...harness.published import published_that_do_not_hold
@@ -35,13 +36,14 @@ def run(
     time_limit: float | None = None,
     again: bool = False,
     python: str = "",
+    encodings: Sequence[str] = (),
 ) -> Results:
     """Run what was named, and read its results back.
 
     If nothing is named, that is the whole library, its hard scenes on short ladders; a quick run
     leaves the hard scenes out.
 
-    What the file holds already is not run again, unless asked for (`again`).
+    What the file holds already is not run again, unless asked for (`again`); encodings always are.
 
     Raises
     ------
@@ -77,6 +79,8 @@ def run(
                 progress(left.total) as advance,
             ):
                 run_study(left, choice, store, executor, advance)
+                if encodings:
+                    run_encodings(scenarios, choice, encodings, store, executor)
             return _asked_for(store.read(choice.timesteps), scenarios, choice)
     except ResultFileError as error:
         raise Complaint(str(error), BAD_INPUT) from None
@@ -127,6 +131,7 @@ def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) 
         scenes={name: scene for name, scene in results.scenes.items() if name in scenes},
         rows=[row for row in results.rows if named(row.key) and at_asked_timestep(row)],
         verdicts=[verdict for verdict in results.verdicts if named(verdict.key)],
+        encodings=[runs for runs in results.encodings if named(runs.key)],
     )
 
 

@@ -14,6 +14,7 @@ def results_as_json(results: Results) -> dict[str, Any]:
     return {
         "rows": [row_record(row) for row in results.rows],
         "verdicts": verdict_records(results),
+        "encodings": [as_json(runs) for runs in results.encodings],
     }
 
 

@@ -11,6 +11,7 @@ from ....scenarios import Errors, ErrorSeries, FloatArray, Scenario, Trajectory,
 from ....scenarios.fastest_rate import fastest_rate
 from ...harness.defects import defects
 from ...results.default_records import DefaultEffects
+from ...results.encoding_records import EncodedRuns
 from ...results.records import Pair, Row, Verdict
 from ...results.store import Results, SceneResult
 from .trace_style import TraceStyle, trace_styles
@@ -80,12 +81,14 @@ class SceneRuns:
     ----------
     solved : the scene and its exact motion; None if it could not be solved
     defaults : of engines as shipped, what each default does to the motion, where that was measured
+    encodings : runs of the body in other descriptions
     """
 
     name: str
     solved: SceneResult | None
     methods: tuple[MethodRuns, ...]
     defaults: tuple[DefaultEffects, ...] = ()
+    encodings: tuple[EncodedRuns, ...] = ()
 
     @property
     def title(self) -> str:
@@ -194,6 +197,7 @@ def report_data(results: Results) -> ReportData:
                 if (name, pair) in tried or (name, pair) in verdict_of
             ),
             tuple(one for one in results.defaults if one.key.scenario == name),
+            tuple(one for one in results.encodings if one.key.scenario == name),
         )
         for name in names
     )

@@ -1,0 +1,7 @@
+"""The same body and motion described otherwise: what engines must answer alike."""
+
+from .changed_scene import SceneChange
+from .encoded_engine import EncodedEngine
+from .table import ENCODINGS, Encoding
+
+__all__ = ["ENCODINGS", "EncodedEngine", "Encoding", "SceneChange"]

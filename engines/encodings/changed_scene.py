@@ -1,0 +1,177 @@
+"""The same motion seen from other axes, another origin, in other units, from a moving frame."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from mpmath import mp, mpf
+
+from ...scenarios import Body, FloatArray, Scenario
+from ...scenarios.effects import Effects
+from ...scenarios.exact import (
+    DIGITS,
+    NO_TURN,
+    ZERO,
+    Quaternion,
+    Tensor,
+    Vector,
+    conjugate,
+    product,
+    rotate,
+    turned_tensor,
+)
+from ...scenarios.rotation import matrix, times
+from ...scenarios.scenario import Start, with_tables
+from ..checks.read_back import BodyReading, State
+
+#: What the mirror leaves and reverses: of vectors, of axial ones, of quaternions.
+_POLAR, _AXIAL = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
+_MIRRORED_Q = np.array([1.0, 1.0, -1.0, -1.0])
+_X = np.array([1.0, 0.0, 0.0])
+
+
+@dataclass(frozen=True)
+class SceneChange:
+    """What a scene becomes, and how the motions of what it becomes are turned back.
+
+    Attributes
+    ----------
+    q_body_new : takes components along the new body axes to those along the old ones
+    shift : of the body's origin, m, along the old body axes
+    length, mass, time : how many new units one old unit is
+    boost : velocity of the old world in the new one, m/s; along x
+    place : where the old world's origin is in the new one, m; along x
+    is_mirrored : whether x is reversed, of world and body
+    """
+
+    q_body_new: Quaternion = NO_TURN
+    shift: Vector = ZERO
+    length: float = 1.0
+    mass: float = 1.0
+    time: float = 1.0
+    boost: float = 0.0
+    place: float = 0.0
+    is_mirrored: bool = False
+
+    @property
+    def needs_free(self) -> bool:
+        """Whether it is one of free bodies only: a pivot stays at the body's origin, and still."""
+        return bool(any(self.shift) or self.boost or self.place)
+
+    def scene(self, scenario: Scenario) -> Scenario:
+        """The changed scene; its numbers are exact, as those of the scene are."""
+        with mp.workdps(DIGITS):
+            window = scenario.window.model_copy(
+                update={"duration": scenario.window.duration * self.time}
+            )
+            changed = with_tables(scenario, window=window, effects=self._effects(scenario.effects))
+            return replace(changed, body=self._body(scenario.body), start=self._start(scenario))
+
+    def _body(self, body: Body) -> Body:
+        (a, b, c), (p, q, r) = body.com_exact, self.shift
+        com = self._polar(rotate(conjugate(self.q_body_new), (a - p, b - q, c - r)))
+        mass, length = mpf(self.mass), mpf(self.length)
+        scale = mass * length**2
+        rows = turned_tensor(body.inertia_com_exact, self.q_body_new)
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = (
+            (a * scale, b * scale, c * scale) for a, b, c in rows
+        )
+        if self.is_mirrored:
+            xy, xz = -xy, -xz
+        tensor: Tensor = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+        x, y, z = (c * length for c in com)
+        return Body(body.mass_exact * mass, (x, y, z), tensor)
+
+    def _start(self, scenario: Scenario) -> Start:
+        start = scenario.start
+        x, y, z = rotate(conjugate(self.q_body_new), start.omega_body_exact)
+        omega = self._axial((x / self.time, y / self.time, z / self.time))
+        return Start(
+            self._attitude(product(start.q_exact, self.q_body_new)),
+            omega,
+            self._place_of(start.position_world[None], np.zeros(1))[0],
+            self._velocity_of(start.velocity_world[None])[0],
+        )
+
+    def _effects(self, effects: Effects) -> Effects:
+        torque_unit = self.mass * self.length**2 / self.time**2
+        tables = effects.model_dump(exclude_none=True)
+        if gravity := tables.get("gravity"):
+            gravity["acceleration"] = self._polar(
+                tuple(g * self.length / self.time**2 for g in gravity["acceleration"])
+            )
+        if drag := tables.get("drag"):
+            drag["rotational"] *= self.mass * self.length**2 / self.time
+        for axes, torque in tables.get("torque", {}).items():
+            turned = [mpf(part) * torque_unit for part in torque]
+            if axes == "body":
+                turned = list(rotate(conjugate(self.q_body_new), (turned[0], turned[1], turned[2])))
+            tables["torque"][axes] = tuple(
+                map(float, self._axial((turned[0], turned[1], turned[2])))
+            )
+        return Effects.model_validate(tables)
+
+    def state_back(self, states: State, times_new: FloatArray) -> State:
+        """States of the changed scene, n rows, as those of the scene.
+
+        Parameters
+        ----------
+        times_new : in the new unit of time, (n,)
+        """
+        back = times(np.array([float(c) for c in conjugate(self.q_body_new)]))
+        R_body_new = self._R_body_new
+        omega_new, q_new = states.omega_body, states.q_world_body_wxyz
+        if self.is_mirrored:
+            omega_new, q_new = omega_new * _AXIAL, q_new * _MIRRORED_Q
+        sign = self._sign
+        unmoved = np.outer(self.place + self.boost * times_new, _X)
+        return State(
+            q_new @ back,
+            omega_new @ R_body_new.T * self.time,
+            (states.com_world - unmoved) * sign / self.length,
+            (states.velocity_world - self.boost * _X) * sign * self.time / self.length,
+            states.spins,
+        )
+
+    def motion(self, states: State, times_old: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Place and velocity of the com in the changed scene, of n states of the scene, (n, 3)."""
+        return self._place_of(states.com_world, times_old), self._velocity_of(states.velocity_world)
+
+    def body_back(self, body: BodyReading) -> BodyReading:
+        """A body of the changed scene as one of the scene."""
+        R = self._R_body_new
+        sign = self._sign
+        com, tensor = body.com * sign / self.length, body.inertia_com * np.outer(sign, sign)
+        alone = BodyReading(body.mass / self.mass, com, tensor / (self.mass * self.length**2))
+        return alone.placed(np.array([float(c) for c in self.shift]), R)
+
+    @property
+    def _R_body_new(self) -> FloatArray:
+        return matrix(np.array([float(c) for c in self.q_body_new]))
+
+    @property
+    def _sign(self) -> FloatArray:
+        return _POLAR if self.is_mirrored else np.ones(3)
+
+    def _place_of(self, com_world: FloatArray, times_old: FloatArray) -> FloatArray:
+        moved = np.outer(self.place + self.boost * times_old * self.time, _X)
+        return com_world * self._sign * self.length + moved
+
+    def _velocity_of(self, velocity_world: FloatArray) -> FloatArray:
+        return velocity_world * self._sign * self.length / self.time + self.boost * _X
+
+    def _polar(self, vector: tuple[mpf, ...]) -> Vector:
+        x, y, z = vector
+        return (-x, y, z) if self.is_mirrored else (x, y, z)
+
+    def _axial(self, vector: Vector) -> Vector:
+        x, y, z = vector
+        return (x, -y, -z) if self.is_mirrored else vector
+
+    def _attitude(self, q: Quaternion) -> Quaternion:
+        w, x, y, z = q
+        return (w, x, -y, -z) if self.is_mirrored else q
+
+
+_X = np.array([1.0, 0.0, 0.0])
+_AXIAL = np.array([1.0, -1.0, -1.0])
+_MIRRORED_Q = np.array([1.0, 1.0, -1.0, -1.0])

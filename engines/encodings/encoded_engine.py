@@ -1,0 +1,155 @@
+"""An engine that is given scenes in another encoding, and whose motions are turned back."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, final
+
+import numpy as np
+
+from ...scenarios import FloatArray, Scenario
+from ..checks.read_back import BodyReading, Difference, State
+from ..engine import Engine, Method
+from ..fault import Fault
+from ..models.description import PLAIN
+from ..session import Session
+from .changed_scene import SceneChange
+from .table import ENCODINGS, Encoding
+
+
+@final
+class EncodedEngine(Engine):
+    """An engine on scenes in one encoding, run, sampled and checked as the engine itself.
+
+    A body that it holds otherwise than the scene's does not fail a run: it is a finding.
+    """
+
+    def __init__(self, base: Engine, encoding: str) -> None:
+        self.name, self.base, self._encoding = base.name, base, encoding
+        self.methods = tuple(replace(method, as_shipped=True) for method in base.methods)
+        self.single_precision = base.single_precision
+
+    @property
+    def encoding(self) -> Encoding:
+        """That of the name it was given: tables of functions are not sent to workers."""
+        return ENCODINGS[self._encoding]
+
+    @property
+    def version(self) -> str:
+        """The engine's own version."""
+        return self.base.version
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        """The changed scene in the engine, with its body described as the encoding has it."""
+        change, description = self.encoding.change(scenario), self.encoding.description
+        changed, timestep = change.scene(scenario), timestep * change.time
+        own = self.base.method(method.name)
+        if description == PLAIN:
+            session = self.base.open(changed, own, timestep)
+        else:
+            session = self.base.open_as(changed, own, timestep, description)
+        return EncodedSession(session, scenario, change, timestep)
+
+    def steps_angles(self, scenario: Scenario, method: Method) -> bool:
+        """Whether the attitude is stepped as three angles."""
+        hinged = self.encoding.description.joint == "hinges"
+        return hinged or self.base.steps_angles(scenario, method)
+
+    def differences(
+        self,
+        scenario: Scenario,
+        method: str,  # noqa: ARG002
+        body: BodyReading,
+        state: State,  # noqa: ARG002
+    ) -> list[Difference]:
+        """The body's differences; of the start, the motion tells."""
+        own = scenario.body
+        shift = np.array(self.encoding.change(scenario).shift, dtype=float)
+        # About a point that far away the tensor is larger, and its rounding.
+        far = float(shift @ shift + own.com @ own.com)
+        moment = float(own.principal_moments[-1]) + own.mass * far
+        pairs = (
+            ("mass", np.array(body.mass), np.array(own.mass), own.mass),
+            ("com", body.com, own.com, np.sqrt(moment / own.mass)),
+            ("inertia_com", body.inertia_com, own.inertia_com, moment),
+        )
+        return [
+            _Off(what, wanted, got, largest / size)
+            for what, got, wanted, size in pairs
+            if not (largest := float(np.abs(got - wanted).max())) <= self.base.slack * size
+        ]
+
+
+class _Off(Difference):
+    """A number of the body that an engine holds otherwise, of whatever size."""
+
+    @property
+    def remark(self) -> str:
+        """How far it is off."""
+        return f"'{self.what}' is off by {self.relative:.1e}"
+
+
+@final
+class EncodedSession(Session):
+    """A session of the changed scene, read in the axes and units of the scene."""
+
+    def __init__(
+        self, session: Session, scenario: Scenario, change: SceneChange, timestep: float
+    ) -> None:
+        self._session, self._scenario, self._change = session, scenario, change
+        self._timestep, self._steps = timestep, 0
+
+    def read_body(self) -> BodyReading:
+        """The body that the engine holds, as one of the scene."""
+        return self._change.body_back(self._session.read_body())
+
+    def read_state(self) -> State:
+        """The state after the last step."""
+        return self.states([self.snapshot()]).rows(0)
+
+    def advance(self, steps: int) -> None:
+        """Take whole steps."""
+        self._session.advance(steps)
+        self._steps += steps
+
+    def record(self, strides: Sequence[int], keep: Callable[[Any], object]) -> None:
+        """As the engine's own; each snapshot with the number of steps before it."""
+        counts = iter(self._steps + np.cumsum(strides))
+
+        def kept(snapshot: Any) -> None:
+            self._steps = int(next(counts))
+            keep((self._steps, snapshot))
+
+        self._session.record(strides, kept)
+
+    def snapshot(self) -> tuple[int, Any]:
+        """Steps so far, and the engine's own snapshot."""
+        return self._steps, self._session.snapshot()
+
+    def states(self, snapshots: Sequence[tuple[int, Any]]) -> State:
+        """The states of n snapshots."""
+        states = self._session.states([own for _, own in snapshots])
+        return self._change.state_back(states, self._times(snapshots))
+
+    def _times(self, snapshots: Sequence[tuple[int, Any]]) -> FloatArray:
+        return np.array([steps for steps, _ in snapshots]) * self._timestep
+
+    def first_fault(
+        self,
+        snapshots: Sequence[tuple[int, Any]],
+        states: State,  # noqa: ARG002
+    ) -> Fault | None:
+        """As the engine's own."""
+        own = [snapshot for _, snapshot in snapshots]
+        return self._session.first_fault(own, self._session.states(own))
+
+    def check(self) -> None:
+        """As the engine's own."""
+        self._session.check()
+
+    def active(self) -> frozenset[str]:
+        """What the scene calls for: what acts is audited where a scene is given as it is."""
+        return self._scenario.called_for
+
+    def close(self) -> None:
+        """Free the engine's memory."""
+        self._session.close()

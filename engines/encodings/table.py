@@ -1,0 +1,156 @@
+"""The encodings: other descriptions of a scene's body and motion that mean the same."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from mpmath import mpf
+
+from ...scenarios import Scenario
+from ...scenarios.exact import normalised
+from ...scenarios.principal import from_matrix, principal_axes
+from ..engine import COMMON_EFFECTS, Engine
+from ..models.description import PLAIN, TURN, Description, away_from
+from ..models.shape import box_of
+from .changed_scene import SceneChange
+
+#: Body axes x, y, z become y, z, x.
+CYCLE = (mpf("0.5"), mpf("0.5"), mpf("0.5"), mpf("0.5"))
+#: By 161°, in which a tensor's products of inertia are large.
+FAR_TURN = normalised((1, 3, 1, 5))
+
+
+def _none(scenario: Scenario) -> SceneChange:  # noqa: ARG001
+    return SceneChange()
+
+
+@dataclass(frozen=True)
+class Encoding:
+    """One of them.
+
+    Attributes
+    ----------
+    name : as users type it
+    summary : what it changes
+    change : what becomes of a scene
+    description : how the model then writes the body
+    effects : those of a scene that it keeps the meaning of
+    """
+
+    name: str
+    summary: str
+    change: Callable[[Scenario], SceneChange] = _none
+    description: Description = PLAIN
+    effects: frozenset[str] = COMMON_EFFECTS
+    needs_free: bool = False
+
+    def why_not(self, engine: Engine, scenario: Scenario) -> str:
+        """Why an engine cannot be given a scene in this way; empty if it can."""
+        if beyond := sorted(self.description.features - engine.describes):
+            return f"{engine.name}'s models have no words for it: {', '.join(beyond)}"
+        if beyond := sorted(scenario.called_for - self.effects):
+            return f"it does not keep the meaning of {', '.join(beyond)}"
+        if self.needs_free and not scenario.constraint.is_free:
+            return "it is of free bodies"
+        moments = [float(m) for m in principal_axes(scenario.body.inertia_com_exact)[0]]
+        if self.description.shape and not min(box_of(scenario.body.mass, moments).sides):
+            return "the body is flat: no box has its inertia"
+        return ""
+
+
+def _away(scenario: Scenario) -> SceneChange:
+    return SceneChange(shift=away_from(scenario.body))
+
+
+def _principal(scenario: Scenario) -> SceneChange:
+    """A change to the com, along principal axes."""
+    _, R_body_axes = principal_axes(scenario.body.inertia_com_exact)
+    return SceneChange(q_body_new=from_matrix(R_body_axes), shift=scenario.body.com_exact)
+
+
+_FREE_FALL = frozenset({"gravity"})
+ENCODINGS: dict[str, Encoding] = {
+    one.name: one
+    for one in (
+        Encoding("plain", "as every scene is given: one body, its tensor along principal axes"),
+        Encoding(
+            "turned",
+            "body frame turned by 74°, about none of its axes",
+            lambda _: SceneChange(q_body_new=TURN),
+        ),
+        Encoding(
+            "permuted",
+            "body axes x, y, z named y, z, x",
+            lambda _: SceneChange(q_body_new=CYCLE),
+        ),
+        Encoding(
+            "full-tensor",
+            "body frame turned by 161°, and the tensor written whole, with its products of inertia",
+            lambda _: SceneChange(q_body_new=FAR_TURN),
+            Description(full_tensor=True),
+        ),
+        Encoding(
+            "shape",
+            "inertia of a box of a density, not stated",
+            description=Description(shape=True),
+        ),
+        Encoding(
+            "welded",
+            "inertia on a body welded to a root without mass",
+            description=Description(parts="welded"),
+        ),
+        Encoding(
+            "nested",
+            "two roots without mass, one off and turned, the inertia welded back",
+            description=Description(parts="nested"),
+        ),
+        Encoding(
+            "halves", "the mass on two bodies, welded", description=Description(parts="halves")
+        ),
+        Encoding(
+            "thirds", "the mass on three bodies, welded", description=Description(parts="thirds")
+        ),
+        Encoding("offset", "body frame 5.5 radii of gyration off the com", _away, needs_free=True),
+        Encoding(
+            "aligned",
+            "a frame as far off and turned, with a free joint aligned with the inertia",
+            _principal,
+            Description(joint="aligned"),
+            needs_free=True,
+        ),
+        Encoding(
+            "mirrored",
+            "world and body mirrored, x reversed",
+            lambda _: SceneChange(is_mirrored=True),
+        ),
+        Encoding("mm-g", "in millimetres and grams", lambda _: SceneChange(length=1e3, mass=1e3)),
+        Encoding("ms", "in milliseconds", lambda _: SceneChange(time=1e3)),
+        Encoding(
+            "boosted",
+            "seen from a frame that moves at 1 km/s",
+            lambda _: SceneChange(boost=1e3),
+            needs_free=True,
+        ),
+        Encoding(
+            "far", "100 km from the origin", lambda _: SceneChange(place=1e5), needs_free=True
+        ),
+        Encoding(
+            "compensated",
+            "gravity, and its compensation",
+            description=Description(compensated=True),
+            effects=COMMON_EFFECTS - {"gravity"},
+        ),
+        Encoding(
+            "slides-ball",
+            "three slides and a ball joint, not a free joint",
+            description=Description(joint="slides and ball"),
+            effects=_FREE_FALL,
+            needs_free=True,
+        ),
+        Encoding(
+            "hinges",
+            "three hinges, not a ball joint; of a free body on three slides",
+            description=Description(joint="hinges"),
+            effects=_FREE_FALL | {"pivot"},
+        ),
+    )
+}

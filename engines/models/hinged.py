@@ -1,0 +1,54 @@
+"""Attitude and ω as the angles of three hinges, about z, then y, then x, and back."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ...scenarios import FloatArray
+
+#: Numbers of a quaternion, and of the angles that stand for it.
+QUATERNION, ANGLES = 4, 3
+
+
+def hinged(
+    qpos: Sequence[float] | FloatArray, qvel: Sequence[float] | FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Coordinates that end with a quaternion w, x, y, z and ω in body axes, with angles instead.
+
+    R = Rz(a) Ry(b) Rx(c), so that ω = M (ȧ, ḃ, ċ) with M of the angles (Diebel 2006, §5.6.12).
+    """
+    place, q = np.split(np.asarray(qpos, dtype=float), [-QUATERNION])
+    speed, omega_body = np.split(np.asarray(qvel, dtype=float), [-ANGLES])
+    angles = Rotation.from_quat(q, scalar_first=True).as_euler("ZYX")
+    rates = np.linalg.solve(_omega_of_rates(angles[None])[0], omega_body)
+    return np.concatenate([place, angles]), np.concatenate([speed, rates])
+
+
+def unhinged(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The reverse, of n rows each."""
+    angles = qpos[:, -ANGLES:]
+    half = angles / 2
+    (ca, cb, cc), (sa, sb, sc) = np.cos(half).T, np.sin(half).T
+    q = np.column_stack(
+        [
+            ca * cb * cc + sa * sb * sc,
+            ca * cb * sc - sa * sb * cc,
+            ca * sb * cc + sa * cb * sc,
+            sa * cb * cc - ca * sb * sc,
+        ]
+    )
+    omega_body = np.einsum("nij,nj->ni", _omega_of_rates(angles), qvel[:, -ANGLES:])
+    return np.hstack([qpos[:, :-ANGLES], q]), np.hstack([qvel[:, :-ANGLES], omega_body])
+
+
+def _omega_of_rates(angles: FloatArray) -> FloatArray:
+    """M, (n, 3, 3), of angles about z, y and x, (n, 3)."""
+    _, b, c = angles.T
+    zero, one = np.zeros_like(b), np.ones_like(b)
+    rows = [
+        [-np.sin(b), zero, one],
+        [np.sin(c) * np.cos(b), np.cos(c), zero],
+        [np.cos(c) * np.cos(b), -np.sin(c), zero],
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)

@@ -1,0 +1,113 @@
+"""The option `--as`, the command `encodings`, and what they print."""
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby, pairwise
+
+from ....engines import engines
+from ....engines.encodings import ENCODINGS
+from ....scenarios import did_you_mean
+from ...pages.analysis.encoding_words import PHRASES, encoding_sentence
+from ...results.encoding_records import WRONG, EncodedRun, EncodedRuns
+from ..terminal import BAD_INPUT, Complaint
+
+#: The word for all of them.
+ALL = "all"
+PLAIN = "plain"
+
+
+def named_encodings(text: str) -> tuple[str, ...]:
+    """The encodings of `--as`, names with commas between, or `all`; none of an empty text.
+
+    Raises
+    ------
+    Complaint
+        If there is no encoding of that name.
+    """
+    known = [name for name in ENCODINGS if name != PLAIN]
+    names = [part.strip().lower() for part in text.split(",") if part.strip()]
+    if ALL in names:
+        return tuple(known)
+    for name in names:
+        if name not in known:
+            raise Complaint(
+                f"'--as' must be {ALL} or out of {', '.join(known)}, got '{name}'"
+                f"{did_you_mean(name, known)}; 'spincheck encodings' explains them",
+                BAD_INPUT,
+            )
+    return tuple(dict.fromkeys(names))
+
+
+def encoding_rows() -> list[dict[str, str]]:
+    """A row for each encoding: its name, what it changes, which engines can be given it."""
+    installed = engines().values()
+    rows = []
+    for name, encoding in ENCODINGS.items():
+        needed = encoding.description.features
+        able = [e.name for e in installed if needed and needed <= e.describes]
+        kept = "free bodies" if encoding.needs_free else "all"
+        if beyond := ENCODINGS[PLAIN].effects - encoding.effects:
+            kept += f", without {', '.join(sorted(beyond))}"
+        who = ", ".join(able) if needed else "all"
+        rows.append({"name": name, "changes": encoding.summary, "scenes": kept, "engines": who})
+    return rows
+
+
+def encoding_lines(encodings: Sequence[EncodedRuns]) -> Iterator[str]:
+    """What differs, by scene, engine and encoding; and how many are the same."""
+    by_scene = groupby(encodings, key=lambda runs: (runs.key.scenario, runs.timestep))
+    for (scene, timestep), group in by_scene:
+        of_scene = list(group)
+        alike = sum(one.word == "same" for runs in of_scene for one in runs.each)
+        compared = sum(one.word != "left out" for runs in of_scene for one in runs.each)
+        yield (
+            f"{scene}, its body described otherwise, at {timestep:.3g} s: "
+            f"{alike} of {compared} runs are the same to round-off"
+        )
+        for runs in of_scene:
+            if runs.plain:
+                yield f"  {_who(runs)}: not compared, the scene as it is {runs.plain}"
+        yield from (f"  {line}" for line in _lines(of_scene))
+
+
+def _lines(of_scene: Sequence[EncodedRuns]) -> Iterator[str]:
+    """One line for each engine, encoding and word, with the first method's reason."""
+    alike: dict[tuple[str, str, str, str], list[tuple[str, EncodedRun]]] = {}
+    for runs in of_scene:
+        for one in runs.each:
+            if one.word in PHRASES:
+                what = (runs.key.engine, one.encoding, one.word, one.moves_as)
+                alike.setdefault(what, []).append((runs.key.method, one))
+    for (engine, encoding, *_), made in alike.items():
+        methods = ", ".join(method for method, _ in made)
+        yield f"{engine} {methods}, {encoding}: {encoding_sentence(made[0][1])}"
+
+
+def are_alike(encodings: Sequence[EncodedRuns]) -> bool:
+    """Whether no encoding is wrong."""
+    return not any(one.word in WRONG for runs in encodings for one in runs.each)
+
+
+def encoding_changes(encodings: Sequence[EncodedRuns], names: Sequence[str]) -> list[str]:
+    """What became of each encoding from one version to the next, in words.
+
+    Parameters
+    ----------
+    names : engine@version, oldest first
+    """
+    words = {
+        (runs.key.engine, runs.key.scenario, runs.key.method, one.encoding): one.word
+        for runs in encodings
+        for one in runs.each
+    }
+    return [
+        f"{older} → {newer.partition('@')[2]}, {scene} {method} {encoding}: {word} → {now}"
+        for older, newer in pairwise(names)
+        for (engine, scene, method, encoding), word in words.items()
+        if engine == older
+        and (now := words.get((newer, scene, method, encoding))) is not None
+        and now != word
+    ]
+
+
+def _who(runs: EncodedRuns) -> str:
+    return f"{runs.key.engine} {runs.key.method}"

@@ -1,0 +1,72 @@
+"""What rounding may do to a motion that is described otherwise, signal by signal."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ....engines.checks.read_back import State
+from ....engines.encodings import Encoding
+from ....engines.models.description import away_from
+from ....reference import Solution
+from ....scenarios import SIGNAL, Scenario, Trajectory
+from ..rounding import roundings_in_flight
+
+#: The signals that make up a state; the others follow from them.
+JUDGED = ("omega", "attitude", "com", "velocity")
+#: Both motions are rounded.
+BOTH = 2
+#: Of single precision in ulp of double precision.
+SINGLE = float(np.finfo(np.float32).eps / np.finfo(float).eps)
+
+
+def rounding_bounds(
+    scenario: Scenario, encoding: Encoding, solution: Solution, steps: int, *, is_single: bool
+) -> dict[str, float]:
+    """The largest distance that rounding explains, of each of `JUDGED`, in the norm of errors.
+
+    Every step may round the state by as many ulp as the tensor about the frame's origin is
+    conditioned: steps × conditioning of the motion × that; for place and velocity of a free body,
+    what an ulp of the changed scene's own numbers comes to.
+    """
+    change = encoding.change(scenario)
+    changed, exact = _farthest(change.scene(scenario), encoding), solution.trajectory
+    state = State(exact.q_world_body_wxyz, exact.omega_body, exact.com_world, exact.velocity_world)
+    place, velocity = change.motion(state, exact.t)
+    moved = Trajectory(
+        t=exact.t * change.time,
+        q_world_body_wxyz=exact.q_world_body_wxyz,
+        omega_body=exact.omega_body / change.time,
+        com_world=place,
+        velocity_world=velocity,
+    )
+    flight = roundings_in_flight(changed, replace(solution, trajectory=moved), steps)
+    a_step = _condition(changed) * BOTH * (SINGLE if is_single else 1.0)
+    units = {"com": change.length, "velocity": change.length / change.time}
+    # A place turns with the body: what it is rounded by makes a velocity.
+    metres = SIGNAL["com"].growth(changed, moved, solution.conditioning)
+    metres *= SIGNAL["com"].base(changed, moved)
+    swing = metres * float(np.linalg.norm(moved.omega_body, axis=1).max())
+    bounds = {}
+    for name in JUDGED:
+        signal, ulp = SIGNAL[name], solution.conditioning[name]
+        if name in units and not scenario.constraint.is_pivot:
+            absolute = signal.growth(changed, moved, solution.conditioning)
+            absolute *= signal.base(changed, moved)
+            absolute += swing if name == "velocity" else 0.0
+            ulp = absolute / units[name] / signal.base(scenario, exact)
+        bounds[name] = ulp * (steps + flight) * a_step
+    return bounds
+
+
+def _farthest(scenario: Scenario, encoding: Encoding) -> Scenario:
+    """The scene with its com where the farthest frame of the model has it."""
+    if encoding.description.parts == "one":
+        return scenario
+    return replace(scenario, body=replace(scenario.body, com_exact=away_from(scenario.body)))
+
+
+def _condition(scenario: Scenario) -> float:
+    """(I₃ + m r²) / I₁, r the distance of the com from the frame's origin."""
+    body = scenario.body
+    moments, far = body.principal_moments, float(np.linalg.norm(body.com))
+    return float((moments[-1] + body.mass * far**2) / moments[0])

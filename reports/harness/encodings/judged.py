@@ -1,0 +1,128 @@
+"""Judges the run of an encoding beside that of the scene as it is."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from ....engines import Run
+from ....engines.encodings import Encoding
+from ....reference import Solution
+from ....scenarios import SIGNAL, Errors, Scenario, Trajectory, errors_between
+from ....scenarios.agreement import ErrorNorm
+from ...results.encoding_records import EncodedRun, EncodingWord
+from .bounds import rounding_bounds
+
+#: Halvings of the timestep, at most, to tell a coarser scheme from another motion.
+MOST_HALVINGS = 5
+#: What falls to less than this share as the timestep is halved goes away with it: errors of the
+#: first order to a half.
+FALLS = 0.75
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """The runs of an encoding and of the scene as it is, at one timestep."""
+
+    encoded: Run
+    plain: Run
+
+
+@dataclass(frozen=True, eq=False)
+class Judge:
+    """What the encodings of one scene and method are judged by.
+
+    Attributes
+    ----------
+    solution : the exact motion at the samples of all runs
+    at_halved : the runs of an encoding at the timestep halved so many times
+    plain_of : the runs of the scene as it is, by method
+    """
+
+    scenario: Scenario
+    solution: Solution
+    method: str
+    is_single: bool
+    at_halved: Callable[[Encoding, int], Pair]
+    plain_of: Mapping[str, Run]
+
+    def judged(self, encoding: Encoding, pair: Pair) -> EncodedRun:
+        """The word on an encoding, with its reason."""
+        run, plain = pair.encoded, pair.plain
+        motion, own = run.trajectory, plain.trajectory
+        assert own is not None, "a scene that gives nothing to compare with is not judged"
+        if run.outcome == "unsupported":
+            return EncodedRun(encoding.name, "left out", run.reason)
+        if run.outcome != "ok" or motion is None:
+            at = "" if run.stopped_at is None else f"at {run.stopped_at:.3g} s: "
+            return EncodedRun(encoding.name, "ends early", f"{run.outcome} {at}{run.reason}")
+        errors = errors_between(self.scenario, motion, self.solution.trajectory)
+        apart = self._apart(motion, own)
+        if run.cause == "read-back":
+            reason = f"{run.reason}; ω by {_shown('omega', apart.omega)}"
+            return EncodedRun(encoding.name, "other body", reason, errors, apart)
+        beyond = self._beyond(encoding, apart, run.steps)
+        if not beyond:
+            return EncodedRun(encoding.name, "same", "", errors, apart)
+        moves_as = self._moves_as(encoding, run)
+        found, reason = self._with_the_timestep(encoding, pair, beyond)
+        return EncodedRun(encoding.name, found, reason, errors, apart, moves_as)
+
+    def _apart(self, motion: Trajectory, own: Trajectory) -> Errors:
+        norm = ErrorNorm(self.scenario, self.solution.trajectory)
+        distances = norm.distances(norm.table(motion), norm.table(own))
+        return Errors(*map(float, distances.max(axis=0)))
+
+    def _beyond(self, encoding: Encoding, apart: Errors, steps: int) -> list[str]:
+        """The signals in which motions are farther apart than rounding explains."""
+        bounds = self._bounds(encoding, steps)
+        return [name for name, bound in bounds.items() if not apart[name] <= bound]
+
+    def _bounds(self, encoding: Encoding, steps: int) -> dict[str, float]:
+        return rounding_bounds(
+            self.scenario, encoding, self.solution, steps, is_single=self.is_single
+        )
+
+    def _moves_as(self, encoding: Encoding, run: Run) -> str:
+        """The method whose motion of the scene as it is this one is, to round-off."""
+        assert run.trajectory is not None
+        for method, other in self.plain_of.items():
+            if method == self.method or other.outcome != "ok" or other.trajectory is None:
+                continue
+            apart = self._apart(run.trajectory, other.trajectory)
+            if not self._beyond(encoding, apart, run.steps):
+                return method
+        return ""
+
+    def _with_the_timestep(
+        self, encoding: Encoding, pair: Pair, beyond: list[str]
+    ) -> tuple[EncodingWord, str]:
+        """Whether the difference goes away with the timestep, as the method's own error does."""
+        first = before = now = self._sizes(pair, beyond)
+        worst = max(beyond, key=lambda name: first[name][0])
+        size = f"{SIGNAL[worst].label} by {_shown(worst, first[worst][0])}"
+        for halvings in range(1, MOST_HALVINGS + 1):
+            halved = self.at_halved(encoding, halvings)
+            if halved.encoded.outcome != "ok" or halved.plain.outcome != "ok":
+                ended = halved.encoded.reason or halved.plain.reason
+                return "open", f"{size}; at a shorter timestep: {ended}"
+            before, now = now, self._sizes(halved, beyond)
+            left = f"{size}, {_shown(worst, now[worst][0])} at {halved.encoded.timestep:.3g} s"
+            rounding = self._bounds(encoding, halved.encoded.steps)
+            if all(now[n][0] <= max(FALLS * before[n][0], rounding[n]) for n in beyond):
+                return "coarser", left
+        # It does not go away: does the method's own error, of the scene as it is?
+        falls = all(now[name][1] <= FALLS * before[name][1] for name in beyond)
+        return ("differs" if falls else "open"), left
+
+    def _sizes(self, pair: Pair, names: list[str]) -> dict[str, tuple[float, float]]:
+        """How far the motions are apart, and the error of the scene as it is, by signal."""
+        encoded, plain = pair.encoded.trajectory, pair.plain.trajectory
+        assert encoded is not None
+        assert plain is not None
+        apart = self._apart(encoded, plain)
+        own = errors_between(self.scenario, plain, self.solution.trajectory)
+        return {name: (apart[name], own[name]) for name in names}
+
+
+def _shown(name: str, value: float) -> str:
+    signal = SIGNAL[name]
+    return f"{value * signal.shown:.2g}°" if signal.unit == "rad" else f"{value:.1e}"

@@ -1,0 +1,128 @@
+"""Encodings mean the same: in the exact motion, and in engines but for known exceptions."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from case_loops import each_case
+from scenes import SCENES
+from spincheck.engines import engines
+from spincheck.engines.checks.read_back import State
+from spincheck.engines.encodings import ENCODINGS, EncodedEngine, SceneChange
+from spincheck.reference import solve
+from spincheck.reports.harness.encodings.bounds import JUDGED, rounding_bounds
+from spincheck.scenarios import errors_between, loads
+
+EPS = np.finfo(float).eps
+TUMBLING = loads(
+    """spincheck = 1
+title = "A body of half a kilogram tumbles as it flies"
+source = "made up"
+[body]
+mass = 0.5
+inertia = [1e-3, 2e-3, 2.5e-3]
+com = [0.01, 0.02, -0.01]
+[start]
+rotation_vector_deg = [24.0, 0.0, 32.0]
+omega_body = [0.3, 12.0, 0.5]
+velocity = [0.1, 0.2, 0.3]
+[effects.gravity]
+acceleration = [0.0, 1.0, -9.81]
+[effects.drag]
+rotational = 1e-4
+[effects.torque]
+body = [1e-3, 2e-3, -1e-3]
+[window]
+duration = 0.5
+samples = 51
+""",
+    "tumbling",
+)
+TIMESTEP = 1e-3
+
+
+def state_of(motion):
+    return State(
+        motion.q_world_body_wxyz, motion.omega_body, motion.com_world, motion.velocity_world
+    )
+
+
+def back(change, scenario, exact):
+    """The exact motion of the changed scene, turned back."""
+    changed = change.scene(scenario)
+    motion = solve(changed, changed.times).trajectory
+    return replace(exact, **vars(change.state_back(state_of(motion), changed.times)))
+
+
+@each_case("name", list(ENCODINGS))
+def test_the_exact_motion_of_a_changed_scene_is_that_of_the_scene(name):
+    change = ENCODINGS[name].change(TUMBLING)
+    solution = solve(TUMBLING, TUMBLING.times)
+    exact = solution.trajectory
+    bounds = rounding_bounds(TUMBLING, ENCODINGS[name], solution, 1, is_single=False)
+    apart = errors_between(TUMBLING, back(change, TUMBLING, exact), exact)
+    own = solution.uncertainty
+    assert all(apart[signal] <= 8 * bounds[signal] + 2 * own[signal] for signal in JUDGED)
+
+
+@each_case(
+    "change",
+    {
+        "a mirror that forgets ω": lambda c: replace(c, is_mirrored=False),
+        "another unit of time": lambda c: replace(c, time=2.0),
+    },
+)
+def test_a_motion_that_is_turned_back_wrongly_is_another_motion(change):
+    """Planted: the motion is turned back by another change than the scene."""
+    mirrored = SceneChange(is_mirrored=True)
+    solution = solve(TUMBLING, TUMBLING.times)
+    changed = mirrored.scene(TUMBLING)
+    motion = solve(change(mirrored).scene(TUMBLING), changed.times).trajectory
+    got = mirrored.state_back(state_of(motion), changed.times)
+    apart = errors_between(TUMBLING, replace(solution.trajectory, **vars(got)), solution.trajectory)
+    assert apart.omega > 1e-6
+
+
+def run(engine, scenario, encoding, method, steps=100):
+    encoded = EncodedEngine(engines()[engine], encoding)
+    samples = np.arange(0, steps + 1, steps // 5)
+    return encoded.run(scenario, encoded.method(method), TIMESTEP, samples)
+
+
+@pytest.mark.needs_pybullet
+@each_case("name", ["free-tilted", "heavy-tilted"])
+def test_engines_move_alike_in_all_descriptions_that_mean_the_same(name):
+    scenario = SCENES[name]
+    for engine, method in (("mujoco", "RK4"), ("mujoco", "Euler"), ("pybullet", "multibody")):
+        plain = run(engine, scenario, "plain", method)
+        assert plain.outcome == "ok", plain.reason
+        for one in ENCODINGS.values():
+            # On three slides, hinges, or off the com, motions differ by the timestep's error.
+            known = one.name in ("offset", "aligned", "hinges", "halves", "thirds") or (
+                # It holds another body.
+                engine == "pybullet" and one.name in ("welded", "nested", "full-tensor", "shape")
+            )
+            if known or one.why_not(engines()[engine], scenario):
+                continue
+            made = run(engine, scenario, one.name, method)
+            assert (made.outcome, made.reason) == ("ok", ""), (engine, one.name)
+            solution = solve(scenario, made.trajectory.t)
+            bounds = rounding_bounds(scenario, one, solution, made.steps, is_single=False)
+            apart = errors_between(scenario, made.trajectory, plain.trajectory)
+            assert all(apart[s] <= bounds[s] for s in JUDGED), (engine, one.name, apart)
+
+
+@pytest.mark.needs_pybullet
+@each_case(
+    ("engine", "method", "encoding", "outcome", "words"),
+    [
+        ("pybullet", "multibody", "welded", "failed", "No inertial data for link, using mass=1"),
+        ("pybullet", "maximal", "halves", "ok", "'mass' is off by 5.0e-01"),
+        ("mujoco", "RK4", "halves", "ok", ""),
+    ],
+)
+def test_what_an_engine_makes_of_welded_bodies(engine, method, encoding, outcome, words):
+    made = run(engine, SCENES["free-tilted"], encoding, method)
+    assert made.outcome == outcome
+    assert words in made.reason
+    assert bool(words) == bool(made.reason)
