@@ -268,7 +268,11 @@ def tip_sphere(scenario: Scenario) -> tuple[tuple[float, float, float], float]:
 
 
 def _lay_under(model: Model, scenario: Scenario) -> None:
-    """Put a plane under the body, both without friction or restitution."""
+    """Put a plane under the body, both without friction or restitution.
+
+    By default Bullet leaves contacts that are 1e-5 m deep, which shows in the limit of short steps.
+    """
+    p.setPhysicsEngineParameter(contactSlop=0, physicsClientId=model.client)
     client, height = model.client, sphere_and_plane(scenario)[1]
     shape = p.createCollisionShape(p.GEOM_PLANE, physicsClientId=client)
     plane = p.createMultiBody(0, shape, basePosition=[0, 0, height], physicsClientId=client)

@@ -164,6 +164,7 @@ def _settings(
 
 def _table(scenario: Scenario) -> Iterator[str]:
     """The plane under the body."""
+    yield "p.setPhysicsEngineParameter(contactSlop=0)"
     yield "plane = p.createCollisionShape(p.GEOM_PLANE)"
     height = sphere_and_plane(scenario)[1]
     yield f"plane = p.createMultiBody(0, plane, basePosition=[0, 0, {height!r}])"
