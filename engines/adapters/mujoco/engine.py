@@ -236,8 +236,8 @@ def _model(scenario: Scenario, way: Way, description: Description) -> Any:
 
 def _text(scenario: Scenario, timestep: float, way: Way, description: Description = PLAIN) -> str:
     """The scene as MJCF, with every pass on."""
-    held = off_its_table(scenario) if way.by_contact else scenario
-    text = mjcf(held, timestep, way.integrator, switched_off(held), description)
+    alone = off_its_table(scenario) if way.by_contact else scenario
+    text = mjcf(alone, timestep, way.integrator, switched_off(alone), description)
     if not way.by_contact:
         return text
     return with_contact(text, scenario, (way.tied * timestep, 1.0) if way.tied else None)
