@@ -12,7 +12,8 @@ CODE := scenarios reference engines reports
 SPREAD := fast-top --ensemble 200 --engine mujoco --engine pybullet \
 	--method default --method RK4 --method multibody
 
-.PHONY: docs report engines test quick pythons bench kills survey thresholds random suite encodings known-issues
+.PHONY: docs results report engines test quick pythons bench kills survey thresholds random suite
+.PHONY: encodings known-issues
 .PHONY: lint types contract check schema format-page engine-verdicts clean
 
 # The page is there to look at after the plain scenes, on short ladders and without the costs of
@@ -61,6 +62,10 @@ thresholds: $(READY)
 # Verdicts, survivors and the cost of accuracy of every engine there is; docs/measured/engine-verdicts.md.
 engine-verdicts: $(READY)
 	$(BIN)/python tests/reports/harness/measure_engines.py
+
+# Dated pages of what each engine and version does on the library: docs/results.
+results: $(READY)
+	$(BIN)/python docs/results/publish.py
 
 # Faultless methods on a thousand random scenes: what is judged wrongly, counted.
 random: $(READY)

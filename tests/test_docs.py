@@ -1,10 +1,11 @@
 """Docs agree with the repository: links lead somewhere, commands and options exist."""
 
+import json
 import re
 import shlex
 import subprocess
 import sys
-from importlib.util import find_spec
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import pytest
@@ -50,6 +51,17 @@ def test_every_link_leads_somewhere(name: str) -> None:
     assert [k for k, path in targets.items() if not path.exists() and path not in MADE] == []
 
 
+def test_every_page_is_in_a_table_of_contents() -> None:
+    pages = {page.relative_to(DOCS).with_suffix("").as_posix() for page in DOCS.rglob("*.md")}
+    listed = {"index"}
+    for index in DOCS.rglob("index.md"):
+        folder = index.parent.relative_to(DOCS).as_posix().removeprefix(".")
+        trees = re.findall(r"```\{toctree\}\n(.*?)```", index.read_text("utf-8"), re.DOTALL)
+        names = [name for tree in trees for name in tree.split() if not name.startswith(":")]
+        listed |= {f"{folder}/{name}".removeprefix("/") for name in names}
+    assert pages - listed == set()
+
+
 @each_case("name", sorted(TEXTS))
 def test_every_command_has_the_options_that_are_shown(name: str) -> None:
     group = get_group(app)
@@ -73,6 +85,21 @@ def test_every_page_that_sources_name_exists() -> None:
     }
     assert len(named) > 20
     assert {(source, name) for source, name in named if not (ROOT / name).exists()} == set()
+
+
+def test_pages_of_results_are_those_of_their_data() -> None:
+    """What `make results` would write of the JSON files that are there."""
+    spec = spec_from_file_location("publish", DOCS / "results/publish.py")
+    assert spec is not None
+    assert spec.loader is not None
+    publish = module_from_spec(spec)
+    spec.loader.exec_module(publish)
+    data = sorted((DOCS / "results").glob("*/*.json"))
+    assert data
+    for path in data:
+        record = json.loads(path.read_text(encoding="utf-8"))
+        assert path.with_suffix(".md").read_text(encoding="utf-8") == publish.page(record)
+    assert (DOCS / "results/index.md").read_text(encoding="utf-8") == publish.index()
 
 
 def test_what_is_wrong_would_be_found() -> None:

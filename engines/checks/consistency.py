@@ -156,8 +156,8 @@ def excess(
     epsilon : relative rounding of the engine's floating-point numbers
     slack : relative to the largest terms, what a body that an engine holds so exactly leaves
     """
-    gains = _gains(equations, steps)
-    sizes = np.maximum(_sizes(equations, steps.before).max(axis=0), NO_SIZE)
+    gains = step_gains(equations, steps)
+    sizes = np.maximum(term_sizes(equations, steps.before).max(axis=0), NO_SIZE)
     read = ABOVE * slack * _rates(equations, sizes)
     noise = np.minimum(noise_of(steps.timesteps, gains), read)
 
@@ -167,16 +167,23 @@ def excess(
 
     limit, known_to = extrapolated(steps.timesteps, gains, rounding(steps))
     # Where next to nothing acts, as on a body at rest, next to nothing is asked.
-    local = _sizes(equations, steps.before).reshape(gains.shape[:3])[0]
+    local = term_sizes(equations, steps.before).reshape(gains.shape[:3])[0]
     is_idle = local < NEGLIGIBLE * sizes
     slack_of_terms = (ABOVE * slack + np.where(is_idle, NEGLIGIBLE, 0.0)) * sizes
     if not equations.scenario.constraint.is_pivot:
         # Engines may solve for rotation and flight together, with terms m v² that cancel.
         speeds = norms(steps.before.velocity_world).reshape(gains.shape[:2])[0]
         slack_of_terms[:, 1] += ROUNDINGS * epsilon * equations.scenario.body.mass * speeds**2
+    if equations.scenario.rotors and equations.scenario.constraint.is_free:
+        spins = steps.before.spins.reshape(*gains.shape[:2], -1)[0]
+        body = equations.scenario.body
+        force, _ = equations.scenario.rotors.cancelling(spins, body.com)
+        rounded = ROUNDINGS * epsilon * force / body.mass
+        slack_of_terms[:, 2] += rounded
+        slack_of_terms[:, 3] += rounded * steps.timesteps[0]
     off = norms(_off_the_constraint(equations, steps.after)[1])
     nodes = Gains(steps.timesteps, gains, rounding(steps))
-    added = Gains(others.timesteps, _gains(equations, others), rounding(others))
+    added = Gains(others.timesteps, step_gains(equations, others), rounding(others))
     unsmooth, unsmooth_others = (
         surprises(nodes, at, least) / (slack_of_terms + read / at.timesteps[:, None, None])
         for at, least in ((nodes, COARSER), (added, 1))
@@ -194,7 +201,7 @@ def excess(
     )
 
 
-def _gains(equations: Equations, steps: Steps) -> FloatArray:
+def step_gains(equations: Equations, steps: Steps) -> FloatArray:
     """What each step gains beyond the exact motion, a second, (J, K, 4, 3)."""
     spans, after, exact = steps.spans[:, None], steps.after, steps.exact
     shape = (len(steps.timesteps), -1, 4, 3)
@@ -222,7 +229,7 @@ def _off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray
     )
 
 
-def _sizes(equations: Equations, states: State) -> FloatArray:
+def term_sizes(equations: Equations, states: State) -> FloatArray:
     """Sizes of the terms that gains are sums of, (n, 4)."""
     scenario, reach = equations.scenario, equations.reach
     speeds = norms(states.omega_body)

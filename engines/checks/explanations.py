@@ -96,6 +96,10 @@ def _changes(equations: Equations, gains: Sequence[Gain]) -> Iterator[_Change]:
         )
     yield _Change(effect(lambda s: s.torque(-s.omega)), _resistance)
     yield _Change(effect(lambda s: s.torque(-s.L)), _decay)
+    yield _Change(
+        effect(lambda s: s.torque(-s.L), lambda s: s.torque(-s.L * np.linalg.norm(s.omega))),
+        lambda theta: f"L were slowed by {theta[0]:.3g} + {theta[1]:.3g} ‖ω‖ /s",
+    )
     if equations.scenario.rotors:
         yield _Change(
             effect(lambda s: s.torque(-cross(s.omega, s.kept))),

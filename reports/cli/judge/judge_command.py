@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from ..options import AsJson, Scene
-from ..terminal import to_json
+from ..terminal import say, to_json
 
 app = typer.Typer()
 
@@ -39,6 +39,9 @@ def judge(
             help="Exit with 1 if an error is larger: attitude=1deg, omega=1e-3; may be repeated.",
         ),
     ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Write a page there, as a report's.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Compare recorded motions, from anywhere, with the exact one.
@@ -48,7 +51,7 @@ def judge(
     are judged as the timesteps of one method.
     """
     from ..named_scenes import one_scene
-    from .judging import judged_files, judgement_as_json, print_judgement
+    from .judging import judged_files, judgement_as_json, print_judgement, write_page
 
     options = (quaternion, omega, timestep or [], fail_above or [], order)
     judgement = judged_files(one_scene(scenario), files, *options)
@@ -56,4 +59,6 @@ def judge(
         print(to_json(judgement_as_json(judgement)))
     else:
         print_judgement(judgement)
+    if out is not None:
+        say(str(write_page(judgement, out)))
     raise typer.Exit(judgement.exit_code)

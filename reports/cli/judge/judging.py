@@ -3,15 +3,18 @@
 import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from math import pi
 from pathlib import Path
 from typing import Any, get_args
 
 from ....scenarios import SIGNAL, Scenario, did_you_mean, printable
+from ...harness.convergence_study import ConvergenceStudy
 from ...harness.recorded.judged import JudgedMotion, judged_motion
 from ...harness.recorded.motion import OmegaFrame, QuaternionOrder
 from ...harness.recorded.read import RecordingError, read_recording
-from ...harness.recorded.recorded_ladder import verdict_on_files
+from ...harness.recorded.recorded_ladder import results_of, study_of_files
+from ...harness.study_verdict import verdict_on
 from ...results.records import Verdict
 from ..terminal import AGREES, BAD_INPUT, DISAGREES, Complaint, table
 
@@ -28,14 +31,34 @@ class Judgement:
     Attributes
     ----------
     motions : by the name of their file
-    verdict : on several files, as the timesteps of one method; None for a single one
+    order : of accuracy, of the method that made them
     beyond : what exceeds a bound that the user gave, one sentence each
     """
 
     scenario: Scenario
     motions: dict[str, JudgedMotion]
-    verdict: Verdict | None
+    order: int
     beyond: list[str]
+
+    @cached_property
+    def study(self) -> ConvergenceStudy:
+        """The files as the timesteps of one method.
+
+        Raises
+        ------
+        Complaint
+            If they are not.
+        """
+        try:
+            return study_of_files(self.scenario, list(self.motions.values()), self.order)
+        except RecordingError as error:
+            names = ", ".join(map(printable, self.motions))
+            raise Complaint(f"{names}: {error}", BAD_INPUT) from None
+
+    @cached_property
+    def verdict(self) -> Verdict | None:
+        """The verdict on several files; None for a single one."""
+        return verdict_on(self.study) if len(self.motions) > 1 else None
 
     @property
     def exit_code(self) -> int:
@@ -83,16 +106,29 @@ def judged_files(
         for name, motion in motions.items()
         for sentence in motion.beyond(wanted)
     ]
-    return Judgement(scenario, motions, _verdict(scenario, motions, order), beyond)
+    return Judgement(scenario, motions, order, beyond)
 
 
-def _verdict(scenario: Scenario, motions: dict[str, JudgedMotion], order: int) -> Verdict | None:
-    if len(motions) < 2:
-        return None
+def write_page(judgement: Judgement, folder: Path) -> Path:
+    """Write the scene's page, as of a report, with the files as the runs of one method.
+
+    Returns
+    -------
+    The page.
+
+    Raises
+    ------
+    Complaint
+        If the files are no timesteps of one method, or the folder cannot be written.
+    """
+    from ...pages.render import render
+
+    words = [one.explained_by for one in judgement.motions.values() if one.explained_by]
     try:
-        return verdict_on_files(scenario, list(motions.values()), order)
-    except RecordingError as error:
-        raise Complaint(f"{', '.join(map(printable, motions))}: {error}", BAD_INPUT) from None
+        index = render(results_of(judgement.study, words[0] if words else ()), folder)
+    except OSError as error:
+        raise Complaint(f"{folder}: cannot be written: {error}", BAD_INPUT) from None
+    return index.parent / "scenes" / f"{judgement.scenario.name}.html"
 
 
 def _one_of(option: str, value: str | None, words: Any) -> Any:
@@ -174,6 +210,9 @@ def _lines(name: str, motion: JudgedMotion) -> Iterator[str]:
         if when is None
         else f"The attitude is off by more than 1° from t = {when:.4g} s on."
     )
+    if motion.drifts:
+        drifts = ", ".join(f"{name} {drift:.3g}" for name, drift in motion.drifts.items())
+        sentences.append(f"Drift of what the motion conserves, relative: {drifts}.")
     for sentence in sentences:
         yield from textwrap.wrap(printable(sentence), WIDTH)
 

@@ -7,11 +7,20 @@ from math import pi
 import numpy as np
 
 from ....reference import ExactMotion, IntegrationError, Solution, drifts
-from ....scenarios import SIGNAL, FloatArray, Misfit, Scenario, check_scales, error_series
+from ....scenarios import (
+    SIGNAL,
+    FloatArray,
+    Misfit,
+    Scenario,
+    Trajectory,
+    check_scales,
+    error_series,
+)
 from ...results.records import Defect
 from ..defects import defects
-from .mistakes import Reading, mistakes
+from .mistakes import Reading, mistakes, starts_elsewhere
 from .motion import OmegaFrame, QuaternionOrder, RecordedMotion, recorded_motion
+from .physics import other_physics
 from .read import Recording, RecordingError
 
 EPS = float(np.finfo(float).eps)
@@ -34,7 +43,7 @@ class JudgedMotion:
     exceeds_1deg_at : s, the first time at which the attitude is off by more than 1°; None if never
     drifts : the largest change of each conserved quantity, relative
     defects : of the steps from sample to sample, by signal; empty if they cannot be followed
-    explained_by : mistakes in recording that explain the difference, in words
+    explained_by : mistakes in recording, or other physics, that explain the difference, in words
     ignored : headings of the file that mean nothing here
     """
 
@@ -100,17 +109,29 @@ def judged_motion(
         errors["omega"] = None
     of_steps = defects(scenario, recorded.trajectory, exact)
     beyond = np.flatnonzero(series["attitude"] > DEGREE)
+    timestep = timestep or (float(stated["timestep"]) if "timestep" in stated else None)
+    reading = Reading(recording, order, frame)
+    explained = (
+        mistakes(scenario, exact, reading)
+        or other_physics(scenario, recorded.trajectory, exact, timestep)
+        or starts_elsewhere(scenario, exact, reading)
+    )
     return JudgedMotion(
         recorded,
         solution,
-        timestep or (float(stated["timestep"]) if "timestep" in stated else None),
+        timestep,
         errors,
         float(exact.t[beyond[0]]) if len(beyond) else None,
-        drifts(scenario, recorded.trajectory),
+        _drifts(scenario, recorded.trajectory),
         of_steps.summary(len(exact.t) - 1, EPS) if of_steps else {},
-        tuple(mistakes(scenario, exact, Reading(recording, order, frame))),
+        tuple(explained),
         recording.ignored,
     )
+
+
+def _drifts(scenario: Scenario, motion: Trajectory) -> dict[str, float]:
+    """Drifts of a recording, but for what its spins, which it has none of, are taken to keep."""
+    return {name: v for name, v in drifts(scenario, motion).items() if name != "rotors_momentum"}
 
 
 def exact_at(scenario: Scenario, times: FloatArray) -> Solution:

@@ -72,11 +72,16 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
         errors = [_error(scenario, beginning, other) for _, other in readings]
         if min(errors) < least / EXPLAINS:
             best, least = readings[int(np.argmin(errors))][0], min(errors)
-    return best or _starts_elsewhere(scenario, exact, reading)
+    return best
 
 
-def _starts_elsewhere(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[str]:
-    """The message that the first sample is not on the scene's motion; empty if it nearly is."""
+def starts_elsewhere(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[str]:
+    """The message that the first sample is not on the scene's motion; empty if it nearly is.
+
+    Parameters
+    ----------
+    exact : the exact motion at the recording's times
+    """
     first = reading.with_arrays(**{k: v[:1] for k, v in reading.recording.arrays.items()})
     if "omega" not in first.recording.arrays:
         return []
@@ -126,7 +131,7 @@ def _recorded(scenario: Scenario, reading: Reading, exact: Trajectory) -> Record
     return recorded_motion(scenario, reading.recording, exact, reading.quaternion, reading.omega)
 
 
-_STATE = ("q_world_body_wxyz", "omega_body", "com_world", "velocity_world")
+_STATE = ("q_world_body_wxyz", "omega_body", "com_world", "velocity_world", "spins")
 
 
 def early_error(scenario: Scenario, recorded: RecordedMotion, exact: Trajectory) -> float:

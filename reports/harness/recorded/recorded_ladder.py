@@ -1,6 +1,7 @@
 """Recorded motions at halved timesteps as the ladder of one method, and the verdict on it."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import final
 
@@ -10,6 +11,7 @@ from ....engines import Engine, EngineError, Method, Run, Session
 from ....reference import Solution
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ...results.records import Verdict
+from ...results.store import Results, SceneResult
 from ..convergence_study import ConvergenceStudy
 from ..executors import Answer
 from ..ladder import Ladder, Rung
@@ -43,7 +45,14 @@ class RecordedEngine(Engine):
 
 
 def verdict_on_files(scenario: Scenario, motions: Sequence[JudgedMotion], order: int) -> Verdict:
-    """Judge motions, each made with half the timestep of another, as the runs of one method.
+    """Judge motions, as `study_of_files` takes them."""
+    return verdict_on(study_of_files(scenario, motions, order))
+
+
+def study_of_files(
+    scenario: Scenario, motions: Sequence[JudgedMotion], order: int
+) -> ConvergenceStudy:
+    """Return motions, each made with half the timestep of another, as the runs of one method.
 
     Parameters
     ----------
@@ -67,7 +76,29 @@ def verdict_on_files(scenario: Scenario, motions: Sequence[JudgedMotion], order:
     rungs = [Rung(dt, np.rint(times / dt).astype(np.int64)) for dt in timesteps]
     study = _study(scenario, RecordedEngine(order), solution, rungs)
     _take(study, dict(zip(timesteps, recorded, strict=True)), times)
-    return verdict_on(study)
+    return study
+
+
+def results_of(study: ConvergenceStudy, explained_by: Sequence[str]) -> Results:
+    """Return the runs and the verdict as a result file has them, for pages.
+
+    Parameters
+    ----------
+    explained_by : what explains the motion, in words, if anything does: then it is another one
+    """
+    verdict = verdict_on(study)
+    if explained_by:
+        reason = "; ".join([*explained_by, verdict.reason])
+        verdict = replace(verdict, verdict="disagrees", reason=reason)
+    name, pair = study.scenario.name, (study.engine.name, study.method.name)
+    # As an engine's defaults are: judged as they are, shown first, recommended to nobody.
+    return Results(
+        {},
+        {name: SceneResult(study.scenario, study.solution)},
+        [replace(row, stock=row is study.rows[-1]) for row in study.rows],
+        [verdict],
+        methods={pair: replace(study.method, as_shipped=True)},
+    )
 
 
 def _study(

@@ -56,6 +56,14 @@ def test_bounds_fail_where_they_are_exceeded(recorded, bound, code):
     assert (exit_code, "exact.csv: " in out and " is off by " in out) == (code, bool(code))
 
 
+def test_a_page_shows_the_files_as_the_runs_of_one_method(recorded, tmp_path):
+    code, _, err = recorded("world.csv", "--out", "page")
+    assert (code, err.split()) == (1, ["page/scenes/fast-top.html"])
+    page = (tmp_path / "page/scenes/fast-top.html").read_text(encoding="utf-8")
+    assert "recorded files at 5 ms" in page
+    assert "ω is in world axes; only 1 timesteps ran to the end" in page
+
+
 def test_files_of_one_timestep_are_no_ladder(recorded):
     code, _, err = recorded("exact.csv", "stated.csv")
     assert (code, "timesteps must be halved from file to file" in err) == (2, True)

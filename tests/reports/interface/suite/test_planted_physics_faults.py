@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from case_loops import each_case
+from planted_physics import Damped, Ungyroscopic
 from spincheck.engines import State
 from spincheck.reports.cli.suite.subjects import EngineSubject
 from spincheck.suite import test_physics
@@ -38,13 +39,6 @@ class Other(Stepped):
 
     def change(self) -> None:
         """Change the constants."""
-
-
-class Ungyroscopic(Stepped):
-    at_every_step = True
-
-    def torque(self) -> np.ndarray:
-        return np.cross(self.omega, self.inertia @ self.omega)
 
 
 class StartsAtRestAboutTheMinorAxes(Stepped):
@@ -82,13 +76,6 @@ class HalvesTheTurn(Stepped):
             self.take(1)
             middle = before + self.y[:4]
             self.y[:4] = middle / np.linalg.norm(middle)
-
-
-class Damped(Other):
-    """At 0.04 /s, as Bullet by default."""
-
-    def change(self) -> None:
-        self.constants[DRAG] += 0.04 * self.inertia[0, 0]
 
 
 class ClampedAt100(Stepped):

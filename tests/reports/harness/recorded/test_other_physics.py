@@ -1,0 +1,133 @@
+"""Other physics, planted in motions and in real engines, is named with its number, and no other."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from case_loops import each_case
+from kinds_of_engines import why_missing
+from planted_physics import Damped, Ungyroscopic
+from spincheck.engines import engines
+from spincheck.reference import solve
+from spincheck.reports.harness.recorded.judged import judged_motion
+from spincheck.reports.harness.recorded.read import Recording
+from spincheck.scenarios import Scenario, Trajectory, load
+from spincheck.scenarios.scenario import with_tables
+from spincheck.suite import SCENES
+from stepped import METHODS, Stepped, SteppedEngine
+
+pytestmark = pytest.mark.slow
+
+TUMBLING, TOP, FAST = (
+    load(SCENES / f"{name}.toml") for name in ("free-asymmetric", "heavy-top", "fast-sphere")
+)
+
+
+def exact(scenario: Scenario, **tables: object) -> Trajectory:
+    times = np.linspace(0.0, scenario.window.duration, 201)
+    document = scenario.document
+    other = {name: getattr(document, name).model_copy(update=t) for name, t in tables.items()}
+    return solve(with_tables(scenario, **other), times).trajectory
+
+
+def stepped(kind: type[Stepped]) -> Trajectory:
+    run = SteppedEngine(kind).run(TUMBLING, METHODS[2], 0.01, np.arange(201))
+    assert run.trajectory is not None
+    return run.trajectory
+
+
+def clamped(limit: Callable[[np.ndarray], np.ndarray]) -> Trajectory:
+    motion = exact(FAST)
+    return replace(motion, omega_body=limit(motion.omega_body))
+
+
+PLANTED: dict[str, tuple[Scenario, Callable[[], Trajectory], str]] = {
+    "no gyroscopic torque": (
+        TUMBLING,
+        lambda: stepped(Ungyroscopic),
+        "it moves as if there were no gyroscopic torque",
+    ),
+    "another inertia": (
+        TUMBLING,
+        lambda: exact(TUMBLING, body={"inertia": (1.0, 2.0, 2.7)}),
+        "it moves as if the moments were",
+    ),
+    "gravity": (
+        TOP,
+        lambda: exact(
+            TOP,
+            effects={
+                "gravity": TOP.effects.gravity.model_copy(
+                    update={"acceleration": (0.0, 0.0, -12.0)}
+                )
+            },
+        ),
+        "it moves as if gravity were 1.2",
+    ),
+    "damping at a rate": (
+        TUMBLING,
+        lambda: stepped(Damped),
+        "it moves as if L were slowed by 0.04 /s",
+    ),
+    "a clamp by component": (
+        FAST,
+        lambda: clamped(lambda omega: np.clip(omega, -350.0, 350.0)),
+        "each component of ω in body axes is clamped to 350 rad/s",
+    ),
+    "a clamp of the norm": (
+        FAST,
+        lambda: clamped(lambda omega: omega / 5),
+        "‖ω‖ is clamped to 100 rad/s",
+    ),
+}
+
+
+def explained(scenario: Scenario, motion: Trajectory, timestep: float) -> tuple[str, ...]:
+    arrays = {"t": motion.t, "q": motion.q_world_body_wxyz, "omega": motion.omega_body}
+    recording = Recording(Path("motion.csv"), arrays, {"timestep": repr(timestep)})
+    return judged_motion(scenario, recording).explained_by
+
+
+@each_case("name", [*PLANTED])
+def test_planted_physics_is_named_with_its_number(name: str) -> None:
+    scenario, motion, words = PLANTED[name]
+    (found,) = explained(scenario, motion(), 1e-5)
+    assert found.startswith(words)
+
+
+@each_case("order", [0, 1, 2])
+@each_case("timestep", [0.001, 0.01, 0.05])
+def test_what_an_integrator_does_is_no_other_physics(order: int, timestep: float) -> None:
+    for scenario in (TUMBLING, TOP):
+        steps = round(scenario.window.duration / timestep)
+        every = max(1, round(0.005 / timestep))
+        run = SteppedEngine().run(scenario, METHODS[order], timestep, np.arange(0, steps, every))
+        assert run.trajectory is not None
+        words = " ".join(explained(scenario, run.trajectory, timestep))
+        assert "as if" not in words
+        assert "clamped" not in words
+
+
+REAL = {
+    "pybullet default": (TUMBLING, "L were slowed by 0.16"),
+    "cannon-es point": (TUMBLING, "there were no gyroscopic torque"),
+    "havok plain": (TUMBLING, "there were no gyroscopic torque"),
+    "jolt default": (TUMBLING, "there were no gyroscopic torque"),
+    "physx default": (FAST, "‖ω‖ is clamped to 100 rad/s"),
+}
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_faults_of_real_engines_are_named(name: str) -> None:
+    engine, method = name.split()
+    if reason := why_missing(engine):
+        pytest.skip(reason)
+    scenario, words = REAL[name]
+    timestep = scenario.window.duration / 1000
+    samples = np.arange(0, 1001, 5)
+    run = engines()[engine].run(scenario, engines()[engine].method(method), timestep, samples)
+    assert run.trajectory is not None
+    (found,) = explained(scenario, run.trajectory, timestep)
+    assert words in found
