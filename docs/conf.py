@@ -4,14 +4,18 @@ No page fetches anything: search is Sphinx's own index, formulas are MathML, fig
 """
 
 import os
+import re
 import sys
 from hashlib import sha256
 from importlib.metadata import version as version_of
 from pathlib import Path
 
 from jupyter_cache import get_cache
+from sphinx.application import Sphinx
 
 DOCS = Path(__file__).parent
+#: A parameter in a docstring: at the margin, names, a colon, and what they are.
+ENTRY = re.compile(r"^(\*{0,2}\w[\w, *]*) : ", re.MULTILINE)
 sys.path.insert(0, str(DOCS / "extensions"))
 
 
@@ -59,6 +63,7 @@ os.environ["COLUMNS"] = "88"
 os.environ["PYTHONSTARTUP"] = str(DOCS / "extensions" / "notebook_start.py")
 
 autodoc_member_order = "bysource"
+napoleon_use_rtype = False
 autodoc_typehints = "signature"
 python_use_unqualified_type_names = True
 
@@ -70,3 +75,16 @@ html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sourcelink = False
 html_theme_options = {"navigation_with_keys": True}
+
+
+def describe_without_types(_app: object, _what: str, _name: str, *others: object) -> None:
+    """Move what stands behind a parameter's colon below it: here it is no type."""
+    lines = others[-1]
+    assert isinstance(lines, list)
+    text = "\n".join(lines)
+    lines[:] = ENTRY.sub(r"\1\n    ", text).splitlines()
+
+
+def setup(app: Sphinx) -> None:
+    """Have docstrings changed before napoleon reads them."""
+    app.connect("autodoc-process-docstring", describe_without_types, priority=400)

@@ -92,7 +92,7 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
     on_table = scenario.effects.table is not None
     falling = [0.0, 0.0, 0.0] if scenario.constraint.is_pivot else gravity
     rotors = scenario.rotors
-    kept = (_kept(scenario) @ rotors.axes_body).tolist()
+    kept = rotors.kept_body(scenario.start.omega_body, rotors.start_spins).tolist()
 
     def rate(_t: float, state: FloatArray) -> list[float]:
         a, b, c, w, x, y, z, *_, vx, vy, vz = state.tolist()

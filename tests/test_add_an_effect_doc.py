@@ -8,9 +8,13 @@ PAGE = (ROOT / "docs/how-to/add-an-effect.md").read_text(encoding="utf-8")
 FOLDERS = ("scenarios", "reference", "engines", "reports")
 #: Engines that take an effect have it in a form of their own.
 ADAPTERS = ("engines/adapters/", "engines/models/")
-#: The word by itself, not in the name of a scene.
+#: Words by themselves, not in the names of scenes; the heading below which their files are listed.
 DRAG = re.compile(r"(?<![\w-])drag(?![\w-])")
+ROTORS = re.compile(r"(?<![\w-])rotors?(?![\w-])")
+OF_A_PART = "## A part of the body"
 MOST, MOST_WITH_ADAPTERS = 12, 21
+#: Of a part, which adds states: measured, and twice what was hoped for.
+MOST_OF_A_PART = 26
 
 
 def files_with(word: re.Pattern[str], root: Path) -> set[str]:
@@ -23,12 +27,21 @@ def files_with(word: re.Pattern[str], root: Path) -> set[str]:
     }
 
 
+def listed_in(section: str) -> set[str]:
+    return set(re.findall(r"^\| `([^`]+)` \|", section, re.MULTILINE))
+
+
 def test_the_page_lists_the_files_that_name_an_effect() -> None:
-    listed = re.findall(r"^\| `([^`]+)` \|", PAGE, re.MULTILINE)
-    named = files_with(DRAG, ROOT)
-    assert set(listed) == {path for path in named if not path.startswith(ADAPTERS)}
+    listed, named = listed_in(PAGE.split(OF_A_PART)[0]), files_with(DRAG, ROOT)
+    assert listed == {path for path in named if not path.startswith(ADAPTERS)}
     assert len(listed) <= MOST
     assert len(named) <= MOST_WITH_ADAPTERS
+
+
+def test_the_page_lists_the_files_that_name_a_part() -> None:
+    listed, named = listed_in(PAGE.split(OF_A_PART)[1]), files_with(ROTORS, ROOT)
+    assert listed == {path for path in named if not path.startswith(ADAPTERS)}
+    assert len(listed) <= MOST_OF_A_PART
 
 
 def test_a_file_that_names_it_besides_would_be_found(tmp_path: Path) -> None:

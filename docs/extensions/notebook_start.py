@@ -13,7 +13,7 @@ from IPython import get_ipython
 from IPython.core.error import UsageError
 
 #: Columns that a page is wide.
-WIDTH = 112
+WIDTH = 96
 
 
 def wrapped(line: str) -> str:

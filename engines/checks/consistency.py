@@ -174,6 +174,13 @@ def excess(
         # Engines may solve for rotation and flight together, with terms m v² that cancel.
         speeds = norms(steps.before.velocity_world).reshape(gains.shape[:2])[0]
         slack_of_terms[:, 1] += ROUNDINGS * epsilon * equations.scenario.body.mass * speeds**2
+    if equations.scenario.rotors and equations.scenario.constraint.is_free:
+        spins = steps.before.spins.reshape(*gains.shape[:2], -1)[0]
+        body = equations.scenario.body
+        force, _ = equations.scenario.rotors.cancelling(spins, body.com)
+        rounded = ROUNDINGS * epsilon * force / body.mass
+        slack_of_terms[:, 2] += rounded
+        slack_of_terms[:, 3] += rounded * steps.timesteps[0]
     off = norms(_off_the_constraint(equations, steps.after)[1])
     nodes = Gains(steps.timesteps, gains, rounding(steps))
     added = Gains(others.timesteps, step_gains(equations, others), rounding(others))

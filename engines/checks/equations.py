@@ -82,8 +82,7 @@ class Equations:
 
     def kept_body(self, state: State) -> FloatArray:
         """The angular momentum that rotors keep, kg m²/s, (3,) or (n, 3)."""
-        rotors = self.scenario.rotors
-        return np.asarray(rotors.kept(state.omega_body, state.spins) @ rotors.axes_body)
+        return self.scenario.rotors.kept_body(state.omega_body, state.spins)
 
     def bears(self, states: State) -> NDArray[np.bool_]:
         """Whether what holds the body can hold it at each of n states: a table does not pull."""

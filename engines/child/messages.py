@@ -13,6 +13,8 @@ from ..engine import Method
 QUOTED = 80
 #: Largest number of methods of an engine, and of names it may list as active.
 MOST_NAMES = 32
+#: Effects that a scene's record has: it is of one body, without parts.
+IN_RECORDS = [name for name, effect in EFFECTS.items() if not effect.is_part]
 
 
 def _printable(text: str) -> str:
@@ -22,15 +24,15 @@ def _printable(text: str) -> str:
 
 
 def _effect(name: str) -> str:
-    if name not in EFFECTS:
-        raise ValueError(f"must be one of {', '.join(EFFECTS)}")
+    if name not in IN_RECORDS:
+        raise ValueError(f"must be one of {', '.join(IN_RECORDS)}")
     return name
 
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,39}$")]
 Words = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_printable)]
 Effect = Annotated[str, AfterValidator(_effect)]
-Effects = Annotated[list[Effect], Field(max_length=len(EFFECTS))]
+Effects = Annotated[list[Effect], Field(max_length=len(IN_RECORDS))]
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Known = Number | None

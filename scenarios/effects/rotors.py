@@ -180,6 +180,21 @@ class Rotors:
         turned = omega_body @ self.axes_body.T * self.is_free
         return np.asarray(kept / self.along - turned)
 
+    def kept_body(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
+        """The sum of what the hinges keep, kg m²/s, (n, 3): what is added to I ω in L."""
+        return np.asarray(self.kept(omega_body, spins) @ self.axes_body)
+
+    def cancelling(self, spins: FloatArray, com_body: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Σ m d s², N, and Σ (C + m d²) s², N m, (n,), d from the com of all.
+
+        Terms that coordinates which turn with a rotor have, and that cancel.
+        """
+        masses = np.array([rotor.body.mass for rotor in self.each])
+        places = np.array([rotor.body.com for rotor in self.each]).reshape(-1, 3)
+        apart = np.linalg.norm(places - com_body, axis=1)
+        squares = spins * spins
+        return squares @ (masses * apart), squares @ (self.along + masses * apart**2)
+
     def momentum_body(self, spins: FloatArray) -> FloatArray:
         """Σ C s u, kg m²/s, (n, 3): what they add to L."""
         return np.asarray(spins @ self.axial_body)
@@ -235,7 +250,7 @@ def kept_exact(rotor: Rotor, omega_body: Vector) -> mpf:
 def _gyroscopic_rate(scenario: "Scenario") -> float:
     """‖h‖/I, h the sum of what the hinges keep: the rate at which h × ω turns ω, rad/s."""
     rotors = scenario.rotors
-    h = rotors.kept(scenario.start.omega_body, rotors.start_spins) @ rotors.axes_body
+    h = rotors.kept_body(scenario.start.omega_body, rotors.start_spins)
     size = float(np.linalg.norm(h))
     if not size:
         return 0.0

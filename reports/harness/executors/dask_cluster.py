@@ -8,8 +8,7 @@ import asyncio
 import logging
 import threading
 import weakref
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import partial
 from typing import Any, ParamSpec, TypeVar, final
 
@@ -26,6 +25,8 @@ T = TypeVar("T")
 
 #: s, to wait for a scheduler; one that runs answers in a fraction of a second.
 CONNECT_LIMIT = 5.0
+#: Dask's logs on the side of a client; the second has a level of its own.
+LOGGERS = ("distributed", "distributed.client")
 #: Calls submitted for each thread of the cluster: one runs, the next is being sent.
 CALLS_PER_THREAD = 2
 
@@ -95,7 +96,8 @@ class DaskCluster(Executor):
         except (Exception, asyncio.CancelledError) as error:
             if self._stopped:
                 raise ExecutorStopped from None
-            raise ClusterError(f"the cluster at {self._address} is gone: {error}") from error
+            words = " ".join(str(error).split())
+            raise ClusterError(f"the cluster at {self._address} is gone: {words}") from error
         return answer
 
     def alone(self) -> Executor:
@@ -159,11 +161,13 @@ def _connected(address: str) -> Any:
             f"needs the package '{error.name}', which is not installed: "
             "pip install 'spincheck[dask]'"
         ) from None
+    # What goes wrong is raised as an error; Dask logs its traceback besides, at any later time.
+    for name in LOGGERS:
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     try:
-        with _quiet():
-            # Before a client is made: closing one that cannot connect takes long.
-            asyncio.run(_greet(address))
-            return Client(address, timeout=CONNECT_LIMIT, set_as_default=False)  # type: ignore[no-untyped-call]
+        # Before a client is made: closing one that cannot connect takes long.
+        asyncio.run(_greet(address))
+        return Client(address, timeout=CONNECT_LIMIT, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, TimeoutError):
         raise ClusterError(f"no scheduler answers at {address}") from None
     except ValueError as error:
@@ -175,15 +179,3 @@ async def _greet(address: str) -> None:
 
     scheduler = await asyncio.wait_for(connect(address), CONNECT_LIMIT)  # type: ignore[no-untyped-call]
     await scheduler.close()
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Silence Dask's log: what goes wrong is raised as an error."""
-    logger = logging.getLogger("distributed")
-    before = logger.level
-    logger.setLevel(logging.CRITICAL + 1)
-    try:
-        yield
-    finally:
-        logger.setLevel(before)

@@ -9,7 +9,14 @@ from ....engines.checks.equation_residuals import ASKEW
 from ....engines.checks.equations import Equations
 from ....engines.checks.read_back import State
 from ....reference import Solution, flow
-from ....scenarios import SIGNAL, Errors, FloatArray, Scenario, Trajectory
+from ....scenarios import (
+    SIGNAL,
+    Errors,
+    FloatArray,
+    Scenario,
+    Trajectory,
+    angular_momentum_world,
+)
 from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.rotation import cross, matrix, norms, rotation_vectors, turned_back
 from ...results.records import CONSISTENT
@@ -71,10 +78,18 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
     bears = Equations(scenario).bears(states)
     states, times = states.rows(bears), np.append(along.t, [np.nan] * len(ASKEW))[bears]
     starts = np.unique(np.linspace(0, len(chosen) - 1, PIECES).astype(int))
-    condition = float(np.linalg.cond(scenario.inertia))
+    condition = float(np.linalg.cond(scenario.inertia)) + _of_rotors(scenario, motion)
     pieces = _pieces(scenario, states.rows(starts), timestep, condition)
     timesteps = timestep / 2.0 ** np.arange(HALVINGS)
     return Places(states, times, np.asarray(timesteps), pieces, starts, condition)
+
+
+def _of_rotors(scenario: Scenario, motion: Trajectory) -> float:
+    """Torques that cancel in coordinates which turn with rotors, over the gyroscopic one."""
+    _, torque = scenario.rotors.cancelling(motion.spins, scenario.body.com)
+    L_world, speed = angular_momentum_world(scenario, motion), norms(motion.omega_body).max()
+    gyroscopic = float(norms(L_world).max() * speed)
+    return float(torque.max()) / gyroscopic if gyroscopic else 0.0
 
 
 def rounding_of_body(condition: float) -> float:

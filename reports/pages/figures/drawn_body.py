@@ -74,6 +74,12 @@ def axis_body(scenario: Scenario) -> FloatArray:
     return np.asarray(np.array(R_body_axes, dtype=float) @ axis)
 
 
+def kept_body(scenario: Scenario) -> FloatArray:
+    """What rotors add to I ω in L, kg m²/s, body axes, (3,): the same all along the motion."""
+    rotors, omega_body = scenario.rotors, scenario.start.omega_body
+    return rotors.kept_body(omega_body, rotors.start_spins)
+
+
 def _up(solved: SceneResult) -> tuple[FloatArray, str]:
     """Against gravity where it turns the body, along the initial L elsewhere; z at rest."""
     scenario = solved.scenario

@@ -21,7 +21,7 @@ from ....reference import ExactMotion
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ...results.store import SceneResult
 from .axis_path import frame_about
-from .drawn_body import DrawnBody, drawn_body
+from .drawn_body import DrawnBody, drawn_body, kept_body
 
 #: Frames a second; largest number of frames of a film.
 FRAMES_A_SECOND, MOST_FRAMES = 20, 120
@@ -128,13 +128,13 @@ class _Pane:
         com = scenario.body.com if scenario.constraint.is_pivot else np.zeros(3)
         self._faces = (_faces(body) * body.half_sides) @ body.R_body_axes.T + com
         self._tints = _tints(len(self._faces))
-        self._inertia = scenario.inertia
+        self._inertia, self._kept = scenario.inertia, kept_body(scenario)
         self._reach = 1.1 * float(np.linalg.norm(self._faces, axis=-1).max())
         self._path = filmed.motion.to_world(body.axis_body) @ self._upright.T * self._reach
         # Of a body on a pivot one half alone is of interest.
         is_held = scenario.constraint.is_pivot
         self._centre = 0.4 * self._path.mean(axis=0) if is_held else np.zeros(3)
-        momenta = filmed.motion.omega_body @ self._inertia.T
+        momenta = filmed.motion.omega_body @ self._inertia.T + self._kept
         self._largest = [
             float(np.linalg.norm(vectors, axis=1).max()) or 1.0
             for vectors in (filmed.motion.omega_body, momenta)
@@ -156,7 +156,8 @@ class _Pane:
         )
         axes.add_collection3d(faces)
         axes.plot(*self._path[motion.t <= time].T, color=PATH, lw=1)
-        arrows = ((omega, OMEGA, OMEGA_LENGTH), (self._inertia @ omega, MOMENTUM, MOMENTUM_LENGTH))
+        momentum = self._inertia @ omega + self._kept
+        arrows = ((omega, OMEGA, OMEGA_LENGTH), (momentum, MOMENTUM, MOMENTUM_LENGTH))
         for (vector, colour, length), largest in zip(arrows, self._largest, strict=True):
             tip = R_upright_body @ vector * (length * self._reach / largest)
             axes.quiver(0, 0, 0, *tip, color=colour, lw=2, arrow_length_ratio=0.12)

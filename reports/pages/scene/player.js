@@ -29,7 +29,8 @@
   const tip = body.pivot ? Math.max(norm(body.com) + 0.6 * widest, 1.5 * widest) : 1.45 * widest;
   const reach = 1.04 * Math.max(tip, norm(body.com) + corner);
   const largest = { omega: data.fastest || 1, L: 0 };
-  for (const omega of exact.omega) largest.L = Math.max(largest.L, norm(times(body.inertia, omega)));
+  const momentum = (omega) => plus(times(body.inertia, omega), body.kept);
+  for (const omega of exact.omega) largest.L = Math.max(largest.L, norm(momentum(omega)));
   // Of a top that stays upright the upper half is of interest.
   const tips = exact.path(body.axis);
   const mean = unit(tips.points.reduce((sum, p) => plus(sum, p), [0, 0, 0]));
@@ -161,7 +162,7 @@
     const of = (vector, most) => vector.map((x) => (0.85 * reach * x) / most);
     const origin = body.pivot ? [0, 0, 0] : com;
     arrow(seen, origin, of(times(R, omega), largest.omega), colour("--vector-omega"), "ω");
-    arrow(seen, origin, of(times(R, times(body.inertia, omega)), 1.4 * largest.L || 1), colour("--vector-L"), "L", -18);
+    arrow(seen, origin, of(times(R, momentum(omega)), 1.4 * largest.L || 1), colour("--vector-L"), "L", -18);
   }
 
   let time = 0, playing = false, before = 0, run = runs[0], trail = run && run.motion.path(body.axis);

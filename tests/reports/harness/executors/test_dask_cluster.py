@@ -1,11 +1,13 @@
 """Calls on a Dask cluster: results to the last bit, whatever happens to its workers."""
 
 import asyncio
+import logging
 import os
 import signal
 import socket
 import sys
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import calls
@@ -61,6 +63,14 @@ def test_the_points_of_a_sweep_are_those_of_this_process_to_the_last_bit(tmp_pat
 
 
 @pytest.mark.processes
+def test_two_of_them_on_one_cluster_do_not_meet(tmp_path, scheduler, here):
+    clusters = [DaskCluster(scheduler.scheduler_address) for _ in range(2)]
+    with ThreadPoolExecutor(len(clusters)) as pool:
+        paths = [tmp_path / f"{k}.sqlite" for k in range(len(clusters))]
+        assert list(pool.map(sweep, paths, clusters)) == [here, here]
+
+
+@pytest.mark.processes
 def test_so_are_the_results_of_a_study(tmp_path, scheduler):
     cluster = DaskCluster(scheduler.scheduler_address)
     made_there = study(tmp_path / "there.sqlite", [SCENE], FAULTLESS, cluster)
@@ -73,8 +83,12 @@ def test_a_cluster_that_goes_away_ends_the_sweep_and_keeps_what_was_finished(tmp
     path = tmp_path / "there.sqlite"
     with cluster_of_threads(1) as local:
         cluster = DaskCluster(local.scheduler_address)
-        with pytest.raises(ClusterError, match="is gone"):
+        with pytest.raises(ClusterError, match="is gone") as raised:
             sweep(path, cluster, progress=lambda _: local.close())
+    assert "\n" not in str(raised.value)
+    # Dask would log the tracebacks of a scheduler that cannot say goodbye.
+    for name in dask_cluster.LOGGERS:
+        assert not logging.getLogger(name).isEnabledFor(logging.CRITICAL)
     with open_store(path) as store:
         assert 1 <= len(store.sweeps.points(MAP)) < len(here)
     assert sweep(path) == here
