@@ -55,7 +55,7 @@ nb_execution_cache_path = str(DOCS.parent / "build" / "notebooks" / digest_of_pr
 get_cache(nb_execution_cache_path).list_cache_records()
 nb_execution_in_temp = True
 nb_execution_raise_on_error = True
-nb_execution_timeout = 300
+nb_execution_timeout = 900
 nb_merge_streams = True
 # Commands in cells are those of this Python, and print lines as wide as a page.
 os.environ["PATH"] = f"{Path(sys.executable).parent}:{os.environ['PATH']}"

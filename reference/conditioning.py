@@ -64,6 +64,8 @@ def nudged(problem: Problem, k: int, size: mpf) -> Problem:
             q_world_axes=product(problem.q_world_axes, turn),
             lever_axes=scaled(problem.lever_axes, 1 + size * SIGNS_OF_LEVER[0][k]),
             tip_axes=scaled(problem.tip_axes, 1 + size * SIGNS_OF_LEVER[0][k]),
+            # A neighbour may lift off a little earlier: it is followed as if the table pulled.
+            ends_at_lift_off=False,
             kept=tuple(
                 kept * (1 + size * SIGNS_OF_LEVER[rotor % 2][k])
                 for rotor, kept in enumerate(problem.kept)

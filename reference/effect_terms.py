@@ -114,7 +114,11 @@ TABLE = EffectTerms(
         TIP: problem.tip_axes[i],
         MASS_OVER_MOMENT: problem.mass / problem.moments[i],
         UP_WORLD: mpf(i == 2),
-        DOWN_AND_RADIUS: (-problem.gravity_world[2], problem.tip_radius, mpf(0))[i],
+        DOWN_AND_RADIUS: (
+            -problem.gravity_world[2],
+            problem.tip_radius,
+            mpf(problem.ends_at_lift_off),
+        )[i],
     },
 )
 

@@ -29,6 +29,7 @@ class Problem:
     tip_axes : of the sphere that slides on a table, its centre from the centre of mass, m; zero
         without a table
     tip_radius : of that sphere, m
+    ends_at_lift_off : whether the motion ends where the table would have to pull
     mass : kg
     q_axes_body : takes body components to components along the principal axes
     kept, rotors_axes : of each rotor, the angular momentum that its hinge keeps, kg m²/s, and its
@@ -46,6 +47,7 @@ class Problem:
     q_axes_body: Quaternion
     tip_axes: Vector = ZERO
     tip_radius: mpf = ZERO[0]
+    ends_at_lift_off: bool = True
     mass: mpf = _ONE
     kept: tuple[mpf, ...] = ()
     rotors_axes: tuple[Vector, ...] = ()

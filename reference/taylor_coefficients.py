@@ -57,7 +57,7 @@ TORQUE_WORLD = 7  # N m
 TIP = 8  # a, m
 MASS_OVER_MOMENT = 9  # m/I, 1/m²
 UP_WORLD = 10
-DOWN_AND_RADIUS = 11  # −g_z, m/s², and the radius of the tip, m
+DOWN_AND_RADIUS = 11  # −g_z, m/s², the radius of the tip, m, and 1 if a lift-off ends it
 MOMENTUM = 12  # h, kg m²/s
 ROWS = 13
 

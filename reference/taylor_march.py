@@ -180,7 +180,7 @@ def march(
         h = step_size(series[0], total)
         if not h > CLOCK_TICK * clock[0]:
             return STUCK, first
-        if terms.world_vectors[ON_TABLE]:
+        if terms.world_vectors[ON_TABLE] and constants[0][DOWN_AND_RADIUS, 2] > 0.0:
             left = _lifts_off(series[0], constants[0], total, min(h, times[-1] - clock[0]))
             if math.isfinite(left):
                 clock[0] += left

@@ -12,9 +12,9 @@ ADAPTERS = ("engines/adapters/", "engines/models/")
 DRAG = re.compile(r"(?<![\w-])drag(?![\w-])")
 ROTORS = re.compile(r"(?<![\w-])rotors?(?![\w-])")
 OF_A_PART = "## A part of the body"
-MOST, MOST_WITH_ADAPTERS = 12, 21
+MOST, MOST_WITH_ADAPTERS = 12, 22
 #: Of a part, which adds states: measured, and twice what was hoped for.
-MOST_OF_A_PART = 26
+MOST_OF_A_PART = 27
 
 
 def files_with(word: re.Pattern[str], root: Path) -> set[str]:

@@ -104,18 +104,21 @@ class Difference:
     ----------
     wanted, got : the scene's value and the engine's
     relative : their largest difference, relative to the size of the quantity
+    why : the usual mistake that explains it, in words, if one does
     """
 
     what: str
     wanted: FloatArray
     got: FloatArray
     relative: float
+    why: str = ""
 
     @property
     def complaint(self) -> str:
         """The message of a run that fails because of it, with all digits."""
         wanted, got = self.wanted.tolist(), self.got.tolist()
-        return f"'{self.what}' must read back as {wanted}, got {got}"
+        why = f": {self.why}" if self.why else ""
+        return f"'{self.what}' must read back as {wanted}, got {got}{why}"
 
     @property
     def remark(self) -> str:
@@ -141,8 +144,28 @@ def differences(
     wanted_q, got_q = scenario.start.q_world_body_wxyz, state.q_world_body_wxyz
     angle = float(norms(rotation_vectors(got_q[None], wanted_q[None]))[0])
     if not angle <= slack:
-        differing.append(Difference("q_world_body_wxyz", wanted_q, got_q, angle))
+        words = _misread(wanted_q, got_q, slack)
+        off = Difference("q_world_body_wxyz", wanted_q, got_q, angle, words)
+        # Where it is known why, ω in body axes is off for the same reason.
+        differing.insert(0 if words else len(differing), off)
     return differing
+
+
+def _misread(wanted_q: FloatArray, got_q: FloatArray, slack: float) -> str:
+    """The usual mistake that makes one quaternion of the other, in words; empty if none does."""
+    conjugate = wanted_q * [1.0, -1.0, -1.0, -1.0]
+    order, inverse = "its components are permuted, w x y z for x y z w", "it is conjugated"
+    mistakes = (
+        (np.roll(wanted_q, -1), order),
+        (np.roll(wanted_q, 1), order),
+        (conjugate, f"{inverse}, world to body instead of body to world"),
+        (np.roll(conjugate, -1), f"{order}, and {inverse}"),
+        (np.roll(conjugate, 1), f"{order}, and {inverse}"),
+    )
+    for mistaken, words in mistakes:
+        if float(norms(rotation_vectors(got_q[None], mistaken[None]))[0]) <= slack:
+            return words
+    return ""
 
 
 def start_state(scenario: Scenario) -> State:

@@ -54,14 +54,14 @@ class Description:
     @property
     def features(self) -> frozenset[str]:
         """What an engine's models must have words for."""
-        asked = {
+        wanted = {
             "parts": self.parts != "one",
             "full tensor": self.full_tensor,
             "shape": self.shape,
             "joint": self.joint != "own",
             "compensated": self.compensated,
         }
-        return frozenset(name for name, is_asked in asked.items() if is_asked)
+        return frozenset(name for name, is_asked in wanted.items() if is_asked)
 
 
 #: As every scene is written.

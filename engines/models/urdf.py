@@ -30,7 +30,7 @@ ANY_AXIS = (0.0, 0.0, 1.0)
 def urdf(
     scenario: Scenario,
     thickness: float = 0.0,
-    shape_radius: float = 0.0,
+    sphere: tuple[Iterable[float], float] | None = None,
     has_box: bool = False,
     description: Description = PLAIN,
 ) -> str:
@@ -46,7 +46,7 @@ def urdf(
     Parameters
     ----------
     thickness : as in `principal_frame`, for a reader that refuses an entirely flat body
-    shape_radius : m, of a collision sphere about the com; none if zero
+    sphere : centre and radius of a collision sphere, m, body axes
     has_box : whether to add a collision box: the uniform box with the body's tensor
     description : how the body is written: its parts, and whether tensors are whole
     """
@@ -60,8 +60,9 @@ def urdf(
             parent = f"{BODY_LINK}-{part.onto}" if part.onto else BODY_LINK
             rpy = roll_pitch_yaw_of(part.q)
             _add_joint(robot, f"to-{name}", "fixed", (parent, name), part.position, rpy=rpy)
-    if shape_radius:
-        _add_shape(robot, scenario.body.com, (0.0, 0.0, 0.0), "sphere", radius=[shape_radius])
+    if sphere:
+        centre, radius = sphere
+        _add_shape(robot, centre, (0.0, 0.0, 0.0), "sphere", radius=[radius])
     if has_box:
         _add_box(robot, scenario.carrier, thickness)
     if scenario.constraint.is_pivot:

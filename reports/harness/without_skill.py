@@ -42,9 +42,9 @@ def _signals(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Itera
     if 0 < L_true.max() <= L_errors.max():
         since = exact.t[np.argmax(L_errors >= L_true.max())]
         yield _words("L", L_errors.max() / L_true.max(), since)
-    if not scenario.constraint.is_pivot:
-        start = exact.com_world[0]
-        yield from _of_path("com", motion.com_world - start, exact.com_world - start, exact.t)
+    start, is_flying = exact.com_world[0], ~np.array(scenario.constraint.is_held)
+    flown, exactly = ((one.com_world - start) * is_flying for one in (motion, exact))
+    yield from _of_path("com", flown, exactly, exact.t)
 
 
 def _of_path(name: str, run: FloatArray, exact: FloatArray, times: FloatArray) -> Iterator[str]:

@@ -7,7 +7,7 @@ about the centre of mass, along body axes, and T all other torque with −ω × 
     I ω' = T + N b,   m z'' = N + m g_z,   z = height + radius + ẑ·lever
     N (1/m + b·I⁻¹b) = −g_z + ẑ·(ω × (ω × lever)) − b·I⁻¹T
 
-(Routh, Dynamics of a System of Rigid Bodies II, §§ 207, 241: tops on a smooth plane.)
+(N. Rutstam, SIGMA 8 (2012) 019, for the symmetric top, there with friction besides.)
 """
 
 from collections.abc import Iterator

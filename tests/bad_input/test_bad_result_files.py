@@ -185,7 +185,7 @@ def full_disk(size: int) -> Iterator[None]:
 
 
 def test_a_full_disk_costs_a_message_and_the_run_resumes(elsewhere, monkeypatch):
-    monkeypatch.setattr(executing, "_executor", lambda *_: InProcess())
+    monkeypatch.setattr(executing, "LocalWorkers", lambda *_: InProcess())
     (elsewhere / "made.toml").write_text(written(LEAST))
     command = ("run", "made.toml", "--engine", "mujoco", "--method", "RK4", "--quick")
     with full_disk(FULL):

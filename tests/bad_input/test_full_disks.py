@@ -24,7 +24,7 @@ OUT = ("--out", "disk/results.sqlite")
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(executing, "_executor", lambda *_: InProcess())
+    monkeypatch.setattr(executing, "LocalWorkers", lambda *_: InProcess())
     (tmp_path / "made.toml").write_text(written(LEAST))
     return tmp_path
 

@@ -84,7 +84,7 @@ def results(tmp_path_factory):
     (folder / "made.toml").write_text(written(LEAST))
     out = folder / "clean.sqlite"
     scene = [str(folder / "made.toml")]
-    with patch.object(executing, "_executor", lambda *_: InProcess()):
+    with patch.object(executing, "LocalWorkers", lambda *_: InProcess()):
         return running.run(scene, ["mujoco"], ["RK4"], [], Where(1), out, quick=True)
 
 

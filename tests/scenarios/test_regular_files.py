@@ -23,7 +23,7 @@ ALLOWED = {
     "engines/adapters/node/__main__.py",
     "reports/cli/stopping.py",
     "reports/harness/executors/worker_main.py",
-    "reports/results/result_file.py",
+    "reports/results/only_writer.py",
 }
 
 

@@ -141,8 +141,21 @@ def _examples(schema: dict[str, Any], row: int = 0) -> Iterator[Any]:
             yield "x"
 
 
-#: Of `[body]`: the file that its numbers are from.
-ORIGIN = {"model": "robot.urdf", "link": "top", "sha256": "0" * 64}
+#: By table, what its keys need besides: the file that a body's numbers are from, all of a table
+#: that a body stands on, and its weight.
+ALONG: dict[Keys, dict[Keys, Any]] = {
+    ("body",): {
+        ("body", "model"): "robot.urdf",
+        ("body", "link"): "top",
+        ("body", "sha256"): "0" * 64,
+    },
+    ("effects", "table"): {
+        ("effects", "table", "height"): 0.0,
+        ("effects", "table", "tip"): [0.0, 0.0, 0.0],
+        ("effects", "table", "radius"): 0.0,
+        ("effects", "gravity", "acceleration"): [0.0, 0.0, -9.81],
+    },
+}
 
 
 @cache
@@ -190,7 +203,7 @@ def _with_less(file: Tables, keys: Keys) -> Iterator[Tables]:
 def _with_more(file: Tables, keys: Keys) -> Iterator[Tables]:
     """The file with another key in the same table, or the next one; or with several that go along.
 
-    No schema tells that a key needs others: what a body's numbers are from is told whole.
+    No schema tells that a key needs others (`ALONG`).
     """
     inside = "properties" in _arms(_schema_at(keys))[0]
     table = keys if inside else keys[:-1]
@@ -199,11 +212,10 @@ def _with_more(file: Tables, keys: Keys) -> Iterator[Tables]:
         if not holds(file, (*table, key)):
             for example in _examples(schema):
                 yield changed(file, (*table, key), example)
-    if keys[-1] in ORIGIN:
-        whole = file
-        for key, value in ORIGIN.items():
-            whole = changed(whole, (*table, key), value)
-        yield whole
+    whole = file
+    for place, value in ALONG.get(table, {}).items():
+        whole = changed(whole, place, value)
+    yield whole
 
 
 def is_scene(file: Tables) -> bool:

@@ -53,6 +53,8 @@ class Way:
     tied: float = 0.0
 
 
+#: What alters the motion of a body on a contact: off, so that a step depends on the state alone.
+OF_CONTACTS = ("warmstart",)
 #: Timesteps: the shortest time constant that MuJoCo takes a contact to be stable with.
 STIFFEST = 2.0
 #: Methods that are not an integrator on joints.
@@ -159,7 +161,7 @@ class MuJoCo(Engine):
             else tuple(
                 name
                 for name in left_out(scenario)
-                if not (_way(method).by_contact and name in PASSES)
+                if not (_way(method).by_contact and name in (*PASSES, *OF_CONTACTS))
             )
         )
 
@@ -234,8 +236,8 @@ def _model(scenario: Scenario, way: Way, description: Description) -> Any:
 
 def _text(scenario: Scenario, timestep: float, way: Way, description: Description = PLAIN) -> str:
     """The scene as MJCF, with every pass on."""
-    held = off_its_table(scenario) if way.by_contact else scenario
-    text = mjcf(held, timestep, way.integrator, switched_off(held), description)
+    alone = off_its_table(scenario) if way.by_contact else scenario
+    text = mjcf(alone, timestep, way.integrator, switched_off(alone), description)
     if not way.by_contact:
         return text
     return with_contact(text, scenario, (way.tied * timestep, 1.0) if way.tied else None)

@@ -246,7 +246,7 @@ def _body(model: Any, body: int) -> BodyReading:
 
 
 def _anchor(model: Any) -> tuple[FloatArray, FloatArray]:
-    """From the point that the coordinates move to the com, m, body axes; and where that begins."""
+    """The com from the point that the coordinates move, m, body axes; and where that begins."""
     com_body, last = body_of(model).com, model.body_jntnum[WORLD + 1] - 1
     if model.jnt_type[last] == mujoco.mjtJoint.mjJNT_FREE:
         return com_body, np.zeros(3)

@@ -15,6 +15,7 @@ import pybullet as p
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import cross, matrix
 from ...checks.read_back import BodyReading, State
+from ...models.mjcf_contact import sphere_and_plane
 from .as_shipped import take_away_damping, take_away_motor
 from .model import BASE, HUNG, Model
 
@@ -42,12 +43,19 @@ class Steps(Protocol):
         """Take whole steps, with the torques that belong to the scene."""
 
 
-def what_acts(steps: Steps, model: Model, scenario: Scenario) -> frozenset[str]:
+def what_acts(
+    steps: Steps, model: Model, scenario: Scenario, *, rests: bool = False
+) -> frozenset[str]:
     """Names of the effects that act, and descriptions of anything else that does.
+
+    Parameters
+    ----------
+    rests : whether the body lies on a plane by contact
 
     The probes change the body's state, and switch PyBullet's defaults off.
     """
-    acting = {*_world(model, scenario), *_holds(model), *_extras(model)}
+    acting = {*_world(model, scenario), *_holds(model)}
+    acting |= _lifted_off(model, scenario) if rests else _extras(model)
     if np.isfinite(model.read_state().omega_body).all():
         acting |= _acting(_Probe.of(steps, model, scenario))
     return frozenset(acting)
@@ -76,6 +84,21 @@ def _holds(model: Model) -> set[str]:
         constraint = p.getConstraintUniqueId(index, model.client)
         kind = p.getConstraintInfo(constraint, model.client)[4]
         acting.add("pivot" if kind == p.JOINT_POINT2POINT else f"a constraint of type {kind}")
+    return acting
+
+
+def _lifted_off(model: Model, scenario: Scenario) -> set[str]:
+    """What a body lies on, in words; that is taken away, so that nothing else pushes it."""
+    acting, (_, height) = set(), sphere_and_plane(scenario)
+    has_tip = _has_shape(model.client, model.body, BASE)
+    for body in [p.getBodyUniqueId(i, model.client) for i in range(p.getNumBodies(model.client))]:
+        if body == model.body:
+            continue
+        shapes = p.getCollisionShapeData(body, BASE, model.client)
+        place, _ = p.getBasePositionAndOrientation(body, model.client)
+        is_plane = [shape[2] for shape in shapes] == [p.GEOM_PLANE] and place == (0, 0, height)
+        acting.add("table" if is_plane and has_tip else "another body")
+        p.removeBody(body, model.client)
     return acting
 
 

@@ -38,11 +38,16 @@ REPRESENTATIONS = {
     "multibody": BodyRepresentation(maximal=False, hung=True),
     "multibody-p2p": BodyRepresentation(maximal=False, hung=False),
     "maximal": BodyRepresentation(maximal=True, hung=False),
+    "contact": BodyRepresentation(maximal=False, hung=False, by_contact=True),
+    "contact-maximal": BodyRepresentation(maximal=True, hung=False, by_contact=True),
     "default": BodyRepresentation(maximal=False, hung=True, defaults=frozenset(DEFAULTS)),
     "default-inertia-from-file": BodyRepresentation(
         maximal=False, hung=True, defaults=frozenset(DEFAULTS) - {INERTIA}
     ),
 }
+
+
+ON_TABLE = frozenset({"table"})
 
 
 class PyBullet(Engine):
@@ -80,6 +85,22 @@ class PyBullet(Engine):
             COMMON_EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             setup=setup(REPRESENTATIONS["maximal"]),
+        ),
+        *(
+            Method(
+                name,
+                1,
+                1,
+                f"{coordinates}, the table as a contact of a sphere and a plane",
+                COMMON_EFFECTS | ON_TABLE,
+                requires=ON_TABLE,
+                max_rotation_per_step=MOST_ROTATION_A_STEP,
+                setup=setup(REPRESENTATIONS[name]),
+            )
+            for name, coordinates in (
+                ("contact", "joint coordinates"),
+                ("contact-maximal", "six coordinates a body"),
+            )
         ),
         Method(
             "default",

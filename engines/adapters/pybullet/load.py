@@ -6,7 +6,7 @@ Why each call is there, and what happens without it: docs/measured/engines-pybul
 import atexit
 import shutil
 import tempfile
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from functools import cache
 from itertools import count
@@ -21,6 +21,7 @@ from ....scenarios.effects.rotors import Rotors
 from ....scenarios.scenario import with_tables
 from ...checks.read_back import EngineError, UnsupportedError
 from ...models.description import PLAIN, Description
+from ...models.mjcf_contact import sphere_and_plane
 from ...models.urdf import urdf
 from .as_shipped import idle_motor, take_away_clamp, take_away_damping, take_away_motor
 from .hinges import Hinges
@@ -36,6 +37,13 @@ INERTIA, DAMPING, JOINT_MOTOR, CLAMP = (
     "velocity clamp",
 )
 DEFAULTS = (INERTIA, DAMPING, JOINT_MOTOR, CLAMP)
+#: Of a contact.
+FRICTIONLESS = {
+    "lateralFriction": 0,
+    "spinningFriction": 0,
+    "rollingFriction": 0,
+    "restitution": 0,
+}
 #: N, limit of a constraint's force. The default is an impulse of 500 N s a step.
 UNREACHED_FORCE = 1e100
 #: SIMD_EPSILON of Bullet's LinearMath/btScalar.h: values not above it are taken for zero.
@@ -60,6 +68,7 @@ class BodyRepresentation:
     hung : whether the pivot is a spherical joint; otherwise a point-to-point constraint
     defaults : those of `DEFAULTS` that are kept
     own : the file that is loaded; the scene's URDF if None
+    by_contact : whether a table is a contact of a sphere and a plane
     description : how the scene's URDF describes the body
     """
 
@@ -68,6 +77,7 @@ class BodyRepresentation:
     defaults: frozenset[str] = frozenset()
     own: OwnURDF | None = None
     description: Description = PLAIN
+    by_contact: bool = False
 
     @property
     def as_shipped(self) -> bool:
@@ -77,7 +87,7 @@ class BodyRepresentation:
 
 def left_out(scenario: Scenario, representation: BodyRepresentation) -> tuple[str, ...]:
     """Parts left out of the body that would change no motion."""
-    if representation.as_shipped or representation.own:
+    if representation.as_shipped or representation.own or representation.by_contact:
         return ()
     return (SHAPE, MOTOR) if representation.hung and scenario.constraint.is_pivot else (SHAPE,)
 
@@ -128,6 +138,8 @@ def load(
         model.set_joint_attitude(world_from_body)
     elif scenario.constraint.is_pivot:
         _tie_to_world(model, representation)
+    if representation.by_contact:
+        _lay_under(model, scenario)
     omega_world = world_from_body.apply(np.array(scenario.start.omega_body))
     at_pivot = np.cross(omega_world, arm_world)
     model.set_velocity(
@@ -147,9 +159,14 @@ def _scenes_own(
 ) -> OwnURDF:
     """The scene as URDF; what holds a body that does not hang by a joint is no part of it."""
     hung = representation.hung and scenario.constraint.is_pivot
+    sphere: tuple[Iterable[float], float] | None = None
+    if representation.by_contact:
+        sphere = tip_sphere(scenario)
+    elif SHAPE in left_in:
+        sphere = scenario.body.com, _gyration_radius(scenario)
     text = urdf(
         scenario if hung else set_free(scenario),
-        shape_radius=_gyration_radius(scenario) if SHAPE in left_in else 0.0,
+        sphere=sphere,
         has_box=representation.as_shipped,
         description=representation.description,
     )
@@ -241,6 +258,26 @@ def _model_of_rigid_body(
 def set_free(scenario: Scenario) -> Scenario:
     """The scene's body without its pivot, which is then not part of the URDF."""
     return with_tables(scenario, effects=Effects())
+
+
+def tip_sphere(scenario: Scenario) -> tuple[tuple[float, float, float], float]:
+    """Centre, m, body axes, and radius, m, of the sphere that lies on the table."""
+    table = scenario.effects.table
+    assert table is not None
+    return table.tip, sphere_and_plane(scenario)[0]
+
+
+def _lay_under(model: Model, scenario: Scenario) -> None:
+    """Put a plane under the body, both without friction or restitution.
+
+    By default Bullet leaves contacts that are 1e-5 m deep, which shows in the limit of short steps.
+    """
+    p.setPhysicsEngineParameter(contactSlop=0, physicsClientId=model.client)
+    client, height = model.client, sphere_and_plane(scenario)[1]
+    shape = p.createCollisionShape(p.GEOM_PLANE, physicsClientId=client)
+    plane = p.createMultiBody(0, shape, basePosition=[0, 0, height], physicsClientId=client)
+    for body in (plane, model.body):
+        p.changeDynamics(body, BASE, **FRICTIONLESS, physicsClientId=client)
 
 
 def _gyration_radius(scenario: Scenario) -> float:

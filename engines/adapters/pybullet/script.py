@@ -6,10 +6,20 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ....scenarios import Scenario
+from ...models.mjcf_contact import sphere_and_plane
 from ...models.principal_frame import principal_frame
 from ...models.text import python_lines, python_list
 from ...models.urdf import urdf
-from .load import CLAMP, DAMPING, INERTIA, JOINT_MOTOR, BodyRepresentation, set_free
+from .load import (
+    CLAMP,
+    DAMPING,
+    FRICTIONLESS,
+    INERTIA,
+    JOINT_MOTOR,
+    BodyRepresentation,
+    set_free,
+    tip_sphere,
+)
 
 _START = """\
 import os
@@ -72,6 +82,9 @@ def setup(representation: BodyRepresentation) -> str:
         if representation.hung and not representation.maximal
         else ["# tied to a point:", EXACT_SOLVER, STRONG_TIE]
     )
+    if representation.by_contact:
+        frictionless = "lateralFriction=0, spinningFriction=0, rollingFriction=0, restitution=0"
+        pivot = ["# on a plane, of both bodies:", f"p.changeDynamics(body, -1, {frictionless})"]
     load = f'body = p.loadURDF("body.urdf", flags=p.URDF_USE_INERTIA_FROM_FILE{maximal})'
     return "\n".join(["p.setTimeStep(TIMESTEP)", load, NO_DAMPING, NO_CLAMP, *pivot])
 
@@ -87,7 +100,9 @@ def script(scenario: Scenario, representation: BodyRepresentation, timestep: flo
         if not scenario.constraint.is_pivot:
             arm_world = world_from_body.apply(np.array(scenario.body.com))
             position = scenario.start.position_world - arm_world
-    text = urdf(scenario if hung else set_free(scenario), has_box=representation.as_shipped)
+    sphere = tip_sphere(scenario) if representation.by_contact else None
+    held = scenario if hung else set_free(scenario)
+    text = urdf(held, sphere=sphere, has_box=representation.as_shipped)
     start = _START.format(
         lines=python_lines(text),
         link=0 if hung else -1,
@@ -138,11 +153,23 @@ def _settings(
         )
         yield STRONG_TIE
         velocity = world_from_body.apply(np.cross(omega_body, scenario.body.com))
+    if representation.by_contact:
+        yield from _table(scenario)
     omega_world = world_from_body.apply(omega_body)
     if scenario.rotors:
         arm_world = world_from_body.apply(scenario.body.com - scenario.carrier.com)
         velocity = velocity - np.cross(omega_world, arm_world)
     yield f"p.resetBaseVelocity(body, {python_list(velocity)}, {python_list(omega_world)})"
+
+
+def _table(scenario: Scenario) -> Iterator[str]:
+    """The plane under the body."""
+    yield "p.setPhysicsEngineParameter(contactSlop=0)"
+    yield "plane = p.createCollisionShape(p.GEOM_PLANE)"
+    height = sphere_and_plane(scenario)[1]
+    yield f"plane = p.createMultiBody(0, plane, basePosition=[0, 0, {height!r}])"
+    yield "for one in (plane, body):"
+    yield f"    p.changeDynamics(one, -1, **{FRICTIONLESS!r})"
 
 
 def _hinges(

@@ -55,6 +55,7 @@ class PyBulletSession(Session):
         left_in: Collection[str] = (),
     ) -> None:
         self._scenario, self._is_maximal = scenario, representation.maximal
+        self._rests = representation.by_contact
         self.client, self.model = _open(scenario, representation, left_in)
         self._clamp = DEFAULT_CLAMP if CLAMP in representation.defaults else UNREACHED_VELOCITY
         self._torques, self.at_once = torques(self.model, scenario)
@@ -76,8 +77,8 @@ class PyBulletSession(Session):
 
     @property
     def can_restart(self) -> bool:
-        """Always."""
-        return True
+        """Unless it lies on a contact, whose impulses Bullet keeps from step to step."""
+        return not self._rests
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
@@ -220,7 +221,7 @@ class PyBulletSession(Session):
 
     def active(self) -> frozenset[str]:
         """What acts, read back and felt: see `audit`."""
-        return what_acts(self, self.model, self._scenario)
+        return what_acts(self, self.model, self._scenario, rests=self._rests)
 
     def close(self) -> None:
         """Return the world for reuse; if something went wrong in it, disconnect it."""

@@ -116,9 +116,14 @@ class RecordedSubject(Subject):
         scenario = _scene(name)
         try:
             motions = [judged_motion(scenario, read_recording(file)) for file in files]
-            return verdict_on_files(scenario, motions, order=1)
+            verdict = verdict_on_files(scenario, motions, order=1)
         except RecordingError as error:
             pytest.fail(f"{self.folder / name}: {error}", pytrace=False)
+        explained = [one.explained_by for one in motions if one.explained_by]
+        if not explained or verdict.verdict == "converges":
+            return verdict
+        words = "; ".join([*explained[0], verdict.reason])
+        return replace(verdict, verdict="disagrees", reason=words, signals=())
 
 
 @cache

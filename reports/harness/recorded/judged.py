@@ -7,7 +7,15 @@ from math import pi
 import numpy as np
 
 from ....reference import ExactMotion, IntegrationError, Solution, drifts
-from ....scenarios import SIGNAL, FloatArray, Misfit, Scenario, check_scales, error_series
+from ....scenarios import (
+    SIGNAL,
+    FloatArray,
+    Misfit,
+    Scenario,
+    Trajectory,
+    check_scales,
+    error_series,
+)
 from ...results.records import Defect
 from ..defects import defects
 from .mistakes import Reading, mistakes, starts_elsewhere
@@ -114,11 +122,16 @@ def judged_motion(
         timestep,
         errors,
         float(exact.t[beyond[0]]) if len(beyond) else None,
-        drifts(scenario, recorded.trajectory),
+        _drifts(scenario, recorded.trajectory),
         of_steps.summary(len(exact.t) - 1, EPS) if of_steps else {},
         tuple(explained),
         recording.ignored,
     )
+
+
+def _drifts(scenario: Scenario, motion: Trajectory) -> dict[str, float]:
+    """Drifts of a recording, but for what its spins, which it has none of, are taken to keep."""
+    return {name: v for name, v in drifts(scenario, motion).items() if name != "rotors_momentum"}
 
 
 def exact_at(scenario: Scenario, times: FloatArray) -> Solution:

@@ -131,7 +131,7 @@ def _recorded(scenario: Scenario, reading: Reading, exact: Trajectory) -> Record
     return recorded_motion(scenario, reading.recording, exact, reading.quaternion, reading.omega)
 
 
-_STATE = ("q_world_body_wxyz", "omega_body", "com_world", "velocity_world")
+_STATE = ("q_world_body_wxyz", "omega_body", "com_world", "velocity_world", "spins")
 
 
 def early_error(scenario: Scenario, recorded: RecordedMotion, exact: Trajectory) -> float:

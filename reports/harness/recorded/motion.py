@@ -67,7 +67,10 @@ def recorded_motion(
         arm_world = R_world_body @ constraint.lever
         omega_world = np.einsum("nij,nj->ni", R_world_body, omega_body)
         velocity = constraint.velocity_world(np.cross(omega_world, arm_world), velocity)
-    motion = Trajectory(arrays["t"], q, omega_body, com, velocity)
+    rotors, start = scenario.rotors, scenario.start
+    # A recording has none: those with which the hinges keep what they should.
+    spins = rotors.spins(omega_body, rotors.kept(start.omega_body, rotors.start_spins))
+    motion = Trajectory(arrays["t"], q, omega_body, com, velocity, spins)
     return RecordedMotion(motion, has_omega, "com" in arrays, "velocity" in arrays)
 
 

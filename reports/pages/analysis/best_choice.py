@@ -101,7 +101,7 @@ def within_in_words(bounds: ErrorBounds) -> str:
     """Bounds as users read them: 0.1° in attitude and 10⁻³ in ω."""
     parts = []
     for name, bound in bounds.items():
-        size = f"{number(math.degrees(bound), 3)}°" if SIGNAL[name].unit else f"{bound:g}"
+        size = f"{math.degrees(bound):.3g}°" if SIGNAL[name].unit else f"{bound:g}"
         parts.append(f"{size} in {SIGNAL[name].label}")
     return " and ".join(parts)
 

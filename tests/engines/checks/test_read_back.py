@@ -31,3 +31,29 @@ def test_a_tensor_is_measured_about_the_com(times):
 def test_a_tensor_is_reported_within_its_own_rounding_however_long_the_arm():
     assert unlike(np.diag([1.0, 2.0, 2.5]) * (1 + READ_BACK_SLACK / 2)) == []
     assert len(unlike(np.diag([1.0, 2.0, 2.5]) * (1 + 2 * READ_BACK_SLACK))) == 1
+
+
+ORDER = "its components are permuted, w x y z for x y z w"
+INVERSE = "it is conjugated"
+
+
+@pytest.mark.parametrize(
+    ("misread", "words"),
+    [
+        (lambda q: np.roll(q, -1), ORDER),
+        (lambda q: -np.roll(q, 1), ORDER),
+        (lambda q: q * [1, -1, -1, -1], f"{INVERSE}, world to body instead of body to world"),
+        (lambda q: np.roll(q * [1, -1, -1, -1], -1), f"{ORDER}, and {INVERSE}"),
+        (lambda q: q * [1, 1, -1, -1], ""),
+    ],
+)
+def test_a_quaternion_that_is_permuted_or_conjugated_is_told_so_first(misread, words):
+    tilted = scene()
+    body, start = tilted.body, tilted.start
+    held = BodyReading(body.mass, body.com, body.inertia_com)
+    moving = start.position_world, start.velocity_world
+    state = State(misread(start.q_world_body_wxyz), 2 * start.omega_body, *moving)
+    named = {one.what: one for one in differences(tilted, held, state, READ_BACK_SLACK)}
+    assert (next(iter(named)) == "q_world_body_wxyz") == bool(words)
+    assert named["q_world_body_wxyz"].why == words
+    assert named["q_world_body_wxyz"].complaint.endswith(f": {words}" if words else "]")

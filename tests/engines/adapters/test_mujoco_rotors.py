@@ -99,3 +99,35 @@ def test_a_method_that_cannot_says_so() -> None:
     engine = engines()["mujoco-urdf"]
     reason = engine.unsupported(library_scene(BOX), engine.methods[0])
     assert "cannot simulate rotors" in reason
+
+
+@each_case(
+    ("fault", "words"),
+    {
+        "none": ("", ""),
+        "a millionth of N m s": ("faint damping", "I dω/dt"),
+        "a hundredth of the rotor's moment": ("faint armature", "I dω/dt"),
+        "a ten thousandth of its momentum": (
+            "faint moment",
+            "behaves as if the rotors had 1.0001 times their angular momentum",
+        ),
+    },
+)
+def test_single_steps_show_a_faint_fault_of_a_hinge(
+    fault: str, words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    engine, scene = engines()["mujoco"], library_scene(BOX)
+
+    def opened(scenario: Scenario, method: object, timestep: float) -> MuJoCoSession:
+        model = mujoco.MjModel.from_xml_string(mjcf(scenario, ANY_TIMESTEP, "RK4"))
+        model.dof_damping[6] = 1e-6 * (fault == "faint damping")
+        model.dof_armature[6] = 1e-5 * (fault == "faint armature")
+        model.body_inertia[2][2] *= 1 + 1e-4 * (fault == "faint moment")
+        model.opt.disableflags, model.opt.timestep = 0, timestep
+        start = model.key(0)
+        return MuJoCoSession(scenario, model, start.qpos, start.qvel)
+
+    monkeypatch.setattr(engine, "open", opened, raising=False)
+    found = engine.equation_residuals(scene, engine.method("RK4"))
+    assert words in found
+    assert bool(found) == bool(fault)

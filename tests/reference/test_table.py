@@ -1,0 +1,188 @@
+"""Bodies on a smooth table, against a second derivation integrated with forty digits.
+
+The other way round in all: L about the com and the rotation matrix instead of ω and a quaternion,
+the force from the tip's acceleration along the world's axes, and Gragg's rule extrapolated (Hairer,
+Nørsett & Wanner I, §II.9) instead of a series. Not verified here: that engines agree.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from case_loops import each_case
+from mpmath import mp, mpf
+from spincheck.reference import solve
+from spincheck.reference.cross_check import cross_check, times_within_reach
+from spincheck.reference.invariants import drifts
+from spincheck.scenarios import LIBRARY, Scenario, errors_between, load
+from spincheck.scenarios.effects.table import force
+from spincheck.scenarios.rotation import matrices
+from spincheck.scenarios.vary import varied
+
+pytestmark = pytest.mark.slow
+
+DIGITS = 40
+#: rad at the fastest, of a step; columns of its extrapolation: (STEP_TURN / 2)^(2 COLUMNS) = 1e-34.
+STEP_TURN, COLUMNS, STEPS = 0.5, 14, 6
+AGREES = mpf("1e-15")
+EPS = float(np.finfo(float).eps)
+#: Relative, of the tip's place: a fault that must show.
+PLANTED = 1e-12
+SCENES = [load(path) for path in sorted(LIBRARY.glob("table/*.toml"))]
+SCENES.append(load(LIBRARY / "hard/dental-top-on-glass.toml"))
+each_scene = each_case("scene", SCENES)
+UP = mp.matrix([0, 0, 1])
+
+
+def cross(a, b):
+    return mp.matrix(
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    )
+
+
+def rates(scene: Scenario):
+    """dy/dt of y = (L about the com, the columns of R), world axes."""
+    inverse = mp.matrix(scene.body.inertia_com_exact) ** -1
+    mass, tip = scene.body.mass_exact, -mp.matrix(scene.constraint.lever_exact)
+    down, drag = mpf(float(scene.gravity_world[2])), mpf(scene.drag)
+
+    def rate(y):
+        L, R = y[0:3, 0], mp.matrix([[y[3 + 3 * k + i] for k in range(3)] for i in range(3)])
+        mobility, arm = R * inverse * R.T, R * tip
+        omega = mobility * L
+        per_newton = mobility * cross(arm, UP)
+        without = mobility * (-drag * omega - cross(omega, L))
+        bend = cross(omega, cross(omega, arm))
+        needed = -down - (cross(without, arm) + bend)[2]
+        pressed = mass * needed / (1 + mass * cross(per_newton, arm)[2])
+        gained = pressed * cross(arm, UP) - drag * omega
+        columns = [cross(omega, R[:, k]) for k in range(3)]
+        return mp.matrix([*gained, *(x for column in columns for x in column)])
+
+    return rate
+
+
+def extrapolated(rate, y, span):
+    """The state a step later: the midpoint rule with 2, 4, 6, … substeps, h² → 0."""
+    table = []
+    for column in range(1, COLUMNS + 1):
+        n = 2 * column
+        h, first = span / n, rate(y)
+        before, now = y, y + h * first
+        for _ in range(n - 1):
+            before, now = now, before + 2 * h * rate(now)
+        row = [(before + now + h * rate(now)) / 2]
+        for k, coarser in enumerate(table[-1] if table else [], start=1):
+            ratio = (mpf(n) / (n - 2 * k)) ** 2
+            row.append(row[-1] + (row[-1] - coarser) / (ratio - 1))
+        table.append(row)
+    return table[-1][-1]
+
+
+def start_of(scene: Scenario):
+    """L and R at t = 0."""
+    w, x, y, z = scene.start.q_exact
+    R = mp.matrix(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    L = R * (mp.matrix(scene.body.inertia_com_exact) * mp.matrix(scene.start.omega_body_exact))
+    return mp.matrix([*L, *(R[i, k] for k in range(3) for i in range(3))])
+
+
+def largest_error(scene: Scenario, told: Scenario) -> mpf:
+    """Of the exact motion of one scene from that of another by the second derivation, relative."""
+    speed = float(np.linalg.norm(scene.start.omega_body))
+    swing = float(np.sqrt(9.81 / (np.linalg.norm(scene.constraint.lever) + 1e-3)))
+    span = min(STEP_TURN / max(speed, swing), scene.window.duration / STEPS)
+    times = span * np.arange(STEPS + 1)
+    solution = solve(scene, times)
+    motion = solution.trajectory
+    largest = mpf(0)
+    with mp.workdps(DIGITS):
+        rate, y = rates(told), start_of(told)
+        inverse = mp.matrix(told.body.inertia_com_exact) ** -1
+        height = mpf(0) + told.constraint.place_exact[2]
+        for k in range(1, STEPS + 1):
+            y = extrapolated(rate, y, mpf(times[k]) - mpf(times[k - 1]))
+            R = mp.matrix([[y[3 + 3 * c + i] for c in range(3)] for i in range(3)])
+            omega = inverse * (R.T * y[0:3, 0])
+            w, q1, q2, q3 = map(mpf, motion.q_world_body_wxyz[k].tolist())
+            got = start_of(replace_attitude(told, (w, q1, q2, q3)))[3:, 0]
+            largest = max(largest, mp.norm(got - y[3:, 0]))
+            off = mp.matrix(motion.omega_body[k].tolist()) - omega
+            largest = max(largest, mp.norm(off) / max(mp.norm(omega), speed))
+            lever = R * mp.matrix(told.constraint.lever_exact)
+            z = height + lever[2]
+            largest = max(largest, abs(mpf(float(motion.com_world[k, 2])) - z) / abs(z))
+    assert largest <= max(value for _, value in solution.uncertainty) or told is not scene
+    return largest
+
+
+def replace_attitude(scene: Scenario, q) -> Scenario:
+    norm = mp.sqrt(sum(c * c for c in q))
+    return replace(scene, start=replace(scene.start, q_exact=tuple(c / norm for c in q)))
+
+
+@each_scene
+def test_the_motion_is_that_of_a_second_derivation(scene: Scenario) -> None:
+    assert largest_error(scene, scene) <= AGREES
+
+
+def test_a_tip_a_trillionth_off_would_show() -> None:
+    scene = next(scene for scene in SCENES if scene.name == "gliding-top")
+    moved = varied(scene, {"effects.table.tip[2]": PLANTED})
+    assert largest_error(moved, scene) > 10 * AGREES
+
+
+@each_scene
+def test_the_table_pushes_all_along_and_what_is_kept_is_kept(scene: Scenario) -> None:
+    solution = solve(scene, scene.times)
+    motion = solution.trajectory
+    assert solution.horizon is None
+    pressed = force(scene, matrices(motion.q_world_body_wxyz), motion.omega_body, motion.spins)
+    assert (pressed > 0).all()
+    kept = drifts(scene, motion)
+    assert {"table", "momentum_less_impulse", "com_parabola"} <= kept.keys()
+    assert ("energy" in kept) == (scene.drag == 0)
+    assert max(kept.values()) < 8 * EPS
+
+
+@each_scene
+def test_a_second_integrator_finds_it_over_the_whole_window(scene: Scenario) -> None:
+    exact = solve(scene, scene.times)
+    times = times_within_reach(scene, exact.trajectory)
+    other = cross_check(scene, times)
+    count = len(times)
+    apart = errors_between(scene, other.trajectory, solve(scene, times).trajectory)
+    bound = 64 * other.steps * other.tolerance * exact.conditioning.attitude / EPS
+    assert count > 2
+    assert max(apart.omega, apart.attitude, apart.com) < bound
+
+
+@each_case(
+    ("spin", "leaves"),
+    [((3.0, 0.0, 5.0), 0.150344), ((12.0, 0.0, 5.0), 0.117303), ((0.0, 0.0, 80.0), None)],
+)
+def test_the_motion_ends_where_the_table_would_have_to_pull(spin, leaves) -> None:
+    """By bisection of the force along the motion of a body that is held by a joint."""
+    scene = next(scene for scene in SCENES if scene.name == "gliding-top")
+    start = {f"start.omega_body[{k}]": value for k, value in enumerate(spin)}
+    scene = varied(scene, start)
+    solution = solve(scene, scene.times)
+    assert solution.lifts_off == (leaves is not None)
+    if leaves is None:
+        return
+    assert solution.horizon == pytest.approx(leaves, rel=1e-5)
+    times = solution.horizon * np.array([0.0, 1 - 1e-9])
+    last = solve(scene, times).trajectory
+    R_world_body = matrices(last.q_world_body_wxyz)
+    pressed = force(scene, R_world_body, last.omega_body, last.spins)
+    height = last.com_world[:, 2] - scene.effects.table.height
+    weight = 9.81 * scene.body.mass
+    assert min(pressed[1] / weight, height[1] / height[0]) < 1e-6
+    assert (pressed > 0).all()
+    assert (height > 0).all()
