@@ -29,7 +29,9 @@ def test_in_mujoco_the_option_and_the_calls_set_the_same_integrator(engine, meth
     by_option = mujoco.MjModel.from_xml_string(plain.format(option))
     model = mujoco.MjModel.from_xml_string(plain.format(""))
     exec(calls, {"model": model, "mujoco": mujoco})
-    expected = getattr(mujoco.mjtIntegrator, f"mjINT_{method.name.upper()}")
+    expected = getattr(
+        mujoco.mjtIntegrator, f"mjINT_{method.name.removeprefix('contact-').upper()}"
+    )
     for made in (by_option, model):
         assert (made.opt.integrator, made.opt.timestep) == (expected, TIMESTEP)
 
@@ -37,7 +39,7 @@ def test_in_mujoco_the_option_and_the_calls_set_the_same_integrator(engine, meth
 @pytest.mark.needs_pybullet
 @each_case(("engine", "method"), [pair for pair in METHODS if pair[0].name == "pybullet"])
 def test_in_pybullet_the_calls_are_those_of_the_script_that_reproduces_a_run(engine, method):
-    (path,) = find(["fast-top"])
+    (path,) = find(["gliding-top" if "table" in method.requires else "fast-top"])
     script = dedent(engine.script(load(path), method, TIMESTEP))
     timestep, loading, *others = method.setup.splitlines()
     assert timestep in script
