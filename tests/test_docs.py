@@ -51,6 +51,17 @@ def test_every_link_leads_somewhere(name: str) -> None:
     assert [k for k, path in targets.items() if not path.exists() and path not in MADE] == []
 
 
+def test_every_page_is_in_a_table_of_contents() -> None:
+    pages = {page.relative_to(DOCS).with_suffix("").as_posix() for page in DOCS.rglob("*.md")}
+    listed = {"index"}
+    for index in DOCS.rglob("index.md"):
+        folder = index.parent.relative_to(DOCS).as_posix().removeprefix(".")
+        trees = re.findall(r"```\{toctree\}\n(.*?)```", index.read_text("utf-8"), re.DOTALL)
+        names = [name for tree in trees for name in tree.split() if not name.startswith(":")]
+        listed |= {f"{folder}/{name}".removeprefix("/") for name in names}
+    assert pages - listed == set()
+
+
 @each_case("name", sorted(TEXTS))
 def test_every_command_has_the_options_that_are_shown(name: str) -> None:
     group = get_group(app)

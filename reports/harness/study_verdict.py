@@ -44,7 +44,9 @@ def _judged(study: ConvergenceStudy) -> Verdict:
         if study.places:
             # Of a body whose moments differ much no engine holds the least.
             slack = max(slack, rounding_of_body(study.places.condition))
-        evidence = contradictions(study.judge.rows, study.judge.sequences, slack)
+        times = study.solution.trajectory.t
+        interval = float(times[-1]) / max(1, len(times) - 1)
+        evidence = contradictions(study.judge.rows, study.judge.sequences, slack, interval)
         if wrong := next(evidence, ""):
             return _of_signals(study, wrong, is_wrong=True, **attributes)
         if local and (verdict := _by_pieces(study, local, attributes)):

@@ -29,9 +29,8 @@ def test_in_mujoco_the_option_and_the_calls_set_the_same_integrator(engine, meth
     by_option = mujoco.MjModel.from_xml_string(plain.format(option))
     model = mujoco.MjModel.from_xml_string(plain.format(""))
     exec(calls, {"model": model, "mujoco": mujoco})
-    expected = getattr(
-        mujoco.mjtIntegrator, f"mjINT_{method.name.removeprefix('contact-').upper()}"
-    )
+    integrator = method.name.removeprefix("contact-").upper()
+    expected = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator}")
     for made in (by_option, model):
         assert (made.opt.integrator, made.opt.timestep) == (expected, TIMESTEP)
 

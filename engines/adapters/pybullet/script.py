@@ -105,8 +105,8 @@ def script(scenario: Scenario, representation: BodyRepresentation, timestep: flo
             arm_world = world_from_body.apply(np.array(scenario.body.com))
             position = scenario.start.position_world - arm_world
     sphere = tip_sphere(scenario) if representation.by_contact else None
-    held = scenario if hung else set_free(scenario)
-    text = urdf(held, sphere=sphere, has_box=representation.as_shipped)
+    posed = scenario if hung else set_free(scenario)
+    text = urdf(posed, sphere=sphere, has_box=representation.as_shipped)
     start = _START.format(
         lines=python_lines(text),
         link=0 if hung else -1,

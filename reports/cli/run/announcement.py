@@ -10,7 +10,7 @@ from ...pages.analysis.wording import plural
 from ..terminal import in_words
 
 #: Typical number of steps of all runs of one verdict: on short ladders, and on whole ones.
-STEPS_QUICK, STEPS = 35_000, 150_000
+STEPS_QUICK, STEPS = 35_000, 50_000
 #: s, that a verdict takes besides its steps; s, that the timing of a method on a scene takes.
 OVERHEAD, TIMING = 0.5, 1.0
 

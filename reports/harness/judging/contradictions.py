@@ -50,7 +50,7 @@ class _Series:
 
 
 def contradictions(
-    rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float
+    rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float, interval: float
 ) -> Iterator[str]:
     """What of the judged rows no method that converges would do, in words.
 
@@ -59,12 +59,15 @@ def contradictions(
     rows : of the ladder, all of them ok, coarse to fine
     sequences : the same in each signal
     slack : relative, to which the engine holds a state
+    interval : s, between two samples
     """
     with np.errstate(all="ignore"):
-        yield from _all(rows, sequences, slack)
+        yield from _all(rows, sequences, slack, interval)
 
 
-def _all(rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float) -> Iterator[str]:
+def _all(
+    rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float, interval: float
+) -> Iterator[str]:
     yield from _lost(rows, sequences)
     for sequence in sequences:
         name = sequence.signal.label
@@ -83,11 +86,12 @@ def _all(rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float)
         )
         if len(rows) == len(sequence) and all(row.defects for row in rows):
             found = [row.defects[sequence.signal.name] for row in rows if row.defects]
+            floors = np.array([max(one.floor, slack) for one in found])
             defects = _Series(
                 f"{name}: the largest defect between two samples",
                 sequence.timesteps,
                 np.array([one.max for one in found]),
-                np.array([max(one.floor, slack) for one in found]),
+                np.where(sequence.errors < ASYMPTOTIC, floors, floors + _own(sequence, interval)),
                 sequence.declared_order,
                 sequence.rate,
                 largest,
@@ -95,6 +99,16 @@ def _all(rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float)
             )
             yield from _worse(defects)
             yield from _level(defects, follows=bool(sequence.errors[-1] < ASYMPTOTIC))
+
+
+def _own(sequence: SignalSequence, interval: float) -> FloatArray:
+    """What a method of the order may commit between two samples, on whatever way it is, (n,).
+
+    A run that has lost the exact motion goes where another timestep would not, and its defects
+    scatter up to that: their size there says nothing.
+    """
+    rate = sequence.rate
+    return rate * interval * (rate * sequence.timesteps) ** sequence.declared_order
 
 
 def _largest_defects(row: Row) -> list[float]:

@@ -24,8 +24,8 @@ from spincheck.reports.results.records import SignalVerdict, Verdict
 from spincheck.scenarios import Scenario, loads
 
 COUNT, SEED = 1000, 1
-#: Largest number of steps of a ladder on the first scenes, and on the others.
-LONG_LADDERS, MOST_STEPS, FEWER_STEPS = 257, 1 << 15, 1 << 12
+#: Largest number of steps of a ladder: where errors over the whole window are large, pieces decide.
+MOST_STEPS = 1 << 12
 #: Of ladders that are run again as they were too short for a method of fourth order.
 RESOLVING_STEPS = 1 << 19
 PAGE = Path(__file__).parents[3] / "docs/measured/random-scenes.md"
@@ -37,10 +37,9 @@ HEAD = f"""# Verdicts on faultless methods on random scenes
 
 Made by `make random` from {{scenes}} scenes and every method of {{engines}} but those as shipped.
 Bodies have skew tensors, effects come in all combinations, windows are of 2 to 20 periods. Ladders
-have runs of up to {MOST_STEPS} steps on the first {LONG_LADDERS} scenes, of up to {FEWER_STEPS} on
-the others, where more methods of first order are left `unresolved`; a ladder of fourth order that
-this leaves `unresolved` is run again, up to {RESOLVING_STEPS} steps. A limit's error that exceeds
-its tolerance makes a signal `unresolved`; four times that, over two rungs, `disagrees`.
+have runs of up to {MOST_STEPS} steps; one of fourth order that this leaves `unresolved` is run
+again, up to {RESOLVING_STEPS} steps. A limit's error that exceeds its tolerance makes a signal
+`unresolved`; four times that, over two rungs, `disagrees`.
 
 | | number |
 |---|---|
@@ -97,7 +96,7 @@ def verdicts(number: int) -> Iterator[tuple[Method, Verdict, bool]]:
     And whether the exact motion, body and start are known too badly for any other verdict.
     """
     scenario = random_scene(number)
-    prepared = prepare(scenario, [], MOST_STEPS if number < LONG_LADDERS else FEWER_STEPS)
+    prepared = prepare(scenario, [], MOST_STEPS)
     for engine in (engines()[name] for name in ENGINES):
         for method in engine.methods:
             if method.as_shipped or engine.unsupported(scenario, method):

@@ -9,6 +9,7 @@ from measure_random import is_too_sure, is_wrong, judged, random_scene
 from spincheck.engines import engines
 from spincheck.reference import solve
 from spincheck.reports.harness import richardson
+from spincheck.reports.harness.judging import contradictions
 from spincheck.reports.harness.rounding import roundings_in_flight
 from spincheck.reports.harness.study import prepare
 from spincheck.reports.results.records import Verdict
@@ -22,12 +23,25 @@ FALLS_FAST = 264
 #: The number of one whose motion is too uncertain by its end for any verdict but `unresolved`.
 CHAOTIC = 30
 STEPS = 1 << 15
+#: Two that methods of first order lose, and whose defects then scatter.
+LOST = {18: "implicit", 30: "implicit"}
 
 
 def verdict_of(number: int) -> tuple[Verdict, bool]:
     """The verdict on a ladder alone, without single steps and pieces, which decide all of these."""
     scenario = random_scene(number)
     return judged(scenario, MUJOCO, RK4, replace(prepare(scenario, [], STEPS), places=None))
+
+
+@pytest.mark.parametrize(("number", "name"), LOST.items())
+def test_defects_of_a_run_that_lost_the_motion_scatter_without_a_fault(
+    number: int, name: str, monkeypatch
+) -> None:
+    method, scenario = MUJOCO.method(name), random_scene(number)
+    prepared = prepare(scenario, [], STEPS)
+    assert judged(scenario, MUJOCO, method, prepared)[0].verdict == "converges"
+    monkeypatch.setattr(contradictions, "_own", lambda *_: 0.0)
+    assert judged(scenario, MUJOCO, method, prepared)[0].verdict == "disagrees"
 
 
 def test_the_limits_error_of_a_fast_fall_is_within_its_tolerance(monkeypatch) -> None:
