@@ -59,7 +59,7 @@ def test_the_exact_motion_of_a_changed_scene_is_that_of_the_scene(name):
     change = ENCODINGS[name].change(TUMBLING)
     solution = solve(TUMBLING, TUMBLING.times)
     exact = solution.trajectory
-    bounds = rounding_bounds(TUMBLING, ENCODINGS[name], solution, 1, is_single=False)
+    bounds = rounding_bounds(TUMBLING, ENCODINGS[name], solution, 1, engines()["mujoco"])
     apart = errors_between(TUMBLING, back(change, TUMBLING, exact), exact)
     own = solution.uncertainty
     assert all(apart[signal] <= 8 * bounds[signal] + 2 * own[signal] for signal in JUDGED)
@@ -107,7 +107,7 @@ def test_engines_move_alike_in_all_descriptions_that_mean_the_same(name):
             made = run(engine, scenario, one.name, method)
             assert (made.outcome, made.reason) == ("ok", ""), (engine, one.name)
             solution = solve(scenario, made.trajectory.t)
-            bounds = rounding_bounds(scenario, one, solution, made.steps, is_single=False)
+            bounds = rounding_bounds(scenario, one, solution, made.steps, engines()[engine])
             apart = errors_between(scenario, made.trajectory, plain.trajectory)
             assert all(apart[s] <= bounds[s] for s in JUDGED), (engine, one.name, apart)
 

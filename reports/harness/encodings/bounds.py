@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ....engines import Engine
 from ....engines.checks.read_back import State
 from ....engines.encodings import Encoding
 from ....engines.models.description import away_from
@@ -15,18 +16,20 @@ from ..rounding import roundings_in_flight
 JUDGED = ("omega", "attitude", "com", "velocity")
 #: Both motions are rounded.
 BOTH = 2
+EPS = float(np.finfo(float).eps)
 #: Of single precision in ulp of double precision.
-SINGLE = float(np.finfo(np.float32).eps / np.finfo(float).eps)
+SINGLE = float(np.finfo(np.float32).eps) / EPS
 
 
 def rounding_bounds(
-    scenario: Scenario, encoding: Encoding, solution: Solution, steps: int, *, is_single: bool
+    scenario: Scenario, encoding: Encoding, solution: Solution, steps: int, engine: Engine
 ) -> dict[str, float]:
     """The largest distance that rounding explains, of each of `JUDGED`, in the norm of errors.
 
     Every step may round the state by as many ulp as the tensor about the frame's origin is
-    conditioned: steps × conditioning of the motion × that; for place and velocity of a free body,
-    what an ulp of the changed scene's own numbers comes to.
+    conditioned: steps × conditioning of the motion × that. A body that reads back within the slack
+    counts as the same one, which is as many ulp of it at the start. And for place and velocity of
+    a free body, what an ulp of the changed scene's own numbers comes to.
     """
     change = encoding.change(scenario)
     changed, exact = _farthest(change.scene(scenario), encoding), solution.trajectory
@@ -40,7 +43,8 @@ def rounding_bounds(
         velocity_world=velocity,
     )
     flight = roundings_in_flight(changed, replace(solution, trajectory=moved), steps)
-    a_step = _condition(changed) * BOTH * (SINGLE if is_single else 1.0)
+    ulps = (steps + flight) * _condition(changed) * BOTH
+    ulps = ulps * (SINGLE if engine.single_precision else 1.0) + engine.slack / EPS
     units = {"com": change.length, "velocity": change.length / change.time}
     # A place turns with the body: what it is rounded by makes a velocity.
     metres = SIGNAL["com"].growth(changed, moved, solution.conditioning)
@@ -54,7 +58,7 @@ def rounding_bounds(
             absolute *= signal.base(changed, moved)
             absolute += swing if name == "velocity" else 0.0
             ulp = absolute / units[name] / signal.base(scenario, exact)
-        bounds[name] = ulp * (steps + flight) * a_step
+        bounds[name] = ulp * ulps
     return bounds
 
 

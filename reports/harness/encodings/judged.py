@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from ....engines import Run
+from ....engines import Engine, Run
 from ....engines.encodings import Encoding
 from ....reference import Solution
 from ....scenarios import SIGNAL, Errors, Scenario, Trajectory, errors_between
@@ -40,7 +40,7 @@ class Judge:
     scenario: Scenario
     solution: Solution
     method: str
-    is_single: bool
+    engine: Engine
     at_halved: Callable[[Encoding, int], Pair]
     plain_of: Mapping[str, Run]
 
@@ -77,9 +77,7 @@ class Judge:
         return [name for name, bound in bounds.items() if not apart[name] <= bound]
 
     def _bounds(self, encoding: Encoding, steps: int) -> dict[str, float]:
-        return rounding_bounds(
-            self.scenario, encoding, self.solution, steps, is_single=self.is_single
-        )
+        return rounding_bounds(self.scenario, encoding, self.solution, steps, self.engine)
 
     def _moves_as(self, encoding: Encoding, run: Run) -> str:
         """The method whose motion of the scene as it is this one is, to round-off."""

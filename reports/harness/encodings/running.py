@@ -122,7 +122,7 @@ def _encoded_runs(
         scenario,
         solution,
         method.name,
-        engine.single_precision,
+        engine,
         partial(runner.pair, method.name),
         plain,
     )

@@ -1,0 +1,140 @@
+"""Runs the command of every known issue, and writes docs/measured/known-issues.md."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from known_issues import DATA, KnownIssue, known_issues
+
+PAGE = DATA.with_suffix(".md")
+#: s that a command may take.
+LIMIT = 900
+#: Lines of a measurement in the table.
+SHOWN = 8
+HEAD = """# Known issues
+
+Public issues on the rotation of single rigid bodies, and what `spincheck` says of them.
+Made by `make known-issues` from `known-issues.toml`: of {issues} issues {asked} have a command,
+{run} of which were run for this page. What that file expects was recorded from a run, so that a
+change shows: {met} ended so. *Stand-in*: another engine than the issue's was run, on a scene that
+asks for the same. `MODEL` is a file that `known-issues.toml` holds. Verdicts of `--quick` are on
+short ladders: `unresolved` says that they were too short.
+"""
+
+
+def measured(issue: KnownIssue) -> list[str]:
+    """What came of an issue's command, line by line."""
+    with TemporaryDirectory() as folder:
+        words = issue.words(Path(folder))
+        if words[0] == "run":
+            words += ["--out", str(Path(folder, "results.sqlite")), "--jobs", "1"]
+        if words[0] in ("run", "inspect"):
+            words.append("--json")
+        program = str(Path(sys.executable).with_name("spincheck"))
+        try:
+            done = subprocess.run(
+                [program, *words], capture_output=True, text=True, timeout=LIMIT, check=False
+            )
+        except subprocess.TimeoutExpired:
+            return [f"not ended after {LIMIT} s"]
+    if words[0] not in ("run", "inspect"):
+        return ["the exact motion" if done.returncode == 0 else done.stderr.strip()]
+    try:
+        record = json.loads(done.stdout)
+    except json.JSONDecodeError:
+        return [done.stderr.strip().splitlines()[-1] if done.stderr else "no answer"]
+    return list(_of_model(record) if words[0] == "inspect" else _of_runs(record))
+
+
+def _of_runs(record: dict) -> Iterator[str]:
+    versions = {row["engine"]: row["engine_version"] for row in record["rows"]}
+
+    def who(one: dict) -> str:
+        name = one["engine"].partition("@")[0]
+        return f"{name} {versions.get(one['engine'], '')} {one['method']}"
+
+    if record["encodings"]:
+        for runs in record["encodings"]:
+            for one in runs["each"]:
+                if one["word"] != "left out":
+                    yield f"{who(runs)}, {one['encoding']}: {one['word']}"
+        return
+    for verdict in record["verdicts"]:
+        if verdict["verdict"] != "unsupported":
+            yield f"{who(verdict)}: {verdict['verdict']}"
+
+
+def _of_model(record: dict) -> Iterator[str]:
+    versions = {
+        f"{held['engine']} {held['configuration']}": held["engine_version"]
+        for link in record["links"]
+        for held in link["held"]
+    }
+    for who, count in record["summary"]["held_wrongly"].items():
+        engine, configuration = who.split()
+        name = f"{engine.partition('@')[0]} {versions[who]} {configuration}"
+        added = record["summary"]["mass"]["added"].get(who, 0.0)
+        yield f"{name}: {count} of its links held wrongly" + (f", {added:g} kg added" * bool(added))
+
+
+def meets(issue: KnownIssue, lines: list[str]) -> bool:
+    """Whether a measurement contains all that is expected, with an engine's version or without."""
+    there = {*lines, *map(_without_version, lines)}
+    return there.issuperset(issue.expected)
+
+
+def _without_version(line: str) -> str:
+    engine, _, rest = line.split(" ", 2) if line.count(" ") > 1 else (line, "", "")
+    return f"{engine} {rest}".strip()
+
+
+def page(answers: dict[KnownIssue, list[str]]) -> str:
+    """The page, by engine."""
+    issues = known_issues()
+    met = sum(meets(issue, lines) for issue, lines in answers.items())
+    asked = [issue for issue in issues if issue.command]
+    counts = {"issues": len(issues), "asked": len(asked), "run": len(answers), "met": met}
+    parts = [HEAD.format(**counts)]
+    engines = sorted({issue.engine for issue in asked}, key=lambda name: (not name, name))
+    for engine in engines:
+        parts += [f"\n## {engine or 'The exact motion alone'}\n"]
+        parts += ["| issue | what it is about | command | measured |", "|---|---|---|---|"]
+        parts += [_row(one, answers.get(one)) for one in asked if one.engine == engine]
+    parts += ["\n## Without a command\n", "| issue | what it is about | why |", "|---|---|---|"]
+    parts += [f"| [{i.name}]({i.url}) | {i.title} | {i.why} |" for i in issues if not i.command]
+    return "\n".join(parts) + "\n"
+
+
+def _row(issue: KnownIssue, lines: list[str] | None) -> str:
+    if lines is None:
+        return _cells(issue, "not run")
+    shown = [line.replace("|", "/") for line in lines[:SHOWN]]
+    shown += [f"and {len(lines) - SHOWN} more"] if len(lines) > SHOWN else []
+    if not meets(issue, lines):
+        shown.insert(0, "**not as expected**")
+    return _cells(issue, "<br>".join(shown))
+
+
+def _cells(issue: KnownIssue, answer: str) -> str:
+    title = issue.title + (" (stand-in)" if issue.stand_in else "")
+    return f"| [{issue.name}]({issue.url}) | {title} | `spincheck {issue.command}` | {answer} |"
+
+
+def main() -> int:
+    """Write the page; 1 if something is not as expected."""
+    asked = [issue for issue in known_issues() if issue.command]
+    answers: dict[KnownIssue, list[str]] = {}
+    with ThreadPoolExecutor(2) as threads:
+        for issue, lines in zip(asked, threads.map(measured, asked), strict=True):
+            answers[issue] = lines
+            print(json.dumps([issue.url, lines], ensure_ascii=False), flush=True)
+    PAGE.write_text(page(answers), encoding="utf-8")
+    return int(not all(meets(issue, lines) for issue, lines in answers.items()))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
