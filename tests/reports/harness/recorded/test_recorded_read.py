@@ -1,10 +1,16 @@
 """Recorded motions are read as written; files that hold none are refused in a sentence."""
 
 import os
+from pathlib import Path
 
 import numpy as np
 import pytest
-from spincheck.reports.harness.recorded.read import MAX_SAMPLES, RecordingError, read_recording
+from spincheck.reports.harness.recorded.read import (
+    MAX_SAMPLES,
+    Recording,
+    RecordingError,
+    read_recording,
+)
 
 ROW = "0,1,0,0,0,0.5,0,2"
 GOOD = f"t,qw,qx,qy,qz,wx,wy,wz\n{ROW}\n0.1,1,0,0,0,0.5,0,2\n"
