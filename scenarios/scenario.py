@@ -234,7 +234,8 @@ def with_tables(scenario: Scenario, **tables: Table | tuple[Table, ...] | None) 
     alone: dict[str, object] = dict.fromkeys(OF_THE_SCENE_ALONE, ())
     document = scenario.document.model_copy(update=alone | tables)
     body = document.whole_body() if {"body", "rotors"} & tables.keys() else scenario.body
-    moved = {"start", "body", "rotors", "effects"} & tables.keys()
+    off_table = document.effects.table != scenario.effects.table
+    moved = off_table or {"start", "body", "rotors"} & tables.keys()
     return replace(
         scenario,
         text=to_toml(document.model_dump(mode="json", exclude_defaults=True)),
@@ -277,7 +278,12 @@ def started_at(
             table.model_copy(update={"spin": float(spin)})
             for table, spin in zip(scenario.document.rotors or (), spins, strict=True)
         )
-    return with_tables(scenario, **tables)
+    moved = with_tables(scenario, **tables)
+    if scenario.effects.table is None:
+        return moved
+    on_table = {"position": moved.start.position_world, "velocity": moved.start.velocity_world}
+    start |= {key: tuple(values.tolist()) for key, values in on_table.items()}
+    return with_tables(moved, start=StartTable.model_validate(start))
 
 
 def _constraint(document: Document, body: Body) -> Constraint:

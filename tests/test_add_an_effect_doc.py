@@ -12,6 +12,16 @@ ADAPTERS = ("engines/adapters/", "engines/models/")
 DRAG = re.compile(r"(?<![\w-])drag(?![\w-])")
 ROTORS = re.compile(r"(?<![\w-])rotors?(?![\w-])")
 OF_A_PART = "## A part of the body"
+#: The word is of other things too: what the table is called where it is an effect.
+TABLE = re.compile(
+    r"effects\.table|TableTable|effects import [\w, ]*\btable\b|tip_axes|lifts_off|lift_off|LiftOff"
+    r"|ON_TABLE|lever_of|\"table\""
+)
+OF_A_CONSTRAINT = "## A constraint: the table"
+#: Where "table" is another's.
+OTHER_TABLES = {"reports/pages/markdown.py"}
+#: Of a constraint with a force and an end of its own: measured.
+MOST_OF_A_CONSTRAINT = 26
 MOST, MOST_WITH_ADAPTERS = 12, 22
 #: Of a part, which adds states: measured, and twice what was hoped for.
 MOST_OF_A_PART = 27
@@ -50,3 +60,11 @@ def test_a_file_that_names_it_besides_would_be_found(tmp_path: Path) -> None:
     (tmp_path / "reports/pages.py").write_text('if "drag" in scenario.called_for: ...\n')
     (tmp_path / "reports/scenes.py").write_text('SCENES = ("book-with-drag",)\n')
     assert files_with(DRAG, tmp_path) == {"reports/pages.py"}
+
+
+def test_the_page_lists_the_files_that_name_the_table() -> None:
+    section = PAGE.split(OF_A_CONSTRAINT)[1].split("\n## ")[0].split("\nWhat constrains")[0]
+    listed = set(re.findall(r"`([\w/]+\.py)`", section))
+    named = {path for path in files_with(TABLE, ROOT) if not path.startswith(ADAPTERS)}
+    assert listed == named - OTHER_TABLES
+    assert len(listed) <= MOST_OF_A_CONSTRAINT

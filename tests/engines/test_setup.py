@@ -38,7 +38,7 @@ def test_in_mujoco_the_option_and_the_calls_set_the_same_integrator(engine, meth
 @pytest.mark.needs_pybullet
 @each_case(("engine", "method"), [pair for pair in METHODS if pair[0].name == "pybullet"])
 def test_in_pybullet_the_calls_are_those_of_the_script_that_reproduces_a_run(engine, method):
-    (path,) = find(["fast-top"])
+    (path,) = find(["gliding-top" if "table" in method.requires else "fast-top"])
     script = dedent(engine.script(load(path), method, TIMESTEP))
     timestep, loading, *others = method.setup.splitlines()
     assert timestep in script

@@ -41,6 +41,7 @@ SCENES = [
     "motor-driven-top",
     "book-pushed",
     "flying-disc",
+    "gliding-top",
     "brake-on-one-wheel",
     "wheels-in-syrup",
 ]

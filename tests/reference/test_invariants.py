@@ -8,6 +8,7 @@ import pytest
 from spincheck.reference.conservation_laws import LAWS
 from spincheck.reference.cross_check import RELATIVE_TOLERANCE, cross_check
 from spincheck.reference.invariants import drifts, invariants
+from spincheck.scenarios import LIBRARY, load
 from top_scenes import ASYMMETRIC, GRAVITY, HEAVY, PIVOT, TOP, scene
 
 SPUN = "rotation_vector_deg = [20.0, -50.0, 35.0]\nomega_body = [1.0, -2.0, 3.0]"
@@ -86,6 +87,10 @@ CASES = {
     ),
     "free, with rotors": (scene(SKEW, THROWN, f"{SKEW_GRAVITY}\n{ROTORS}"), FREE | WITH_ROTORS),
     "heavy, with rotors": (scene(TOP, SPUN, f"{HEAVY}\n{ROTORS}"), TOPS | WITH_ROTORS),
+    "on a table": (
+        load(LIBRARY / "table/falling-stick.toml"),
+        {"energy", "L_vertical", "table", "momentum_less_impulse", "com_parabola"},
+    ),
     "drag": (
         scene(SKEW, THROWN, f"{GRAVITY}\n{DRAG}"),
         {"momentum_less_impulse", "com_parabola"},
@@ -146,7 +151,7 @@ def slipping(motion):
 def test_a_law_notices_a_planted_fault(name):
     scenario, _ = CASES[name]
     motion = solved(name).trajectory
-    of_place = {"pivot", "com_parabola"}
+    of_place = {"pivot", "table", "com_parabola"}
     for invariant in invariants(scenario):
         broken = slipping(motion) if invariant.name in of_place else pushed(motion)
         assert invariant.drift(broken) > 100 * bound(name), invariant.name

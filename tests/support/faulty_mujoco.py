@@ -120,11 +120,13 @@ KINDS = (*MODELS, CLOCK, *READINGS)
 
 
 def applies(fault: PlantedFault, scenario: Scenario) -> bool:
-    """Whether it makes a difference to a scene: com and gravity act on what they are there for."""
+    """Whether it makes a difference to a scene: com, gravity and velocity where there are any."""
     if fault.kind in ("gravity", "gravity's tilt"):
         return scenario.effects.gravity is not None
     if fault.kind == "com":
         return scenario.constraint.is_pivot and scenario.effects.gravity is not None
+    if fault.kind == "reading of the velocity":
+        return bool(scenario.called_for or scenario.start.velocity_world.any())
     return fault.kind != "moment" or bool(np.ptp(scenario.body.principal_moments) > 0)
 
 

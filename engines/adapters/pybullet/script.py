@@ -50,6 +50,11 @@ NO_MOTOR = (
     "targetPosition=[0, 0, 0, 1], positionGain=0, velocityGain=0, force=[0, 0, 0])"
 )
 EXACT_SOLVER = "p.setPhysicsEngineParameter(constraintSolverType=p.CONSTRAINT_SOLVER_LCP_DANTZIG)"
+CONTACT = (
+    "p.setPhysicsEngineParameter(contactSlop=0)",
+    "for one in (plane, body):",
+    f"    p.changeDynamics(one, -1, **{FRICTIONLESS!r})",
+)
 STRONG_TIE = "p.changeConstraint(tie, maxForce=1e100)"
 _STEPS = """
 
@@ -83,8 +88,7 @@ def setup(representation: BodyRepresentation) -> str:
         else ["# tied to a point:", EXACT_SOLVER, STRONG_TIE]
     )
     if representation.by_contact:
-        frictionless = "lateralFriction=0, spinningFriction=0, rollingFriction=0, restitution=0"
-        pivot = ["# on a plane, of both bodies:", f"p.changeDynamics(body, -1, {frictionless})"]
+        pivot = ["# on a plane, of both bodies:", *CONTACT]
     load = f'body = p.loadURDF("body.urdf", flags=p.URDF_USE_INERTIA_FROM_FILE{maximal})'
     return "\n".join(["p.setTimeStep(TIMESTEP)", load, NO_DAMPING, NO_CLAMP, *pivot])
 
@@ -101,8 +105,8 @@ def script(scenario: Scenario, representation: BodyRepresentation, timestep: flo
             arm_world = world_from_body.apply(np.array(scenario.body.com))
             position = scenario.start.position_world - arm_world
     sphere = tip_sphere(scenario) if representation.by_contact else None
-    held = scenario if hung else set_free(scenario)
-    text = urdf(held, sphere=sphere, has_box=representation.as_shipped)
+    posed = scenario if hung else set_free(scenario)
+    text = urdf(posed, sphere=sphere, has_box=representation.as_shipped)
     start = _START.format(
         lines=python_lines(text),
         link=0 if hung else -1,
@@ -164,12 +168,10 @@ def _settings(
 
 def _table(scenario: Scenario) -> Iterator[str]:
     """The plane under the body."""
-    yield "p.setPhysicsEngineParameter(contactSlop=0)"
     yield "plane = p.createCollisionShape(p.GEOM_PLANE)"
     height = sphere_and_plane(scenario)[1]
     yield f"plane = p.createMultiBody(0, plane, basePosition=[0, 0, {height!r}])"
-    yield "for one in (plane, body):"
-    yield f"    p.changeDynamics(one, -1, **{FRICTIONLESS!r})"
+    yield from CONTACT
 
 
 def _hinges(

@@ -20,7 +20,7 @@ from ..tables import Cell, Table, figure, table, verdict_cell
 CLOSE = math.radians(1.0)
 WORDS = tuple(kind.word for kind in LISTED)
 #: Groups of scenes, in reading order.
-GROUPS = ("On a pivot", "Free", "Thrown", "Driven or damped", "Not solved")
+GROUPS = ("On a pivot", "On a table", "Free", "Thrown", "Driven or damped", "Not solved")
 
 
 @dataclass(frozen=True)
@@ -129,6 +129,8 @@ def group_of(scene: SceneRuns) -> str:
         return "Driven or damped"
     if "pivot" in effects:
         return "On a pivot"
+    if "table" in effects:
+        return "On a table"
     return "Thrown" if "gravity" in effects else "Free"
 
 

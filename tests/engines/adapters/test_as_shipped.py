@@ -21,7 +21,7 @@ SHIPPED = [
     pytest.param(engine, method, id=f"{engine.name}-{method.name}")
     for engine in (MUJOCO, PYBULLET)
     for method in engine.methods
-    if method.as_shipped
+    if method.as_shipped and not method.requires
 ]
 #: PyBullet's default: of a linear and of an angular velocity, a second.
 DAMPING = 0.04
