@@ -43,6 +43,7 @@ class JudgedMotion:
     exceeds_1deg_at : s, the first time at which the attitude is off by more than 1°; None if never
     drifts : the largest change of each conserved quantity, relative
     defects : of the steps from sample to sample, by signal; empty if they cannot be followed
+    is_single : whether it was computed in single precision
     explained_by : mistakes in recording, or other physics, that explain the difference, in words
     ignored : headings of the file that mean nothing here
     """
@@ -56,6 +57,7 @@ class JudgedMotion:
     defects: dict[str, Defect]
     explained_by: tuple[str, ...]
     ignored: tuple[str, ...]
+    is_single: bool
 
     def beyond(self, bounds: Mapping[str, float]) -> list[str]:
         """The bounds that are not kept, one sentence each.
@@ -126,6 +128,7 @@ def judged_motion(
         of_steps.summary(len(exact.t) - 1, EPS) if of_steps else {},
         tuple(explained),
         recording.ignored,
+        recording.is_single,
     )
 
 

@@ -28,6 +28,7 @@ LONGEST_LINE = 1 << 14
 SETTINGS: dict[str, tuple[str, ...] | None] = {
     "quaternion": ("wxyz", "xyzw"),
     "omega": ("body", "world"),
+    "precision": ("double", "single"),
     "timestep": None,
 }
 _SHORTEST, _LONGEST = 1e-150, 1e150
@@ -55,6 +56,13 @@ class Recording:
     arrays: dict[str, FloatArray]
     settings: dict[str, str] = field(default_factory=dict)
     ignored: tuple[str, ...] = ()
+
+    @property
+    def is_single(self) -> bool:
+        """Whether it was computed in single precision: says so, or its attitudes have 24 bits."""
+        q = self.arrays["q"]
+        has_24_bits = np.array_equal(q, q.astype(np.float32)) and not np.array_equal(q, np.rint(q))
+        return self.settings.get("precision", "single" if has_24_bits else "double") == "single"
 
 
 def read_recording(path: Path) -> Recording:

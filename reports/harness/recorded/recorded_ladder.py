@@ -31,7 +31,8 @@ class RecordedEngine(Engine):
 
     name = "recorded"
 
-    def __init__(self, order: int) -> None:
+    def __init__(self, order: int, single_precision: bool) -> None:
+        self.single_precision = single_precision
         self.methods = (Method("files", order, order, "motions read from files", frozenset()),)
 
     @property
@@ -74,7 +75,8 @@ def study_of_files(
     times = _shared(recorded)
     solution = exact_at(scenario, times)
     rungs = [Rung(dt, np.rint(times / dt).astype(np.int64)) for dt in timesteps]
-    study = _study(scenario, RecordedEngine(order), solution, rungs)
+    engine = RecordedEngine(order, any(one.is_single for one in motions))
+    study = _study(scenario, engine, solution, rungs)
     _take(study, dict(zip(timesteps, recorded, strict=True)), times)
     return study
 

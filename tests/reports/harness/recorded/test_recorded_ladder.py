@@ -18,10 +18,10 @@ from spincheck.reports.harness.study_verdict import verdict_on
 HEADS = "t,qw,qx,qy,qz,wx,wy,wz,x,y,z,vx,vy,vz"
 
 
-def write(folder, motion, timestep):
+def write(folder, motion, timestep, precision="double"):
     path = folder / f"{timestep!r}.csv"
     states = [motion.q_world_body_wxyz, motion.omega_body, motion.com_world, motion.velocity_world]
-    header = f"# timestep = {timestep!r}\n{HEADS}"
+    header = f"# timestep = {timestep!r}\n# precision = {precision}\n{HEADS}"
     table = np.column_stack([motion.t, *states])
     np.savetxt(path, table, fmt="%.17g", delimiter=",", header=header, comments="")
     return path

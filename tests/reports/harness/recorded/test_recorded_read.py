@@ -1,10 +1,16 @@
 """Recorded motions are read as written; files that hold none are refused in a sentence."""
 
 import os
+from pathlib import Path
 
 import numpy as np
 import pytest
-from spincheck.reports.harness.recorded.read import MAX_SAMPLES, RecordingError, read_recording
+from spincheck.reports.harness.recorded.read import (
+    MAX_SAMPLES,
+    Recording,
+    RecordingError,
+    read_recording,
+)
 
 ROW = "0,1,0,0,0,0.5,0,2"
 GOOD = f"t,qw,qx,qy,qz,wx,wy,wz\n{ROW}\n0.1,1,0,0,0,0.5,0,2\n"
@@ -164,3 +170,14 @@ def test_a_damaged_archive_is_refused(tmp_path):
     (tmp_path / "motion.npz").write_bytes(b"PK\x03\x04 and nothing else")
     with pytest.raises(RecordingError, match="is no npz archive that can be read"):
         read_recording(tmp_path / "motion.npz")
+
+
+def test_single_precision_is_stated_or_seen_in_the_attitudes() -> None:
+    q = np.array([[0.6, 0.0, 0.8, 0.0], [0.8, 0.6, 0.0, 0.0]])
+    for values, settings, is_single in (
+        (q, {}, False),
+        (q.astype(np.float32).astype(float), {}, True),
+        (q, {"precision": "single"}, True),
+        (np.rint(q), {}, False),
+    ):
+        assert Recording(Path("m.csv"), {"q": values}, settings).is_single == is_single
