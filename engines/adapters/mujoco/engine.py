@@ -155,15 +155,12 @@ class MuJoCo(Engine):
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """The passes that are switched off, and the clock."""
-        return (
-            ()
-            if method.as_shipped
-            else tuple(
-                name
-                for name in left_out(scenario)
-                if not (_way(method).by_contact and name in (*PASSES, *OF_CONTACTS))
-            )
-        )
+        if method.as_shipped:
+            return ()
+        if not _way(method).by_contact:
+            return left_out(scenario)
+        kept = (*PASSES, *OF_CONTACTS)
+        return tuple(name for name in left_out(off_its_table(scenario)) if name not in kept)
 
     def open_unpruned(
         self,
@@ -200,8 +197,9 @@ def _way(method: Method) -> Way:
 
 def _switched_off(scenario: Scenario, method: Method) -> tuple[str, ...]:
     """The passes that a method does not need."""
-    needed = PASSES if _way(method).by_contact else frozenset()
-    return tuple(name for name in switched_off(scenario) if name not in needed)
+    if not _way(method).by_contact:
+        return switched_off(scenario)
+    return tuple(name for name in switched_off(off_its_table(scenario)) if name not in PASSES)
 
 
 def _open(
