@@ -239,6 +239,13 @@ class Engine(ABC):
         return {method.name: method for method in self.methods}[name]
 
     @final
+    def methods_for(self, scenario: Scenario) -> list[Method]:
+        """The methods that are made for a scene: it has the effects that they require."""
+        if not self.applies_to(scenario):
+            return []
+        return [method for method in self.methods if method.requires <= scenario.called_for]
+
+    @final
     def unsupported(self, scenario: Scenario, method: Method) -> str:
         """Why this method cannot simulate the scene; empty if it can."""
         if beyond := sorted(scenario.called_for - method.effects):

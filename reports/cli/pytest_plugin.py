@@ -135,8 +135,10 @@ class ScenarioFile(pytest.File):
             chosen = _is_asked_for(self.config, engine, names, by_default=not engine.is_optional)
             if not (chosen and engine.applies_to(self.scenario)):
                 continue
+            made_for_it = engine.methods_for(self.scenario)
             for method in engine.methods:
-                if method.as_shipped and (engine.name, method.name) not in expected:
+                is_expected = (engine.name, method.name) in expected
+                if (method.as_shipped or method not in made_for_it) and not is_expected:
                     continue
                 name = f"{engine.name}-{method.name}"
                 yield EngineItem.from_parent(self, name=name, engine=engine, method=method)

@@ -57,9 +57,13 @@ class Choice:
         ]
 
     def methods_on(self, scenario: Scenario) -> dict[Key, EngineMethod]:
-        """The keys of the results of every engine and method chosen, on one scene."""
+        """The keys of the results of every engine and method chosen, on one scene.
+
+        Methods that are made for other scenes are among them only if they were named.
+        """
         return {
             Key(scenario.name, engine.name, method.name): (engine, method)
             for engine, method in self.pairs()
             if engine.applies_to(scenario)
+            and (self.methods or method in engine.methods_for(scenario))
         }

@@ -49,7 +49,8 @@ def test_in_every_scene_of_the_library_acts_what_it_calls_for(
     for scene in LIBRARY:
         if engine.unsupported(scene, method):
             continue
-        speed = float(np.linalg.norm(scene.start.omega_body)) or 1.0
+        omega = np.linalg.norm(scene.start.omega_body)
+        speed = float(np.abs(np.append(scene.rotors.start_spins, omega)).max()) or 1.0
         run = engine.run(scene, method, TURN / speed, np.array([0, 10]))
         if run.outcome == "unsupported" and run.cause in ("body", "clamp"):
             # Too light, too slender or too heavy for it, in its own words.

@@ -47,12 +47,16 @@ def close_samples(name: str) -> tuple[Scenario, Trajectory, float, float]:
 
 
 def fastest(scenario: Scenario, exact: Trajectory) -> float:
-    """1/s: of turning, swinging, being driven, drag about its fastest axis; at least one window."""
+    """1/s: of turning, swinging, being driven, nutating, drag; at least one window."""
     least = float(min(rotational_problem(scenario).moments))
     torque = np.linalg.norm(scenario.torque_body) + np.linalg.norm(scenario.torque_world)
     driven = float(np.sqrt(torque / least))
+    nutating = (
+        float(np.linalg.norm(scenario.rotors.momentum_body(exact.spins), axis=1).max()) / least
+    )
     once = 1 / scenario.window.duration
-    return max(fastest_rate(scenario, exact.omega_body), driven, scenario.drag / least, once)
+    turning = fastest_rate(scenario, exact.omega_body)
+    return max(turning, driven, nutating, scenario.drag / least, once)
 
 
 def slope(samples: np.ndarray, h: float) -> np.ndarray:
@@ -106,7 +110,8 @@ class TestEquationsOfMotion:
         body = scenario.body
         inertia = scenario.inertia
         omega, to_body = close.omega_body[2::5], close.R_world_body[2::5].inv()
-        L = close.omega_body @ inertia
+        kept = scenario.rotors.kept_body(close.omega_body, close.spins)
+        L = close.omega_body @ inertia + kept
         torque = (
             scenario.torque_body
             + to_body.apply(np.array(scenario.torque_world))
@@ -115,6 +120,9 @@ class TestEquationsOfMotion:
         if scenario.constraint.is_pivot:
             weight = body.mass * to_body.apply(np.array(scenario.gravity_world))
             torque = torque + np.cross(body.com, weight)
+        elif not scenario.constraint.is_free:  # a table's force, from the com's acceleration
+            force = body.mass * (slope(close.velocity_world, h) - scenario.gravity_world)
+            torque = torque - np.cross(scenario.constraint.lever, to_body.apply(force))
         size = np.abs(inertia).max() * rate**2
         for slip in (0.0, NOTICED):
             misfit = slope(L, h) + np.cross(omega, L[2::5]) - torque - slip * size

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from case_loops import each_case
 from scipy.spatial.transform import Rotation
-from spincheck.scenarios import find, load, loads
+from spincheck.scenarios import ScenarioError, find, load, loads
 from spincheck.scenarios.scatter import SCATTER, member
 
 pytestmark = pytest.mark.slow
@@ -87,8 +87,13 @@ def test_a_member_reads_back_from_its_text():
 @each_case("path", find([]))
 def test_every_scene_of_the_library_can_be_scattered(path):
     base = load(path)
-    scattered = member(base, 1, 0)
-    assert scattered.called_for == base.called_for
+    try:
+        scattered = member(base, 1, 0)
+    except ScenarioError as error:
+        # Of a body on a table that is started otherwise, the tip may leave it at once.
+        assert ("table" in base.called_for, "lift" in str(error)) == (True, True)
+    else:
+        assert scattered.called_for == base.called_for
 
 
 def test_free_attitudes_are_uniform(free):

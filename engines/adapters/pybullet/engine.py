@@ -39,7 +39,6 @@ REPRESENTATIONS = {
     "multibody-p2p": BodyRepresentation(maximal=False, hung=False),
     "maximal": BodyRepresentation(maximal=True, hung=False),
     "contact": BodyRepresentation(maximal=False, hung=False, by_contact=True),
-    "contact-maximal": BodyRepresentation(maximal=True, hung=False, by_contact=True),
     "default": BodyRepresentation(maximal=False, hung=True, defaults=frozenset(DEFAULTS)),
     "default-inertia-from-file": BodyRepresentation(
         maximal=False, hung=True, defaults=frozenset(DEFAULTS) - {INERTIA}
@@ -86,21 +85,15 @@ class PyBullet(Engine):
             max_rotation_per_step=MOST_ROTATION_A_STEP,
             setup=setup(REPRESENTATIONS["maximal"]),
         ),
-        *(
-            Method(
-                name,
-                1,
-                1,
-                f"{coordinates}, the table as a contact of a sphere and a plane",
-                COMMON_EFFECTS | ON_TABLE,
-                requires=ON_TABLE,
-                max_rotation_per_step=MOST_ROTATION_A_STEP,
-                setup=setup(REPRESENTATIONS[name]),
-            )
-            for name, coordinates in (
-                ("contact", "joint coordinates"),
-                ("contact-maximal", "six coordinates a body"),
-            )
+        Method(
+            "contact",
+            1,
+            1,
+            "joint coordinates, the table as a contact of a sphere and a plane",
+            COMMON_EFFECTS | ON_TABLE,
+            requires=ON_TABLE,
+            max_rotation_per_step=MOST_ROTATION_A_STEP,
+            setup=setup(REPRESENTATIONS["contact"]),
         ),
         Method(
             "default",

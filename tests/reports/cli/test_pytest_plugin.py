@@ -98,11 +98,10 @@ def test_of_an_engine_as_shipped_the_expectation_is_judged_and_not_the_motion(ru
 
 
 @pytest.mark.needs_pybullet
-def test_a_good_scene_passes_on_both_engines_and_skips_with_the_reason(run):
+def test_a_good_scene_passes_on_both_engines_by_the_methods_that_are_made_for_it(run):
     wanted = "reference or mujoco or pybullet"  # whatever else is installed
     result = run("-k", wanted, sphere=SPHERE)
-    result.assert_outcomes(passed=9, skipped=1)
-    result.stdout.fnmatch_lines(["*multibody-p2p is for scenes with pivot*"])
+    result.assert_outcomes(passed=9)
 
 
 def test_other_toml_files_are_not_touched(run):
@@ -149,7 +148,8 @@ def test_a_broken_file_is_one_message(run):
 
 def test_items_are_of_the_engines_in_the_settings_alone(run):
     result = run("--collect-only", "-q", "-o", "spincheck_engines=mujoco", sphere=SPHERE)
-    methods = [m.name for m in engines()["mujoco"].methods if not m.as_shipped]
+    mujoco = engines()["mujoco"].methods
+    methods = [m.name for m in mujoco if not (m.as_shipped or m.requires)]
     items = [line for line in result.outlines if "::" in line]
     assert items == ["sphere.toml::reference", *(f"sphere.toml::mujoco-{m}" for m in methods)]
 
