@@ -87,13 +87,20 @@ def test_a_member_reads_back_from_its_text():
 @each_case("path", find([]))
 def test_every_scene_of_the_library_can_be_scattered(path):
     base = load(path)
+    if "table" in base.called_for and (reason := _refusal(base)):
+        # The tip of a body that is started otherwise may leave its table at once.
+        assert "lift" in reason
+        return
+    assert member(base, 1, 0).called_for == base.called_for
+
+
+def _refusal(base):
+    """Why a member is no scene; empty if it is one."""
     try:
-        scattered = member(base, 1, 0)
+        member(base, 1, 0)
     except ScenarioError as error:
-        # Of a body on a table that is started otherwise, the tip may leave it at once.
-        assert ("table" in base.called_for, "lift" in str(error)) == (True, True)
-    else:
-        assert scattered.called_for == base.called_for
+        return str(error)
+    return ""
 
 
 def test_free_attitudes_are_uniform(free):
