@@ -20,7 +20,7 @@ def plan(scenes: int = 1) -> Plan:
 
 
 def minutes(choice: Choice) -> int:
-    return int(announcement(plan(1000), choice, 1).partition("roughly ")[2].split()[0])
+    return int(announcement(plan(100_000), choice, 1).partition("roughly ")[2].split()[0])
 
 
 def test_it_names_the_engines_and_counts_what_is_to_be_made() -> None:
