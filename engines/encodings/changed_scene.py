@@ -170,8 +170,3 @@ class SceneChange:
     def _attitude(self, q: Quaternion) -> Quaternion:
         w, x, y, z = q
         return (w, x, -y, -z) if self.is_mirrored else q
-
-
-_X = np.array([1.0, 0.0, 0.0])
-_AXIAL = np.array([1.0, -1.0, -1.0])
-_MIRRORED_Q = np.array([1.0, 1.0, -1.0, -1.0])

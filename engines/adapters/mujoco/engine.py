@@ -77,6 +77,18 @@ def _method(name: str, order: int, summary: str) -> Method:
     return Method(name, order, order, summary, EFFECTS, setup=setup(name))
 
 
+def _by_contact(integrator: str, order: int) -> Method:
+    return Method(
+        f"contact-{integrator}",
+        order,
+        order,
+        f"{integrator}, the table as a contact as stiff as the timestep allows",
+        EFFECTS,
+        requires=ON_TABLE,
+        setup=CONTACT_SETUP.format(setup=setup(integrator)),
+    )
+
+
 @final
 class MuJoCo(Engine):
     """MuJoCo's rigid-body dynamics in reduced coordinates."""
@@ -101,24 +113,8 @@ class MuJoCo(Engine):
             EFFECTS,
             as_shipped=True,
         ),
-        Method(
-            "contact-RK4",
-            2,
-            2,
-            "RK4, the table as a contact as stiff as the timestep allows",
-            EFFECTS,
-            requires=ON_TABLE,
-            setup=CONTACT_SETUP.format(setup=setup("RK4")),
-        ),
-        Method(
-            "contact-Euler",
-            1,
-            1,
-            "Euler, the table as a contact as stiff as the timestep allows",
-            EFFECTS,
-            requires=ON_TABLE,
-            setup=CONTACT_SETUP.format(setup=setup("Euler")),
-        ),
+        _by_contact("RK4", 2),
+        _by_contact("Euler", 1),
         Method(
             "contact-default",
             1,

@@ -22,7 +22,7 @@ Made by `make known-issues` from `known-issues.toml`: of {issues} issues {asked}
 {run} of which were run for this page. What that file expects was recorded from a run, so that a
 change shows: {met} ended so. *Stand-in*: another engine than the issue's was run, on a scene that
 asks for the same. `MODEL` is a file that `known-issues.toml` holds. Verdicts of `--quick` are on
-short ladders: `unresolved` says that they were too short.
+short ladders: `unresolved` says that neither these nor single steps decide.
 """
 
 
