@@ -136,7 +136,8 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
 
 def _hard_cases(gathered: ReportData, environment: Environment) -> dict[str, Any]:
     scenes = hard_cases.hard_scenes(gathered)
-    numbers = constants() | {"count": str(len(scenes))}
+    are = "scene is" if len(scenes) == 1 else "scenes are"
+    numbers = constants() | {"count": f"{len(scenes)} {are}"}
     return {
         "scenes": scenes,
         "text": environment.get_template("hard.md").render(h=numbers),

@@ -1,38 +1,52 @@
-"""The report's answer in three sentences: how wrong the defaults are, what to use, and why."""
+"""The report's answer: how wrong the defaults are, what to use, what it costs, and why."""
 
 import math
-from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median, median_high
 
 import numpy as np
 
 from ...results.cost_records import EffectsCost
-from ...results.records import Key, Pair, Row
-from ...results.verdict_words import VERDICT
-from ..analysis.gyroscopic import without_gyroscopic_torque
-from ..analysis.report_data import ReportData, SceneRuns
+from ...results.records import Pair, Row
+from ..analysis.report_data import ReportData
 from ..analysis.timesteps import as_shipped, row_at, stock_timesteps
-from ..analysis.wording import duration, plural, readable
+from ..analysis.wording import NOTHING, duration, plural, readable
+from ..tables import Cell, Table, figure, table
+from .causes import no_gyroscopic_torque, why
 
 #: A method is recommended instead of a default if it can simulate this fraction of the scenes.
 COVERING = 0.9
-#: A cause is given for a default if it holds on at least this fraction of the scenes it gets wrong.
-COMMON = 0.1
 #: Number of engines whose defaults are described one by one, smallest errors first.
 LISTED = 2
-#: How a method's steps are compared with the default's.
-SWITCHED = "if only the method is changed"
-PRUNED = "with what the scene does not call for left out"
+#: What stands in the table, line by line.
+MEASURES = (
+    "timestep",
+    "1° off after",
+    "error a turn",
+    "off at the end",
+    "at worst",
+    "CPU time of a step",
+    "pruned",
+)
 
 
 @dataclass(frozen=True)
-class Sentence:
-    """A heading of a few words, and the answer."""
+class Answer:
+    """What stands first.
 
-    heading: str
-    text: str
+    Attributes
+    ----------
+    lead : the size of the defaults' errors, and of the methods' that are recommended instead
+    table : a column for each default, and for what is recommended instead
+    about : what the table's numbers are
+    why : the reasons of the defaults' errors
+    """
+
+    lead: str
+    table: Table
+    about: str
+    why: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,38 +71,46 @@ class _AtStock:
         errors = self.attitudes.values()
         return median_high(errors), max(errors)
 
-    def __str__(self) -> str:
-        """The errors in words: median, and worst with its scene."""
-        errors = self.attitudes
-        middle, _ = self.size
-        ended = {name: error for name, error in errors.items() if error < math.inf}
-        unfinished = len(errors) - len(ended)
-        if math.isinf(middle):
-            return f"does not come to the end of {unfinished} of {plural(len(errors), 'scene')}"
-        worst = max(ended, key=lambda name: ended[name])
-        text = (
-            f"{self._by_turns}is {_degrees(middle)} off in attitude at the end, at worst "
-            f"{_degrees(ended[worst])} on {worst}"
-        )
-        return text + (f", and {plural(unfinished, 'run')} blew up" if unfinished else "")
+    @property
+    def median(self) -> str:
+        """The median error in words."""
+        if self.size[0] < math.inf:
+            return _degrees(self.size[0])
+        return f"lost on {self._unfinished} of {plural(len(self.rows), 'scene')}"
 
     @property
-    def _by_turns(self) -> str:
-        """Medians, in words, of measures that do not depend on the windows' lengths."""
-        within = [
-            math.inf if row.turns_within_1deg is None else row.turns_within_1deg
-            for row in self.rows.values()
-            if row.turns is not None
-        ]
+    def worst(self) -> Cell:
+        """The largest error with its scene, and how many runs blew up."""
+        ended = {name: error for name, error in self.attitudes.items() if error < math.inf}
+        largest = max(ended, key=lambda name: ended[name], default="")
+        details = [largest] if ended else []
+        if self._unfinished:
+            details.append(f"{plural(self._unfinished, 'run')} blew up")
+        return Cell(_degrees(ended[largest]) if ended else "∞", "number", ", ".join(details))
+
+    @property
+    def _unfinished(self) -> int:
+        return sum(math.isinf(error) for error in self.attitudes.values())
+
+    @property
+    def turns(self) -> str:
+        """The median of the turns until the attitude is off by 1°; it is independent of windows."""
+        turning = [row.turns_within_1deg for row in self.rows.values() if row.turns is not None]
+        within = [math.inf if turns is None else turns for turns in turning]
+        if not within:
+            return NOTHING
+        turns = median_high(within)
+        return f"{readable(turns)} turns" if turns < math.inf else "never"
+
+    @property
+    def a_turn(self) -> str:
+        """The median of the error that a turn adds, likewise."""
         added = [a for row in self.rows.values() if (a := row.attitude_a_turn) is not None]
-        a_turn = f"adds {_degrees(math.degrees(median(added)))} a turn and " if added else ""
-        if not within or (turns := median_high(within)) == math.inf:
-            return a_turn
-        return f"is 1° off after {readable(turns)} turns, {a_turn}"
+        return _degrees(math.degrees(median(added))) if added else NOTHING
 
 
-def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> tuple[Sentence, ...]:
-    """The sentences, from the plain scenes alone; none where nothing was run at stock timesteps.
+def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> Answer | None:
+    """The answer, from the plain scenes alone; None where no default was run.
 
     Parameters
     ----------
@@ -103,21 +125,62 @@ def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> tupl
     shipped = sorted(first.values(), key=lambda one: one.size)
     clean = [one for pair, one in there.items() if pair not in as_shipped(plain)]
     if not shipped:
-        return ()
+        return None
     listed, others = shipped[:LISTED], shipped[LISTED:]
-    most = max(len(one.rows) for one in shipped)
-    wrong = [f"{_named(one)} {one}" for one in listed] + _others(others)
-    instead = [text for one in listed if (text := _instead(one, clean, left_out))]
+    instead = {one.pair: better for one in listed if (better := _instead(one, clean))}
     harmless = {name for cost in left_out for name in cost.left_out}
     measured = {one.key.engine for scene in plain.scenes for one in scene.defaults}
     explained = [one for one in shipped if one in listed or one.pair[0] in measured]
-    why = [_why(one, plain.scenes, harmless) for one in explained] + _no_gyroscopic_torque(plain)
-    sentences = [
-        Sentence(f"What defaults get wrong (median of {plural(most, 'scene')})", _sentences(wrong)),
-        Sentence("What to use instead", _sentences(instead)),
-        Sentence("Why", _sentences(why)),
+    reasons = [
+        why(one.pair, one.rows, plain.scenes, harmless) for one in explained
+    ] + no_gyroscopic_torque(plain)
+    headings, columns = [""], [[Cell(measure, "name") for measure in MEASURES]]
+    for one in listed:
+        for used in filter(None, (one, instead.get(one.pair))):
+            headings.append(f"{'' if used is one else 'use '}{' '.join(used.pair)}")
+            columns.append(_column(used, one, left_out))
+    scenes = plural(max(len(one.rows) for one in shipped), "scene")
+    return Answer(
+        _lead(listed, list(instead.values())),
+        table(headings, zip(*columns, strict=True)),
+        f"Attitude at stock timesteps, medians of {scenes}. CPU time as a multiple of the "
+        "default's, with quartiles: if only the method is changed, and pruned of what scenes do "
+        "not call for.",
+        _sentences([*_others(others), *reasons, *no_gyroscopic_torque(plain)]),
+    )
+
+
+def _lead(shipped: Sequence[_AtStock], instead: Sequence[_AtStock]) -> str:
+    """The median errors of defaults, and of what is recommended, in two sentences."""
+
+    def sizes(these: Sequence[_AtStock]) -> str:
+        return ", ".join(f"{' '.join(one.pair)} {one.median}" for one in these)
+
+    sentences = [f"At stock timesteps defaults end with the attitude off by: {sizes(shipped)}"]
+    if instead:
+        sentences.append(f"Use another method, at the same timestep: {sizes(instead)}")
+    return _sentences(sentences)
+
+
+def _column(one: _AtStock, default: _AtStock, left_out: Collection[EffectsCost]) -> list[Cell]:
+    """The measures of a method: its errors, and the CPU time of its steps beside the default's.
+
+    As most readers take it, with everything else as shipped, and with what is left besides where
+    nothing runs that the scene does not call for.
+    """
+    base = {name: row.seconds_per_step for name, row in default.rows.items()}
+    pruned = {name: row.seconds_per_step for name, row in one.rows.items()}
+    whole = {
+        cost.key.scenario: cost.unpruned
+        for cost in left_out
+        if (cost.key.engine, cost.key.method) == one.pair
+    }
+    ratios = ("1", "") if one is default else (_price(whole, base), _price(pruned, base))
+    return [
+        *map(figure, (duration(one.timestep), one.turns, one.a_turn, one.median)),
+        one.worst,
+        *map(figure, ratios),
     ]
-    return tuple(sentence for sentence in sentences if sentence.text)
 
 
 def _others(shipped: Sequence[_AtStock]) -> list[str]:
@@ -135,21 +198,6 @@ def _others(shipped: Sequence[_AtStock]) -> list[str]:
     return sentences
 
 
-def _no_gyroscopic_torque(gathered: ReportData) -> list[str]:
-    """The engines that leave out the gyroscopic torque, and the effect; empty if none does."""
-    lacking, tried = without_gyroscopic_torque(gathered)
-    if not lacking:
-        return []
-    worst = max(lacking, key=lambda one: one.omega_error)
-    names = ", ".join(one.engine for one in lacking)
-    leave = "leaves" if len(lacking) == 1 else "leave"
-    return [
-        f"{len(lacking)} of {plural(tried, 'engine')} {leave} out the gyroscopic torque as shipped "
-        f"({names}): no free body tumbles, and ω is up to {worst.omega_error:.0%} off, "
-        f"with {worst.engine} on {worst.worst_scene}"
-    ]
-
-
 def _at_stock(gathered: ReportData, pair: Pair, timestep: float) -> _AtStock:
     rows = {
         scene.name: row
@@ -162,111 +210,22 @@ def _at_stock(gathered: ReportData, pair: Pair, timestep: float) -> _AtStock:
     return _AtStock(pair, timestep, rows)
 
 
-def _instead(
-    shipped: _AtStock, clean: Sequence[_AtStock], left_out: Collection[EffectsCost]
-) -> str:
-    """The most accurate method of the same engine at the same timestep, and its price.
-
-    The price is that of the default with another method, as most readers take it, and of what is
-    left besides where nothing runs that the scene does not call for.
-    """
+def _instead(shipped: _AtStock, clean: Sequence[_AtStock]) -> _AtStock | None:
+    """The most accurate method of the same engine, if it is more accurate than the default."""
     own = [one for one in clean if one.pair[0] == shipped.pair[0]]
     most = max((len(one.rows) for one in own), default=0)
     offered = [one for one in own if len(one.rows) >= COVERING * most]
     best = min(offered, key=lambda one: one.size, default=None)
-    if best is None or best.size >= shipped.size:
-        return ""
-    engine, method = best.pair
-    text = f"{engine} {method} at the same {duration(best.timestep)} {best}"
-    cheap = {name: row.seconds_per_step for name, row in shipped.rows.items()}
-    pruned = {name: row.seconds_per_step for name, row in best.rows.items()}
-    whole = {one.key.scenario: one.unpruned for one in left_out if _pair(one.key) == best.pair}
-    prices = [
-        price
-        for seconds, words in ((whole, SWITCHED), (pruned, PRUNED))
-        if (price := _price(seconds, cheap, words))
-    ]
-    return text + (f"; a step takes {', and '.join(prices)}" if prices else "")
+    return best if best and best.size < shipped.size else None
 
 
-def _price(seconds: Mapping[str, float | None], cheap: Mapping[str, float | None], how: str) -> str:
+def _price(seconds: Mapping[str, float | None], base: Mapping[str, float | None]) -> str:
     """The median ratio of the times of a step by scene, and its quartiles; empty without any."""
-    ratios = [dear / base for name, dear in seconds.items() if dear and (base := cheap.get(name))]
+    ratios = [dear / cheap for name, dear in seconds.items() if dear and (cheap := base.get(name))]
     if not ratios:
         return ""
-    low, middle, high = np.percentile(ratios, [25, 50, 75])
-    spread = f"{readable(float(low))} to {readable(float(high))}"
-    return f"{readable(float(middle))} ({spread}) times the default's CPU time {how}"
-
-
-def _pair(key: Key) -> Pair:
-    return key.engine, key.method
-
-
-def _why(shipped: _AtStock, scenes: Sequence[SceneRuns], harmless: Collection[str]) -> str:
-    """The reason of the errors: the timestep, or defaults of the engine."""
-    verdicts = {
-        scene.name: runs.verdict.verdict
-        for scene in scenes
-        for runs in scene.methods
-        if (runs.engine, runs.method) == shipped.pair and runs.verdict
-    }
-    wrong = [
-        name
-        for name, word in verdicts.items()
-        if VERDICT[word].needs_reason and word != "unresolved"
-    ]
-    name = " ".join(shipped.pair)
-    good = sum(word == "converges" for word in verdicts.values())
-    if not wrong and not good:
-        return f"The timesteps of {name} were too coarse to tell on all its scenes"
-    if not wrong:
-        open_ = len(verdicts) - good
-        left = f" (on {open_} its timesteps were too coarse to tell)" if open_ else ""
-        scenes_tried = plural(len(verdicts), "scene")
-        return (
-            f"{name} converges to the exact motion on {good} of {scenes_tried} as its "
-            f"timestep shrinks{left}: its errors are its integrator's"
-        )
-    text = f"{name} does not, at any timestep, on {len(wrong)} of {plural(len(verdicts), 'scene')}"
-    wrong_scenes = [scene for scene in scenes if scene.name in wrong]
-    causes = _by_each_default(shipped.pair, wrong_scenes) or _acting(shipped, wrong, harmless)
-    return text + (f": {causes}" if causes else "")
-
-
-def _by_each_default(pair: Pair, scenes: Sequence[SceneRuns]) -> str:
-    """The number of scenes on which each default alone causes an error of ω, if measured."""
-    measured = [
-        one
-        for scene in scenes
-        for one in scene.defaults
-        if (one.key.engine, one.key.method) == pair
-    ]
-    counted = Counter(one.name for effects in measured for one in effects.each if one.acts)
-    listed = ", ".join(f"its {name} on {amount}" for name, amount in counted.most_common())
-    return f"the equations of motion are altered by {listed}, each alone" if listed else ""
-
-
-def _acting(shipped: _AtStock, wrong: Sequence[str], harmless: Collection[str]) -> str:
-    """What acted though not called for, as reported by the engine, and on how many scenes."""
-    rows = [shipped.rows[name] for name in wrong if name in shipped.rows]
-    counted = Counter(cause for row in rows for cause in dict.fromkeys(_unasked(row)))
-    return ", ".join(
-        f"{cause} ({amount})"
-        for cause, amount in counted.most_common()
-        if amount > COMMON * len(rows) and cause.removeprefix("a ") not in harmless
-    )
-
-
-def _unasked(row: Row) -> Iterator[str]:
-    # Measured sizes differ between scenes; names do not, so only names are counted.
-    yield from (name for name in row.unasked if not any(map(str.isdigit, name)))
-    if row.cause == "clamp":
-        yield "a velocity clamp"
-
-
-def _named(one: _AtStock) -> str:
-    return f"{' '.join(one.pair)} at its stock {duration(one.timestep)}"
+    low, middle, high = (readable(float(q)) for q in np.percentile(ratios, [25, 50, 75]))
+    return f"{middle} ({low} to {high})"
 
 
 def _degrees(error: float) -> str:

@@ -84,7 +84,7 @@ def test_the_time_of_a_step_is_reported_in_cpu_time_and_on_the_wall(folder: Path
         headings, *rows = columns_of_levels(tables)[0]
         assert [cell.strip() for cell in headings[2:4]] == ["CPU a step, µs", "wall a step, µs"]
         (row,) = (row for row in rows if [cell.strip() for cell in row[:2]] == ["mujoco", "Euler"])
-        assert [cell.partition("+")[0].strip() for cell in row[2:4]] == expected
+        assert [cell.replace("(", "+").partition("+")[0].strip() for cell in row[2:4]] == expected
 
 
 @pytest.mark.parametrize(("part", "signal"), [*enumerate(SIGNAL)])

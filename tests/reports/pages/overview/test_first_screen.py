@@ -1,4 +1,4 @@
-"""The first screen's sentences, the table's data, and the best choice, from made-up runs."""
+"""The first screen's answer, the table's data, and the best choice, from made-up runs."""
 
 import json
 import math
@@ -74,25 +74,34 @@ def cell(gathered: ReportData, method: str, engine: str = "mujoco") -> list:
     return carried["cells"][columns.index((engine, method))]
 
 
+def shown(found, method: str) -> dict[str, str]:
+    """A column of the answer's table, by measure."""
+    column = found.table.headings.index(method)
+    return {row[0].text: f"{row[column].text} {row[column].detail}" for row in found.table.rows}
+
+
 def test_the_defaults_are_reported_with_their_size_in_degrees(gathered):
-    wrong = answer(gathered)[0]
     # An error of first order, halved once.
     degrees = f"{math.degrees(SIZE[1] / 2):.1f}°"
-    assert f"mujoco default at its stock 10 ms is {degrees} off in attitude" in wrong.text
-    assert "median of 2 scenes" in wrong.heading
+    found = answer(gathered)
+    assert f"mujoco default {degrees}" in found.lead
+    assert "medians of 2 scenes" in found.about
+    default = shown(found, "mujoco default")
+    assert default["timestep"].strip() == "10 ms"
+    assert default["off at the end"].strip() == degrees
 
 
 def test_a_default_that_blows_up_has_no_size(gathered):
-    assert "pybullet default at its stock 10 ms does not come to the end of 2 of 2 scenes" in (
-        answer(gathered)[0].text
-    )
+    found = answer(gathered)
+    assert "pybullet default lost on 2 of 2 scenes" in found.lead
+    assert shown(found, "pybullet default")["at worst"] == "∞ 2 runs blew up"
 
 
 def test_the_most_accurate_method_of_the_engine_is_offered_with_its_price(gathered):
-    instead = answer(gathered)[1].text
-    assert instead.startswith("mujoco RK4 at the same 10 ms")
-    assert "a step takes 1.0 (1.0 to 1.0) times the default's CPU time with what" in instead
-    assert "if only the method is changed" not in instead
+    instead = shown(answer(gathered), "use mujoco RK4")
+    assert instead["timestep"].strip() == "10 ms"
+    assert instead["pruned"].strip() == "1.0 (1.0 to 1.0)"
+    assert not instead["CPU time of a step"].strip()
 
 
 def left_out(*names: str, unpruned: float = SECONDS_PER_STEP) -> EffectsCost:
@@ -101,12 +110,11 @@ def left_out(*names: str, unpruned: float = SECONDS_PER_STEP) -> EffectsCost:
     return EffectsCost(key, names, SECONDS_PER_STEP, unpruned, Ratio(1.0, 0.0), STOCK, 1.0, 0.0)
 
 
-def test_the_price_of_changing_the_method_alone_stands_before_that_of_pruning(gathered):
-    instead = answer(gathered, [left_out("clock", unpruned=4 * SECONDS_PER_STEP)])[1].text
-    switched, pruned = "if only the method is changed", "with what the scene does not"
-    price = "a step takes 4.0 (4.0 to 4.0) times the default's CPU time"
-    assert f"{price} {switched}, and 1.0" in instead
-    assert instead.index(switched) < instead.index(pruned)
+def test_the_price_of_changing_the_method_alone_stands_beside_that_of_pruning(gathered):
+    found = answer(gathered, [left_out("clock", unpruned=4 * SECONDS_PER_STEP)])
+    instead = shown(found, "use mujoco RK4")
+    assert instead["CPU time of a step"].strip() == "4.0 (4.0 to 4.0)"
+    assert instead["pruned"].strip() == "1.0 (1.0 to 1.0)"
 
 
 def test_turns_until_a_degree_and_the_error_a_turn_stand_first():
@@ -123,8 +131,9 @@ def test_turns_until_a_degree_and_the_error_a_turn_stand_first():
         else row
         for row in stored.rows
     ]
-    wrong = answer(report_data(replace(stored, rows=rows)))[0].text
-    assert "is 1° off after 3.0 turns, adds 0.50° a turn and is" in wrong
+    default = shown(answer(report_data(replace(stored, rows=rows))), "mujoco default")
+    assert default["1° off after"].strip() == "3.0 turns"
+    assert default["error a turn"].strip() == "0.50°"
 
 
 def test_what_an_engine_cannot_simulate_did_not_blow_up():
@@ -135,9 +144,9 @@ def test_what_an_engine_cannot_simulate_did_not_blow_up():
             return row
         return replace(row, outcome="unsupported", errors=None, motion=None)
 
-    wrong = answer(report_data(replace(stored, rows=list(map(cannot, stored.rows)))))[0]
-    assert "blew up" not in wrong.text
-    assert "1 scene" in wrong.heading
+    found = answer(report_data(replace(stored, rows=list(map(cannot, stored.rows)))))
+    assert "blew up" not in shown(found, "mujoco default")["at worst"]
+    assert "medians of 1 scene." in found.about
 
 
 def test_the_price_is_that_of_the_steps():
@@ -148,14 +157,12 @@ def test_the_price_is_that_of_the_steps():
         else row
         for row in slow.rows
     ]
-    assert (
-        "takes 3.0 (3.0 to 3.0) times the default's CPU time"
-        in answer(report_data(replace(slow, rows=rows)))[1].text
-    )
+    instead = shown(answer(report_data(replace(slow, rows=rows))), "use mujoco RK4")
+    assert instead["pruned"].strip() == "3.0 (3.0 to 3.0)"
 
 
 def test_why_a_default_is_wrong_is_reported_by_name_and_count(gathered):
-    why = answer(gathered)[2].text
+    why = answer(gathered).why
     assert "mujoco default converges to the exact motion on 2 of 2 scenes" in why
     assert "pybullet default does not, at any timestep, on 2 of 2 scenes" in why
     assert "on 2 of 2 scenes: damping (2), joint motor (2)." in why
@@ -164,18 +171,18 @@ def test_why_a_default_is_wrong_is_reported_by_name_and_count(gathered):
 @pytest.mark.parametrize("acts", [True, False, None])
 def test_a_default_that_alters_the_equations_of_motion_is_a_reason(acts):
     measured = stocked(defaults=[taken_away("joint motor", acts)])
-    why = answer(report_data(measured))[2].text
+    why = answer(report_data(measured)).why
     assert ("equations of motion are altered by its joint motor on 1, each alone" in why) == bool(
         acts
     )
 
 
 def test_what_changes_no_motion_is_no_reason(gathered):
-    assert "joint motor" not in answer(gathered, [left_out("joint motor")])[2].text
+    assert "joint motor" not in answer(gathered, [left_out("joint motor")]).why
 
 
 def test_without_engines_as_shipped_there_is_nothing_to_answer():
-    assert answer(report_data(results())) == ()
+    assert answer(report_data(results())) is None
 
 
 def test_a_run_that_did_not_end_ok_has_no_number_in_the_table(gathered):
@@ -237,9 +244,11 @@ def test_markdown_says_the_same_answer_first(gathered, tmp_path):
     render(stocked(), tmp_path)
     path = tmp_path / "report.md"
     beginning = path.read_text(encoding="utf-8").partition("## ")[0]
-    for sentence in answer(gathered):
-        assert plain(sentence.text) in plain(beginning)
-    first = markdown_tables(path)[0]
+    found = answer(gathered)
+    for words in (found.lead, found.about, found.why):
+        assert plain(words) in plain(beginning)
+    of_answer, first = markdown_tables(path)[:2]
+    assert "use mujoco RK4" in [heading.strip() for heading in of_answer[0]]
     assert "mujoco default, 10 ms" in [heading.strip() for heading in first[0]]
     degrees = f"{math.degrees(SIZE[1] / 2):.2f}°"
     assert any(degrees in line for row in first for line in row)

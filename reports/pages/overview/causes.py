@@ -1,0 +1,92 @@
+"""Why defaults are wrong: the timestep, settings that alter the motion, a term left out."""
+
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
+
+from ...results.records import Pair, Row
+from ...results.verdict_words import VERDICT
+from ..analysis.gyroscopic import without_gyroscopic_torque
+from ..analysis.report_data import ReportData, SceneRuns
+from ..analysis.wording import plural
+
+#: A cause is given for a default if it holds on at least this fraction of the scenes it gets wrong.
+COMMON = 0.1
+
+
+def why(
+    pair: Pair, rows: Mapping[str, Row], scenes: Sequence[SceneRuns], harmless: Collection[str]
+) -> str:
+    """The reason of the errors: the timestep, or defaults of the engine."""
+    verdicts = {
+        scene.name: runs.verdict.verdict
+        for scene in scenes
+        for runs in scene.methods
+        if (runs.engine, runs.method) == pair and runs.verdict
+    }
+    wrong = [
+        name
+        for name, word in verdicts.items()
+        if VERDICT[word].needs_reason and word != "unresolved"
+    ]
+    name = " ".join(pair)
+    good = sum(word == "converges" for word in verdicts.values())
+    if not wrong and not good:
+        return f"The timesteps of {name} were too coarse to tell on all its scenes"
+    if not wrong:
+        open_ = len(verdicts) - good
+        left = f" (on {open_} its timesteps were too coarse to tell)" if open_ else ""
+        scenes_tried = plural(len(verdicts), "scene")
+        return (
+            f"{name} converges to the exact motion on {good} of {scenes_tried} as its "
+            f"timestep shrinks{left}: its errors are its integrator's"
+        )
+    text = f"{name} does not, at any timestep, on {len(wrong)} of {plural(len(verdicts), 'scene')}"
+    wrong_scenes = [scene for scene in scenes if scene.name in wrong]
+    causes = _by_each_default(pair, wrong_scenes) or _acting(rows, wrong, harmless)
+    return text + (f": {causes}" if causes else "")
+
+
+def _by_each_default(pair: Pair, scenes: Sequence[SceneRuns]) -> str:
+    """The number of scenes on which each default alone causes an error of ω, if measured."""
+    measured = [
+        one
+        for scene in scenes
+        for one in scene.defaults
+        if (one.key.engine, one.key.method) == pair
+    ]
+    counted = Counter(one.name for effects in measured for one in effects.each if one.acts)
+    listed = ", ".join(f"its {name} on {amount}" for name, amount in counted.most_common())
+    return f"the equations of motion are altered by {listed}, each alone" if listed else ""
+
+
+def _acting(rows: Mapping[str, Row], wrong: Sequence[str], harmless: Collection[str]) -> str:
+    """What acted though not called for, as reported by the engine, and on how many scenes."""
+    of_wrong = [rows[name] for name in wrong if name in rows]
+    counted = Counter(cause for row in of_wrong for cause in dict.fromkeys(_unasked(row)))
+    return ", ".join(
+        f"{cause} ({amount})"
+        for cause, amount in counted.most_common()
+        if amount > COMMON * len(of_wrong) and cause.removeprefix("a ") not in harmless
+    )
+
+
+def _unasked(row: Row) -> Iterator[str]:
+    # Measured sizes differ between scenes; names do not, so only names are counted.
+    yield from (name for name in row.unasked if not any(map(str.isdigit, name)))
+    if row.cause == "clamp":
+        yield "a velocity clamp"
+
+
+def no_gyroscopic_torque(gathered: ReportData) -> list[str]:
+    """The engines that leave out the gyroscopic torque, and the effect; empty if none does."""
+    lacking, tried = without_gyroscopic_torque(gathered)
+    if not lacking:
+        return []
+    worst = max(lacking, key=lambda one: one.omega_error)
+    names = ", ".join(one.engine for one in lacking)
+    leave = "leaves" if len(lacking) == 1 else "leave"
+    return [
+        f"{len(lacking)} of {plural(tried, 'engine')} {leave} out the gyroscopic torque as shipped "
+        f"({names}): no free body tumbles, and ω is up to {worst.omega_error:.0%} off, "
+        f"with {worst.engine} on {worst.worst_scene}"
+    ]
