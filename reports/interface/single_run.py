@@ -1,5 +1,8 @@
 """One run, for scripts."""
 
+import atexit
+import os
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -14,7 +17,7 @@ from spincheck.scenarios import Scenario
 
 
 def single_run(scenario: Scenario, engine: str, method: str, timestep: float) -> Row:
-    """Run one method with one timestep, in a worker process.
+    """Run one method with one timestep, in a worker process that later runs use, too.
 
     Raises
     ------
@@ -32,11 +35,24 @@ def single_run(scenario: Scenario, engine: str, method: str, timestep: float) ->
         longest = scenario.window.duration
         raise ValueError(f"'timestep' must be above 0 and at most {longest:g} s, got {timestep}.")
     choice = Choice((known[engine],), (method,), (timestep,), timed=False)
+    workers = _workers(os.getpid())
     with (
         TemporaryDirectory() as folder,
         open_store(Path(folder) / "run.sqlite", create=True) as store,
-        LocalWorkers(1) as executor,
     ):
-        run_study(plan([scenario], choice, store), choice, store, executor, lambda _: None)
+        try:
+            run_study(plan([scenario], choice, store), choice, store, workers, lambda _: None)
+        except BaseException:  # an interrupt leaves a call under way
+            workers.close()
+            _workers.cache_clear()
+            raise
         rows = store.read(choice.timesteps).rows
     return next(row for row in rows if row.timestep in (timestep, 0.0))
+
+
+@cache
+def _workers(_process: int) -> LocalWorkers:
+    """The worker of this process: starting one takes longer than most runs."""
+    workers = LocalWorkers(1)
+    atexit.register(workers.close)
+    return workers

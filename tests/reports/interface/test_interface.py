@@ -5,9 +5,11 @@ import sys
 import tomllib
 
 import numpy as np
+import psutil
 import pytest
 import spincheck
 from library_scenes import library_scene
+from spincheck import single_run
 from spincheck.scenarios import Scenario, ScenarioError
 from spincheck.testing import assert_matches_exact
 
@@ -137,6 +139,34 @@ def test_one_run_is_made_in_a_process_of_its_own():
         omega_body=row.motion.omega_body,
     )
     assert judged.errors["attitude"] == row.errors["attitude"]
+
+
+@pytest.mark.processes
+def test_later_runs_use_the_same_process_unless_one_was_interrupted(monkeypatch):
+    workers = set()
+
+    def made(*args):
+        run_study(*args)
+        workers.add(args[3]._slots[0]._worker._process.pid)
+
+    run_study = single_run.run_study
+    monkeypatch.setattr(single_run, "run_study", made)
+    asked = {"engine": "mujoco", "method": "RK4", "timestep": 2e-3}
+    first = spincheck.run("fast-top", **asked)
+    assert spincheck.run("fast-top", **asked).errors == first.errors
+    assert len(workers) == 1
+
+    def interrupted(*args):
+        made(*args)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(single_run, "run_study", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        spincheck.run("fast-top", **asked)
+    assert not any(map(psutil.pid_exists, workers))
+    monkeypatch.setattr(single_run, "run_study", made)
+    assert spincheck.run("fast-top", **asked).errors == first.errors
+    assert len(workers) == 2
 
 
 @pytest.mark.parametrize(
