@@ -4,7 +4,6 @@ Sources count by their meaning, without docstrings, comments and layout, and onl
 result can rest on: the modules that decide about it, and all that these import.
 """
 
-import ast
 import inspect
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
@@ -15,6 +14,7 @@ from pathlib import Path
 from ...engines import Engine
 from ...scenarios import Scenario
 from .records import Fingerprint
+from .sources import Import, source
 
 _PROGRAM = "spincheck"
 _ROOTS = {
@@ -102,7 +102,7 @@ def adapter(kind: type[Engine]) -> str:
     files = sorted(file.parent.rglob("*.py")) if own_folder else [file]
     package = kind.__module__.rpartition(".")[0].removeprefix(f"{_PROGRAM}.")
     found = [path for path in files if path.is_file()]
-    imported = {name for path in found for name in _imported(_tree(path), package)}
+    imported = {name for path in found for name in _imported(path, package)}
     names = sorted(_closure(imported, frozenset()))
     return _digest([*map(_content, found), *(_content(_file(name)) for name in names)])
 
@@ -124,26 +124,25 @@ def _closure(names: Iterable[str], without: frozenset[str]) -> frozenset[str]:
 @cache
 def _imported_by(name: str) -> tuple[str, ...]:
     is_package = _file(name).name == "__init__.py"
-    return tuple(_imported(_tree(_file(name)), name if is_package else name.rpartition(".")[0]))
+    return tuple(_imported(_file(name), name if is_package else name.rpartition(".")[0]))
 
 
-def _imported(tree: ast.Module, package: str) -> Iterator[str]:
+def _imported(path: Path, package: str) -> Iterator[str]:
     """The modules of this program that a module of a package imports, wherever it does."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom):
-            base = _base(node, package)
-            if base is not None:
-                for alias in node.names:
-                    yield _defining(base, alias.name)
+    for one in source(path).imports:
+        base = _base(one, package)
+        if base is not None:
+            for name, _ in one.names:
+                yield _defining(base, name)
 
 
-def _base(node: ast.ImportFrom, package: str) -> str | None:
+def _base(one: Import, package: str) -> str | None:
     """The module that names are imported from; None if it is none of this program."""
-    if node.level:
+    if one.level:
         parts = package.split(".")
-        base = ".".join([*parts[: len(parts) + 1 - node.level], *filter(None, [node.module])])
-    elif (node.module or "").startswith(f"{_PROGRAM}."):
-        base = str(node.module).removeprefix(f"{_PROGRAM}.")
+        base = ".".join([*parts[: len(parts) + 1 - one.level], *filter(None, [one.module])])
+    elif one.module.startswith(f"{_PROGRAM}."):
+        base = one.module.removeprefix(f"{_PROGRAM}.")
     else:
         return None
     return base if base.partition(".")[0] in _ROOTS and _file(base).is_file() else None
@@ -158,12 +157,11 @@ def _defining(base: str, name: str) -> str:
     if _file(f"{base}.{name}").is_file():
         return f"{base}.{name}"
     if _file(base).name == "__init__.py":
-        for node in _tree(_file(base)).body:
-            if isinstance(node, ast.ImportFrom):
-                for alias in node.names:
-                    source = _base(node, base)
-                    if (alias.asname or alias.name) == name and source is not None:
-                        return _defining(source, alias.name)
+        for one in source(_file(base)).imports:
+            origin = _base(one, base) if one.outside else None
+            for imported, given in one.names:
+                if given == name and origin is not None:
+                    return _defining(origin, imported)
     return base
 
 
@@ -178,34 +176,7 @@ def _content(path: Path) -> str:
     """The digest of a file; of Python, by its meaning."""
     if path.suffix != ".py":
         return _digest([path.read_bytes().hex()])
-    return _digest([repr(_meaning(_tree(path)))])
-
-
-@cache
-def _tree(path: Path) -> ast.Module:
-    return ast.parse(path.read_bytes())
-
-
-def _meaning(node: object) -> object:
-    """Source without what changes no result: docstrings, comments, layout.
-
-    Other texts that stand alone, as docstrings do, are left out, too. Empty fields are left out:
-    Pythons differ in which they have.
-    """
-    if isinstance(node, list):
-        return [_meaning(one) for one in node if not _is_text_alone(one)]
-    if not isinstance(node, ast.AST):
-        return node
-    fields = [(name, _meaning(value)) for name, value in ast.iter_fields(node)]
-    return type(node).__name__, [(n, value) for n, value in fields if value not in (None, [])]
-
-
-def _is_text_alone(node: object) -> bool:
-    return (
-        isinstance(node, ast.Expr)
-        and isinstance(node.value, ast.Constant)
-        and isinstance(node.value.value, str)
-    )
+    return source(path).digest
 
 
 def _digest(parts: Iterable[str]) -> str:

@@ -9,7 +9,7 @@ from spincheck.engines import engines
 from spincheck.engines.adapters.mujoco import MuJoCo
 from spincheck.engines.versions.engine import VersionedEngine
 from spincheck.engines.versions.folders import folder_of
-from spincheck.reports.results import fingerprints
+from spincheck.reports.results import fingerprints, sources
 from spincheck.scenarios import loads
 from spincheck.suite.contract_scenes import SCENES
 
@@ -65,7 +65,7 @@ def test_one_version_in_two_caches_is_one_engine() -> None:
 
 def digests(monkeypatch, file: Path | None = None, text: str = "") -> dict[str, str]:
     """All digests, with one file's text taken to be another."""
-    for cached in (fingerprints._tree, fingerprints._content, fingerprints._imported_by):
+    for cached in (sources.source, fingerprints._content, fingerprints._imported_by):
         cached.cache_clear()
     for cached in (fingerprints.program, fingerprints.modules, fingerprints.adapter):
         cached.cache_clear()

@@ -1,0 +1,124 @@
+"""The meaning of Python sources, and what they import.
+
+Parsing all of the program takes a second, so what is found is kept in the user's cache, by the
+content of files.
+"""
+
+import ast
+import atexit
+import json
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ...engines.user_cache import user_cache
+from ...scenarios.regular_files import read_regular, write_new
+
+#: Bytes that are kept: of some twenty versions of the program.
+LARGEST = 1 << 22
+
+
+class Import(NamedTuple):
+    """`from MODULE import NAMES`, where it stands.
+
+    Attributes
+    ----------
+    level : how many dots stand before the module
+    names : (name, the name it is given here) of each
+    outside : whether it stands outside of functions and classes
+    """
+
+    level: int
+    module: str
+    names: tuple[tuple[str, str], ...]
+    outside: bool
+
+
+class Source(NamedTuple):
+    """What a file says.
+
+    Attributes
+    ----------
+    digest : of its meaning: without docstrings, comments and layout, which change no result
+    imports : in any order
+    """
+
+    digest: str
+    imports: tuple[Import, ...]
+
+
+@cache
+def source(path: Path) -> Source:
+    """A Python file's meaning and imports."""
+    content = path.read_bytes()
+    known, key = _known(), sha256(content).hexdigest()
+    if key not in known:
+        tree = ast.parse(content)
+        digest = sha256(repr(_meaning(tree)).encode()).hexdigest()
+        known[key] = Source(digest, tuple(_imports(tree)))
+    return known[key]
+
+
+@cache
+def _known() -> dict[str, Source]:
+    """The sources by the digest of their content, kept when the process ends."""
+    known = {}
+    with suppress(OSError, ValueError, TypeError, AttributeError):
+        kept = json.loads(read_regular(_file(), LARGEST))
+        known = {key: _restored(*parts) for key, parts in kept.items()}
+    atexit.register(_keep, known, len(known))
+    return known
+
+
+def _restored(digest: str, imports: list[list[Any]]) -> Source:
+    found = [
+        Import(level, of, tuple((a, b) for a, b in names), out) for level, of, names, out in imports
+    ]
+    return Source(digest, tuple(found))
+
+
+def _keep(known: dict[str, Source], before: int) -> None:
+    text = json.dumps(known)
+    with suppress(OSError):
+        if before < len(known) and len(text) < LARGEST:
+            _file().parent.mkdir(parents=True, exist_ok=True)
+            write_new(_file(), text)
+
+
+def _file() -> Path:
+    """The file of what this module finds: another version of it may find something else."""
+    own = sha256(Path(__file__).read_bytes()).hexdigest()[:16]
+    return user_cache() / f"sources-{own}.json"
+
+
+def _imports(tree: ast.Module) -> Iterator[Import]:
+    outside = {id(node) for node in tree.body}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom):
+            names = tuple((alias.name, alias.asname or alias.name) for alias in node.names)
+            yield Import(node.level, node.module or "", names, id(node) in outside)
+
+
+def _meaning(node: object) -> object:
+    """Source without what changes no result: docstrings, comments, layout.
+
+    Other texts that stand alone, as docstrings do, are left out, too. Empty fields are left out:
+    Pythons differ in which they have.
+    """
+    if isinstance(node, list):
+        return [_meaning(one) for one in node if not _is_text_alone(one)]
+    if not isinstance(node, ast.AST):
+        return node
+    fields = [(name, _meaning(value)) for name, value in ast.iter_fields(node)]
+    return type(node).__name__, [(n, value) for n, value in fields if value not in (None, [])]
+
+
+def _is_text_alone(node: object) -> bool:
+    return (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+    )
