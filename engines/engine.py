@@ -112,6 +112,8 @@ class Engine(ABC):
     family : a name for several optional engines, by which users may ask for all of them
     of_file : whether it loads the link that a scene names out of the user's own model file
     script_language : what `script` is written in
+    steps_in : the native function in which its steps are taken, as valgrind names it, `*` for any
+        characters; empty if they are not all native
     describes : features of `Description` that `open_as` can write
     """
 
@@ -125,6 +127,7 @@ class Engine(ABC):
     family: str = ""
     of_file: bool = False
     script_language: Literal["Python", "JavaScript"] = "Python"
+    steps_in: str = ""
     describes: frozenset[str] = frozenset()
 
     @property

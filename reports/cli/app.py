@@ -127,6 +127,13 @@ def run(
         bool,
         typer.Option("--quick", help="Short ladders, without timing; hard scenes only if named."),
     ] = False,
+    instructions: Annotated[
+        bool,
+        typer.Option(
+            "--instructions",
+            help="Count the instructions of a step, too, under valgrind: half a minute a method.",
+        ),
+    ] = False,
     time_limit: TimeLimit = None,
     python: Python = "",
     ensemble: MemberCount = None,
@@ -155,6 +162,8 @@ def run(
     from .run.summary import results_as_json
 
     named = (engine or [], method or [], timestep or [])
+    if instructions:
+        running.check_counting(timed=not quick and ensemble is None)
     if ensemble is not None:
         if quick:
             raise Complaint("'--quick' is for ladders; an ensemble has none", BAD_INPUT)
@@ -179,6 +188,7 @@ def run(
         where,
         out,
         quick=quick,
+        counted=instructions,
         time_limit=time_limit,
         again=again,
         python=python,

@@ -75,7 +75,8 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
         SceneLeft(
             scenario,
             [pair for key, pair in choice.methods_on(scenario).items() if key not in settled],
-            choice.times(scenario) and _untimed(scenario, choice, settled, timed),
+            choice.times(scenario)
+            and (choice.counted or _untimed(scenario, choice, settled, timed)),
             scenario is by_pass,
         )
         for scenario in scenarios

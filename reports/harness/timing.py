@@ -1,6 +1,7 @@
 """Times the steps of a scene's methods after all runs, and stores the costs."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from ...engines import Engine, Method
@@ -11,8 +12,9 @@ from ..results.store import Store
 from .choice import Choice
 from .effects_cost import effects_costs, first_pass_costs
 from .executors import CallFailed, Executor
+from .instructions import instructions_per_step
 from .plan import SceneLeft, can_be_timed, settled_verdicts
-from .step_cost import TimingRefused, measure, timed
+from .step_cost import TimingRefused, measure, timed, timed_timestep
 
 
 def time_scene(
@@ -50,7 +52,10 @@ def _time_scene(
         if can_be_timed(scenario, pair, verdicts.get(key))
     }
     costs, complaints = measure(executor, scenario, list(pairs.values())) if pairs else ([], [])
-    for key, cost in zip(pairs, costs, strict=True):
+    for (key, (engine, method)), cost in zip(pairs.items(), costs, strict=True):
+        if choice.counted and cost is not None:
+            count = instructions_per_step(scenario, engine, method, timed_timestep(scenario))
+            cost = replace(cost, instructions_per_step=count)
         store.put(MethodCost(key, processor(), cost))
     return complaints
 

@@ -21,13 +21,16 @@ def reach_table(scene: SceneRuns, signal: str) -> Table:
 
     Second lines, shown in HTML only: the timestep, or the error that rounding may cause at it.
     """
-    headings = ("engine", "method", "CPU a step, µs", "wall a step, µs", *_level_headings())
+    counts = [_instructions(runs) for runs in scene.methods]
+    counted = ("instructions a step",) if any(counts) else ()
+    step = ("CPU a step, µs", "wall a step, µs", *counted)
     rows = []
-    for runs in scene.methods:
+    for runs, count in zip(scene.methods, counts, strict=True):
         curve = curve_of(scene, runs, signal)
+        costs = [*_step_costs(runs), *(figure(count or NOTHING) for _ in counted)]
         cells = [_reach_cell(reach(curve, level)) for level in LEVELS]
-        rows.append([*_named((runs.engine, runs.method)), *_step_costs(runs), *cells])
-    return table(headings, rows)
+        rows.append([*_named((runs.engine, runs.method)), *costs, *cells])
+    return table(("engine", "method", *step, *_level_headings()), rows)
 
 
 def reached_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
@@ -83,6 +86,12 @@ def _step_costs(runs: MethodRuns) -> tuple[Cell, Cell]:
     above = f"+ {spread}" if row.seconds_spread is not None else ""
     cpu = Cell(_microseconds(row.seconds_per_step), "number", above)
     return cpu, figure(_microseconds(row.wall_seconds_per_step))
+
+
+def _instructions(runs: MethodRuns) -> str:
+    """The instructions of a step; empty if they were not counted."""
+    counts = (row.instructions_per_step for row in runs.rows if row.instructions_per_step)
+    return next((f"{count:,.1f}" for count in counts), "")
 
 
 def _microseconds(seconds: float | None) -> str:

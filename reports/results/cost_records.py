@@ -15,11 +15,13 @@ class StepCost:
     seconds_spread : maximum minus minimum over the repeats, CPU seconds
     wall_seconds_per_step : the minimum of the wall time; shorter than the CPU time only if threads
         share the work, longer if another program had the processor
+    instructions_per_step : None unless they were counted (`harness/instructions.py`)
     """
 
     seconds_per_step: float
     seconds_spread: float
     wall_seconds_per_step: float
+    instructions_per_step: float | None = None
 
 
 @dataclass(frozen=True)

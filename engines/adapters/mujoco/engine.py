@@ -94,6 +94,7 @@ class MuJoCo(Engine):
     """MuJoCo's rigid-body dynamics in reduced coordinates."""
 
     name = "mujoco"
+    steps_in = "mj_step"
     # Documentation, XML reference, option/timestep.
     stock_timestep = 0.002
     describes = frozenset({"parts", "full tensor", "shape", "joint", "compensated"})

@@ -53,6 +53,7 @@ class PyBullet(Engine):
     """Bullet's two kinds of body, and its two ways to hold one at a point."""
 
     name = "pybullet"
+    steps_in = "btDiscreteDynamicsWorld::stepSimulation*"
     # PyBullet quickstart guide, setTimeStep.
     stock_timestep = 1 / 240
     describes = frozenset({"parts", "full tensor", "shape"})

@@ -8,6 +8,7 @@ from ....reference.compiled import is_compiled
 from ....scenarios import Scenario, printable
 from ...harness.choice import QUICK_STEPS, Choice
 from ...harness.encodings import run_encodings
+from ...harness.instructions import why_not_counted
 from ...harness.plan import plan
 from ...harness.power import too_long
 from ...harness.published import published_that_do_not_hold
@@ -33,6 +34,7 @@ def run(
     out: Path,
     *,
     quick: bool = False,
+    counted: bool = False,
     time_limit: float | None = None,
     again: bool = False,
     python: str = "",
@@ -61,7 +63,7 @@ def run(
         time_limit=time_limit,
     )
     _check_all_apply(choice, scenarios)
-    choice = replace(choice, hard_in_passing=not scenes, again=again)
+    choice = replace(choice, hard_in_passing=not scenes, again=again, counted=counted)
     if quick:
         choice = replace(choice, max_steps=QUICK_STEPS, timed=False)
     check_timesteps(scenarios, choice)
@@ -84,6 +86,19 @@ def run(
             return _asked_for(store.read(choice.timesteps), scenarios, choice)
     except ResultFileError as error:
         raise Complaint(str(error), BAD_INPUT) from None
+
+
+def check_counting(*, timed: bool) -> None:
+    """Check that instructions can be counted.
+
+    Raises
+    ------
+    Complaint
+        If they cannot.
+    """
+    why = why_not_counted() if timed else "with '--quick' or '--ensemble' no steps are timed"
+    if why:
+        raise Complaint(f"'--instructions': {why}", BAD_INPUT)
 
 
 def gone_on_with(out: Path) -> str:

@@ -39,7 +39,7 @@ def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str
     lines = [*_counts(results.verdicts), *_first_failure(results.verdicts), *_lost(results.rows)]
     if timesteps:
         return [*lines, *_asked_for(results.rows, timesteps)]
-    return [*lines, *_at_stock(report), *_best(report)]
+    return [*lines, *_at_stock(report), *_best(report), *_counted(report)]
 
 
 def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
@@ -128,6 +128,19 @@ def _best(report: ReportData) -> Iterator[str]:
         method = f"{_named(choice.runs)} at {duration(choice.timestep)}"
         yield f"Best for {name}: {method}"
         yield f"    {_degrees(choice.row.errors.attitude)} off{price}"
+
+
+def _counted(report: ReportData) -> Iterator[str]:
+    """The instructions of a step, where they were counted."""
+    counts = [
+        f"{_named(runs)} {row.instructions_per_step:,.1f} on {scene.name}"
+        for scene in report.scenes
+        for runs in scene.methods
+        for row in runs.rows[-1:]
+        if row.instructions_per_step
+    ]
+    if counts:
+        yield from textwrap.wrap(f"Instructions a step: {'; '.join(counts)}.", WIDTH)
 
 
 def _asked_for(rows: Sequence[Row], timesteps: Sequence[float]) -> Iterator[str]:
