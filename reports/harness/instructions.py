@@ -8,17 +8,18 @@ a fraction of the time.
 
 import os
 import re
+import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
 from shutil import which
-from subprocess import DEVNULL, PIPE, TimeoutExpired
 from tempfile import TemporaryDirectory
 from threading import Timer
 
 from ...engines import Engine, Method
 from ...engines.start_process import kill, run, start
 from ...scenarios import Scenario, loads
+from ...scenarios.regular_files import write_new
 
 #: Steps that are counted, and those before, which fill caches.
 STEPS, WARM_UP = 256, 16
@@ -45,15 +46,15 @@ def instructions_per_step(
     kind = type(engine)
     with TemporaryDirectory() as folder:
         text, counts = Path(folder) / "scene.toml", Path(folder) / "counts"
-        text.write_text(scenario.text, encoding="utf-8")
-        asked = [str(text), scenario.name, str(scenario.path), kind.__module__, kind.__qualname__]
-        program = [sys.executable, "-P", "-m", __name__, *asked, method.name, repr(timestep)]
+        write_new(text, scenario.text)
+        opening = [str(text), scenario.name, str(scenario.path), kind.__module__, kind.__qualname__]
+        program = [sys.executable, "-P", "-m", __name__, *opening, method.name, repr(timestep)]
         collect = f"--toggle-collect={engine.steps_in}"
         tool = ["valgrind", "--tool=callgrind", "--instr-atstart=no", collect]
         try:
             _run([*tool, f"--callgrind-out-file={counts}", *program])
             found = _TOTAL.search(counts.read_text(encoding="utf-8"))
-        except (OSError, TimeoutExpired):
+        except (OSError, subprocess.TimeoutExpired):
             return None
     # Without a call of that function the total is 0.
     return int(found[1]) / STEPS or None if found else None
@@ -61,8 +62,14 @@ def instructions_per_step(
 
 def _run(command: list[str]) -> None:
     """Run a program, instrumented from where it says that it is ready."""
-    pipes = {"stdin": PIPE, "stdout": PIPE, "stderr": DEVNULL, "text": True}
-    process = start(command, env=os.environ | ENVIRONMENT, **pipes)
+    process = start(
+        command,
+        env=os.environ | ENVIRONMENT,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
     too_long = Timer(LIMIT, kill, [process])
     too_long.start()
     try:
