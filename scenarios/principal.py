@@ -1,5 +1,7 @@
 """The principal axes of an inertia tensor, in extended precision."""
 
+from functools import lru_cache
+
 from mpmath import mp, mpf
 
 from .exact import DIGITS, Quaternion, Tensor, Vector, cross, dot
@@ -12,6 +14,8 @@ ONE, NONE = mpf(1), mpf(0)
 IDENTITY: Tensor = ((ONE, NONE, NONE), (NONE, ONE, NONE), (NONE, NONE, ONE))
 
 
+#: A scene's size is checked by the moments that its motion is solved with.
+@lru_cache(maxsize=1)
 def principal_axes(tensor: Tensor) -> tuple[Vector, Tensor]:
     """Principal moments and right-handed principal axes.
 
