@@ -1,6 +1,6 @@
 """MuJoCo, from the scene as MJCF: every integrator it has is a method."""
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -12,7 +12,7 @@ from ....scenarios import Scenario
 from ...checks.read_back import UnsupportedError
 from ...engine import COMMON_EFFECTS, Engine, Method, Release
 from ...models.description import PLAIN, Description
-from ...models.mjcf import mjcf, switched_off
+from ...models.mjcf import mjcf, start_coordinates, switched_off
 from ...models.mjcf_contact import PASSES, off_its_table, with_contact
 from ...release import numbers_of
 from .audit import disable
@@ -159,17 +159,11 @@ class MuJoCo(Engine):
         kept = (*PASSES, *OF_CONTACTS)
         return tuple(name for name in left_out(off_its_table(scenario)) if name not in kept)
 
-    def open_unpruned(
-        self,
-        scenario: Scenario,
-        method: Method,
-        timestep: float,
-        left_in: Collection[str] | None = None,
-    ) -> MuJoCoSession | None:
-        """As `open`, with passes left on, to time what they cost."""
-        if not (names := self.left_out(scenario, method)):
-            return None
-        return _open(scenario, timestep, method, names if left_in is None else left_in)
+    def open_with(
+        self, scenario: Scenario, method: Method, timestep: float, left_in: Collection[str]
+    ) -> MuJoCoSession:
+        """As `open`, with some passes on."""
+        return _open(scenario, timestep, method, left_in)
 
     def at_version(self, version: str) -> Release:
         """Another version; its differences are from MuJoCo's changelog."""
@@ -217,6 +211,23 @@ def _open(
     session = MuJoCoSession(scenario, model, start.qpos, start.qvel, CLOCK in left_in, way.tied)
     session.set_timestep(timestep)
     return session
+
+
+def open_as_read(
+    scenario: Scenario,
+    read: Callable[[], Any],
+    method: Method,
+    timestep: float,
+    left_in: Collection[str] = (),
+) -> MuJoCoSession:
+    """Set on a compiled model what its file does not contain, and open it."""
+    check_not_too_small(scenario)
+    model = copy(read())
+    model.opt.timestep = timestep
+    model.opt.gravity = scenario.gravity_world
+    model.opt.integrator = mujoco.mjtIntegrator.__members__[f"mjINT_{method.name}"]
+    disable(model, (name for name in switched_off(scenario) if name not in left_in))
+    return MuJoCoSession(scenario, model, *start_coordinates(scenario), CLOCK in left_in)
 
 
 @lru_cache(maxsize=KEPT)

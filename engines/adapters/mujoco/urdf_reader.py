@@ -5,7 +5,6 @@ URDF reader.
 """
 
 from collections.abc import Collection
-from copy import copy
 from functools import lru_cache
 from typing import Any, final
 
@@ -14,12 +13,9 @@ import numpy as np
 
 from ....scenarios import Scenario
 from ...engine import Engine, Method
-from ...models.mjcf import start_coordinates, switched_off
 from ...models.urdf import BODY_LINK, urdf
-from .audit import disable
-from .clock import CLOCK
-from .engine import KEPT, MuJoCo
-from .session import MuJoCoSession, check_not_too_small, compiled, left_out
+from .engine import KEPT, MuJoCo, open_as_read
+from .session import MuJoCoSession, compiled, left_out
 
 #: The reader diagonalises the principal moments again, with errors of up to 12 ulp, and then
 #: refuses every third flat body because it breaks the triangle inequality.
@@ -52,34 +48,17 @@ class MuJoCoURDF(Engine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
         """Read the URDF, then set on the model what URDF cannot express."""
-        return _open(scenario, method, timestep, left_in=())
+        return self.open_with(scenario, method, timestep, ())
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
         """The passes that are switched off, and the clock."""
         return left_out(scenario)
 
-    def open_unpruned(
-        self,
-        scenario: Scenario,
-        method: Method,
-        timestep: float,
-        left_in: Collection[str] | None = None,
+    def open_with(
+        self, scenario: Scenario, method: Method, timestep: float, left_in: Collection[str]
     ) -> MuJoCoSession:
-        """As `open`, with passes left on, to time what they cost."""
-        kept = left_out(scenario) if left_in is None else left_in
-        return _open(scenario, method, timestep, kept)
-
-
-def _open(
-    scenario: Scenario, method: Method, timestep: float, left_in: Collection[str]
-) -> MuJoCoSession:
-    check_not_too_small(scenario)
-    model = copy(_model(scenario))
-    model.opt.timestep = timestep
-    model.opt.gravity = scenario.gravity_world
-    model.opt.integrator = mujoco.mjtIntegrator.__members__[f"mjINT_{method.name}"]
-    disable(model, (name for name in switched_off(scenario) if name not in left_in))
-    return MuJoCoSession(scenario, model, *start_coordinates(scenario), CLOCK in left_in)
+        """As `open`, with some passes on."""
+        return open_as_read(scenario, lambda: _model(scenario), method, timestep, left_in)
 
 
 @lru_cache(maxsize=KEPT)
