@@ -108,11 +108,13 @@ schema: $(READY)
 format-page: $(READY)
 	$(BIN)/python -m spincheck.scenarios.format_page > docs/reference/scene-format.md
 
+# With PyBullet where it has a wheel; elsewhere it takes minutes to compile.
 $(INSTALLED): pyproject.toml
 	$(if $(PYTHON),,$(error no Python from 3.11 to 3.13 was found; PYTHON=… names one))
 	@echo "Setting up $(VENV) with $(PYTHON)."
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --editable .
+	$(BIN)/pip install --quiet --editable '.[pybullet]' --only-binary pybullet 2>/dev/null || \
+		$(BIN)/pip install --quiet --editable .
 	$(BIN)/python -m spincheck.reference.compiled
 	touch $@
 

@@ -48,7 +48,7 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
         "L_world": angular_momentum_world(scenario, motion),
         "energy": energy(scenario, motion),
     }
-    if scenario.rotors:
+    if motion.spins.size:
         columns["rotors_spin"] = motion.spins
     return {
         "scenario": scenario.name,
