@@ -22,6 +22,7 @@ from ..errors import Misfit
 from ..exact import DIGITS
 from ..float_array import FloatArray
 from ..rotation import cross, matrix
+from ..trajectory import Trajectory
 from ..values import NotNegative, Number, Vector
 from .effect import Effect, EffectTable, Extent, Size, length
 from .push import push
@@ -106,6 +107,12 @@ def force(
     kept_body = rotors.kept(omega_body, spins) @ rotors.axes_body
     torque_body = torque_body - cross(omega_body, omega_body @ scenario.inertia + kept_body)
     return normal_force(scenario, R_world_body[..., 2, :], omega_body, torque_body)
+
+
+def along(scenario: "Scenario", motion: Trajectory) -> FloatArray:
+    """N along a motion, in newtons, (n,)."""
+    R_world_body = motion.R_world_body.as_matrix()
+    return force(scenario, R_world_body, motion.omega_body, motion.spins)
 
 
 def check(scenario: "Scenario") -> None:
