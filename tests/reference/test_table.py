@@ -56,7 +56,7 @@ def rates(scene: Scenario):
     """dy/dt of y = (L about the com, the columns of R), world axes."""
     inverse = mp.matrix(scene.body.inertia_com_exact) ** -1
     mass, tip = scene.body.mass_exact, -mp.matrix(scene.constraint.lever_exact)
-    down, drag = mpf(float(scene.gravity_world[2])), mpf(scene.drag)
+    down, drag = mpf(float(scene.gravity_world[2])), mpf(scene.pushed["drag"])
 
     def rate(y):
         L, R = y[0:3, 0], mp.matrix([[y[3 + 3 * k + i] for k in range(3)] for i in range(3)])
@@ -158,7 +158,7 @@ def test_the_table_pushes_all_along_and_what_is_kept_is_kept(scene: Scenario) ->
     assert (along(scene, motion) > 0).all()
     kept = drifts(scene, motion)
     assert {"table", "momentum_less_impulse", "com_parabola"} <= kept.keys()
-    assert ("energy" in kept) == (scene.drag == 0)
+    assert ("energy" in kept) == (scene.pushed["drag"] == 0)
     assert max(kept.values()) < 8 * EPS
 
 

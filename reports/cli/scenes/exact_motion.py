@@ -49,7 +49,7 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
         "L_world": angular_momentum_world(scenario, motion),
         "energy": energy(scenario, motion),
     }
-    if scenario.rotors:
+    if motion.spins.size:
         columns["rotors_spin"] = motion.spins
     if scenario.effects.table is not None:
         columns["table_force"] = effects_table.along(scenario, motion)
