@@ -112,10 +112,12 @@ def _of_any_body(scenario: Scenario, problem: Problem, start: Trajectory) -> Ite
 def _of_a_heavy_top(top: HeavySymmetricTop) -> Iterator[Fact]:
     """Facts that follow from the start alone."""
     threshold = lagrangian.sleeping_threshold(top)
-    held, about = ("tip", "com") if top.heave else ("pivot", "pivot")
+    point, about = ("tip", "com") if top.heave else ("pivot", "pivot")
     yield Fact("I1", float(top.I1), "kg m²", f"moment across the axis, about the {about}")
-    yield Fact("I3", float(top.I3), "kg m²", f"moment about the axis, from the {held} to the com")
-    yield Fact("M g l", float(top.kappa), "N m", f"weight times the com's distance from the {held}")
+    yield Fact("I3", float(top.I3), "kg m²", f"moment about the axis, from the {point} to the com")
+    yield Fact(
+        "M g l", float(top.kappa), "N m", f"weight times the com's distance from the {point}"
+    )
     yield Fact("p_alpha", float(top.p_alpha), "kg m²/s", "L along the upward vertical at t = 0")
     yield Fact("p_gamma", float(top.p_gamma), "kg m²/s", "L along the axis at t = 0: I3 ω3")
     yield Fact("E'", float(top.E_prime), "J", "E − p_gamma²/2 I3 at t = 0")
