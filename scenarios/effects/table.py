@@ -24,6 +24,7 @@ from ..exact import DIGITS
 from ..float_array import FloatArray
 from ..rotation import cross, matrix
 from ..start import StartTable
+from ..trajectory import Trajectory
 from ..values import NotNegative, Number, Vector
 from .effect import Effect, EffectTable, Extent, Scene, Size, length
 from .pivot import EFFECT as PIVOT
@@ -104,6 +105,12 @@ def force(
     kept_body = scenario.rotors.kept_body(omega_body, spins)
     torque_body = torque_body - cross(omega_body, omega_body @ scenario.inertia + kept_body)
     return normal_force(scenario, R_world_body[..., 2, :], omega_body, torque_body)
+
+
+def along(scenario: Scene, motion: Trajectory) -> FloatArray:
+    """N along a motion, in newtons, (n,)."""
+    R_world_body = motion.R_world_body.as_matrix()
+    return force(scenario, R_world_body, motion.omega_body, motion.spins)
 
 
 def check(scenario: Scene, stated: StartTable) -> None:

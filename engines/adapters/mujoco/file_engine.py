@@ -1,5 +1,6 @@
 """MuJoCo from the user's own file: the link that a scene names, cut out of its URDF or MJCF."""
 
+from copy import copy
 from functools import lru_cache
 from typing import Any, final
 
@@ -7,10 +8,12 @@ import mujoco
 
 from ....scenarios import Scenario
 from ...engine import Method, Release
+from ...models.mjcf import start_coordinates, switched_off
 from ...users_models import FileEngine, UsersLink, body_alone, users_link
-from .engine import KEPT, MuJoCo, open_as_read, release
+from .audit import disable
+from .engine import KEPT, MuJoCo, release
 from .model_reader import name_bodies, spec_of_mjcf
-from .session import MuJoCoSession, compiled
+from .session import MuJoCoSession, check_not_too_small, compiled
 
 #: Prefix that keeps the link's name from clashing with another.
 PREFIX = "cut-"
@@ -42,7 +45,13 @@ class MuJoCoFile(FileEngine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
         """Read the link, give it a free joint, and set what the file does not contain."""
-        return open_as_read(scenario, lambda: _model(users_link(scenario)), method, timestep)
+        check_not_too_small(scenario)
+        model = copy(_model(users_link(scenario)))
+        model.opt.timestep = timestep
+        model.opt.gravity = scenario.gravity_world
+        model.opt.integrator = mujoco.mjtIntegrator.__members__[f"mjINT_{method.name}"]
+        disable(model, switched_off(scenario))
+        return MuJoCoSession(scenario, model, *start_coordinates(scenario))
 
     def at_version(self, version: str) -> Release:
         """Another version, as of the `mujoco` engine."""
