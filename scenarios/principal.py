@@ -10,12 +10,13 @@ from .exact import DIGITS, Quaternion, Tensor, Vector, cross, dot
 #: doubles that differ never agree so far.
 EQUAL_TO_WORKING_PRECISION = mpf(10) ** (10 - DIGITS)
 
+#: Number of tensors whose axes are kept.
+KEPT = 64
 ONE, NONE = mpf(1), mpf(0)
 IDENTITY: Tensor = ((ONE, NONE, NONE), (NONE, ONE, NONE), (NONE, NONE, ONE))
 
 
-#: A scene's size is checked by the moments that its motion is solved with.
-@lru_cache(maxsize=1)
+@lru_cache(maxsize=KEPT)
 def principal_axes(tensor: Tensor) -> tuple[Vector, Tensor]:
     """Principal moments and right-handed principal axes.
 
