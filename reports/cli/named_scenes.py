@@ -12,7 +12,7 @@ from ...scenarios import (
     load_each,
     printable,
 )
-from .terminal import BAD_INPUT, Complaint
+from .terminal import BAD_INPUT, Complaint, as_complaint
 
 
 def one_scene(name: str) -> Scenario:
@@ -114,7 +114,9 @@ def _check_motion(scenario: Scenario, result: Checked) -> None:
     from ...reference import IntegrationError
     from ..harness.power import powerless
     from ..harness.published import published_that_do_not_hold
+    from .executing import compile_first
 
+    compile_first()
     try:
         result.untrue.extend(published_that_do_not_hold(scenario))
         result.powerless.extend(powerless(scenario))
@@ -129,7 +131,5 @@ def complain(wrong: Sequence[str]) -> None:
 
 
 def _files(names: Sequence[str]) -> list[Path]:
-    try:
+    with as_complaint(ScenarioError):
         return find(names)
-    except ScenarioError as error:
-        raise Complaint(str(error), BAD_INPUT) from None

@@ -23,6 +23,7 @@ from ..results.sweep_records import (
 )
 from ..results.sweep_tables import NO_SCENE
 from .choice import Choice, EngineMethod
+from .compiling import compile_side_by_side
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
 from .sweep_run import failed_point, run_point
 
@@ -102,6 +103,8 @@ def run_sweep(
     plan: SweepPlan, base: Scenario, store: Store, executor: Executor, progress: Progress
 ) -> None:
     """Run the missing points, and store the results of each as soon as it is run."""
+    if plan.missing:
+        compile_side_by_side(executor)
     tasks = (partial(study_point, left, base, store, executor) for left in plan.left())
     for point in executor.each(tasks):
         progress(str(point))
