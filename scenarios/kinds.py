@@ -1,0 +1,47 @@
+"""Kinds of motion: what acts on the body, and whether it has an axis of symmetry."""
+
+import numpy as np
+
+from .float_array import FloatArray
+from .scenario import Scenario
+
+#: Moments, and directions, that agree this far, relatively, are equal.
+_ALIKE = 1e-9
+#: In the order in which they are shown.
+KINDS = (
+    "free symmetric",
+    "free asymmetric",
+    "heavy symmetric",
+    "heavy asymmetric",
+    "driven",
+    "with rotors",
+    "on a table",
+)
+
+
+def kind_of(scenario: Scenario) -> str:
+    """One of `KINDS`: heavy if gravity has a moment about the pivot, driven by torque or drag."""
+    effects = scenario.effects
+    if scenario.rotors:
+        return "with rotors"
+    if effects.table:
+        return "on a table"
+    if effects.torque or effects.drag:
+        return "driven"
+    arm = np.array(scenario.body.com) if scenario.constraint.is_pivot else np.zeros(3)
+    if not (scenario.gravity_world.any() and arm.any()):
+        arm = np.zeros(3)
+    held = "heavy" if arm.any() else "free"
+    return f"{held} {'symmetric' if _is_symmetric(scenario.inertia, arm) else 'asymmetric'}"
+
+
+def _is_symmetric(inertia: FloatArray, arm: FloatArray) -> bool:
+    """Whether two moments are equal, and the arm from the pivot is along the third one's axis."""
+    moments, axes = np.linalg.eigh(inertia)
+    for k in range(3):
+        others = np.delete(moments, k)
+        across = np.linalg.norm(np.cross(axes[:, k], arm))
+        is_round = abs(others[1] - others[0]) <= _ALIKE * moments[2]
+        if is_round and across <= _ALIKE * np.linalg.norm(arm):
+            return True
+    return False
