@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...engines import Cause, Engine, Outcome
-from ...reference import ExactMotion, Solution, solve
+from ...reference import Solution, solve_cheaply
 from ...scenarios import Scenario, ScenarioError
 from ..results.records import Key
 from ..results.sweep_records import PlacedRow, SweepPoint
@@ -36,7 +36,7 @@ def run_point(base: Scenario, point: SweepPoint, pairs: Sequence[EngineMethod]) 
         reason = _no_scene(error)
         return [not_run(base, point, pair, "unsupported", "scene", reason) for pair in pairs]
     if not pairs:
-        solve(scenario, scenario.times)
+        solve_cheaply(scenario, [scenario.times])
     solved = _solved(scenario, [rung for rung in rungs if isinstance(rung, Rung)])
     return [
         not_run(base, point, pair, "unsupported", "timestep", rung)
@@ -88,7 +88,7 @@ def _solved(scenario: Scenario, rungs: Sequence[Rung]) -> Solved:
     if not times:
         return {}
     try:
-        solutions = ExactMotion(scenario).solve_each(list(times.values()))
+        solutions = solve_cheaply(scenario, list(times.values()))
     except Exception as error:
         if is_environmental(cause_of(error)):
             raise
