@@ -17,16 +17,17 @@ KINDS = (
     "with rotors",
     "on a table",
 )
+#: Effects that leave the energy as it is.
+_UNDRIVEN = {"gravity", "pivot"}
 
 
 def kind_of(scenario: Scenario) -> str:
-    """One of `KINDS`: heavy if gravity has a moment about the pivot, driven by torque or drag."""
-    effects = scenario.effects
+    """One of `KINDS`: heavy if gravity has a moment about the pivot, driven if other effects act."""
     if scenario.rotors:
         return "with rotors"
-    if effects.table:
+    if "table" in scenario.called_for:
         return "on a table"
-    if effects.torque or effects.drag:
+    if scenario.called_for - _UNDRIVEN:
         return "driven"
     arm = np.array(scenario.body.com) if scenario.constraint.is_pivot else np.zeros(3)
     if not (scenario.gravity_world.any() and arm.any()):

@@ -47,7 +47,7 @@ _TABLE_OF: dict[type[Record], Table[Any]] = {table.record: table for table in ta
 _ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
 _SORTED = "scenario, engine, method"
 #: Earlier versions stored points that are no scene without an engine.
-_SCENE_OF_POINTS = "scenario = ? AND engine <> ''"
+_RUN_BY_AN_ENGINE = "engine <> ''"
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,12 +280,11 @@ class Store:
 
     def points(self, scenario: str) -> list[PlacedRow]:
         """The stored points of a scene, of all sweeps: two maps that share a place share them."""
-        return self.select(tables.POINTS, _SCENE_OF_POINTS, (scenario,))
+        return self.select(tables.POINTS, f"scenario = ? AND {_RUN_BY_AN_ENGINE}", (scenario,))
 
     def _sweeps(self) -> list[SweepResult]:
         stored = self.select(tables.SWEEPS, order="scenario, sweep")
-        points = {name: self.points(name) for name in {one.scenario for one in stored}}
-        return as_result_file_error(swept)(stored, points)
+        return as_result_file_error(swept)(stored, self.select(tables.POINTS, _RUN_BY_AN_ENGINE))
 
     def _verdicts(self, timesteps: str) -> list[Verdict]:
         where, values = ("timesteps = ?", (timesteps,)) if timesteps != _LADDER else ("TRUE", ())

@@ -4,6 +4,7 @@ import json
 import math
 from abc import ABC, abstractmethod
 from bisect import bisect_left
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
@@ -281,18 +282,19 @@ class SweepResult:
     points: tuple[PlacedRow, ...]
 
 
-def swept(
-    stored: Iterable[DefinedSweep], points: Mapping[str, Iterable[PlacedRow]]
-) -> list[SweepResult]:
-    """The sweeps with their points, of which there are those of each scene.
+def swept(stored: Iterable[DefinedSweep], points: Iterable[PlacedRow]) -> list[SweepResult]:
+    """The sweeps with their points.
 
     Raises
     ------
     ValueError
         If a definition, or a point's identity, is none.
     """
+    of_scene: dict[str, list[PlacedRow]] = defaultdict(list)
+    for row in points:
+        of_scene[row.key.scenario].append(row)
     return [
-        SweepResult(one.sweep, one.varied(), points_of(one.sweep, points[one.scenario]))
+        SweepResult(one.sweep, one.varied(), points_of(one.sweep, of_scene[one.scenario]))
         for one in stored
     ]
 

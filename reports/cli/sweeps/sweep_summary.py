@@ -76,4 +76,4 @@ def flat_records(swept: SweepResult) -> list[dict[str, Any]]:
     sweep = swept.sweep
     kind = f"seed {sweep.seed}" if isinstance(sweep, Ensemble) else sweep.kind
     records = [point_record(point, sweep.names) for point in swept.points]
-    return [{"sweep": kind, **record, "at": json.dumps(record["at"])} for record in records]
+    return [{"sweep": kind, "at": json.dumps(one.pop("at")), **one} for one in records]
