@@ -22,7 +22,7 @@ _UNDRIVEN = {"gravity", "pivot"}
 
 
 def kind_of(scenario: Scenario) -> str:
-    """One of `KINDS`: heavy if gravity has a moment about the pivot, driven if other effects act."""
+    """One of `KINDS`: driven if more than gravity acts, heavy if that has a moment about a pivot."""
     if scenario.rotors:
         return "with rotors"
     if "table" in scenario.called_for:
@@ -32,8 +32,8 @@ def kind_of(scenario: Scenario) -> str:
     arm = np.array(scenario.body.com) if scenario.constraint.is_pivot else np.zeros(3)
     if not (scenario.gravity_world.any() and arm.any()):
         arm = np.zeros(3)
-    held = "heavy" if arm.any() else "free"
-    return f"{held} {'symmetric' if _is_symmetric(scenario.inertia, arm) else 'asymmetric'}"
+    weight = "heavy" if arm.any() else "free"
+    return f"{weight} {'symmetric' if _is_symmetric(scenario.inertia, arm) else 'asymmetric'}"
 
 
 def _is_symmetric(inertia: FloatArray, arm: FloatArray) -> bool:

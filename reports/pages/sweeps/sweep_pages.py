@@ -85,7 +85,7 @@ class SweepPage:
 
     @property
     def kind(self) -> str:
-        """Of sweep: a map or an ensemble."""
+        """The word for such a sweep: map or ensemble."""
         return self.result.sweep.kind
 
     @property

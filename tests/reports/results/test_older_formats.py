@@ -69,9 +69,8 @@ def test_a_file_of_format_12_holds_what_was_written(old, tmp_path):
         methods={n: replace(m, **ABSENT_FROM_METHODS) for n, m in now.methods.items()},
         verdicts=[replace(verdict, **ABSENT_FROM_VERDICTS) for verdict in now.verdicts],
     )
-    now = replace(
-        now, sweeps=[replace(s, points=tuple(map(without_turns, s.points))) for s in sweeps]
-    )
+    sweeps = [replace(one, points=tuple(map(without_turns, one.points))) for one in now.sweeps]
+    now = replace(now, sweeps=sweeps)
     assert [name for name in vars(now) if not same(vars(before)[name], vars(now)[name])] == []
     assert before.rows[0].seconds_per_step is not None
 
