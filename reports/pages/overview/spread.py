@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ....engines import Method
-from ....scenarios.kinds import KINDS, kind_of
+from ....reference.kinds import KINDS, kind_of
 from ...results.records import Pair
 from ...results.store import Results
 from ...results.sweep_records import Ensemble, PlacedRow, SweepResult

@@ -2,7 +2,7 @@
 
 import pytest
 from library_scenes import library_scene
-from spincheck.scenarios.kinds import KINDS, kind_of
+from spincheck.reference.kinds import KINDS, kind_of
 from spincheck.scenarios.scatter import member
 
 OF = {
@@ -16,10 +16,10 @@ OF = {
     "y-is-up": "heavy symmetric",
     "kovalevskaya": "heavy asymmetric",
     "lopsided-body": "heavy asymmetric",
-    "motor-driven-top": "driven",
-    "sphere-in-syrup": "driven",
-    "wheel-in-a-box": "with rotors",
-    "gliding-top": "on a table",
+    "motor-driven-top": "with other effects",
+    "sphere-in-syrup": "with other effects",
+    "wheel-in-a-box": "with other effects",
+    "gliding-top": "with other effects",
 }
 
 
