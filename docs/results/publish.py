@@ -99,7 +99,7 @@ def faults(one: Record) -> list[list[str]]:
     return [
         [fault["what"], span(fault), fault["remedy"], upstream(fault), seen(one, fault)]
         for fault in known
-        if one["engine"] in fault["engines"]
+        if one["engine"] == fault["engine"]
         and ordered(fault["since"]) <= ordered(one["version"])
         and ordered(one["version"]) < ordered(fault.get("before", "999"))
     ]
