@@ -141,6 +141,11 @@ class Engine(ABC):
         return READ_BACK_SLACK_SINGLE if self.single_precision else READ_BACK_SLACK
 
     @property
+    def ulp(self) -> float:
+        """The relative distance of two neighbouring numbers of its state."""
+        return float(np.finfo(np.float32 if self.single_precision else np.float64).eps)
+
+    @property
     @abstractmethod
     def version(self) -> str:
         """The engine's own version."""
@@ -182,20 +187,24 @@ class Engine(ABC):
         """What `open` leaves out that costs time and changes no motion, by the engine's names."""
         return ()
 
+    def open_with(
+        self, scenario: Scenario, method: Method, timestep: float, left_in: Collection[str]
+    ) -> Session:
+        """As `open`, with some of `left_out` left in, to time what they cost."""
+        raise NotImplementedError(f"{self.name} leaves nothing out.")
+
+    @final
     def open_unpruned(
         self,
-        scenario: Scenario,  # noqa: ARG002
-        method: Method,  # noqa: ARG002
-        timestep: float,  # noqa: ARG002
-        left_in: Collection[str] | None = None,  # noqa: ARG002
+        scenario: Scenario,
+        method: Method,
+        timestep: float,
+        left_in: Collection[str] | None = None,
     ) -> Session | None:
-        """As `open`, with some or all (None) of what is left out left in; None if that is nothing.
-
-        Parameters
-        ----------
-        left_in : names out of `left_out`
-        """
-        return None
+        """As `open_with`, or with all of `left_out` if None; None if nothing is left out."""
+        names = self.left_out(scenario, method)
+        kept = names if left_in is None else left_in
+        return self.open_with(scenario, method, timestep, kept) if names else None
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
         """The defaults of a method as shipped that alter motions, by the engine's names."""
@@ -285,14 +294,23 @@ class Engine(ABC):
 
     @final
     def run(
-        self, scenario: Scenario, method: Method, timestep: float, sample_steps: NDArray[np.int64]
+        self,
+        scenario: Scenario,
+        method: Method,
+        timestep: float,
+        sample_steps: NDArray[np.int64],
+        *,
+        fails_if_unlike: bool = True,
     ) -> Run:
         """Simulate, reading the state at the given step counts; time is k · dt, never a sum.
 
         Parameters
         ----------
         sample_steps : (n,) increasing whole numbers of steps, the first of them 0
+        fails_if_unlike : whether another body, start or effects than the scene's fail the run, or
+            are a remark; of a method as shipped they always are a remark
         """
+        is_strict = fails_if_unlike and not method.as_shipped
 
         def ended(outcome: Outcome, reason: str, cause: Cause, **fields: object) -> Run:
             named = (self.name, self.version, method.name, timestep)
@@ -307,7 +325,7 @@ class Engine(ABC):
             with self.open(scenario, method, timestep) as session:
                 read_back = session.read_body(), session.read_state()
                 unlike = self.differences(scenario, method.name, *read_back)
-                if unlike and not method.as_shipped:
+                if unlike and is_strict:
                     return ended("failed", unlike[0].complaint, "read-back")
                 arm = read_back[0].com if scenario.constraint.is_pivot else None
                 decay = decay_rate(scenario) + method.damping
@@ -320,7 +338,7 @@ class Engine(ABC):
         except EngineError as error:
             return ended("failed", str(error), error.cause or "refused")
         fields = _samples(sampled, sample_steps, timestep) | {"active": audited.active}
-        if audited.differs and not method.as_shipped:
+        if audited.differs and is_strict:
             return ended("failed", audited.differs, "model", **fields)
         bits = "" if self.single_precision else single_precision(sampled.states)
         remarks = [
@@ -330,7 +348,7 @@ class Engine(ABC):
             bits,
         ]
         cause = sampled.cause or ("read-back" if unlike else "model" if audited.differs else "")
-        if bits and not (cause or method.as_shipped):
+        if bits and is_strict and not cause:
             cause = "precision"
         return ended(sampled.outcome, "; ".join(part for part in remarks if part), cause, **fields)
 

@@ -51,7 +51,7 @@ def choose(
     if not names:
         chosen = [one for one in _applying(scenarios) if not one.is_optional]
     if not chosen:
-        raise Complaint("no engine is installed; 'pip install mujoco'", NOT_RUN)
+        raise Complaint("no engine is installed; 'pip install mujoco pybullet'", NOT_RUN)
     by_lower = {method.name.lower(): method.name for engine in chosen for method in engine.methods}
     for name in methods:
         if name.lower() not in by_lower:

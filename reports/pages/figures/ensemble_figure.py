@@ -9,7 +9,7 @@ from ....scenarios import Signal
 from ...results.records import Pair
 from ..analysis.ensemble_numbers import Members
 from ..analysis.trace_style import TraceStyle
-from .plot import Figure, Panel, layout, line, method_style
+from .plot import Figure, Panel, drawing, line, method_style
 
 HEIGHT, LOW = 480, 250
 #: Margins: a factor beside the outermost errors, and percent beside 0 and 100.
@@ -53,4 +53,4 @@ def distribution(
         x_range=x_range,
         y_range=(-MARGIN, 100 + MARGIN),
     )
-    return {"data": traces, "layout": layout([[panel]], height)}
+    return drawing(traces, [panel], height)

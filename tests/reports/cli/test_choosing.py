@@ -14,7 +14,7 @@ from spincheck.reports.cli.terminal import BAD_INPUT, NOT_RUN, Complaint
 
 PLANTED = Path(__file__).parents[2] / "engines" / "child" / "planted_child.py"
 #: What runs without being named, if it is installed.
-ALWAYS = {"mujoco", "mujoco-urdf", "pybullet"}
+ALWAYS = {"mujoco", "pybullet"}
 
 
 def names(*asked: str) -> set[str]:
