@@ -228,7 +228,5 @@ def test_differs_from_every_other_method(engine: Engine, method: Method) -> None
         if other == method or other.as_shipped:
             continue
         both = [s for s in able_scenes(engine, method) if not engine.unsupported(s, other)]
-        # Where most acts, methods differ soonest.
-        both.sort(key=lambda scene: -len(scene.called_for))
         if both and not any(moves_apart(engine, method, other, scene) for scene in both):
             require(False, engine, method, None, f"it never differs from {other.name}")
