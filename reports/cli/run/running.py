@@ -165,7 +165,7 @@ def read(path: Path) -> Results:
                 f"{path}: it was being written when it was copied, and its log "
                 f"'{path.name}-wal' is not beside it: the last runs may be missing"
             )
-    if not (results.verdicts or results.maps or results.ensembles):
+    if not (results.verdicts or results.sweeps):
         raise Complaint(f"{path}: holds no results; 'spincheck run' fills it", BAD_INPUT)
     return results
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...results.cost_records import EffectsCost
 from ...results.records import Pair, Row
+from ..analysis.measures import A_TURN, TURNS, Measure
 from ..analysis.report_data import ReportData
 from ..analysis.timesteps import as_shipped, row_at, stock_timesteps
 from ..analysis.wording import NOTHING, duration, plural, readable
@@ -28,6 +29,13 @@ MEASURES = (
     "at worst",
     "CPU time of a step",
     "pruned",
+)
+#: CPU time of the default as a multiple of its own.
+OWN_RATIO = "1"
+#: What is said of CPU times where there are any.
+COST = (
+    " CPU time as a multiple of the default's, with quartiles: if only the method is changed, and "
+    "pruned of what scenes do not call for."
 )
 
 
@@ -95,8 +103,7 @@ class _AtStock:
     @property
     def turns(self) -> str:
         """The median of the turns until the attitude is off by 1°; it is independent of windows."""
-        turning = [row.turns_within_1deg for row in self.rows.values() if row.turns is not None]
-        within = [math.inf if turns is None else turns for turns in turning]
+        within = self._values(TURNS)
         if not within:
             return NOTHING
         turns = median_high(within)
@@ -105,8 +112,11 @@ class _AtStock:
     @property
     def a_turn(self) -> str:
         """The median of the error that a turn adds, likewise."""
-        added = [a for row in self.rows.values() if (a := row.attitude_a_turn) is not None]
-        return _degrees(math.degrees(median(added))) if added else NOTHING
+        added = [value for value in self._values(A_TURN) if value < math.inf]
+        return _degrees(median(added)) if added else NOTHING
+
+    def _values(self, measure: Measure) -> list[float]:
+        return [v for row in self.rows.values() if (v := measure.of(row)) is not None]
 
 
 def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> Answer | None:
@@ -131,21 +141,19 @@ def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> Answ
     harmless = {name for cost in left_out for name in cost.left_out}
     measured = {one.key.engine for scene in plain.scenes for one in scene.defaults}
     explained = [one for one in shipped if one in listed or one.pair[0] in measured]
-    reasons = [
-        why(one.pair, one.rows, plain.scenes, harmless) for one in explained
-    ] + no_gyroscopic_torque(plain)
+    reasons = [why(one.pair, one.rows, plain.scenes, harmless) for one in explained]
     headings, columns = [""], [[Cell(measure, "name") for measure in MEASURES]]
     for one in listed:
         for used in filter(None, (one, instead.get(one.pair))):
             headings.append(f"{'' if used is one else 'use '}{' '.join(used.pair)}")
             columns.append(_column(used, one, left_out))
+    lines = [line for line in zip(*columns, strict=True) if _says_something(line)]
     scenes = plural(max(len(one.rows) for one in shipped), "scene")
     return Answer(
         _lead(listed, list(instead.values())),
-        table(headings, zip(*columns, strict=True)),
-        f"Attitude at stock timesteps, medians of {scenes}. CPU time as a multiple of the "
-        "default's, with quartiles: if only the method is changed, and pruned of what scenes do "
-        "not call for.",
+        table(headings, lines),
+        f"Attitude at stock timesteps, medians of {scenes}."
+        + (COST if lines[-1][0].text in MEASURES[-2:] else ""),
         _sentences([*_others(others), *reasons, *no_gyroscopic_torque(plain)]),
     )
 
@@ -175,12 +183,17 @@ def _column(one: _AtStock, default: _AtStock, left_out: Collection[EffectsCost])
         for cost in left_out
         if (cost.key.engine, cost.key.method) == one.pair
     }
-    ratios = ("1", "") if one is default else (_price(whole, base), _price(pruned, base))
+    ratios = (OWN_RATIO, "") if one is default else (_price(whole, base), _price(pruned, base))
     return [
         *map(figure, (duration(one.timestep), one.turns, one.a_turn, one.median)),
         one.worst,
         *map(figure, ratios),
     ]
+
+
+def _says_something(line: Sequence[Cell]) -> bool:
+    """Whether a line has more than the default's own ratio: without times it has not."""
+    return any(cell.text not in ("", OWN_RATIO) for cell in line[1:])
 
 
 def _others(shipped: Sequence[_AtStock]) -> list[str]:
