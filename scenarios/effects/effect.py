@@ -50,6 +50,13 @@ class Scene(Protocol):
         """The parts of the body that turn in it."""
 
     @property
+    def kept_at_start(self) -> FloatArray:
+        """The angular momentum that each part keeps as it turns, kg m²/s, (parts,)."""
+
+    def kept_body(self, kept: FloatArray) -> FloatArray:
+        """The sum of what parts keep, body axes, (n, 3)."""
+
+    @property
     def constraint(self) -> Constraint:
         """What holds the body."""
 
