@@ -5,16 +5,14 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
-import numpy as np
-
 from ...engines import Engine, Method, Run
 from ...reference import Solution
 from ...scenarios import Expect, Scenario
 from ..results.evidence import JudgedRung
-from ..results.records import Defect, Key, LocalCheck, Row
+from ..results.records import Key, LocalCheck, Row
 from .choice import QUICK_STEPS
 from .comparison import row_of, unmet_expectations
-from .defects import defects
+from .defects import with_defects
 from .executors import Answer, CallFailed
 from .judging.places import Places
 from .ladder import EXCESS, LEAST_RUNGS, MIN_RUNGS, Ladder, Rung
@@ -135,8 +133,9 @@ class ConvergenceStudy:
         version, rung, run = self.engine.version, planned.rung, self._of_other_law(answer.value)
         row = row_of(self.scenario, self.key, version, rung, run, planned.solution)
         is_stock = rung.timestep in stock_timesteps(self.engine)
-        made = self._defects(row, planned.solution)
-        row = replace(row, printed=answer.printed, stock=is_stock, defects=made)
+        row = replace(row, printed=answer.printed, stock=is_stock)
+        exact, is_single = planned.solution.trajectory, self.engine.single_precision
+        row = with_defects(row, self.scenario, exact, is_single=is_single)
         if self.rows and planned.use == "above" and not is_stock:
             # Its samples are not needed: finer runs are judged and drawn.
             row = replace(row, motion=None)
@@ -152,14 +151,6 @@ class ConvergenceStudy:
         # A lag at however small a step is not a clamp.
         is_clock = run.cause == "lag" and self.local.at_any_timestep
         return replace(run, outcome="failed", cause="clock", reason=reason) if is_clock else run
-
-    def _defects(self, row: Row, solution: Solution) -> dict[str, Defect] | None:
-        if row.motion is None or row.errors is None:
-            return None
-        single = self.engine.single_precision or row.cause == "precision"
-        found = defects(self.scenario, row.motion, solution.trajectory)
-        ulp = float(np.finfo(np.float32 if single else np.float64).eps)
-        return found.summary(row.steps, ulp) if found else None
 
     def refusals(self) -> list[Row]:
         """Rows of stock timesteps that do not fit the scene: `unsupported`, without a run."""
