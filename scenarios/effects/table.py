@@ -110,7 +110,8 @@ def force(
 def along(scenario: Scene, motion: Trajectory) -> FloatArray:
     """N along a motion, in newtons, (n,)."""
     R_world_body = motion.R_world_body.as_matrix()
-    return force(scenario, R_world_body, motion.omega_body, motion.spins)
+    kept_body = scenario.kept_body(scenario.kept(motion.omega_body, motion.spins))
+    return force(scenario, R_world_body, motion.omega_body, kept_body)
 
 
 def check(scenario: Scene, stated: StartTable) -> None:
@@ -171,4 +172,6 @@ def _sizes(extent: Extent) -> Iterator[Size]:
     yield (*WHERE, "tip"), "the com's distance from the tip", lever, "m"
 
 
-EFFECT = Effect("table", "table", TableTable, constraint=constraint, check=check, sizes=_sizes)
+EFFECT = Effect(
+    "table", "table", TableTable, constraint=constraint, check=check, sizes=_sizes, force=along
+)

@@ -134,9 +134,7 @@ def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> Answ
     harmless = {name for cost in left_out for name in cost.left_out}
     measured = {one.key.engine for scene in plain.scenes for one in scene.defaults}
     explained = [one for one in shipped if one in listed or one.pair[0] in measured]
-    reasons = [
-        why(one.pair, one.rows, plain.scenes, harmless) for one in explained
-    ] + no_gyroscopic_torque(plain)
+    reasons = [why(one.pair, one.rows, plain.scenes, harmless) for one in explained]
     headings, columns = [""], [[Cell(measure, "name") for measure in MEASURES]]
     for one in listed:
         for used in filter(None, (one, instead.get(one.pair))):
@@ -173,11 +171,7 @@ def _column(one: _AtStock, default: _AtStock, left_out: Collection[EffectsCost])
     """
     base = {name: row.seconds_per_step for name, row in default.rows.items()}
     pruned = {name: row.seconds_per_step for name, row in one.rows.items()}
-    whole = {
-        cost.key.scenario: cost.unpruned
-        for cost in left_out
-        if (cost.key.engine, cost.key.method) == one.pair
-    }
+    whole = {cost.key.scenario: cost.unpruned for cost in left_out if cost.key.pair == one.pair}
     ratios = ("1", "") if one is default else (_price(whole, base), _price(pruned, base))
     return [
         *map(figure, (duration(one.timestep), one.turns, one.a_turn, one.median)),
@@ -205,8 +199,7 @@ def _at_stock(gathered: ReportData, pair: Pair, timestep: float) -> _AtStock:
     rows = {
         scene.name: row
         for scene in gathered.scenes
-        for runs in scene.methods
-        if (runs.engine, runs.method) == pair
+        if (runs := scene.by_pair.get(pair))
         and (row := row_at(runs, "stock", timestep)) is not None
         and row.simulated
     }
