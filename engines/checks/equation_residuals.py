@@ -140,7 +140,10 @@ def leap(found: Excess, steps: Steps) -> str:
     quantity = int(np.argmax(leaps * gains.max(axis=0)))
     what, unit, factor = _LEAPING[quantity]
     off = factor * gains[-1, quantity] * found.sizes[quantity]
-    return f"{what} is off by {off:.2g}{unit} after a step, however short it is, down to {steps.timesteps[-1]:.2g} s"
+    return (
+        f"{what} is off by {off:.2g}{unit} after a step, however short it is, down to "
+        f"{steps.timesteps[-1]:.2g} s"
+    )
 
 
 _WHAT = ("dR/dt, rad/s in body axes,", "I dω/dt, N m in body axes,")
