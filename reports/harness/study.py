@@ -272,7 +272,7 @@ def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run
 def _examine(study: ConvergenceStudy, executor: Executor) -> None:
     """Examine the method from exact states of the motion, in a worker."""
     at, site = study.places, study.engine.site
-    if at is not None and study.before is None and not study.method.as_shipped:
+    if at is not None and study.before is None:
         arguments = (study.engine, study.scenario, study.method.name, at)
         found = executor.call_at(site, examine, *arguments).value
         study.local = None if isinstance(found, CallFailed) else found

@@ -28,7 +28,8 @@ def _judged(records: Records) -> Verdict:
         return Verdict(key, "unsupported", records.lacking, **attributes)
     if last and last.outcome in ("failed", "unsupported"):
         return Verdict(key, last.outcome, _with_time(last), **attributes)
-    if local and local.evidence.finding and not (last and last.cause == "law"):
+    is_clean = not records.as_shipped
+    if is_clean and local and local.evidence.finding and not (last and last.cause == "law"):
         return _of_signals(records, local.evidence.finding, is_wrong=True, **attributes)
     if last and last.outcome == "diverged":
         if sound := records.blown_up_below:
@@ -37,13 +38,14 @@ def _judged(records: Records) -> Verdict:
     # For an engine as shipped: its differences from the scene.
     remark = last.reason if last else ""
     is_wrong = last is not None and last.cause in ("law", "precision")
-    if not is_wrong and not records.as_shipped:
+    if not is_wrong:
         sequences = [one.sequence for one in records.ladder.signals]
         found = contradictions(records.judged_rows, sequences, records.slack, records.interval)
-        if wrong := next(found, ""):
+        wrong = next(found, "")
+        if wrong and is_clean:
             return _of_signals(records, wrong, is_wrong=True, **attributes)
-    if not is_wrong and local and (verdict := _by_pieces(records, local, attributes)):
-        return verdict
+        if not wrong and local and (verdict := _by_pieces(records, local, attributes)):
+            return verdict
     return _of_signals(records, remark, is_wrong=is_wrong, **attributes)
 
 
@@ -54,10 +56,12 @@ def _by_pieces(
     ladder, key, found = records.ladder, records.evidence.key, local.evidence
     word = ladder.worst.judgement.word if ladder.signals else "unresolved"
     pieces = local.pieces.records()
+    if not pieces:
+        return None
     worst = max(pieces, key=lambda one: RANKS[one.verdict])
     where = f"over 115° from exact states, {SIGNAL[worst.signal].label}: {worst.reason}"
     numbers = (worst.signal, worst.order, worst.limit_error, worst.tolerance, pieces)
-    if worst.verdict == "disagrees":
+    if worst.verdict == "disagrees" and not records.as_shipped:
         return Verdict(key, "disagrees", where, *numbers, **attributes)
     # Single timesteps are asked about as they are.
     if records.single or word != "unresolved" or not local.converges or records.remembers:
@@ -123,6 +127,8 @@ def _undecided_by_pieces(records: Records) -> str:
             "pieces do not decide: a run goes on otherwise than if restarted from its own states, "
             "so that a step depends on more than the state"
         )
+    if found.finding:
+        return f"steps from exact states do not decide: {found.finding}"
     if found.is_open:
         return "pieces do not decide: where next to nothing acts, steps leave what may add up"
     if found.tolerance > CONSISTENT:

@@ -35,7 +35,7 @@ def examine(
 ) -> LocalEvidence | None:
     """Examine a method from exact states; None where it cannot be opened at them."""
     method = engine.method(method_name)
-    if method.as_shipped or engine.unsupported(scenario, method):
+    if engine.unsupported(scenario, method):
         return None
     for tried in (at, _milder(at)):
         try:
