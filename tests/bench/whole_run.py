@@ -65,7 +65,7 @@ PHASES: dict[str, list[tuple[Any, str]]] = {
     "loading models": [(engine, "open") for engine in map(engines().get, ENGINES)],
     "checking states": [(sampling, "_checked")],
     "single steps": [(study, "_examine")],
-    "comparing": [(convergence_study, "row_of")],
+    "comparing": [(convergence_study, "compared")],
     "judging": [(richardson.RichardsonLadder, "add"), (ladder, "judge_signal")],
     "storing": [(Store, "put"), (Store, "put_verdict"), (Store, "put_scene")],
     "timing": [(study, "time_scene")],
