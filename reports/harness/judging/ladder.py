@@ -47,7 +47,7 @@ class LadderJudgement:
 
     @cached_property
     def signals(self) -> list[SignalJudgement]:
-        """In the order of `SIGNAL`."""
+        """The judgements, in the order of `SIGNAL`."""
         if self.ladder is None or len(self.ladder.rungs) < RUNGS_OF_A_LIMIT:
             return []
         sequences = [sequence(self.ladder, name) for name in SIGNAL]
@@ -65,7 +65,7 @@ class LadderJudgement:
     def converges_to(self, goal: float) -> bool:
         """Whether every signal converges, its limit known to the goal, relative or in rad."""
         return bool(self.signals) and all(
-            one.judgement.word == "converges" and one.judgement.extrapolation_tolerance <= goal
+            one.judgement.converges and one.judgement.extrapolation_tolerance <= goal
             for one in self.signals
         )
 

@@ -51,6 +51,11 @@ class Judgement:
     extrapolation_tolerance: float = 0.0
     needed_timestep: float | None = None
 
+    @property
+    def converges(self) -> bool:
+        """Whether its word says so."""
+        return self.word == "converges"
+
     def of(self, sequence: SignalSequence) -> SignalVerdict:
         """The judgement as a record to store."""
         return SignalVerdict(
