@@ -141,6 +141,11 @@ class Engine(ABC):
         return READ_BACK_SLACK_SINGLE if self.single_precision else READ_BACK_SLACK
 
     @property
+    def ulp(self) -> float:
+        """The relative distance of two neighbouring numbers of its state."""
+        return float(np.finfo(np.float32 if self.single_precision else np.float64).eps)
+
+    @property
     @abstractmethod
     def version(self) -> str:
         """The engine's own version."""
@@ -285,14 +290,23 @@ class Engine(ABC):
 
     @final
     def run(
-        self, scenario: Scenario, method: Method, timestep: float, sample_steps: NDArray[np.int64]
+        self,
+        scenario: Scenario,
+        method: Method,
+        timestep: float,
+        sample_steps: NDArray[np.int64],
+        *,
+        fails_if_unlike: bool = True,
     ) -> Run:
         """Simulate, reading the state at the given step counts; time is k · dt, never a sum.
 
         Parameters
         ----------
         sample_steps : (n,) increasing whole numbers of steps, the first of them 0
+        fails_if_unlike : whether another body, start or effects than the scene's fail the run, or
+            are a remark; of a method as shipped they always are a remark
         """
+        is_strict = fails_if_unlike and not method.as_shipped
 
         def ended(outcome: Outcome, reason: str, cause: Cause, **fields: object) -> Run:
             named = (self.name, self.version, method.name, timestep)
@@ -307,7 +321,7 @@ class Engine(ABC):
             with self.open(scenario, method, timestep) as session:
                 read_back = session.read_body(), session.read_state()
                 unlike = self.differences(scenario, method.name, *read_back)
-                if unlike and not method.as_shipped:
+                if unlike and is_strict:
                     return ended("failed", unlike[0].complaint, "read-back")
                 arm = read_back[0].com if scenario.constraint.is_pivot else None
                 decay = decay_rate(scenario) + method.damping
@@ -320,7 +334,7 @@ class Engine(ABC):
         except EngineError as error:
             return ended("failed", str(error), error.cause or "refused")
         fields = _samples(sampled, sample_steps, timestep) | {"active": audited.active}
-        if audited.differs and not method.as_shipped:
+        if audited.differs and is_strict:
             return ended("failed", audited.differs, "model", **fields)
         bits = "" if self.single_precision else single_precision(sampled.states)
         remarks = [
@@ -330,7 +344,7 @@ class Engine(ABC):
             bits,
         ]
         cause = sampled.cause or ("read-back" if unlike else "model" if audited.differs else "")
-        if bits and not (cause or method.as_shipped):
+        if bits and is_strict and not cause:
             cause = "precision"
         return ended(sampled.outcome, "; ".join(part for part in remarks if part), cause, **fields)
 

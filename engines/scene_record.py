@@ -102,9 +102,9 @@ def scene_record(scenario: Scenario) -> dict[str, Any]:
         "axes": _numbers(principal_frame(body).q_body_axes_wxyz),
         "arm": _numbers(to_axes.apply(-np.array(body.com))) if is_pivot else None,
         "gravity": _numbers(scenario.gravity_world),
-        "drag": float(scenario.drag),
-        "torque_body": _numbers(to_axes.apply(np.array(scenario.torque_body))),
-        "torque_world": _numbers(scenario.torque_world),
+        "drag": float(scenario.pushed["drag"]),
+        "torque_body": _numbers(to_axes.apply(np.array(scenario.pushed["torque_body"]))),
+        "torque_world": _numbers(scenario.pushed["torque_world"]),
         **frame.motion(start_state(scenario)),
     }
 

@@ -4,7 +4,7 @@ from .facts import facts
 from .flow import flow
 from .invariants import drifts, invariants
 from .solution import Solution
-from .solve import ExactMotion, solve, solve_ode
+from .solve import ExactMotion, solve, solve_cheaply, solve_ode
 from .taylor import IntegrationError
 
 __all__ = [
@@ -16,5 +16,6 @@ __all__ = [
     "flow",
     "invariants",
     "solve",
+    "solve_cheaply",
     "solve_ode",
 ]

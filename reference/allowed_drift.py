@@ -50,9 +50,9 @@ def _moved(scenario: Scenario, motion: Trajectory, uncertainty: Errors) -> Itera
             size = float(np.linalg.norm(vectors, axis=1).max())
             step = MAGNIFIED * PLACED * EPS * size * axis
             yield replace(motion, **{name: vectors + step})
-    for rotor in np.eye(motion.spins.shape[1]):
-        fastest = float(np.abs(motion.spins @ rotor).max()) + speed
-        yield replace(motion, spins=motion.spins + MAGNIFIED * PLACED * EPS * fastest * rotor)
+    for column in np.eye(motion.spins.shape[1]):
+        fastest = float(np.abs(motion.spins @ column).max()) + speed
+        yield replace(motion, spins=motion.spins + MAGNIFIED * PLACED * EPS * fastest * column)
 
 
 def _placed(scenario: Scenario, motion: Trajectory) -> Trajectory:

@@ -1,7 +1,7 @@
 """What one ulp in the start and the body does to a motion.
 
 Changed are, in extended precision, ω and attitude at t = 0, the principal moments, the lever's
-length, and what rotors keep: every number by as much, relative to the largest of its kind. Equal
+length, and what parts keep: every number by as much, relative to the largest of its kind. Equal
 moments stay equal and the lever keeps its direction: rounding in a run, step by step, changes no
 body's symmetry.
 
@@ -67,8 +67,8 @@ def nudged(problem: Problem, k: int, size: mpf) -> Problem:
             # A neighbour may lift off a little earlier: it is followed as if the table pulled.
             ends_at_lift_off=False,
             kept=tuple(
-                kept * (1 + size * SIGNS_OF_LEVER[rotor % 2][k])
-                for rotor, kept in enumerate(problem.kept)
+                kept * (1 + size * SIGNS_OF_LEVER[part % 2][k])
+                for part, kept in enumerate(problem.kept)
             ),
         )
 

@@ -135,8 +135,8 @@ def _energy(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 
 
 def _L_world(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    impulse = motion.t[:, None] * scene.scenario.torque_world
-    return angular_momentum_world(scene.scenario, motion) - impulse
+    impulse = motion.t[:, None] * scene.scenario.pushed["torque_world"]
+    return np.asarray(angular_momentum_world(scene.scenario, motion) - impulse)
 
 
 def _L_norm(scene: InvariantScales, motion: Trajectory) -> FloatArray:
@@ -150,7 +150,7 @@ def _L_vertical(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 def _L_axial(scene: InvariantScales, motion: Trajectory) -> FloatArray:
     axis_world = motion.R_world_body.apply(scene.axis_body)
     L_world = angular_momentum_world(scene.scenario, motion)
-    impulse = motion.t * (scene.scenario.torque_body @ scene.axis_body)
+    impulse = motion.t * (scene.scenario.pushed["torque_body"] @ scene.axis_body)
     return np.asarray(np.einsum("ni,ni->n", L_world, axis_world) - impulse)
 
 

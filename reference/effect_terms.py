@@ -11,8 +11,8 @@ from typing import Any, Literal
 from mpmath import mpf
 
 from ..scenarios import Scenario
-from ..scenarios.effects.rotors import kept_exact
 from ..scenarios.exact import ZERO, Quaternion, Vector, rotate, vector
+from ..scenarios.gyrostat import kept_exact
 from .problem import Problem
 from .taylor_coefficients import (
     CONSTANT,
@@ -77,21 +77,21 @@ GRAVITY = EffectTerms(
 
 DRAG = EffectTerms(
     form="linear",
-    posed=lambda scenario, _: {"drag": mpf(scenario.drag)},
+    posed=lambda scenario, _: {"drag": mpf(scenario.pushed["drag"])},
     turns=lambda problem: bool(problem.drag),
     constants=lambda problem, i, *_: {LINEAR: -problem.drag / problem.moments[i]},
 )
 
 TORQUE_OF_BODY = EffectTerms(
     form="constant",
-    posed=lambda scenario, q: {"torque_axes": rotate(q, vector(scenario.torque_body))},
+    posed=lambda scenario, q: {"torque_axes": rotate(q, vector(scenario.pushed["torque_body"]))},
     turns=lambda problem: any(problem.torque_axes),
     constants=lambda problem, i, *_: {CONSTANT: problem.torque_axes[i] / problem.moments[i]},
 )
 
 TORQUE_OF_WORLD = EffectTerms(
     form="world",
-    posed=lambda scenario, _: {"torque_world": vector(scenario.torque_world)},
+    posed=lambda scenario, _: {"torque_world": vector(scenario.pushed["torque_world"])},
     turns=lambda problem: any(problem.torque_world),
     constants=lambda problem, i, *_: {TORQUE_WORLD: problem.torque_world[i]},
 )

@@ -17,6 +17,7 @@ from ..scenarios import (
     kinetic_energy,
     potential_energy,
 )
+from ..scenarios.effects import table
 from ..scenarios.effects.rotors import EFFECT as ROTORS
 from ..scenarios.exact import DIGITS, dot
 from . import heavy_symmetric_top as lagrangian
@@ -35,10 +36,10 @@ from .symmetry import (
     across,
     angular_momentum_axes,
     is_free,
-    is_undriven,
     moment_about,
     moments_across_and_along,
     norm,
+    nutates,
     symmetry_axis,
 )
 
@@ -70,7 +71,7 @@ def facts(scenario: Scenario) -> list[Fact]:
     top = heavy_symmetric_top(problem)
     if top is not None:
         scene_facts += _of_a_heavy_top(top)
-        if is_undriven(problem):
+        if nutates(problem):
             scene_facts += _of_nutation(top)
     elif is_free(problem):
         scene_facts += _of_a_free_body(problem) if axis is None else _of_a_free_top(problem)
@@ -103,14 +104,20 @@ def _of_any_body(scenario: Scenario, problem: Problem, start: Trajectory) -> Ite
     yield Fact("kinetic energy", kinetic, "J", "T at t = 0")
     yield Fact("potential energy", potential, "J", "V = −m g·r at t = 0, zero at the origin")
     yield Fact("energy", kinetic + potential, "J", "T + V at t = 0")
+    if scenario.effects.table is not None:
+        force = float(table.along(scenario, start)[0])
+        yield Fact("table's force", force, "N", "N at t = 0, upward: a table cannot pull")
 
 
 def _of_a_heavy_top(top: HeavySymmetricTop) -> Iterator[Fact]:
     """Facts that follow from the start alone."""
     threshold = lagrangian.sleeping_threshold(top)
-    yield Fact("I1", float(top.I1), "kg m²", "moment across the axis, about the pivot")
-    yield Fact("I3", float(top.I3), "kg m²", "moment about the axis, from the pivot to the com")
-    yield Fact("M g l", float(top.kappa), "N m", "weight times the com's distance from the pivot")
+    point, about = ("tip", "com") if top.heave else ("pivot", "pivot")
+    yield Fact("I1", float(top.I1), "kg m²", f"moment across the axis, about the {about}")
+    yield Fact("I3", float(top.I3), "kg m²", f"moment about the axis, from the {point} to the com")
+    yield Fact(
+        "M g l", float(top.kappa), "N m", f"weight times the com's distance from the {point}"
+    )
     yield Fact("p_alpha", float(top.p_alpha), "kg m²/s", "L along the upward vertical at t = 0")
     yield Fact("p_gamma", float(top.p_gamma), "kg m²/s", "L along the axis at t = 0: I3 ω3")
     yield Fact("E'", float(top.E_prime), "J", "E − p_gamma²/2 I3 at t = 0")
@@ -129,9 +136,9 @@ def _of_nutation(top: HeavySymmetricTop) -> Iterator[Fact]:
     rates = lagrangian.steady_precession_rates(top, top.cos_beta)
     yield Fact("nutation from", low, "deg", "smallest angle: V_eff = E'")
     yield Fact("nutation to", high, "deg", "largest angle: V_eff = E'")
-    yield Fact("nutation period", lagrangian.nutation_period(top), "s", "2K/p, of cos β")
+    yield Fact("nutation period", lagrangian.nutation_period(top), "s", "of cos β")
     yield Fact("bottom of V_eff", bottom, "deg", "where this p_alpha, p_gamma precess steadily")
-    yield Fact("small nutation", small, "rad/s", "√(V_eff''/I1) at the bottom")
+    yield Fact("small nutation", small, "rad/s", "of β about the bottom of V_eff")
     if mean is not None:
         yield Fact("precession rate", mean, "rad/s", "α̇, mean over a nutation")
     for name, rate in zip(("slow", "fast"), rates, strict=False):

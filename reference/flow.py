@@ -69,7 +69,7 @@ def _posed(scenario: Scenario) -> tuple[Problem, FloatArray, Terms]:
     """Problem, constants and terms: in extended precision they take as long as many flows."""
     problem = rotational_problem(scenario)
     terms = terms_of(problem)
-    return problem, constants_of(problem)[0], terms._replace(momentum=bool(scenario.rotors))
+    return problem, constants_of(problem)[0], terms._replace(momentum=bool(problem.kept))
 
 
 @kernel

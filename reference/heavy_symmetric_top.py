@@ -7,8 +7,14 @@ cosine is u. With I1 the moment across the axis and I3 about it, both about the 
     p_α = L·(−ĝ)        p_γ = I3 ω3        E' = E − p_γ²/2 I3 = ½ I1 β̇² + V_eff(β)
     V_eff(β) = (p_α − p_γ cos β)² / (2 I1 sin²β) + κ cos β
     u̇² = (2 κ/I1) (u − u1)(u − u2)(u − u3),   −1 ≤ u1 ≤ u ≤ u2 ≤ 1 ≤ u3
+
+A top whose tip slides on a smooth table obeys the same with l from the tip's centre, both moments
+about the com, and ½ m l² sin²β β̇² more of kinetic energy, as the com rises and falls: u̇² is
+divided by 1 + ε (1 − u²), ε = m l²/I1. The turning points are the same, and what is an elliptic
+integral on a pivot is a quadrature.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,7 +22,7 @@ import numpy as np
 from mpmath import mp, mpf
 
 from ..scenarios import FloatArray
-from ..scenarios.exact import DIGITS, Vector, conjugate, dot, rotate
+from ..scenarios.exact import DIGITS, ZERO, Vector, conjugate, cross, dot, rotate
 from ..scenarios.principal import EQUAL_TO_WORKING_PRECISION
 from .nutation import turning_points
 from .problem import Problem
@@ -40,11 +46,12 @@ class HeavySymmetricTop:
 
     Attributes
     ----------
-    I1, I3 : moments about the pivot, across the axis and about it, kg m²
+    I1, I3 : moments about the pivot, on a table about the com, across the axis and about it, kg m²
     kappa : M g l, N m, positive
     p_alpha, p_gamma : angular momentum along the vertical and along the axis, kg m²/s
     energy : kinetic plus κ cos β, J
     cos_beta : of the axis's angle from the upward vertical
+    heave : m l²/I1 on a table, 0 on a pivot
     """
 
     I1: mpf
@@ -54,6 +61,7 @@ class HeavySymmetricTop:
     p_gamma: mpf
     energy: mpf
     cos_beta: mpf
+    heave: mpf = ZERO[0]
 
     @cached_property
     def E_prime(self) -> mpf:
@@ -89,14 +97,15 @@ class HeavySymmetricTop:
 
 
 def heavy_symmetric_top(problem: Problem) -> HeavySymmetricTop | None:
-    """The top of a problem at t = 0; None where it is not symmetric or has no pivot and gravity.
+    """The top of a problem at t = 0, on a pivot or a level table; None of any other.
 
     Other effects are not looked at: with them the "constants" hold at t = 0 only.
     """
     axis = symmetry_axis(problem)
     with mp.workdps(DIGITS):
         kappa = gravity_torque_scale(problem)
-        if axis is None or kappa == 0 or not any(problem.lever_axes):
+        slides = any(problem.tip_axes)
+        if axis is None or kappa == 0 or (slides and any(problem.gravity_world[:2])):
             return None
         up_world = scaled(problem.gravity_world, -1 / norm(problem.gravity_world))
         up = rotate(conjugate(problem.q_world_axes), up_world)
@@ -109,8 +118,10 @@ def heavy_symmetric_top(problem: Problem) -> HeavySymmetricTop | None:
             if equal(p_alpha, sign * p_gamma, norm(L)):
                 p_alpha = sign * p_gamma
         I1, I3 = moments_across_and_along(problem, axis)
-        energy = dot(omega, L) / 2 + kappa * cos_beta
-        return HeavySymmetricTop(I1, I3, kappa, p_alpha, p_gamma, energy, cos_beta)
+        heave = norm(problem.tip_axes) ** 2 * problem.mass / I1 if slides else mpf(0)
+        rising = dot(up, cross(omega, axis))
+        energy = (dot(omega, L) + heave * I1 * rising**2) / 2 + kappa * cos_beta
+        return HeavySymmetricTop(I1, I3, kappa, p_alpha, p_gamma, energy, cos_beta, heave)
 
 
 def effective_potential(top: HeavySymmetricTop, beta: FloatArray) -> FloatArray:
@@ -144,7 +155,7 @@ def nutation_bounds(top: HeavySymmetricTop) -> tuple[float, float]:
 
 
 def nutation_period(top: HeavySymmetricTop) -> float:
-    """The period of cos β, s: 2K/p with p² = κ(u3 − u1)/2 I1; inf on a separatrix.
+    """The period of cos β, s: on a pivot 2K/p with p² = κ(u3 − u1)/2 I1; inf on a separatrix.
 
     By Carlson's R_F, which is homogeneous: 2 √(2 I1/κ) R_F(0, u3 − u2, u3 − u1) (DLMF 19.25.1).
     For steady precession, the period of small nutations about it.
@@ -153,19 +164,27 @@ def nutation_period(top: HeavySymmetricTop) -> float:
         u1, u2, u3 = top.roots
         if equal(u3, u2):
             return float("inf")
+        if top.heave:
+            return float(_over_a_nutation(top, lambda _: mpf(1)))
         return float(2 * mp.sqrt(2 * top.I1 / top.kappa) * mp.elliprf(0, u3 - u2, u3 - u1))
 
 
 def mean_precession_rate(top: HeavySymmetricTop) -> float | None:
     """α̇ averaged over a nutation, rad/s; None where the axis comes to the vertical.
 
-    α̇ = [(p_α − p_γ)/(1 − u) + (p_α + p_γ)/(1 + u)]/2 I1 with u = u1 + (u2 − u1) sn²: each term's
-    mean is Π(n|m)/K(m) times its value at u1 (DLMF 19.2.7).
+    α̇ = [(p_α − p_γ)/(1 − u) + (p_α + p_γ)/(1 + u)]/2 I1; on a pivot u = u1 + (u2 − u1) sn², and
+    each term's mean is Π(n|m)/K(m) times its value at u1 (DLMF 19.2.7).
     """
-    if top.reaches_the_vertical or nutation_period(top) == float("inf"):
+    period = nutation_period(top)
+    if top.reaches_the_vertical or period == float("inf"):
         return None
     with mp.workdps(ROOT_DIGITS):
         u1, u2, u3 = top.roots
+        if top.heave:
+            turned = _over_a_nutation(
+                top, lambda u: (top.p_alpha - top.p_gamma * u) / (top.I1 * (1 - u * u))
+            )
+            return float(turned / period)
         m = (u2 - u1) / (u3 - u1)
         down = (top.p_alpha - top.p_gamma) / (1 - u1) * mp.ellippi((u2 - u1) / (1 - u1), m)
         up = (top.p_alpha + top.p_gamma) / (1 + u1) * mp.ellippi((u1 - u2) / (1 + u1), m)
@@ -212,14 +231,33 @@ def small_nutation_frequency(top: HeavySymmetricTop) -> float:
     """Angular frequency of small oscillations of cos β about the bottom of V_eff, rad/s.
 
     ω² = V_eff''/I1 = (p_γ² − 4 κ I1 cos β)/I1² + Ω² sin²β with the Ω of steady precession there,
-    where V_eff' = 0 has simplified V_eff'' (Goldstein §5.7 for V_eff).
+    where V_eff' = 0 has simplified V_eff'' (Goldstein §5.7 for V_eff); on a table that over
+    1 + ε sin²β.
     """
     with mp.workdps(ROOT_DIGITS):
         u = _bottom(top)
         square = (top.p_gamma**2 - 4 * top.kappa * top.I1 * u) / top.I1**2
         if abs(u) < 1:
             square += ((top.p_alpha - top.p_gamma * u) / top.I1) ** 2 / (1 - u * u)
+        square /= 1 + top.heave * (1 - u * u)
         return float(mp.sqrt(max(square, mpf(0))))
+
+
+def _over_a_nutation(top: HeavySymmetricTop, rate: Callable[[mpf], mpf]) -> mpf:
+    """∫ of a rate, a function of u, over the time of a nutation of a top on a table.
+
+    With u = u1 + (u2 − u1) sin²φ the integrand is smooth, dt = √(2 I1/κ) √((1 + ε (1 − u²))/(u3 −
+    u)) dφ, and a nutation is φ from 0 to π.
+    """
+    u1, u2, u3 = top.roots
+
+    def integrand(phi: mpf) -> mpf:
+        u = u1 + (u2 - u1) * mp.sin(phi) ** 2
+        return rate(u) * mp.sqrt((1 + top.heave * (1 - u * u)) / (u3 - u))
+
+    with mp.workdps(DIGITS):
+        half = mp.quad(integrand, [0, mp.pi / 2])
+        return 2 * mp.sqrt(2 * top.I1 / top.kappa) * half
 
 
 def _bottom(top: HeavySymmetricTop) -> mpf:

@@ -31,9 +31,9 @@ from .symmetry import (
     across,
     angular_momentum_axes,
     is_free,
-    is_undriven,
     moments_across_and_along,
     norm,
+    nutates,
     scaled,
     symmetry_axis,
     to_body,
@@ -60,7 +60,7 @@ def observables(scenario: Scenario, motion: Trajectory) -> list[Observable]:
     """What can be read off a motion of the scene."""
     problem = rotational_problem(scenario)
     top = heavy_symmetric_top(problem)
-    if top is not None and is_undriven(problem):
+    if top is not None and nutates(problem):
         return list(_of_a_heavy_top(problem, top, motion))
     if not is_free(problem):
         return []

@@ -57,6 +57,19 @@ def solve(scenario: Scenario, times: FloatArray) -> Solution:
     return ExactMotion(scenario).solve(times)
 
 
+def solve_cheaply(scenario: Scenario, times: FloatArray) -> Solution:
+    """The exact motion of one of many scenes; parameters and errors as of `solve`.
+
+    A closed form is only worked out where the series does not reach the last time, as beside a
+    saddle: finding one costs as much as hundreds of radians of the series.
+    """
+    times = _increasing(times)
+    solution = _solve_ode(scenario, rotational_problem(scenario), times)
+    if solution.horizon is None or solution.lifts_off:
+        return solution
+    return solve(scenario, times)
+
+
 @final
 class ExactMotion:
     """The exact motion of one scene: what does not depend on the times is worked out once."""

@@ -53,6 +53,11 @@ def is_undriven(problem: Problem) -> bool:
     return turning(problem) <= {"gravity"}
 
 
+def nutates(problem: Problem) -> bool:
+    """Whether nothing but gravity, on a pivot or a table, turns the body."""
+    return is_undriven(problem) or turning(problem) == {"table"}
+
+
 def is_free(problem: Problem) -> bool:
     """Whether no torque of any kind acts about the fixed point."""
     return not turning(problem)

@@ -10,7 +10,7 @@ from .float_array import FloatArray
 from .load import from_tables, is_scenario, is_scene_name, load, load_each, loads
 from .mechanics import angular_momentum_world, energy, energy_base, kinetic_energy, potential_energy
 from .scales import check_scales
-from .scenario import Scenario, Start
+from .scenario import Scenario
 from .signals import (
     SIGNAL,
     SIGNALS,
@@ -20,6 +20,7 @@ from .signals import (
     errors_by_key,
     radius_of_gyration,
 )
+from .start import Start
 from .trajectory import Trajectory
 
 __all__ = [

@@ -15,8 +15,6 @@ from .locate import Keys, line_of
 MAX_COMPLAINTS = 20
 #: Characters of a key, a value or a parser's message that are shown.
 MAX_SHOWN = 100
-_TABLES = ("body", "start", "effects", "window")
-_TABLE_ARRAYS = ("published", "expect", "known", "rotors")
 _PUBLISHED = ("omega_body", "omega_world", "com_world", "L_world")
 _UNION_ARMS = (
     ("inertia", "moments"),
@@ -131,3 +129,8 @@ def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
 
 def _shown(value: Any) -> str:
     return printable(repr(value), MAX_SHOWN)
+
+
+_WITH_TABLES = {name: one.annotation for name, one in Document.model_fields.items()}
+_TABLES = {name for name, kind in _WITH_TABLES.items() if kind in (*_models_in(kind),)}
+_TABLE_ARRAYS = {name for name, kind in _WITH_TABLES.items() if any(_models_in(kind))} - _TABLES

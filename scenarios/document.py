@@ -9,9 +9,11 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 from pydantic import BaseModel, Discriminator, Field, Tag, create_model, model_validator
 
 from .body import Body, body_about_com, body_about_origin, body_of_particles
-from .effects import Effects, Rotors, RotorTable, whole
+from .effects import Effects, RotorTable, rotors_of
 from .errors import Misfit
+from .gyrostat import whole
 from .signals import SIGNAL, SIGNALS
+from .start import StartTable
 from .values import (
     Digest,
     Inertia,
@@ -26,6 +28,7 @@ from .values import (
     Vector,
     Version,
     check_unit,
+    names,
 )
 
 T = TypeVar("T", bound=BaseModel)
@@ -66,9 +69,9 @@ class BodyTable(Table):
         stated_keys = [key for key in origin if getattr(self, key) is not None]
         if stated_keys and len(stated_keys) < len(origin):
             missing = [key for key in origin if key not in stated_keys]
-            raise ValueError(f"{_names(stated_keys)} needs {_names(missing)} too")
+            raise ValueError(f"{names(stated_keys)} needs {names(missing)} too")
         if self.welded and not stated_keys:
-            raise ValueError(f"'welded' needs {_names(origin)} too")
+            raise ValueError(f"'welded' needs {names(origin)} too")
         return self
 
     @model_validator(mode="after")
@@ -77,10 +80,10 @@ class BodyTable(Table):
         if self.particles is not None:
             if stated_keys:
                 raise ValueError(
-                    f"'particles' replaces mass, com and inertia; remove {_names(stated_keys)}"
+                    f"'particles' replaces mass, com and inertia; remove {names(stated_keys)}"
                 )
         elif missing := [key for key in ("mass", "inertia") if getattr(self, key) is None]:
-            raise ValueError(f"missing {_names(missing)}; or give 'particles'")
+            raise ValueError(f"missing {names(missing)}; or give 'particles'")
         matrix = self.inertia_matrix
         if matrix is not None and any(
             matrix[i][j] != matrix[j][i] for i in range(3) for j in range(i)
@@ -109,41 +112,6 @@ class BodyTable(Table):
         assert matrix is not None
         build = body_about_com if self.inertia_about == "com" else body_about_origin
         return build(mass, self.com or (0.0, 0.0, 0.0), matrix)
-
-
-class StartTable(Table):
-    """Attitude and angular velocity, each given in one of three ways."""
-
-    euler_zyz_deg: Vector | None = Field(None, description="α β γ: R = Rz(α) Ry(β) Rz(γ)")
-    quaternion_wxyz: Quaternion | None = Field(None, description="body to world, scalar first")
-    rotation_vector_deg: Vector | None = Field(None, description="axis times angle, body to world")
-    omega_body: Vector | None = Field(None, description="rad/s, body axes")
-    omega_world: Vector | None = Field(None, description="rad/s, world axes")
-    euler_zyz_rates: Vector | None = Field(
-        None, description="rad/s: α̇ β̇ γ̇; takes the attitude as euler_zyz_deg"
-    )
-    position: Vector | None = Field(
-        None, description="m, of the com; not with a pivot; on a table z follows from the attitude"
-    )
-    velocity: Vector | None = Field(
-        None, description="m/s, of the com; not with a pivot; on a table z follows from ω"
-    )
-
-    @model_validator(mode="after")
-    def _one_of_each(self) -> Self:
-        self._exactly_one("attitude", ("euler_zyz_deg", "quaternion_wxyz", "rotation_vector_deg"))
-        self._exactly_one("angular velocity", ("omega_body", "omega_world", "euler_zyz_rates"))
-        if self.euler_zyz_rates is not None and self.euler_zyz_deg is None:
-            raise ValueError("'euler_zyz_rates' needs the attitude as 'euler_zyz_deg'")
-        if self.quaternion_wxyz is not None:
-            check_unit(self.quaternion_wxyz)
-        return self
-
-    def _exactly_one(self, what: str, keys: tuple[str, ...]) -> None:
-        stated_keys = [key for key in keys if getattr(self, key) is not None]
-        if len(stated_keys) != 1:
-            got = _names(stated_keys) if stated_keys else "none"
-            raise ValueError(f"{what} takes exactly one of {_names(keys)}; got {got}")
 
 
 class Window(Table):
@@ -196,7 +164,7 @@ class Published(Table):
     def _something(self) -> Self:
         if not self.values():
             quantities = set(type(self).model_fields) - {"t", "tolerance", "source"}
-            raise ValueError(f"names no value to compare with; give any of {_names(quantities)}")
+            raise ValueError(f"names no value to compare with; give any of {names(quantities)}")
         if self.quaternion_wxyz is not None:
             check_unit(self.quaternion_wxyz)
         return self
@@ -234,7 +202,7 @@ class Expect(Table):
     @model_validator(mode="after")
     def _bounds_or_outcome(self) -> Self:
         if bool(self.bounds()) == (self.outcome is not None):
-            raise ValueError(f"takes bounds ({_names(SIGNAL)}), or 'outcome'; one of the two")
+            raise ValueError(f"takes bounds ({names(SIGNAL)}), or 'outcome'; one of the two")
         return self
 
     def bounds(self) -> dict[str, float]:
@@ -283,7 +251,7 @@ class Document(Table):
         rotors = self.rotors or ()
         for k in range(len(rotors)):
             try:
-                whole(self.body.body(), Rotors.of(rotors[: k + 1]))
+                whole(self.body.body(), rotors_of(rotors[: k + 1]))
             except ValueError as error:
                 raise Misfit(f"with it in the body, {error}", "rotors", k) from None
         duration = self.window.duration
@@ -303,8 +271,4 @@ class Document(Table):
 
     def whole_body(self) -> Body:
         """The body with its rotors as if they did not turn in it."""
-        return whole(self.body.body(), Rotors.of(self.rotors))
-
-
-def _names(keys: Any) -> str:
-    return ", ".join(f"'{key}'" for key in sorted(keys))
+        return whole(self.body.body(), rotors_of(self.rotors))

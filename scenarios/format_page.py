@@ -13,10 +13,10 @@ from .document import (
     Expect,
     Known,
     Published,
-    StartTable,
     Window,
 )
 from .effects import EFFECTS, Effects
+from .start import StartTable
 from .values import Table
 
 #: Every table of the file in the order it is written, with an example; together they are a scene,

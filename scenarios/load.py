@@ -129,7 +129,7 @@ def _scenario(tables: dict[str, Any], name: str, text: str, path: Path | None) -
     scenario = build(Document.model_validate(tables), name=name, text=text, path=path)
     check_scales(scenario)
     for effect in scenario.acting:
-        effect.check(scenario)
+        effect.check(scenario, scenario.document.start)
     if scenario.document.body.model is not None:
         # Few scenes have one, and readers of model files import much.
         from .users_models import check_origin

@@ -1,5 +1,7 @@
 """The principal axes of an inertia tensor, in extended precision."""
 
+from functools import lru_cache
+
 from mpmath import mp, mpf
 
 from .exact import DIGITS, Quaternion, Tensor, Vector, cross, dot
@@ -8,10 +10,13 @@ from .exact import DIGITS, Quaternion, Tensor, Vector, cross, dot
 #: doubles that differ never agree so far.
 EQUAL_TO_WORKING_PRECISION = mpf(10) ** (10 - DIGITS)
 
+#: Number of tensors whose axes are kept.
+KEPT = 64
 ONE, NONE = mpf(1), mpf(0)
 IDENTITY: Tensor = ((ONE, NONE, NONE), (NONE, ONE, NONE), (NONE, NONE, ONE))
 
 
+@lru_cache(maxsize=KEPT)
 def principal_axes(tensor: Tensor) -> tuple[Vector, Tensor]:
     """Principal moments and right-handed principal axes.
 

@@ -42,7 +42,7 @@ def check_scales(scenario: Scenario, until: float | None = None) -> None:
     span = mpf(scenario.window.duration if until is None else until)
     with mp.workdps(DIGITS):
         extent = Extent(scenario, span, _moments(scenario), mpf(decay_rate(scenario)))
-        for keys, what, size, unit in _sizes(extent):
+        for keys, what, size, unit in _sizes(extent, _inertia_keys(scenario)):
             too_small = size < SMALLEST and what in NEVER_SMALL
             if too_small or size > LARGEST:
                 raise Misfit(
@@ -59,11 +59,11 @@ def check_scales(scenario: Scenario, until: float | None = None) -> None:
                 )
 
 
-def _sizes(extent: Extent) -> Iterator[Size]:
+def _sizes(extent: Extent, where: tuple[str, ...]) -> Iterator[Size]:
     """The quantities of a scene, and those that are computed from them."""
     body, start = extent.scenario.body, extent.scenario.start
     least, _, greatest = extent.moments
-    fastest, where = length(start.omega_body_exact), _inertia_keys(extent.scenario)
+    fastest = length(start.omega_body_exact)
     yield ("window", "duration"), "the time", extent.span, "s"
     yield ("body",), "the mass", body.mass_exact, "kg"
     yield ("body",), "the com's distance from the origin", extent.arm, "m"

@@ -6,51 +6,27 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
-from mpmath import mp
 
 from . import exact
 from .body import Body
 from .constraint import Constraint
-from .document import Document, Expect, Known, Published, StartTable, Window
-from .effects import EFFECTS, Effect, Effects, Rotors, without_free_axes
+from .document import Document, Expect, Known, Published, Window
+from .effects import EFFECTS, Effect, Effects, EffectTable, rotors_of
 from .float_array import FloatArray, read_only
+from .gyrostat import Rotors, without_free_axes
+from .start import Start, StartTable, start_of
 from .values import Table
 from .write import to_toml
+
+T = TypeVar("T", bound=EffectTable)
 
 #: Tables that hold of one very scene: not of one with another start or another number in it.
 OF_THE_SCENE_ALONE = ("published", "expect", "known")
 #: Scenes that a process keeps of those it is sent: more than are run at a time.
 KEPT = 64
-
-
-@dataclass(frozen=True, eq=False)
-class Start:
-    """The state at t = 0, exact and as doubles.
-
-    Attributes
-    ----------
-    q_exact : attitude, takes body to world components, unit quaternion w, x, y, z
-    omega_body_exact : angular velocity, rad/s, body axes
-    position_world, velocity_world : of the centre of mass, m and m/s, (3,)
-    """
-
-    q_exact: exact.Quaternion
-    omega_body_exact: exact.Vector
-    position_world: FloatArray
-    velocity_world: FloatArray
-
-    @cached_property
-    def q_world_body_wxyz(self) -> FloatArray:
-        """Attitude, unit quaternion w, x, y, z, (4,)."""
-        return read_only(self.q_exact)
-
-    @cached_property
-    def omega_body(self) -> FloatArray:
-        """Angular velocity, rad/s, body axes, (3,)."""
-        return read_only(self.omega_body_exact)
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +126,7 @@ class Scenario:
     @cached_property
     def rotors(self) -> Rotors:
         """The parts of the body that turn in it."""
-        return Rotors.of(self.document.rotors)
+        return rotors_of(self.document.rotors)
 
     @cached_property
     def carrier(self) -> Body:
@@ -178,28 +154,18 @@ class Scenario:
         gravity = self.effects.gravity
         return read_only(gravity.acceleration if gravity else exact.ZERO)
 
-    @property
-    def drag(self) -> float:
-        """Coefficient c of the torque −c ω, N m s; zero where there is none."""
-        return self.effects.drag.rotational if self.effects.drag else 0.0
-
     @cached_property
-    def torque_body(self) -> FloatArray:
-        """Torque constant in body axes, N m, (3,); zeros where there is none."""
-        torque = self.effects.torque
-        return read_only(torque.body if torque and torque.body else exact.ZERO)
+    def pushed(self) -> dict[str, Any]:
+        """The numbers of torques that `push` takes, SI; zero of those that the scene has not."""
+        return {
+            one.name: one.pushed(one.table_in(self.document))
+            for one in EFFECTS.values()
+            if one.pushed
+        }
 
-    @cached_property
-    def torque_world(self) -> FloatArray:
-        """Torque constant in world axes, N m, (3,); zeros where there is none."""
-        torque = self.effects.torque
-        return read_only(torque.world if torque and torque.world else exact.ZERO)
-
-    @cached_property
-    def pushed(self) -> dict[str, object]:
-        """What `push` takes."""
-        names = ("drag", "torque_body", "torque_world")
-        return {name: getattr(self, name) for name in names}
+    def table_of(self, model: type[T]) -> T | None:
+        """The table of an effect, None where the scene has none."""
+        return next((table for _, table in self.effects if isinstance(table, model)), None)
 
     @cached_property
     def times(self) -> FloatArray:
@@ -222,7 +188,7 @@ def build(document: Document, name: str, text: str, path: Path | None = None) ->
         text=text,
         document=document,
         body=body,
-        start=_start(document.start, _constraint(document, body)),
+        start=start_of(document.start, _constraint(document, body)),
     )
 
 
@@ -234,14 +200,12 @@ def with_tables(scenario: Scenario, **tables: Table | tuple[Table, ...] | None) 
     alone: dict[str, object] = dict.fromkeys(OF_THE_SCENE_ALONE, ())
     document = scenario.document.model_copy(update=alone | tables)
     body = document.whole_body() if {"body", "rotors"} & tables.keys() else scenario.body
-    off_table = document.effects.table != scenario.effects.table
-    moved = off_table or {"start", "body", "rotors"} & tables.keys()
     return replace(
         scenario,
         text=to_toml(document.model_dump(mode="json", exclude_defaults=True)),
         document=document,
         body=body,
-        start=_start(document.start, _constraint(document, body)) if moved else scenario.start,
+        start=start_of(document.start, _constraint(document, body)),
     )
 
 
@@ -279,56 +243,15 @@ def started_at(
             for table, spin in zip(scenario.document.rotors or (), spins, strict=True)
         )
     moved = with_tables(scenario, **tables)
-    if scenario.effects.table is None:
+    if scenario.constraint.is_free or scenario.constraint.is_pivot:
         return moved
-    on_table = {"position": moved.start.position_world, "velocity": moved.start.velocity_world}
-    start |= {key: tuple(values.tolist()) for key, values in on_table.items()}
+    on_plane = {"position": moved.start.position_world, "velocity": moved.start.velocity_world}
+    start |= {key: tuple(values.tolist()) for key, values in on_plane.items()}
     return with_tables(moved, start=StartTable.model_validate(start))
 
 
 def _constraint(document: Document, body: Body) -> Constraint:
     """What holds a body; of one that is free, nothing."""
     called_for = (one for one in EFFECTS.values() if one.is_called_for(document))
-    holding = [one.constraint(document.effects, body) for one in called_for if one.constraint]
+    holding = [one.constraint(one.table_in(document), body) for one in called_for if one.constraint]
     return holding[0] if holding else Constraint((False, False, False), body.com_exact)
-
-
-def _start(table: StartTable, constraint: Constraint) -> Start:
-    q = _attitude(table)
-    omega_body = _omega_body(table, q)
-    position, velocity = (read_only(v or exact.ZERO) for v in (table.position, table.velocity))
-    if not (constraint.is_pivot or constraint.is_free):
-        lever = constraint.lever_exact
-        with mp.workdps(exact.DIGITS):
-            lever_world = exact.rotate(q, lever)
-            swing_world = exact.rotate(q, exact.cross(omega_body, lever))
-        position = constraint.com_world(read_only(lever_world), position)
-        velocity = constraint.velocity_world(read_only(swing_world), velocity)
-    return Start(
-        q_exact=q,
-        omega_body_exact=omega_body,
-        position_world=read_only(position),
-        velocity_world=read_only(velocity),
-    )
-
-
-def _attitude(table: StartTable) -> exact.Quaternion:
-    if table.euler_zyz_deg is not None:
-        return exact.from_euler_zyz_deg(table.euler_zyz_deg)
-    if table.rotation_vector_deg is not None:
-        return exact.from_rotation_vector_deg(table.rotation_vector_deg)
-    assert table.quaternion_wxyz is not None
-    return exact.normalised(table.quaternion_wxyz)
-
-
-def _omega_body(table: StartTable, q_world_body: exact.Quaternion) -> exact.Vector:
-    if table.euler_zyz_rates is not None:
-        assert table.euler_zyz_deg is not None
-        return exact.omega_body_from_zyz_rates(table.euler_zyz_deg, table.euler_zyz_rates)
-    omega = table.omega_body if table.omega_body is not None else table.omega_world
-    assert omega is not None
-    x, y, z = exact.exact(omega)
-    if table.omega_body is not None:
-        return (x, y, z)
-    with mp.workdps(exact.DIGITS):
-        return exact.rotate(exact.conjugate(q_world_body), (x, y, z))

@@ -11,12 +11,10 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from .effects.effect import Scene
 from .float_array import FloatArray
 from .mechanics import angular_momentum_world, energy, energy_base
 from .trajectory import Trajectory
-
-if TYPE_CHECKING:
-    from .scenario import Scenario
 
 EPS = float(np.finfo(float).eps)
 
@@ -67,11 +65,11 @@ class Signal:
     quantity: str
     formula: str
     kind: Literal["vector", "quaternion", "scalar"]
-    values: Callable[["Scenario", Trajectory], FloatArray]
-    base: Callable[["Scenario", Trajectory], float]
+    values: Callable[[Scene, Trajectory], FloatArray]
+    base: Callable[[Scene, Trajectory], float]
     unit: str = ""
     depends_on: tuple[str, ...] = ("omega", "attitude")
-    in_flight: Callable[["Scenario", Trajectory, Errors], float] | None = None
+    in_flight: Callable[[Scene, Trajectory, Errors], float] | None = None
 
     @property
     def columns(self) -> int:
@@ -106,27 +104,27 @@ class Signal:
         orders = {"omega": order, "attitude": attitude_order}
         return min(orders[name] for name in self.depends_on)
 
-    def growth(self, scene: "Scenario", exact: Trajectory, conditioning: Errors) -> float:
+    def growth(self, scene: Scene, exact: Trajectory, conditioning: Errors) -> float:
         """What one ulp in each number of a free body's state changes it by, relative."""
         of_rotation = conditioning[self.name]
         return self.in_flight(scene, exact, conditioning) if self.in_flight else of_rotation
 
 
-def radius_of_gyration(scene: "Scenario") -> float:
+def radius_of_gyration(scene: Scene) -> float:
     """√(tr I / 2m), m; I about the pivot, or the com where there is none."""
     return float(np.sqrt(np.trace(scene.inertia) / (2 * scene.body.mass)))
 
 
-def _way(scene: "Scenario", exact: Trajectory) -> float:
+def _way(scene: Scene, exact: Trajectory) -> float:
     return max(_longest(exact.com_world - exact.com_world[0]), radius_of_gyration(scene))
 
 
-def _speed(scene: "Scenario", exact: Trajectory) -> float:
+def _speed(scene: Scene, exact: Trajectory) -> float:
     turning = radius_of_gyration(scene) * _longest(exact.omega_body)
     return max(_longest(exact.velocity_world), turning)
 
 
-def _moved(scene: "Scenario", exact: Trajectory, growth: Errors) -> tuple[float, float]:
+def _moved(scene: Scene, exact: Trajectory, growth: Errors) -> tuple[float, float]:
     """Change of a free body's place, m, and velocity, m/s, by one ulp in state and arm."""
     arm = float(np.linalg.norm(scene.body.com))
     fast, speed = _largest_norm(exact.velocity_world), _largest_norm(exact.omega_body)
@@ -135,7 +133,7 @@ def _moved(scene: "Scenario", exact: Trajectory, growth: Errors) -> tuple[float,
     return metres, EPS * fast + (growth.attitude + growth.omega) * arm * speed
 
 
-def _energy_in_flight(scene: "Scenario", exact: Trajectory, growth: Errors) -> float:
+def _energy_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
     metres, metres_a_second = _moved(scene, exact, growth)
     momentum = scene.body.mass * _largest_norm(exact.velocity_world)
     weight = scene.body.mass * float(np.linalg.norm(scene.gravity_world))
@@ -143,12 +141,12 @@ def _energy_in_flight(scene: "Scenario", exact: Trajectory, growth: Errors) -> f
     return max(growth.energy, _relative(joules, energy_base(scene, exact)))
 
 
-def _com_in_flight(scene: "Scenario", exact: Trajectory, growth: Errors) -> float:
+def _com_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
     way = _largest_norm(exact.com_world - exact.com_world[0])
     return _relative(_moved(scene, exact, growth)[0], max(way, radius_of_gyration(scene)))
 
 
-def _velocity_in_flight(scene: "Scenario", exact: Trajectory, growth: Errors) -> float:
+def _velocity_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
     turning = radius_of_gyration(scene) * _largest_norm(exact.omega_body)
     base = max(_largest_norm(exact.velocity_world), turning)
     return max(EPS, _relative(_moved(scene, exact, growth)[1], base))

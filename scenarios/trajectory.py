@@ -25,7 +25,7 @@ class Trajectory:
     omega_body : (n, 3) rad/s, body axes
     com_world : (n, 3) m, the centre of mass
     velocity_world : (n, 3) m/s, of the centre of mass
-    spins : (n, rotors) rad/s, of the body's rotors relative to it; without any if left out
+    spins : (n, parts) rad/s, of parts that turn in the body; without any if left out
 
     Raises
     ------
@@ -53,7 +53,7 @@ class Trajectory:
         if not self.spins.size:
             object.__setattr__(self, "spins", read_only(np.empty((n, 0))))
         if self.spins.shape[:-1] != (n,):
-            raise ValueError(f"'spins' must have shape ({n}, rotors), got {self.spins.shape}.")
+            raise ValueError(f"'spins' must have shape ({n}, parts), got {self.spins.shape}.")
         for name, width in _WIDTHS.items():
             shape = getattr(self, name).shape
             if shape != (n, width):

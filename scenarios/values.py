@@ -1,6 +1,7 @@
 """What tables of a scenario file and values in them may be: numbers, vectors, texts."""
 
 import math
+from collections.abc import Iterable
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -81,3 +82,8 @@ def check_unit(q: Quaternion) -> None:
     norm = math.hypot(*q)
     if abs(norm - 1) > QUATERNION_NORM_SLACK:
         raise Misfit(f"must have norm 1, got norm {norm:.6g}", "quaternion_wxyz")
+
+
+def names(keys: Iterable[str]) -> str:
+    """Keys of a table, as complaints list them."""
+    return ", ".join(f"'{key}'" for key in sorted(keys))

@@ -132,17 +132,17 @@ def single_steps(
         later.append(session.snapshot())
 
     with open_at(scenario, float(timesteps[0])) as first:
+        each = [states.rows(k) for k in range(_count(states))]
+        starts = [] if first.can_restart else [started_at(scenario, **vars(one)) for one in each]
         for timestep in map(float, timesteps):
-            for k in range(len(states.omega_body)):
-                state = states.rows(k)
-                if first.can_restart:
-                    first.restart(state, timestep)
-                    take(first)
-                else:
-                    with open_at(started_at(scenario, **vars(state)), timestep) as session:
-                        take(session)
-        starts, ends = first.states(before), first.states(later)
-    return Steps(timesteps, starts, ends, after(starts, np.repeat(timesteps, _count(states))))
+            for state in each if first.can_restart else ():
+                first.restart(state, timestep)
+                take(first)
+            for start in starts:
+                with open_at(start, timestep) as session:
+                    take(session)
+        befores, ends = first.states(before), first.states(later)
+    return Steps(timesteps, befores, ends, after(befores, np.repeat(timesteps, _count(states))))
 
 
 def excess(

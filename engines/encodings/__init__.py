@@ -1,7 +1,7 @@
 """The same body and motion described otherwise: what engines must answer alike."""
 
 from .changed_scene import SceneChange
-from .encoded_engine import EncodedEngine
-from .table import ENCODINGS, Encoding
+from .encoded_engine import SAME_BODY, EncodedEngine
+from .table import ENCODINGS, KEPT, Encoding
 
-__all__ = ["ENCODINGS", "EncodedEngine", "Encoding", "SceneChange"]
+__all__ = ["ENCODINGS", "KEPT", "SAME_BODY", "EncodedEngine", "Encoding", "SceneChange"]

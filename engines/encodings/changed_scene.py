@@ -20,7 +20,8 @@ from ...scenarios.exact import (
     turned_tensor,
 )
 from ...scenarios.rotation import matrix, times
-from ...scenarios.scenario import Start, with_tables
+from ...scenarios.scenario import with_tables
+from ...scenarios.start import Start
 from ..checks.read_back import BodyReading, State
 
 #: What the mirror leaves and reverses: of vectors, of axial ones, of quaternions.

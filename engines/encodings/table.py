@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 from mpmath import mpf
 
@@ -13,6 +14,8 @@ from ..models.description import PLAIN, TURN, Description, away_from
 from ..models.shape import box_of
 from .changed_scene import SceneChange
 
+#: Number of changed scenes kept: every method runs them, at several timesteps.
+KEPT = 64
 #: Body axes x, y, z become y, z, x.
 CYCLE = (mpf("0.5"), mpf("0.5"), mpf("0.5"), mpf("0.5"))
 #: By 161°, in which a tensor's products of inertia are large.
@@ -21,6 +24,11 @@ FAR_TURN = normalised((1, 3, 1, 5))
 
 def _none(scenario: Scenario) -> SceneChange:  # noqa: ARG001
     return SceneChange()
+
+
+@lru_cache(maxsize=KEPT)
+def _scene(change: Callable[[Scenario], SceneChange], scenario: Scenario) -> Scenario:
+    return change(scenario).scene(scenario)
 
 
 @dataclass(frozen=True)
@@ -42,6 +50,10 @@ class Encoding:
     description: Description = PLAIN
     effects: frozenset[str] = COMMON_EFFECTS
     needs_free: bool = False
+
+    def scene(self, scenario: Scenario) -> Scenario:
+        """The changed scene."""
+        return _scene(self.change, scenario)
 
     def why_not(self, engine: Engine, scenario: Scenario) -> str:
         """Why an engine cannot be given a scene in this way; empty if it can."""
@@ -150,6 +162,12 @@ ENCODINGS: dict[str, Encoding] = {
             "hinges",
             "three hinges, not a ball joint; of a free body on three slides",
             description=Description(joint="hinges"),
+            effects=_FREE_FALL | {"pivot"},
+        ),
+        Encoding(
+            "urdf",
+            "the model as URDF, not in the engine's own language",
+            description=Description(urdf=True),
             effects=_FREE_FALL | {"pivot"},
         ),
     )

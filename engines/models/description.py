@@ -43,6 +43,7 @@ class Description:
     joint : that the body moves by; `aligned` is a free joint along the inertial frame, which the
         model has off the body's frame and turned
     compensated : whether gravity acts, and is taken away again
+    urdf : whether the model is URDF, of an engine that has a language of its own
     """
 
     parts: Parts = "one"
@@ -50,6 +51,7 @@ class Description:
     shape: bool = False
     joint: Joint = "own"
     compensated: bool = False
+    urdf: bool = False
 
     @property
     def features(self) -> frozenset[str]:
@@ -60,6 +62,7 @@ class Description:
             "shape": self.shape,
             "joint": self.joint != "own",
             "compensated": self.compensated,
+            "urdf": self.urdf,
         }
         return frozenset(name for name, is_asked in wanted.items() if is_asked)
 

@@ -12,8 +12,8 @@ import numpy as np
 from mpmath import mp
 
 from ...scenarios import Body, Scenario
-from ...scenarios.effects.rotors import Rotor
 from ...scenarios.exact import DIGITS, cross, rotate
+from ...scenarios.gyrostat import Rotor
 from .description import (
     COMPENSATED,
     PLAIN,
@@ -212,8 +212,8 @@ def _add_joints(element: ET.Element, scenario: Scenario, kind: Joint) -> None:
     joint = ET.SubElement(element, "joint", name=JOINT, type="ball")
     if point.any():
         joint.set("pos", decimals(point))
-    if scenario.drag:
-        joint.set("damping", decimals([scenario.drag]))
+    if scenario.pushed["drag"]:
+        joint.set("damping", decimals([scenario.pushed["drag"]]))
 
 
 def _actuators(scenario: Scenario) -> Iterator[ET.Element]:
@@ -223,13 +223,13 @@ def _actuators(scenario: Scenario) -> Iterator[ET.Element]:
     """
     effects = scenario.called_for
     if "torque_body" in effects:
-        yield _actuator(scenario, "joint", scenario.torque_body, constant=1.0)
+        yield _actuator(scenario, "joint", scenario.pushed["torque_body"], constant=1.0)
     if "torque_world" in effects:
         # The parent's axes, which are the world's.
-        yield _actuator(scenario, "jointinparent", scenario.torque_world, constant=1.0)
+        yield _actuator(scenario, "jointinparent", scenario.pushed["torque_world"], constant=1.0)
     if "drag" in effects and scenario.constraint.is_free:
         for axis in BODY_AXES:
-            yield _actuator(scenario, "joint", axis, per_velocity=-scenario.drag)
+            yield _actuator(scenario, "joint", axis, per_velocity=-scenario.pushed["drag"])
 
 
 def _actuator(

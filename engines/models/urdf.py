@@ -9,8 +9,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from ...scenarios import Body, Scenario
-from ...scenarios.effects.rotors import Rotor
 from ...scenarios.exact import ZERO
+from ...scenarios.gyrostat import Rotor
 from .description import PLAIN, Description, parts_of
 from .principal_frame import principal_frame, roll_pitch_yaw_of
 from .shape import box_of

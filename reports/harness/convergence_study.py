@@ -5,8 +5,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
-import numpy as np
-
 from ...engines import Engine, Method, Run
 from ...reference import Solution
 from ...scenarios import Expect, Scenario
@@ -192,8 +190,7 @@ class ConvergenceStudy:
         self.__dict__.pop("_ladder_judgement", None)
 
     def _new_ladder(self) -> RichardsonLadder:
-        number = np.float32 if self.engine.single_precision else np.float64
-        ulp, slack = float(np.finfo(number).eps), self.engine.slack
+        slack, ulp = self.engine.slack, self.engine.ulp
         return RichardsonLadder(self.scenario, self.solution, *self._orders, slack, ulp)
 
     @cached_property

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...reference import Solution, solve
+from ...reference import Solution, solve_cheaply
 from ...scenarios import Scenario, ScenarioError
 from ..results.records import Key, Row
 from ..results.sweep_records import PointOutcome, PointResult, SweepPoint
@@ -33,7 +33,7 @@ def run_point(
     if isinstance(scenario, PointResult):
         return [scenario]
     if not pairs:
-        solve(scenario, scenario.times)
+        solve_cheaply(scenario, scenario.times)
     exact = _ExactMotions(scenario)
     return [_result(scenario, point, exact, pair) for pair in pairs]
 
@@ -81,7 +81,7 @@ class _ExactMotions:
     def _solve(self, rung: Rung) -> Solution | str:
         try:
             times = np.asarray(rung.sample_steps * rung.timestep, dtype=float)
-            return solve(self._scenario, times)
+            return solve_cheaply(self._scenario, times)
         except Exception as error:
             if is_environmental(cause_of(error)):
                 raise

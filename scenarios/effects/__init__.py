@@ -12,7 +12,7 @@ from .pivot import EFFECT as PIVOT
 from .pivot import PivotTable
 from .push import push
 from .rotors import EFFECT as ROTORS
-from .rotors import Rotors, RotorTable, whole, without_free_axes
+from .rotors import RotorTable, rotors_of
 from .table import EFFECT as TABLE
 from .table import TableTable
 from .torque import TORQUE_BODY, TORQUE_WORLD, TorqueTable
@@ -24,10 +24,8 @@ __all__ = [
     "EffectTable",
     "Effects",
     "RotorTable",
-    "Rotors",
     "push",
-    "whole",
-    "without_free_axes",
+    "rotors_of",
 ]
 
 #: All of them by name, in the order in which they are listed everywhere.
@@ -36,7 +34,7 @@ EFFECTS: dict[str, Effect] = {
     for effect in (GRAVITY, PIVOT, TABLE, DRAG, TORQUE_BODY, TORQUE_WORLD, ROTORS)
 }
 #: Names of those that `push` includes.
-PUSHED = frozenset(name for name, effect in EFFECTS.items() if effect.is_pushed)
+PUSHED = frozenset(name for name, effect in EFFECTS.items() if effect.pushed)
 
 
 class Effects(Table):

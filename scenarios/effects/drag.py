@@ -1,17 +1,14 @@
 """Drag: a torque −c ω, which takes the spin away."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from mpmath import mpf
 from pydantic import Field
 
 from ..values import Positive
-from .effect import Effect, EffectTable, Extent, Rate, Size
-
-if TYPE_CHECKING:
-    from ..scenario import Scenario
+from .effect import Effect, EffectTable, Extent, Rate, Scene, Size
 
 _WHERE = ("effects", "drag", "rotational")
 
@@ -24,24 +21,25 @@ class DragTable(EffectTable):
     rotational: Positive = Field(description="N m s: torque −c ω")
 
 
-def _decay(scenario: "Scenario") -> float:
+def _decay(scenario: Scene) -> float:
     """The rate at which drag slows the body about the axis of its least moment, 1/s."""
-    return scenario.drag * float(np.linalg.norm(np.linalg.inv(scenario.inertia), 2))
+    coefficient = float(scenario.pushed["drag"])
+    return coefficient * float(np.linalg.norm(np.linalg.inv(scenario.inertia), 2))
 
 
 def _sizes(extent: Extent) -> Iterator[Size]:
-    yield _WHERE, "the drag", mpf(extent.scenario.drag), "N m s"
+    yield _WHERE, "the drag", mpf(extent.scenario.pushed["drag"]), "N m s"
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
-    yield _WHERE, "a decay by drag", mpf(extent.scenario.drag) / extent.moments[0]
+    yield _WHERE, "a decay by drag", mpf(extent.scenario.pushed["drag"]) / extent.moments[0]
 
 
 EFFECT = Effect(
     "drag",
     "drag",
     DragTable,
-    is_pushed=True,
+    pushed=lambda table: table.rotational if table else 0.0,
     sizes=_sizes,
     rates=_rates,
     rate=_decay,

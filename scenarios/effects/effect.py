@@ -1,20 +1,21 @@
-"""What the rest of the program has to know of an effect."""
+"""What the rest of the program has to know of an effect, and an effect of its scene."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, Protocol, TypeVar
 
 from mpmath import mp, mpf
 
+from ..body import Body
 from ..constraint import Constraint
 from ..float_array import FloatArray
+from ..gyrostat import Rotors
+from ..start import Start, StartTable
+from ..trajectory import Trajectory
 from ..values import Table
 
-if TYPE_CHECKING:
-    from ..body import Body
-    from ..scenario import Scenario
-    from . import Effects
+T = TypeVar("T", bound="EffectTable")
 
 #: Where a quantity is written in a file, what it is, its size and its unit.
 Size = tuple[tuple[str | int, ...], str, mpf, str]
@@ -33,6 +34,51 @@ class EffectTable(Table):
     EXAMPLE: ClassVar[str] = ""
 
 
+class Scene(Protocol):
+    """What effects and signals see of a `Scenario`, which is made of their tables."""
+
+    @property
+    def body(self) -> Body:
+        """The body, with its rotors as if they did not turn in it."""
+
+    @property
+    def start(self) -> Start:
+        """The state at t = 0."""
+
+    @property
+    def rotors(self) -> Rotors:
+        """The parts of the body that turn in it."""
+
+    @property
+    def constraint(self) -> Constraint:
+        """What holds the body."""
+
+    @property
+    def inertia(self) -> FloatArray:
+        """About the pivot, or the com where there is none, kg m², (3, 3)."""
+
+    @property
+    def gravity_world(self) -> FloatArray:
+        """Gravitational acceleration, m/s², (3,)."""
+
+    @property
+    def pushed(self) -> dict[str, Any]:
+        """The numbers that `push` takes."""
+
+    @property
+    def acting(self) -> "tuple[Effect, ...]":
+        """The effects to simulate."""
+
+    def table_of(self, model: type[T]) -> T | None:
+        """The table of an effect, None where the scene has none."""
+
+    def __hash__(self) -> int: ...
+
+
+#: Something of a scene's body along a motion, SI, one row a sample.
+Along = Callable[[Scene, Trajectory], FloatArray]
+
+
 @dataclass(frozen=True, eq=False)
 class Extent:
     """A scene over a time, as checks of size and of rate see it: mpmath numbers, SI.
@@ -44,7 +90,7 @@ class Extent:
     decay : 1/s, at which effects slow the body
     """
 
-    scenario: "Scenario"
+    scenario: Scene
     span: mpf
     moments: tuple[mpf, mpf, mpf]
     decay: mpf
@@ -74,11 +120,11 @@ def _nothing(extent: Extent) -> Iterator[Any]:  # noqa: ARG001
     yield from ()
 
 
-def _goes_with_all(scenario: "Scenario") -> None:
+def _goes_with_all(scenario: Scene, stated: StartTable) -> None:
     pass
 
 
-def _no_rate(scenario: "Scenario") -> float:  # noqa: ARG001
+def _no_rate(scenario: Scene) -> float:  # noqa: ARG001
     return 0.0
 
 
@@ -92,13 +138,14 @@ class Effect:
     table, model : its table in `[effects]`, by name and format
     is_part : whether it adds parts to the body, in an array of tables beside `[effects]`
     key : what that table must hold; empty if it need not hold anything
-    constraint : how it holds the body, if it does: without it the scene would be another one
-    is_pushed : whether it is a torque that `push` includes
-    check : raises `Misfit` for a scene whose start it does not go with
+    constraint : how its table holds the body, if it does: without it the scene would be another one
+    pushed : of a torque that `push` includes, its number in SI; of the table, None where it is not
+    check : raises `Misfit` for a scene whose start, with its table, it does not go with
     sizes, rates : its numbers that must be computable, each with where it is written
     rate : 1/s, the fastest at which it changes a state; `rate_formula` is that in words
     decay : 1/s, the fastest at which it slows the body
-    potential : J, (n,), at positions of the com, m, world axes, (n, 3); None if it has none
+    potential : energy, J, (n,); None if it has none
+    momentum_body, kinetic : of parts, what they add to L, kg m²/s, (n, 3), and to T, J, (n,)
     """
 
     name: str
@@ -106,26 +153,32 @@ class Effect:
     model: type[EffectTable]
     key: str = ""
     is_part: bool = False
-    constraint: Callable[["Effects", "Body"], Constraint] | None = None
-    is_pushed: bool = False
-    check: Callable[["Scenario"], None] = _goes_with_all
+    constraint: Callable[[Any, Body], Constraint] | None = None
+    pushed: Callable[[Any], float | FloatArray] | None = None
+    check: Callable[[Scene, StartTable], None] = _goes_with_all
     sizes: Callable[[Extent], Iterator[Size]] = _nothing
     rates: Callable[[Extent], Iterator[Rate]] = _nothing
-    rate: Callable[["Scenario"], float] = _no_rate
+    rate: Callable[[Scene], float] = _no_rate
     rate_formula: str = ""
-    decay: Callable[["Scenario"], float] = _no_rate
-    potential: Callable[["Scenario", FloatArray], FloatArray] | None = None
+    decay: Callable[[Scene], float] = _no_rate
+    potential: Along | None = None
+    momentum_body: Along | None = None
+    kinetic: Along | None = None
 
     @property
     def heading(self) -> str:
         """What its table begins with in a scene."""
         return f"[[{self.table}]]" if self.is_part else f"[effects.{self.table}]"
 
+    def table_in(self, document: Any) -> Any:
+        """Its table, or of parts their tables, if a scene's document has one."""
+        return getattr(document if self.is_part else document.effects, self.table, None)
+
     def is_called_for(self, document: Any) -> bool:
         """Whether a scene's document calls for it."""
-        table = getattr(document if self.is_part else document.effects, self.table, None)
-        if not table and self.is_part:
-            return False
+        table = self.table_in(document)
+        if self.is_part:
+            return bool(table)
         return table is not None and (not self.key or getattr(table, self.key) is not None)
 
 

@@ -1,7 +1,7 @@
 """Gravity: a force m g on the centre of mass, of potential −m g·r."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from mpmath import mp
@@ -9,11 +9,9 @@ from pydantic import Field
 
 from ..float_array import FloatArray
 from ..rotation import cross
+from ..trajectory import Trajectory
 from ..values import Vector
-from .effect import Effect, EffectTable, Extent, Rate, Size, length
-
-if TYPE_CHECKING:
-    from ..scenario import Scenario
+from .effect import Effect, EffectTable, Extent, Rate, Scene, Size, length
 
 
 class GravityTable(EffectTable):
@@ -24,19 +22,19 @@ class GravityTable(EffectTable):
     acceleration: Vector = Field(description="m/s², world axes")
 
 
-def potential(scenario: "Scenario", com_world: FloatArray) -> FloatArray:
-    """V = −m g·r, J, zero at the world's origin, (n,), of the com's positions, m, (n, 3)."""
-    return np.asarray(-scenario.body.mass * (com_world @ scenario.gravity_world))
+def potential(scenario: Scene, motion: Trajectory) -> FloatArray:
+    """V = −m g·r, J, zero at the world's origin, (n,)."""
+    return np.asarray(-scenario.body.mass * (motion.com_world @ scenario.gravity_world))
 
 
-def torque_body(scenario: "Scenario", R_world_body: FloatArray) -> FloatArray:
+def torque_body(scenario: Scene, R_world_body: FloatArray) -> FloatArray:
     """r × m g about the pivot, N m, body axes, (3,); zeros without a pivot."""
     if not scenario.constraint.is_pivot:
         return np.zeros(3)
     return cross(scenario.body.com, scenario.body.mass * (scenario.gravity_world @ R_world_body))
 
 
-def swing_rate(scenario: "Scenario") -> float:
+def swing_rate(scenario: Scene) -> float:
     """√(m g l / I) for the axis across the lever about which I is least, rad/s; 0 if free.
 
     Gravity's torque is across the lever, so that the moment about the lever does not count: a

@@ -11,30 +11,32 @@ about the centre of mass, along body axes, and T all other torque with −ω × 
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from mpmath import mp, mpf
 from pydantic import Field
 
+from ..body import Body
 from ..constraint import Constraint
 from ..errors import Misfit
 from ..exact import DIGITS
 from ..float_array import FloatArray
 from ..rotation import cross, matrix
+from ..start import StartTable
+from ..trajectory import Trajectory
 from ..values import NotNegative, Number, Vector
-from .effect import Effect, EffectTable, Extent, Size, length
+from .effect import Effect, EffectTable, Extent, Scene, Size, length
+from .pivot import EFFECT as PIVOT
 from .push import push
-
-if TYPE_CHECKING:
-    from ..body import Body
-    from ..scenario import Scenario
-    from . import Effects
 
 WHERE = ("effects", "table")
 #: By how much a stated place or velocity may be off the table, in levers and levers times ω: it is
 #: typed in decimals, and the one on the table is used instead.
 TYPED = 1e-6
+#: What a tip does that is too low or too high, or moves down or up.
+WAYS_OFF = ("pierces the table", "hangs above the table")
+WAYS_MOVED = ("drives the tip into the table", "lifts the tip off")
 
 
 class TableTable(EffectTable):
@@ -51,23 +53,21 @@ class TableTable(EffectTable):
     radius: NotNegative = Field(description="m, of the sphere about it that slides; 0 is a point")
 
 
-def constraint(effects: "Effects", body: "Body") -> Constraint:
+def constraint(table: TableTable, body: Body) -> Constraint:
     """The tip's centre, held at its height."""
-    table = effects.table
-    assert table is not None
     with mp.workdps(DIGITS):
         x, y, z = (com - mpf(tip) for com, tip in zip(body.com_exact, table.tip, strict=True))
         height = mpf(table.height) + mpf(table.radius)
     return Constraint((False, False, True), (x, y, z), (mpf(0), mpf(0), height))
 
 
-def arm_body(scenario: "Scenario", up_body: FloatArray) -> FloatArray:
+def arm_body(scenario: Scene, up_body: FloatArray) -> FloatArray:
     """b, the torque about the com of a unit of N, m, body axes, (n, 3) or (3,) as `up_body`."""
     return cross(up_body, scenario.constraint.lever)
 
 
 def normal_force(
-    scenario: "Scenario", up_body: FloatArray, omega_body: FloatArray, torque_body: FloatArray
+    scenario: Scene, up_body: FloatArray, omega_body: FloatArray, torque_body: FloatArray
 ) -> FloatArray:
     """N, in newtons, (n,) or a number; negative where the table would have to pull.
 
@@ -82,7 +82,7 @@ def normal_force(
 
 
 def added_force(
-    scenario: "Scenario", up_body: FloatArray, torque_body: FloatArray, lift: FloatArray | float
+    scenario: Scene, up_body: FloatArray, torque_body: FloatArray, lift: FloatArray | float
 ) -> FloatArray:
     """N that answers a torque, N m, and an acceleration downwards, m/s²: in newtons."""
     b, inverse = arm_body(scenario, up_body), np.linalg.inv(scenario.inertia)
@@ -91,7 +91,7 @@ def added_force(
 
 
 def force(
-    scenario: "Scenario", R_world_body: FloatArray, omega_body: FloatArray, spins: FloatArray
+    scenario: Scene, R_world_body: FloatArray, omega_body: FloatArray, spins: FloatArray
 ) -> FloatArray:
     """N at states, in newtons, (n,) or a number.
 
@@ -102,13 +102,18 @@ def force(
     omega_world = (R_world_body * omega_body[..., None, :]).sum(-1)
     pushed = push(scenario.pushed, R_world_body, omega_world)
     torque_body = (R_world_body * pushed[..., :, None]).sum(-2)
-    rotors = scenario.rotors
-    kept_body = rotors.kept(omega_body, spins) @ rotors.axes_body
+    kept_body = scenario.rotors.kept_body(omega_body, spins)
     torque_body = torque_body - cross(omega_body, omega_body @ scenario.inertia + kept_body)
     return normal_force(scenario, R_world_body[..., 2, :], omega_body, torque_body)
 
 
-def check(scenario: "Scenario") -> None:
+def along(scenario: Scene, motion: Trajectory) -> FloatArray:
+    """N along a motion, in newtons, (n,)."""
+    R_world_body = motion.R_world_body.as_matrix()
+    return force(scenario, R_world_body, motion.omega_body, motion.spins)
+
+
+def check(scenario: Scene, stated: StartTable) -> None:
     """See that a scene starts on its table and is pressed on it.
 
     Raises
@@ -116,9 +121,9 @@ def check(scenario: "Scenario") -> None:
     Misfit
         If it is not.
     """
-    if scenario.effects.pivot is not None:
+    if PIVOT in scenario.acting:
         raise Misfit("does not go with a pivot: both hold the body; remove one", *WHERE)
-    start, table = scenario.start, scenario.effects.table
+    start, table = scenario.start, scenario.table_of(TableTable)
     assert table is not None
     com_height = start.position_world[2] - table.height
     if com_height <= 0:
@@ -127,13 +132,7 @@ def check(scenario: "Scenario") -> None:
             "under it; turn the body, or state another point",
             *(*WHERE, "tip"),
         )
-    lever = float(np.linalg.norm(scenario.constraint.lever))
-    slack = TYPED * (lever + abs(start.position_world[2]))
-    _check_stated(scenario, "position", "m", slack, ("pierces the table", "hangs above the table"))
-    slack = TYPED * lever * float(np.linalg.norm(start.omega_body))
-    _check_stated(
-        scenario, "velocity", "m/s", slack, ("drives the tip into the table", "lifts the tip off")
-    )
+    _check_stated(scenario, stated)
     R_world_body = matrix(start.q_world_body_wxyz)
     pressed = float(force(scenario, R_world_body, start.omega_body, scenario.rotors.start_spins))
     if not pressed > 0:
@@ -144,24 +143,26 @@ def check(scenario: "Scenario") -> None:
         )
 
 
-def _check_stated(
-    scenario: "Scenario", key: str, unit: str, slack: float, ways: tuple[str, str]
-) -> None:
-    """Raise `Misfit` if the third component that a file states is not the one on the table."""
-    stated = getattr(scenario.document.start, key)
-    if stated is None:
-        return
-    wanted = float(getattr(scenario.start, f"{key}_world")[2])
-    if abs(off := stated[2] - wanted) > slack:
-        raise Misfit(
-            f"{ways[off > 0]}, by {abs(off):.3g} {unit}: its third component must be "
-            f"{wanted!r} {unit}, got {stated[2]!r}",
-            *("start", key),
-        )
+def _check_stated(scenario: Scene, stated: StartTable) -> None:
+    """Raise `Misfit` if a third component that a file states is not the one on the table."""
+    start, lever = scenario.start, float(np.linalg.norm(scenario.constraint.lever))
+    length_scale = lever + abs(start.position_world[2])
+    speed_scale = lever * float(np.linalg.norm(start.omega_body))
+    for key, typed, here, scale, unit, ways in (
+        ("position", stated.position, start.position_world, length_scale, "m", WAYS_OFF),
+        ("velocity", stated.velocity, start.velocity_world, speed_scale, "m/s", WAYS_MOVED),
+    ):
+        wanted = float(here[2])
+        if typed is not None and abs(off := typed[2] - wanted) > TYPED * scale:
+            raise Misfit(
+                f"{ways[off > 0]}, by {abs(off):.3g} {unit}: its third component must be "
+                f"{wanted!r} {unit}, got {typed[2]!r}",
+                *("start", key),
+            )
 
 
 def _sizes(extent: Extent) -> Iterator[Size]:
-    table = extent.scenario.effects.table
+    table = extent.scenario.table_of(TableTable)
     assert table is not None
     yield (*WHERE, "height"), "the table's height", abs(mpf(table.height)), "m"
     yield (*WHERE, "radius"), "the tip's radius", mpf(table.radius), "m"

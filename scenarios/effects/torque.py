@@ -6,6 +6,8 @@ from typing import ClassVar, Self
 from mpmath import mpf
 from pydantic import Field, model_validator
 
+from ..exact import ZERO
+from ..float_array import read_only
 from ..values import Vector
 from .effect import Effect, EffectTable, Extent, Rate, Size, length
 
@@ -43,13 +45,21 @@ def _rates(extent: Extent) -> Iterator[Rate]:
 
 
 def _torque(extent: Extent) -> mpf:
-    scenario = extent.scenario
-    return max(length(torque) for torque in (scenario.torque_body, scenario.torque_world))
+    pushed = extent.scenario.pushed
+    return max(length(pushed[f"torque_{axes}"]) for axes in ("body", "world"))
 
 
-TORQUE_BODY, TORQUE_WORLD = (
-    Effect(
-        f"torque_{axes}", "torque", TorqueTable, axes, is_pushed=True, sizes=_sizes, rates=_rates
+def _constant(axes: str) -> Effect:
+    """The effect of a torque that is constant in some axes."""
+    return Effect(
+        f"torque_{axes}",
+        "torque",
+        TorqueTable,
+        key=axes,
+        pushed=lambda table: read_only((table and getattr(table, axes)) or ZERO),
+        sizes=_sizes,
+        rates=_rates,
     )
-    for axes in ("body", "world")
-)
+
+
+TORQUE_BODY, TORQUE_WORLD = map(_constant, ("body", "world"))

@@ -3,11 +3,10 @@
 from .errors import ModelFileError
 from .mjcf import unnamed
 from .model_file import IDENTITY, Format, Link, ModelFile, Pose, Shape, Stated, fused, welded
-from .origin import check_origin
+from .origin import check_origin, digest
 from .problems import FileProblem, principal_moments, problems
 from .read import read_model
 from .rigid_bodies import WORLD, RigidBody, rigid_bodies
-from .scenes import LinkScene, link_scenes
 
 __all__ = [
     "IDENTITY",
@@ -15,7 +14,6 @@ __all__ = [
     "FileProblem",
     "Format",
     "Link",
-    "LinkScene",
     "ModelFile",
     "ModelFileError",
     "Pose",
@@ -23,8 +21,8 @@ __all__ = [
     "Shape",
     "Stated",
     "check_origin",
+    "digest",
     "fused",
-    "link_scenes",
     "principal_moments",
     "problems",
     "read_model",

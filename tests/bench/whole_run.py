@@ -50,7 +50,7 @@ SCENES = [
     "gyroscope-on-a-stand",
 ]
 #: The engines that are always there, whatever else is installed.
-ENGINES = ("mujoco", "mujoco-urdf", "pybullet")
+ENGINES = ("mujoco", "pybullet")
 #: CPU seconds of these scenes over their bare stepping.
 GOAL = 1.6
 #: What a phase is spent in: module or class, and the name of the function there. The inner phase

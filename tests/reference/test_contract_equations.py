@@ -49,14 +49,16 @@ def close_samples(name: str) -> tuple[Scenario, Trajectory, float, float]:
 def fastest(scenario: Scenario, exact: Trajectory) -> float:
     """1/s: of turning, swinging, being driven, nutating, drag; at least one window."""
     least = float(min(rotational_problem(scenario).moments))
-    torque = np.linalg.norm(scenario.torque_body) + np.linalg.norm(scenario.torque_world)
+    torque = np.linalg.norm(scenario.pushed["torque_body"]) + np.linalg.norm(
+        scenario.pushed["torque_world"]
+    )
     driven = float(np.sqrt(torque / least))
     nutating = (
         float(np.linalg.norm(scenario.rotors.momentum_body(exact.spins), axis=1).max()) / least
     )
     once = 1 / scenario.window.duration
     turning = fastest_rate(scenario, exact.omega_body)
-    return max(turning, driven, nutating, scenario.drag / least, once)
+    return max(turning, driven, nutating, scenario.pushed["drag"] / least, once)
 
 
 def slope(samples: np.ndarray, h: float) -> np.ndarray:
@@ -113,9 +115,9 @@ class TestEquationsOfMotion:
         kept = scenario.rotors.kept_body(close.omega_body, close.spins)
         L = close.omega_body @ inertia + kept
         torque = (
-            scenario.torque_body
-            + to_body.apply(np.array(scenario.torque_world))
-            - scenario.drag * omega
+            scenario.pushed["torque_body"]
+            + to_body.apply(np.array(scenario.pushed["torque_world"]))
+            - scenario.pushed["drag"] * omega
         )
         if scenario.constraint.is_pivot:
             weight = body.mass * to_body.apply(np.array(scenario.gravity_world))

@@ -29,6 +29,7 @@ NUTATION = {
 FREE_TOP = {"body cone rate", "body cone period", "body cone angle", "precession rate", "tilt"}
 STEADY = "euler_zyz_deg = [0, 60, 0]\neuler_zyz_rates = [2.0, 0.0, 6.0]"
 SPUN = "euler_zyz_deg = [0, 0, 0]\nomega_body = [3.0, 0.0, 4.0]"
+TABLE = "[effects.table]\nheight = 0.0\ntip = [0.0, 0.0, 0.0]\nradius = 0.01"
 DRAG = "[effects.drag]\nrotational = 0.5"
 
 SCENES = {
@@ -36,6 +37,10 @@ SCENES = {
     "heavy top with drag": (
         scene(TOP, STEADY, f"{HEAVY}\n{DRAG}"),
         ALWAYS | TOP_AT_START | {"spin-down time"},
+    ),
+    "top on a table": (
+        scene(TOP, STEADY, f"{GRAVITY}\n{TABLE}"),
+        ALWAYS | TOP_AT_START | NUTATION | {"table's force"},
     ),
     "free top": (scene(TOP, SPUN, ""), ALWAYS | FREE_TOP),
     "thrown top": (scene(TOP, SPUN, GRAVITY), ALWAYS | FREE_TOP),

@@ -80,12 +80,12 @@ class CoupledBodies:
         scene = self.scenario
         pull, pushed = (
             [sum(mpf(v[row]) * rows[row][i][n] for row in range(3)) for i in range(3)]
-            for v in (scene.gravity_world, scene.torque_world)
+            for v in (scene.gravity_world, scene.pushed["torque_world"])
         )
-        constant = scene.torque_body if n == 0 else np.zeros(3)
+        constant = scene.pushed["torque_body"] if n == 0 else np.zeros(3)
         return [
             self.lever[j] * pull[k] - self.lever[k] * pull[j]
-            + pushed[i] + mpf(constant[i]) - mpf(scene.drag) * omega[i][n]
+            + pushed[i] + mpf(constant[i]) - mpf(scene.pushed["drag"]) * omega[i][n]
             for i, (j, k) in enumerate(CYCLIC)
         ]  # fmt: skip
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from spincheck.reference import solve
+from library_scenes import library_scene
+from spincheck.reference import solve, solve_cheaply
 from spincheck.reference.cross_check import cross_check
 from spincheck.reference.motion import motion
 from spincheck.reference.rotational_problem import rotational_problem
@@ -98,11 +99,22 @@ def scenes() -> st.SearchStrategy[Scenario]:
 @settings(max_examples=40, deadline=None)
 @given(scenes())
 def test_the_stated_uncertainty_covers_the_true_error(scenario):
-    solution = solve(scenario, TIMES)
-    times = solution.trajectory.t
-    errors = errors_between(scenario, solution.trajectory, true_motion(scenario, times))
-    for name, error in errors:
-        assert error <= HONESTY * getattr(solution.uncertainty, name), name
+    true = true_motion(scenario, TIMES)
+    for solver in (solve, solve_cheaply):
+        solution = solver(scenario, TIMES)
+        known = true.until(len(solution.trajectory.t))
+        for name, error in errors_between(scenario, solution.trajectory, known):
+            assert error <= HONESTY * getattr(solution.uncertainty, name), (solver, name)
+
+
+def test_where_the_series_ends_early_the_cheap_motion_is_the_closed_form():
+    on_the_saddle = library_scene("separatrix-exactly")
+    solution = solve_cheaply(on_the_saddle, on_the_saddle.times)
+    assert (solution.method, solution.horizon) == (solve(on_the_saddle, TIMES).method, None)
+
+
+def test_elsewhere_it_is_the_series():
+    assert "Taylor" in solve_cheaply(scene(body=TOP, effects=HEAVY), TIMES).method
 
 
 @settings(max_examples=20, deadline=None)

@@ -13,9 +13,19 @@ from case_loops import each_case
 from mpmath import mp, mpf
 from spincheck.reference import solve
 from spincheck.reference.cross_check import cross_check, times_within_reach
+from spincheck.reference.heavy_symmetric_top import (
+    HeavySymmetricTop,
+    heavy_symmetric_top,
+    mean_precession_rate,
+    nutation_bounds,
+    nutation_period,
+    small_nutation_frequency,
+    steady_precession_rates,
+)
 from spincheck.reference.invariants import drifts
+from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.scenarios import LIBRARY, Scenario, errors_between, load
-from spincheck.scenarios.effects.table import force
+from spincheck.scenarios.effects.table import along, force
 from spincheck.scenarios.rotation import matrices
 from spincheck.scenarios.vary import varied
 
@@ -28,6 +38,8 @@ AGREES = mpf("1e-15")
 EPS = float(np.finfo(float).eps)
 #: Relative, of the tip's place: a fault that must show.
 PLANTED = 1e-12
+#: rad, of an angle near a turning point that is read off its cosine.
+BY_COSINE = float(np.sqrt(EPS))
 SCENES = [load(path) for path in sorted(LIBRARY.glob("table/*.toml"))]
 SCENES.append(load(LIBRARY / "hard/dental-top-on-glass.toml"))
 each_scene = each_case("scene", SCENES)
@@ -44,7 +56,7 @@ def rates(scene: Scenario):
     """dy/dt of y = (L about the com, the columns of R), world axes."""
     inverse = mp.matrix(scene.body.inertia_com_exact) ** -1
     mass, tip = scene.body.mass_exact, -mp.matrix(scene.constraint.lever_exact)
-    down, drag = mpf(float(scene.gravity_world[2])), mpf(scene.drag)
+    down, drag = mpf(float(scene.gravity_world[2])), mpf(scene.pushed["drag"])
 
     def rate(y):
         L, R = y[0:3, 0], mp.matrix([[y[3 + 3 * k + i] for k in range(3)] for i in range(3)])
@@ -143,11 +155,10 @@ def test_the_table_pushes_all_along_and_what_is_kept_is_kept(scene: Scenario) ->
     solution = solve(scene, scene.times)
     motion = solution.trajectory
     assert solution.horizon is None
-    pressed = force(scene, matrices(motion.q_world_body_wxyz), motion.omega_body, motion.spins)
-    assert (pressed > 0).all()
+    assert (along(scene, motion) > 0).all()
     kept = drifts(scene, motion)
     assert {"table", "momentum_less_impulse", "com_parabola"} <= kept.keys()
-    assert ("energy" in kept) == (scene.drag == 0)
+    assert ("energy" in kept) == (scene.pushed["drag"] == 0)
     assert max(kept.values()) < 8 * EPS
 
 
@@ -186,3 +197,35 @@ def test_the_motion_ends_where_the_table_would_have_to_pull(spin, leaves) -> Non
     assert min(pressed[1] / weight, height[1] / height[0]) < 1e-6
     assert (pressed > 0).all()
     assert (height > 0).all()
+
+
+def test_a_symmetric_tops_quadrature_is_that_of_the_integrated_motion() -> None:
+    """It starts at a turning point: it is back after a period, and at the other one after half."""
+    scene = next(scene for scene in SCENES if scene.name == "gliding-top")
+    top = heavy_symmetric_top(rotational_problem(scene))
+    assert top is not None
+
+    def axes(top: HeavySymmetricTop) -> np.ndarray:
+        times = nutation_period(top) * np.array([0.0, 0.5, 1.0])
+        return solve(scene, times).trajectory.R_world_body.as_matrix()[:, :, 2]
+
+    axis = axes(top)
+    low, high = nutation_bounds(top)
+    assert np.arccos(axis[:, 2]) == pytest.approx([low, high, low], abs=BY_COSINE)
+    azimuth = np.arctan2(axis[2, 1], axis[2, 0]) - np.arctan2(axis[0, 1], axis[0, 0])
+    turned = mean_precession_rate(top) * nutation_period(top)
+    assert np.exp(1j * (turned - azimuth)) == pytest.approx(1.0, abs=BY_COSINE)
+    on_a_pivot = replace(top, heave=mpf(0))
+    assert abs(np.arccos(axes(on_a_pivot)[2, 2]) - low) > 1000 * BY_COSINE
+
+
+def test_a_tops_small_nutation_is_that_of_its_period() -> None:
+    """Beside steady precession: a period of 2π over the frequency at the bottom of V_eff."""
+    scene = next(scene for scene in SCENES if scene.name == "gliding-top")
+    top = heavy_symmetric_top(rotational_problem(scene))
+    rate = steady_precession_rates(top, top.cos_beta)[0]
+    p_alpha = top.I1 * rate * (1 - top.cos_beta**2) + top.p_gamma * top.cos_beta
+    energy = top.energy + top.I1 * rate**2 * (1 - top.cos_beta**2) / 2
+    steady = replace(top, p_alpha=p_alpha, energy=energy)
+    period = 2 * np.pi / small_nutation_frequency(steady)
+    assert nutation_period(steady) == pytest.approx(period, rel=BY_COSINE)

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 from case_loops import each_case
 from spincheck.scenarios import EFFECTS, LIBRARY, Scenario, find, load
-from spincheck.scenarios.document import BodyTable, StartTable
+from spincheck.scenarios.document import BodyTable
+from spincheck.scenarios.start import StartTable
 
 SCENES = [load(path) for path in find([])]
 KINDS = ("free", "thrown", "heavy", "driven", "rotors", "table")

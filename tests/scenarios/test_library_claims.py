@@ -230,8 +230,8 @@ def test_moments_across_and_along_stand_in_the_ratio_stated(
 
 def test_the_motor_makes_up_for_the_drag() -> None:
     scenario = scene("motor-driven-top")
-    braking = scenario.drag * scenario.start.omega_body[2]
-    assert equal(scenario.torque_body[2], braking)
+    braking = scenario.pushed["drag"] * scenario.start.omega_body[2]
+    assert equal(scenario.pushed["torque_body"][2], braking)
 
 
 def test_the_cube_is_a_symmetric_top_about_its_diagonal() -> None:

@@ -242,7 +242,7 @@ def test_the_wobble_brings_the_axis_back_to_the_pole() -> None:
 
 def test_drag_lasts_for_many_e_foldings() -> None:
     scenario = scene("drag-until-rest")
-    slowest = scenario.drag / scenario.body.principal_moments[2]
+    slowest = scenario.pushed["drag"] / scenario.body.principal_moments[2]
     assert np.exp(-slowest * scenario.window.duration) < 1e-13
 
 
@@ -250,7 +250,7 @@ def test_stiff_drag_has_rates_ten_thousand_times_apart() -> None:
     scenario = scene("stiff-drag")
     least, middle, _ = scenario.body.principal_moments
     assert middle / least >= 1e4
-    assert scenario.drag / least * scenario.window.duration >= 1e4
+    assert scenario.pushed["drag"] / least * scenario.window.duration >= 1e4
 
 
 @each_case("name", ["torque-to-high-spin", "torque-about-the-middle-axis", "pushed-from-rest"])
@@ -260,8 +260,8 @@ def test_driven_from_exactly_zero(name: str) -> None:
 
 def test_the_wheel_keeps_its_speed_and_its_axle_is_no_principal_axis() -> None:
     scenario = scene("reaction-wheel")
-    braking = scenario.drag * scenario.start.omega_body[2]
-    assert near(scenario.torque_body[2], braking, 8 * EPS)
+    braking = scenario.pushed["drag"] * scenario.start.omega_body[2]
+    assert near(scenario.pushed["torque_body"][2], braking, 8 * EPS)
     inertia = scenario.body.inertia_com
     tilt = inertia[0, 2] / (inertia[2, 2] - inertia[0, 0])
     assert near(tilt, 4e-5, 0.2)  # told with one digit

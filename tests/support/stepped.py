@@ -123,10 +123,10 @@ class Stepped(QuietSession):
         """The table of constants of `_rate`."""
         scenario, free = self.scenario, not self.scenario.constraint.is_pivot
         g, lever = scenario.gravity_world, scenario.body.mass * scenario.body.com
-        drag = np.full(3, scenario.drag)
+        drag = np.full(3, scenario.pushed["drag"])
         zero = np.zeros(3)
         rows = [zero if free else lever, g, g if free else zero]
-        rows += [scenario.torque_body, scenario.torque_world, drag]
+        rows += [scenario.pushed["torque_body"], scenario.pushed["torque_world"], drag]
         return np.vstack([inertia, np.linalg.inv(inertia), *rows])
 
     def set(self, state: State) -> None:

@@ -2,6 +2,5 @@
 
 from .engine import MuJoCo
 from .file_engine import MuJoCoFile
-from .urdf_reader import MuJoCoURDF
 
-__all__ = ["MuJoCo", "MuJoCoFile", "MuJoCoURDF"]
+__all__ = ["MuJoCo", "MuJoCoFile"]

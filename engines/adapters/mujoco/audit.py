@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from ....scenarios import FloatArray, Scenario
-from ....scenarios.effects.rotors import Rotor
+from ....scenarios.gyrostat import Rotor
 from ...models.mjcf import armature
 from ...models.mjcf_contact import PASSES, sphere_and_plane
 
@@ -165,9 +165,9 @@ def _wrong_strengths(
     """The effects that act with another strength than the scene says, in words."""
     pairs = {
         "gravity": (effects.gravity_world, scenario.gravity_world),
-        "drag": (np.diag(drag), np.full(3, scenario.drag)),
-        "torque_body": (effects.torque_body, scenario.torque_body),
-        "torque_world": (effects.torque_world, scenario.torque_world),
+        "drag": (np.diag(drag), np.full(3, scenario.pushed["drag"])),
+        "torque_body": (effects.torque_body, scenario.pushed["torque_body"]),
+        "torque_world": (effects.torque_world, scenario.pushed["torque_world"]),
     }
     for name, (got, wanted) in pairs.items():
         # Effects not called for, or missing, are reported elsewhere.

@@ -1,4 +1,4 @@
-"""MuJoCo, from the scene as MJCF: every integrator it has is a method."""
+"""MuJoCo, from the scene as MJCF: every integrator it has is a method; one also from URDF."""
 
 from collections.abc import Collection
 from copy import copy
@@ -19,6 +19,7 @@ from .audit import disable
 from .clock import CLOCK
 from .script import script
 from .session import MuJoCoSession, check_not_too_small, compiled, left_out
+from .urdf_reader import spec_of_urdf
 
 #: The version that introduced an integrator (changelog).
 SINCE = {"discrete": "3.13.0"}
@@ -46,11 +47,13 @@ class Way:
     integrator : as MJCF names it; None for MuJoCo's default
     by_contact : whether a table is a contact instead of joints
     tied : timesteps that a contact's time constant is; 0 for MuJoCo's own
+    description : how the model writes the body
     """
 
     integrator: str | None
     by_contact: bool = False
     tied: float = 0.0
+    description: Description = PLAIN
 
 
 #: What alters the motion of a body on a contact: off, so that a step depends on the state alone.
@@ -63,6 +66,7 @@ WAYS = {
     "contact-Euler": Way("Euler", by_contact=True, tied=STIFFEST),
     "contact-RK4": Way("RK4", by_contact=True, tied=STIFFEST),
     "contact-default": Way(None, by_contact=True),
+    "urdf-RK4": Way("RK4", description=Description(urdf=True)),
 }
 #: What joints can be of: a table is two slides under a ball, a rotor's hinge is a hinge.
 EFFECTS = COMMON_EFFECTS | {"table", "rotors"}
@@ -97,7 +101,7 @@ class MuJoCo(Engine):
     steps_in = "mj_step"
     # Documentation, XML reference, option/timestep.
     stock_timestep = 0.002
-    describes = frozenset({"parts", "full tensor", "shape", "joint", "compensated"})
+    describes = frozenset({"parts", "full tensor", "shape", "joint", "compensated", "urdf"})
     # Orders: MuJoCo documentation, "Numerical integration" and changelog 4.0.0, item 5; measured
     # in docs/measured/engines-mujoco.md.
     methods = (
@@ -125,6 +129,15 @@ class MuJoCo(Engine):
             requires=ON_TABLE,
             as_shipped=True,
         ),
+        # Faults of the reader show with any integrator, best with the most accurate one.
+        Method(
+            "urdf-RK4",
+            4,
+            4,
+            "RK4, on the body as MuJoCo's URDF reader has it",
+            frozenset({"gravity", "pivot"}),
+            reader=True,
+        ),
     )
 
     @property
@@ -146,6 +159,8 @@ class MuJoCo(Engine):
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """The MJCF, and the few calls that step it."""
+        if method.reader:
+            return ""
         way, off = _way(method), () if method.as_shipped else _switched_off(scenario, method)
         moving = 3 if way.by_contact else 3 - sum(scenario.constraint.is_held)
         return script(_text(scenario, timestep, way), off, moving)
@@ -179,6 +194,7 @@ class MuJoCo(Engine):
 def release(version: str, methods: tuple[Method, ...]) -> Release:
     """A version of MuJoCo: until 4.0.0, RK4 averaged the stages' rotations."""
     number = numbers_of(version)
+    methods = tuple(method for method in methods if not method.reader)
     if number < (4,):
         methods = tuple(
             replace(method, order=2, attitude_order=2) if method.name == "RK4" else method
@@ -204,14 +220,16 @@ def _open(
     timestep: float,
     method: Method,
     left_in: Collection[str],
-    description: Description = PLAIN,
+    description: Description | None = None,
 ) -> MuJoCoSession:
     """Open a session; flags are set after compiling, as older versions refuse some in MJCF."""
     check_not_too_small(scenario)
     way = _way(method)
     if way.integrator is not None:
         _check_has(way.integrator)
-    model = copy(_model(scenario, way, description))
+    if description is not None:
+        way = replace(way, description=description)
+    model = copy(_model(scenario, way))
     disable(model, (name for name in _switched_off(scenario, method) if name not in left_in))
     start = model.key(0)
     session = MuJoCoSession(scenario, model, start.qpos, start.qvel, CLOCK in left_in, way.tied)
@@ -220,19 +238,22 @@ def _open(
 
 
 @lru_cache(maxsize=KEPT)
-def _model(scenario: Scenario, way: Way, description: Description) -> Any:
+def _model(scenario: Scenario, way: Way) -> Any:
     """The compiled scene, with every pass on."""
-    text = _text(scenario, ANY_TIMESTEP, way, description)
+    if way.description.urdf:
+        integrator, description = way.integrator or "Euler", way.description
+        return compiled(lambda: spec_of_urdf(scenario, integrator, description).compile())
+    text = _text(scenario, ANY_TIMESTEP, way)
     if not hasattr(getattr(mujoco, "MjsJoint", None), "align"):
         # Versions without the attribute behave as if it were set.
         text = text.replace(' align="false"', "")
     return compiled(lambda: mujoco.MjModel.from_xml_string(text))
 
 
-def _text(scenario: Scenario, timestep: float, way: Way, description: Description = PLAIN) -> str:
+def _text(scenario: Scenario, timestep: float, way: Way) -> str:
     """The scene as MJCF, with every pass on."""
     alone = off_its_table(scenario) if way.by_contact else scenario
-    text = mjcf(alone, timestep, way.integrator, switched_off(alone), description)
+    text = mjcf(alone, timestep, way.integrator, switched_off(alone), way.description)
     if not way.by_contact:
         return text
     return with_contact(text, scenario, (way.tied * timestep, 1.0) if way.tied else None)

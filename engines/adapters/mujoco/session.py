@@ -1,4 +1,4 @@
-"""A compiled MuJoCo model, stepped and read: shared by the MJCF and the URDF adapter."""
+"""A compiled MuJoCo model, stepped and read: from MJCF or URDF."""
 
 import warnings
 from collections.abc import Callable, Iterator, Sequence

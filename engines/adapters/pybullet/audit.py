@@ -156,7 +156,7 @@ class _Probe:
         if model.hinges:
             model.hinges.set(np.full(len(scenario.rotors.each), PROBE_SPIN))
         R_world_body = model.R_world_body()
-        push_world = R_world_body @ scenario.torque_body + scenario.torque_world
+        push_world = R_world_body @ scenario.pushed["torque_body"] + scenario.pushed["torque_world"]
         spin_world = R_world_body @ np.full(3, PROBE_SPIN)
         return cls(steps, model, scenario, model.read_body(), push_world, spin_world)
 
@@ -194,7 +194,8 @@ class _Probe:
         slow = _size(self.spin_world)
         if not _near(at_rest, self.push_world, self.noise):
             torque = f"a torque of {_size(at_rest)} N m at rest"
-        if not _near(spinning - at_rest, -self.scenario.drag * self.spin_world, self.noise):
+        dragged = -self.scenario.pushed["drag"] * self.spin_world
+        if not _near(spinning - at_rest, dragged, self.noise):
             resistance = f"a resistance of {_size(spinning - at_rest)} N m at {slow} rad/s"
         faint = SLACK * PROBE_SPIN * self.reading.mass
         if not (self.scenario.constraint.is_pivot or _near(momentum, np.zeros(3), faint)):
@@ -220,7 +221,8 @@ class _Probe:
         largest_moment = float(moments[-1]) + self.reading.mass * arm**2
         push = float(np.linalg.norm(self.push_world))
         # What a torque adds to ω in the step also turns the body, and with it L.
-        turned = (push + self.scenario.drag * PROBE_SPIN) * largest_moment / float(moments[0])
+        dragged = float(self.scenario.pushed["drag"]) * PROBE_SPIN
+        turned = (push + dragged) * largest_moment / float(moments[0])
         return SLACK * (PROBE_SPIN * (largest_moment + turned) + push)
 
     def _momentum(self, state: State) -> FloatArray:

@@ -17,7 +17,7 @@ import pybullet as p
 from scipy.spatial.transform import Rotation
 
 from ....scenarios import Effects, FloatArray, Scenario
-from ....scenarios.effects.rotors import Rotors
+from ....scenarios.gyrostat import Rotors
 from ....scenarios.scenario import with_tables
 from ...checks.read_back import EngineError, UnsupportedError
 from ...models.description import PLAIN, Description

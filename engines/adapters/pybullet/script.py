@@ -137,8 +137,8 @@ def _settings(
     if hung:
         if JOINT_MOTOR not in representation.defaults:
             yield NO_MOTOR
-        if scenario.drag:
-            yield f"p.changeDynamics(body, 0, jointDamping={scenario.drag!r})"
+        if drag := scenario.pushed["drag"]:
+            yield f"p.changeDynamics(body, 0, jointDamping={drag!r})"
         q_joint = (principal.inv() * world_from_body * principal).as_quat()
         omega = python_list(principal.inv().apply(omega_body))
         yield f"p.resetJointStateMultiDof(body, 0, {python_list(q_joint)}, {omega})"
@@ -193,15 +193,15 @@ def _hinges(
 
 def _pushes(scenario: Scenario, principal: Rotation, hung: bool) -> Iterator[str]:
     """Torques, which PyBullet forgets after each step."""
-    if scenario.torque_world.any():
-        torque = python_list(scenario.torque_world)
+    if scenario.pushed["torque_world"].any():
+        torque = python_list(scenario.pushed["torque_world"])
         yield f"p.applyExternalTorque(body, LINK, {torque}, p.WORLD_FRAME)"
-    if scenario.torque_body.any():
-        torque = python_list(principal.inv().apply(np.array(scenario.torque_body)))
+    if scenario.pushed["torque_body"].any():
+        torque = python_list(principal.inv().apply(np.array(scenario.pushed["torque_body"])))
         if hung:
             yield f"p.setJointMotorControlMultiDof(body, 0, p.TORQUE_CONTROL, force={torque})"
         else:
             yield f"p.applyExternalTorque(body, LINK, {torque}, p.LINK_FRAME)"
-    if scenario.drag and not hung:
-        drag = f"[-{scenario.drag!r} * w for w in motion()[1]]"
+    if (coefficient := scenario.pushed["drag"]) and not hung:
+        drag = f"[-{coefficient!r} * w for w in motion()[1]]"
         yield f"p.applyExternalTorque(body, LINK, {drag}, p.WORLD_FRAME)"

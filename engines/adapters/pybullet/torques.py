@@ -17,24 +17,25 @@ def torques(model: Model, scenario: Scenario) -> tuple[list[Callable[[], None]],
     world axes, or on a joint, is right for all of them; any other must be set again every step.
     """
     applied: list[Callable[[], None]] = []
-    at_once = True
-    if scenario.torque_world.any():
-        applied.append(partial(_push, model, scenario.torque_world.tolist(), p.WORLD_FRAME))
-    if scenario.torque_body.any():
-        principal = model.body_from_principal.inv().apply(np.array(scenario.torque_body)).tolist()
+    at_once, pushed = True, scenario.pushed
+    if pushed["torque_world"].any():
+        applied.append(partial(_push, model, pushed["torque_world"].tolist(), p.WORLD_FRAME))
+    if pushed["torque_body"].any():
+        axes_from_body = model.body_from_principal.inv()
+        principal = axes_from_body.apply(np.array(pushed["torque_body"])).tolist()
         if model.link == BASE:
             applied.append(partial(_push, model, principal, p.LINK_FRAME))
             at_once = False
         else:
             applied.append(partial(_push_joint, model, principal))
-    if scenario.drag:
+    if drag := pushed["drag"]:
+        at_once = False
         if model.link == BASE:
-            applied.append(partial(_drag, model, scenario.drag))
+            applied.append(partial(_drag, model, drag))
         else:
             p.changeDynamics(
-                model.body, model.link, jointDamping=scenario.drag, physicsClientId=model.client
+                model.body, model.link, jointDamping=drag, physicsClientId=model.client
             )
-        at_once = False
     return applied, at_once
 
 

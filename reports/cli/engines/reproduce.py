@@ -29,7 +29,7 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
         raise Complaint(reason, BAD_INPUT)
     script = engine.script(scenario, method, timestep)
     if not script:
-        raise Complaint(_without_script(scenario, engine), BAD_INPUT)
+        raise Complaint(_without_script(scenario, engine, method), BAD_INPUT)
     try:
         steps = single(timestep, scenario.times).sample_steps
     except ValueError as error:
@@ -51,8 +51,12 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
     return head + script + _tail(frame, solution, steps)
 
 
-def _without_script(scenario: Scenario, engine: Engine) -> str:
-    """That an engine has none, and which have."""
+def _without_script(scenario: Scenario, engine: Engine, method: Method) -> str:
+    """That a method or an engine has none, and which have."""
+    offered = engine.methods_for(scenario)
+    if of_it := [one.name for one in offered if engine.script(scenario, one, 1.0)]:
+        words = f"{', '.join(of_it)}, which {engine.name} writes scripts of"
+        return f"'--method' must be one of {words}, got '{method.name}'"
     able = [one.name for one in engines().values() if one.script(scenario, one.methods[0], 1.0)]
     return f"'--engine' must be one of {', '.join(able)}, which write scripts, got '{engine.name}'"
 

@@ -137,7 +137,7 @@ def _methods(engine_names: Sequence[str]) -> list[str]:
     if not offered:
         raise Complaint(
             f"{', '.join(engine_names)}: has no method that is recommended: those as shipped are "
-            "not, nor other readers of an engine's models, such as mujoco-urdf",
+            "not, nor other readers of an engine's models, such as mujoco's urdf-RK4",
             NOT_RUN,
         )
     return list(dict.fromkeys(offered))

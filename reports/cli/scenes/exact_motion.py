@@ -9,6 +9,7 @@ import numpy as np
 from ....reference import IntegrationError, drifts, facts, solve
 from ....reference.euler_angles import euler_zyz_from_quaternion, rates_from_omega_body
 from ....scenarios import SIGNALS, Misfit, Scenario, angular_momentum_world, check_scales, energy
+from ....scenarios.effects import table as effects_table
 from ..terminal import BAD_INPUT, NOT_RUN, Complaint, table
 
 #: Where a user names no times: the start, the end, and three between.
@@ -48,8 +49,10 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
         "L_world": angular_momentum_world(scenario, motion),
         "energy": energy(scenario, motion),
     }
-    if scenario.rotors:
+    if motion.spins.size:
         columns["rotors_spin"] = motion.spins
+    if scenario.effects.table is not None:
+        columns["table_force"] = effects_table.along(scenario, motion)
     return {
         "scenario": scenario.name,
         "method": solution.method,

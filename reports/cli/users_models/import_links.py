@@ -5,9 +5,10 @@ from pathlib import Path
 
 from ....scenarios import printable
 from ....scenarios.regular_files import write_new
-from ....scenarios.users_models import LinkScene, ModelFileError, link_scenes, read_model
+from ....scenarios.users_models import ModelFileError, read_model
 from ...harness.users_models import listed
 from ..terminal import BAD_INPUT, Complaint
+from .link_scenes import LinkScene, link_scenes
 
 
 def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:

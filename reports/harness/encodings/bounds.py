@@ -1,12 +1,13 @@
 """What rounding may do to a motion that is described otherwise, signal by signal."""
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
 from ....engines import Engine
 from ....engines.checks.read_back import State
-from ....engines.encodings import Encoding
+from ....engines.encodings import KEPT, SAME_BODY, Encoding
 from ....engines.models.description import away_from
 from ....reference import Solution
 from ....scenarios import SIGNAL, Scenario, Trajectory
@@ -16,9 +17,10 @@ from ..measuring.rounding import roundings_in_flight
 JUDGED = ("omega", "attitude", "com", "velocity")
 #: Both motions are rounded.
 BOTH = 2
+#: Numbers that a motion follows from, each of which rounding may change: of ω and attitude three
+#: each, of the tensor six. The conditioning is of changes of length one, together.
+NUMBERS = 12
 EPS = float(np.finfo(float).eps)
-#: Of single precision in ulp of double precision.
-SINGLE = float(np.finfo(np.float32).eps) / EPS
 
 
 def rounding_bounds(
@@ -26,13 +28,18 @@ def rounding_bounds(
 ) -> dict[str, float]:
     """The largest distance that rounding explains, of each of `JUDGED`, in the norm of errors.
 
-    Every step may round the state by as many ulp as the tensor about the frame's origin is
-    conditioned: steps × conditioning of the motion × that. A body that reads back within the slack
-    counts as the same one, which is as many ulp of it at the start. And for place and velocity of
-    a free body, what an ulp of the changed scene's own numbers comes to.
+    To first order two motions are apart by the conditioning, per ulp, times the ulp by which their
+    bodies and states are apart, with √n for n numbers that each change by as much (Higham, §1.6).
+
+    - The body: one that reads back within `SAME_BODY` ulp of I₃ + m r², r from the frame's origin
+      to the com, is as many times (I₃ + m r²) / I₁ off in its least moment.
+    - A step: ω̇ = I⁻¹ (ω × I ω) is rounded relative to ‖I⁻¹‖ ‖I‖ ω² = (I₃ + m r²) / I₁ ω², and
+      gains ω dt of that, an ulp of ω for the 20 operations of a component at 0.05 rad a step; the
+      state is rounded once. Steps add up as if all had one sign.
+    - The flight, for place and velocity of a free body: an ulp of the changed scene's own numbers.
     """
     change = encoding.change(scenario)
-    changed, exact = _farthest(change.scene(scenario), encoding), solution.trajectory
+    changed, exact = _farthest(encoding.scene(scenario), encoding), solution.trajectory
     state = State(exact.q_world_body_wxyz, exact.omega_body, exact.com_world, exact.velocity_world)
     place, velocity = change.motion(state, exact.t)
     moved = Trajectory(
@@ -43,8 +50,8 @@ def rounding_bounds(
         velocity_world=velocity,
     )
     flight = roundings_in_flight(changed, replace(solution, trajectory=moved), steps)
-    ulps = (steps + flight) * _condition(changed) * BOTH
-    ulps = ulps * (SINGLE if engine.single_precision else 1.0) + engine.slack / EPS
+    ulps = (steps + flight + SAME_BODY) * _condition(changed) * BOTH * np.sqrt(NUMBERS)
+    ulps *= engine.ulp / EPS
     units = {"com": change.length, "velocity": change.length / change.time}
     # A place turns with the body: what it is rounded by makes a velocity.
     metres = SIGNAL["com"].growth(changed, moved, solution.conditioning)
@@ -62,6 +69,7 @@ def rounding_bounds(
     return bounds
 
 
+@lru_cache(maxsize=KEPT)
 def _farthest(scenario: Scenario, encoding: Encoding) -> Scenario:
     """The scene with its com where the farthest frame of the model has it."""
     if encoding.description.parts == "one":

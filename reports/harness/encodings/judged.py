@@ -1,7 +1,7 @@
 """Judges the run of an encoding beside that of the scene as it is."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ....engines import Engine, Run
 from ....engines.encodings import Encoding
@@ -43,6 +43,7 @@ class Judge:
     engine: Engine
     at_halved: Callable[[Encoding, int], Pair]
     plain_of: Mapping[str, Run]
+    _bounds_of: dict[tuple[str, int], dict[str, float]] = field(default_factory=dict)
 
     def judged(self, encoding: Encoding, pair: Pair) -> EncodedRun:
         """The word on an encoding, with its reason."""
@@ -77,7 +78,11 @@ class Judge:
         return [name for name, bound in bounds.items() if not apart[name] <= bound]
 
     def _bounds(self, encoding: Encoding, steps: int) -> dict[str, float]:
-        return rounding_bounds(self.scenario, encoding, self.solution, steps, self.engine)
+        if (encoding.name, steps) not in self._bounds_of:
+            self._bounds_of[encoding.name, steps] = rounding_bounds(
+                self.scenario, encoding, self.solution, steps, self.engine
+            )
+        return self._bounds_of[encoding.name, steps]
 
     def _moves_as(self, encoding: Encoding, run: Run) -> str:
         """The method whose motion of the scene as it is this one is, to round-off."""

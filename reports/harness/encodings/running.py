@@ -14,7 +14,7 @@ from ...results.store import Store
 from ..choice import Choice
 from ..executors import CallFailed, Executor
 from ..ladder import Rung
-from ..study import Prepared, prepare, simulate
+from ..study import Prepared, prepare
 from .judged import Judge, Pair
 
 #: The encoding that the others are compared with.
@@ -94,7 +94,7 @@ class _Runner:
         )
         encoded = EncodedEngine(self.engine, encoding.name)
         answer = self._executor.call_at(
-            self.engine.site, simulate, encoded, self.scenario, method, rung
+            self.engine.site, _simulate, encoded, self.scenario, method, rung
         ).value
         if isinstance(answer, CallFailed):
             return Run(*named, rung.timestep, "failed", answer.reason, answer.cause)
@@ -103,6 +103,12 @@ class _Runner:
     def pair(self, method: str, encoding: Encoding, halvings: int) -> Pair:
         """The encoding and the scene as it is."""
         return Pair(self.run(encoding, method, halvings), self.run(PLAIN, method, halvings))
+
+
+def _simulate(engine: EncodedEngine, scenario: Scenario, method: str, rung: Rung) -> Run:
+    """One run, in a worker: of a body held otherwise, the motion is wanted too."""
+    own = engine.method(method)
+    return engine.run(scenario, own, rung.timestep, rung.sample_steps, fails_if_unlike=False)
 
 
 def _encoded_runs(

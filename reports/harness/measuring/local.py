@@ -1,5 +1,7 @@
 """Measures a method locally: single steps and short pieces from exact states along the motion."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -111,6 +113,7 @@ def _others(engine: Engine, at: Places) -> list[float]:
     return [float(at.timesteps[COARSER]) / 2**0.5, *stock]
 
 
+@contextmanager
 def _started(
     engine: Engine,
     scenario: Scenario,
@@ -118,12 +121,14 @@ def _started(
     session: Session,
     state: State,
     timestep: float,
-) -> Session:
-    """The session set to a state; another one where that cannot be."""
+) -> Iterator[Session]:
+    """The session set to a state; another one, closed after use, where that cannot be."""
     if session.can_restart:
         session.restart(state, timestep)
-        return session
-    return engine.open(started_at(scenario, **vars(state)), method, timestep)
+        yield session
+        return
+    with engine.open(started_at(scenario, **vars(state)), method, timestep) as own:
+        yield own
 
 
 def _misread(
@@ -131,10 +136,10 @@ def _misread(
 ) -> str:
     """The sentence on a state that reads back otherwise than it was set; empty if none does."""
     timestep, count = float(at.timesteps[0]), len(at.times)
-    starts = [
-        _started(engine, scenario, method, session, at.states.rows(k), timestep).read_state()
-        for k in range(count)
-    ]
+    starts = []
+    for k in range(count):
+        with _started(engine, scenario, method, session, at.states.rows(k), timestep) as one:
+            starts.append(one.read_state())
     off = apart(at.states, stacked(starts))
     if off.max() <= ABOVE * max(engine.slack, rounding_of_body(at.condition)):
         return ""
@@ -199,7 +204,8 @@ def _run_pieces(
     snapshots: list[object] = []
     for start in at.starts:
         state = at.states.rows(int(start))
-        one = _started(engine, scenario, method, session, state, float(at.timesteps[k]))
-        one.record(strides, snapshots.append)
+        timestep = float(at.timesteps[k])
+        with _started(engine, scenario, method, session, state, timestep) as one:
+            one.record(strides, snapshots.append)
     states = session.states(snapshots)
     return Trajectory(at.pieces.trajectory.t, *vars(states).values()), PIECE_STEPS << (k + at.finer)

@@ -1,9 +1,11 @@
 """A method's runs at the timesteps that people use."""
 
 import math
+from collections.abc import Callable
 from statistics import median_high
 from typing import Literal
 
+from ....engines import Method
 from ...harness.stock import COMMON_TIMESTEP
 from ...results.records import Pair, Row
 from .report_data import MethodRuns, ReportData
@@ -36,13 +38,18 @@ def row_at(runs: MethodRuns, at: At, stock_timestep: float) -> Row | None:
 
 def as_shipped(gathered: ReportData) -> list[Pair]:
     """Engines with all their defaults."""
-    shipped = {
+    return _declared(gathered, lambda method: method.as_shipped)
+
+
+def _declared(gathered: ReportData, is_one: Callable[[Method], bool]) -> list[Pair]:
+    """The pairs of which this was declared."""
+    found = {
         (runs.engine, runs.method)
         for scene in gathered.scenes
         for runs in scene.methods
-        if runs.declared and runs.declared.as_shipped
+        if runs.declared and is_one(runs.declared)
     }
-    return [pair for pair in gathered.pairs if pair in shipped]
+    return [pair for pair in gathered.pairs if pair in found]
 
 
 def attitudes_at(gathered: ReportData, pair: Pair, timestep: float) -> dict[str, float]:
@@ -60,11 +67,15 @@ def attitudes_at(gathered: ReportData, pair: Pair, timestep: float) -> dict[str,
 
 
 def leading(gathered: ReportData) -> list[Pair]:
-    """Each engine's first method as shipped, and the most accurate, in median, of the others."""
+    """Each engine's first method as shipped, and the most accurate, in median, of the others.
+
+    Another reader of its models is the last of these.
+    """
     steps, shipped = stock_timesteps(gathered), as_shipped(gathered)
+    readers = _declared(gathered, lambda method: method.reader)
     first = {engine: (engine, method) for engine, method in reversed(shipped)}
     middles = {
-        pair: (-len(errors), median_high(errors.values()))
+        pair: (pair in readers, -len(errors), median_high(errors.values()))
         for pair in gathered.pairs
         if pair not in shipped
         if (errors := attitudes_at(gathered, pair, steps.get(pair[0], COMMON_TIMESTEP)))

@@ -11,7 +11,7 @@ from ....reference.heavy_symmetric_top import (
     nutation_bounds,
 )
 from ....reference.rotational_problem import rotational_problem
-from ....reference.symmetry import is_undriven
+from ....reference.symmetry import nutates
 from ....scenarios import FloatArray, Scenario
 from .plot import INK, REFERENCE_WIDTH, Figure, Panel, Range, layout, line
 
@@ -30,7 +30,7 @@ def potential(scenario: Scenario) -> Figure | None:
     """V_eff over the tilt with E′ and the turning points; None for any other motion."""
     problem = rotational_problem(scenario)
     top = heavy_symmetric_top(problem)
-    if top is None or not is_undriven(problem):
+    if top is None or not nutates(problem):
         return None
     low, high = nutation_bounds(top)
     margin = max(BEYOND * (high - low), NARROWEST)

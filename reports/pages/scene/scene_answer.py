@@ -234,6 +234,6 @@ def _command(scene: SceneRuns, best: BestChoice) -> str:
 
 
 def _capital(text: str) -> str:
-    names = {"mujoco": "MuJoCo", "pybullet": "PyBullet", "mujoco-urdf": "MuJoCo (URDF)"}
+    names = {"mujoco": "MuJoCo", "pybullet": "PyBullet"}
     engine, _, method = text.partition(" ")
     return f"{names.get(engine, engine)} {method}"

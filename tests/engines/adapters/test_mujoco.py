@@ -4,19 +4,20 @@ import mujoco
 import numpy as np
 import pytest
 from scenes import SCENES, SPUN_UP, scene
-from spincheck.engines import Engine, EngineError, Method, Run, engines
+from spincheck.engines import EngineError, Method, Run
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.mujoco.session import compiled
-from spincheck.engines.adapters.mujoco.urdf_reader import MuJoCoURDF
 
 EPS = np.finfo(float).eps
-MUJOCO, BY_URDF = MuJoCo(), MuJoCoURDF()
+MUJOCO = MuJoCo()
+BY_MJCF, BY_URDF = (MUJOCO.method(name) for name in ("RK4", "urdf-RK4"))
+READERS = pytest.mark.parametrize("method", [BY_MJCF, BY_URDF], ids=lambda method: method.name)
 TIMESTEP = 1e-3
 STEPS = np.arange(0, 101, 20)
 
 
-def run(engine: Engine, method: Method, name: str, timestep: float = TIMESTEP) -> Run:
-    return engine.run(SCENES[name], method, timestep, STEPS)
+def run(method: Method, name: str, timestep: float = TIMESTEP) -> Run:
+    return MUJOCO.run(SCENES[name], method, timestep, STEPS)
 
 
 def columns(run: Run) -> np.ndarray:
@@ -30,24 +31,23 @@ def columns(run: Run) -> np.ndarray:
 
 @pytest.mark.parametrize("name", ["free-tilted", "free-falling", "pivot-plate", "heavy-tilted"])
 def test_urdf_and_mjcf_are_one_body(name: str) -> None:
-    (method,) = BY_URDF.methods
-    by_mjcf = columns(run(MUJOCO, MUJOCO.method(method.name), name))
-    difference = np.abs(columns(run(BY_URDF, method, name)) - by_mjcf).max()
+    by_mjcf = columns(run(BY_MJCF, name))
+    difference = np.abs(columns(run(BY_URDF, name)) - by_mjcf).max()
     # Each step repeats the round-off of the tensor, which the URDF reader diagonalises again.
     roundoff = STEPS[-1] * 16 * EPS * np.abs(by_mjcf).max()
     assert difference < roundoff
-    other_scene = columns(run(MUJOCO, MUJOCO.method(method.name), "free"))
+    other_scene = columns(run(BY_MJCF, "free"))
     assert np.abs(other_scene - by_mjcf).max() > 1e9 * roundoff
 
 
-@pytest.mark.parametrize("engine", [MUJOCO, BY_URDF], ids=lambda engine: engine.name)
+@READERS
 @pytest.mark.parametrize(
     "body",
     ["\nmass = 1.0\ninertia = [1e-18, 1e-18, 1e-18]\n", "\nmass = 1e-18\ninertia = [1, 1, 1]\n"],
     ids=["inertia", "mass"],
 )
-def test_a_body_too_small_for_the_compiler_is_unsupported(engine: Engine, body: str) -> None:
-    done = engine.run(scene("tiny", body=body), engine.method("RK4"), TIMESTEP, STEPS)
+def test_a_body_too_small_for_the_compiler_is_unsupported(method: Method, body: str) -> None:
+    done = MUJOCO.run(scene("tiny", body=body), method, TIMESTEP, STEPS)
     assert (done.outcome, done.cause) == ("unsupported", "body")
     assert "scale the scene up" in done.reason
 
@@ -70,17 +70,13 @@ def test_a_start_beyond_what_mujoco_allows_diverges_in_its_words() -> None:
 
 
 def test_the_version_is_the_librarys() -> None:
-    assert MUJOCO.version == BY_URDF.version == mujoco.__version__
+    assert MUJOCO.version == mujoco.__version__
 
 
-def test_both_are_found_by_name() -> None:
-    assert {"mujoco", "mujoco-urdf"} <= set(engines())
-
-
-@pytest.mark.parametrize("engine", [MUJOCO, BY_URDF], ids=lambda engine: engine.name)
-def test_a_compiler_that_only_warns_fails_the_run_too(engine: Engine) -> None:
+@READERS
+def test_a_compiler_that_only_warns_fails_the_run_too(method: Method) -> None:
     # About its origin the body's mass matrix is singular in double precision.
     far = "\nmass = 1e8\ninertia = [1e-9, 1e-9, 1e-9]\ncom = [3.0, 4.0, 5.0]\n"
-    done = engine.run(scene("far", body=far), engine.method("RK4"), TIMESTEP, STEPS)
+    done = MUJOCO.run(scene("far", body=far), method, TIMESTEP, STEPS)
     assert done.outcome == "failed"
     assert "Inertia matrix is too close to singular" in done.reason

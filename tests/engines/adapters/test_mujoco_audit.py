@@ -154,9 +154,9 @@ def test_effects_read_back_at_their_strengths(name: str) -> None:
     scene, held = SCENES[name], read_effects(model_of(name), SCENES[name])
     assert (held.held_by == "pivot") == scene.constraint.is_pivot
     assert held.gravity_world.tolist() == scene.gravity_world.tolist()
-    assert held.torque_body.tolist() == scene.torque_body.tolist()
-    assert held.torque_world.tolist() == scene.torque_world.tolist()
-    assert np.array_equal(held.joint_damping + held.servo_drag, scene.drag * np.eye(3))
+    assert held.torque_body.tolist() == scene.pushed["torque_body"].tolist()
+    assert held.torque_world.tolist() == scene.pushed["torque_world"].tolist()
+    assert np.array_equal(held.joint_damping + held.servo_drag, scene.pushed["drag"] * np.eye(3))
 
 
 def test_an_effect_that_is_disabled_reads_back_as_absent() -> None:

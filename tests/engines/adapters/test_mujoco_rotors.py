@@ -96,8 +96,8 @@ def test_without_a_fault_nothing_is_said() -> None:
 
 
 def test_a_method_that_cannot_says_so() -> None:
-    engine = engines()["mujoco-urdf"]
-    reason = engine.unsupported(library_scene(BOX), engine.methods[0])
+    engine = engines()["mujoco"]
+    reason = engine.unsupported(library_scene(BOX), engine.method("urdf-RK4"))
     assert "cannot simulate rotors" in reason
 
 

@@ -194,7 +194,7 @@ def test_a_rigid_body_is_loaded_in_its_pose_lest_its_inertia_be_that_of_another(
     scenario = SCENES["free-torque-world"]
     R = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True).as_matrix()
     tensor_world = R @ scenario.body.inertia_com @ R.T
-    expected = TIMESTEP * np.linalg.solve(tensor_world, scenario.torque_world)
+    expected = TIMESTEP * np.linalg.solve(tensor_world, scenario.pushed["torque_world"])
     assert first_spin(MAXIMAL) == pytest.approx(expected, rel=READ_BACK_SLACK)
 
     real = p.loadURDF

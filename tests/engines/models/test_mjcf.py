@@ -37,7 +37,8 @@ def acceleration_by_hand(scene: Scenario) -> np.ndarray:
     """
     body, omega, com = scene.body, scene.start.omega_body, scene.body.com
     R = Rotation.from_quat(scene.start.q_world_body_wxyz, scalar_first=True).as_matrix()
-    torque = scene.torque_body + R.T @ scene.torque_world - scene.drag * omega
+    pushed = scene.pushed
+    torque = pushed["torque_body"] + R.T @ pushed["torque_world"] - pushed["drag"] * omega
     inertia = body.inertia_com
     if scene.constraint.is_pivot:
         inertia = body.inertia_origin

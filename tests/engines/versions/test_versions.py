@@ -77,7 +77,7 @@ def test_without_a_network_one_message_says_so(monkeypatch: pytest.MonkeyPatch) 
         ("mujoco@../../etc", "a version must be like 3.1.6"),
         ("mujoco@", "a version must be like 3.1.6"),
         ("nonesuch@1.0", "'nonesuch' cannot be had in other versions, only mujoco, "),
-        ("mujoco-urdf@3.1.6", "cannot be had in other versions"),
+        ("havok@3.1.6", "cannot be had in other versions"),
     ],
 )
 def test_what_is_no_version_is_reported(name: str, words: str) -> None:

@@ -13,8 +13,8 @@ from spincheck.reports.cli.choosing import choose
 from spincheck.reports.cli.terminal import BAD_INPUT, NOT_RUN, Complaint
 
 PLANTED = Path(__file__).parents[2] / "engines" / "child" / "planted_child.py"
-#: What `pip install spincheck` installs where PyBullet has a wheel.
-ALWAYS = {"mujoco", "mujoco-urdf", "pybullet"}
+#: What runs without being named, if it is installed.
+ALWAYS = {"mujoco", "pybullet"}
 
 
 def names(*asked: str) -> set[str]:

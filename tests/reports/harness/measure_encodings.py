@@ -27,8 +27,9 @@ KNOWN = {
     ("pybullet", "nested"): {"ends early"},
     ("pybullet", "full-tensor"): {"other body"},
     ("pybullet", "shape"): {"other body"},
-    ("pybullet", "halves"): {"coarser", "other body"},
-    ("pybullet", "thirds"): {"coarser", "other body"},
+    # In maximal coordinates all but the first are dropped, and what is left turns too far a step.
+    ("pybullet", "halves"): {"coarser", "other body", "ends early"},
+    ("pybullet", "thirds"): {"coarser", "other body", "ends early"},
 }
 METHODS = ("RK4", "implicitfast", "multibody", "maximal")
 

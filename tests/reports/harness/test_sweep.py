@@ -298,7 +298,7 @@ def test_a_scene_that_cannot_be_solved_is_reported_of_every_method(path, monkeyp
     def unsolvable(*_: object) -> None:
         raise ArithmeticError("no series converges")
 
-    monkeypatch.setattr(sweep_run, "solve", unsolvable)
+    monkeypatch.setattr(sweep_run, "solve_cheaply", unsolvable)
     pairs = [(planted(HeunSession), METHOD), (planted(RaisingSession), METHOD)]
     points = sweep_run.run_point(SCENE, next(MAP.points()), pairs)
     assert [(p.outcome, p.cause) for p in points] == [("failed", "unsolved")] * 2

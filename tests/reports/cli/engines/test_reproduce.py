@@ -54,9 +54,15 @@ def test_the_file_alone_finds_the_error_that_the_harness_finds(
 
 
 def test_an_engine_without_a_script_is_reported() -> None:
-    scenario, engine = library_scene("fast-top"), engines()["mujoco-urdf"]
-    with pytest.raises(Complaint, match=r"one of .*mujoco, .*pybullet.*, got 'mujoco-urdf'"):
+    scenario, engine = library_scene("tennis-racket"), engines()["mujoco-file"]
+    with pytest.raises(Complaint, match=r"one of .*mujoco, .*pybullet.*, got 'mujoco-file'"):
         reproduction(scenario, engine, engine.methods[0], TIMESTEP)
+
+
+def test_a_method_without_a_script_is_reported() -> None:
+    scenario, engine = library_scene("fast-top"), engines()["mujoco"]
+    with pytest.raises(Complaint, match=r"'--method' must be .*RK4, .*, got 'urdf-RK4'"):
+        reproduction(scenario, engine, engine.method("urdf-RK4"), TIMESTEP)
 
 
 @pytest.mark.needs_pybullet

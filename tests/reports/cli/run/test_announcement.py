@@ -10,7 +10,7 @@ from spincheck.reports.cli.run.announcement import announcement
 from spincheck.reports.harness.choice import QUICK_STEPS, Choice
 from spincheck.reports.harness.plan import Plan, SceneLeft
 
-CHOICE = Choice((engines()["mujoco"], engines()["mujoco-urdf"]), max_steps=QUICK_STEPS)
+CHOICE = Choice((engines()["mujoco"], engines()["pybullet"]), max_steps=QUICK_STEPS)
 
 
 def plan(scenes: int = 1) -> Plan:
@@ -25,7 +25,7 @@ def minutes(choice: Choice) -> int:
 
 def test_it_names_the_engines_and_counts_what_is_to_be_made() -> None:
     words = announcement(plan(), CHOICE, 2)
-    assert words.startswith("2 verdicts of 2 engines (mujoco, mujoco-urdf) on 1 scene: roughly ")
+    assert words.startswith("2 verdicts of 2 engines (mujoco, pybullet) on 1 scene: roughly ")
 
 
 def test_many_scenes_are_reported_in_minutes() -> None:

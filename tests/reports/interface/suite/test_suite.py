@@ -59,7 +59,7 @@ def named(*names: str) -> list[str]:
     return [part for name in names for part in ("--spincheck-engine", name)]
 
 
-REQUIRED = [name for name in ("mujoco", "mujoco-urdf", "pybullet") if name in engines()]
+REQUIRED = [name for name in ("mujoco", "pybullet") if name in engines()]
 
 
 def test_the_engines_of_this_installation_keep_the_contract_of_adapters(suite) -> None:

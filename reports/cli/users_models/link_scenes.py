@@ -12,12 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ScenarioError
-from ..write import to_toml
-from .model_file import ModelFile, Stated
-from .origin import digest
-from .problems import problems
-from .rigid_bodies import RigidBody, rigid_bodies
+from ....scenarios import ScenarioError, loads
+from ....scenarios.users_models import (
+    ModelFile,
+    RigidBody,
+    Stated,
+    digest,
+    problems,
+    rigid_bodies,
+)
+from ....scenarios.write import to_toml
 
 #: rad/s along the principal axes, ascending moments: a turn a second about the middle axis, which
 #: no body keeps, and a little about the others.
@@ -53,8 +57,6 @@ def link_scenes(model: ModelFile, folder: Path) -> Iterator[LinkScene]:
     ----------
     folder : that the scenes will be in: they name the model relative to it
     """
-    from ..load import loads  # which compares a scene's model with its digest, here
-
     taken: set[str] = set()
     sha256 = digest(model.path)
     file = _relative(model.folders.own / model.path.name, folder)
