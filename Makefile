@@ -8,8 +8,10 @@ BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 READY := $(VENV)/.ready
 CODE := scenarios reference engines reports
-# The distribution on the first page: defaults, and what is recommended instead, at stock timesteps.
-SPREAD := fast-top --ensemble 200 --engine mujoco --engine pybullet \
+# The distributions on the first page, a scene of each kind of motion scattered: defaults, and what is recommended
+# instead, at stock timesteps.
+SPREAD := football-spiral book-middle-axis fast-top lopsided-body motor-driven-top --ensemble 60 \
+	--engine mujoco --engine pybullet \
 	--method default --method RK4 --method multibody
 
 .PHONY: docs results report engines test quick pythons bench kills survey thresholds random suite

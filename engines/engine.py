@@ -187,20 +187,24 @@ class Engine(ABC):
         """What `open` leaves out that costs time and changes no motion, by the engine's names."""
         return ()
 
+    def open_with(
+        self, scenario: Scenario, method: Method, timestep: float, left_in: Collection[str]
+    ) -> Session:
+        """As `open`, with some of `left_out` left in, to time what they cost."""
+        raise NotImplementedError(f"{self.name} leaves nothing out.")
+
+    @final
     def open_unpruned(
         self,
-        scenario: Scenario,  # noqa: ARG002
-        method: Method,  # noqa: ARG002
-        timestep: float,  # noqa: ARG002
-        left_in: Collection[str] | None = None,  # noqa: ARG002
+        scenario: Scenario,
+        method: Method,
+        timestep: float,
+        left_in: Collection[str] | None = None,
     ) -> Session | None:
-        """As `open`, with some or all (None) of what is left out left in; None if that is nothing.
-
-        Parameters
-        ----------
-        left_in : names out of `left_out`
-        """
-        return None
+        """As `open_with`, or with all of `left_out` if None; None if nothing is left out."""
+        names = self.left_out(scenario, method)
+        kept = names if left_in is None else left_in
+        return self.open_with(scenario, method, timestep, kept) if names else None
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
         """The defaults of a method as shipped that alter motions, by the engine's names."""

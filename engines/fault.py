@@ -35,6 +35,7 @@ Cause = Literal[
     "effects",
     "body",
     "timestep",
+    "scene",
     # Of runs that finished.
     "lost",
     "law",

@@ -57,17 +57,17 @@ def solve(scenario: Scenario, times: FloatArray) -> Solution:
     return ExactMotion(scenario).solve(times)
 
 
-def solve_cheaply(scenario: Scenario, times: FloatArray) -> Solution:
-    """The exact motion of one of many scenes; parameters and errors as of `solve`.
+def solve_cheaply(scenario: Scenario, rows: Sequence[FloatArray]) -> list[Solution]:
+    """The exact motion of one of many scenes; parameters and errors as of `solve_each`.
 
     A closed form is only worked out where the series does not reach the last time, as beside a
     saddle: finding one costs as much as hundreds of radians of the series.
     """
-    times = _increasing(times)
+    times = np.unique(np.concatenate([_increasing(row) for row in rows]))
     solution = _solve_ode(scenario, rotational_problem(scenario), times)
-    if solution.horizon is None or solution.lifts_off:
-        return solution
-    return solve(scenario, times)
+    if solution.horizon is not None and not solution.lifts_off:
+        solution = solve(scenario, times)
+    return [_part(solution, row) for row in rows]
 
 
 @final

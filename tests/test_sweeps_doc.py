@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from spincheck.reports.cli.app import app
 from spincheck.reports.harness.executors.local_workers import TIME_LIMIT
+from spincheck.reports.harness.stock import STEP_BUDGET
 from spincheck.reports.harness.sweep_points import STEP_TURN
-from spincheck.reports.harness.sweep_run import STEP_BUDGET
 from spincheck.scenarios.scatter import SCATTER
 from spincheck.scenarios.vary import DEFAULT_COUNT
 from typer.main import get_group

@@ -39,6 +39,7 @@ from .results.result_commands import app as result_commands
 from .run.error_bounds import ErrorBoundsCommand, error_bounds
 from .scenes.scene_commands import app as scene_commands
 from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last_words
+from .sweeps.ensemble_command import EnsembleCommand
 from .sweeps.sweep_commands import app as sweep_commands
 from .sweeps.sweep_commands import run_members
 from .terminal import BAD_INPUT, DISAGREES, Complaint, escape_what_turns_text, say, to_json
@@ -114,7 +115,7 @@ def _run_and_flush() -> None:
         raise
 
 
-@app.command(epilog="Example: spincheck run fast-top --engine mujoco")
+@app.command(cls=EnsembleCommand, epilog="Example: spincheck run fast-top --engine mujoco")
 def run(
     scenes: Scenes = None,
     engine: Engines = None,

@@ -8,6 +8,8 @@ import typer
 
 RESULT_FILE = Path("spincheck.sqlite")
 REPORT_FOLDER = Path("spincheck-report")
+#: Of an ensemble whose number is left out.
+MEMBERS = 200
 CORES = os.cpu_count() or 1
 
 Scenes = Annotated[
@@ -67,7 +69,13 @@ From = Annotated[
     Path, typer.Option("--from", metavar="RESULT FILE", help="Runs are taken from this file.")
 ]
 MemberCount = Annotated[
-    int | None, typer.Option("--ensemble", min=1, help="Scatter one scene into so many members.")
+    int | None,
+    typer.Option(
+        "--ensemble",
+        metavar="[N]",
+        min=1,
+        help=f"Scatter each scene into N members, {MEMBERS} if left out, at stock timesteps.",
+    ),
 ]
 AsEncoded = Annotated[
     str,

@@ -18,7 +18,7 @@ from ...scenarios import (
 )
 from ..results.evidence import LocalEvidence
 from ..results.records import Key, Row
-from .defects import defects
+from .defects import with_defects
 from .executors import Answer, CallFailed
 from .ladder import Rung
 from .stock import stock_timesteps
@@ -93,13 +93,9 @@ def compared(
     """A run of a study as a row, with its defects, and with what its single steps show."""
     run = _of_other_law(answer.value, local)
     row = row_of(scenario, key, engine.version, rung, run, solution)
-    is_stock, made = rung.timestep in stock_timesteps(engine), None
-    if row.motion is not None and row.errors is not None:
-        single = engine.single_precision or row.cause == "precision"
-        ulp = float(np.finfo(np.float32 if single else np.float64).eps)
-        found = defects(scenario, row.motion, solution.trajectory)
-        made = found.summary(row.steps, ulp) if found else None
-    return replace(row, printed=answer.printed, stock=is_stock, defects=made)
+    row = replace(row, printed=answer.printed, stock=rung.timestep in stock_timesteps(engine))
+    is_single = engine.single_precision
+    return with_defects(row, scenario, solution.trajectory, is_single=is_single)
 
 
 def _of_other_law(run: Run | CallFailed, local: LocalEvidence | None) -> Run | CallFailed:

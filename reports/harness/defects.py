@@ -9,7 +9,7 @@ acts (W. H. Enright, J. Comput. Appl. Math. 125 (2000) 159; L. F. Shampine, J. C
 Defects are in the norms of errors: relative to the same bases of the exact motion.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -19,7 +19,7 @@ from ...scenarios import Errors, ErrorSeries, FloatArray, Scenario, Trajectory
 from ...scenarios.agreement import ErrorNorm
 from ...scenarios.fastest_rate import fastest_rate
 from ...scenarios.mechanics import RECENT
-from ..results.records import Defect
+from ..results.records import Defect, Row
 
 #: rad; a motion that turns by more in all is not followed: it would take longer than a second.
 FARTHEST_TURN = 1e5
@@ -79,6 +79,26 @@ def defects(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Defect
     except IntegrationError:
         return None
     return Defects(motion.t[1:], series, rounding)
+
+
+def with_defects(row: Row, scenario: Scenario, exact: Trajectory, *, is_single: bool) -> Row:
+    """The row of a run with its defects, and what they come to in a turn.
+
+    Parameters
+    ----------
+    exact : the exact motion at the run's samples, or more
+    is_single : whether the engine's numbers are in single precision
+    """
+    if row.motion is None or row.errors is None:
+        return row
+    found = defects(scenario, row.motion, exact)
+    if found is None:
+        return row
+    single = is_single or row.cause == "precision"
+    ulp = float(np.finfo(np.float32 if single else np.float64).eps)
+    by_signal = found.summary(row.steps, ulp)
+    added = by_signal["attitude"].p50 * len(found.t)
+    return replace(row, defects=by_signal, attitude_a_turn=added / row.turns if row.turns else None)
 
 
 @lru_cache(maxsize=RECENT)

@@ -15,16 +15,10 @@ from ..results.environment import environment
 from ..results.fingerprints import fingerprints
 from ..results.records import Pair
 from ..results.store import Store
-from ..results.sweep_records import (
-    Ensemble,
-    Map,
-    PointResult,
-    SweepPoint,
-)
-from ..results.sweep_tables import NO_SCENE
+from ..results.sweep_records import DefinedSweep, Ensemble, Map, PlacedRow, SweepPoint
 from .choice import Choice, EngineMethod
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
-from .sweep_run import failed_point, run_point
+from .sweep_run import not_run, run_point
 
 Progress = Callable[[str], None]
 
@@ -65,25 +59,18 @@ class SweepPlan:
             if to_run := _to_run(self.pairs, self.stored.get(point.identity, ())):
                 yield PointLeft(point, to_run)
 
-    def __str__(self) -> str:
-        """How many stored points are used again, in words; empty if none."""
-        if not self.complete:
-            return ""
-        return f"{self.complete} of {self.total} points are stored already"
-
 
 def plan_sweep(sweep: Map | Ensemble, base: Scenario, choice: Choice, store: Store) -> SweepPlan:
     """Store the definition, and determine what is missing."""
     store.rest_on(tuple(fingerprints(base, choice.engines)))
     store.put_environment(environment(choice.engines))
     store.put_methods(choice.engines)
-    store.sweeps.put(sweep, base)
+    store.put(DefinedSweep(base.name, sweep, base.text))
     pairs = choice.pairs()
     stored: dict[str, set[Pair]] = {}
-    for result in [] if choice.again else store.sweeps.stored(base.name):
-        if not may_succeed_if_repeated(result.cause, result.reason, choice.time_limit):
-            key = result.key
-            stored.setdefault(result.place, set()).add((key.engine, key.method))
+    for row in [] if choice.again else store.points(base.name):
+        if not may_succeed_if_repeated(row.cause, row.reason, choice.time_limit):
+            stored.setdefault(row.place, set()).add(row.pair)
     complete = sum(
         not _to_run(pairs, there) and sweep.point(json.loads(identity)) is not None
         for identity, there in stored.items()
@@ -93,8 +80,6 @@ def plan_sweep(sweep: Map | Ensemble, base: Scenario, choice: Choice, store: Sto
 
 def _to_run(pairs: Sequence[EngineMethod], there: Collection[Pair]) -> list[EngineMethod]:
     """The methods that have no result at a point."""
-    if NO_SCENE in there:
-        return []
     return [pair for pair in pairs if (pair[0].name, pair[1].name) not in there]
 
 
@@ -109,30 +94,33 @@ def run_sweep(
 
 def study_point(left: PointLeft, base: Scenario, store: Store, executor: Executor) -> SweepPoint:
     """One point, from the exact motion to the stored results of all its methods."""
-    answer = executor.call(run_point, base, left.point, left.to_run)
-    if isinstance(answer.value, CallFailed):
-        results = _one_by_one(left, base, answer.value, executor)
-    else:
-        results = answer.value
-    store.sweeps.put_points(left.point, results)
+    store.put(*_rows(left, base, executor))
     return left.point
 
 
-def _one_by_one(
-    left: PointLeft, base: Scenario, failure: CallFailed, executor: Executor
-) -> list[PointResult]:
-    """The results at a point where the call that was to run all methods has failed."""
+def _rows(left: PointLeft, base: Scenario, executor: Executor) -> list[PlacedRow]:
+    """The results at a point; where the call that is to run all methods fails, of one by one."""
+    rows = executor.call(run_point, base, left.point, left.to_run).value
+    if not isinstance(rows, CallFailed):
+        return rows
     solved = executor.call(run_point, base, left.point, ()).value
     if isinstance(solved, CallFailed):
         reason = f"the exact motion could not be found: {solved.reason}"
         unsolved = CallFailed(reason, cause_of_unsolved(solved))
-        return [failed_point(base, left.point, pair, unsolved) for pair in left.to_run]
+        return [_failed(left, base, pair, unsolved) for pair in left.to_run]
     if len(left.to_run) == 1:
-        return [failed_point(base, left.point, left.to_run[0], failure)]
-    results: list[PointResult] = []
-    for pair in left.to_run:
-        alone = executor.call(run_point, base, left.point, [pair]).value
-        if isinstance(alone, CallFailed):
-            alone = [failed_point(base, left.point, pair, alone)]
-        results += alone
-    return results
+        return [_failed(left, base, left.to_run[0], rows)]
+    alone = [PointLeft(left.point, [pair]) for pair in left.to_run]
+    return [row for one in alone for row in _alone(one, base, executor)]
+
+
+def _alone(left: PointLeft, base: Scenario, executor: Executor) -> list[PlacedRow]:
+    """The result of the one method that is left at a point."""
+    rows = executor.call(run_point, base, left.point, left.to_run).value
+    if isinstance(rows, CallFailed):
+        return [_failed(left, base, left.to_run[0], rows)]
+    return rows
+
+
+def _failed(left: PointLeft, base: Scenario, pair: EngineMethod, failure: CallFailed) -> PlacedRow:
+    return not_run(base, left.point, pair, "failed", failure.cause, failure.reason)

@@ -8,14 +8,9 @@ def scene_page(name: str) -> str:
     return f"scenes/{quote(name)}.html"
 
 
-def map_page(name: str) -> str:
-    """A map's page, likewise."""
-    return f"maps/{quote(name)}.html"
-
-
-def ensemble_page(name: str) -> str:
-    """An ensemble's page, likewise."""
-    return f"ensembles/{quote(name)}.html"
+def sweep_page(kind: str, name: str) -> str:
+    """The page of a map or an ensemble, likewise."""
+    return f"{kind}s/{quote(name)}.html"
 
 
 def method_anchor(engine: str, method: str) -> str:

@@ -188,6 +188,7 @@ class Row(Record):
     defects : by signal (`harness/defects.py`); None where the motion turns too far to be followed
     turns : of the exact motion over the samples; 2π rad each
     turns_within_1deg : likewise until the attitude is off by more than 1°; None if it never is
+    attitude_a_turn : rad; the median error that a turn adds to the attitude, of its defects
     """
 
     key: MethodKey
@@ -213,6 +214,7 @@ class Row(Record):
     defects: dict[SignalName, Defect] | None = None
     turns: Size | None = None
     turns_within_1deg: Size | None = None
+    attitude_a_turn: Size | None = None
 
     def __post_init__(self) -> None:
         if self.errors is not None and self.outcome != "ok":
@@ -227,13 +229,6 @@ class Row(Record):
     def simulated(self) -> bool:
         """Whether the engine can simulate the scene, with this timestep."""
         return self.outcome != "unsupported"
-
-    @property
-    def attitude_a_turn(self) -> float | None:
-        """The median error that a turn adds to the attitude, rad, of its defects; None without."""
-        if not (self.defects and self.turns and self.motion):
-            return None
-        return self.defects["attitude"].p50 * (len(self.motion.t) - 1) / self.turns
 
     @property
     def survived(self) -> bool:

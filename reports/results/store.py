@@ -35,8 +35,7 @@ from .records import (
     Verdict,
 )
 from .result_file import FORMAT, OpenFile, ResultFileError, opened
-from .sweep_records import EnsembleResult, MapResult
-from .sweep_tables import SweepTables
+from .sweep_records import PlacedRow, SweepResult, swept
 from .tables import DIGEST, Table, as_result_file_error
 
 R = TypeVar("R", bound=Record)
@@ -47,6 +46,8 @@ DIGITS = 16
 _TABLE_OF: dict[type[Record], Table[Any]] = {table.record: table for table in tables.TABLES}
 _ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
 _SORTED = "scenario, engine, method"
+#: Earlier versions stored points that are no scene without an engine.
+_RUN_BY_AN_ENGINE = "engine <> ''"
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +78,7 @@ class Results:
     encodings: list[EncodedRuns] = field(default_factory=list)
     methods: dict[Pair, Method] = field(default_factory=dict)
     stock_timesteps: dict[str, float] = field(default_factory=dict)
-    maps: list[MapResult] = field(default_factory=list)
-    ensembles: list[EnsembleResult] = field(default_factory=list)
+    sweeps: list[SweepResult] = field(default_factory=list)
 
 
 class Store:
@@ -91,7 +91,6 @@ class Store:
 
     def __init__(self, file: OpenFile) -> None:
         self._database = Database(file.connection, file.check)
-        self.sweeps = SweepTables(self)
         self.log_missing = file.log_missing
         self._fingerprints: dict[tuple[str, str, str], str] = {}
         self._take_fingerprints(self.select(tables.FINGERPRINTS))
@@ -263,7 +262,6 @@ class Store:
             if row.errors is not None and row.key.scenario not in scenes:
                 raise ResultFileError(f"a run has errors, but its scene is not there: {row.key}")
         engines = self.select(tables.ENGINES)
-        maps, ensembles = self.sweeps.read()
         return Results(
             environment={
                 one.name: one.value for one in self.select(tables.ENVIRONMENT, order="name")
@@ -275,11 +273,18 @@ class Store:
             passes=self.select(tables.PASS_COSTS, order=_SORTED),
             defaults=self.select(tables.DEFAULT_EFFECTS, order=_SORTED),
             encodings=self.select(tables.ENCODINGS, order=_SORTED),
-            maps=maps,
-            ensembles=ensembles,
+            sweeps=self._sweeps(),
             methods={(e.name, method.name): method for e in engines for method in e.methods},
             stock_timesteps={e.name: e.stock_timestep for e in engines if e.stock_timestep},
         )
+
+    def points(self, scenario: str) -> list[PlacedRow]:
+        """The stored points of a scene, of all sweeps: two maps that share a place share them."""
+        return self.select(tables.POINTS, f"scenario = ? AND {_RUN_BY_AN_ENGINE}", (scenario,))
+
+    def _sweeps(self) -> list[SweepResult]:
+        stored = self.select(tables.SWEEPS, order="scenario, sweep")
+        return as_result_file_error(swept)(stored, self.select(tables.POINTS, _RUN_BY_AN_ENGINE))
 
     def _verdicts(self, timesteps: str) -> list[Verdict]:
         where, values = ("timesteps = ?", (timesteps,)) if timesteps != _LADDER else ("TRUE", ())

@@ -4,27 +4,25 @@ import json
 import math
 from abc import ABC, abstractmethod
 from bisect import bisect_left
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
-from typing import Annotated, Any, Generic, Literal, TypeVar
+from typing import Annotated, Any, ClassVar
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
-from ...engines import Outcome
-from ...scenarios import Errors, Scenario, loads
-from ...scenarios.vary import MAX_COUNT, check_path
-from ...scenarios.vary import TIMESTEP as TIMESTEP
-from ...scenarios.vary import Axis as Axis
-from .records import Count, Key, Record, SceneName, Size
+from ...engines import Cause, Outcome
+from ...scenarios import Scenario, loads
+from ...scenarios.vary import MAX_COUNT, TIMESTEP, Axis, check_path
+from .records import Pair, Record, Row, SceneName
 
 #: A month on one core.
 MAX_MEMBERS = 1_000_000
 #: As many bits as numpy asks of a seed (`numpy.random.SeedSequence`).
 MAX_SEED = (1 << 128) - 1
-#: Outcomes of points that are not run: the varied numbers make no valid scene, or the run would
-#: take more steps than a point may.
-PointOutcome = Outcome | Literal["invalid", "skipped"]
+#: Outcomes and causes of points, as earlier versions named them.
+_EARLIER = {"skipped": "unsupported", "steps": "timestep"}
 
 
 @dataclass(frozen=True)
@@ -67,6 +65,7 @@ class SweepPoint:
 class Sweep(ABC):
     """A scene at many points."""
 
+    kind: ClassVar[str]
     scenario: SceneName
     timestep: float | None
 
@@ -91,6 +90,10 @@ class Sweep(ABC):
         ----------
         parts : the identity, parsed
         """
+
+    @abstractmethod
+    def check(self, scenario: Scenario) -> None:
+        """Check that the scene can be swept so; raises a ValueError if it cannot."""
 
 
 def _two_axes(axes: tuple[Axis, Axis]) -> tuple[Axis, Axis]:
@@ -123,6 +126,7 @@ class Map(Sweep):
         body turns equally far a step
     """
 
+    kind = "map"
     scenario: SceneName
     axes: Annotated[tuple[Axis, Axis], AfterValidator(_two_axes)]
     timestep: _Timestep | None
@@ -149,9 +153,14 @@ class Map(Sweep):
         return point if json.loads(point.identity) == parts else None
 
     def check(self, scenario: Scenario) -> None:
-        """See that the scene has both numbers; raises a ValueError that names the path."""
+        """Check that the scene has both numbers; raises a ValueError that names the path."""
         for path in self.names:
             check_path(scenario, path)
+
+    def __str__(self) -> str:
+        """Its size and its axes, in words."""
+        axes = ", ".join(f"{a.path} {a.values[0]:g} to {a.values[-1]:g}" for a in self.axes)
+        return f"{len(self)} points, {axes}"
 
     def _at(self, at: tuple[float, ...]) -> SweepPoint:
         numbers = dict(zip(self.names, at, strict=True))
@@ -169,6 +178,7 @@ class Ensemble(Sweep):
     timestep : s, of every run; None for each engine's stock timestep
     """
 
+    kind = "ensemble"
     scenario: SceneName
     members: Annotated[int, Field(gt=0, le=MAX_MEMBERS)]
     seed: Annotated[int, Field(ge=0, le=MAX_SEED)]
@@ -195,6 +205,13 @@ class Ensemble(Sweep):
         point = self._member(number)
         return point if json.loads(point.identity) == parts else None
 
+    def check(self, scenario: Scenario) -> None:
+        """Nothing to do: every scene can be scattered."""
+
+    def __str__(self) -> str:
+        """Its size and its seed, in words."""
+        return f"{self.members} members of seed {self.seed}"
+
     def _member(self, number: int) -> SweepPoint:
         return SweepPoint((float(number),), (), (self.seed, number), self.timestep)
 
@@ -206,35 +223,31 @@ def _is_on(axis: Axis, value: object) -> bool:
     return at < len(axis.values) and axis.values[at] == value
 
 
+def _now(name: str) -> str:
+    """An outcome or cause of any version as it is named now."""
+    return _EARLIER.get(name, name)
+
+
 @dataclass(frozen=True)
-class PointResult(Record):
-    """One method at one point, against the point's own reference.
+class PlacedRow(Row):
+    """A run at a point of a sweep, without its samples.
 
     Attributes
     ----------
     at : the axes' values in the order of the axes; of an ensemble the member's number
-    key : scene, engine and method; engine and method are empty if the point is invalid, since it
-        is then invalid for all methods
-    timestep : s; 0 where the point is invalid before it is known
-    cause : the kind of reason, in a word or two
-    reason : why, where the outcome is not ok
-    stopped_at : s, when it diverged or failed
-    errors : None unless it is ok
-    reference_uncertainty : in ω, relative
     place : the point's identity
     """
 
-    at: tuple[float, ...]
-    key: Key
-    timestep: Size
-    outcome: PointOutcome
-    cause: str = ""
-    reason: str = ""
-    stopped_at: Size | None = None
-    errors: Errors | None = None
-    reference_uncertainty: Size = 0.0
-    steps: Count = 0
+    engine_version: str = field(default="", kw_only=True)
+    outcome: Annotated[Outcome, BeforeValidator(_now)]
+    cause: Annotated[Cause, BeforeValidator(_now)] = ""
+    at: tuple[float, ...] = ()
     place: str = ""
+
+    @property
+    def pair(self) -> Pair:
+        """Engine and method."""
+        return self.key.engine, self.key.method
 
 
 @dataclass(frozen=True)
@@ -256,22 +269,44 @@ class DefinedSweep(Record):
         if self.sweep.scenario != self.scenario:
             raise ValueError(f"a sweep of '{self.sweep.scenario}' under '{self.scenario}'")
         scenario = loads(self.toml, self.scenario)
-        if isinstance(self.sweep, Map):
-            self.sweep.check(scenario)
+        self.sweep.check(scenario)
         return scenario
 
 
-S = TypeVar("S", bound=Sweep)
-
-
 @dataclass(frozen=True, eq=False)
-class SweepResult(Generic[S]):
+class SweepResult:
     """A sweep with the scene that is varied, and its stored points, in the order of the axes."""
 
-    sweep: S
+    sweep: Map | Ensemble
     scenario: Scenario
-    points: tuple[PointResult, ...]
+    points: tuple[PlacedRow, ...]
 
 
-MapResult = SweepResult[Map]
-EnsembleResult = SweepResult[Ensemble]
+def swept(stored: Iterable[DefinedSweep], points: Iterable[PlacedRow]) -> list[SweepResult]:
+    """The sweeps with their points.
+
+    Raises
+    ------
+    ValueError
+        If a definition, or a point's identity, is none.
+    """
+    of_scene: dict[str, list[PlacedRow]] = defaultdict(list)
+    for row in points:
+        of_scene[row.key.scenario].append(row)
+    return [
+        SweepResult(one.sweep, one.varied(), points_of(one.sweep, of_scene[one.scenario]))
+        for one in stored
+    ]
+
+
+def points_of(sweep: Map | Ensemble, stored: Iterable[PlacedRow]) -> tuple[PlacedRow, ...]:
+    """The points of a sweep among those of its scene, in its order.
+
+    It loops over the stored points, not over all of the sweep: few may have been run.
+    """
+    found = [
+        replace(row, at=point.at)
+        for row in stored
+        if (point := sweep.point(json.loads(row.place))) is not None
+    ]
+    return tuple(sorted(found, key=lambda row: (row.at, row.pair)))

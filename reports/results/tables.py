@@ -35,7 +35,7 @@ from .records import (
     Verdict,
 )
 from .result_file import ResultFileError
-from .sweep_records import DefinedSweep, PointResult
+from .sweep_records import DefinedSweep, PlacedRow
 
 T = TypeVar("T")
 R = TypeVar("R", bound=Record)
@@ -80,12 +80,14 @@ class Table(Generic[R]):
     key : the columns that identify a record: fields of it, or of its `Key`
     rests_on : the kinds of fingerprints that a record rests on, if any; it has their digest beside
         its key, so that records of several programs, scenes and engines can be kept
+    with_motion : whether the motion of a record that has one is kept
     """
 
     name: str
     record: type[R]
     key: tuple[str, ...]
     rests_on: tuple[str, ...] = ()
+    with_motion: bool = True
 
     @property
     def sql(self) -> str:
@@ -100,7 +102,8 @@ class Table(Generic[R]):
     @cached_property
     def motions(self) -> tuple[str, ...]:
         """The columns of blobs."""
-        return tuple(field.name for field in fields(self.record) if field.name in MOTIONS)
+        names = MOTIONS if self.with_motion else ()
+        return tuple(field.name for field in fields(self.record) if field.name in names)
 
     def columns(self, record: R) -> dict[str, Any]:
         """A record as it is stored; a field that is None, as it is by default, is left out."""
@@ -201,7 +204,7 @@ OF_STUDIES = (
     ENCODINGS,
 )
 SWEEPS = Table("sweeps", DefinedSweep, ("scenario", "sweep"), ("motion",))
-POINTS = Table("points", PointResult, ("scenario", "place", "engine", "method"), _RUN)
+POINTS = Table("points", PlacedRow, ("scenario", "place", "engine", "method"), _RUN, False)
 TABLES: tuple[Table[Any], ...] = (
     *(ENVIRONMENT, ENGINES, FINGERPRINTS, SCENES, SWEEPS, POINTS),
     *OF_STUDIES,

@@ -243,7 +243,7 @@ def test_reading_the_largest_ensemble_takes_as_long_as_what_there_is_of_it(path)
         return identity(place)
 
     with open_store(path) as store, patch.object(SweepPoint, "identity", property(counted)):
-        (ensemble,) = store.read().ensembles
+        (ensemble,) = (one for one in store.read().sweeps if one.sweep.kind == "ensemble")
     assert len(ensemble.points) == small_result_file.MEMBERS
     assert places < 10 * len(columns(path))
 

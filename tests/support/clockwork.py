@@ -114,13 +114,7 @@ class Works(Engine):
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         return self._left_out
 
-    def open_unpruned(
-        self,
-        scenario: Scenario,
-        method: Method,
-        timestep: float,
-        left_in: Collection[str] | None = None,
-    ) -> Session | None:
-        if not self._left_out:
-            return None
-        return self._make(self._left_out if left_in is None else left_in)
+    def open_with(
+        self, scenario: Scenario, method: Method, timestep: float, left_in: Collection[str]
+    ) -> Session:
+        return self._make(left_in)

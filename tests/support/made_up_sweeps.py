@@ -3,13 +3,7 @@
 from spincheck.engines import Method
 from spincheck.reports.results.records import Key
 from spincheck.reports.results.store import Results
-from spincheck.reports.results.sweep_records import (
-    Ensemble,
-    EnsembleResult,
-    Map,
-    MapResult,
-    PointResult,
-)
+from spincheck.reports.results.sweep_records import Ensemble, Map, PlacedRow, SweepResult
 from spincheck.scenarios import EFFECTS, Errors, Scenario, loads
 from spincheck.scenarios.vary import Axis, parse_axis
 
@@ -60,6 +54,8 @@ SPIN, STEP = "start.omega_body[2]=1:100:9:log", "timestep=1e-3:1:7:log"
 ORDERS = {"Euler": 1, "RK4": 4, "multibody": 1}
 #: Of the reference, in ω; the finest runs of RK4 are better.
 UNCERTAINTY = 1e-11
+#: Of every motion.
+TURNS = 12.0
 
 
 def scene(text: str = DISC, name: str = "disc") -> Scenario:
@@ -73,24 +69,23 @@ def axes(*texts: str) -> tuple[Axis, Axis]:
 
 def point(
     at: tuple[float, float], pair: tuple[str, str], timestep: float, base: Scenario
-) -> PointResult:
+) -> PlacedRow:
     """Diverges where Euler turns by more than 1, fails beyond 10; PyBullet clamps beyond π/4."""
     key = Key(base.name, *pair)
     turn = at[0] * timestep
     if pair == ("pybullet", "multibody") and turn > METHODS[pair].max_rotation_per_step:
-        return PointResult(at, key, timestep, "unsupported", "clamp", f"too far {MISCHIEF}")
+        return PlacedRow(key, timestep, "unsupported", f"too far {MISCHIEF}", "clamp", at=at)
     if pair[1] == "Euler" and turn > 1:
-        cause = "not finite" if turn < 10 else "energy"
-        return PointResult(at, key, timestep, "diverged", cause, f"blew up {MISCHIEF}", 0.25)
+        cause = "not-finite" if turn < 10 else "energy"
+        return PlacedRow(key, timestep, "diverged", f"blew up {MISCHIEF}", cause, 0.25, at=at)
     error = timestep ** ORDERS[pair[1]]
     errors = Errors(*(k * error for k in range(1, 7)))
     steps = round(base.window.duration / timestep)
-    return PointResult(
-        at, key, timestep, "ok", errors=errors, reference_uncertainty=UNCERTAINTY, steps=steps
-    )
+    kept = {"errors": errors, "reference_uncertainty": UNCERTAINTY, "steps": steps, "at": at}
+    return PlacedRow(key, timestep, "ok", turns=TURNS, **kept)
 
 
-def map_result(text: str = DISC, name: str = "disc") -> MapResult:
+def map_result(text: str = DISC, name: str = "disc") -> SweepResult:
     base, varied = scene(text, name), axes()
     points = tuple(
         point((first, second), pair, second, base)
@@ -98,10 +93,10 @@ def map_result(text: str = DISC, name: str = "disc") -> MapResult:
         for second in varied[1].values
         for pair in METHODS
     )
-    return MapResult(Map(name, varied, None), base, points)
+    return SweepResult(Map(name, varied, None), base, points)
 
 
-def ensemble_result(members: int = 10, name: str = "disc") -> EnsembleResult:
+def ensemble_result(members: int = 10, name: str = "disc") -> SweepResult:
     """Member k is off by k + 1 hundredths with Euler, RK4 by a millionth of that.
 
     Of PyBullet every second member diverges, the later the earlier.
@@ -112,18 +107,21 @@ def ensemble_result(members: int = 10, name: str = "disc") -> EnsembleResult:
         for pair in METHODS:
             key = Key(name, *pair)
             if pair[0] == "pybullet" and k % 2:
-                ended = ("diverged", "not finite", f"blew up {MISCHIEF}", 10.0 - k)
-                points.append(PointResult((float(k),), key, 0.01, *ended))
+                ended = ("diverged", f"blew up {MISCHIEF}", "not-finite", 10.0 - k)
+                points.append(
+                    PlacedRow(key, 0.01, *ended, at=(float(k),), place=str(k), turns=k / 10)
+                )
                 continue
             error = (k + 1) / 100 * (1e-6 if pair[1] == "RK4" else 1.0)
             errors = Errors(*(k * error for k in range(1, 7)))
-            keywords = {"errors": errors, "reference_uncertainty": UNCERTAINTY, "steps": 1000}
-            points.append(PointResult((float(k),), key, 0.01, "ok", **keywords))
-    return EnsembleResult(Ensemble(name, members, 7, 0.01), base, tuple(points))
+            kept = {"errors": errors, "reference_uncertainty": UNCERTAINTY, "steps": 1000}
+            within = TURNS / (k + 1) if pair == ("mujoco", "Euler") else None
+            kept |= {"turns": TURNS, "turns_within_1deg": within, "attitude_a_turn": error / TURNS}
+            points.append(PlacedRow(key, 0.01, "ok", at=(float(k),), place=str(k), **kept))
+    return SweepResult(Ensemble(name, members, 7, 0.01), base, tuple(points))
 
 
 def swept() -> Results:
     """Two maps of one scene, one of another, and an ensemble."""
-    maps = [map_result(), map_result(), map_result(UPRIGHT, "upright")]
-    where = {"processor": "a fast one"}
-    return Results(where, {}, [], [], methods=METHODS, maps=maps, ensembles=[ensemble_result()])
+    sweeps = [map_result(), map_result(), map_result(UPRIGHT, "upright"), ensemble_result()]
+    return Results({"processor": "a fast one"}, {}, [], [], methods=METHODS, sweeps=sweeps)

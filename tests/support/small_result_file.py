@@ -1,5 +1,6 @@
 """A result file with something in each of its tables, made without a run."""
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -18,7 +19,7 @@ from spincheck.reports.results.default_records import DefaultEffect, DefaultEffe
 from spincheck.reports.results.evidence import Deviation, Evidence, JudgedRung, Refinement
 from spincheck.reports.results.records import Fingerprint, Key
 from spincheck.reports.results.store import open_store
-from spincheck.reports.results.sweep_records import Ensemble, Map
+from spincheck.reports.results.sweep_records import DefinedSweep, Ensemble, Map
 from spincheck.scenarios import Errors
 
 SCENE = "made-up-top"
@@ -71,8 +72,8 @@ def _put_sweeps(store) -> None:
     base = made_up_sweeps.scene(name=SWEPT)
     axes = made_up_sweeps.axes("start.omega_body[2]=1:2:2", "timestep=1e-3:1e-2:2")
     for definition in (Map(SWEPT, axes, None), Ensemble(SWEPT, MEMBERS, 7, 0.01)):
-        store.sweeps.put(definition, base)
+        store.put(DefinedSweep(SWEPT, definition, base.text))
         for place in definition.points():
             at = (*place.at, 0.0)[:2]
             point = made_up_sweeps.point(at, ("mujoco", "RK4"), place.timestep, base)
-            store.sweeps.put_points(place, [point])
+            store.put(replace(point, place=place.identity))

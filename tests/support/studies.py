@@ -13,7 +13,7 @@ from spincheck.reports.harness.study import run_rungs, run_study
 from spincheck.reports.harness.sweep import plan_sweep, run_sweep
 from spincheck.reports.results.records import Verdict
 from spincheck.reports.results.store import Results, open_store
-from spincheck.reports.results.sweep_records import Ensemble, Map, PointResult
+from spincheck.reports.results.sweep_records import Ensemble, Map, PlacedRow, points_of
 from spincheck.scenarios import Scenario
 
 Progress = Callable[[str], object]
@@ -39,11 +39,11 @@ def sweep(
     choice: Choice,
     executor: Executor | None = None,
     progress: Progress = len,
-) -> tuple[PointResult, ...]:
+) -> tuple[PlacedRow, ...]:
     """Run what is missing of a sweep; returns its points."""
     with open_store(path, create=True) as store, executor or InProcess() as calls:
         run_sweep(plan_sweep(definition, scene, choice, store), scene, store, calls, progress)
-        return store.sweeps.points(definition)
+        return points_of(definition, store.points(scene.name))
 
 
 def verdict_of(study: ConvergenceStudy) -> Verdict:

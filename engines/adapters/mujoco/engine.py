@@ -174,17 +174,11 @@ class MuJoCo(Engine):
         kept = (*PASSES, *OF_CONTACTS)
         return tuple(name for name in left_out(off_its_table(scenario)) if name not in kept)
 
-    def open_unpruned(
-        self,
-        scenario: Scenario,
-        method: Method,
-        timestep: float,
-        left_in: Collection[str] | None = None,
-    ) -> MuJoCoSession | None:
-        """As `open`, with passes left on, to time what they cost."""
-        if not (names := self.left_out(scenario, method)):
-            return None
-        return _open(scenario, timestep, method, names if left_in is None else left_in)
+    def open_with(
+        self, scenario: Scenario, method: Method, timestep: float, left_in: Collection[str]
+    ) -> MuJoCoSession:
+        """As `open`, with some passes on."""
+        return _open(scenario, timestep, method, left_in)
 
     def at_version(self, version: str) -> Release:
         """Another version; its differences are from MuJoCo's changelog."""

@@ -6,7 +6,7 @@ docs/measured/engines-pybullet.md.
 
 from collections.abc import Collection
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from importlib.metadata import version
 from math import pi
 
@@ -44,9 +44,33 @@ REPRESENTATIONS = {
         maximal=False, hung=True, defaults=frozenset(DEFAULTS) - {INERTIA}
     ),
 }
-
-
 ON_TABLE = frozenset({"table"})
+
+#: Of first order, whatever the coordinates.
+bullet_method = partial(
+    Method, order=1, attitude_order=1, max_rotation_per_step=MOST_ROTATION_A_STEP
+)
+
+
+def _method(
+    name: str,
+    summary: str,
+    effects: frozenset[str] = JOINTED,
+    requires: frozenset[str] = frozenset(),
+) -> Method:
+    return bullet_method(
+        name=name,
+        summary=summary,
+        effects=effects,
+        requires=requires,
+        setup=setup(REPRESENTATIONS[name]),
+    )
+
+
+def _as_shipped(name: str, summary: str) -> Method:
+    return bullet_method(
+        name=name, summary=summary, effects=JOINTED, as_shipped=True, damping=DEFAULT_DAMPING
+    )
 
 
 class PyBullet(Engine):
@@ -58,63 +82,30 @@ class PyBullet(Engine):
     stock_timestep = 1 / 240
     describes = frozenset({"parts", "full tensor", "shape"})
     methods = (
-        Method(
-            "multibody",
-            1,
-            1,
-            "joint coordinates, a pivot as a spherical joint",
-            JOINTED,
-            max_rotation_per_step=MOST_ROTATION_A_STEP,
-            setup=setup(REPRESENTATIONS["multibody"]),
-        ),
-        Method(
+        _method("multibody", "joint coordinates, a pivot as a spherical joint"),
+        _method(
             "multibody-p2p",
-            1,
-            1,
             "joint coordinates, the pivot as a point-to-point constraint",
-            JOINTED,
             requires=frozenset({"pivot"}),
-            max_rotation_per_step=MOST_ROTATION_A_STEP,
-            setup=setup(REPRESENTATIONS["multibody-p2p"]),
         ),
-        Method(
+        _method(
             "maximal",
-            1,
-            1,
             "six coordinates a body, gyroscopic term implicit, the pivot as a constraint",
             COMMON_EFFECTS,
-            max_rotation_per_step=MOST_ROTATION_A_STEP,
-            setup=setup(REPRESENTATIONS["maximal"]),
         ),
-        Method(
+        _method(
             "contact",
-            1,
-            1,
             "joint coordinates, the table as a contact of a sphere and a plane",
             COMMON_EFFECTS | ON_TABLE,
             requires=ON_TABLE,
-            max_rotation_per_step=MOST_ROTATION_A_STEP,
-            setup=setup(REPRESENTATIONS["contact"]),
         ),
-        Method(
+        _as_shipped(
             "default",
-            1,
-            1,
             "as shipped: the URDF without flags, with damping, joint motor and velocity clamp",
-            JOINTED,
-            max_rotation_per_step=MOST_ROTATION_A_STEP,
-            as_shipped=True,
-            damping=DEFAULT_DAMPING,
         ),
-        Method(
+        _as_shipped(
             "default-inertia-from-file",
-            1,
-            1,
             "as shipped, but for the inertia, which is the file's (URDF_USE_INERTIA_FROM_FILE)",
-            JOINTED,
-            max_rotation_per_step=MOST_ROTATION_A_STEP,
-            as_shipped=True,
-            damping=DEFAULT_DAMPING,
         ),
     )
 
@@ -125,10 +116,9 @@ class PyBullet(Engine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Load the scene's URDF and set its start."""
-        representation = REPRESENTATIONS[method.name]
-        if representation.maximal and scenario.constraint.is_pivot:
+        if REPRESENTATIONS[method.name].maximal and scenario.constraint.is_pivot:
             check_borne(Equations(scenario), start_state(scenario), timestep)
-        return PyBulletSession(scenario, representation, timestep)
+        return self.open_with(scenario, method, timestep, ())
 
     def open_as(
         self, scenario: Scenario, method: Method, timestep: float, description: Description
@@ -147,18 +137,11 @@ class PyBullet(Engine):
         """The collision shape, and for a body on a joint the motor, which has no force."""
         return left_out(scenario, REPRESENTATIONS[method.name])
 
-    def open_unpruned(
-        self,
-        scenario: Scenario,
-        method: Method,
-        timestep: float,
-        left_in: Collection[str] | None = None,
-    ) -> Session | None:
-        """As `open`, with these, to time what they cost."""
-        if not (names := self.left_out(scenario, method)):
-            return None
-        kept = names if left_in is None else left_in
-        return PyBulletSession(scenario, REPRESENTATIONS[method.name], timestep, kept)
+    def open_with(
+        self, scenario: Scenario, method: Method, timestep: float, left_in: Collection[str]
+    ) -> Session:
+        """As `open`, with some of these."""
+        return PyBulletSession(scenario, REPRESENTATIONS[method.name], timestep, left_in)
 
     def at_version(self, version: str) -> Release:
         """Another version, with the same methods."""

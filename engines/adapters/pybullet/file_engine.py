@@ -5,7 +5,7 @@ from typing import ClassVar, final
 from ....scenarios import Scenario
 from ...engine import Method, Release
 from ...users_models import FileEngine, body_alone, users_link
-from .engine import MOST_ROTATION_A_STEP, PyBullet, installed_version, release
+from .engine import PyBullet, bullet_method, installed_version, release
 from .load import DEFAULTS, INERTIA, BodyRepresentation, OwnURDF
 from .model_reader import DEFAULT, FROM_FILE, MADE_UP, takes_mesh
 from .session import PyBulletSession
@@ -23,22 +23,16 @@ class PyBulletFile(FileEngine):
     stock_timestep = PyBullet.stock_timestep
     made_up: ClassVar[dict[str, str]] = {DEFAULT: MADE_UP}
     methods = (
-        Method(
-            FROM_FILE,
-            1,
-            1,
-            "the link as read from the user's own URDF, with URDF_USE_INERTIA_FROM_FILE",
-            frozenset({"gravity"}),
-            max_rotation_per_step=MOST_ROTATION_A_STEP,
+        bullet_method(
+            name=FROM_FILE,
+            summary="the link as read from the user's own URDF, with URDF_USE_INERTIA_FROM_FILE",
+            effects=frozenset({"gravity"}),
             reader=True,
         ),
-        Method(
-            DEFAULT,
-            1,
-            1,
-            "as shipped: the link as read from the user's own URDF, without a flag",
-            frozenset({"gravity"}),
-            max_rotation_per_step=MOST_ROTATION_A_STEP,
+        bullet_method(
+            name=DEFAULT,
+            summary="as shipped: the link as read from the user's own URDF, without a flag",
+            effects=frozenset({"gravity"}),
             as_shipped=True,
         ),
     )

@@ -104,10 +104,9 @@ def _picture(scene: SceneRuns, parts: list[Figure], out: Path) -> None:
 def _film(scene: SceneRuns, runs: tuple[Compared, ...], out: Path) -> None:
     from ...pages.figures.film import Filmed, NoWriterError, write_film
 
-    assert scene.solved is not None, "only a scene that was solved is filmed"
     beside = [Filmed(run_name(run.row), run.motion) for run in runs]
     try:
-        write_film(scene.solved, beside, out)
+        write_film(scene.exact, beside, out)
     except NoWriterError as error:
         raise Complaint(f"{out}: {error}", NOT_RUN) from None
 

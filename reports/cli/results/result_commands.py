@@ -56,9 +56,7 @@ def points(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson
     from ..run.brief_records import point_lines
     from ..sweeps.sweep_summary import flat_records
 
-    stored = running.read(results)
-    sweeps: list[Any] = [*stored.maps, *stored.ensembles]
-    records = [record for sweep in sweeps for record in flat_records(sweep)]
+    records = [one for sweep in running.read(results).sweeps for one in flat_records(sweep)]
     if as_csv or as_json:
         _print_records(records, as_csv, as_json)
     else:

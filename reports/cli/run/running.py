@@ -168,7 +168,7 @@ def read(path: Path) -> Results:
                 )
     except ResultFileError as error:
         raise Complaint(str(error), BAD_INPUT) from None
-    if not (results.verdicts or results.maps or results.ensembles):
+    if not (results.verdicts or results.sweeps):
         raise Complaint(f"{path}: holds no results; 'spincheck run' fills it", BAD_INPUT)
     return results
 

@@ -22,6 +22,7 @@ from ..options import (
 from ..terminal import say, to_json
 
 if TYPE_CHECKING:
+    from ...results.sweep_records import SweepResult
     from ..executing import Where
 
 app = typer.Typer()
@@ -55,17 +56,11 @@ def map_scene(
     What the file holds already is not run again, unless by '--again'.
     """
     from ..executing import Where
-    from .sweep_running import choose_for_sweep, exit_code, run_map
-    from .sweep_summary import print_sweep, sweep_as_json
+    from .sweep_running import choose_for_sweep, run_map
 
     choice = choose_for_sweep(engine or [], method or [], timestep or [], time_limit, again=again)
-    sweep = run_map(scenario, vary or [], choice, Where(jobs, dask), out)
-    if as_json:
-        print(to_json(sweep_as_json(sweep)))
-    else:
-        print_sweep(sweep)
-        say(f"Points are in {out}; 'spincheck report {out}' draws them.")
-    raise typer.Exit(exit_code(sweep.points))
+    swept = run_map(scenario, vary or [], choice, Where(jobs, dask), out)
+    raise typer.Exit(_printed(swept, f"Points are in {out}", out, as_json))
 
 
 @app.command("vary", epilog="Example: spincheck vary fast-top start.omega_body[2]=37.3")
@@ -111,18 +106,24 @@ def run_members(
     again : whether members that the file holds already are run again
     where, out : where runs are made, and the result file
     """
-    from ..terminal import BAD_INPUT, Complaint
-    from .sweep_running import choose_for_sweep, exit_code, run_ensemble
+    from .sweep_running import choose_for_sweep, run_ensembles
+
+    choice = choose_for_sweep(*selection, time_limit, again=again)
+    swept = run_ensembles(scenes, members, seed, choice, where, out)
+    one = f"spincheck member SCENE --seed {seed} --member N"
+    return _printed(swept, f"Members are in {out}; '{one}' prints one", out, as_json)
+
+
+def _printed(swept: "list[SweepResult]", where: str, out: Path, as_json: bool) -> int:
+    """Print sweeps, a single one or a list of them; returns the exit code."""
+    from .sweep_running import exit_code
     from .sweep_summary import print_sweep, sweep_as_json
 
-    if len(scenes) != 1:
-        raise Complaint(f"'--ensemble' takes one scene, got {len(scenes)}", BAD_INPUT)
-    choice = choose_for_sweep(*selection, time_limit, again=again)
-    sweep = run_ensemble(scenes[0], members, seed, choice, where, out)
     if as_json:
-        print(to_json(sweep_as_json(sweep)))
+        records = [sweep_as_json(one) for one in swept]
+        print(to_json(records[0] if len(records) == 1 else records))
     else:
-        print_sweep(sweep)
-        one = f"spincheck member {scenes[0]} --seed {seed} --member N"
-        say(f"Members are in {out}; '{one}' prints one.")
-    return exit_code(sweep.points)
+        for one in swept:
+            print_sweep(one)
+        say(f"{where}; 'spincheck report {out}' draws them.")
+    return exit_code(point for one in swept for point in one.points)

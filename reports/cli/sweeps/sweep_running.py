@@ -15,14 +15,14 @@ from ...results.sweep_records import (
     MAX_MEMBERS,
     MAX_SEED,
     Ensemble,
-    EnsembleResult,
     Map,
-    MapResult,
-    PointResult,
+    PlacedRow,
+    SweepResult,
+    points_of,
 )
 from ..choosing import check_timesteps, choose
 from ..executing import Where, executor_for
-from ..named_scenes import one_scene
+from ..named_scenes import one_scene, scenes_to_run
 from ..run.running import gone_on_with
 from ..stopping import saying
 from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress, say
@@ -39,7 +39,7 @@ def run_map(
     choice: Choice,
     where: Where,
     out: Path,
-) -> MapResult:
+) -> list[SweepResult]:
     """Run the points that a map still lacks, and read the whole map.
 
     Parameters
@@ -56,28 +56,30 @@ def run_map(
     sweep = _map(base, ranges, choice)
     if _DURATION not in (axis.path for axis in sweep.axes):
         check_timesteps([base], choice)
-    return MapResult(sweep, base, _carried_out(sweep, base, choice, where, out))
+    return _carried_out([(sweep, base)], choice, where, out)
 
 
-def run_ensemble(
-    scene: str,
+def run_ensembles(
+    scenes: Sequence[str],
     members: int,
     seed: int,
     choice: Choice,
     where: Where,
     out: Path,
-) -> EnsembleResult:
-    """Run the members that an ensemble still lacks, and read it; see also `run_map`.
+) -> list[SweepResult]:
+    """Run the members that ensembles still lack, and read them; see also `run_map`.
 
     Parameters
     ----------
-    members, seed : number of members, and the seed of their random numbers
+    members, seed : number of members of each scene, and the seed of their random numbers
     """
-    base = one_scene(scene)
-    check_timesteps([base], choice)
+    if not scenes:
+        raise Complaint("'--ensemble' takes scenes to scatter, got none", BAD_INPUT)
+    bases = scenes_to_run(scenes, expectations=False)
+    check_timesteps(bases, choice)
     _check_members(members, seed)
-    sweep = Ensemble(base.name, members, seed, _timestep(choice))
-    return EnsembleResult(sweep, base, _carried_out(sweep, base, choice, where, out))
+    ensembles = [(Ensemble(base.name, members, seed, _timestep(choice)), base) for base in bases]
+    return _carried_out(ensembles, choice, where, out)
 
 
 def member_text(scene: str, seed: int, number: int) -> str:
@@ -147,7 +149,7 @@ def choose_for_sweep(
     return replace(choice, again=again)
 
 
-def exit_code(points: Iterable[PointResult]) -> int:
+def exit_code(points: Iterable[PlacedRow]) -> int:
     """0 if every run came to an end of its own, 1 if one failed, 3 if all did."""
     outcomes = {point.outcome for point in points}
     if outcomes <= {"failed"}:
@@ -185,26 +187,28 @@ def _timestep(choice: Choice) -> float | None:
 
 
 def _carried_out(
-    sweep: Map | Ensemble,
-    base: Scenario,
-    choice: Choice,
-    where: Where,
-    out: Path,
-) -> tuple[PointResult, ...]:
-    """Run what is missing, and return the points of the methods chosen."""
+    sweeps: Sequence[tuple[Map | Ensemble, Scenario]], choice: Choice, where: Where, out: Path
+) -> list[SweepResult]:
+    """Run what is missing of sweeps, and return them with the points of the methods chosen."""
+    pairs = {(engine.name, method.name) for engine, method in choice.pairs()}
+    results = []
     try:
         with saying(gone_on_with(out)), open_store(out, create=True) as store:
-            left = plan_sweep(sweep, base, choice, store)
-            if str(left):
-                say(f"{out}: {left}")
-            if left.missing:
+            left = [(plan_sweep(sweep, base, choice, store), base) for sweep, base in sweeps]
+            complete, total = (sum(getattr(p, n) for p, _ in left) for n in ("complete", "total"))
+            if complete:
+                say(f"{out}: {complete} of {total} points are stored already")
+            if complete < total:
                 with (
                     executor_for(where, choice.time_limit) as executor,
-                    progress(left.missing, PROGRESS_LINES) as advance,
+                    progress(total - complete, PROGRESS_LINES) as advance,
                 ):
-                    run_sweep(left, base, store, executor, advance)
-            pairs = {(engine.name, method.name) for engine, method in choice.pairs()} | {("", "")}
-            points = store.sweeps.points(sweep)
-            return tuple(p for p in points if (p.key.engine, p.key.method) in pairs)
+                    for planned, base in left:
+                        run_sweep(planned, base, store, executor, advance)
+            for sweep, base in sweeps:
+                points = points_of(sweep, store.points(base.name))
+                chosen = tuple(row for row in points if row.pair in pairs)
+                results.append(SweepResult(sweep, base, chosen))
+            return results
     except ResultFileError as error:
         raise Complaint(str(error), BAD_INPUT) from None

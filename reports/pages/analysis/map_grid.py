@@ -13,7 +13,7 @@ from ....scenarios import FloatArray
 from ....scenarios.errors import ScenarioError
 from ....scenarios.vary import TIMESTEP, Axis, varied
 from ...results.records import Pair
-from ...results.sweep_records import MapResult, PointResult
+from ...results.sweep_records import Map, PlacedRow, SweepResult
 
 #: Units of a scene file's numbers, by the last key of their paths.
 UNITS = {
@@ -51,13 +51,14 @@ class Grid:
     stock_timesteps : of their engines that have one, s
     """
 
-    result: MapResult
+    result: SweepResult
     methods: dict[Pair, Method | None]
     stock_timesteps: dict[str, float] = field(default_factory=dict)
 
     @property
     def axes(self) -> tuple[Axis, Axis]:
         """Across, and up."""
+        assert isinstance(self.result.sweep, Map), "an ensemble has no axes"
         return self.result.sweep.axes
 
     @cached_property
@@ -67,16 +68,13 @@ class Grid:
         return len(up.values), len(across.values)
 
     @cached_property
-    def points(self) -> dict[Pair, dict[Node, PointResult]]:
-        """The points by method and grid point; points invalid for all methods appear for each."""
+    def points(self) -> dict[Pair, dict[Node, PlacedRow]]:
+        """The points by method and grid point."""
         across, up = ({value: k for k, value in enumerate(axis.values)} for axis in self.axes)
-        sorted_points: dict[Pair, dict[Node, PointResult]] = {pair: {} for pair in self.methods}
+        by_method: dict[Pair, dict[Node, PlacedRow]] = {pair: {} for pair in self.methods}
         for point in self.result.points:
-            node = up[point.at[1]], across[point.at[0]]
-            pair = point.key.engine, point.key.method
-            for each in [pair] if point.key.engine else self.methods:
-                sorted_points[each][node] = point
-        return sorted_points
+            by_method[point.pair][up[point.at[1]], across[point.at[0]]] = point
+        return by_method
 
     @cached_property
     def numbers(self) -> dict[Node, StabilityNumbers]:
@@ -118,7 +116,7 @@ class Grid:
                     chosen[node] = point.timestep
         return chosen
 
-    def is_cut(self, point: PointResult) -> bool:
+    def is_cut(self, point: PlacedRow) -> bool:
         """Whether a run ended before the window, where the exact motion is no longer known."""
         across, up = self.axes
         node = up.values.index(point.at[1]), across.values.index(point.at[0])

@@ -7,33 +7,32 @@ is distinguishable without colours.
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ...results.sweep_records import PointOutcome, PointResult
+from ....engines import Cause, Outcome
+from ...results.sweep_records import PlacedRow
 
 #: Signs for each outcome, for its causes in alphabetical order; the last for all further causes.
-SIGNS: dict[PointOutcome, tuple[str, ...]] = {
+SIGNS: dict[Outcome, tuple[str, ...]] = {
     "diverged": ("x-thin", "cross-thin", "asterisk", "y-up", "y-down"),
     "failed": ("square-open", "diamond-open", "triangle-up-open"),
-    "unsupported": ("circle-open", "hexagon-open"),
-    "skipped": ("line-ew", "line-ns"),
-    "invalid": ("line-ne", "line-nw"),
+    "unsupported": ("circle-open", "line-ne", "line-ew", "hexagon-open"),
     "ok": ("circle", "hexagon"),
 }
 #: Colours that stand out by 3 : 1 on white and on near-black alike.
-COLOURS: dict[PointOutcome, str] = {
+COLOURS: dict[Outcome, str] = {
     "diverged": "#d63f4c",
     "failed": "#b04fc4",
     "unsupported": "#7d8794",
-    "skipped": "#2f7ed8",
-    "invalid": "#7d8794",
     "ok": "#9a6b3f",
 }
+#: What is said of points that no run was made at.
+_NOT_RUN = {"scene": "no scene", "timestep": "not run: timestep"}
 
 
 @dataclass(frozen=True)
 class Mark:
     """A sign, and what it stands for; names as Plotly has them."""
 
-    outcome: PointOutcome
+    outcome: Outcome
     cause: str
     symbol: str
     colour: str
@@ -43,6 +42,8 @@ class Mark:
         """As in `diverged: not finite`."""
         if self.outcome == "ok":
             return self.cause or "no error known"
+        if self.outcome == "unsupported" and self.cause in _NOT_RUN:
+            return _NOT_RUN[self.cause]
         return f"{self.outcome}: {self.cause}" if self.cause else self.outcome
 
 
@@ -50,12 +51,12 @@ class Mark:
 HORIZON = Mark("ok", "compared up to the reference's horizon", "diamond-tall", "#9a6b3f")
 
 
-def is_coloured(point: PointResult) -> bool:
+def is_coloured(point: PlacedRow) -> bool:
     """Whether a point has an error of a whole run."""
     return point.outcome == "ok" and point.errors is not None
 
 
-def marks(points: Iterable[PointResult]) -> dict[tuple[PointOutcome, str], Mark]:
+def marks(points: Iterable[PlacedRow]) -> dict[tuple[Outcome, Cause], Mark]:
     """A mark for every outcome and cause among the points that have no colour."""
     kinds = {(point.outcome, point.cause) for point in points if not is_coloured(point)}
     marks_by_end = {}

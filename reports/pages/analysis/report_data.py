@@ -95,11 +95,16 @@ class SceneRuns:
         """The scene's own title, or its name where there is no scene."""
         return self.solved.scenario.title if self.solved else self.name
 
+    @property
+    def exact(self) -> SceneResult:
+        """The scene and its exact motion, of a scene that was solved."""
+        assert self.solved is not None, "what is exact is known of a solved scene"
+        return self.solved
+
     @cached_property
     def fastest_rate(self) -> float:
         """The scene's fastest rate, rad/s."""
-        assert self.solved is not None, "the fastest rate is that of the exact motion"
-        return fastest_rate(self.solved.scenario, self.solved.solution.trajectory.omega_body)
+        return fastest_rate(self.exact.scenario, self.exact.solution.trajectory.omega_body)
 
     @cached_property
     def compared(self) -> tuple["Compared", ...]:
@@ -116,8 +121,7 @@ class SceneRuns:
 
     def uncertainty(self, row: Row) -> Errors:
         """Uncertainty of the reference of a run; that of ω is stored with the run."""
-        assert self.solved is not None, "a run with errors has a reference"
-        of_reference = self.solved.solution.uncertainty
+        of_reference = self.exact.solution.uncertainty
         return replace(of_reference, omega=max(of_reference.omega, row.reference_uncertainty))
 
 

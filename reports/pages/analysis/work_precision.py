@@ -77,8 +77,7 @@ def curves(scene: SceneRuns, signal: str) -> list[Curve]:
 
 def curve_of(scene: SceneRuns, runs: MethodRuns, signal: str) -> Curve:
     """One method's curve on a scene that was solved."""
-    assert scene.solved is not None, "errors are against a reference"
-    solution = scene.solved.solution
+    solution = scene.exact.solution
     finished = [row for row in runs.rows if row.outcome == "ok" and row.errors]
     unfinished = [row.timestep for row in runs.rows if row.made and row.outcome != "ok"]
     points = tuple(_point(scene, row, signal) for row in finished)

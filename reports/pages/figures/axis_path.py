@@ -7,7 +7,7 @@ from ..analysis.report_data import SceneRuns
 from . import solid
 from .dense_motion import dense_motion
 from .drawn_body import axis_body
-from .plot import Figure, Panel, Range, layout, padded, start_dot
+from .plot import Figure, Panel, Range, drawing, padded, start_dot
 
 HEIGHT = 400
 #: Degrees of azimuth shown at first; the rest can be dragged into view.
@@ -22,8 +22,7 @@ STEADY, STEADY_ROOM = 1e-6, 0.5
 
 def axis_path(scene: SceneRuns) -> list[Figure]:
     """The path on the sphere, from above, and unrolled into azimuth and tilt."""
-    assert scene.solved is not None, "what is exact is known of a solved scene"
-    scenario, motion = scene.solved.scenario, dense_motion(scene)
+    scenario, motion = scene.exact.scenario, dense_motion(scene)
     R_upright_world = _upright(scenario)
     # Where the axis points, (n, 3): two level components and up.
     exact = np.asarray(motion.to_world(axis_body(scenario)) @ R_upright_world.T)
@@ -61,8 +60,7 @@ def _from_above(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
         "panel": 1,
         "matrix": R_upright_world[:2].tolist(),
     }
-    laid_out = layout([[panel]], height=HEIGHT)
-    return {"data": traces, "layout": laid_out, "overlays": [overlay]}
+    return drawing(traces, [panel], HEIGHT, overlay)
 
 
 def _unrolled_figure(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
@@ -86,8 +84,7 @@ def _unrolled_figure(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
         "panel": 1,
         "matrix": R_upright_world.tolist(),
     }
-    laid_out = layout([[panel]], height=HEIGHT)
-    return {"data": traces, "layout": laid_out, "overlays": [overlay]}
+    return drawing(traces, [panel], HEIGHT, overlay)
 
 
 def _first_turn(azimuth: FloatArray) -> Range:

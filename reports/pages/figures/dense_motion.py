@@ -14,8 +14,7 @@ MOST, A_TURN = 500, 24
 
 def dense_motion(scene: SceneRuns) -> Trajectory:
     """The exact motion of the window; if it has more than `MOST / A_TURN` turns, only that many."""
-    assert scene.solved is not None, "what is exact is known of a solved scene"
-    end = float(scene.solved.solution.trajectory.t[-1])
+    end = float(scene.exact.solution.trajectory.t[-1])
     turns = scene.fastest_rate * end / (2 * math.pi)
     shown = min(1.0, MOST / A_TURN / turns) if turns else 1.0
-    return ExactMotion(scene.solved.scenario).outline(np.linspace(0.0, shown * end, MOST))
+    return ExactMotion(scene.exact.scenario).outline(np.linspace(0.0, shown * end, MOST))

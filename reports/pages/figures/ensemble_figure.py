@@ -5,11 +5,11 @@ from html import escape
 
 import numpy as np
 
-from ....scenarios import Signal
 from ...results.records import Pair
 from ..analysis.ensemble_numbers import Members
+from ..analysis.measures import Measure
 from ..analysis.trace_style import TraceStyle
-from .plot import Figure, Panel, layout, line, method_style
+from .plot import Figure, Panel, drawing, line, method_style
 
 HEIGHT, LOW = 480, 250
 #: Margins: a factor beside the outermost errors, and percent beside 0 and 100.
@@ -21,17 +21,17 @@ LARGEST = 180.0
 def distribution(
     members: Sequence[Members],
     trace_styles: Mapping[Pair, TraceStyle],
-    signal: Signal,
+    measure: Measure,
     height: int = HEIGHT,
 ) -> Figure:
-    """Percentage of all members whose error in a signal is at most so much.
+    """Percentage of all members of which a measure is at most so much.
 
     A curve ends at the percentage that finished; at least one member did.
     """
     traces = []
     outermost = []
     for of_method in members:
-        errors = of_method.errors(signal.name) * signal.shown
+        errors = of_method.errors(measure)
         errors = errors[errors > 0]
         if not len(errors):
             continue
@@ -47,10 +47,10 @@ def distribution(
         outermost += [float(errors[0]), float(errors[-1])]
     x_range = min(outermost) / BESIDE, min(max(outermost), LARGEST) * BESIDE
     panel = Panel(
-        signal.error_title,
+        measure.title,
         "% of members within it",
         log_x=True,
         x_range=x_range,
         y_range=(-MARGIN, 100 + MARGIN),
     )
-    return {"data": traces, "layout": layout([[panel]], height)}
+    return drawing(traces, [panel], height)

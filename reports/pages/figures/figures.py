@@ -50,8 +50,7 @@ def figures(scene: SceneRuns) -> dict[Literal["signals", "ladder", "geometry"], 
 
 
 def _signals(scene: SceneRuns) -> Iterator[Titled]:
-    assert scene.solved is not None, "figures are of solved scenes"
-    up = drawn_body(scene.solved).up_means
+    up = drawn_body(scene.exact).up_means
     yield Titled(
         "tilt",
         "β(t), and where it goes wrong",
@@ -100,8 +99,7 @@ def _ladder(scene: SceneRuns) -> Iterator[Titled]:
 
 
 def _geometry(scene: SceneRuns) -> Iterator[Titled]:
-    assert scene.solved is not None, "figures are of solved scenes"
-    if not scene.solved.scenario.constraint.is_free:
+    if not scene.exact.scenario.constraint.is_free:
         yield _titled(
             "axis",
             "Path of the axis",
@@ -121,7 +119,7 @@ def _geometry(scene: SceneRuns) -> Iterator[Titled]:
             "wrong energy or angular momentum. A dot marks the start.",
             traced,
         )
-    well = potential(scene.solved.scenario)
+    well = potential(scene.exact.scenario)
     if well is not None:
         yield Titled(
             "potential",

@@ -13,14 +13,15 @@ from ..analysis.report_data import MethodRuns, SceneRuns
 from ..analysis.wording import number
 from ..analysis.work_precision import cost, curves, front
 from .plot import (
+    WHOLE,
     WIRE,
     Figure,
     Panel,
     Range,
     Trace,
     claimed,
+    drawing,
     error_range,
-    layout,
     line,
     method_style,
 )
@@ -67,11 +68,10 @@ def _with(figure: Figure, below: list[Trace], above: list[Trace]) -> Figure:
 
 def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Iterator[tuple[Signal, Figure]]:
     """A figure for each signal."""
-    assert scene.solved is not None, "errors are drawn where there is a reference"
     x_range = _x_range(scene, abscissa)
     ended = list(_ended(scene, abscissa))
     for signal in SIGNALS:
-        floor = scene.solved.solution.uncertainty[signal.name] * signal.shown
+        floor = scene.exact.solution.uncertainty[signal.name] * signal.shown
         traces = [
             trace for runs in scene.methods for trace in _curves(runs, scene, signal, abscissa)
         ]
@@ -87,12 +87,12 @@ def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Iterator[tup
                 x_range=x_range,
                 log_y=True,
                 floor=floor,
-                domain=ERRORS if ended else None,
+                domain=ERRORS if ended else WHOLE,
             )
         ]
         if ended:
             panels.append(_strip(x_title, x_range))
-        figure: Figure = {"data": [*traces, *ended], "layout": layout([panels], height=HEIGHT)}
+        figure = drawing([*traces, *ended], panels, HEIGHT)
         if ended:
             figure["layout"]["xaxis2"]["matches"] = "x"
             figure["layout"]["yaxis2"] |= {"showticklabels": False, "fixedrange": True}
@@ -240,8 +240,7 @@ def _readable(scene: SceneRuns, row: Row, signal: Signal) -> bool:
 
 
 def _guide(anchor: tuple[float, float], order: int, scene: SceneRuns, signal: Signal) -> Trace:
-    assert scene.solved is not None, "a guide runs beside a curve of errors"
-    floor = scene.solved.solution.uncertainty[signal.name]
+    floor = scene.exact.solution.uncertainty[signal.name]
     taken = [row.timestep for runs in scene.methods for row in runs.rows if row.errors]
     timestep, error = anchor
     timesteps = timestep * np.geomspace(GUIDE_SPAN, 1 / GUIDE_SPAN, num=GUIDE_POINTS)

@@ -29,12 +29,10 @@ def panels(grid: Grid, entries: int) -> dict[str, Any]:
     panel_titles = list(titles(grid, count, columns))
     made = layout(
         [
-            [
-                Panel(x_title, y_title, escape(" ".join(pair)), domain=area)
-                for pair, area, (x_title, y_title) in zip(
-                    grid.methods, domains(count, columns), panel_titles, strict=True
-                )
-            ]
+            Panel(x_title, y_title, escape(" ".join(pair)), domain=area)
+            for pair, area, (x_title, y_title) in zip(
+                grid.methods, domains(count, columns), panel_titles, strict=True
+            )
         ],
         height_of(count, columns, below),
     )

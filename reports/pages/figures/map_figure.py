@@ -10,9 +10,10 @@ import numpy as np
 from ....scenarios import FloatArray
 from ....scenarios.vary import TIMESTEP
 from ...results.records import Pair
-from ...results.sweep_records import PointResult
+from ...results.sweep_records import PlacedRow
 from ..analysis.map_grid import Grid, place_of, places, with_unit
 from ..analysis.map_marks import HORIZON, Mark, is_coloured, marks
+from ..analysis.measures import FIRST
 from ..analysis.wording import number, power_of_ten
 from .map_axes import cell_side, columns_of, edges, panels
 from .map_bounds import Bound, bounds_of
@@ -56,9 +57,14 @@ def _least(grid: Grid) -> float:
     return float(math.floor(math.log10(min(positive, default=1e-1))))
 
 
-def _claimed(point: PointResult) -> float:
+def _claimed(point: PlacedRow) -> float:
     assert point.errors is not None
     return max(point.errors.omega, point.reference_uncertainty)
+
+
+def _measured(point: PlacedRow) -> list[str]:
+    values = [(measure, measure.of(point)) for measure in FIRST]
+    return [f"{one.title}: {number(value)}" for one, value in values if value is not None]
 
 
 def _colour_axis(low: float) -> dict[str, Any]:
@@ -110,7 +116,7 @@ def _errors(grid: Grid, pair: Pair, k: int) -> Iterator[Trace]:
 
 def _signs(grid: Grid, pair: Pair, k: int, signs: dict[Any, Mark], cell: float) -> Iterator[Trace]:
     size = min(max(SIGN_PART * cell, SMALLEST_SIGN), LARGEST_SIGN)
-    by_mark: dict[Mark, list[PointResult]] = {}
+    by_mark: dict[Mark, list[PlacedRow]] = {}
     for point in grid.points[pair].values():
         if not is_coloured(point):
             by_mark.setdefault(signs[point.outcome, point.cause], []).append(point)
@@ -141,7 +147,7 @@ def _marker(mark: Mark, size: float) -> dict[str, Any]:
     }
 
 
-def _hover_text(grid: Grid, point: PointResult) -> str:
+def _hover_text(grid: Grid, point: PlacedRow) -> str:
     """The hover text of a point, below the method's name."""
     if math.prod(grid.shape) > MOST_HOVER_TEXTS:
         return f"ω error {_claimed(point):.0e}" if is_coloured(point) else escape(_ended(point))
@@ -149,7 +155,7 @@ def _hover_text(grid: Grid, point: PointResult) -> str:
     chosen = not any(axis.path == TIMESTEP for axis in grid.axes) and point.timestep
     lines = [
         ", ".join(at) + (f", timestep {point.timestep:.4g} s" if chosen else ""),
-        f"ω error {_claimed(point):.2e}" if point.errors else "",
+        *(_measured(point) if point.errors else []),
         "the reference is known no further" if grid.is_cut(point) else "",
         "" if point.outcome == "ok" else _ended(point),
         point.reason,
@@ -161,7 +167,7 @@ def _hover(pair: Pair) -> str:
     return f"{escape(' '.join(pair))}<br>%{{text}}<extra></extra>"
 
 
-def _ended(point: PointResult) -> str:
+def _ended(point: PlacedRow) -> str:
     at = f" at {number(point.stopped_at)} s" if point.stopped_at is not None else ""
     return f"{point.outcome}{at}" + (f" ({point.cause})" if point.cause else "")
 

@@ -32,10 +32,10 @@ OFF_THE_CHART = 1e2
 BEYOND_DRAWING = 1e30
 #: A log axis has at most this many labels.
 LOG_LABELS = 8
-#: Gaps between panels, across and down, as fractions of a panel.
-GAP_ACROSS, GAP_DOWN = 0.085, 0.14
 REFERENCE_WIDTH, METHOD_WIDTH = 5.0, 1.6
 EPS = float(np.finfo(float).eps)
+#: Left and right, bottom and top of a panel that is alone.
+WHOLE = ((0.0, 1.0), (0.0, 1.0))
 FLOOR_COLOUR = "rgba(128,128,128,0.22)"
 
 
@@ -52,19 +52,22 @@ class Panel:
     log_y: bool = False
     floor: float | None = None
     equal_scales: bool = False
-    domain: tuple[Range, Range] | None = None
+    domain: tuple[Range, Range] = WHOLE
 
 
-def layout(grid: Sequence[Sequence[Panel]], height: int) -> dict[str, Any]:
-    """Axes for rows of panels; the k-th panel in reading order has axes x{k} and y{k}."""
+def drawing(
+    traces: Sequence[Trace], panels: Sequence[Panel], height: int, *overlays: dict[str, Any]
+) -> Figure:
+    """A figure of panels; `overlays` are what the page's script adds from the motions."""
+    figure: Figure = {"data": traces, "layout": layout(panels, height)}
+    return figure | {"overlays": list(overlays)} if overlays else figure
+
+
+def layout(panels: Sequence[Panel], height: int) -> dict[str, Any]:
+    """Axes of panels; the k-th has axes x{k} and y{k}."""
     made: dict[str, Any] = {"height": height, "shapes": [], "annotations": []}
-    panels = [
-        (panel, panel.domain or _domain(row, column, len(grid), len(panels_of_row)))
-        for row, panels_of_row in enumerate(grid)
-        for column, panel in enumerate(panels_of_row)
-    ]
-    for k, (panel, (across, down)) in enumerate(panels, start=1):
-        suffix = axis_suffix(k)
+    for k, panel in enumerate(panels, start=1):
+        suffix, (across, down) = axis_suffix(k), panel.domain
         made[f"xaxis{suffix}"] = {
             "domain": across,
             "anchor": f"y{suffix}",
@@ -181,14 +184,6 @@ def padded(values: FloatArray, fraction: float = 0.08) -> Range:
     low, high = float(values.min()), float(values.max())
     margin = (high - low or abs(high) or 1.0) * fraction
     return low - margin, high + margin
-
-
-def _domain(row: int, column: int, rows: int, columns: int) -> tuple[Range, Range]:
-    wide = (1 - GAP_ACROSS * (columns - 1)) / columns
-    high = (1 - GAP_DOWN * (rows - 1)) / rows
-    left = column * (wide + GAP_ACROSS)
-    top = 1 - row * (high + GAP_DOWN)
-    return (left, min(left + wide, 1.0)), (max(top - high, 0.0), top)
 
 
 def _axis(title: str, logarithmic: bool, limits: Range | None) -> dict[str, Any]:

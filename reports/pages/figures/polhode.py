@@ -11,7 +11,7 @@ from ..analysis.report_data import SceneRuns
 from . import solid
 from .axis_path import frame_about
 from .dense_motion import dense_motion
-from .plot import Figure, Panel, layout, start_dot
+from .plot import Figure, Panel, drawing, start_dot
 
 HEIGHT = 460
 #: Room around the herpolhode, as a factor.
@@ -88,16 +88,11 @@ def _in_space(picture: Poinsot, exact: Trajectory) -> Figure:
         "panel": 1,
         "matrix": picture.R_level_world[:2].tolist(),
     }
-    return {
-        "data": traces,
-        "layout": layout([[_panel(widest)]], height=HEIGHT),
-        "overlays": [overlay],
-    }
+    return drawing(traces, [_panel(widest)], HEIGHT, overlay)
 
 
 def _poinsot(scene: SceneRuns, exact_motion: Trajectory) -> Poinsot | None:
-    assert scene.solved is not None, "what is exact is known of a solved scene"
-    problem = rotational_problem(scene.solved.scenario)
+    problem = rotational_problem(scene.exact.scenario)
     moments = np.array(problem.moments, dtype=float)
     R_axes_body = Rotation.from_quat(np.array(problem.q_axes_body, dtype=float), scalar_first=True)
     omega_axes = R_axes_body.apply(np.array(exact_motion.omega_body))

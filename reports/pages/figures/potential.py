@@ -13,7 +13,7 @@ from ....reference.heavy_symmetric_top import (
 from ....reference.rotational_problem import rotational_problem
 from ....reference.symmetry import nutates
 from ....scenarios import FloatArray, Scenario
-from .plot import INK, REFERENCE_WIDTH, Figure, Panel, Range, layout, line
+from .plot import INK, REFERENCE_WIDTH, Figure, Panel, Range, drawing, line
 
 #: The well is drawn this far beyond the turning points, in its widths; smallest width drawn.
 BEYOND, NARROWEST = 0.6, math.radians(1.0)
@@ -59,12 +59,12 @@ def _well(
     )
     bottom = {"x": float(tilts[lowest]), "y": float(heights[lowest])}
     right = {"x": float(tilts[-1]), "y": energy, "xanchor": "right"}
-    laid_out = layout([[panel]], height=400)
-    laid_out["annotations"] += [
+    figure = drawing(traces, [panel], 400)
+    figure["layout"]["annotations"] += [
         {"text": "E′", **right, **_ABOVE_LINE},
         {"text": "V<sub>eff</sub>", **bottom, **_ABOVE_LINE},
     ]
-    return {"data": traces, "layout": laid_out}
+    return figure
 
 
 def _heights(heights: FloatArray, energy: float) -> Range:

@@ -9,7 +9,7 @@ from ...results.records import Pair
 from ..analysis.profiles import Profile
 from ..analysis.trace_style import TraceStyle
 from ..analysis.wording import number
-from .plot import Figure, Panel, Range, Trace, layout, line, method_style
+from .plot import Figure, Panel, Range, Trace, drawing, line, method_style
 
 #: Margin beside the largest factor of the log axis, as a factor.
 BESIDE = 1.5
@@ -30,8 +30,7 @@ def _figure(profile: Profile, drawn: Mapping[Pair, TraceStyle], x_range: Range) 
     heading = f"{SIGNAL[profile.signal]}: error up to {number(profile.level, 1)}"
     x_title = "cost over the cheapest method's, τ"
     panel = Panel(x_title, "fraction of scenes", heading, True, FRACTIONS, x_range)
-    traces = _steps(profile, drawn, x_range[1])
-    return {"data": traces, "layout": layout([[panel]], height=460)}
+    return drawing(_steps(profile, drawn, x_range[1]), [panel], 460)
 
 
 def _steps(profile: Profile, drawn: Mapping[Pair, TraceStyle], end: float) -> list[Trace]:

@@ -44,8 +44,7 @@ def _drawn(overlay: dict[str, Any], scene: SceneRuns, runs: list[Compared]) -> I
 def _line(
     overlay: dict[str, Any], scene: SceneRuns, motion: Trajectory, style: dict[str, Any]
 ) -> Trace:
-    assert scene.solved is not None, "figures are of solved scenes"
-    values = MOTIONS[overlay["kind"]](motion, overlay, drawn_body(scene.solved))
+    values = MOTIONS[overlay["kind"]](motion, overlay, drawn_body(scene.exact))
     if "panel" not in overlay:
         return curve(values, style)
     x, y = (motion.t, values) if values.ndim == 1 else values.T
@@ -53,9 +52,8 @@ def _line(
 
 
 def _exact(scene: SceneRuns) -> Trajectory:
-    assert scene.solved is not None, "figures are of solved scenes"
-    end = float(scene.solved.solution.trajectory.t[-1])
-    return ExactMotion(scene.solved.scenario).outline(np.linspace(0.0, end, SAMPLES))
+    end = float(scene.exact.solution.trajectory.t[-1])
+    return ExactMotion(scene.exact.scenario).outline(np.linspace(0.0, end, SAMPLES))
 
 
 def _tilt(motion: Trajectory, _: dict[str, Any], body: DrawnBody) -> FloatArray:

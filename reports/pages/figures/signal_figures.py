@@ -13,7 +13,7 @@ from ...harness.defects import LEAST_ROUNDING
 from ...results.store import SceneResult
 from ..analysis.report_data import SceneRuns
 from .drawn_body import drawn_body
-from .plot import Figure, Panel, Range, claimed, error_range, layout
+from .plot import Figure, Panel, Range, claimed, drawing, error_range
 
 TILT, DIFFERENCE = ((0.0, 1.0), (0.52, 1.0)), ((0.0, 1.0), (0.0, 0.42))
 #: Degrees; a tilt that changes less is drawn with this margin.
@@ -25,40 +25,37 @@ AXES = ("₁", "₂", "₃")
 
 def tilt_figure(scene: SceneRuns) -> Figure:
     """β(t), and below it the angle between each run's attitude and the exact one."""
-    assert scene.solved is not None, "what is exact is known of a solved scene"
-    exact, body = scene.solved.solution.trajectory, drawn_body(scene.solved)
+    exact, body = scene.exact.solution.trajectory, drawn_body(scene.exact)
     cosine = np.clip(exact.to_world(body.axis_body) @ body.up_world, -1.0, 1.0)
     tilt = np.degrees(np.arccos(cosine))
     room = max(STEADY, float(np.ptp(tilt)) / 4)
     low, high = max(0.0, float(tilt.min()) - room), min(180.0, float(tilt.max()) + room)
-    floor = math.degrees(scene.solved.solution.uncertainty.attitude)
+    floor = math.degrees(scene.exact.solution.uncertainty.attitude)
     curves = [np.degrees(run.series["attitude"]) for run in scene.compared]
     panels = [
-        Panel("", "β, °", "Tilt", False, (low, high), _window(scene.solved), domain=TILT),
+        Panel("", "β, °", "Tilt", False, (low, high), _window(scene.exact), domain=TILT),
         Panel(
             "t, s",
             "off by, °",
             "Attitude error",
             y_range=_errors(curves, floor),
-            x_range=_window(scene.solved),
+            x_range=_window(scene.exact),
             log_y=True,
             floor=floor,
             domain=DIFFERENCE,
         ),
     ]
-    overlays = [
-        {"kind": "tilt", "panel": 1, "exact": "exact"},
-        {"kind": "attitude_error", "panel": 2, "noticed": True},
-    ]
-    figure: Figure = {"data": [], "layout": layout([panels], height=500), "overlays": overlays}
+    tilt_lines = {"kind": "tilt", "panel": 1, "exact": "exact"}
+    figure = drawing(
+        [], panels, 500, tilt_lines, {"kind": "attitude_error", "panel": 2, "noticed": True}
+    )
     figure["layout"]["xaxis2"]["matches"] = "x"
     return figure
 
 
 def omega_figures(scene: SceneRuns) -> list[Figure]:
     """The three components of ω in body axes, and how far the vector is from the exact one."""
-    assert scene.solved is not None, "what is exact is known of a solved scene"
-    solved, runs = scene.solved, scene.compared
+    solved, runs = scene.exact, scene.compared
     figures = [_component(solved, k) for k in range(3)]
     curves = [run.series["omega"] for run in runs]
     axes = "‖Δω‖ / max ‖ω‖", "Difference"
@@ -68,9 +65,8 @@ def omega_figures(scene: SceneRuns) -> list[Figure]:
 
 def defect_figure(scene: SceneRuns) -> Figure:
     """The largest defect of any signal, interval by interval."""
-    assert scene.solved is not None, "what is exact is known of a solved scene"
     curves = [run.defect for run in scene.compared]
-    return _over_time(scene.solved, "defect", ("relative, or rad", ""), curves, LEAST_ROUNDING)
+    return _over_time(scene.exact, "defect", ("relative, or rad", ""), curves, LEAST_ROUNDING)
 
 
 def _over_time(
@@ -79,8 +75,7 @@ def _over_time(
     """One panel of errors, with a title of its axis and a heading."""
     y_range, x_range = _errors(curves, floor), _window(solved)
     panel = Panel("t, s", *axes, y_range=y_range, x_range=x_range, log_y=True, floor=floor)
-    overlays = [{"kind": kind, "panel": 1}]
-    return {"data": [], "layout": layout([[panel]], height=HEIGHT), "overlays": overlays}
+    return drawing([], [panel], HEIGHT, {"kind": kind, "panel": 1})
 
 
 HEIGHT = 300
@@ -97,8 +92,8 @@ def _component(solved: SceneResult, k: int) -> Figure:
         y_range=(float(omega.min()) - room, float(omega.max()) + room),
         x_range=_window(solved),
     )
-    overlays = [{"kind": "omega", "component": k, "panel": 1, "exact": "exact"}]
-    return {"data": [], "layout": layout([[panel]], height=HEIGHT), "overlays": overlays}
+    overlay = {"kind": "omega", "component": k, "panel": 1, "exact": "exact"}
+    return drawing([], [panel], HEIGHT, overlay)
 
 
 def _window(solved: SceneResult) -> Range:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...results.cost_records import EffectsCost
 from ...results.records import Pair, Row
+from ..analysis.measures import A_TURN, TURNS, Measure
 from ..analysis.report_data import ReportData
 from ..analysis.timesteps import as_shipped, row_at, stock_timesteps
 from ..analysis.wording import NOTHING, duration, plural, readable
@@ -95,8 +96,7 @@ class _AtStock:
     @property
     def turns(self) -> str:
         """The median of the turns until the attitude is off by 1°; it is independent of windows."""
-        turning = [row.turns_within_1deg for row in self.rows.values() if row.turns is not None]
-        within = [math.inf if turns is None else turns for turns in turning]
+        within = self._values(TURNS)
         if not within:
             return NOTHING
         turns = median_high(within)
@@ -105,8 +105,11 @@ class _AtStock:
     @property
     def a_turn(self) -> str:
         """The median of the error that a turn adds, likewise."""
-        added = [a for row in self.rows.values() if (a := row.attitude_a_turn) is not None]
-        return _degrees(math.degrees(median(added))) if added else NOTHING
+        added = [value for value in self._values(A_TURN) if value < math.inf]
+        return _degrees(median(added)) if added else NOTHING
+
+    def _values(self, measure: Measure) -> list[float]:
+        return [v for row in self.rows.values() if (v := measure.of(row)) is not None]
 
 
 def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> Answer | None:

@@ -1,67 +1,102 @@
 """How errors at stock timesteps are distributed over starts and bodies: a curve an engine."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ....scenarios import SIGNAL
+from ....engines import Method
+from ....reference.kinds import KINDS, kind_of
+from ...results.records import Pair
 from ...results.store import Results
-from ...results.sweep_records import EnsembleResult
-from ..analysis.ensemble_numbers import QUANTILES, Members, members_of
+from ...results.sweep_records import Ensemble, PlacedRow, SweepResult
+from ..analysis.ensemble_numbers import ATTITUDE, QUANTILES, Members, members_of
 from ..analysis.trace_style import TraceStyle, trace_styles
 from ..analysis.wording import count, duration, readable
 from ..figures.ensemble_figure import LOW, distribution
 from ..figures.figures import Titled
-from ..links import ensemble_page
+from ..links import sweep_page
 from ..sweeps.sweep_pages import methods_of, numbered
 from ..tables import Cell, Table, figure, table
 
-SHOWN = SIGNAL["attitude"]
-
 
 @dataclass(frozen=True, eq=False)
-class Spread:
-    """The largest ensemble at stock timesteps: of each engine its default, and its best method.
+class KindSpread:
+    """The members of all ensembles of a kind: of each engine its default, and its best method.
 
     Attributes
     ----------
-    link : the ensemble's page, with all methods and signals
+    scenes : that were scattered, each with the link to its ensemble's page
     styles : how each row of the table is drawn in the figure
     """
 
-    heading: str
-    text: str
-    link: str
+    kind: str
+    members: str
+    scenes: tuple[tuple[str, str], ...]
     table: Table
     styles: tuple[TraceStyle, ...]
     figure: Titled
 
 
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """The first screen's distributions, a kind of motion each."""
+
+    heading: str
+    text: str
+    kinds: tuple[KindSpread, ...]
+
+
 def spread(results: Results) -> Spread | None:
-    """The first screen's distribution; None without an ensemble at stock timesteps."""
-    at_stock = [(name, one) for name, one in numbered(results.ensembles) if not one.sweep.timestep]
-    if not at_stock:
+    """The distributions at stock timesteps; None without an ensemble at these."""
+    by_kind: dict[str, dict[str, SweepResult]] = {kind: {} for kind in KINDS}
+    for name, one in numbered(results):
+        if isinstance(one.sweep, Ensemble) and one.sweep.timestep is None:
+            by_kind[kind_of(one.scenario)][name] = one
+    every = [one for ensembles in by_kind.values() for one in ensembles.values()]
+    declared = {pair: known for one in every for pair, known in methods_of(one, results).items()}
+    styles = trace_styles(list(declared))
+    kinds = [
+        drawn
+        for kind, ensembles in by_kind.items()
+        if ensembles and (drawn := _of_kind(kind, ensembles, declared, styles))
+    ]
+    if not kinds:
         return None
-    name, ensemble = max(at_stock, key=lambda pair: pair[1].sweep.members)
-    shown = _shown(ensemble, results)
-    drawn = trace_styles(methods_of(ensemble.points, results))
-    if not any((one.errors(SHOWN.name) > 0).any() for one in shown):
-        return None
-    members, scene = count(ensemble.sweep.members), ensemble.scenario.name
     return Spread(
-        f"Over {members} starts and bodies like {scene}",
-        f"{SHOWN.error_title}, at stock timesteps; ∞ where a run did not finish.",
-        ensemble_page(name),
-        table(("", *QUANTILES), [_row(one) for one in shown]),
-        tuple(drawn[one.pair] for one in shown),
-        Titled("spread", "", "", distribution(shown, drawn, SHOWN, LOW)),
+        "Over starts and bodies of each kind of motion",
+        f"{ATTITUDE.title}, at stock timesteps; ∞ where a run did not finish.",
+        tuple(kinds),
     )
 
 
-def _shown(ensemble: EnsembleResult, results: Results) -> list[Members]:
+def _of_kind(
+    kind: str,
+    ensembles: dict[str, SweepResult],
+    declared: dict[Pair, Method | None],
+    styles: dict[Pair, TraceStyle],
+) -> KindSpread | None:
+    # Two ensembles of a scene may have members in common.
+    points = {
+        (p.key.scenario, p.place, p.pair): p for one in ensembles.values() for p in one.points
+    }
+    shown = _shown(list(points.values()), declared)
+    if not any((one.errors(ATTITUDE) > 0).any() for one in shown):
+        return None
+    members = {(scene, place) for scene, place, _ in points}
+    return KindSpread(
+        kind,
+        count(len(members)),
+        tuple((one.scenario.name, sweep_page("ensemble", name)) for name, one in ensembles.items()),
+        table(("", *QUANTILES), [_row(one) for one in shown]),
+        tuple(styles[one.pair] for one in shown),
+        Titled(f"spread {kind}", "", "", distribution(shown, styles, ATTITUDE, LOW)),
+    )
+
+
+def _shown(points: Sequence[PlacedRow], declared: dict[Pair, Method | None]) -> list[Members]:
     """The members of each engine's first method as shipped, and of the best of the others."""
-    declared = methods_of(ensemble.points, results)
     chosen: dict[tuple[str, bool], Members] = {}
-    members = members_of(ensemble.points, list(declared))
-    for one in sorted(members, key=lambda one: one.quantiles(SHOWN.name) or (float("inf"),)):
+    members = members_of(points, declared)
+    for one in sorted(members, key=lambda one: one.quantiles(ATTITUDE) or (float("inf"),)):
         method = declared[one.pair]
         if one.points and (method is None or method.as_shipped or not method.reader):
             chosen.setdefault((one.pair[0], bool(method and method.as_shipped)), one)
@@ -69,7 +104,8 @@ def _shown(ensemble: EnsembleResult, results: Results) -> list[Members]:
 
 
 def _row(one: Members) -> list[Cell | str]:
-    values = one.quantiles(SHOWN.name)
+    values = one.quantiles(ATTITUDE)
     assert values is not None, "only methods that were run are shown"
-    label = f"{' '.join(one.pair)}, {duration(one.points[0].timestep)}"
-    return [Cell(label, "name"), *(figure(readable(v * SHOWN.shown)) for v in values)]
+    steps = {point.timestep for point in one.points if point.timestep}
+    label = f"{' '.join(one.pair)}, {duration(max(steps))}" if steps else " ".join(one.pair)
+    return [Cell(label, "name"), *(figure(readable(value)) for value in values)]

@@ -80,8 +80,7 @@ def _errors(scene: SceneRuns, errors: Errors | None) -> list[Cell]:
     """Cells of the errors of attitude, ω and energy, at least the reference's uncertainty."""
     if errors is None:
         return [Cell("diverged", "diverged"), figure(NOTHING), figure(NOTHING)]
-    assert scene.solved is not None, "defaults are measured of solved scenes"
-    uncertainty = scene.solved.solution.uncertainty
+    uncertainty = scene.exact.solution.uncertainty
     return [
         figure(limited(math.degrees(errors.attitude), math.degrees(uncertainty.attitude))),
         figure(limited(errors.omega, uncertainty.omega)),

@@ -69,8 +69,7 @@ def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
 
 
 def _exact(scene: SceneRuns, end: float, samples: int) -> Trajectory:
-    assert scene.solved is not None, "what is exact is known of a solved scene"
-    return ExactMotion(scene.solved.scenario).outline(np.linspace(0.0, end, samples))
+    return ExactMotion(scene.exact.scenario).outline(np.linspace(0.0, end, samples))
 
 
 def _first(scene: SceneRuns) -> int:
@@ -111,8 +110,7 @@ def _body(solved: SceneResult) -> dict[str, Any]:
 
 
 def _run(run: Compared, scene: SceneRuns, fastest: float) -> dict[str, Any]:
-    assert scene.solved is not None, "a run is compared with an exact motion"
-    uncertainty, style = scene.solved.solution.uncertainty, run.runs.style
+    uncertainty, style = scene.exact.solution.uncertainty, run.runs.style
     attitude = claimed(run.series["attitude"], uncertainty.attitude)
     omega = claimed(run.series["omega"], uncertainty.omega)
     fair = PAGE_SAMPLES // len(scene.compared)
@@ -158,8 +156,7 @@ def _largest_since(values: FloatArray, kept: NDArray[np.intp]) -> FloatArray:
 
 def _turns(scene: SceneRuns) -> float:
     """Turns in the window at the fastest rate."""
-    assert scene.solved is not None, "a scene that was solved has a fastest rate"
-    return scene.fastest_rate * float(scene.solved.solution.trajectory.t[-1]) / (2 * math.pi)
+    return scene.fastest_rate * float(scene.exact.solution.trajectory.t[-1]) / (2 * math.pi)
 
 
 def _samples_for(scene: SceneRuns, most: int, a_turn: int) -> int:

@@ -132,8 +132,7 @@ def published_table(scenario: Scenario) -> Table | None:
 
 def drifts_table(scene: SceneRuns) -> Table | None:
     """Table of the drifts of each method's finest run; None without any."""
-    assert scene.solved is not None, "conserved quantities are those of a scene"
-    laws = [invariant.law for invariant in invariants(scene.solved.scenario)]
+    laws = [invariant.law for invariant in invariants(scene.exact.scenario)]
     shown = [(runs, runs.finest) for runs in scene.methods]
     rows = [
         (
@@ -151,8 +150,7 @@ def drifts_table(scene: SceneRuns) -> Table | None:
 
 def observables_table(scene: SceneRuns) -> Table | None:
     """Table of rates, bounds and periods measured on each finest run, beside the exact ones."""
-    assert scene.solved is not None, "what is exact is known of a solved scene"
-    scenario, exact_motion = scene.solved.scenario, scene.solved.solution.trajectory
+    scenario, exact_motion = scene.exact.scenario, scene.exact.solution.trajectory
     exact = observables(scenario, exact_motion)
     if not exact:
         return None

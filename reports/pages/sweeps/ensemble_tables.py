@@ -3,10 +3,10 @@
 import shlex
 from collections.abc import Iterator, Sequence
 
-from ....scenarios import SIGNAL, SIGNALS
-from ...results.sweep_records import Ensemble, PointResult
-from ..analysis.ensemble_numbers import QUANTILES, Members
+from ...results.sweep_records import Ensemble, PlacedRow
+from ..analysis.ensemble_numbers import OMEGA, QUANTILES, Members
 from ..analysis.map_marks import is_coloured
+from ..analysis.measures import Measure
 from ..analysis.wording import NOTHING, limited, number
 from ..tables import Cell, Table, figure, table
 from .map_tables import percent
@@ -15,9 +15,12 @@ from .map_tables import percent
 WORST = 3
 
 
-def quantile_tables(members: Sequence[Members]) -> list[tuple[str, Table]]:
-    """Title and table of quantiles, for each error."""
-    return [(signal.error_title, _quantiles(members, signal.name)) for signal in SIGNALS]
+def quantile_table(members: Sequence[Members], measure: Measure) -> Table:
+    """The quantiles of a measure, from the best member to the worst."""
+    return table(
+        ("engine", "method", "members", "finished", *QUANTILES),
+        (list(_quantile_row(of_method, measure)) for of_method in members),
+    )
 
 
 def worst_table(ensemble: Ensemble, members: Sequence[Members]) -> Table:
@@ -38,28 +41,21 @@ def member_command(ensemble: Ensemble, number_of_member: int) -> str:
     return f"{shlex.join([*words, '--seed', str(ensemble.seed)])} > {shlex.quote(path)}"
 
 
-def _quantiles(members: Sequence[Members], signal: str) -> Table:
-    return table(
-        ("engine", "method", "members", "finished", *QUANTILES),
-        (list(_quantile_row(of_method, signal)) for of_method in members),
-    )
-
-
-def _quantile_row(of_method: Members, signal: str) -> Iterator[Cell]:
+def _quantile_row(of_method: Members, measure: Measure) -> Iterator[Cell]:
     engine, method = of_method.pair
     run, finished = len(of_method.points), len(of_method.finished)
     yield Cell(engine, "name")
     yield Cell(method, "name")
     yield figure(str(run))
     yield figure(percent(finished, run) if run else NOTHING)
-    for value in of_method.quantiles(signal) or (None,) * len(QUANTILES):
-        yield figure(number(None if value is None else value * SIGNAL[signal].shown))
+    for value in of_method.quantiles(measure) or (None,) * len(QUANTILES):
+        yield figure(number(value))
 
 
-def _member(ensemble: Ensemble, point: PointResult) -> Iterator[Cell]:
+def _member(ensemble: Ensemble, point: PlacedRow) -> Iterator[Cell]:
     member = int(point.at[0])
     yield figure(str(member))
-    error = point.errors.omega if point.errors else None
+    error = OMEGA.of(point) if point.errors else None
     yield figure(limited(error, point.reference_uncertainty))
     if is_coloured(point):
         yield Cell("finished")

@@ -1,46 +1,214 @@
-"""What pages of maps and of ensembles share: their names, their methods, numbers as typed."""
+"""The page of a sweep, a map or an ensemble: definition, command, figure and tables."""
 
+import shlex
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator
-from typing import TypeVar
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from ....engines import Method
-from ....scenarios.vary import Axis
+from ....scenarios.vary import TIMESTEP, Axis
 from ...results.records import Pair
 from ...results.store import Results
-from ...results.sweep_records import EnsembleResult, MapResult, PointResult
+from ...results.sweep_records import Ensemble, Map, SweepResult
+from ..analysis.ensemble_numbers import ATTITUDE, OMEGA, Members, members_of
+from ..analysis.map_grid import Grid, axis_title
+from ..analysis.measures import FIRST, MEASURES
+from ..analysis.trace_style import TraceStyle, trace_styles
+from ..analysis.wording import count
+from ..figures.ensemble_figure import distribution
+from ..figures.figures import Titled
+from ..figures.map_figure import map_figure
+from ..links import sweep_page
+from ..tables import Table
+from .ensemble_tables import quantile_table, worst_table
+from .map_tables import bounds_table, ends_table, medians_table, survival_table
 
-AT_A_TURN = "Timesteps are chosen run by run, so that the body turns equally far in a step."
 #: Digits of a number in a command: those that were typed, and none that rounding added.
 TYPED_DIGITS = 12
+#: Of a run without a timestep, by the kind of sweep.
+CHOSEN = {
+    "map": "Timesteps are chosen run by run, so that the body turns equally far in a step.",
+    "ensemble": "Every engine takes its stock timestep.",
+}
+ABOUT = {
+    "map": "at every pair of the values of two numbers. Every point is compared with the exact "
+    "motion of its own scene.",
+    "ensemble": "with its start and its body scattered at random. Every member is compared with "
+    "its own exact motion.",
+}
+CELLS = (
+    "Every cell is one run against the exact motion of its own scene. Colour: the largest error of "
+    "ω, relative; signs on the bare page: runs that did not finish, or were not made. Lines are "
+    "drawn by theory, from the scene at t = 0 alone, and explained below."
+)
+CURVES = (
+    "Percentage of the members whose largest error is at most so much. Further left is "
+    "better; a curve that does not come to 100 % ends at the percentage that finished."
+)
+SURVIVAL = (
+    "Percentage of runs that finished, by the angle that the body turns in a step at the start, "
+    "‖ω(0)‖ dt. A run that finished may still be wrong."
+)
+UNFINISHED = "The worst there is where a run did not finish."
+WORST_FIRST = "Those that did not finish first, then by the error of ω."
 
-Swept = TypeVar("Swept", MapResult, EnsembleResult)
+
+@dataclass(frozen=True, eq=False)
+class SweepTable:
+    """A table with the words around it; a folded one is shown on demand."""
+
+    heading: str
+    about: str
+    table: Table
+    folded: bool = False
 
 
-def numbered(sweeps: Iterable[Swept]) -> Iterator[tuple[str, Swept]]:
-    """The sweeps that have any points, with names unique in a report: scene and number."""
-    numbers: Counter[str] = Counter()
-    for sweep in sweeps:
-        if any(point.key.engine for point in sweep.points):
-            scene = sweep.scenario.name
-            numbers[scene] += 1
-            yield f"{scene}-{numbers[scene]}", sweep
+@dataclass(frozen=True, eq=False)
+class SweepPage:
+    """Everything that the HTML page and the Markdown file of a sweep show.
+
+    Attributes
+    ----------
+    name : unique in a report; `link` leads to it from the overview
+    figure : None where no run finished
+    shown : labels and styles of the methods in the figure, where they can be switched
+    """
+
+    result: SweepResult
+    name: str
+    title: str
+    command: str
+    timestep: str
+    figure: Titled | None
+    shown: tuple[tuple[str, TraceStyle], ...]
+    tables: tuple[SweepTable, ...]
+
+    @property
+    def kind(self) -> str:
+        """The word for such a sweep: map or ensemble."""
+        return self.result.sweep.kind
+
+    @property
+    def link(self) -> str:
+        """The page, relative to the report's folder."""
+        return sweep_page(self.kind, self.name)
+
+    @property
+    def about(self) -> str:
+        """What is varied, in words."""
+        return ABOUT[self.kind]
 
 
-def methods_of(points: tuple[PointResult, ...], results: Results) -> dict[Pair, Method | None]:
+def sweep_pages(results: Results) -> list[SweepPage]:
+    """A page for each sweep that has any points."""
+    return [_page(name, result, results) for name, result in numbered(results)]
+
+
+def numbered(results: Results) -> Iterator[tuple[str, SweepResult]]:
+    """The sweeps that have any points, with names unique by kind: scene and number."""
+    numbers: Counter[tuple[str, str]] = Counter()
+    for result in results.sweeps:
+        if result.points:
+            scene = result.scenario.name
+            numbers[result.sweep.kind, scene] += 1
+            yield f"{scene}-{numbers[result.sweep.kind, scene]}", result
+
+
+def methods_of(result: SweepResult, results: Results) -> dict[Pair, Method | None]:
     """Those that were run, engines by name, their methods as the adapter lists them."""
-    pairs = {(point.key.engine, point.key.method) for point in points if point.key.engine}
     listed = {pair: rank for rank, pair in enumerate(results.methods)}
+    pairs = {point.pair for point in result.points}
     ordered = sorted(pairs, key=lambda p: (p[0], listed.get(p, len(listed)), p[1]))
     return {pair: results.methods.get(pair) for pair in ordered}
 
 
-def typed(value: float) -> str:
+def _page(name: str, result: SweepResult, results: Results) -> SweepPage:
+    methods, sweep = methods_of(result, results), result.sweep
+    drawn: tuple[Titled | None, tuple[tuple[str, TraceStyle], ...]]
+    if isinstance(sweep, Map):
+        title = f"{sweep.scenario}: {sweep.axes[0].path} × {sweep.axes[1].path}"
+        grid = Grid(result, methods, results.stock_timesteps)
+        drawn, tables = (_map_figure(grid), ()), _map_tables(grid)
+    else:
+        title = f"{count(sweep.members)} members like {sweep.scenario}, seed {sweep.seed}"
+        members = members_of(result.points, methods)
+        ends = ends_table(result.points, methods)
+        drawn, tables = _distributions(members), _ensemble_tables(sweep, members, ends)
+    command = shlex.join([*_words(sweep), *_method_options(methods, results)])
+    return SweepPage(result, name, title, command, _timestep_in_words(sweep), *drawn, tables)
+
+
+def _map_figure(grid: Grid) -> Titled:
+    across, up = (axis_title(axis) for axis in grid.axes)
+    return Titled("map", f"{up} against {across}", CELLS, map_figure(grid))
+
+
+def _map_tables(grid: Grid) -> tuple[SweepTable, ...]:
+    lines = bounds_table(grid)
+    ends = ends_table(grid.result.points, grid.methods)
+    return (
+        *([SweepTable("What the lines say", "", lines)] if lines.rows else []),
+        SweepTable("What survives", SURVIVAL, survival_table(grid)),
+        *(
+            SweepTable(f"Median: {one.title}", UNFINISHED, medians_table(grid, one), folded=True)
+            for one in FIRST
+        ),
+        SweepTable("How runs ended", "", ends),
+    )
+
+
+def _distributions(
+    members: Sequence[Members],
+) -> tuple[Titled | None, tuple[tuple[str, TraceStyle], ...]]:
+    """The figure of an ensemble, if there is anything to draw, and its methods."""
+    styles = trace_styles([one.pair for one in members])
+    compared = [one for one in members if (one.errors(OMEGA) > 0).any()]
+    if not compared:
+        return None, ()
+    first, second = (distribution(compared, styles, measure) for measure in (ATTITUDE, OMEGA))
+    shown = tuple((" ".join(one.pair), styles[one.pair]) for one in compared)
+    return Titled("errors", "How errors are distributed", CURVES, first, (second,)), shown
+
+
+def _ensemble_tables(
+    ensemble: Ensemble, members: Sequence[Members], ends: Table
+) -> tuple[SweepTable, ...]:
+    worst = worst_table(ensemble, [one for one in members if one.points])
+    return (
+        SweepTable("How members ended", "", ends),
+        *(
+            SweepTable(one.title, UNFINISHED, quantile_table(members, one), one not in FIRST)
+            for one in MEASURES
+        ),
+        SweepTable("The worst members", WORST_FIRST, worst),
+    )
+
+
+def _words(sweep: Map | Ensemble) -> list[str]:
+    """The shell command that makes a sweep, without its methods."""
+    if isinstance(sweep, Map):
+        words = ["spincheck", "map", sweep.scenario]
+        for axis in sweep.axes:
+            words += ["--vary", vary_option(axis)]
+    else:
+        words = ["spincheck", "run", sweep.scenario, "--ensemble", str(sweep.members)]
+        words += ["--seed", str(sweep.seed)]
+    return words if sweep.timestep is None else [*words, "--timestep", _typed(sweep.timestep)]
+
+
+def vary_option(axis: Axis) -> str:
+    """An axis as `PATH=LO:HI:COUNT[:log]`."""
+    low, high = _typed(axis.values[0]), _typed(axis.values[-1])
+    spacing = ":log" if axis.logarithmic else ""
+    return f"{axis.path}={low}:{high}:{len(axis.values)}{spacing}"
+
+
+def _typed(value: float) -> str:
     """A number as in a command."""
     return f"{value:.{TYPED_DIGITS}g}"
 
 
-def method_options(pairs: Collection[tuple[str, str]], results: Results) -> list[str]:
+def _method_options(pairs: dict[Pair, Method | None], results: Results) -> list[str]:
     """The words of a command that name engines, and methods if not all of these were run."""
     names = dict.fromkeys(engine for engine, _ in pairs)
     words = [word for name in names for word in ("--engine", name)]
@@ -50,22 +218,10 @@ def method_options(pairs: Collection[tuple[str, str]], results: Results) -> list
     return words + [word for name in methods for word in ("--method", name)]
 
 
-def timestep_option(timestep: float | None) -> list[str]:
-    """The words of a command that set the timestep; none where each run has its own."""
-    return [] if timestep is None else ["--timestep", typed(timestep)]
-
-
-def timestep_in_words(
-    timestep: float | None, axes: tuple[Axis, ...] = (), otherwise: str = AT_A_TURN
-) -> str:
-    """Which timestep the runs take, where it is not an axis.
-
-    Parameters
-    ----------
-    otherwise : which it is where none was given
-    """
-    if any(axis.path == "timestep" for axis in axes):
+def _timestep_in_words(sweep: Map | Ensemble) -> str:
+    """Which timestep the runs take, where it is not an axis."""
+    if TIMESTEP in sweep.names:
         return ""
-    if timestep is None:
-        return otherwise
-    return f"Every run takes steps of {timestep:g} s."
+    if sweep.timestep is None:
+        return CHOSEN[sweep.kind]
+    return f"Every run takes steps of {sweep.timestep:g} s."

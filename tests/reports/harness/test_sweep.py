@@ -33,7 +33,7 @@ from spincheck.reports.results.sweep_records import (
     Axis,
     Ensemble,
     Map,
-    PointResult,
+    PlacedRow,
     SweepPoint,
 )
 from spincheck.scenarios import loads
@@ -64,7 +64,7 @@ def sweep(
     choice: Choice = FAULTLESS,
     scene=SCENE,
     executor: Executor | None = None,
-) -> tuple[PointResult, ...]:
+) -> tuple[PlacedRow, ...]:
     return sweep_of(path, definition, scene, choice, executor)
 
 
@@ -114,7 +114,7 @@ def test_nothing_that_is_there_is_run_again(finished):
 def test_what_is_read_back_is_what_was_put(finished):
     path, points = finished
     with open_store(path) as store:
-        (stored_map,) = store.read().maps
+        (stored_map,) = store.read().sweeps
     assert (stored_map.sweep, stored_map.points) == (MAP, points)
     assert stored_map.scenario.text == SCENE.text
 
@@ -259,15 +259,14 @@ def test_what_diverges_says_when_and_why(path):
     assert all(0.5 < p.stopped_at <= 1.0 for p in points)
 
 
-def test_a_place_that_has_no_scene_is_one_point_and_not_the_end(path):
+def test_a_place_that_has_no_scene_says_so_and_is_not_the_end(path):
     moment = Axis("body.inertia[2]", (2.5, 9.0), logarithmic=False)
     two = Choice((planted(HeunSession), planted(NotANumberSession)), timed=False)
     points = sweep(path, Map("box", (moment, STEPS), None), two)
-    invalid = [p for p in points if p.outcome == "invalid"]
-    assert [p.at for p in invalid] == [(9.0, timestep) for timestep in STEPS.values]
-    assert {(p.key.engine, p.key.method) for p in invalid} == {("", "")}
-    assert "may exceed the sum of the other two" in invalid[0].reason
-    assert len(points) == len(STEPS.values) * 3
+    without = [p for p in points if (p.outcome, p.cause) == ("unsupported", "scene")]
+    assert [p.at for p in without] == [(9.0, step) for step in STEPS.values for _ in two.engines]
+    assert "may exceed the sum of the other two" in without[0].reason
+    assert len(points) == len(STEPS.values) * 4
 
 
 def test_such_a_place_is_not_tried_again(path):
@@ -279,15 +278,15 @@ def test_such_a_place_is_not_tried_again(path):
 def test_a_timestep_longer_than_the_window_is_no_place_to_run(path):
     long = Axis("timestep", (0.02, 3.0), logarithmic=False)
     points = sweep(path, replace(MAP, axes=(SPIN, long)))
-    assert [p.outcome for p in points] == ["ok", "invalid"] * 2
+    assert [p.outcome for p in points] == ["ok", "unsupported"] * 2
     assert "must be shorter than the window" in points[1].reason
 
 
-def test_a_run_beyond_the_budget_is_skipped_and_says_so(path):
+def test_a_run_beyond_the_budget_is_not_made_and_says_so(path):
     short = Axis("timestep", (1e-9, 0.02), logarithmic=False)
     points = sweep(path, replace(MAP, axes=(SPIN, short)))
     skipped = points[0]
-    assert (skipped.outcome, skipped.cause, skipped.timestep) == ("skipped", "steps", 1e-9)
+    assert (skipped.outcome, skipped.cause, skipped.timestep) == ("unsupported", "timestep", 1e-9)
     assert skipped.reason.endswith(f"a point may take {sweep_run.STEP_BUDGET}")
     assert points[1].outcome == "ok"
 
@@ -341,10 +340,10 @@ def test_members_are_those_of_the_seed_and_run_at_each_engines_stock_timestep(pa
     assert errors["own"] / errors["common"] == pytest.approx(ratio, rel=0.2)
 
 
-def test_a_member_that_a_stock_timestep_does_not_resolve_is_skipped(path):
+def test_a_member_that_a_stock_timestep_does_not_resolve_is_not_run(path):
     coarse = Choice((with_stock_timestep("coarse", 10.0),), timed=False)
     points = sweep(path, ENSEMBLE, coarse)
-    assert {(p.outcome, p.cause) for p in points} == {("skipped", "steps")}
+    assert {(p.outcome, p.cause) for p in points} == {("unsupported", "timestep")}
     assert all("° a step" in p.reason or "too few" in p.reason for p in points)
 
 
@@ -369,7 +368,7 @@ def test_ensembles_of_another_seed_or_timestep_are_others(path):
 def test_ensembles_are_read_back_with_their_scene(path):
     points = sweep(path, ENSEMBLE)
     with open_store(path) as store:
-        (ensemble,) = store.read().ensembles
+        (ensemble,) = store.read().sweeps
     assert (ensemble.sweep, ensemble.points, ensemble.scenario.text) == (
         ENSEMBLE,
         points,

@@ -59,7 +59,7 @@ def folder(tmp_path_factory) -> Path:
         run_study(plan(scenes, choice, store), choice, store, InProcess(), lambda _: None)
         results = store.read()
     swept = made_up_sweeps.swept()
-    render(replace(results, maps=swept.maps, ensembles=swept.ensembles), folder / "report")
+    render(replace(results, sweeps=swept.sweeps), folder / "report")
     model = read_model(users_models.written(folder, MODEL))
     inspection = inspect_model(model, InProcess(), reader_engines())
     write_model_page(inspection, folder / "report", "robot")

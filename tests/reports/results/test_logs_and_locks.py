@@ -148,7 +148,7 @@ def test_what_is_forgotten_is_gone_and_nothing_else(path):
         assert (results.rows, results.verdicts, results.effects) == ([], [], [])
         assert store.timed() == set()
         assert results.scenes
-        assert results.maps[0].points
+        assert results.sweeps[0].points
 
 
 def test_a_record_is_of_the_size_that_it_may_have(path, monkeypatch):

@@ -1,5 +1,6 @@
 """Result files that an earlier spincheck wrote can be read, and only read."""
 
+import json
 import sqlite3
 from contextlib import closing
 from dataclasses import fields, is_dataclass, replace
@@ -11,8 +12,10 @@ import pytest
 import small_result_file
 from spincheck.engines.engine import COMMON_EFFECTS
 from spincheck.reports.cli.terminal import BAD_INPUT
+from spincheck.reports.results.database import put
 from spincheck.reports.results.result_file import APPLICATION_ID, ResultFileError
 from spincheck.reports.results.store import Results, open_store
+from spincheck.reports.results.sweep_records import PlacedRow
 
 #: What `small_result_file.write` wrote with the last program of that format, as `.dump` prints it.
 DUMP = Path(__file__).with_name("format_12.sql")
@@ -42,6 +45,11 @@ def read(path: Path) -> Results:
         return store.read()
 
 
+def without_turns(point: PlacedRow) -> PlacedRow:
+    """A point as it was before turns were counted."""
+    return replace(point, turns=None, turns_within_1deg=None, attitude_a_turn=None)
+
+
 def same(a: object, b: object) -> bool:
     if isinstance(a, np.ndarray):
         return np.array_equal(a, b)
@@ -61,6 +69,8 @@ def test_a_file_of_format_12_holds_what_was_written(old, tmp_path):
         methods={n: replace(m, **ABSENT_FROM_METHODS) for n, m in now.methods.items()},
         verdicts=[replace(verdict, **ABSENT_FROM_VERDICTS) for verdict in now.verdicts],
     )
+    sweeps = [replace(one, points=tuple(map(without_turns, one.points))) for one in now.sweeps]
+    now = replace(now, sweeps=sweeps)
     assert [name for name in vars(now) if not same(vars(before)[name], vars(now)[name])] == []
     assert before.rows[0].seconds_per_step is not None
 
@@ -96,3 +106,32 @@ def test_damage_in_it_is_one_message(old, monkeypatch):
         connection.execute("UPDATE rows SET motion = x'00'")
     done = command_line.spincheck("rows", old.name)
     assert (done.returncode, len(done.stderr.splitlines())) == (BAD_INPUT, 1)
+
+
+#: As they were in earlier files of this format: what is at the place, and no version.
+EARLIER = {"timestep": 0.01, "reason": "so", "reference_uncertainty": 0.0, "steps": 0}
+EARLIER_ENDS = {
+    ("mujoco", "skipped", "steps"): ("unsupported", "timestep"),
+    ("pybullet", "unsupported", "clamp"): ("unsupported", "clamp"),
+    ("", "invalid", "scene"): None,
+}
+
+
+def test_earlier_points_of_this_format_are_read_in_the_words_of_now(tmp_path):
+    """Those that are no scene, which were of no engine, are passed over."""
+    path = small_result_file.write(tmp_path / "now.sqlite")
+    with closing(sqlite3.connect(path)) as connection, connection:
+        connection.row_factory = sqlite3.Row
+        (place,) = connection.execute("SELECT place FROM points WHERE place LIKE '%member\": 0,%'")
+        connection.execute("DELETE FROM points")
+        for engine, outcome, cause in EARLIER_ENDS:
+            record = EARLIER | {"at": [0.0], "outcome": outcome, "cause": cause}
+            columns = {"scenario": small_result_file.SWEPT, "place": place["place"]}
+            columns |= {"engine": engine, "method": "RK4" * bool(engine), "digest": ""}
+            put(connection, "points", columns | {"record": json.dumps(record)})
+    ends = {
+        (row.key.engine, row.outcome, row.cause)
+        for sweep in read(path).sweeps
+        for row in sweep.points
+    }
+    assert ends == {(old[0], *now) for old, now in EARLIER_ENDS.items() if now}

@@ -46,7 +46,7 @@ def test_what_no_longer_counts_is_deleted_and_its_room_is_freed(path):
     with open_store(path) as store:
         after = store.read()
         assert after.rows == before.rows == []
-        assert len(after.maps[0].points) == len(before.maps[0].points) > 0
+        assert len(after.sweeps[0].points) == len(before.sweeps[0].points) > 0
     assert spincheck("tidy", str(path)).stdout == "0 records deleted, 0.0 MB freed\n"
 
 

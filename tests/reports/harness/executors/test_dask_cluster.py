@@ -24,7 +24,7 @@ from spincheck.reports.harness.executors.dask_cluster import (
     program_and_numpy,
 )
 from spincheck.reports.results.store import open_store
-from spincheck.reports.results.sweep_records import Axis, Map, PointResult
+from spincheck.reports.results.sweep_records import Axis, Map, PlacedRow, points_of
 from spincheck.scenarios import loads
 from studies import study
 from studies import sweep as sweep_of
@@ -51,7 +51,7 @@ def sweep(path: Path, executor: Executor | None = None, progress: Callable[[str]
 
 
 @pytest.fixture(scope="module")
-def here(tmp_path_factory) -> tuple[PointResult, ...]:
+def here(tmp_path_factory) -> tuple[PlacedRow, ...]:
     """The points of this process."""
     return sweep(tmp_path_factory.mktemp("here") / "here.sqlite")
 
@@ -90,7 +90,7 @@ def test_a_cluster_that_goes_away_ends_the_sweep_and_keeps_what_was_finished(tmp
     for name in dask_cluster.LOGGERS:
         assert not logging.getLogger(name).isEnabledFor(logging.CRITICAL)
     with open_store(path) as store:
-        assert 1 <= len(store.sweeps.points(MAP)) < len(here)
+        assert 1 <= len(points_of(MAP, store.points(MAP.scenario))) < len(here)
     assert sweep(path) == here
 
 

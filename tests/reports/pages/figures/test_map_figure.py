@@ -18,7 +18,7 @@ from spincheck.reports.pages.figures import map_figure as map_figure_module
 from spincheck.reports.pages.figures.map_bounds import bounds_of
 from spincheck.reports.pages.figures.map_figure import drawn_bounds, legend_of_bounds, map_figure
 from spincheck.reports.pages.figures.plot import Figure
-from spincheck.reports.results.sweep_records import MapResult
+from spincheck.reports.results.sweep_records import SweepResult
 from spincheck.scenarios.vary import parse_axis
 
 #: WCAG 2.1, 1.4.11.
@@ -33,7 +33,7 @@ SINGLE = 2 * float(np.finfo(np.float32).eps)
 STOCK = 0.002
 
 
-def grid(result: MapResult | None = None) -> Grid:
+def grid(result: SweepResult | None = None) -> Grid:
     return Grid(result or map_result(), dict(METHODS), {"mujoco": STOCK})
 
 
@@ -86,7 +86,7 @@ def test_every_run_is_either_coloured_or_signed(figure: Figure) -> None:
 def test_diverged_runs_are_signed_by_cause(figure: Figure) -> None:
     entries = [t for t in figure["data"] if t.get("showlegend") and t["mode"] == "markers"]
     names = [t["name"] for t in entries]
-    assert names == ["diverged: energy", "diverged: not finite", "unsupported: clamp"]
+    assert names == ["diverged: energy", "diverged: not-finite", "unsupported: clamp"]
     assert len({t["marker"]["symbol"] for t in entries}) == 3
 
 
@@ -137,7 +137,7 @@ def test_units_are_those_of_the_scene_file(path: str, title: str) -> None:
     assert axis_title(parse_axis(f"{path}=1:2")) == title
 
 
-def bound_line(result: MapResult, pair: tuple[str, str], label: str) -> np.ndarray:
+def bound_line(result: SweepResult, pair: tuple[str, str], label: str) -> np.ndarray:
     """Points of a line, (n, 2), in the axes' own units."""
     points = {b.label: points for b, _, points in drawn_bounds(grid(result), pair)}[label]
     return np.asarray(10**points)
@@ -198,7 +198,7 @@ def test_each_line_has_its_word_on_it_apart_from_the_others(figure: Figure) -> N
 def test_a_run_that_the_reference_does_not_follow_to_the_end_is_signed() -> None:
     whole = map_result()
     cut = tuple(replace(p, steps=p.steps // 2) for p in whole.points)
-    shortened = MapResult(whole.sweep, whole.scenario, cut)
+    shortened = SweepResult(whole.sweep, whole.scenario, cut)
     label = escape(HORIZON.label)
     assert label not in [t.get("name") for t in map_figure(grid(whole))["data"]]
     assert label in [t.get("name") for t in map_figure(grid(shortened))["data"]]
@@ -207,19 +207,18 @@ def test_a_run_that_the_reference_does_not_follow_to_the_end_is_signed() -> None
 def test_a_place_without_a_scene_is_signed_in_every_panel() -> None:
     whole = map_result()
     first = whole.points[0]
-    key = replace(first.key, engine="", method="")
-    invalid = replace(
-        first, key=key, outcome="invalid", cause="scene", reason="no", errors=None, timestep=0.0
-    )
-    rest = tuple(p for p in whole.points if p.at != first.at)
-    drawn = grid(MapResult(whole.sweep, whole.scenario, (invalid, *rest)))
-    assert all(drawn.points[pair][0, 0] is invalid for pair in METHODS)
-    assert ("invalid", "scene") in marks(drawn.result.points)
+    ended = {"outcome": "unsupported", "cause": "scene", "reason": "no", "errors": None}
+    points = tuple(replace(p, **ended) if p.at == first.at else p for p in whole.points)
+    drawn = grid(SweepResult(whole.sweep, whole.scenario, points))
+    assert all(drawn.points[pair][0, 0].cause == "scene" for pair in METHODS)
+    assert marks(drawn.result.points)["unsupported", "scene"].label == "no scene"
 
 
 def test_a_map_that_is_not_complete_is_drawn() -> None:
     whole = map_result()
-    go.Figure(coloured(map_figure(grid(MapResult(whole.sweep, whole.scenario, whole.points[:5])))))
+    go.Figure(
+        coloured(map_figure(grid(SweepResult(whole.sweep, whole.scenario, whole.points[:5]))))
+    )
 
 
 def test_linear_axes_are_drawn_in_their_own_units() -> None:

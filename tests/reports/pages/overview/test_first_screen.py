@@ -14,7 +14,7 @@ from spincheck.reports.pages.overview.heat_map import heat_map
 from spincheck.reports.pages.render import render
 from spincheck.reports.results.cost_records import EffectsCost, Ratio
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
-from spincheck.reports.results.records import Defect, Key, Row
+from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.store import Results
 from spincheck.scenarios import SIGNAL, Errors
 
@@ -119,13 +119,12 @@ def test_the_price_of_changing_the_method_alone_stands_beside_that_of_pruning(ga
 
 def test_turns_until_a_degree_and_the_error_a_turn_stand_first():
     stored = stocked()
-    defect = Defect(math.radians(0.5), 0.0, 0.0, 0.0, 0.0)
     rows = [
         replace(
             row,
             turns=len(row.motion.t) - 1.0,
             turns_within_1deg=3.0,
-            defects=dict.fromkeys(SIGNAL, defect),
+            attitude_a_turn=math.radians(0.5),
         )
         if row.stock and row.motion
         else row

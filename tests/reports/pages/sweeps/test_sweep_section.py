@@ -9,21 +9,35 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 from made_up import results
-from made_up_sweeps import METHODS, MISCHIEF, UNCERTAINTY, ensemble_result, map_result, scene, swept
+from made_up_sweeps import (
+    METHODS,
+    MISCHIEF,
+    UNCERTAINTY,
+    UPRIGHT,
+    ensemble_result,
+    map_result,
+    scene,
+    swept,
+)
 from markdown_text import markdown_tables, outside_code
 from page import Page, read_page
 from planted import HeunSession, planted
 from plotted import coloured, values_of
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.sweep import plan_sweep
-from spincheck.reports.pages.analysis.ensemble_numbers import Members, members_of
+from spincheck.reports.pages.analysis.ensemble_numbers import ATTITUDE, OMEGA, Members, members_of
+from spincheck.reports.pages.analysis.measures import A_TURN, TURNS
 from spincheck.reports.pages.analysis.wording import readable
 from spincheck.reports.pages.overview.spread import spread
 from spincheck.reports.pages.render import render
-from spincheck.reports.pages.sweeps.ensemble_pages import ensemble_pages
-from spincheck.reports.pages.sweeps.map_pages import map_pages, vary_option
 from spincheck.reports.pages.sweeps.map_tables import percent
-from spincheck.reports.pages.sweeps.sweep_pages import methods_of
+from spincheck.reports.pages.sweeps.sweep_pages import (
+    SweepPage,
+    methods_of,
+    sweep_pages,
+    vary_option,
+)
+from spincheck.reports.pages.tables import Table
 from spincheck.reports.results.store import Results, open_store
 from spincheck.reports.results.sweep_records import Ensemble
 from spincheck.scenarios.vary import parse_axis
@@ -31,6 +45,18 @@ from spincheck.scenarios.vary import parse_axis
 pytestmark = pytest.mark.slow
 
 EULER, RK4, MULTIBODY = METHODS
+
+
+def of_ensemble(stored: Results) -> SweepPage:
+    """The page of the one ensemble."""
+    (page,) = (page for page in sweep_pages(stored) if page.kind == "ensemble")
+    return page
+
+
+def titled(page: SweepPage, heading: str) -> Table:
+    """The table below a heading."""
+    (part,) = (part for part in page.tables if part.heading == heading)
+    return part.table
 
 
 @pytest.fixture(scope="module")
@@ -110,11 +136,11 @@ def test_a_sweep_keeps_what_adapters_declare(tmp_path: Path) -> None:
 
 
 def test_the_command_makes_the_same_axes_again() -> None:
-    page = map_pages(swept())[0]
+    page = sweep_pages(swept())[0]
     words = shlex.split(page.command)
     assert words[:3] == ["spincheck", "map", "disc"]
     axes = tuple(parse_axis(words[k + 1]) for k, word in enumerate(words) if word == "--vary")
-    assert axes == swept().maps[0].sweep.axes
+    assert axes == swept().sweeps[0].sweep.axes
 
 
 @pytest.mark.parametrize("text", ["body.mass=0.1:0.3:7", "body.mass=1e-3:2.5e7:20:log"])
@@ -124,25 +150,25 @@ def test_an_axis_is_written_as_it_was_typed(text: str) -> None:
 
 
 def test_a_fixed_timestep_is_in_the_command_and_in_words() -> None:
-    swept_map = swept().maps[0]
+    swept_map = swept().sweeps[0]
     fixed = replace(swept_map, sweep=replace(swept_map.sweep, timestep=0.0025))
-    page = map_pages(replace(swept(), maps=[fixed]))[0]
+    page = sweep_pages(replace(swept(), sweeps=[fixed]))[0]
     assert " --timestep 0.0025 " in page.command
 
 
 def test_the_command_names_the_engines_that_were_run_and_methods_unless_all_were() -> None:
-    page, known = map_pages(swept())[0], swept().methods
+    page, known = sweep_pages(swept())[0], swept().methods
     assert page.command.endswith(" --engine mujoco --engine pybullet")
     more = known | {("mujoco", "another"): next(iter(known.values()))}
-    (with_methods, *_) = map_pages(replace(swept(), methods=more))
-    run = dict.fromkeys(method for _, method in methods_of(swept().maps[0].points, swept()))
+    (with_methods, *_) = sweep_pages(replace(swept(), methods=more))
+    run = dict.fromkeys(method for _, method in methods_of(swept().sweeps[0], swept()))
     options = [word for method in run for word in ("--method", method)]
     assert with_methods.command.endswith(shlex.join(options))
 
 
 def test_survival_is_counted_by_the_turn_a_step() -> None:
     """Euler diverges beyond a turn of 1, so all below survive and none above."""
-    table = map_pages(swept())[0].survival
+    table = titled(sweep_pages(swept())[0], "What survives")
     row = dict(zip(table.headings, (cell.text for cell in table.rows[0]), strict=True))
     assert row["method"] == "Euler"
     assert row["0.3 to 1 rad"] == "100 %"
@@ -171,49 +197,106 @@ def euler() -> Members:
 
 def test_quantiles_are_errors_of_members() -> None:
     """Errors 0.01 to 0.20: the 10th, the 18th and the 20th."""
-    assert euler().quantiles("omega") == (0.10, 0.19, 0.20, 0.20)
-    assert euler().quantiles("attitude") == (0.20, 0.38, 0.40, 0.40)
+    assert euler().quantiles(OMEGA) == (0.10, 0.19, 0.20, 0.20)
+    assert euler().quantiles(ATTITUDE) == tuple(math.degrees(e) for e in (0.20, 0.38, 0.40, 0.40))
 
 
 def test_what_did_not_finish_is_worse_than_any_error() -> None:
     """Of PyBullet's, members 0, 2, … 18 did finish: the tenth of twenty is off by 0.19."""
     of_method = members_of(ensemble_result(20).points, [MULTIBODY])[0]
     assert len(of_method.points) == 20
-    assert of_method.quantiles("omega") == (0.19, math.inf, math.inf, math.inf)
+    assert of_method.quantiles(OMEGA) == (0.19, math.inf, math.inf, math.inf)
 
 
 def at_stock() -> Results:
     """The ensemble at stock timesteps, its Euler as shipped."""
     stored = swept()
-    (ensemble,) = stored.ensembles
+    *_, ensemble = stored.sweeps
     ensembles = [replace(ensemble, sweep=replace(ensemble.sweep, timestep=None))]
     shipped = replace(stored.methods["mujoco", "Euler"], as_shipped=True)
     methods = stored.methods | {("mujoco", "Euler"): shipped}
-    return replace(stored, ensembles=ensembles, methods=methods)
+    return replace(stored, sweeps=ensembles, methods=methods)
 
 
 def test_the_first_screen_has_the_default_and_the_best_of_each_engine() -> None:
     shown = spread(at_stock())
     assert shown is not None
-    rows = [[cell.text for cell in row] for row in shown.table.rows]
+    (of_kind,) = shown.kinds
+    assert (of_kind.kind, of_kind.members) == ("free symmetric", "10")
+    assert of_kind.scenes == (("disc", "ensembles/disc-1.html"),)
+    rows = [[cell.text for cell in row] for row in of_kind.table.rows]
     assert [row[0] for row in rows] == [
         "mujoco Euler, 10 ms",
         "mujoco RK4, 10 ms",
         "pybullet multibody, 10 ms",
     ]
-    assert shown.table.headings[1:] == ("p50", "p95", "p99", "largest")
+    assert of_kind.table.headings[1:] == ("p50", "p95", "p99", "largest")
     median = math.degrees(2 * 0.05)
     assert rows[0][1] == readable(median)
     assert rows[2][-1] == "∞"
-    curve = next(t for t in shown.figure.figure["data"] if t["name"] == "mujoco Euler")
+    curve = next(t for t in of_kind.figure.figure["data"] if t["name"] == "mujoco Euler")
     np.testing.assert_allclose(values_of(curve["x"])[5], median, rtol=1e-6)
     assert spread(swept()) is None
+
+
+def test_ensembles_of_a_kind_are_one_distribution_without_doubled_members() -> None:
+    """Ten members of one scene, twice in the file, and twenty of another."""
+    stored = at_stock()
+    (disc,) = stored.sweeps
+    plate = replace(ensemble_result(20, "plate"), sweep=Ensemble("plate", 20, 7, None))
+    shown = spread(replace(stored, sweeps=[disc, disc, plate]))
+    assert shown is not None
+    (of_kind,) = shown.kinds
+    assert of_kind.members == "30"
+    median = math.degrees(2 * 0.08)  # Of 0.01 to 0.10 and 0.01 to 0.20, the fifteenth.
+    assert of_kind.table.rows[0][1].text == readable(median)
+
+
+def test_kinds_of_motion_have_a_distribution_each() -> None:
+    stored = at_stock()
+    heavy = replace(stored.sweeps[0], scenario=scene(UPRIGHT, "upright"))
+    shown = spread(replace(stored, sweeps=[heavy, *stored.sweeps]))
+    assert shown is not None
+    assert [one.kind for one in shown.kinds] == ["free symmetric", "heavy symmetric"]
+
+
+def test_turns_until_a_degree_are_few_for_the_worst() -> None:
+    """Of Euler's, 12 turns through 1 to 10; RK4 never; PyBullet's odd ones as far as they went."""
+    table = titled(of_ensemble(swept()), TURNS.title)
+    euler, rk4, multibody = ([cell.text for cell in row[4:]] for row in table.rows)
+    assert [float(text) for text in euler] == pytest.approx([12 / 5, 1.2, 1.2, 1.2], rel=0.01)
+    assert rk4 == ["∞"] * 4
+    assert [float(text) for text in multibody[1:]] == [0.1] * 3
+
+
+def test_the_error_a_turn_is_in_degrees_and_the_worst_where_a_run_did_not_finish() -> None:
+    table = titled(of_ensemble(swept()), A_TURN.title)
+    euler, _, multibody = ([cell.text for cell in row[4:]] for row in table.rows)
+    assert float(euler[3]) == pytest.approx(math.degrees(0.1 / 12), rel=0.01)
+    assert multibody[3] == "∞"
+
+
+def test_a_map_has_the_medians_of_the_same_measures() -> None:
+    """Euler's runs of a turn of 0.3 to 1 rad are off by their timesteps."""
+    page = sweep_pages(swept())[0]
+    table = titled(page, f"Median: {ATTITUDE.title}")
+    row = dict(zip(table.headings, (cell.text for cell in table.rows[0]), strict=True))
+    axes, turns = swept().sweeps[0].sweep.axes, (0.3, 1.0)
+    within = sorted(
+        step
+        for spin in axes[0].values
+        for step in axes[1].values
+        if turns[0] < math.hypot(0.1, spin) * step <= turns[1]
+    )
+    median = within[len(within) // 2]
+    assert float(row["0.3 to 1 rad"]) == pytest.approx(math.degrees(2 * median), rel=0.01)
+    assert row["over 3 rad"] == "∞"
 
 
 def test_a_report_of_nothing_but_sweeps_draws_them_on_its_first_page(tmp_path: Path) -> None:
     render(swept(), tmp_path)
     page = (tmp_path / "index.html").read_text(encoding="utf-8")
-    drawn = [*map_pages(swept()), *ensemble_pages(swept())]
+    drawn = sweep_pages(swept())
     assert page.count('class="plot"') == sum(len(one.figure.parts) for one in drawn if one.figure)
     assert "assets/plotly.js" in page
 
@@ -221,8 +304,8 @@ def test_a_report_of_nothing_but_sweeps_draws_them_on_its_first_page(tmp_path: P
 def test_no_error_is_reported_below_the_reference() -> None:
     points = ensemble_result().points
     sure = tuple(replace(point, reference_uncertainty=0.5) for point in points)
-    assert members_of(sure, [RK4])[0].errors("omega").min() == 0.5
-    assert members_of(points, [RK4])[0].errors("omega").min() > UNCERTAINTY
+    assert members_of(sure, [RK4])[0].errors(OMEGA).min() == 0.5
+    assert members_of(points, [RK4])[0].errors(OMEGA).min() > UNCERTAINTY
 
 
 def test_the_worst_are_those_that_did_not_finish_the_earliest_first() -> None:
@@ -239,7 +322,7 @@ def test_the_worst_are_reported_with_what_writes_them(pages: dict[str, Page]) ->
 
 
 def test_the_distribution_rises_at_every_error() -> None:
-    (page,) = ensemble_pages(swept())
+    page = of_ensemble(swept())
     assert page.figure is not None
     go.Figure(coloured(page.figure.figure))
     curve = next(t for t in page.figure.figure["data"] if t["name"] == "mujoco Euler")
@@ -249,7 +332,7 @@ def test_the_distribution_rises_at_every_error() -> None:
 
 
 def test_the_distribution_ends_at_what_finished() -> None:
-    (page,) = ensemble_pages(swept())
+    page = of_ensemble(swept())
     assert page.figure is not None
     curve = next(t for t in page.figure.figure["data"] if t["name"] == "pybullet multibody")
     assert values_of(curve["y"])[-1] == 50.0
@@ -260,15 +343,16 @@ def test_an_ensemble_of_which_none_finished_has_tables_and_no_figure() -> None:
     crashed = tuple(
         replace(p, outcome="failed", cause="crash", errors=None) for p in ensemble.points
     )
-    (page,) = ensemble_pages(replace(swept(), ensembles=[replace(ensemble, points=crashed)]))
+    page = of_ensemble(replace(swept(), sweeps=[replace(ensemble, points=crashed)]))
     assert page.figure is None
-    assert {cell.text for row in page.quantiles[0][1].rows for cell in row} >= {"0 %", "∞"}
+    shown = titled(page, ATTITUDE.title)
+    assert {cell.text for row in shown.rows for cell in row} >= {"0 %", "∞"}
 
 
 def test_the_scene_is_linked_only_where_it_has_a_page(tmp_path: Path) -> None:
     stored = results()
     name = "made-up-brick"
     of_brick = map_result(name=name)
-    render(replace(stored, maps=[of_brick, *swept().maps], methods=METHODS), tmp_path)
+    render(replace(stored, sweeps=[of_brick, *swept().sweeps], methods=METHODS), tmp_path)
     assert f"../scenes/{name}.html" in read_page(tmp_path / f"maps/{name}-1.html").attribute("href")
     assert "../scenes/disc.html" not in read_page(tmp_path / "maps/disc-1.html").attribute("href")
