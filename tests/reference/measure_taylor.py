@@ -10,7 +10,6 @@ from time import process_time
 
 import numpy as np
 from bench_rivals import dop853
-from spincheck.reference.problem import Problem
 from spincheck.reference.taylor import (
     CHECK_ORDERS,
     FINE_ORDERS,
