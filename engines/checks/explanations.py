@@ -19,7 +19,7 @@ from .equations import Equations, Gain
 NO_SIZE = 1e-100
 #: Fraction that may be left unexplained: the fit is linear in θ, the model need not be.
 LINEAR, LINEAR_AT_MOST = 1e-2, 0.2
-#: A fitted number this close to a whole number is rounded to it.
+#: A change of a factor this close to ±1, … is taken for it, as is one within its uncertainty.
 WHOLE = 1e-2
 #: A number with a smaller effect than this, relative to the others, is ignored.
 RANK = 1e-6
@@ -37,10 +37,12 @@ class _Change:
     ----------
     effects : what each of its m numbers adds to the gains from n starts, (n, 4, 3, m)
     words : describes the numbers fitted, (m,); empty if they are impossible
+    is_factor : whether its numbers are changes of a factor, of which whole ones have words
     """
 
     effects: FloatArray
     words: Callable[[FloatArray], str]
+    is_factor: bool = False
 
 
 def explanation(equations: Equations, gains: Sequence[Gain], noise: FloatArray) -> str:
@@ -62,6 +64,12 @@ def explanation(equations: Equations, gains: Sequence[Gain], noise: FloatArray) 
         size = float(np.linalg.norm(excess / np.maximum(_sizes(gains), NO_SIZE)))
         slack = np.abs(seen).max() * min(max(LINEAR, size), LINEAR_AT_MOST)
         rest = float(np.abs(left).max())
+        if change.is_factor:
+            # What is left, or the noise, may be of any sign in every number seen.
+            unsure = max(1.0, rest) * np.abs(np.linalg.pinv(matrix, RANK)).sum(axis=1)
+            whole = np.round(theta)
+            near = np.maximum(WHOLE * (whole != 0), unsure)
+            theta = np.where(np.abs(theta - whole) <= near, whole, theta)
         if rest <= max(1.0, slack) and (words := change.words(theta)):
             candidates.append((count, rest, words))
     if not candidates:
@@ -85,10 +93,15 @@ def _changes(equations: Equations, gains: Sequence[Gain]) -> Iterator[_Change]:
 
     # Of a body held by a constraint what is due to spin about the com may be left out alone.
     com = equations.scenario.body.inertia_com
-    yield _Change(effect(lambda s: s.torque(cross(s.omega, com @ s.omega))), _gyroscopic)
-    yield _Change(effect(lambda s: s.torque(s.gyroscopic)), _gyroscopic)
+    yield _Change(
+        effect(lambda s: s.torque(cross(s.omega, com @ s.omega))),
+        lambda theta: _gyroscopic(theta) if theta[0] == 1 else "",
+        True,
+    )
+    yield _Change(effect(lambda s: s.torque(s.gyroscopic)), _gyroscopic, True)
     if equations.scenario.gravity_world.any():
-        yield _Change(effect(lambda s: s.gravity(equations.scenario.gravity_world)), _strength)
+        pull = equations.scenario.gravity_world
+        yield _Change(effect(lambda s: s.gravity(pull)), _strength, True)
         axes = np.eye(3)
         yield _Change(
             effect(*(lambda s, axis=axis: s.gravity(axis) for axis in axes)),
@@ -199,18 +212,18 @@ class _Start:
 
 
 def _gyroscopic(theta: FloatArray) -> str:
-    left_out = theta[0]
-    if abs(left_out - 1) <= WHOLE:
+    if theta[0] == 1:
         return "there were no gyroscopic torque"
-    return f"the gyroscopic torque ω × Iω were {_factor(-left_out)} times as strong"
+    strength = f"the gyroscopic torque ω × Iω were {_factor(-theta[0])} times as strong"
+    return strength if theta[0] else ""
 
 
 def _strength(theta: FloatArray) -> str:
-    if abs(theta[0] + 2) <= WHOLE:
+    if theta[0] == -2:
         return "gravity were turned round"
-    if abs(theta[0] + 1) <= WHOLE:
+    if theta[0] == -1:
         return "there were no gravity"
-    return f"gravity were {_factor(theta[0])} times as strong"
+    return f"gravity were {_factor(theta[0])} times as strong" if theta[0] else ""
 
 
 def _resistance(theta: FloatArray) -> str:

@@ -5,6 +5,7 @@ fault, so that a study of the faultless one converges.
 """
 
 import ctypes
+import math
 import os
 import time
 from dataclasses import replace
@@ -17,6 +18,7 @@ from spincheck.engines import BodyReading, Engine, EngineError, Method, Session,
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.checks.equation_residuals import starting_with
 from spincheck.scenarios import EFFECTS, Scenario, loads
+from spincheck.scenarios.rotation import cross, times
 
 METHOD = Method("Heun", 2, 2, "Heun's method on rotation vectors", frozenset(EFFECTS) - {"pivot"})
 
@@ -29,7 +31,7 @@ class HeunSession(QuietSession):
         self.inertia = np.array(scenario.body.inertia_com)
         self.inverse = np.linalg.inv(self.inertia)
         self.omega = np.array(scenario.start.omega_body)
-        self.attitude = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
+        self.q_world_body_wxyz = np.array(scenario.start.q_world_body_wxyz)
         self.steps = 0
 
     def read_body(self) -> BodyReading:
@@ -37,11 +39,10 @@ class HeunSession(QuietSession):
         return BodyReading(body.mass, np.array(body.com), self.inertia)
 
     def read_state(self) -> State:
-        q = self.attitude.as_quat(scalar_first=True)
-        return State(q, self.omega.copy(), np.zeros(3), np.zeros(3))
+        return State(self.q_world_body_wxyz, self.omega.copy(), np.zeros(3), np.zeros(3))
 
     def rate(self, omega):
-        return self.inverse @ np.cross(self.inertia @ omega, omega)
+        return self.inverse @ cross(self.inertia @ omega, omega)
 
     def advance(self, steps: int) -> None:
         h = self.timestep
@@ -50,8 +51,22 @@ class HeunSession(QuietSession):
             second = self.rate(self.omega + h * first)
             middle = self.omega + h / 4 * (first + second)
             self.omega = self.omega + h / 2 * (first + second)
-            self.attitude = self.attitude * Rotation.from_rotvec(h * middle)
+            self.turn(h * middle)
         self.steps += steps
+
+    @property
+    def attitude(self) -> Rotation:
+        return Rotation.from_quat(self.q_world_body_wxyz, scalar_first=True)
+
+    @attitude.setter
+    def attitude(self, other: Rotation) -> None:
+        self.q_world_body_wxyz = other.as_quat(scalar_first=True)
+
+    def turn(self, rotation_vector_body):
+        """Turn the body, rad."""
+        angle = math.sqrt(rotation_vector_body @ rotation_vector_body)
+        sine = 0.5 * np.sinc(angle / (2 * np.pi)) * rotation_vector_body
+        self.q_world_body_wxyz = self.q_world_body_wxyz @ times([math.cos(angle / 2), *sine])
 
 
 class Planted(Engine):
@@ -143,7 +158,7 @@ class SwappedMomentsSession(HeunSession):
 
     def rate(self, omega):
         swapped = self.inertia[::-1, ::-1]
-        return np.linalg.inv(swapped) @ np.cross(swapped @ omega, omega)
+        return np.linalg.inv(swapped) @ cross(swapped @ omega, omega)
 
 
 class XyzwSession(HeunSession):

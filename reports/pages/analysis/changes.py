@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from ....engines import Outcome
-from ...harness.observed_order import ASYMPTOTIC
+from ...harness.measuring.asymptotic import ASYMPTOTIC
 from ...results.records import Key, Row, Verdict
 from ...results.store import Results, SceneResult
 from ...results.verdict_words import RANKS

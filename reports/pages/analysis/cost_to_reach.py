@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from ...harness.observed_order import SETTLING_ORDER
+from ...harness.judging.observed_order import SETTLING_ORDER
 from ...results.verdict_words import VerdictWord
 from .work_precision import Curve, CurvePoint, observed_order, slope
 

@@ -30,10 +30,19 @@ ON_AXIS = scene("on-axis", start=START_ON_AXIS)
 #: A scene with everything that is held, and one with everything that acts on a free body.
 HELD = ("everything", "heavy-top", "free-tilted-plate")
 PUSHED = ("free-falling", "free-drag", "free-torque-body", "free-torque-world", "pivot-torque-body")
-#: Their methods share one model, and each takes JAX seconds to compile for each scene.
-ONE_MODEL = ("mjx", "mjx-float32")
-#: In double precision by a switch; as shipped it is another engine.
-SWITCHED = ("mjx",)
+#: A method of each engine in double precision that keeps the contract, which asks for the same.
+CONTRACT = [
+    ("dartpy", "semi-implicit"),
+    ("drake", "runge_kutta3"),
+    ("exudyn", "RK44"),
+    ("exudyn", "TrapezoidalIndex2"),
+    ("mjx", "Euler"),
+    ("pin", "semi-implicit"),
+]
+#: JAX takes seconds to compile for each kind of scene. The contract has MJX run on all; in single
+#: precision it is the same model, and all its methods share it.
+COMPILED = {"mjx": (), "mjx-float32": ("heavy-top", "free-drag")}
+NOT_MJX = [name for name in OPTIONAL if name != "mjx"]
 WITHOUT_GYROSCOPIC_TORQUE = ("cannon-es", "havok")
 
 
@@ -63,18 +72,22 @@ def test_no_engine_whose_package_is_installed_fails_to_load() -> None:
     assert [one for one in missing() if not one.package] == []
 
 
-@pytest.mark.parametrize("name", [*HELD, *PUSHED])
+@pytest.mark.parametrize(
+    ("engine", "name"),
+    [(one, name) for one in OPTIONAL for name in COMPILED.get(one, (*HELD, *PUSHED))],
+    indirect=["engine"],
+)
 def test_it_holds_the_scene_and_no_other_thing_acts(engine: Engine, name: str) -> None:
-    for method in engine.methods[:1] if engine.name in ONE_MODEL else engine.methods:
+    for method in engine.methods[:1] if engine.name in COMPILED else engine.methods:
         if not method.as_shipped and not engine.unsupported(SCENES[name], method):
             run = engine.run(SCENES[name], method, TIMESTEP, np.arange(3))
             assert (run.outcome, run.reason) == ("ok", "")
             assert run.active == SCENES[name].called_for
 
 
+# In double precision MJX is by a switch; as shipped it is the other engine.
+@pytest.mark.parametrize("engine", NOT_MJX, indirect=True)
 def test_its_defaults_have_a_row_that_says_what_differs(engine: Engine) -> None:
-    if engine.name in SWITCHED:
-        pytest.skip(f"{engine.name} is not shipped so")
     (shipped,) = [method for method in engine.methods if method.as_shipped]
     run = engine.run(SCENES["heavy-top"], shipped, TIMESTEP, np.arange(3))
     assert run.outcome == "ok"
@@ -86,6 +99,9 @@ def test_an_engine_under_node_is_one_file_of_fewer_than_sixty_lines(path: Path) 
     assert len(path.read_text(encoding="utf-8").splitlines()) < 60
 
 
+@pytest.mark.parametrize(
+    "engine", sorted({*OPTIONAL} - {name for name, _ in CONTRACT}), indirect=True
+)
 def test_a_second_run_of_it_is_the_same_to_the_last_bit(engine: Engine) -> None:
     method = engine.methods[0]
     all_there = SCENES["everything"]
@@ -98,6 +114,7 @@ def test_a_second_run_of_it_is_the_same_to_the_last_bit(engine: Engine) -> None:
     assert np.array_equal(first.omega_body, second.omega_body)
 
 
+@pytest.mark.parametrize("engine", NOT_MJX, indirect=True)
 @pytest.mark.parametrize("name", ["free-drag", "heavy-top", "on-axis"])
 def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
     engine: Engine, name: str
@@ -141,20 +158,9 @@ def test_a_damping_that_an_engine_ships_with_is_no_step_of_another_length() -> N
     assert run.cause == "clock"
 
 
-@pytest.mark.parametrize(
-    ("name", "method"),
-    [
-        ("dartpy", "semi-implicit"),
-        ("drake", "runge_kutta3"),
-        ("exudyn", "RK44"),
-        ("exudyn", "TrapezoidalIndex2"),
-        ("mjx", "Euler"),
-        ("pin", "semi-implicit"),
-    ],
-)
+@pytest.mark.parametrize(("name", "method"), CONTRACT)
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
 def test_it_keeps_the_contract(check: Check, name: str, method: str) -> None:
-    """Of each engine in double precision one method of a kind."""
     if reason := why_missing(name):
         pytest.skip(reason)
     engine = engines()[name]

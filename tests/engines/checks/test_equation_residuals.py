@@ -2,12 +2,12 @@
 
 import sys
 
+import numpy as np
 import pytest
 from box import BOX
 from planted import HeunSession
 from planted_faults import SingleSession, SingleUngyroscopicSession, UngyroscopicSession
 from scenes import SCENES
-from scipy.spatial.transform import Rotation
 from spincheck.engines import engines
 from spincheck.engines.checks.equation_residuals import equation_residuals, starting_with
 from spincheck.scenarios import loads
@@ -108,8 +108,7 @@ class StickingSession(HeunSession):
         for _ in range(steps):
             super().advance(1)
             if self.timestep < STICKS:
-                aside = Rotation.from_rotvec([-1e-4 * self.timestep, 0.0, 0.0])
-                self.attitude = self.attitude * aside
+                self.turn(np.array([-1e-4 * self.timestep, 0.0, 0.0]))
 
 
 @pytest.mark.parametrize(("share", "begins"), [(1.5, ""), (1e9, "dR/dt")], ids=["one", "all"])

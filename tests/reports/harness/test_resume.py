@@ -4,6 +4,7 @@ import errno
 import os
 from dataclasses import replace
 from pathlib import Path
+from shutil import copyfile
 
 import pytest
 from box import BOX
@@ -12,7 +13,7 @@ from failing_calls import FailingCalls, of_function
 from planted import HeunSession, RaisingSession, planted
 from same_results import differences
 from spincheck.engines.lost_process import KILLED
-from spincheck.reports.harness import ladder_judge
+from spincheck.reports.harness import convergence_study
 from spincheck.reports.harness import study as study_module
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import CallFailed, Executor
@@ -63,10 +64,22 @@ def read(path: Path, timesteps: tuple[float, ...] = ()) -> Results:
 
 
 @pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory) -> Results:
+def complete(tmp_path_factory) -> Path:
+    """The file of a study that nobody disturbed."""
     path = tmp_path_factory.mktemp("undisturbed") / "results.sqlite"
     run(path)
-    return read(path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def undisturbed(complete) -> Results:
+    return read(complete)
+
+
+@pytest.fixture
+def finished(complete, path) -> Path:
+    """A copy of that file."""
+    return Path(copyfile(complete, path))
 
 
 @pytest.fixture
@@ -83,12 +96,10 @@ def runs(monkeypatch) -> list[Row]:
     return stored
 
 
-def test_a_study_that_is_complete_runs_nothing(path, runs, undisturbed):
-    run(path)
-    runs.clear()
-    assert run(path) == []
+def test_a_study_that_is_complete_runs_nothing(finished, runs, undisturbed):
+    assert run(finished) == []
     assert runs == []
-    assert differences(read(path), undisturbed) == []
+    assert differences(read(finished), undisturbed) == []
 
 
 @pytest.mark.parametrize("rows", [0, 1, 3, 6])
@@ -133,29 +144,23 @@ def test_the_samples_of_a_finished_ladder_are_those_of_one_run(undisturbed):
 
 
 @pytest.mark.parametrize(("changed", "again"), [("# a comment\n", 0), ("", 1)])
-def test_a_scene_is_run_anew_if_it_says_something_else(path, runs, changed, again):
+def test_a_scene_is_run_anew_if_it_says_something_else(finished, runs, undisturbed, changed, again):
     text = BOX + EXPECTATION
-    run(path)
-    before = len(runs)
-    run(path, text=text + changed if changed else text.replace("samples = 11", "samples = 6"))
-    assert len(runs) == (1 + again) * before
+    run(finished, text=text + changed if changed else text.replace("samples = 11", "samples = 6"))
+    assert len(runs) == again * len(undisturbed.rows)
 
 
-def test_another_version_of_an_engine_has_its_own_runs_made_anew(path, runs, monkeypatch):
-    run(path)
-    runs.clear()
+def test_another_version_of_an_engine_has_its_own_runs_made_anew(finished, runs, monkeypatch):
     monkeypatch.setattr(type(planted(HeunSession)), "version", "2")
-    run(path)
+    run(finished)
     assert {row.key.engine for row in runs} == {"Heun"}
-    assert len(read(path).verdicts) == len(ENGINES)
+    assert len(read(finished).verdicts) == len(ENGINES)
 
 
-def test_another_spincheck_runs_everything_anew(path, runs, monkeypatch):
-    run(path)
-    before = len(runs)
+def test_another_spincheck_runs_everything_anew(finished, runs, undisturbed, monkeypatch):
     monkeypatch.setattr(fingerprints, "program", lambda kind: f"another {kind}")
-    run(path)
-    assert len(runs) == 2 * before
+    run(finished)
+    assert len(runs) == len(undisturbed.rows)
 
 
 def test_costs_measured_on_another_processor_are_taken_anew(path, monkeypatch):
@@ -172,9 +177,8 @@ def test_an_engine_added_later_is_run_alone(path, runs, undisturbed):
     assert differences(read(path), undisturbed) == []
 
 
-def test_a_scene_run_later_leaves_the_others_as_they_are(path, undisturbed):
-    run(path)
-    both = study_of(path, [loads(BOX, "crate")], LADDER)
+def test_a_scene_run_later_leaves_the_others_as_they_are(finished, undisturbed):
+    both = study_of(finished, [loads(BOX, "crate")], LADDER)
     one = replace(
         both,
         scenes={"box": both.scenes["box"]},
@@ -184,13 +188,14 @@ def test_a_scene_run_later_leaves_the_others_as_they_are(path, undisturbed):
     assert differences(one, undisturbed) == []
 
 
-def test_an_unmet_expectation_is_reported_by_a_study_that_was_gone_on_with(path, runs, monkeypatch):
-    run(path)
-    unmet = [verdict.unmet for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
-    with open_store(path, create=True) as store, store._database.transaction() as connection:
+def test_an_unmet_expectation_is_reported_by_a_study_that_was_gone_on_with(
+    finished, runs, monkeypatch
+):
+    unmet = [verdict.unmet for verdict in read(finished).verdicts if verdict.key.engine == "Heun"]
+    with open_store(finished, create=True) as store, store._database.transaction() as connection:
         connection.execute("DELETE FROM verdicts")
-    run(path)
-    again = [verdict.unmet for verdict in read(path).verdicts if verdict.key.engine == "Heun"]
+    run(finished)
+    again = [verdict.unmet for verdict in read(finished).verdicts if verdict.key.engine == "Heun"]
     assert unmet == again
     assert "ω error" in unmet[0][0]
 
@@ -202,25 +207,23 @@ def test_a_timestep_is_run_once_however_often_it_is_asked_for(path, runs):
     assert runs == []
 
 
-def test_a_timestep_asked_for_leaves_the_ladder_and_its_verdict(path, undisturbed):
-    run(path)
-    run(path, ALONE)
-    results = read(path)
+def test_a_timestep_asked_for_leaves_the_ladder_and_its_verdict(finished, undisturbed):
+    run(finished, ALONE)
+    results = read(finished)
     ladder = replace(results, rows=[row for row in results.rows if row.timestep != 0.02])
     assert differences(ladder, undisturbed) == []
 
 
-def test_the_verdict_on_a_timestep_is_its_own(path):
-    run(path)
-    run(path, ALONE)
-    (verdict,) = read(path, timesteps=(0.02,)).verdicts
+def test_the_verdict_on_a_timestep_is_its_own(finished):
+    run(finished, ALONE)
+    (verdict,) = read(finished, timesteps=(0.02,)).verdicts
     assert (verdict.verdict, "no ladder was run" in verdict.reason) == ("unresolved", True)
 
 
 def test_a_ladder_cut_short_by_a_lesser_limit_is_gone_on_with(path, tmp_path, monkeypatch):
     # No limit is known so well: all rungs are run.
     for goal in ("GOAL", "FINE_GOAL"):
-        monkeypatch.setattr(ladder_judge, goal, 0.0)
+        monkeypatch.setattr(convergence_study, goal, 0.0)
     longer, other = replace(LADDER, max_steps=1 << 11), tmp_path / "longer.sqlite"
     run(path)
     run(other, longer)
@@ -229,10 +232,8 @@ def test_a_ladder_cut_short_by_a_lesser_limit_is_gone_on_with(path, tmp_path, mo
     assert differences(read(path), read(other)) == []
 
 
-def test_a_longer_ladder_serves_whoever_asks_for_a_shorter_one(path, runs):
-    run(path)
-    runs.clear()
-    run(path, replace(LADDER, max_steps=1))
+def test_a_longer_ladder_serves_whoever_asks_for_a_shorter_one(finished, runs):
+    run(finished, replace(LADDER, max_steps=1))
     assert runs == []
 
 
@@ -277,12 +278,10 @@ def test_an_error_of_the_system_is_the_engines_only_if_it_stays(
     assert {row.key.engine for row in runs} == ({"Heun"} if again else set())
 
 
-def test_everything_is_made_again_if_that_is_asked_for(path, runs, undisturbed):
-    run(path)
-    before = len(runs)
-    run(path, replace(LADDER, again=True))
-    assert len(runs) == 2 * before
-    assert differences(read(path), undisturbed) == []
+def test_everything_is_made_again_if_that_is_asked_for(finished, runs, undisturbed):
+    run(finished, replace(LADDER, again=True))
+    assert len(runs) == len(undisturbed.rows)
+    assert differences(read(finished), undisturbed) == []
 
 
 def overrun(path: Path, reason: str) -> None:
@@ -299,14 +298,13 @@ def overrun(path: Path, reason: str) -> None:
     ("time_limit", "again"), [(None, False), (100.0, False), (120.0, False), (200.0, True)]
 )
 def test_what_was_stopped_is_run_again_by_whoever_gives_it_longer(
-    path, runs, undisturbed, time_limit, again
+    finished, runs, undisturbed, time_limit, again
 ):
-    run(path)
-    overrun(path, "did not finish within 120 s; it last printed: a word")
+    overrun(finished, "did not finish within 120 s; it last printed: a word")
     runs.clear()
-    run(path, replace(LADDER, time_limit=time_limit))
+    run(finished, replace(LADDER, time_limit=time_limit))
     assert {row.key.engine for row in runs} == ({"Heun"} if again else set())
-    assert (differences(read(path), undisturbed) == []) == again
+    assert (differences(read(finished), undisturbed) == []) == again
 
 
 @pytest.mark.parametrize("seconds", ["0", "-1", "nan", "inf"])
