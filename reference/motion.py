@@ -57,7 +57,7 @@ def assembled(
     Parameters
     ----------
     times, states : as of `motion`
-    kept : angular momentum that the rotors' hinges keep, kg m²/s, (rotors,) or (n, rotors)
+    kept : angular momentum that parts keep, kg m²/s, (parts,) or (n, parts)
     """
     q_world_axes, omega_axes = states
     q_axes_body = np.array(problem.q_axes_body, dtype=float)
@@ -67,7 +67,7 @@ def assembled(
         q_world_body = q_world_axes @ times_quaternion(q_axes_body)
         omega_body = omega_axes @ matrix(q_axes_body)
     com_world, velocity_world = _placed(scenario, q_world_body, omega_body, flight)
-    spins = scenario.rotors.spins(omega_body, kept)
+    spins = scenario.spins(omega_body, kept)
     return Trajectory(times, q_world_body, omega_body, com_world, velocity_world, spins)
 
 
