@@ -1,4 +1,4 @@
-"""Runs scenes and writes dated pages of every engine's version: `make results`.
+"""Runs the library and writes dated pages of every engine's version: `make results`.
 
 A page and a JSON file a version go to docs/results/DATE, the report with a page a scene to
 build/results/DATE. What was written on other days stays, and is in the history of index.md.
@@ -8,6 +8,7 @@ import argparse
 import json
 import math
 import subprocess
+import tomllib
 from datetime import date
 from pathlib import Path
 from statistics import median
@@ -15,29 +16,33 @@ from typing import Any
 
 import spincheck
 from spincheck.reports.results.verdict_words import RANKS
+from spincheck.scenarios import LIBRARY
 
 FOLDER = Path(__file__).parent
 BUILD = FOLDER.parents[1] / "build" / "results"
-#: Older versions that the default run is compared with, and the scenes on which.
-VERSIONS = ("mujoco@3.3.7", "mujoco@3.6.0", "mujoco@3.10.0", "pybullet@3.2.6")
-COMPARED = ("fast-top", "tennis-racket", "book-with-drag")
-COLUMNS = ("method", *RANKS, "attitude off, median", "attitude off, worst", "worst on")
+FAULTS = FOLDER.parent / "measured/known-issues.toml"
+#: Older versions that are run beside those installed.
+VERSIONS = ("mujoco@3.3.7", "mujoco@3.10.0", "pybullet@3.2.6")
+COLUMNS = ("method", "scenes", *RANKS, "median error", "largest error", "on")
 HEAD = """# Results by date and version
 
-Each page is what one version of an engine did on the scenes that its JSON file names, with a line a
-method; the file has every verdict with its reason. Attitudes are off by so much at the timestep
-that users of the engine get who set none. Methods other than `default` are the engine with what a
-scene does not call for switched off. [How to object](../project/neutrality.md).
+Each page shows what one version of an engine did on the scenes of the library: its known issues
+with what to do about them, and the verdicts and errors of each method. *Error* is that of the
+attitude at the timestep that users of the engine get who set none. The method `default` is the
+engine as shipped; in the others everything that a scene does not call for is switched off. Ladders
+are those of `--quick`: a run without it decides some of what is `unresolved` here.
+[How to object to a result](../project/neutrality.md).
 
-`make results` writes these pages, and the report with a page a scene into `build/results`.
+`make results` writes these pages, and a report with a page for each scene into `build/results`.
 """
 
 Record = dict[str, Any]
 
 
-def run(scenes: list[str], options: list[str], out: Path) -> None:
-    """Run scenes; that something disagrees is a result."""
-    done = subprocess.run(["spincheck", "run", *scenes, *options, "--out", out], check=False)
+def run(engines: list[str], out: Path) -> None:
+    """Run the plain and the hard scenes; that something disagrees is a result."""
+    words = ["spincheck", "run", LIBRARY, "--quick", *engines, "--out", out]
+    done = subprocess.run(words, check=False)
     if done.returncode not in (0, 1):
         raise SystemExit(f"'spincheck run' ended with exit code {done.returncode}")
 
@@ -77,22 +82,65 @@ def line(one: Record, method: str) -> list[str]:
     """A method's line of the table: how many verdicts of each word, and errors."""
     words = [word for name, _, word, _ in one["verdicts"] if name == method]
     off = {
-        key.split()[1]: math.inf if degrees is None else degrees
-        for key, degrees in one["degrees_off"].items()
+        key.split()[1]: math.inf if value is None else value
+        for key, value in one["degrees_off"].items()
         if key.split()[0] == method
     }
     shown = [median(off.values()), max(off.values())] if off else []
-    cells = [
-        f"{float(f'{degrees:.2g}'):g}°" if degrees < math.inf else "blew up" for degrees in shown
-    ]
+    cells = [degrees(value) for value in shown]
     counts = [str(words.count(word) or "") for word in RANKS]
     worst_on = max(off, key=lambda name: off[name], default="–")
-    return [method, *counts, *(cells or ["–", "–"]), worst_on]
+    return [method, str(len(words)), *counts, *(cells or ["–", "–"]), worst_on]
+
+
+def faults(one: Record) -> list[list[str]]:
+    """The lines of the known faults that a version has."""
+    known = tomllib.loads(FAULTS.read_text(encoding="utf-8"))["fault"]
+    return [
+        [fault["what"], span(fault), fault["remedy"], upstream(fault), seen(one, fault)]
+        for fault in known
+        if one["engine"] == fault["engine"]
+        and ordered(fault["since"]) <= ordered(one["version"])
+        and ordered(one["version"]) < ordered(fault.get("before", "999"))
+    ]
+
+
+def ordered(version: str) -> list[int]:
+    """A version, such as "3.10.0 (double)", as numbers that sort."""
+    return [int(number) for number in version.split()[0].split(".")]
+
+
+def span(fault: Record) -> str:
+    """The versions that have a fault."""
+    return f"since {fault['since']}" + f", not in {fault.get('before')}" * ("before" in fault)
+
+
+def upstream(fault: Record) -> str:
+    """What the engine's own project says of a fault."""
+    text: str = fault.get("upstream", "none known")
+    *_, owner, project, _, number = ("", "", "", *text.split("/"))
+    return f"[{owner}/{project}#{number}]({text})" if text.startswith("https:") else text
+
+
+def seen(one: Record, fault: Record) -> str:
+    """The command that shows a fault, and what this version did."""
+    shown = f"`spincheck {fault['command']}`"
+    if "scene" not in fault:
+        return shown
+    off = one["degrees_off"].get(f"{fault['method']} {fault['scene']}")
+    return f"{shown}; here `{fault['method']}` on {fault['scene']}: {degrees(off)}"
+
+
+def degrees(off: float | None) -> str:
+    """An error in words; none is of a run that did not end."""
+    return "blew up" if off is None or off == math.inf else f"{float(f'{off:.2g}'):g}°"
 
 
 def table(columns: tuple[str, ...], lines: list[list[str]]) -> str:
-    """A table in Markdown."""
-    rows = [columns, ["---"] * len(columns), *lines]
+    """A table in Markdown, of the columns that are not empty."""
+    full = [number for number in range(len(columns)) if any(cells[number] for cells in lines)]
+    lines = [[cells[number] for number in full] for cells in (columns, *lines)]
+    rows = [lines[0], ["---"] * len(full), *lines[1:]]
     return "\n".join(f"| {' | '.join(cells)} |" for cells in rows) + "\n"
 
 
@@ -104,9 +152,15 @@ def name_of(one: Record) -> str:
 def page(one: Record) -> str:
     """The page of a version."""
     methods = sorted({name for name, *_ in one["verdicts"]})
+    head = ("what is wrong", "versions", "what to do", "upstream", "the command that shows it")
     return f"""# {one["engine"]} {one["version"]}, {one["date"]}
 
-On {len(one["scenes"])} scenes; [every verdict with its reason]({name_of(one)}.json).
+## Known issues
+
+{table(head, faults(one))}
+## On {len(one["scenes"])} scenes
+
+[Every verdict with its reason]({name_of(one)}.json).
 
 {table(COLUMNS, [line(one, method) for method in methods])}"""
 
@@ -128,18 +182,13 @@ def index() -> str:
 
 def main() -> None:
     """Run, and write the pages."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("scenes", nargs="*", help="scenes or folders; the library if left out")
-    parser.add_argument("--quick", action="store_true", help="short ladders, without timing")
-    arguments = parser.parse_args()
+    argparse.ArgumentParser(description=__doc__).parse_args()
     day = date.today().isoformat()
     out, folder = BUILD / f"{day}.sqlite", FOLDER / day
     folder.mkdir(parents=True, exist_ok=True)
     BUILD.mkdir(parents=True, exist_ok=True)
-    quick = ["--quick"] * arguments.quick
-    run(arguments.scenes, quick, out)
-    older = [word for version in VERSIONS for word in ("--engine", version)]
-    run(list(COMPARED), [*older, "--quick"], out)
+    run([], out)
+    run([word for version in VERSIONS for word in ("--engine", version)], out)
     subprocess.run(["spincheck", "report", out, "--out", BUILD / day], check=False)
     for one in records(spincheck.results(out), day):
         (folder / f"{name_of(one)}.md").write_text(page(one), encoding="utf-8")

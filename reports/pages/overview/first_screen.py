@@ -30,6 +30,13 @@ MEASURES = (
     "CPU time of a step",
     "pruned",
 )
+#: CPU time of the default as a multiple of its own.
+OWN_RATIO = "1"
+#: What is said of CPU times where there are any.
+COST = (
+    " CPU time as a multiple of the default's, with quartiles: if only the method is changed, and "
+    "pruned of what scenes do not call for."
+)
 
 
 @dataclass(frozen=True)
@@ -134,21 +141,19 @@ def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> Answ
     harmless = {name for cost in left_out for name in cost.left_out}
     measured = {one.key.engine for scene in plain.scenes for one in scene.defaults}
     explained = [one for one in shipped if one in listed or one.pair[0] in measured]
-    reasons = [
-        why(one.pair, one.rows, plain.scenes, harmless) for one in explained
-    ] + no_gyroscopic_torque(plain)
+    reasons = [why(one.pair, one.rows, plain.scenes, harmless) for one in explained]
     headings, columns = [""], [[Cell(measure, "name") for measure in MEASURES]]
     for one in listed:
         for used in filter(None, (one, instead.get(one.pair))):
             headings.append(f"{'' if used is one else 'use '}{' '.join(used.pair)}")
             columns.append(_column(used, one, left_out))
+    lines = [line for line in zip(*columns, strict=True) if _says_something(line)]
     scenes = plural(max(len(one.rows) for one in shipped), "scene")
     return Answer(
         _lead(listed, list(instead.values())),
-        table(headings, zip(*columns, strict=True)),
-        f"Attitude at stock timesteps, medians of {scenes}. CPU time as a multiple of the "
-        "default's, with quartiles: if only the method is changed, and pruned of what scenes do "
-        "not call for.",
+        table(headings, lines),
+        f"Attitude at stock timesteps, medians of {scenes}."
+        + (COST if lines[-1][0].text in MEASURES[-2:] else ""),
         _sentences([*_others(others), *reasons, *no_gyroscopic_torque(plain)]),
     )
 
@@ -173,17 +178,18 @@ def _column(one: _AtStock, default: _AtStock, left_out: Collection[EffectsCost])
     """
     base = {name: row.seconds_per_step for name, row in default.rows.items()}
     pruned = {name: row.seconds_per_step for name, row in one.rows.items()}
-    whole = {
-        cost.key.scenario: cost.unpruned
-        for cost in left_out
-        if (cost.key.engine, cost.key.method) == one.pair
-    }
-    ratios = ("1", "") if one is default else (_price(whole, base), _price(pruned, base))
+    whole = {cost.key.scenario: cost.unpruned for cost in left_out if cost.key.pair == one.pair}
+    ratios = (OWN_RATIO, "") if one is default else (_price(whole, base), _price(pruned, base))
     return [
         *map(figure, (duration(one.timestep), one.turns, one.a_turn, one.median)),
         one.worst,
         *map(figure, ratios),
     ]
+
+
+def _says_something(line: Sequence[Cell]) -> bool:
+    """Whether a line has more than the default's own ratio: without times it has not."""
+    return any(cell.text not in ("", OWN_RATIO) for cell in line[1:])
 
 
 def _others(shipped: Sequence[_AtStock]) -> list[str]:
@@ -205,8 +211,7 @@ def _at_stock(gathered: ReportData, pair: Pair, timestep: float) -> _AtStock:
     rows = {
         scene.name: row
         for scene in gathered.scenes
-        for runs in scene.methods
-        if (runs.engine, runs.method) == pair
+        if (runs := scene.by_pair.get(pair))
         and (row := row_at(runs, "stock", timestep)) is not None
         and row.simulated
     }
