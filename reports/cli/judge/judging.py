@@ -10,11 +10,11 @@ from typing import Any, get_args
 
 from ....scenarios import SIGNAL, Scenario, did_you_mean, printable
 from ...harness.convergence_study import ConvergenceStudy
+from ...harness.judging import judge
 from ...harness.recorded.judged import JudgedMotion, judged_motion
 from ...harness.recorded.motion import OmegaFrame, QuaternionOrder
 from ...harness.recorded.read import RecordingError, read_recording
 from ...harness.recorded.recorded_ladder import results_of, study_of_files
-from ...harness.study_verdict import verdict_on
 from ...results.records import Verdict
 from ..terminal import AGREES, BAD_INPUT, DISAGREES, Complaint, table
 
@@ -58,7 +58,7 @@ class Judgement:
     @cached_property
     def verdict(self) -> Verdict | None:
         """The verdict on several files; None for a single one."""
-        return verdict_on(self.study) if len(self.motions) > 1 else None
+        return judge(self.study.records) if len(self.motions) > 1 else None
 
     @property
     def exit_code(self) -> int:

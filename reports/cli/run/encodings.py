@@ -65,7 +65,7 @@ def encoding_lines(encodings: Sequence[EncodedRuns]) -> Iterator[str]:
         )
         for runs in of_scene:
             if runs.plain:
-                yield f"  {_who(runs)}: not compared, the scene as it is {runs.plain}"
+                yield f"  {runs.key.label}: not compared, the scene as it is {runs.plain}"
         yield from (f"  {line}" for line in _lines(of_scene))
 
 
@@ -107,7 +107,3 @@ def encoding_changes(encodings: Sequence[EncodedRuns], names: Sequence[str]) -> 
         and (now := words.get((newer, scene, method, encoding))) is not None
         and now != word
     ]
-
-
-def _who(runs: EncodedRuns) -> str:
-    return f"{runs.key.engine} {runs.key.method}"
