@@ -56,7 +56,7 @@ def assembled(
     Parameters
     ----------
     times, states : as of `motion`
-    kept : angular momentum that the rotors' hinges keep, kg m²/s, (rotors,) or (n, rotors)
+    kept : angular momentum that parts keep, kg m²/s, (parts,) or (n, parts)
     """
     q_world_axes, omega_axes = states
     q_axes_body = np.array(problem.q_axes_body, dtype=float)
@@ -69,7 +69,7 @@ def assembled(
         # scipy refuses read-only arrays, hence the copies here and below.
         omega_body = np.asarray(R_axes_body.inv().apply(np.array(omega_axes)))
     com_world, velocity_world = _placed(scenario, q_world_body, omega_body, flight)
-    spins = scenario.rotors.spins(omega_body, kept)
+    spins = scenario.spins(omega_body, kept)
     return Trajectory(times, q_world_body, omega_body, com_world, velocity_world, spins)
 
 

@@ -135,7 +135,7 @@ def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) 
     scenes = {scenario.name: scenario for scenario in scenarios}
 
     def named(key: Key) -> bool:
-        return key.scenario in scenes and (key.engine, key.method) in pairs
+        return key.scenario in scenes and key.pair in pairs
 
     def at_asked_timestep(row: Row) -> bool:
         expected = {expect.timestep for expect in scenes[row.key.scenario].expect}

@@ -9,7 +9,6 @@ import numpy as np
 from ....reference import IntegrationError, drifts, facts, solve
 from ....reference.euler_angles import euler_zyz_from_quaternion, rates_from_omega_body
 from ....scenarios import SIGNALS, Misfit, Scenario, angular_momentum_world, check_scales, energy
-from ....scenarios.effects import table as effects_table
 from ..terminal import BAD_INPUT, NOT_RUN, Complaint, table
 
 #: Where a user names no times: the start, the end, and three between.
@@ -51,8 +50,8 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
     }
     if motion.spins.size:
         columns["rotors_spin"] = motion.spins
-    if scenario.effects.table is not None:
-        columns["table_force"] = effects_table.along(scenario, motion)
+    forces = {f"{effect.name}_force": effect.force for effect in scenario.acting}
+    columns |= {name: force(scenario, motion) for name, force in forces.items() if force}
     return {
         "scenario": scenario.name,
         "method": solution.method,
