@@ -67,6 +67,16 @@ class Key:
     engine: str
     method: str
 
+    @property
+    def pair(self) -> Pair:
+        """Engine and method."""
+        return self.engine, self.method
+
+    @property
+    def label(self) -> str:
+        """The same as users type it."""
+        return f"{self.engine} {self.method}"
+
 
 def _named(key: Key) -> Key:
     _name(key.engine)

@@ -8,6 +8,7 @@ made again.
 
 import math
 import shlex
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,6 +18,7 @@ from ....engines import engines
 from ....scenarios import Scenario
 from ...harness.choice import Choice
 from ...harness.executors import TIME_LIMIT, LocalWorkers
+from ...harness.judging.ladder import RUNGS_OF_A_LIMIT
 from ...harness.plan import plan
 from ...harness.study import run_study
 from ...pages.analysis.best_choice import BOUNDS, steady
@@ -144,7 +146,7 @@ def _methods(engine_names: Sequence[str]) -> list[str]:
 
 
 def _timed_runs(scene: str, engine_names: Sequence[str], stored: Path) -> Results | None:
-    """The file's results of the scene, of engines installed here; None without timed runs."""
+    """The file's results of the scene, of engines installed here; None without a timed ladder."""
     if not stored.exists():
         return None
     scenario, results = one_scene(scene), running.read(stored)
@@ -158,7 +160,8 @@ def _timed_runs(scene: str, engine_names: Sequence[str], stored: Path) -> Result
         for row in results.rows
         if row.key.scenario == scenario.name and versions.get(row.key.engine) == row.engine_version
     ]
-    if not any(row.seconds_per_step for row in rows):
+    timed = Counter(row.key for row in rows if row.seconds_per_step)
+    if max(timed.values(), default=0) < RUNGS_OF_A_LIMIT:
         return None
     keys = {row.key for row in rows}
     return replace(
@@ -203,10 +206,7 @@ def _as_typed(candidate: Candidate) -> Candidate:
 
 def _setup(scene: SceneRuns, best: Candidate) -> str:
     assert best.timestep is not None, "only what reaches the bounds is recommended"
-    runs = next(
-        r for r in scene.methods if (r.engine, r.method) == (best.key.engine, best.key.method)
-    )
-    return runs.setup(best.timestep)
+    return scene.by_pair[best.key.pair].setup(best.timestep)
 
 
 def _too_long(best: Candidate, duration: float) -> str:
@@ -219,7 +219,7 @@ def _too_long(best: Candidate, duration: float) -> str:
 
 def _run_again(scenario: Scenario, key: Key, timestep: float, out: Path) -> Row:
     """One run at exactly that timestep."""
-    say(f"Checking {key.engine} {key.method} at {timestep!r} s.")
+    say(f"Checking {key.label} at {timestep!r} s.")
     choice = Choice((engines()[key.engine],), (key.method,), (timestep,))
     with open_store(out, create=True) as store:
         with LocalWorkers(1) as executor:
