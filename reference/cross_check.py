@@ -75,7 +75,7 @@ def cross_check(scenario: Scenario, times: FloatArray) -> CrossCheck:
     velocity = constraint.velocity_world(R_world_body.apply(swing), velocity)
     # Twelve evaluations a step, and one more that the next step begins with.
     steps = int(solution.nfev // 11)
-    spins = scenario.rotors.spins(omega, _kept(scenario))
+    spins = scenario.spins(omega, scenario.kept_at_start)
     return CrossCheck(Trajectory(times, q, omega, com, velocity, spins), steps, tolerance)
 
 
@@ -91,8 +91,7 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
     gravity, is_pushed = scenario.gravity_world.tolist(), bool(scenario.called_for & PUSHED)
     on_table = scenario.effects.table is not None
     falling = [0.0, 0.0, 0.0] if scenario.constraint.is_pivot else gravity
-    rotors = scenario.rotors
-    kept = rotors.kept_body(scenario.start.omega_body, rotors.start_spins).tolist()
+    kept = scenario.kept_body(scenario.kept_at_start).tolist()
 
     def rate(_t: float, state: FloatArray) -> list[float]:
         a, b, c, w, x, y, z, *_, vx, vy, vz = state.tolist()
@@ -140,11 +139,6 @@ def _cross(u: list[float], v: list[float]) -> list[float]:
         u[2] * v[0] - u[0] * v[2],
         u[0] * v[1] - u[1] * v[0],
     ]
-
-
-def _kept(scenario: Scenario) -> FloatArray:
-    """Angular momentum that the rotors' hinges keep, kg m²/s, (rotors,)."""
-    return scenario.rotors.kept(scenario.start.omega_body, scenario.rotors.start_spins)
 
 
 def _differences(scenario: Scenario) -> FloatArray:

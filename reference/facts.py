@@ -17,7 +17,6 @@ from ..scenarios import (
     kinetic_energy,
     potential_energy,
 )
-from ..scenarios.effects import table
 from ..scenarios.effects.rotors import EFFECT as ROTORS
 from ..scenarios.exact import DIGITS, dot
 from . import heavy_symmetric_top as lagrangian
@@ -104,9 +103,10 @@ def _of_any_body(scenario: Scenario, problem: Problem, start: Trajectory) -> Ite
     yield Fact("kinetic energy", kinetic, "J", "T at t = 0")
     yield Fact("potential energy", potential, "J", "V = −m g·r at t = 0, zero at the origin")
     yield Fact("energy", kinetic + potential, "J", "T + V at t = 0")
-    if scenario.effects.table is not None:
-        force = float(table.along(scenario, start)[0])
-        yield Fact("table's force", force, "N", "N at t = 0, upward: a table cannot pull")
+    for effect in scenario.acting:
+        if effect.force is not None:
+            force, name = float(effect.force(scenario, start)[0]), effect.name
+            yield Fact(f"{name}'s force", force, "N", f"N at t = 0, upward: a {name} cannot pull")
 
 
 def _of_a_heavy_top(top: HeavySymmetricTop) -> Iterator[Fact]:

@@ -52,7 +52,7 @@ def flow(scenario: Scenario, states: Trajectory, spans: FloatArray) -> Trajector
     attitude, spin = table[:, Q : Q + 4], table[:, OMEGA : OMEGA + 3]
     q_world_axes, omega_axes = along_axes(problem, states)
     attitude[:], spin[:] = q_world_axes[: len(spans)], omega_axes[: len(spans)]
-    kept = scenario.rotors.kept(states.omega_body, states.spins)[: len(spans)]
+    kept = scenario.kept(states.omega_body, states.spins)[: len(spans)]
     momenta = kept @ np.array(problem.rotors_axes, dtype=float).reshape(-1, 3)
     done = flow_each(constants.copy(), inverses, terms, table, momenta, spans, MAX_STEPS)
     if done < len(spans):
@@ -94,7 +94,7 @@ def flow_each(
 ) -> int:
     """Move states (n, STATE) on, each by its own span, in a limited number of steps each.
 
-    Those of bodies with rotors have a momentum h each, (n, 3), which the constants are given.
+    Those of bodies with parts that turn have a momentum h each, (n, 3): a constant.
 
     Returns how many of them, from the first on, are done.
     """

@@ -115,9 +115,9 @@ class Rotors:
         turned = omega_body @ self.axes_body.T * self.is_free
         return np.asarray(kept / self.along - turned)
 
-    def kept_body(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
+    def kept_body(self, kept: FloatArray) -> FloatArray:
         """The sum of what the hinges keep, kg m²/s, (n, 3): what is added to I ω in L."""
-        return np.asarray(self.kept(omega_body, spins) @ self.axes_body)
+        return np.asarray(kept @ self.axes_body)
 
     def cancelling(self, spins: FloatArray, com_body: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Σ m d s², N, and Σ (C + m d²) s², N m, (n,), d from the com of all.

@@ -128,6 +128,23 @@ class Scenario:
         """The parts of the body that turn in it."""
         return rotors_of(self.document.rotors)
 
+    def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
+        """The angular momentum that each part keeps as it turns, kg m²/s, (n, parts)."""
+        return self.rotors.kept(omega_body, spins)
+
+    @cached_property
+    def kept_at_start(self) -> FloatArray:
+        """The same at t = 0, (parts,)."""
+        return self.kept(self.start.omega_body, self.rotors.start_spins)
+
+    def kept_body(self, kept: FloatArray) -> FloatArray:
+        """The sum of what parts keep, body axes, (n, 3)."""
+        return self.rotors.kept_body(kept)
+
+    def spins(self, omega_body: FloatArray, kept: FloatArray) -> FloatArray:
+        """The spins of parts that keep so much, rad/s, (n, parts)."""
+        return self.rotors.spins(omega_body, kept)
+
     @cached_property
     def carrier(self) -> Body:
         """The body without its rotors."""

@@ -90,6 +90,10 @@ class Signal:
         """What its errors are multiplied by where people read them: of angles, degrees a rad."""
         return math.degrees(1.0) if self.unit == "rad" else 1.0
 
+    def words(self, error: float) -> str:
+        """An error where people read it: of angles, in degrees."""
+        return f"{error * self.shown:.2g}°" if self.unit == "rad" else f"{error:.1e}"
+
     @property
     def error_title(self) -> str:
         """A heading of its errors where people read them: `ω error, relative`."""

@@ -33,7 +33,8 @@ TABLE_OF_ANSWERS = ARCHITECTURE.partition("These decide too")[2].partition("\n\n
 ANSWERING = set(re.findall(r"`([\w/]+\.py)`", TABLE_OF_ANSWERS))
 TOPS = ("scenarios", "reference", "engines", "reports")
 #: Folders all of whose files decide.
-DECIDING = {"engines/checks", "reports/harness", "reports/harness/judging"}
+HARNESS = "reports/harness"
+DECIDING = {"engines/checks", HARNESS, f"{HARNESS}/measuring", f"{HARNESS}/judging"}
 AT_MOST = 24
 #: On the way from the thread to the run: the page has workers there.
 IN_PROCESS = "reports/harness/executors/in_process.py"

@@ -122,7 +122,13 @@ def rounding_of(states: State, is_single: bool) -> float:
     return float(np.finfo(np.float32 if is_single or single_precision(states) else float).eps)
 
 
-_LEAPING = (("attitude", "rad"), ("I ω", "N m s"), ("the com's velocity", "m/s"), ("com", "m"))
+#: Name and unit of what leaps, and how much of it an SI unit is.
+_LEAPING = (
+    ("attitude", "°", math.degrees(1.0)),
+    ("I ω", " N m s", 1.0),
+    ("the com's velocity", " m/s", 1.0),
+    ("com", " m", 1.0),
+)
 
 
 def leap(found: Excess, steps: Steps) -> str:
@@ -132,10 +138,11 @@ def leap(found: Excess, steps: Steps) -> str:
     if not leaps.any():
         return ""
     quantity = int(np.argmax(leaps * gains.max(axis=0)))
-    what, unit = _LEAPING[quantity]
+    what, unit, factor = _LEAPING[quantity]
+    off = factor * gains[-1, quantity] * found.sizes[quantity]
     return (
-        f"{what} is off by {gains[-1, quantity] * found.sizes[quantity]:.2g} {unit} after a step, "
-        f"however short it is, down to {steps.timesteps[-1]:.2g} s"
+        f"{what} is off by {off:.2g}{unit} after a step, however short it is, down to "
+        f"{steps.timesteps[-1]:.2g} s"
     )
 
 

@@ -71,7 +71,7 @@ class Equations:
     def torque_body(
         self, R_world_body: FloatArray, omega_body: FloatArray, kept_body: FloatArray
     ) -> FloatArray:
-        """I dω/dt, N m, given the angular momentum that rotors keep, kg m²/s."""
+        """I dω/dt, N m, given the angular momentum that parts keep, kg m²/s."""
         gyroscopic = cross(omega_body, self.inertia @ omega_body + kept_body)
         torque_body = self.outer_body(R_world_body, omega_body) - gyroscopic
         if self.scenario.effects.table is None:
@@ -81,15 +81,16 @@ class Equations:
         return np.asarray(torque_body + force * table.arm_body(self.scenario, up_body))
 
     def kept_body(self, state: State) -> FloatArray:
-        """The angular momentum that rotors keep, kg m²/s, (3,) or (n, 3)."""
-        return self.scenario.rotors.kept_body(state.omega_body, state.spins)
+        """The angular momentum that parts keep, kg m²/s, (3,) or (n, 3)."""
+        return self.scenario.kept_body(self.scenario.kept(state.omega_body, state.spins))
 
     def bears(self, states: State) -> NDArray[np.bool_]:
         """Whether what holds the body can hold it at each of n states: a table does not pull."""
         if self.scenario.effects.table is None:
             return np.ones(len(states.omega_body), dtype=bool)
         R_world_body = matrices(states.q_world_body_wxyz)
-        force = table.force(self.scenario, R_world_body, states.omega_body, states.spins)
+        kept_body = self.kept_body(states)
+        force = table.force(self.scenario, R_world_body, states.omega_body, kept_body)
         return np.asarray(force > 0)
 
     def after(self, state: State, span: float) -> State:
@@ -105,14 +106,14 @@ class Equations:
             q, omega = self._step(q, omega, kept, span / steps)
         gravity, constraint = self.scenario.gravity_world, self.scenario.constraint
         com = state.com_world + span * state.velocity_world + span**2 / 2 * gravity
-        R_world_body, rotors = matrix(q), self.scenario.rotors
+        R_world_body = matrix(q)
         swing_world = R_world_body @ cross(omega, constraint.lever)
         return State(
             q,
             omega,
             constraint.com_world(R_world_body @ constraint.lever, com),
             constraint.velocity_world(swing_world, state.velocity_world + span * gravity),
-            rotors.spins(omega, rotors.kept(state.omega_body, state.spins)),
+            self.scenario.spins(omega, self.scenario.kept(state.omega_body, state.spins)),
         )
 
     def after_each(self, states: State, spans: FloatArray) -> State:

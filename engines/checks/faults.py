@@ -52,8 +52,8 @@ def clamped_turn(speed: float, timestep: float, most: float) -> str:
     if speed * timestep <= most:
         return ""
     return (
-        f"the rotation a step, {speed * timestep:.3g} rad, is beyond {most:.3g} rad, "
-        "where the engine clamps it"
+        f"the rotation a step, {np.degrees(speed * timestep):.3g}°, is beyond "
+        f"{np.degrees(most):.3g}°, where the engine clamps it"
     )
 
 

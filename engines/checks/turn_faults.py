@@ -85,12 +85,12 @@ def _turns(reading: Reading, pairs: NDArray[np.int64], bounds: Bounds) -> Iterat
     # The turn is about ω's axis if the part across it is smaller than the part missing along it.
     is_aside = along < 0 or aside > min(float(allowed[k]), abs(along - float(speeds[k])))
     cause = _cause(reading, int(pairs[k]), is_aside, is_short=along < speeds[k])
-    angle = float(np.linalg.norm(rate_body[k])) * timestep
-    makes = float(speeds[k]) * timestep
+    angle = float(np.degrees(np.linalg.norm(rate_body[k]) * timestep))
+    makes = float(np.degrees(speeds[k] * timestep))
     digits = _digits(angle, makes) if cause == "clock" else DIGITS
     reason = (
-        f"in a step the attitude turns by {angle:.{digits}g} rad{_WAYS[cause]}, "
-        f"where ω makes {makes:.{digits}g} rad"
+        f"in a step the attitude turns by {angle:.{digits}g}°{_WAYS[cause]}, "
+        f"where ω makes {makes:.{digits}g}°"
     )
     if cause == "frames" and _were_of_one_frame(
         mean_omega_body[:k], q_world_body[pairs[:k]], (off + allowed)[:k]
@@ -98,8 +98,8 @@ def _turns(reading: Reading, pairs: NDArray[np.int64], bounds: Bounds) -> Iterat
         cause = "parted"
         reason = (
             f"from {reading.steps[pairs[k]] * timestep:.4g} s on attitude and ω part: in a step "
-            f"the attitude turns by {angle:.3g} rad and ω makes {makes:.3g} rad, "
-            f"{off[k] * timestep:.3g} rad apart; up to then they agreed"
+            f"the attitude turns by {angle:.3g}° and ω makes {makes:.3g}°, "
+            f"{np.degrees(off[k] * timestep):.3g}° apart; up to then they agreed"
         )
     yield Fault(int(pairs[k]) + 1, cause, reason)
 

@@ -219,9 +219,9 @@ class EngineItem(SceneItem):
 
     def runtest(self) -> None:
         """Raise `Disagreement` if it disagrees, or is unresolved though engines hold the body."""
-        from ..harness.judging.places import not_held
+        from ..harness.judging import judge
+        from ..harness.judging.local import not_held
         from ..harness.study import convergence_study_of, run_rungs
-        from ..harness.study_verdict import verdict_on
 
         scenario = self.parent.scenario
         which = f"{scenario.name}, {self.engine.name} {self.method.name}"
@@ -230,9 +230,9 @@ class EngineItem(SceneItem):
         study = convergence_study_of(scenario, self.engine, self.method, self.parent.prepared)
         for _ in run_rungs(study, _worker(self.config)):
             pass
-        verdict = verdict_on(study)
+        verdict = judge(study.records)
         is_open = verdict.verdict == "unresolved" and verdict.is_unproven
-        if is_open and (reason := not_held(self.parent.prepared.places)):
+        if is_open and (reason := not_held(self.parent.prepared.rounding)):
             pytest.skip(f"{which}: {_UNSUPPORTED}{reason}")
         if not verdict.agrees or is_open:
             raise Disagreement(

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...engines import Run
+from ...engines import Engine, Run
 from ...reference import Solution, drifts
 from ...scenarios import (
     SIGNAL,
@@ -16,9 +16,12 @@ from ...scenarios import (
     energy_base,
     error_series,
 )
+from ..results.evidence import LocalEvidence
 from ..results.records import Key, Row
-from .executors import CallFailed
+from .defects import with_defects
+from .executors import Answer, CallFailed
 from .ladder import Rung
+from .stock import stock_timesteps
 from .without_skill import no_better_than_rest
 
 #: An energy error of more than this many times the base is a blow-up.
@@ -76,6 +79,35 @@ def row_of(
         turns=float(turned[-1]),
         turns_within_1deg=float(turned[beyond[0]]) if len(beyond) else None,
     )
+
+
+def compared(
+    scenario: Scenario,
+    engine: Engine,
+    key: Key,
+    rung: Rung,
+    answer: Answer[Run],
+    solution: Solution,
+    local: LocalEvidence | None,
+) -> Row:
+    """A run of a study as a row, with its defects, and with what its single steps show."""
+    run = _of_other_law(answer.value, local)
+    row = row_of(scenario, key, engine.version, rung, run, solution)
+    row = replace(row, printed=answer.printed, stock=rung.timestep in stock_timesteps(engine))
+    is_single = engine.single_precision
+    return with_defects(row, scenario, solution.trajectory, is_single=is_single)
+
+
+def _of_other_law(run: Run | CallFailed, local: LocalEvidence | None) -> Run | CallFailed:
+    """The run, marked where single steps do not obey the scene's equations of motion."""
+    if isinstance(run, CallFailed) or local is None or not local.finding:
+        return run
+    reason = "; ".join(filter(None, (run.reason, local.finding)))
+    if run.outcome == "ok":
+        return replace(run, cause="law", reason=reason)
+    # A lag at however small a step is not a clamp.
+    is_clock = run.cause == "lag" and local.excess > 1
+    return replace(run, outcome="failed", cause="clock", reason=reason) if is_clock else run
 
 
 def _turns(exact: Trajectory) -> FloatArray:

@@ -8,16 +8,25 @@ from typing import Literal
 from ...engines import Engine, Method, Run
 from ...reference import Solution
 from ...scenarios import Expect, Scenario
-from ..results.evidence import JudgedRung
-from ..results.records import Key, LocalCheck, Row
+from ..results.evidence import Evidence, LocalEvidence
+from ..results.records import Key, Row
 from .choice import QUICK_STEPS
-from .comparison import row_of, unmet_expectations
-from .defects import with_defects
-from .executors import Answer, CallFailed
-from .judging.places import Places
+from .comparison import compared, unmet_expectations
+from .executors import Answer
+from .judging import Records
+from .judging.best_window import SHARP
+from .judging.ladder import LadderJudgement, judged_ladder
+from .judging.local import LocalJudgement
 from .ladder import EXCESS, LEAST_RUNGS, MIN_RUNGS, Ladder, Rung
-from .ladder_judge import LadderJudge
-from .stock import StockRun, stock_timesteps
+from .measuring.places import Places, rounding_of_body
+from .measuring.richardson import RichardsonLadder
+from .stock import StockRun
+
+#: A ladder continues until every limit is known to `GOAL`, relative or in rad, or steps run out; to
+#: `FINE_GOAL` for methods of `HIGH_ORDER`, which need few rungs for it; to `SHARP`, enough for a
+#: judgement, for engines as shipped.
+GOAL, FINE_GOAL = 1e-4, 1e-9
+HIGH_ORDER = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,13 +70,12 @@ class ConvergenceStudy:
     solution : the exact motion at the ladder's sample times
     ladder : None if only single timesteps are asked for
     stock : runs at stock timesteps
-    judged : rungs of the ladder as they were judged before
+    before : what the method was judged by before
     rows, single_rows, above_rows, stock_rows : the runs so far
     unmet : expectations of the scene that were not met, in words
     places : exact states that the method is tested from, if there are any
-    local : what it does from there
-    remembers : whether a run goes on otherwise than if restarted from its own states; None if that
-        is not known
+    local, memory : what it does from there, and by how many tolerances a run goes on otherwise than
+        if restarted (`Evidence`)
     """
 
     scenario: Scenario
@@ -77,21 +85,48 @@ class ConvergenceStudy:
     ladder: Ladder | None
     singles: list[SingleRun] = field(default_factory=list)
     stock: list[StockRun] = field(default_factory=list)
-    judged: tuple[JudgedRung, ...] = ()
+    before: Evidence | None = None
     rows: list[Row] = field(default_factory=list)
     single_rows: list[Row] = field(default_factory=list)
     above_rows: list[Row] = field(default_factory=list)
     stock_rows: list[Row] = field(default_factory=list)
     unmet: list[str] = field(default_factory=list)
     places: Places | None = None
-    local: LocalCheck | None = None
-    remembers: bool | None = None
+    local: LocalEvidence | None = None
+    memory: float | None = None
+    _measured: list[RichardsonLadder] = field(default_factory=list)
 
-    @cached_property
-    def judge(self) -> LadderJudge:
-        """Judges the ladder."""
-        judged = {rung.timestep: rung for rung in self.judged}
-        return LadderJudge(self.scenario, self.engine, self.method, self.solution, judged)
+    @property
+    def evidence(self) -> Evidence:
+        """What the method is judged by: as before, if no ladder is run, or all of it was."""
+        if self.before and (self.ladder is None or self.before.rungs):
+            return self.before
+        basis = self._measured[-1].basis if self._measured else None
+        rungs = (rung for ladder in self._measured for rung in ladder.rungs)
+        return Evidence(self.key, tuple(rungs), basis, self.local, self.memory)
+
+    @property
+    def records(self) -> Records:
+        """All that the method is judged by, so far."""
+        scenario, times, ladder = self.scenario, self.solution.trajectory.t, self.ladder
+        rounding = rounding_of_body(self.places.condition) if self.places else 0.0
+        return Records(
+            self.evidence,
+            self.rows,
+            self._last_row,
+            self.method.as_shipped,
+            self.engine.of_file,
+            # Of a body whose moments differ much no engine holds the least.
+            max(self.engine.slack, rounding),
+            float(times[-1]) / max(1, len(times) - 1),
+            self.engine.unsupported(scenario, self.method),
+            None if ladder is None or ladder.rungs else ladder.least_steps,
+            self.solution.ending,
+            ladder is None,
+            self.cut_short,
+            tuple(self.unmet),
+            scenario.expected_failures,
+        )
 
     @property
     def key(self) -> Key:
@@ -112,9 +147,8 @@ class ConvergenceStudy:
         if self.ladder is None:
             return
         for rung in self.ladder.rungs:
-            judged = rung.timestep in self.judge.judged
-            self.rows.append((yield PlannedRun(rung, self.solution, "ladder", judged)))
-            self.judge.take(self.rows[-1])
+            judged = rung.timestep in self._judged
+            self._take((yield PlannedRun(rung, self.solution, "ladder", judged)))
             if self._is_down:
                 break
         is_alive = not self.rows or self.rows[0].survived
@@ -130,27 +164,54 @@ class ConvergenceStudy:
 
     def compare(self, planned: PlannedRun, answer: Answer[Run]) -> Row:
         """Compare a run that was asked for with the exact motion; returns its row."""
-        version, rung, run = self.engine.version, planned.rung, self._of_other_law(answer.value)
-        row = row_of(self.scenario, self.key, version, rung, run, planned.solution)
-        is_stock = rung.timestep in stock_timesteps(self.engine)
-        row = replace(row, printed=answer.printed, stock=is_stock)
-        exact, is_single = planned.solution.trajectory, self.engine.single_precision
-        row = with_defects(row, self.scenario, exact, is_single=is_single)
-        if self.rows and planned.use == "above" and not is_stock:
+        row = compared(
+            self.scenario,
+            self.engine,
+            self.key,
+            planned.rung,
+            answer,
+            planned.solution,
+            # What differs in an engine as shipped is expected.
+            None if self.method.as_shipped else self.local,
+        )
+        if self.rows and planned.use == "above" and not row.stock:
             # Its samples are not needed: finer runs are judged and drawn.
             row = replace(row, motion=None)
         return row
 
-    def _of_other_law(self, run: Run | CallFailed) -> Run | CallFailed:
-        """The run, marked where single steps do not obey the scene's equations of motion."""
-        if isinstance(run, CallFailed) or not (self.local and self.local.reason):
-            return run
-        reason = "; ".join(filter(None, (run.reason, self.local.reason)))
-        if run.outcome == "ok":
-            return replace(run, cause="law", reason=reason)
-        # A lag at however small a step is not a clamp.
-        is_clock = run.cause == "lag" and self.local.at_any_timestep
-        return replace(run, outcome="failed", cause="clock", reason=reason) if is_clock else run
+    def _take(self, row: Row) -> None:
+        """Take the ladder's next row; after a run that failed, another ladder begins."""
+        has_failed = bool(self.rows) and self.rows[-1].outcome != "ok"
+        self.rows.append(row)
+        if row.motion is not None and row.outcome == "ok" and row.timestep not in self._judged:
+            if not self._measured or has_failed:
+                self._measured.append(self._new_ladder())
+            self._measured[-1].add(row.timestep, row.motion, row.steps)
+        self.__dict__.pop("_ladder_judgement", None)
+
+    def _new_ladder(self) -> RichardsonLadder:
+        slack, ulp = self.engine.slack, self.engine.ulp
+        return RichardsonLadder(self.scenario, self.solution, *self._orders, slack, ulp)
+
+    @cached_property
+    def _judged(self) -> set[float]:
+        """The timesteps, s, of rungs that were judged before."""
+        return {rung.timestep for rung in self.before.rungs} if self.before else set()
+
+    @cached_property
+    def _ladder_judgement(self) -> LadderJudgement:
+        """The judgement on the rows so far, made once a rung."""
+        return judged_ladder(self.evidence, self.rows)
+
+    @property
+    def _is_known(self) -> bool:
+        """Whether the ladder has reached its goal."""
+        goal = FINE_GOAL if min(self._orders) >= HIGH_ORDER else GOAL
+        return self._ladder_judgement.is_known(SHARP if self.method.as_shipped else goal)
+
+    @property
+    def _orders(self) -> tuple[int, int]:
+        return self.method.order, self.method.attitude_order
 
     def refusals(self) -> list[Row]:
         """Rows of stock timesteps that do not fit the scene: `unsupported`, without a run."""
@@ -176,7 +237,7 @@ class ConvergenceStudy:
         if not self.rows:
             return self.ladder.least_steps > 0
         settled = self._hopeless(self.rows[-1]) or self._diverges_at_any_timestep
-        return not (settled or self._is_decided or self.judge.is_known)
+        return not (settled or self._is_decided or self._is_known)
 
     def discardable_timesteps(self) -> list[float]:
         """Timesteps of the runs whose samples are not needed after the verdict.
@@ -213,7 +274,7 @@ class ConvergenceStudy:
         if self._is_decided:
             return True
         finest = self.ladder.rungs[-1].timestep
-        settled = self.judge.is_known or self.judge.is_out_of_reach(finest)
+        settled = self._is_known or self._ladder_judgement.is_out_of_reach(finest)
         return len(self.rows) >= MIN_RUNGS and settled
 
     @property
@@ -222,15 +283,15 @@ class ConvergenceStudy:
 
         Errors of finer rungs, and their costs, follow by the order.
         """
-        if self.local is None or not self.local.converges:
+        if self.local is None or not LocalJudgement(self.local).converges:
             return False
         last, excess = self.rows[-1], EXCESS if len(self.rows) < LEAST_RUNGS else 1
         finest = last.timestep * last.steps / QUICK_STEPS
-        in_vain = len(self.rows) >= MIN_RUNGS and self.judge.is_out_of_reach(finest)
+        in_vain = len(self.rows) >= MIN_RUNGS and self._ladder_judgement.is_out_of_reach(finest)
         return in_vain or 2 * last.steps > excess * QUICK_STEPS
 
     @property
-    def last_row(self) -> Row | None:
+    def _last_row(self) -> Row | None:
         """The run that decides the verdict where nothing is judged; None if there is none."""
         if self.rows or self.ladder is None:
             return (self.rows or self.single_rows)[-1]

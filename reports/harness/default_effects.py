@@ -15,9 +15,9 @@ from ..results.records import Key
 from ..results.store import Store
 from .convergence_study import ConvergenceStudy
 from .executors import Executor
-from .judging.local import acts_at_any_timestep
-from .judging.places import Places
 from .ladder import Rung
+from .measuring.local import acts_at_any_timestep
+from .measuring.places import Places
 
 
 def take_defaults_away(study: ConvergenceStudy, executor: Executor, store: Store) -> None:

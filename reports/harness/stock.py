@@ -64,8 +64,8 @@ def _refusal(timestep: float, rate: float, horizon: float) -> str:
     turn, steps = timestep * rate, horizon / timestep
     if turn > LARGEST_TURN:
         return (
-            f"at {timestep:.4g} s the motion turns {turn:.3g} rad a step; more than half a turn "
-            "cannot be told from its opposite"
+            f"at {timestep:.4g} s the motion turns {math.degrees(turn):.3g}° a step; more than "
+            "half a turn cannot be told from its opposite"
         )
     if steps < LEAST_STEPS:
         return _too_few(timestep, horizon)

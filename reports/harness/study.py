@@ -15,24 +15,25 @@ import numpy as np
 
 from ...engines import Engine, Method, Run
 from ...reference import ExactMotion, Solution
-from ...reference.compiled import compile_kernels, is_compiled
 from ...scenarios import FloatArray, Scenario
 from ...scenarios.fastest_rate import fastest_rate
 from ..results.environment import environment
-from ..results.evidence import Evidence, JudgedRung
+from ..results.evidence import Evidence
 from ..results.records import UNSOLVED, Key, Row, Verdict
 from ..results.store import Store
 from .choice import Choice
+from .compiling import compile_side_by_side
 from .convergence_study import ConvergenceStudy, SingleRun
 from .default_effects import take_defaults_away
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
-from .judging.local import examine
-from .judging.memory import FEW_STEPS, restarted
-from .judging.places import Places, places
+from .judging import judge
+from .judging.local import is_long_enough
 from .ladder import Ladder, Rung, ladder, single
+from .measuring.local import examine
+from .measuring.memory import FEW_STEPS, restarted
+from .measuring.places import Places, places, rounding_of_body
 from .plan import Plan, SceneLeft
 from .stock import StockRun, stock_rung, stock_timesteps
-from .study_verdict import verdict_on
 from .timing import time_scene
 
 Progress = Callable[[str], None]
@@ -47,8 +48,8 @@ def run_study(
     """
     store.put_environment(environment(choice.engines, choice.max_steps))
     store.put_methods(choice.engines)
-    if left.scenes and not is_compiled():
-        executor.call(compile_kernels)
+    if left.scenes:
+        compile_side_by_side(executor)
     for verdict in executor.each(_methods_left(left, choice, store, executor)):
         key = verdict.key
         progress(f"{key.scenario}  {key.engine} {key.method}: {verdict.verdict}")
@@ -79,35 +80,39 @@ def study_method(
         if not may_succeed_if_repeated(row.cause, row.reason, choice.time_limit)
     }
     # What has been run is judged again by the numbers that are stored of it.
-    study = begin(store.judged_rungs(key))
-    if not is_run(study, stored, executor):
-        study = replace(begin(), local=study.local)
+    before = _evidence(store, key)
+    study = begin(before)
+    if not is_run(study, stored):
+        study = begin(before and replace(before, rungs=(), memory=None))
         for row in run_rungs(study, executor, stored):
             store.put(row)
         if method.as_shipped:
             take_defaults_away(study, executor, store)
     store.put(*study.refusals())
-    verdict = verdict_on(study)
+    verdict = judge(study.records)
     step_limit = choice.max_steps_on(scenario) if study.cut_short else None
     verdict = replace(verdict, timesteps=tuple(sorted(choice.timesteps)), step_limit=step_limit)
-    store.put_verdict(
-        verdict, Evidence(key, tuple(study.judge.rungs)), study.discardable_timesteps()
-    )
+    store.put_verdict(verdict, study.evidence, study.discardable_timesteps())
     return verdict
 
 
-def is_run(study: ConvergenceStudy, stored: Mapping[float, Row], executor: Executor) -> bool:
-    """Whether all runs of a study are stored; if so, it has taken them."""
-    if not study.judged:
+def _evidence(store: Store, key: Key) -> Evidence | None:
+    """What is stored of a method, unless it must be measured again: with more rungs of pieces."""
+    before = store.evidence(key)
+    pieces = before and before.local and before.local.pieces
+    return None if pieces and not is_long_enough(pieces) else before
+
+
+def is_run(study: ConvergenceStudy, stored: Mapping[float, Row]) -> bool:
+    """Whether all runs of a study are stored, and measured; if so, it has taken them."""
+    if not (study.before and study.before.rungs):
         return False
-    _examine(study, executor)
     runs = study.runs()
     with suppress(StopIteration):
         planned = next(runs)
         while (row := stored.get(planned.rung.timestep)) and planned.is_answered_by(row):
             planned = runs.send(row)
         return False
-    _restart(study, executor)
     return True
 
 
@@ -152,6 +157,11 @@ class Prepared:
     singles: list[tuple[Rung, Solution]]
     stock: list[StockRun] = field(default_factory=list)
     places: Places | None = None
+
+    @property
+    def rounding(self) -> float:
+        """What rounding of its moments changes of the body's angular acceleration, relative."""
+        return rounding_of_body(self.places.condition) if self.places else 0.0
 
 
 class SceneReference:
@@ -224,14 +234,14 @@ def convergence_study_of(
     method: Method,
     prepared: Prepared,
     timesteps: Sequence[float] = (),
-    judged: tuple[JudgedRung, ...] = (),
+    before: Evidence | None = None,
 ) -> ConvergenceStudy:
     """The runs of a method: single timesteps, ladder, stock timesteps.
 
     Parameters
     ----------
     timesteps : s; if there are any, only these are run
-    judged : rungs of the ladder as they were judged before
+    before : what the method was judged by before
     """
     singles = []
     for rung, solution in prepared.singles:
@@ -239,22 +249,18 @@ def convergence_study_of(
         expectations = tuple(e for e in scenario.expect if (e.engine, e.method, e.timestep) == run)
         if expectations or rung.timestep in timesteps:
             singles.append(SingleRun(rung, solution, expectations))
-    if timesteps:
-        return ConvergenceStudy(
-            scenario, engine, method, prepared.solution, None, singles, places=prepared.places
-        )
     own = stock_timesteps(engine)
-    stock = [run for run in prepared.stock if run.timestep in own]
     return ConvergenceStudy(
         scenario,
         engine,
         method,
         prepared.solution,
-        prepared.ladder,
+        None if timesteps else prepared.ladder,
         singles,
-        stock,
-        judged,
+        [run for run in prepared.stock if run.timestep in own and not timesteps],
+        before,
         places=prepared.places,
+        local=before.local if before else None,
     )
 
 
@@ -266,7 +272,7 @@ def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run
 def _examine(study: ConvergenceStudy, executor: Executor) -> None:
     """Examine the method from exact states of the motion, in a worker."""
     at, site = study.places, study.engine.site
-    if at is not None and study.local is None and not study.method.as_shipped:
+    if at is not None and study.before is None:
         arguments = (study.engine, study.scenario, study.method.name, at)
         found = executor.call_at(site, examine, *arguments).value
         study.local = None if isinstance(found, CallFailed) else found
@@ -275,7 +281,7 @@ def _examine(study: ConvergenceStudy, executor: Executor) -> None:
 def _restart(study: ConvergenceStudy, executor: Executor) -> None:
     """Go through the finest run of few steps again, from its own states, and some of the finest."""
     local, at = study.local, study.places
-    if study.ladder is None or at is None or local is None or local.reason:
+    if study.ladder is None or at is None or local is None or local.finding:
         return
     runs = [
         (rung, row.motion)
@@ -287,7 +293,7 @@ def _restart(study: ConvergenceStudy, executor: Executor) -> None:
         arguments = (study.engine, study.scenario, study.method.name, at.condition, *run)
         found = executor.call_at(study.engine.site, restarted, *arguments).value
         if isinstance(found, float):
-            study.remembers = bool(study.remembers) or found > 1
+            study.memory = max(found, study.memory or 0.0)
 
 
 def _methods_left(

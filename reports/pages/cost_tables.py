@@ -29,7 +29,7 @@ def reach_table(scene: SceneRuns, signal: str) -> Table:
         curve = curve_of(scene, runs, signal)
         costs = [*_step_costs(runs), *(figure(count or NOTHING) for _ in counted)]
         cells = [_reach_cell(reach(curve, level)) for level in LEVELS]
-        rows.append([*_named((runs.engine, runs.method)), *costs, *cells])
+        rows.append([*_named(runs.pair), *costs, *cells])
     return table(("engine", "method", *step, *_level_headings()), rows)
 
 

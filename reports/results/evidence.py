@@ -93,13 +93,70 @@ class JudgedRung:
 
 
 @dataclass(frozen=True, eq=False)
+class LadderBasis:
+    """What all rungs of a ladder are judged by; arrays (6,).
+
+    Attributes
+    ----------
+    declared_orders : of accuracy
+    uncertainty : of the reference, plus that of start and body as the engine holds them
+    duration : s, of the window
+    rate : rad/s, the fastest of the motion
+    """
+
+    declared_orders: Numbers
+    uncertainty: Numbers
+    duration: float
+    rate: float
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedLadder:
+    """A ladder as it is judged; its rungs coarse to fine."""
+
+    basis: LadderBasis
+    rungs: tuple[JudgedRung, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class LocalEvidence:
+    """What a method does from exact states along the motion.
+
+    Attributes
+    ----------
+    finding : how its steps are inconsistent with the equations of motion, in words; empty if not
+    excess : what is left of them in the limit of short steps, in tolerances
+    tolerance : to which they are known to be consistent, relative to the largest terms
+    is_open : whether steps leave something where next to nothing acts, which may add up
+    states : number of states
+    starts : of these, number of those that pieces start from
+    pieces : the short runs from there; None where steps are inconsistent
+    """
+
+    finding: str
+    excess: float
+    tolerance: float
+    is_open: bool
+    states: int
+    starts: int = 0
+    pieces: JudgedLadder | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class Evidence(Record):
     """What a method on a scene is judged by, besides its rows.
 
     Attributes
     ----------
     rungs : of its ladder, and of those that it began before a run failed
+    basis : of all of them
+    local : None where the method cannot be opened at exact states
+    memory : by how many tolerances a run goes on otherwise than if restarted from its own states;
+        None if that is not known
     """
 
     key: MethodKey
     rungs: tuple[JudgedRung, ...] = ()
+    basis: LadderBasis | None = None
+    local: LocalEvidence | None = None
+    memory: float | None = None

@@ -22,8 +22,8 @@ _ROOTS = {
     for name in ("scenarios", "reference", "engines", "reports")
 }
 #: The modules that decide about each kind of result. What follows from a run's numbers, and not
-#: from the run itself, is `JUDGING`: it also decides how far down a ladder is run, but the
-#: numbers of a run do not depend on that.
+#: from the run itself, is judging: it also decides how far down a ladder is run, but the numbers of
+#: a run do not depend on that.
 DECIDING = {
     "motion": ("reference.solve",),
     "run": (
@@ -32,32 +32,16 @@ DECIDING = {
         "reports.harness.default_effects",
         "reports.harness.defects",
         "reports.harness.ladder",
-        "reports.harness.richardson",
+        "reports.harness.measuring.local",
+        "reports.harness.measuring.memory",
+        "reports.harness.measuring.richardson",
         "reports.harness.stock",
         "reports.harness.sweep_run",
     ),
     "timing": ("reports.harness.timing",),
-    "verdict": (
-        "reports.harness.study_verdict",
-        "reports.harness.judging.local",
-        "reports.harness.judging.memory",
-    ),
+    "verdict": ("reports.harness.convergence_study", "reports.harness.judging.verdict"),
 }
-JUDGING = frozenset(
-    f"reports.harness.{name}"
-    for name in (
-        "best_window",
-        "convergence_study",
-        "expected_failures",
-        "judging.contradictions",
-        "judging.local",
-        "judging.places",
-        "ladder_judge",
-        "plan",
-        "study_verdict",
-        "verdict",
-    )
-)
+JUDGING = ("reports.harness.judging", "reports.harness.convergence_study", "reports.harness.plan")
 #: Modules that store results, and do not decide about them, but for the table of verdicts.
 _STORING, _RANKING = "reports.results", "reports.results.verdict_words"
 
@@ -86,7 +70,7 @@ def program(kind: str) -> str:
 @cache
 def modules(kind: str) -> frozenset[str]:
     """The modules that a kind of result rests on, by their names in this program."""
-    without = frozenset() if kind == "verdict" else JUDGING
+    without = () if kind == "verdict" else JUDGING
     return _closure(DECIDING[kind], without)
 
 
@@ -103,18 +87,18 @@ def adapter(kind: type[Engine]) -> str:
     package = kind.__module__.rpartition(".")[0].removeprefix(f"{_PROGRAM}.")
     found = [path for path in files if path.is_file()]
     imported = {name for path in found for name in _imported(path, package)}
-    names = sorted(_closure(imported, frozenset()))
+    names = sorted(_closure(imported, ()))
     return _digest([*map(_content, found), *(_content(_file(name)) for name in names)])
 
 
-def _closure(names: Iterable[str], without: frozenset[str]) -> frozenset[str]:
+def _closure(names: Iterable[str], without: tuple[str, ...]) -> frozenset[str]:
     """Modules and all that they import, at any depth, but for those that store results."""
     found: set[str] = set()
     left = list(names)
     while left:
         name = left.pop()
         stores = name.startswith(_STORING) and name != _RANKING
-        if name in found or name in without or stores:
+        if name in found or stores or name.startswith(without):
             continue
         found.add(name)
         left += _imported_by(name)

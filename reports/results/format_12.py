@@ -65,12 +65,10 @@ def _records(old: Database) -> list[tuple[str, Columns]]:
     ]
 
 
-def _columns(
-    old: Columns, key: tuple[str, ...] = _KEY, json_columns: tuple[str, ...] = _JSON
-) -> Columns:
+def _columns(old: Columns, key: tuple[str, ...] = _KEY) -> Columns:
     """A record with the columns of its key, and all others but blobs as one JSON object."""
     content = {
-        _RENAMED.get(name, name): _value(name, value, json_columns)
+        _RENAMED.get(name, name): _value(name, value, _JSON)
         for name, value in old.items()
         if name not in key and value is not None
     }

@@ -17,8 +17,6 @@ from .verdict_words import VERDICT, VerdictWord
 
 #: Names of an engine and of one of its methods.
 Pair = tuple[str, str]
-#: Steps must be known to be consistent to this, relative to the largest terms.
-CONSISTENT = 1e-4
 #: s; the timestep of the one row of a method on a scene whose reference could not be solved.
 UNSOLVED = 0.0
 #: Fields that hold a motion.
@@ -68,6 +66,16 @@ class Key:
     scenario: SceneName
     engine: str
     method: str
+
+    @property
+    def pair(self) -> Pair:
+        """Engine and method."""
+        return self.engine, self.method
+
+    @property
+    def label(self) -> str:
+        """The same as users type it."""
+        return f"{self.engine} {self.method}"
 
 
 def _named(key: Key) -> Key:
@@ -256,34 +264,6 @@ class SignalVerdict(Record):
     order: float | None = None
     limit_error: float | None = None
     tolerance: float | None = None
-
-
-@dataclass(frozen=True)
-class LocalCheck:
-    """What a method does from exact states along the motion.
-
-    Attributes
-    ----------
-    reason : how its steps are inconsistent with the equations of motion, in words; empty if not
-    tolerance : to which they are known to be consistent, relative to the largest terms
-    at_any_timestep : whether steps are inconsistent however short they are
-    is_open : whether steps leave something where next to nothing acts, which may add up
-    states : number of states
-    pieces : the verdicts on short runs from some of them
-    """
-
-    reason: str
-    tolerance: float
-    at_any_timestep: bool
-    is_open: bool
-    states: int
-    pieces: tuple[SignalVerdict, ...] = ()
-
-    @property
-    def converges(self) -> bool:
-        """Whether steps are known to be consistent, and all pieces converge."""
-        is_known = not (self.reason or self.is_open) and self.tolerance <= CONSISTENT
-        return is_known and all(piece.verdict == "converges" for piece in self.pieces)
 
 
 @dataclass(frozen=True)

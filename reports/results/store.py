@@ -21,7 +21,7 @@ from .cost_records import EffectsCost, PassCosts
 from .database import Database, put
 from .default_records import DefaultEffects
 from .encoding_records import EncodedRuns
-from .evidence import Evidence, JudgedRung
+from .evidence import Evidence
 from .records import (
     UNSOLVED,
     DeclaredEngine,
@@ -191,7 +191,7 @@ class Store:
         """
         with self._database.transaction() as connection:
             self._put(connection, verdict)
-            if evidence and evidence.rungs:
+            if evidence:
                 self._put(connection, evidence)
             digest = self._digest(tables.ROWS, vars(verdict.key))
             where = f"{_ONE_METHOD} AND timestep = ? AND {DIGEST} = ?"
@@ -200,9 +200,9 @@ class Store:
                 [(*_names(verdict.key), timestep, digest) for timestep in discardable],
             )
 
-    def judged_rungs(self, key: Key) -> tuple[JudgedRung, ...]:
-        """The rungs of a method on a scene, as they were judged."""
-        return next((e.rungs for e in self.select(tables.EVIDENCE, _ONE_METHOD, _names(key))), ())
+    def evidence(self, key: Key) -> Evidence | None:
+        """What a method on a scene was judged by; None if it was not."""
+        return next(iter(self.select(tables.EVIDENCE, _ONE_METHOD, _names(key))), None)
 
     def settled(self, scenario: str, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
         """The stored verdicts on a scene; without those that a smaller step limit cut short.

@@ -49,6 +49,16 @@ class Scene(Protocol):
     def rotors(self) -> Rotors:
         """The parts of the body that turn in it."""
 
+    def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
+        """The angular momentum that each part keeps as it turns, kg m²/s, (n, parts)."""
+
+    @property
+    def kept_at_start(self) -> FloatArray:
+        """The same at t = 0, (parts,)."""
+
+    def kept_body(self, kept: FloatArray) -> FloatArray:
+        """The sum of what parts keep, body axes, (n, 3)."""
+
     @property
     def constraint(self) -> Constraint:
         """What holds the body."""
@@ -146,6 +156,7 @@ class Effect:
     decay : 1/s, the fastest at which it slows the body
     potential : energy, J, (n,); None if it has none
     momentum_body, kinetic : of parts, what they add to L, kg m²/s, (n, 3), and to T, J, (n,)
+    force : of a constraint that cannot pull, upward, N, (n,)
     """
 
     name: str
@@ -164,6 +175,7 @@ class Effect:
     potential: Along | None = None
     momentum_body: Along | None = None
     kinetic: Along | None = None
+    force: Along | None = None
 
     @property
     def heading(self) -> str:

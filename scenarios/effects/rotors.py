@@ -72,8 +72,7 @@ def rotors_of(tables: Iterable[RotorTable] | None) -> Rotors:
 
 def _gyroscopic_rate(scenario: Scene) -> float:
     """‖h‖/I, h the sum of what the hinges keep: the rate at which h × ω turns ω, rad/s."""
-    rotors = scenario.rotors
-    h = rotors.kept_body(scenario.start.omega_body, rotors.start_spins)
+    h = scenario.kept_body(scenario.kept_at_start)
     size = float(np.linalg.norm(h))
     if not size:
         return 0.0

@@ -91,18 +91,18 @@ def added_force(
 
 
 def force(
-    scenario: Scene, R_world_body: FloatArray, omega_body: FloatArray, spins: FloatArray
+    scenario: Scene, R_world_body: FloatArray, omega_body: FloatArray, kept_body: FloatArray
 ) -> FloatArray:
     """N at states, in newtons, (n,) or a number.
 
     Parameters
     ----------
-    R_world_body, omega_body, spins : (n, 3, 3), (n, 3) and (n, rotors), or one of each, rad/s
+    R_world_body, omega_body : (n, 3, 3) and (n, 3), or one of each, rad/s
+    kept_body : the angular momentum that parts keep, kg m²/s, (n, 3) or (3,)
     """
     omega_world = (R_world_body * omega_body[..., None, :]).sum(-1)
     pushed = push(scenario.pushed, R_world_body, omega_world)
     torque_body = (R_world_body * pushed[..., :, None]).sum(-2)
-    kept_body = scenario.rotors.kept_body(omega_body, spins)
     torque_body = torque_body - cross(omega_body, omega_body @ scenario.inertia + kept_body)
     return normal_force(scenario, R_world_body[..., 2, :], omega_body, torque_body)
 
@@ -110,7 +110,8 @@ def force(
 def along(scenario: Scene, motion: Trajectory) -> FloatArray:
     """N along a motion, in newtons, (n,)."""
     R_world_body = motion.R_world_body.as_matrix()
-    return force(scenario, R_world_body, motion.omega_body, motion.spins)
+    kept_body = scenario.kept_body(scenario.kept(motion.omega_body, motion.spins))
+    return force(scenario, R_world_body, motion.omega_body, kept_body)
 
 
 def check(scenario: Scene, stated: StartTable) -> None:
@@ -134,7 +135,8 @@ def check(scenario: Scene, stated: StartTable) -> None:
         )
     _check_stated(scenario, stated)
     R_world_body = matrix(start.q_world_body_wxyz)
-    pressed = float(force(scenario, R_world_body, start.omega_body, scenario.rotors.start_spins))
+    kept_body = scenario.kept_body(scenario.kept_at_start)
+    pressed = float(force(scenario, R_world_body, start.omega_body, kept_body))
     if not pressed > 0:
         raise Misfit(
             f"would have to pull at the body with {-pressed + 0.0:.3g} N to keep it from lifting "
@@ -170,4 +172,6 @@ def _sizes(extent: Extent) -> Iterator[Size]:
     yield (*WHERE, "tip"), "the com's distance from the tip", lever, "m"
 
 
-EFFECT = Effect("table", "table", TableTable, constraint=constraint, check=check, sizes=_sizes)
+EFFECT = Effect(
+    "table", "table", TableTable, constraint=constraint, check=check, sizes=_sizes, force=along
+)

@@ -27,9 +27,11 @@ from rich.console import Console
 from rich.table import Table
 from spincheck.engines import engines, sampling
 from spincheck.engines.adapters import mujoco, pybullet
-from spincheck.reports.harness import convergence_study, ladder_judge, study
+from spincheck.reports.harness import convergence_study, study
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.harness.judging import ladder
+from spincheck.reports.harness.measuring import richardson
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.results.store import Results, Store, open_store
 from spincheck.scenarios import find, load
@@ -63,8 +65,8 @@ PHASES: dict[str, list[tuple[Any, str]]] = {
     "loading models": [(engine, "open") for engine in map(engines().get, ENGINES)],
     "checking states": [(sampling, "_checked")],
     "single steps": [(study, "_examine")],
-    "comparing": [(convergence_study, "row_of")],
-    "judging": [(ladder_judge.LadderJudge, "take"), (ladder_judge, "judge")],
+    "comparing": [(convergence_study, "compared")],
+    "judging": [(richardson.RichardsonLadder, "add"), (ladder, "judge_signal")],
     "storing": [(Store, "put"), (Store, "put_verdict"), (Store, "put_scene")],
     "timing": [(study, "time_scene")],
 }

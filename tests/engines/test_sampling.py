@@ -152,7 +152,7 @@ FAULTS = {
     Warns: ("diverged", "warning", "it warns"),
     NotFinite: ("diverged", "not-finite", "no longer finite"),
     Infinite: ("diverged", "not-finite", "no longer finite"),
-    TooFast: ("diverged", "clamp", "the rotation a step, 0.76 rad, is beyond 0.5 rad"),
+    TooFast: ("diverged", "clamp", "the rotation a step, 43.6°, is beyond 28.6°"),
     NoRotation: ("diverged", "not-unit", "quaternion is of norm 1.1"),
     LateFault: ("diverged", "reset", "it was reset"),
     BlownUpInAStep: ("diverged", "not-finite", "a step was not possible"),

@@ -1,7 +1,9 @@
 """Prints the figures of docs/explanation/closed-forms.md: error, CPU time, effect of an ulp.
 
-Run it from the repository: ``python tests/reference/measure_closed_forms.py``. It takes about
-three minutes, nearly all of it for the sixty-digit motions that the closed forms are compared with.
+    PYTHONPATH=tests/support python tests/reference/measure_closed_forms.py
+
+It takes about three minutes, nearly all of it for the sixty-digit motions that the closed forms are
+compared with.
 """
 
 import math

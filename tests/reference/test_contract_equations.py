@@ -112,7 +112,7 @@ class TestEquationsOfMotion:
         body = scenario.body
         inertia = scenario.inertia
         omega, to_body = close.omega_body[2::5], close.R_world_body[2::5].inv()
-        kept = scenario.rotors.kept_body(close.omega_body, close.spins)
+        kept = scenario.kept_body(scenario.kept(close.omega_body, close.spins))
         L = close.omega_body @ inertia + kept
         torque = (
             scenario.pushed["torque_body"]

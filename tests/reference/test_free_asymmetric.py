@@ -35,6 +35,8 @@ MOTIONS = {
     "backwards": problem((1.0, 2.0, 3.0), (0.3, -0.5, -1.0), TILTED),
     "1 − m = 1e-6": problem((1.0, 2.0, 3.0), (1e-3, 1.0, 8e-4), TILTED),
     "1 − m = 2e-14": problem((2.0, 3.0, 6.0), (3.0, 1.0, 1.0 + 1e-14), TILTED),
+    "below the separatrix": problem((6.0, 3.0, 2.0), (1.0 - 1e-14, 1.0, 3.0), TILTED),
+    "tennis racket": problem((1.0, 2.0, 3.0), (1e-8, 1.0, 2e-8), TILTED),
     "nearly oblate": problem((1.0, 1.0 + 1e-14, 2.0), (0.3, 0.4, 0.5), TILTED),
     "nearly prolate": problem((1.0, 1.0 - 1e-14, 0.5), (0.3, 0.4, 0.5), TILTED),
     "nearly steady": problem((1.0, 2.0, 3.0), (1e-9, 1e-9, 1.0), TILTED),

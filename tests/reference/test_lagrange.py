@@ -32,6 +32,7 @@ MOTIONS = {
     "loops": LOOP,
     "waves": top((-0.5, 0.1, 3.0), tilted(0.5)),
     "cusps": top((0.0, 0.0, 3.0), tilted(0.5)),
+    "cusps, almost steady": top((0.0, 0.0, 300.0), tilted(1.0)),
     "hanging low": top((0.1, 0.2, 3.0), tilted(2.5)),
     "fast": top((0.1, 0.2, 1000.0), tilted(1.0)),
     "thin disc": top((0.1, 0.2, 3.0), tilted(1.0), I3=2.0),

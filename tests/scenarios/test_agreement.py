@@ -62,11 +62,6 @@ def test_an_angle_is_found_to_rounding_where_an_arccosine_finds_nothing():
     assert np.arccos(np.clip(cosine, -1, 1)) != pytest.approx(1e-9, abs=0.5e-9)
 
 
-def test_the_sign_of_a_quaternion_is_no_error():
-    turned = spinning(q_world_body_wxyz=-EXACT.q_world_body_wxyz)
-    assert errors_between(MADE, turned, EXACT).attitude < ROUNDED
-
-
 def test_the_largest_attitude_error_is_half_a_turn():
     assert errors_between(MADE, spinning(ahead=np.pi), EXACT).attitude == pytest.approx(np.pi)
 

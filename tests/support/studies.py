@@ -7,9 +7,9 @@ from pathlib import Path
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.convergence_study import ConvergenceStudy
 from spincheck.reports.harness.executors import Executor, InProcess
+from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_rungs, run_study
-from spincheck.reports.harness.study_verdict import verdict_on
 from spincheck.reports.harness.sweep import plan_sweep, run_sweep
 from spincheck.reports.results.records import Verdict
 from spincheck.reports.results.store import Results, open_store
@@ -49,4 +49,4 @@ def sweep(
 def verdict_of(study: ConvergenceStudy) -> Verdict:
     """Run the ladder of one method to its end."""
     deque(run_rungs(study, InProcess()), maxlen=0)
-    return verdict_on(study)
+    return judge(study.records)

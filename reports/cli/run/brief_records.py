@@ -24,7 +24,7 @@ _HEADINGS = "".join(f"{signal.label:>9}" for signal in SIGNALS)
 def run_lines(rows: Sequence[Row]) -> Iterator[str]:
     """The runs of each method below its name, coarse to fine; a star marks a stock timestep."""
     for key, runs in groupby(rows, key=lambda row: row.key):
-        yield cut(f"{key.scenario}: {key.engine} {key.method}", WIDTH)
+        yield cut(f"{key.scenario}: {key.label}", WIDTH)
         yield f"  {'timestep, s':>11} {_HEADINGS}{'CPU s/s':>9}"
         for row in runs:
             yield cut(_run(row), WIDTH)
@@ -35,11 +35,10 @@ def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
     yield f"{'scene':{SCENE}} {'method':{METHOD}} {'verdict':11} {'order':>5} {'limit':>8}"
     for verdict in verdicts:
         key = verdict.key
-        method = f"{key.engine} {key.method}"
         order = "" if verdict.order is None else f"{verdict.order:.2f}"
         limit = "" if verdict.limit_error is None else f"{verdict.limit_error:.1e}"
         yield (
-            f"{cut(key.scenario, SCENE):{SCENE}} {cut(method, METHOD):{METHOD}} "
+            f"{cut(key.scenario, SCENE):{SCENE}} {cut(key.label, METHOD):{METHOD}} "
             f"{verdict.verdict:11} {order:>5} {limit:>8}"
         ).rstrip()
         reasons = [

@@ -203,10 +203,7 @@ def _as_typed(candidate: Candidate) -> Candidate:
 
 def _setup(scene: SceneRuns, best: Candidate) -> str:
     assert best.timestep is not None, "only what reaches the bounds is recommended"
-    runs = next(
-        r for r in scene.methods if (r.engine, r.method) == (best.key.engine, best.key.method)
-    )
-    return runs.setup(best.timestep)
+    return scene.by_pair[best.key.pair].setup(best.timestep)
 
 
 def _too_long(best: Candidate, duration: float) -> str:
@@ -219,7 +216,7 @@ def _too_long(best: Candidate, duration: float) -> str:
 
 def _run_again(scenario: Scenario, key: Key, timestep: float, out: Path) -> Row:
     """One run at exactly that timestep."""
-    say(f"Checking {key.engine} {key.method} at {timestep!r} s.")
+    say(f"Checking {key.label} at {timestep!r} s.")
     choice = Choice((engines()[key.engine],), (key.method,), (timestep,))
     with open_store(out, create=True) as store:
         with LocalWorkers(1) as executor:

@@ -100,7 +100,7 @@ def _line(candidate: Candidate) -> dict[str, object]:
 
 
 def _check_line(row: Row, bounds: ErrorBounds) -> str:
-    run = f"{row.key.engine} {row.key.method} at {row.timestep!r} s"
+    run = f"{row.key.label} at {row.timestep!r} s"
     if row.outcome != "ok" or row.errors is None:
         return f"Check of {run}: {row.outcome}: {row.reason}"
     errors_in_words = ", ".join(

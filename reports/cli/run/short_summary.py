@@ -9,7 +9,7 @@ from statistics import median_high
 from ....engines.fault import ENVIRONMENTAL
 from ....scenarios import SIGNALS, Signal
 from ...pages.analysis.best_choice import BOUNDS, best_choice, within_in_words
-from ...pages.analysis.report_data import MethodRuns, ReportData, report_data
+from ...pages.analysis.report_data import ReportData, report_data
 from ...pages.analysis.timesteps import as_shipped, attitudes_at, leading, stock_timesteps
 from ...pages.analysis.wording import duration, plural
 from ...results.records import Row, Verdict
@@ -67,7 +67,7 @@ def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
     first = wrong[0]
     key = first.key
     reason = "; ".join([*first.unmet, first.reason])
-    text = f"Fails: {key.scenario}, {key.engine} {key.method}: {first.verdict}: {reason}"
+    text = f"Fails: {key.scenario}, {key.label}: {first.verdict}: {reason}"
     yield from textwrap.wrap(
         text, WIDTH, max_lines=REASON_LINES, placeholder=" …", break_on_hyphens=False
     )
@@ -118,14 +118,14 @@ def _best(report: ReportData) -> Iterator[str]:
     if not best:
         return
     if len(best) > SCENES_PRINTED:
-        methods = Counter(_named(choice.runs) for choice in best.values())
+        methods = Counter(choice.runs.label for choice in best.values())
         often = ", ".join(f"{name} on {count}" for name, count in methods.most_common(3))
         yield from textwrap.wrap(f"Best choice ({within_in_words(BOUNDS)}): {often}.", WIDTH)
         return
     for name, choice in best.items():
         assert choice.row.errors is not None, "only a run with errors is chosen"
         price = f", {choice.cost:.1e} CPU s per simulated s" if choice.cost else ""
-        method = f"{_named(choice.runs)} at {duration(choice.timestep)}"
+        method = f"{choice.runs.label} at {duration(choice.timestep)}"
         yield f"Best for {name}: {method}"
         yield f"    {_degrees(choice.row.errors.attitude)} off{price}"
 
@@ -133,7 +133,7 @@ def _best(report: ReportData) -> Iterator[str]:
 def _counted(report: ReportData) -> Iterator[str]:
     """The instructions of a step, where they were counted."""
     counts = [
-        f"{_named(runs)} {row.instructions_per_step:,.1f} on {scene.name}"
+        f"{runs.label} {row.instructions_per_step:,.1f} on {scene.name}"
         for scene in report.scenes
         for runs in scene.methods
         for row in runs.rows[-1:]
@@ -168,12 +168,8 @@ def _width(signal: Signal) -> int:
 def _named_run(row: Row) -> str:
     """Scene, method and timestep in `NAMES` columns; of a long name the timestep is kept."""
     timestep = f" {duration(row.timestep)}"
-    name, room = f"{row.key.scenario} {row.key.engine} {row.key.method}", NAMES - len(timestep) - 1
+    name, room = f"{row.key.scenario} {row.key.label}", NAMES - len(timestep) - 1
     return f"{name if len(name) <= room else f'{name[: room - 1]}…'}{timestep}".ljust(NAMES)
-
-
-def _named(runs: MethodRuns) -> str:
-    return f"{runs.engine} {runs.method}"
 
 
 def _degrees(error: float) -> str:

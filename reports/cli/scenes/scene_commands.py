@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from ..options import AsJson, Scene, Scenes
-from ..refusals import unusable
+from ..refusals import written
 from ..terminal import DISAGREES, Complaint, table, to_json
 
 app = typer.Typer()
@@ -99,11 +99,10 @@ def export(
     from .truth_files import write_truth
 
     write = write_truth if truth else export_scene
-    try:
-        written = write(_scenario(scenario), folder)
-    except OSError as error:
-        raise unusable(folder, error, "written") from None
-    for path in written:
+    scene = _scenario(scenario)
+    with written(folder):
+        paths = write(scene, folder)
+    for path in paths:
         print(path)
 
 

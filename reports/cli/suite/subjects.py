@@ -15,11 +15,11 @@ from spincheck.suite import SCENES
 from ....engines import Engine, Method, add
 from ....scenarios import Scenario, load
 from ...harness.executors import InProcess
+from ...harness.judging import judge
 from ...harness.recorded.judged import judged_motion
 from ...harness.recorded.read import READERS, RecordingError, read_recording
 from ...harness.recorded.recorded_ladder import verdict_on_files
 from ...harness.study import Prepared, convergence_study_of, prepare, run_rungs
-from ...harness.study_verdict import verdict_on
 from ...results.records import Verdict
 from ...results.verdict_words import RANKS, VERDICT
 from ..choosing import choose
@@ -90,7 +90,7 @@ class EngineSubject(Subject):
             study = convergence_study_of(scenario, self.engine, self.method, prepared)
             for _ in run_rungs(study, InProcess()):
                 pass
-            self._verdicts[name] = verdict_on(study)
+            self._verdicts[name] = judge(study.records)
         return self._verdicts[name]
 
 

@@ -11,7 +11,7 @@ from ....engines.encodings import KEPT, SAME_BODY, Encoding
 from ....engines.models.description import away_from
 from ....reference import Solution
 from ....scenarios import SIGNAL, Scenario, Trajectory
-from ..rounding import roundings_in_flight
+from ..measuring.rounding import roundings_in_flight
 
 #: The signals that make up a state; the others follow from them.
 JUDGED = ("omega", "attitude", "com", "velocity")

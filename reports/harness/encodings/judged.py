@@ -58,7 +58,7 @@ class Judge:
         errors = errors_between(self.scenario, motion, self.solution.trajectory)
         apart = self._apart(motion, own)
         if run.cause == "read-back":
-            reason = f"{run.reason}; ω by {_shown('omega', apart.omega)}"
+            reason = f"{run.reason}; ω by {SIGNAL['omega'].words(apart.omega)}"
             return EncodedRun(encoding.name, "other body", reason, errors, apart)
         beyond = self._beyond(encoding, apart, run.steps)
         if not beyond:
@@ -101,14 +101,16 @@ class Judge:
         """Whether the difference goes away with the timestep, as the method's own error does."""
         first = before = now = self._sizes(pair, beyond)
         worst = max(beyond, key=lambda name: first[name][0])
-        size = f"{SIGNAL[worst].label} by {_shown(worst, first[worst][0])}"
+        size = f"{SIGNAL[worst].label} by {SIGNAL[worst].words(first[worst][0])}"
         for halvings in range(1, MOST_HALVINGS + 1):
             halved = self.at_halved(encoding, halvings)
             if halved.encoded.outcome != "ok" or halved.plain.outcome != "ok":
                 ended = halved.encoded.reason or halved.plain.reason
                 return "open", f"{size}; at a shorter timestep: {ended}"
             before, now = now, self._sizes(halved, beyond)
-            left = f"{size}, {_shown(worst, now[worst][0])} at {halved.encoded.timestep:.3g} s"
+            left = (
+                f"{size}, {SIGNAL[worst].words(now[worst][0])} at {halved.encoded.timestep:.3g} s"
+            )
             rounding = self._bounds(encoding, halved.encoded.steps)
             if all(now[n][0] <= max(FALLS * before[n][0], rounding[n]) for n in beyond):
                 return "coarser", left
@@ -124,8 +126,3 @@ class Judge:
         apart = self._apart(encoded, plain)
         own = errors_between(self.scenario, plain, self.solution.trajectory)
         return {name: (apart[name], own[name]) for name in names}
-
-
-def _shown(name: str, value: float) -> str:
-    signal = SIGNAL[name]
-    return f"{value * signal.shown:.2g}°" if signal.unit == "rad" else f"{value:.1e}"

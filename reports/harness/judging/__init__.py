@@ -1,1 +1,6 @@
-"""What a method is judged by: single steps, short pieces, memory, its ladder; and the verdict."""
+"""Judging: from records to verdicts. It runs no engine, and reads no file."""
+
+from .records import Records
+from .verdict import judge
+
+__all__ = ["Records", "judge"]

@@ -10,23 +10,20 @@ from itertools import chain, islice
 
 import numpy as np
 
-from ....scenarios import FloatArray
-from ....scenarios.signals import SIGNALS
+from ....scenarios import SIGNALS, FloatArray, Signal
 from ...results.records import Row
-from ..observed_order import ASYMPTOTIC, FITTED_RUNGS, ORDER_SLACK, SETTLING_ORDER
-from ..richardson import DISTINCT, WHOLE, SignalSequence
+from ..measuring.asymptotic import ASYMPTOTIC, DISTINCT, ORDER_SLACK, WHOLE
+from .observed_order import FITTED_RUNGS, SETTLING_ORDER
+from .sequences import SignalSequence
+from .signal_ladder import SHORTFALL, SHOWN_OVER
 
-#: Rungs over which it must be seen that defects do not shrink as they should.
-SHOWN_OVER = 4
-#: An order this far below the declared one is another order.
-SHORTFALL = 0.5
 #: Times that a rung is worse, where only two coarser ones say how it should be.
 FAR_WORSE = 1e3
 
 
 @dataclass(frozen=True, eq=False)
 class _Series:
-    """One number a rung, (n,), coarse to fine, what round-off may make of it, and what it is.
+    """One number a rung, (n,), coarse to fine, what round-off may make of it, and of what it is.
 
     Attributes
     ----------
@@ -35,6 +32,7 @@ class _Series:
     defects : the largest by signal, (n, signals)
     """
 
+    signal: Signal
     name: str
     timesteps: FloatArray
     values: FloatArray
@@ -70,12 +68,12 @@ def _all(
 ) -> Iterator[str]:
     yield from _lost(rows, sequences)
     for sequence in sequences:
-        name = sequence.signal.label
         floors = sequence.roundoff_bounds + sequence.uncertainty
         largest = np.array([_largest_defects(row) for row in rows[-len(sequence) :]])
         yield from _worse(
             _Series(
-                f"{name}: the error",
+                sequence.signal,
+                f"{sequence.signal.label}: the error",
                 sequence.timesteps,
                 sequence.errors,
                 floors,
@@ -88,7 +86,8 @@ def _all(
             found = [row.defects[sequence.signal.name] for row in rows if row.defects]
             floors = np.array([max(one.floor, slack) for one in found])
             defects = _Series(
-                f"{name}: the largest defect between two samples",
+                sequence.signal,
+                f"{sequence.signal.label}: the largest defect between two samples",
                 sequence.timesteps,
                 np.array([one.max for one in found]),
                 np.where(sequence.errors < ASYMPTOTIC, floors, floors + _own(sequence, interval)),
@@ -121,12 +120,15 @@ def _lost(rows: Sequence[Row], sequences: Sequence[SignalSequence]) -> Iterator[
     """A finest run no better than no motion, where a coarser one was asymptotic in all signals."""
     if not rows or rows[-1].survived or not sequences:
         return
-    largest = np.max([sequence.errors for sequence in sequences], axis=0)
-    if largest.min() < ASYMPTOTIC:
-        coarser = sequences[0].timesteps[int(np.argmin(largest))]
+    errors = np.array([sequence.errors for sequence in sequences])
+    k = int(np.argmin(errors.max(axis=0)))
+    worst = int(np.argmax(errors[:, k]))
+    if errors[worst, k] < ASYMPTOTIC:
+        signal, coarser = sequences[worst].signal, sequences[worst].timesteps[k]
         yield (
             f"errors grow as the timestep shrinks: at {rows[-1].timestep:.1e} s a run is no better "
-            f"than no motion, at {coarser:.1e} s its errors were at most {largest.min():.1e}"
+            f"than no motion, at {coarser:.1e} s it was off by at most "
+            f"{signal.words(errors[worst, k])}, {signal.label}"
         )
 
 
@@ -142,7 +144,7 @@ def _worse(series: _Series) -> Iterator[str]:
 
 
 def _worse_than(series: _Series, rungs: int, factor: float, off_order: float) -> Iterator[str]:
-    values, floors = series.values, series.floors
+    values, floors, words = series.values, series.floors, series.signal.words
     for end in range(rungs - 1, len(values) - 1):
         window = slice(end - rungs + 1, end + 1)
         if not ((values < ASYMPTOTIC) & (values > floors))[window].all():
@@ -158,8 +160,8 @@ def _worse_than(series: _Series, rungs: int, factor: float, off_order: float) ->
         if len(worse) and worse[-1] > end:
             k = int(worse[-1])
             yield (
-                f"{series.name} is {values[k]:.1e} at a timestep of {series.timesteps[k]:.1e} s"
-                f"{series.when(k)}, though it has come down to {values[end]:.1e} at "
+                f"{series.name} is {words(values[k])} at a timestep of {series.timesteps[k]:.1e} s"
+                f"{series.when(k)}, though it has come down to {words(values[end])} at "
                 f"{series.timesteps[end]:.1e} s, at order {slopes.mean():.2f}"
             )
 
@@ -184,11 +186,12 @@ def _level(series: _Series, *, follows: bool) -> Iterator[str]:
     follows = follows and bool((committed <= WHOLE).all())
     slopes = -np.diff(np.log2(values))
     is_clean = np.ptp(slopes) <= ORDER_SLACK and slopes.max() < series.order - SHORTFALL
+    words = series.signal.words
     is_level = slopes.max() < (SETTLING_ORDER if follows else SETTLING_ORDER / 2)
     if is_level or (is_clean and follows):
         yield (
             f"{series.name} shrinks at order {slopes.mean() + 0.0:.2f} over {SHOWN_OVER} rungs, "
-            f"though {series.order} is declared: {values[0]:.1e} at "
-            f"{series.timesteps[-SHOWN_OVER]:.1e} s, {values[-1]:.1e} at "
+            f"though {series.order} is declared: {words(values[0])} at "
+            f"{series.timesteps[-SHOWN_OVER]:.1e} s, {words(values[-1])} at "
             f"{series.timesteps[-1]:.1e} s{series.when(-1)}"
         )

@@ -1,224 +1,71 @@
-"""Judges a method locally: single steps and short pieces from exact states along the motion.
+"""Judges single steps, and short pieces, from exact states along the motion.
 
 Consistency everywhere along the motion, and a step that depends on the state alone, make a method
 converge (Hairer, Nørsett & Wanner I, theorem II.3.4), also where the motion is chaotic, or so long
 that no ladder over the whole window reaches the asymptotic range.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
-import numpy as np
+from ...results.evidence import JudgedLadder, LocalEvidence
+from .ladder import RUNGS_OF_A_LIMIT, LadderJudgement
 
-from ....engines import Engine, EngineError, Method, UnsupportedError
-from ....engines.checks.consistency import Excess, Open, Steps
-from ....engines.checks.equation_residuals import differing, leap, rounding_of, settled
-from ....engines.checks.equations import Equations
-from ....engines.checks.extrapolation import ABOVE, COARSER
-from ....engines.checks.read_back import State, stacked
-from ....engines.session import Session
-from ....scenarios import Scenario, Trajectory
-from ....scenarios.scenario import started_at
-from ....scenarios.signals import SIGNALS
-from ...results.records import LocalCheck, SignalVerdict
-from ..richardson import RichardsonLadder
-from ..stock import stock_timesteps
-from ..verdict import Judgement, judge
-from .places import (
-    PIECE_STEPS,
-    SAMPLE_EVERY,
-    Places,
-    apart,
-    flowed,
-    rounding_of_body,
-)
-
+#: Steps must be known to be consistent to this, relative to the largest terms.
+CONSISTENT = 1e-4
 #: Rungs of the pieces, and the uncertainty of their limits that is enough.
 PIECE_RUNGS, PIECE_GOAL = 7, 1e-4
-#: Halvings of all timesteps where the coarsest are refused.
-FINER = 3
 
 
-def examine(engine: Engine, scenario: Scenario, method_name: str, at: Places) -> LocalCheck | None:
-    """Examine a method from exact states; None where it cannot be opened at them."""
-    method = engine.method(method_name)
-    if method.as_shipped or engine.unsupported(scenario, method):
-        return None
-    for tried in (at, _milder(at)):
-        try:
-            return _examined(engine, scenario, method, tried)
-        except UnsupportedError:
-            continue
-        except EngineError:
-            break
-    # What an engine refuses, its runs tell.
-    return None
+@dataclass(frozen=True, eq=False)
+class LocalJudgement:
+    """What steps and pieces show."""
+
+    evidence: LocalEvidence
+
+    @cached_property
+    def pieces(self) -> LadderJudgement:
+        """The judgement on the pieces."""
+        pieces = self.evidence.pieces
+        return judged_pieces(pieces) if pieces else LadderJudgement(None)
+
+    @property
+    def is_consistent(self) -> bool:
+        """Whether steps are known to be consistent."""
+        found = self.evidence
+        return not (found.finding or found.is_open) and found.tolerance <= CONSISTENT
+
+    @property
+    def converges(self) -> bool:
+        """Whether steps are known to be consistent, and all pieces converge."""
+        return self.is_consistent and self.pieces.converges_to(float("inf"))
 
 
-def _milder(at: Places) -> Places:
-    """Finer timesteps from states of the motion alone: a method may not bear others."""
-    along = ~np.isnan(at.times)
-    timesteps = at.timesteps / 2.0**FINER
-    states, times = at.states.rows(along), at.times[along]
-    return replace(at, states=states, times=times, timesteps=timesteps, finer=FINER)
+@lru_cache(maxsize=4)
+def judged_pieces(pieces: JudgedLadder) -> LadderJudgement:
+    """The judgement on the fewest rungs whose limits are known well enough, or on all."""
+    for count in range(RUNGS_OF_A_LIMIT, len(pieces.rungs)):
+        judged = LadderJudgement(JudgedLadder(pieces.basis, pieces.rungs[:count]))
+        if judged.converges_to(PIECE_GOAL):
+            return judged
+    return LadderJudgement(pieces)
 
 
-def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) -> LocalCheck:
-    equations = Equations(scenario)
-    with engine.open(scenario, method, float(at.timesteps[0])) as session:
-        misread = _misread(engine, scenario, method, at, session)
-    steps, found = _consistency(
-        lambda scene, timestep: engine.open(scene, method, timestep), engine, scenario, at
-    )
-    eps = rounding_of(steps.before, engine.single_precision)
-    is_smooth = not found.is_constrained
-    wrong = misread or _wrong(engine, equations, steps, found, at, is_smooth=is_smooth)
-    return LocalCheck(
-        reason=wrong,
-        tolerance=float((found.tolerance / np.maximum(found.sizes, 1e-300)).max()),
-        at_any_timestep=bool(found.by_tolerance.max() > 1),
-        is_open=found.is_open,
-        states=len(at.times),
-        pieces=() if wrong else _pieces(engine, scenario, method, at, eps),
-    )
+def is_long_enough(pieces: JudgedLadder) -> bool:
+    """Whether pieces need no finer rung."""
+    return len(pieces.rungs) >= PIECE_RUNGS or judged_pieces(pieces).converges_to(PIECE_GOAL)
 
 
-def acts_at_any_timestep(open_at: Open, engine: Engine, scenario: Scenario, at: Places) -> bool:
-    """Whether a session's settings alter the equations of motion, however short its steps are.
+def not_held(rounding: float) -> str:
+    """Why no engine holds a body in double precision, in words; empty if engines can.
 
-    Raises
-    ------
-    EngineError
-        If it cannot be opened or stepped.
+    Parameters
+    ----------
+    rounding : what rounding of its moments changes of its angular acceleration, relative
     """
-    _, found = _consistency(open_at, engine, scenario, at)
-    return bool(found.by_tolerance.max() > 1)
-
-
-def _consistency(
-    open_at: Open, engine: Engine, scenario: Scenario, at: Places
-) -> tuple[Steps, Excess]:
-    """Steps from exact states, and what they gain; once settled where a constraint holds them."""
-    return settled(
-        open_at,
-        scenario,
-        at.states,
-        (at.timesteps, np.array(_others(engine, at))),
-        lambda states, spans: flowed(scenario, states, spans),
-        max(engine.slack, rounding_of_body(at.condition)),
-        engine.single_precision,
-    )
-
-
-def _others(engine: Engine, at: Places) -> list[float]:
-    """One timestep between two rungs, and the engine's stock ones that are within the ladder's."""
-    finest, coarsest = at.timesteps[-1], at.timesteps[0]
-    stock = [h for h in stock_timesteps(engine) if finest <= h < coarsest]
-    return [float(at.timesteps[COARSER]) / 2**0.5, *stock]
-
-
-@contextmanager
-def _started(
-    engine: Engine,
-    scenario: Scenario,
-    method: Method,
-    session: Session,
-    state: State,
-    timestep: float,
-) -> Iterator[Session]:
-    """The session set to a state; another one, closed after use, where that cannot be."""
-    if session.can_restart:
-        session.restart(state, timestep)
-        yield session
-        return
-    with engine.open(started_at(scenario, **vars(state)), method, timestep) as own:
-        yield own
-
-
-def _misread(
-    engine: Engine, scenario: Scenario, method: Method, at: Places, session: Session
-) -> str:
-    """The sentence on a state that reads back otherwise than it was set; empty if none does."""
-    timestep, count = float(at.timesteps[0]), len(at.times)
-    starts = []
-    for k in range(count):
-        with _started(engine, scenario, method, session, at.states.rows(k), timestep) as one:
-            starts.append(one.read_state())
-    off = apart(at.states, stacked(starts))
-    if off.max() <= ABOVE * max(engine.slack, rounding_of_body(at.condition)):
+    if rounding <= CONSISTENT:
         return ""
-    k = int(np.argmax(off))
     return (
-        f"a state that is set reads back otherwise, {_when(at.times[k])}: off by {off[k]:.2g}, "
-        "in ω relative, or in attitude, rad"
+        "no engine holds the body in double precision: rounding of its moments changes its angular "
+        f"acceleration by {rounding:.1e}, relative"
     )
-
-
-def _wrong(
-    engine: Engine,
-    equations: Equations,
-    steps: Steps,
-    found: Excess,
-    at: Places,
-    *,
-    is_smooth: bool,
-) -> str:
-    """How steps are inconsistent with the equations of motion, in words; else empty."""
-    if wrong := leap(found, steps) or differing(equations, steps, found, [*map(_when, at.times)]):
-        return wrong
-    unsmooth = np.vstack([found.unsmooth, found.unsmooth_others])
-    if is_smooth and unsmooth.max() > 1:
-        j, quantity = np.unravel_index(int(np.argmax(unsmooth)), unsmooth.shape)
-        timestep = [*at.timesteps, *_others(engine, at)][j]
-        return (
-            f"with a timestep of {timestep:.3g} s a step gains what steps of other lengths do not "
-            f"predict, in {QUANTITY_NAMES[quantity]}: what acts depends on the timestep"
-        )
-    return ""
-
-
-QUANTITY_NAMES = ("dR/dt", "I dω/dt", "the com's velocity", "the com's place")
-
-
-def _when(time: float) -> str:
-    return "turned askew at the start" if np.isnan(time) else f"at t = {time:.3g} s"
-
-
-def _pieces(
-    engine: Engine, scenario: Scenario, method: Method, at: Places, eps: float
-) -> tuple[SignalVerdict, ...]:
-    """The verdicts on a ladder of short runs from some of the states, judged together."""
-    ladder = RichardsonLadder(
-        scenario, at.pieces, method.order, method.attitude_order, engine.slack, eps
-    )
-    judged: list[tuple[SignalVerdict, Judgement]] = []
-    with engine.open(scenario, method, float(at.timesteps[0])) as session:
-        for k in range(PIECE_RUNGS):
-            ladder.add(
-                float(at.timesteps[k]), *_run_pieces(engine, scenario, method, at, session, k)
-            )
-            if k < 2:
-                continue
-            sequences = [ladder.signal(signal.name) for signal in SIGNALS]
-            judged = [(j.of(s), j) for s in sequences for j in [judge(s)]]
-            if all(
-                j.word == "converges" and j.extrapolation_tolerance <= PIECE_GOAL for _, j in judged
-            ):
-                break
-    return tuple(one for one, _ in judged)
-
-
-def _run_pieces(
-    engine: Engine, scenario: Scenario, method: Method, at: Places, session: Session, k: int
-) -> tuple[Trajectory, int]:
-    """The motion from each start, and its steps."""
-    strides = [0, *[SAMPLE_EVERY << (k + at.finer)] * (PIECE_STEPS // SAMPLE_EVERY)]
-    snapshots: list[object] = []
-    for start in at.starts:
-        state = at.states.rows(int(start))
-        timestep = float(at.timesteps[k])
-        with _started(engine, scenario, method, session, state, timestep) as one:
-            one.record(strides, snapshots.append)
-    states = session.states(snapshots)
-    return Trajectory(at.pieces.trajectory.t, *vars(states).values()), PIECE_STEPS << (k + at.finer)

@@ -3,7 +3,7 @@
 What is compared is the beginning, before errors of an integrator have grown.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import pi
@@ -46,9 +46,6 @@ class Reading:
         """The same with other numbers."""
         changed = replace(self.recording, arrays=self.recording.arrays | arrays)
         return replace(self, recording=changed)
-
-
-Mistake = Callable[[Reading], Reading | None]
 
 
 def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[str]:

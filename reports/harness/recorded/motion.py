@@ -21,15 +21,12 @@ class RecordedMotion:
 
     Attributes
     ----------
-    trajectory : at the file's own times; what was not recorded is filled in
+    trajectory : at the file's own times; a com or velocity that was not recorded is the exact one
     has_omega : else ω is the derivative of the attitudes
-    has_com, has_velocity : else the exact ones stand there, and are not judged
     """
 
     trajectory: Trajectory
     has_omega: bool
-    has_com: bool
-    has_velocity: bool
 
 
 def recorded_motion(
@@ -67,11 +64,10 @@ def recorded_motion(
         arm_world = R_world_body @ constraint.lever
         omega_world = np.einsum("nij,nj->ni", R_world_body, omega_body)
         velocity = constraint.velocity_world(np.cross(omega_world, arm_world), velocity)
-    rotors, start = scenario.rotors, scenario.start
-    # A recording has none: those with which the hinges keep what they should.
-    spins = rotors.spins(omega_body, rotors.kept(start.omega_body, rotors.start_spins))
+    # A recording has none: those with which parts keep what they should.
+    spins = scenario.spins(omega_body, scenario.kept_at_start)
     motion = Trajectory(arrays["t"], q, omega_body, com, velocity, spins)
-    return RecordedMotion(motion, has_omega, "com" in arrays, "velocity" in arrays)
+    return RecordedMotion(motion, has_omega)
 
 
 def omega_of_attitudes(t: FloatArray, q_world_body_wxyz: FloatArray) -> FloatArray:

@@ -17,7 +17,7 @@ from ....reference import IntegrationError
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.rotation import norms
-from ..judging.places import flowed
+from ..measuring.places import flowed
 
 #: rad between two samples, so that what acts meanwhile is nearly constant; intervals looked at.
 NEAR, FEWEST, MOST = 0.5, 8, 200

@@ -14,8 +14,8 @@ from ...results.records import Verdict
 from ...results.store import Results, SceneResult
 from ..convergence_study import ConvergenceStudy
 from ..executors import Answer
+from ..judging import judge
 from ..ladder import Ladder, Rung
-from ..study_verdict import verdict_on
 from .judged import JudgedMotion, exact_at
 from .read import RecordingError
 
@@ -47,7 +47,7 @@ class RecordedEngine(Engine):
 
 def verdict_on_files(scenario: Scenario, motions: Sequence[JudgedMotion], order: int) -> Verdict:
     """Judge motions, as `study_of_files` takes them."""
-    return verdict_on(study_of_files(scenario, motions, order))
+    return judge(study_of_files(scenario, motions, order).records)
 
 
 def study_of_files(
@@ -88,7 +88,7 @@ def results_of(study: ConvergenceStudy, explained_by: Sequence[str]) -> Results:
     ----------
     explained_by : what explains the motion, in words, if anything does: then it is another one
     """
-    verdict = verdict_on(study)
+    verdict = judge(study.records)
     if explained_by:
         reason = "; ".join([*explained_by, verdict.reason])
         verdict = replace(verdict, verdict="disagrees", reason=reason)

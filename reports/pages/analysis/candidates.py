@@ -38,7 +38,7 @@ class Candidate:
     @property
     def label(self) -> str:
         """As users type it."""
-        return f"{self.key.engine} {self.key.method}"
+        return self.key.label
 
 
 def candidates(scene: SceneRuns, bounds: ErrorBounds) -> list[Candidate]:

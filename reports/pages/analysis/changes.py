@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from ....engines import Outcome
-from ...harness.observed_order import ASYMPTOTIC
+from ...harness.measuring.asymptotic import ASYMPTOTIC
 from ...results.records import Key, Row, Verdict
 from ...results.store import Results, SceneResult
 from ...results.verdict_words import RANKS
@@ -114,7 +114,7 @@ def _scenes(old: Results, new: Results, edited: set[str]) -> Iterator[Change]:
 
 
 def _methods(old: Results, new: Results) -> Iterator[Change]:
-    before, after = ({(key.engine, key.method) for key in _by_key(r)} for r in (old, new))
+    before, after = ({key.pair for key in _by_key(r)} for r in (old, new))
     for engine, method in sorted(before ^ after):
         presence = _presence((engine, method) in before)
         yield Change("method", f"{engine} {method}", *presence, engine=engine, method=method)

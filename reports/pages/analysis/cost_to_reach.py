@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from ...harness.observed_order import SETTLING_ORDER
+from ...harness.judging.observed_order import SETTLING_ORDER
 from ...results.verdict_words import VerdictWord
 from .work_precision import Curve, CurvePoint, observed_order, slope
 
@@ -111,13 +111,13 @@ def cheapest(tried: Sequence[Curve], level: float) -> tuple[Curve, Reach] | None
     return min(reached, key=lambda pair: pair[1].cost or 0.0, default=None)
 
 
-def order_ratio(tried: Sequence[Curve], level: float, low: int = 1, high: int = 4) -> float | None:
-    """How many times more the cheapest method of one declared order costs than that of another.
+def order_ratio(tried: Sequence[Curve], level: float) -> float | None:
+    """How many times more the cheapest method of first order costs than that of fourth.
 
     None if either is out of reach.
     """
     costs = []
-    for order in (low, high):
+    for order in (1, 4):
         best = cheapest([curve for curve in tried if curve.declared == order], level)
         costs.append(best[1].cost if best else None)
     return costs[0] / costs[1] if costs[0] and costs[1] else None

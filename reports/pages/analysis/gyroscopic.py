@@ -44,14 +44,13 @@ def without_gyroscopic_torque(
         if scene.solved is None or scene.solved.scenario.called_for - {"gravity"}:
             continue
         for run in scene.compared:
-            pair = (run.runs.engine, run.runs.method)
             shipped = run.runs.declared is not None and run.runs.declared.as_shipped
             if not shipped or turned_in_space(run.exact) < TELLING:
                 continue
             if _is_steady(run):
-                lacking.setdefault(pair, {})[scene.name] = float(run.series["omega"].max())
+                lacking.setdefault(run.runs.pair, {})[scene.name] = float(run.series["omega"].max())
             else:
-                has_it.add(pair)
+                has_it.add(run.runs.pair)
     engines = {engine for engine, _ in {*lacking, *has_it}}
     first = {pair[0]: errors for pair, errors in lacking.items() if pair not in has_it}
     findings = tuple(_of_engine(engine, errors) for engine, errors in sorted(first.items()))

@@ -12,7 +12,7 @@ from ....scenarios.fastest_rate import fastest_rate
 from ...harness.defects import defects
 from ...results.default_records import DefaultEffects
 from ...results.encoding_records import EncodedRuns
-from ...results.records import Pair, Row, Verdict
+from ...results.records import Key, Pair, Row, Verdict
 from ...results.store import Results, SceneResult
 from .trace_style import TraceStyle, trace_styles
 from .wording import typed
@@ -35,6 +35,11 @@ class MethodRuns:
     verdict: Verdict | None
     declared: Method | None
     style: TraceStyle
+
+    @property
+    def pair(self) -> Pair:
+        """Engine and method."""
+        return self.engine, self.method
 
     @property
     def label(self) -> str:
@@ -94,6 +99,11 @@ class SceneRuns:
     def title(self) -> str:
         """The scene's own title, or its name where there is no scene."""
         return self.solved.scenario.title if self.solved else self.name
+
+    @cached_property
+    def by_pair(self) -> dict[Pair, MethodRuns]:
+        """The methods by engine and name."""
+        return {runs.pair: runs for runs in self.methods}
 
     @property
     def exact(self) -> SceneResult:
@@ -175,30 +185,29 @@ def report_data(results: Results) -> ReportData:
     pairs = tuple(
         # Engines by name; their methods as the adapter lists them, those not listed at the end.
         sorted(
-            {(key.engine, key.method) for key in keys},
+            {key.pair for key in keys},
             key=lambda pair: (pair[0], listed.get(pair, len(listed)), pair[1]),
         )
     )
     names = sorted({key.scenario for key in keys} | set(results.scenes))
     drawn = trace_styles(pairs)
     verdicts = {verdict.key: verdict for verdict in results.verdicts}
-    tried: dict[tuple[str, Pair], list[Row]] = {}
+    tried: dict[Key, list[Row]] = {}
     for row in sorted(results.rows, key=lambda row: -row.timestep):
-        tried.setdefault((row.key.scenario, (row.key.engine, row.key.method)), []).append(row)
-    verdict_of = {(v.key.scenario, (v.key.engine, v.key.method)): v for v in verdicts.values()}
+        tried.setdefault(row.key, []).append(row)
 
-    def method_runs(name: str, pair: Pair) -> MethodRuns:
-        rows, verdict = tuple(tried.get((name, pair), ())), verdict_of.get((name, pair))
-        return MethodRuns(*pair, rows, verdict, results.methods.get(pair), drawn[pair])
+    def method_runs(key: Key) -> MethodRuns:
+        rows, declared = tuple(tried.get(key, ())), results.methods.get(key.pair)
+        return MethodRuns(*key.pair, rows, verdicts.get(key), declared, drawn[key.pair])
 
     scenes = tuple(
         SceneRuns(
             name,
             results.scenes.get(name),
             tuple(
-                method_runs(name, pair)
-                for pair in pairs
-                if (name, pair) in tried or (name, pair) in verdict_of
+                method_runs(key)
+                for key in (Key(name, *pair) for pair in pairs)
+                if key in tried or key in verdicts
             ),
             tuple(one for one in results.defaults if one.key.scenario == name),
             tuple(one for one in results.encodings if one.key.scenario == name),

@@ -44,7 +44,7 @@ def as_shipped(gathered: ReportData) -> list[Pair]:
 def _declared(gathered: ReportData, is_one: Callable[[Method], bool]) -> list[Pair]:
     """The pairs of which this was declared."""
     found = {
-        (runs.engine, runs.method)
+        runs.pair
         for scene in gathered.scenes
         for runs in scene.methods
         if runs.declared and is_one(runs.declared)
@@ -59,7 +59,7 @@ def attitudes_at(gathered: ReportData, pair: Pair, timestep: float) -> dict[str,
     """
     errors: dict[str, float] = {}
     for scene in gathered.scenes:
-        runs = next((r for r in scene.methods if (r.engine, r.method) == pair), None)
+        runs = scene.by_pair.get(pair)
         row = row_at(runs, "stock", timestep) if runs else None
         if row is not None and row.simulated:
             errors[scene.name] = row.errors.attitude if row.errors else math.inf

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...harness.observed_order import observed_order as observed_order_of
+from ...harness.judging.observed_order import observed_order as observed_order_of
 from ...results.records import Row
 from ...results.verdict_words import VerdictWord
 from .report_data import MethodRuns, SceneRuns

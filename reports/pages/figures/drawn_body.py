@@ -75,9 +75,8 @@ def axis_body(scenario: Scenario) -> FloatArray:
 
 
 def kept_body(scenario: Scenario) -> FloatArray:
-    """What rotors add to I ω in L, kg m²/s, body axes, (3,): the same all along the motion."""
-    rotors, omega_body = scenario.rotors, scenario.start.omega_body
-    return rotors.kept_body(omega_body, rotors.start_spins)
+    """What parts add to I ω in L, kg m²/s, body axes, (3,): the same all along the motion."""
+    return scenario.kept_body(scenario.kept_at_start)
 
 
 def _up(solved: SceneResult) -> tuple[FloatArray, str]:

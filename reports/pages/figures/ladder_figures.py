@@ -6,7 +6,8 @@ from html import escape
 import numpy as np
 
 from ....scenarios import SIGNALS, FloatArray, Signal
-from ...harness.observed_order import ABOVE_UNCERTAINTY, ASYMPTOTIC
+from ...harness.judging.observed_order import ABOVE_UNCERTAINTY
+from ...harness.measuring.asymptotic import ASYMPTOTIC
 from ...results.records import Row
 from ..analysis.report_data import MethodRuns, SceneRuns
 from ..analysis.wording import number

@@ -34,6 +34,8 @@ BEYOND_DRAWING = 1e30
 LOG_LABELS = 8
 REFERENCE_WIDTH, METHOD_WIDTH = 5.0, 1.6
 EPS = float(np.finfo(float).eps)
+#: Margin around values, as a fraction of their range.
+PADDING = 0.08
 #: Left and right, bottom and top of a panel that is alone.
 WHOLE = ((0.0, 1.0), (0.0, 1.0))
 FLOOR_COLOUR = "rgba(128,128,128,0.22)"
@@ -179,10 +181,10 @@ def error_range(curves: Sequence[FloatArray], floor: float) -> Range:
     return floor / 2, 2 * min(max(highest, 10 * floor), OFF_THE_CHART)
 
 
-def padded(values: FloatArray, fraction: float = 0.08) -> Range:
+def padded(values: FloatArray) -> Range:
     """The range of some values with a margin; a range of zero width is widened."""
     low, high = float(values.min()), float(values.max())
-    margin = (high - low or abs(high) or 1.0) * fraction
+    margin = (high - low or abs(high) or 1.0) * PADDING
     return low - margin, high + margin
 
 

@@ -20,8 +20,7 @@ def why(
     verdicts = {
         scene.name: runs.verdict.verdict
         for scene in scenes
-        for runs in scene.methods
-        if (runs.engine, runs.method) == pair and runs.verdict
+        if (runs := scene.by_pair.get(pair)) and runs.verdict
     }
     wrong = [
         name
@@ -48,12 +47,7 @@ def why(
 
 def _by_each_default(pair: Pair, scenes: Sequence[SceneRuns]) -> str:
     """The number of scenes on which each default alone causes an error of ω, if measured."""
-    measured = [
-        one
-        for scene in scenes
-        for one in scene.defaults
-        if (one.key.engine, one.key.method) == pair
-    ]
+    measured = [one for scene in scenes for one in scene.defaults if one.key.pair == pair]
     counted = Counter(one.name for effects in measured for one in effects.each if one.acts)
     listed = ", ".join(f"its {name} on {amount}" for name, amount in counted.most_common())
     return f"the equations of motion are altered by {listed}, each alone" if listed else ""

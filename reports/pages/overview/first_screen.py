@@ -178,11 +178,7 @@ def _column(one: _AtStock, default: _AtStock, left_out: Collection[EffectsCost])
     """
     base = {name: row.seconds_per_step for name, row in default.rows.items()}
     pruned = {name: row.seconds_per_step for name, row in one.rows.items()}
-    whole = {
-        cost.key.scenario: cost.unpruned
-        for cost in left_out
-        if (cost.key.engine, cost.key.method) == one.pair
-    }
+    whole = {cost.key.scenario: cost.unpruned for cost in left_out if cost.key.pair == one.pair}
     ratios = (OWN_RATIO, "") if one is default else (_price(whole, base), _price(pruned, base))
     return [
         *map(figure, (duration(one.timestep), one.turns, one.a_turn, one.median)),
@@ -215,8 +211,7 @@ def _at_stock(gathered: ReportData, pair: Pair, timestep: float) -> _AtStock:
     rows = {
         scene.name: row
         for scene in gathered.scenes
-        for runs in scene.methods
-        if (runs.engine, runs.method) == pair
+        if (runs := scene.by_pair.get(pair))
         and (row := row_at(runs, "stock", timestep)) is not None
         and row.simulated
     }

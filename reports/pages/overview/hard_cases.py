@@ -49,8 +49,7 @@ def _line(pair: Pair, scenes: tuple[SceneRuns, ...]) -> list[Cell | str]:
     tried = [
         (runs, survival(runs.rows, scene.fastest_rate))
         for scene in scenes
-        for runs in scene.methods
-        if (runs.engine, runs.method) == pair
+        if (runs := scene.by_pair.get(pair))
     ]
     can = [(runs, survived) for runs, survived in tried if survived is not None]
     converging = [runs.verdict and runs.verdict.verdict == "converges" for runs, _ in can]

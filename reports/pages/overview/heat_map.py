@@ -46,8 +46,7 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
     ]
     scenes = []
     for scene in gathered.scenes:
-        tried = {(runs.engine, runs.method): runs for runs in scene.methods}
-        cells = [_cell(scene, tried.get(pair), steps.get(pair[0])) for pair in pairs]
+        cells = [_cell(scene, scene.by_pair.get(pair), steps.get(pair[0])) for pair in pairs]
         best = [_best(scene, choice, steps) for choice in best_choices(scene)]
         why_none = "" if best else nothing_because(scene)
         scenes.append(_scene(scene) | {"cells": cells, "best": best, "none": why_none})

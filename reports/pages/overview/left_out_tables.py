@@ -13,7 +13,7 @@ BEYOND_NOISE = 2.0
 
 def effects_table(effects: Sequence[EffectsCost]) -> Table:
     """Table, scenes × engines, of how much more a step would cost with everything left in."""
-    methods = sorted({(cost.key.engine, cost.key.method) for cost in effects})
+    methods = sorted({cost.key.pair for cost in effects})
     cells = {cost.key: _cell(cost) for cost in effects}
     scenes = sorted({cost.key.scenario for cost in effects})
     return table(
@@ -46,7 +46,7 @@ def passes_table(costs: PassCosts) -> Table:
 
 def passes_tables(passes: Sequence[PassCosts]) -> list[tuple[str, Table]]:
     """A heading and a table for each engine."""
-    return [(f"{p.key.engine} {p.key.method} on {p.key.scenario}", passes_table(p)) for p in passes]
+    return [(f"{p.key.label} on {p.key.scenario}", passes_table(p)) for p in passes]
 
 
 def _cell(cost: EffectsCost) -> Cell:

@@ -56,7 +56,7 @@ def headline(gathered: ReportData) -> str:
         f" {plural(unmet, 'method')} missed an expectation of the scene's file." if unmet else ""
     )
     scenes = plural(len(plain.scenes), "scene")
-    methods = plural(len({(v.key.engine, v.key.method) for v in verdicts}), "method")
+    methods = plural(len({v.key.pair for v in verdicts}), "method")
     pairs = plural(len(verdicts), "pair")
     text = f"{scenes} × {methods}."
     if verdicts:
@@ -113,7 +113,7 @@ def matrix_of(
         if scenes:
             rows = tuple(_matrix_row(scene, gathered.pairs, detail) for scene in scenes)
             groups.append(Group(title, rows))
-    shipped = {(v.key.engine, v.key.method) for v in gathered.verdicts if v.as_shipped}
+    shipped = {v.key.pair for v in gathered.verdicts if v.as_shipped}
     methods = tuple(
         f"{pair[1]}, as shipped" if pair in shipped else pair[1] for pair in gathered.pairs
     )
@@ -177,10 +177,9 @@ def _matrix_row(
     detail: Callable[[SceneRuns, MethodRuns], str],
 ) -> tuple[Cell, tuple[Cell, ...]]:
     page = scene_page(scene.name)
-    tried = {(runs.engine, runs.method): runs for runs in scene.methods}
     cells = []
     for pair in pairs:
-        runs = tried.get(pair)
+        runs = scene.by_pair.get(pair)
         title = detail(scene, runs) if runs else ""
         cells.append(_matrix_cell(runs, page, title))
     return Cell(scene.name, "scene", scene.title, page), tuple(cells)
@@ -208,12 +207,7 @@ def _order_detail(scene: SceneRuns, runs: MethodRuns) -> str:  # noqa: ARG001
 
 def _method_row(pair: tuple[str, str], gathered: ReportData) -> list[Cell | str]:
     engine, method = pair
-    entries = [
-        runs
-        for scene in gathered.scenes
-        for runs in scene.methods
-        if (runs.engine, runs.method) == pair
-    ]
+    entries = [runs for scene in gathered.scenes if (runs := scene.by_pair.get(pair))]
     declared = entries[0].declared
     versions = sorted({row.engine_version for runs in entries for row in runs.rows})
     counts = Counter(runs.verdict.verdict for runs in entries if runs.verdict)

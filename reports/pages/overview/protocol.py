@@ -3,18 +3,11 @@
 from ....engines.checks.read_back import READ_BACK_SLACK, READ_BACK_SLACK_SINGLE
 from ....reference.solution import MAX_UNCERTAINTY
 from ....scenarios import EFFECTS
-from ...harness import (
-    best_window,
-    choice,
-    comparison,
-    ladder,
-    ladder_judge,
-    observed_order,
-    richardson,
-    step_cost,
-    verdict,
-)
+from ...harness import choice, comparison, convergence_study, ladder, step_cost
 from ...harness.executors import TIME_LIMIT
+from ...harness.judging import best_window, observed_order, signal_ladder
+from ...harness.judging.ladder import RUNGS_OF_A_LIMIT
+from ...harness.measuring import asymptotic
 from ..analysis.wording import count, number
 
 
@@ -28,20 +21,20 @@ def constants() -> dict[str, str]:
         "max_steps": count(ladder.MAX_STEPS),
         "quick_steps": count(choice.QUICK_STEPS),
         "min_rungs": str(ladder.MIN_RUNGS),
-        "goal": number(ladder_judge.GOAL),
-        "fine_goal": number(ladder_judge.FINE_GOAL),
-        "high_order": str(ladder_judge.HIGH_ORDER),
-        "rungs_of_a_limit": str(ladder_judge.RUNGS_OF_A_LIMIT),
+        "goal": number(convergence_study.GOAL),
+        "fine_goal": number(convergence_study.FINE_GOAL),
+        "high_order": str(convergence_study.HIGH_ORDER),
+        "rungs_of_a_limit": str(RUNGS_OF_A_LIMIT),
         "absurd_energy": f"{comparison.ABSURD_ENERGY:g}",
-        "order_slack": f"{observed_order.ORDER_SLACK:g}",
+        "order_slack": f"{asymptotic.ORDER_SLACK:g}",
         "above_uncertainty": f"{observed_order.ABOVE_UNCERTAINTY:g}",
-        "asymptotic": f"{observed_order.ASYMPTOTIC:g}",
+        "asymptotic": f"{asymptotic.ASYMPTOTIC:g}",
         "fitted_rungs": str(observed_order.FITTED_RUNGS),
         "sharp": f"{best_window.SHARP:g}",
-        "distinct": f"{richardson.DISTINCT:g}",
-        "shown_over": str(verdict.SHOWN_OVER),
-        "safe": f"{richardson.SAFE:g}",
-        "cautious": f"{richardson.CAUTIOUS:g}",
+        "distinct": f"{asymptotic.DISTINCT:g}",
+        "shown_over": str(signal_ladder.SHOWN_OVER),
+        "safe": f"{best_window.SAFE:g}",
+        "cautious": f"{asymptotic.CAUTIOUS:g}",
         "settling_order": f"{observed_order.SETTLING_ORDER:g}",
         "time_limit": f"{TIME_LIMIT:g}",
         "resolutions": str(step_cost.RESOLUTIONS),

@@ -32,7 +32,7 @@ def stock_table(gathered: ReportData) -> Table:
 
 
 def _cell(scene: SceneRuns, pair: tuple[str, str], stock: float) -> Cell:
-    runs = next((runs for runs in scene.methods if (runs.engine, runs.method) == pair), None)
+    runs = scene.by_pair.get(pair)
     if runs is None:
         return figure(NOTHING)
     row = row_at(runs, "stock", stock)

@@ -32,7 +32,7 @@ def default_tables(scene: SceneRuns) -> list[DefaultsTable]:
     """One table for each engine whose defaults were measured one by one."""
     return [
         DefaultsTable(
-            f"{measured.key.engine} {measured.key.method} at {duration(measured.timestep)}",
+            f"{measured.key.label} at {duration(measured.timestep)}",
             _sentence(measured),
             _table(scene, measured),
         )

@@ -90,7 +90,7 @@ def noticeable_from(run: Compared) -> float | None:
 
 def run_name(row: Row) -> str:
     """Engine, method and timestep, as one says them."""
-    return f"{row.key.engine} {row.key.method} at {duration(row.timestep)}"
+    return f"{row.key.label} at {duration(row.timestep)}"
 
 
 def _body(solved: SceneResult) -> dict[str, Any]:

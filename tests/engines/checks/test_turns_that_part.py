@@ -42,7 +42,7 @@ def test_a_turn_that_leaps_once_is_no_other_frame() -> None:
     assert (fault.index, fault.cause) == (BROKEN + 1, "parted")
     assert fault.reason.startswith(f"from {BROKEN * TIMESTEP:.4g} s on attitude and ω part")
     apart = TIMESTEP * np.linalg.norm(leap)
-    assert f"{apart:.3g} rad apart; up to then they agreed" in fault.reason
+    assert f"{np.degrees(apart):.3g}° apart; up to then they agreed" in fault.reason
 
 
 @pytest.mark.parametrize("axes", [[1, 0, 2], [2, 1, 0], [1, 2, 0]])

@@ -50,16 +50,16 @@ MOST, HALF = 0.8, 0.5
 #: Errors of attitude, rad, whose cost is compared, with MuJoCo's RK4.
 LEVELS = (1e-2, 1e-4)
 YARDSTICK = ("mujoco", "RK4")
-COLUMNS = ("engine", "method", "scenes", *RANKS, "error", "survives")
-COSTS = tuple(f"cost, {level:g} rad" for level in LEVELS)
+COLUMNS = ("engine", "method", "scenes", *RANKS, "error, °", "survives")
+COSTS = tuple(f"cost, {math.degrees(level):.2g}°" for level in LEVELS)
 HEAD = f"""# Which engines get tops right, and at what price
 
 Made by `make engine-verdicts` of every engine that was there, best methods first, `default` as it
 is shipped. Scenes are counted by [verdict](../explanation/outcomes.md). Ladders are short:
 methods of first order and single precision are often `unresolved`, neither proven nor refuted.
 
-- *Error* and *survives*, at {TURN:g} rad a step: the median error of the attitude, rad, and on how
-  many scenes every run of at most that comes to its end and is better than no motion.
+- *Error* and *survives*, at {math.degrees(TURN):.2g}° a step: the median error of the attitude, °,
+  and on how many scenes every run of at most that comes to its end and is better than no motion.
 - *Cost*: CPU time to keep the attitude within an error, as a multiple of MuJoCo RK4's on the same
   scene; the median of the scenes, in parentheses how many, on which both can be told.
 """
@@ -107,7 +107,7 @@ class Standing:
             "engine": f"`{self.engine}`",
             "method": self.method,
             "scenes": str(self.verdicts.total()),
-            "error": f"{median(self.errors):.2g}" if self.errors else "–",
+            "error, °": f"{math.degrees(median(self.errors)):.2g}" if self.errors else "–",
             "survives": str(self.survives),
         }
         for name, ratios in zip(COSTS, self.ratios, strict=True):

@@ -11,15 +11,15 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Engine, Method, engines
-from spincheck.reports.harness.best_window import SHARP
 from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.harness.judging import judge
+from spincheck.reports.harness.judging.best_window import SHARP
 from spincheck.reports.harness.study import (
     Prepared,
     convergence_study_of,
     prepare,
     run_rungs,
 )
-from spincheck.reports.harness.study_verdict import verdict_on
 from spincheck.reports.results.records import SignalVerdict, Verdict
 from spincheck.scenarios import Scenario, loads
 
@@ -115,7 +115,9 @@ def judged(
     study = convergence_study_of(scenario, engine, method, prepared)
     for _ in run_rungs(study, InProcess()):
         pass
-    return verdict_on(study), any(one.sequence.uncertainty > SHARP for one in study.judge.signals)
+    return judge(study.records), any(
+        one.sequence.uncertainty > SHARP for one in study.records.ladder.signals
+    )
 
 
 def is_wrong(method: Method, verdict: Verdict) -> bool:

@@ -14,13 +14,13 @@ sys.path.insert(0, str(ROOT / "tests" / "support"))
 from faulty_mujoco import KINDS, FaultyMuJoCo, PlantedFault, applies  # noqa: E402
 from spincheck.reports.harness.choice import QUICK_STEPS  # noqa: E402
 from spincheck.reports.harness.executors import InProcess  # noqa: E402
+from spincheck.reports.harness.judging import judge  # noqa: E402
 from spincheck.reports.harness.study import (  # noqa: E402
     Prepared,
     convergence_study_of,
     prepare,
     run_rungs,
 )
-from spincheck.reports.harness.study_verdict import verdict_on  # noqa: E402
 from spincheck.scenarios import Scenario, find, load  # noqa: E402
 
 #: Plain ones, and five on which errors saturate at first order.
@@ -47,7 +47,7 @@ def name_of_fault(scenario: Scenario, prepared: Prepared, method: str, fault: Pl
     study = convergence_study_of(scenario, engine, engine.method(method), prepared)
     for _ in run_rungs(study, InProcess()):
         pass
-    verdict = verdict_on(study)
+    verdict = judge(study.records)
     if verdict.agrees and verdict.verdict != "diverges":
         return ""
     _, is_explained, words = verdict.reason.partition("as if ")

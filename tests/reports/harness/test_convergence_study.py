@@ -10,13 +10,13 @@ from scene_texts import sphere_text
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Engine, Method, Run
 from spincheck.reports.harness.choice import QUICK_STEPS
-from spincheck.reports.harness.convergence_study import ConvergenceStudy
+from spincheck.reports.harness.convergence_study import GOAL, ConvergenceStudy
 from spincheck.reports.harness.executors import Answer
+from spincheck.reports.harness.judging import judge
+from spincheck.reports.harness.judging.ladder import RUNGS_OF_A_LIMIT
 from spincheck.reports.harness.ladder import MAX_STEPS, MIN_RUNGS, Rung
-from spincheck.reports.harness.ladder_judge import GOAL, RUNGS_OF_A_LIMIT
 from spincheck.reports.harness.study import prepare
-from spincheck.reports.harness.study_verdict import verdict_on
-from spincheck.reports.results.records import LocalCheck
+from spincheck.reports.results.evidence import JudgedLadder, LocalEvidence
 from spincheck.scenarios import Scenario, Trajectory, loads
 
 METHOD = Method("made-up", 1, 1, "made up", frozenset())
@@ -82,9 +82,9 @@ def first(convergence: ConvergenceStudy) -> Rung:
 
 def test_a_limit_known_well_ends_a_ladder():
     convergence = go_down(study(), lambda dt: 0.1 * dt)
-    assert verdict_on(convergence).verdict == "converges"
+    assert judge(convergence.records).verdict == "converges"
     assert MIN_RUNGS <= len(convergence.rows) < len(convergence.ladder.rungs)
-    assert verdict_on(convergence).tolerance <= 2 * GOAL
+    assert judge(convergence.records).tolerance <= 2 * GOAL
     assert not convergence.cut_short
 
 
@@ -100,7 +100,7 @@ def test_nothing_is_run_above_a_ladder_whose_first_rung_does_not_survive():
     convergence = study()
     go_down(convergence, lambda dt: 0.1 * dt, dies_above=0.75 * first(convergence).timestep)
     assert convergence.above_rows == []
-    assert verdict_on(convergence).verdict == "converges"
+    assert judge(convergence.records).verdict == "converges"
 
 
 def test_what_is_run_above_takes_no_part_in_the_verdict():
@@ -108,7 +108,7 @@ def test_what_is_run_above_takes_no_part_in_the_verdict():
     bare = study()
     bare.ladder = replace(bare.ladder, above=())
     assert whole.above_rows
-    assert verdict_on(go_down(bare, lambda dt: 0.1 * dt)) == verdict_on(whole)
+    assert judge(go_down(bare, lambda dt: 0.1 * dt).records) == judge(whole.records)
 
 
 def test_samples_of_runs_above_are_not_kept_and_those_of_the_finest_are():
@@ -120,7 +120,7 @@ def test_samples_of_runs_above_are_not_kept_and_those_of_the_finest_are():
 def test_a_ladder_that_cannot_tell_is_given_up_before_its_last_rung():
     convergence = go_down(study(), wandering)
     assert len(convergence.rows) >= MIN_RUNGS
-    assert verdict_on(convergence).verdict == "unresolved"
+    assert judge(convergence.records).verdict == "unresolved"
 
 
 def test_errors_that_are_large_but_shrink_are_followed_to_where_they_tell():
@@ -129,14 +129,16 @@ def test_errors_that_are_large_but_shrink_are_followed_to_where_they_tell():
     finest = convergence.ladder.rungs[-1].timestep
     small = 0.02 / finest
     go_down(convergence, lambda dt: small * dt / (1 + small * dt))
-    assert verdict_on(convergence).verdict == "converges"
+    assert judge(convergence.records).verdict == "converges"
 
 
 @pytest.mark.parametrize("speed", [3.0, 400.0, 3e3])
 @pytest.mark.parametrize("error_of_dt", [wandering, lambda dt: dt**0.5], ids=["lost", "slow"])
 def test_where_pieces_decide_a_ladder_is_as_short_as_a_quick_one(speed, error_of_dt):
     """Slow, so that the goal is out of reach; fast, so that the first rungs exceed its limit."""
-    decided = LocalCheck("", 0.0, at_any_timestep=False, is_open=False, states=1)
+    evidence = go_down(study(), lambda dt: 0.1 * dt).evidence
+    pieces = JudgedLadder(evidence.basis, evidence.rungs)
+    decided = LocalEvidence("", 0.0, 0.0, is_open=False, states=1, starts=1, pieces=pieces)
     whole, quick = (study(speed, max_steps=limit) for limit in (MAX_STEPS, QUICK_STEPS))
     for convergence in (whole, quick):
         convergence.local = decided
@@ -160,7 +162,7 @@ def test_a_ladder_that_a_short_limit_leaves_no_rung_of_is_cut_short_too():
 @pytest.mark.parametrize("speed", [2e5, 2e8])
 def test_where_no_ladder_fits_the_verdict_says_what_one_would_take(speed):
     convergence = go_down(study(speed), lambda dt: 0.1)
-    verdict = verdict_on(convergence)
+    verdict = judge(convergence.records)
     assert (verdict.verdict, convergence.rows) == ("unresolved", [])
     assert f"{convergence.ladder.least_steps * (2**RUNGS_OF_A_LIMIT - 1):.1e}" in verdict.reason
     assert bool(convergence.above_rows) == (speed == 2e5)
@@ -172,4 +174,4 @@ def test_where_no_ladder_fits_what_cannot_be_simulated_is_still_reported():
 
     convergence = study(2e8)
     convergence.engine, convergence.method = Lacking(), Lacking.methods[0]
-    assert verdict_on(convergence).verdict == "unsupported"
+    assert judge(convergence.records).verdict == "unsupported"

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from spincheck.engines import engines
-from spincheck.reports.harness.expected_failures import compared_with_expected_failures
+from spincheck.reports.harness.judging.expected_failures import compared_with_expected_failures
 from spincheck.reports.harness.ladder import MAX_STEPS
 from spincheck.reports.harness.study import convergence_study_of, prepare
 from spincheck.reports.results.records import Key, Verdict

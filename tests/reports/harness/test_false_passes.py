@@ -5,6 +5,7 @@ error hides nothing: each fault is told. At first order a fault that is smaller 
 error may stay open, but is never said to converge.
 """
 
+from dataclasses import replace
 from functools import cache
 
 import pytest
@@ -13,7 +14,7 @@ from library_scenes import library_scene
 from spincheck.reports.harness.study import Prepared, convergence_study_of, prepare
 from spincheck.reports.results.records import Verdict
 from spincheck.scenarios import Scenario
-from stepped import Stepped, SteppedEngine
+from stepped import METHODS, Stepped, SteppedEngine
 from studies import verdict_of
 
 pytestmark = pytest.mark.slow
@@ -87,7 +88,19 @@ MAY_STAY_OPEN = {
     planted.EveryThousandthStep,
 }
 
-HONEST_SCENES = [BOOK, TOP, "chaos-beyond-the-horizon", "drag-until-rest", "flying-disc"]
+#: Of an engine as shipped, on a motion that no ladder follows: steps and pieces decide.
+CHAOS = "chaos-beyond-the-horizon"
+OF_AN_ENGINE_AS_SHIPPED = [
+    (planted.Remembers, 1e-3),
+    (planted.FromHalfway, 1e-3),
+    (planted.Jumps, 0.1),
+    (planted.EveryThousandthStep, 1e-4),
+    (planted.AfterAHundredSteps, 1e-4),
+    (planted.AnotherMoment, 1e-5),
+    (planted.ReadsScattered, 1e-4),
+]
+
+HONEST_SCENES = [BOOK, TOP, CHAOS, "drag-until-rest", "flying-disc"]
 HONEST = [
     (Stepped, 0.0, {}),
     (planted.Noisy, 1e-12, {}),
@@ -139,3 +152,18 @@ def test_no_honest_engine_is_called_wrong(
 ) -> None:
     verdict = judged(name, kind, size, method, **as_if)
     assert verdict.verdict in ("converges", "unresolved"), verdict.reason
+
+
+def as_shipped(kind: type[Stepped], size: float) -> Verdict:
+    methods = tuple(replace(method, as_shipped=True) for method in METHODS)
+    return judged(CHAOS, kind, size, "RK4", methods=methods)
+
+
+def test_an_honest_engine_as_shipped_converges_where_no_ladder_decides() -> None:
+    verdict = as_shipped(Stepped, 0.0)
+    assert (verdict.verdict, "pieces" in verdict.ground) == ("converges", True), verdict.reason
+
+
+@pytest.mark.parametrize(("kind", "size"), OF_AN_ENGINE_AS_SHIPPED, ids=kind_of)
+def test_no_fault_of_an_engine_as_shipped_converges(kind: type[Stepped], size: float) -> None:
+    assert as_shipped(kind, size).verdict in ("unresolved", "disagrees")

@@ -6,12 +6,13 @@ from pathlib import Path
 import pytest
 from box import BOX
 from planted import HeunSession, RaisingSession, planted
-from spincheck.reports.harness import best_window, study, verdict
+from spincheck.engines import Engine, Method, Session
 from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.judging import best_window, signal_ladder
 from spincheck.reports.results import fingerprints
 from spincheck.reports.results.records import Verdict
 from spincheck.reports.results.store import open_store
-from spincheck.scenarios import loads
+from spincheck.scenarios import Scenario, loads
 from studies import study as study_of
 
 pytestmark = pytest.mark.slow
@@ -25,16 +26,21 @@ NEVER = 1e-30
 
 
 @pytest.fixture
-def made(monkeypatch) -> list[float]:
-    """The timesteps of the runs made."""
+def opened(monkeypatch) -> list[float]:
+    """The timesteps that engines were opened with: of runs, steps and pieces, and restarts."""
     timesteps: list[float] = []
-    simulate = study.simulate
 
-    def counting(engine, scenario, method, rung):
-        timesteps.append(rung.timestep)
-        return simulate(engine, scenario, method, rung)
+    def counting(kind: type[Engine]) -> Callable[..., Session]:
+        open_with = kind.open
 
-    monkeypatch.setattr(study, "simulate", counting)
+        def opening(engine: Engine, scene: Scenario, method: Method, timestep: float) -> Session:
+            timesteps.append(timestep)
+            return open_with(engine, scene, method, timestep)
+
+        return opening
+
+    for kind in {type(engine) for engine in ENGINES}:
+        monkeypatch.setattr(kind, "open", counting(kind))
     return timesteps
 
 
@@ -43,7 +49,7 @@ def verdicts(path: Path) -> list[Verdict]:
 
 
 def never_sharp(patch: pytest.MonkeyPatch) -> None:
-    for module in (best_window, verdict):
+    for module in (best_window, signal_ladder):
         patch.setattr(module, "SHARP", NEVER)
 
 
@@ -54,41 +60,44 @@ def judging_is_another(patch: pytest.MonkeyPatch) -> None:
     )
 
 
-def test_verdicts_are_made_again_to_the_last_bit_without_a_run(tmp_path, monkeypatch, made):
+def test_verdicts_are_made_again_to_the_last_bit_without_a_run(tmp_path, monkeypatch, opened):
     path = tmp_path / "r.sqlite"
     before = verdicts(path)
-    made.clear()
+    assert opened
+    opened.clear()
     judging_is_another(monkeypatch)
     with open_store(path) as store:
         motions = [row.timestep for row in store.read().rows if row.motion]
     assert verdicts(path) == before
-    assert made == []
+    assert opened == []
     with open_store(path) as store:
         # The samples that were dropped with the verdict were not needed.
         assert [row.timestep for row in store.read().rows if row.motion] == motions
 
 
-def test_a_changed_threshold_changes_the_verdict_without_a_run(tmp_path, monkeypatch, made):
+def test_a_changed_threshold_changes_the_verdict_without_a_run(tmp_path, monkeypatch, opened):
     path = tmp_path / "r.sqlite"
     with monkeypatch.context() as patch:
         never_sharp(patch)
         judging_is_another(patch)
         assert verdicts(path)[0].verdict == "unresolved"
-    made.clear()
+    assert opened
+    opened.clear()
     again = verdicts(path)
-    assert (made, again[0].verdict) == ([], "converges")
+    assert (opened, again[0].verdict) == ([], "converges")
     assert again == verdicts(tmp_path / "fresh.sqlite")
 
 
-def test_a_ladder_that_a_changed_threshold_makes_longer_is_run(tmp_path, monkeypatch, made):
+def test_a_ladder_that_a_changed_threshold_makes_longer_is_run(tmp_path, monkeypatch, opened):
     path = tmp_path / "r.sqlite"
     choice = Choice(ENGINES[:1], max_steps=1 << 14, timed=False)
     scenes = [loads(BOX, "box")]
     short = study_of(path, scenes, choice)
-    made.clear()
+    assert opened
+    opened.clear()
     never_sharp(monkeypatch)
     judging_is_another(monkeypatch)
     longer = study_of(path, scenes, choice)
     assert len(longer.rows) > len(short.rows)
-    assert made
+    assert opened
     assert longer.verdicts == study_of(tmp_path / "fresh.sqlite", scenes, choice).verdicts

@@ -45,7 +45,7 @@ DETECTED = {
     planted_faults.NegatedSession: ("failed", "frames", "about another axis"),
     planted_faults.SlowClockSession: ("failed", "clock", "as if a step were 0.99 of a timestep"),
     planted_faults.SpunUpInSecretSession: ("ok", "law", "as if L were sped up by 0.001 /s"),
-    planted_faults.LaggingSession: ("diverged", "lag", "in a step the attitude turns by 0.01 rad"),
+    planted_faults.LaggingSession: ("diverged", "lag", "in a step the attitude turns by 0.573°"),
     planted_faults.LateSession: ("failed", "late", "what is read is a step old"),
     planted_faults.AnotherStartSession: ("ok", "law", "after a step, however short it is"),
     planted_faults.BarelyDampedSession: ("ok", "law", "as if L were slowed by 1e-09 /s"),

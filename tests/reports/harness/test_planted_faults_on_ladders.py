@@ -135,7 +135,7 @@ def test_a_wobble_that_every_rung_has_damped_away_is_no_other_motion(name, metho
 def test_a_step_that_is_a_little_too_long_is_told_by_two_numbers_that_differ_by_as_much():
     size = 1e-3
     verdict = verdict_of("hammer", "RK4", PlantedFault("clock", size))
-    turned, by_omega = re.findall(r"by ([\d.]+) rad.* makes ([\d.]+) rad", verdict.reason)[0]
+    turned, by_omega = re.findall(r"by ([\d.]+)°.* makes ([\d.]+)°", verdict.reason)[0]
     assert float(turned) / float(by_omega) - 1 == pytest.approx(size, rel=0.1)
 
 

@@ -8,9 +8,9 @@ from library_scenes import library_scene
 from measure_random import is_too_sure, is_wrong, judged, random_scene
 from spincheck.engines import engines
 from spincheck.reference import solve
-from spincheck.reports.harness import richardson
 from spincheck.reports.harness.judging import contradictions
-from spincheck.reports.harness.rounding import roundings_in_flight
+from spincheck.reports.harness.measuring import richardson
+from spincheck.reports.harness.measuring.rounding import roundings_in_flight
 from spincheck.reports.harness.study import prepare
 from spincheck.reports.results.records import Verdict
 

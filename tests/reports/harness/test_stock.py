@@ -124,7 +124,7 @@ def test_where_the_motion_is_too_fast_for_it_a_row_says_so_and_nothing_is_run(tm
     rows = stock_rows(study(tmp_path / "r.sqlite", HeunAsSold(), text=fast))
     assert rows[STOCK].outcome == "unsupported"
     assert rows[STOCK].cause == "timestep"
-    assert "turns 8.33 rad a step" in rows[STOCK].reason
+    assert "turns 477° a step" in rows[STOCK].reason
     assert rows[STOCK].errors is None
     assert not rows[STOCK].made
 
@@ -134,7 +134,7 @@ def test_where_the_motion_is_too_fast_for_it_a_row_says_so_and_nothing_is_run(tm
     [
         (1e-3, 1.0, 2 * STEP_BUDGET * 1e-3, "takes 2.62e+05 steps"),
         (1e-3, 1.0, 5e-3, "are 5 steps, too few to judge"),
-        (2e-3, 2000.0, 1.0, "turns 4 rad a step"),
+        (2e-3, 2000.0, 1.0, "turns 229° a step"),
     ],
 )
 def test_what_makes_no_sense_is_reported_with_its_numbers(timestep, rate, horizon, words):

@@ -344,7 +344,7 @@ def test_a_member_that_a_stock_timestep_does_not_resolve_is_not_run(path):
     coarse = Choice((with_stock_timestep("coarse", 10.0),), timed=False)
     points = sweep(path, ENSEMBLE, coarse)
     assert {(p.outcome, p.cause) for p in points} == {("unsupported", "timestep")}
-    assert all("rad a step" in p.reason or "too few" in p.reason for p in points)
+    assert all("° a step" in p.reason or "too few" in p.reason for p in points)
 
 
 def test_members_at_a_timestep_that_was_asked_for_have_it(path):

@@ -8,11 +8,13 @@ import pytest
 from scene_texts import sphere_text
 from scipy.spatial.transform import Rotation
 from spincheck.reference import Solution
-from spincheck.reports.harness.best_window import SHARP
-from spincheck.reports.harness.ladder_judge import SignalJudgement
-from spincheck.reports.harness.observed_order import observed_order
-from spincheck.reports.harness.richardson import DISTINCT, RichardsonLadder
-from spincheck.reports.harness.verdict import Judgement, judge
+from spincheck.reports.harness.judging.best_window import SHARP
+from spincheck.reports.harness.judging.ladder import SignalJudgement
+from spincheck.reports.harness.judging.observed_order import observed_order
+from spincheck.reports.harness.judging.sequences import sequence
+from spincheck.reports.harness.judging.signal_ladder import Judgement, judge_signal
+from spincheck.reports.harness.measuring.asymptotic import DISTINCT
+from spincheck.reports.harness.measuring.richardson import RichardsonLadder
 from spincheck.scenarios import SIGNAL, Errors, Trajectory, loads
 
 SCENE = loads(sphere_text((0.0, 0.0, 3.0), duration=5.0, samples=51), "sphere")
@@ -51,9 +53,13 @@ def ladder(
     return rungs_of
 
 
+def judge_in(rungs: RichardsonLadder, signal: str) -> Judgement:
+    return judge_signal(sequence(rungs.judged, signal))
+
+
 def judged(error_of_dt: Callable[[float], float], order: int, signal: str = "omega", **noise):
     """Of rungs that are off by `error_of_dt(dt)` times a shape in time."""
-    return judge(ladder(lambda dt: error_of_dt(dt) * np.sin(TIMES), order, **noise).signal(signal))
+    return judge_in(ladder(lambda dt: error_of_dt(dt) * np.sin(TIMES), order, **noise), signal)
 
 
 @pytest.mark.parametrize("signal", TURNED)
@@ -78,7 +84,7 @@ def test_a_limit_that_is_not_the_exact_motion_disagrees(signal, order):
     judgement = judged(lambda dt: offset + dt**order + dt ** (order + 1), order, signal)
     assert judgement.word == "disagrees"
     assert judgement.limit_error == pytest.approx(offset, rel=0.1)
-    assert f"{judgement.limit_error:.1e}" in judgement.reason
+    assert SIGNAL[signal].words(judgement.limit_error) in judgement.reason
 
 
 def test_a_limit_far_off_disagrees_however_large_the_errors_are():
@@ -94,7 +100,7 @@ def test_a_limit_that_is_exact_and_not_the_exact_motion_disagrees():
 
 def test_a_limit_that_leaves_the_exact_motion_midway_says_when():
     late = np.where(TIMES > 3.0, 1e-3, 0.0)
-    judgement = judge(ladder(lambda dt: late + dt**2 * np.sin(TIMES), 2).signal("omega"))
+    judgement = judge_in(ladder(lambda dt: late + dt**2 * np.sin(TIMES), 2), "omega")
     assert judgement.word == "disagrees"
     since = float(judgement.reason.partition("from t = ")[2].split()[0])
     assert since == TIMES[TIMES > 3.0][0]
@@ -107,7 +113,7 @@ def test_the_numbers_of_a_limit_that_is_wrong_are_those_that_show_it():
     def error(dt: float) -> np.ndarray:
         return 1e-2 * (TIMES > 1.0) + dt * np.sin(TIMES) + np.sin(1 / dt) * wild
 
-    judgement = judge(ladder(error, order=1).signal("omega"))
+    judgement = judge_in(ladder(error, order=1), "omega")
     assert judgement.word == "disagrees"
     assert judgement.limit_error > DISTINCT * judgement.tolerance
     assert f"error is {judgement.limit_error:.1e}" in judgement.reason
@@ -122,7 +128,7 @@ def test_a_damping_that_every_rung_is_through_with_is_not_taken_for_a_limit():
     for k in range(8):
         run = replace(fast, omega_body=fast.omega_body - gap * (1 + 1e-3 / 2**k))
         sequences.add(1e-3 / 2**k, run, 1 << k)
-    assert judge(sequences.signal("omega")).word == "unresolved"
+    assert judge_in(sequences, "omega").word == "unresolved"
 
 
 @pytest.mark.parametrize(("declared", "seen_order"), [(4, 1), (4, 2), (2, 1)])
@@ -191,7 +197,7 @@ def test_a_blurred_limit_is_no_convergence():
 @pytest.mark.parametrize("signal", SIGNAL)
 def test_every_signal_is_judged_by_itself(signal):
     sequences = ladder(lambda dt: dt * np.sin(TIMES), 1)
-    assert judge(sequences.signal(signal)).word == "converges"
+    assert judge_in(sequences, signal).word == "converges"
 
 
 @pytest.mark.parametrize("signal", ["com", "velocity"])
@@ -203,7 +209,7 @@ def test_a_path_that_is_another_one_disagrees_in_that_signal_alone(signal):
         drift = np.outer(TIMES * (1 + dt), [1e-3, 0, 0])
         run = turning(dt * np.sin(TIMES), **{f"{signal}_world": drift})
         sequences.add(dt, run, round(TIMES[-1] / dt))
-    words = {one: judge(sequences.signal(one)).word for one in SIGNAL}
+    words = {one: judge_in(sequences, one).word for one in SIGNAL}
     assert words[signal] == "disagrees"
     # What moves has energy too.
     disagreeing = {one for one, word in words.items() if word == "disagrees"}
@@ -218,10 +224,10 @@ def test_rungs_added_one_by_one_are_judged_as_all_at_once(signal):
     whole = ladder(error, 1)
     sequences = ladder(error, 1, rungs=4)
     for k in range(4, 8):
-        judge(sequences.signal(signal))
+        judge_in(sequences, signal)
         dt = COARSEST / 2**k
         sequences.add(dt, turning(error(dt)), round(TIMES[-1] / dt))
-    assert judge(sequences.signal(signal)) == judge(whole.signal(signal))
+    assert judge_in(sequences, signal) == judge_in(whole, signal)
 
 
 @pytest.mark.parametrize(
@@ -301,15 +307,15 @@ def test_the_order_of_errors_that_grow_is_negative():
 
 
 def test_a_judgement_is_stored_with_its_numbers():
-    sequence = ladder(lambda dt: dt * np.sin(TIMES), 1).signal("omega")
-    judgement: Judgement = judge(sequence)
-    record = judgement.of(sequence)
+    steady = sequence(ladder(lambda dt: dt * np.sin(TIMES), 1).judged, "omega")
+    judgement = judge_signal(steady)
+    record = judgement.of(steady)
     assert (record.signal, record.verdict, record.declared_order) == ("omega", "converges", 1)
     assert (record.limit_error, record.tolerance) == (judgement.limit_error, judgement.tolerance)
 
 
 def test_of_unresolved_signals_the_one_that_no_timestep_would_resolve_decides():
-    sequence = ladder(lambda dt: dt * np.sin(TIMES), 1).signal("omega")
+    steady = sequence(ladder(lambda dt: dt * np.sin(TIMES), 1).judged, "omega")
     judgements = [
         Judgement("unresolved", "never", tolerance=1.0),
         Judgement("unresolved", "never", tolerance=0.1),
@@ -317,5 +323,5 @@ def test_of_unresolved_signals_the_one_that_no_timestep_would_resolve_decides():
         Judgement("unresolved", "soon", tolerance=2.0, needed_timestep=1e-3),
         Judgement("converges", "", tolerance=1e-3),
     ]
-    signals = [SignalJudgement(sequence, judgement) for judgement in judgements]
+    signals = [SignalJudgement(steady, judgement) for judgement in judgements]
     assert sorted(signals, key=lambda one: one.severity, reverse=True) == signals

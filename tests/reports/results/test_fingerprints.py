@@ -25,8 +25,16 @@ CHANGES = {
         {"pybullet"},
     ),
     "a threshold of verdicts": (
-        *("reports/harness/best_window.py", "SHARP = 1e-2", "SHARP = 2e-2"),
+        *("reports/harness/judging/best_window.py", "SHARP = 1e-2", "SHARP = 2e-2"),
         {"verdict"},
+    ),
+    "a threshold of steps from exact states": (
+        *(
+            "reports/harness/measuring/memory.py",
+            "STRETCHES, FEW_STEPS = 64",
+            "STRETCHES, FEW_STEPS = 32",
+        ),
+        {"run"},
     ),
     "a threshold of runs": (
         *("reports/harness/comparison.py", "ABSURD_ENERGY = 10.0", "ABSURD_ENERGY = 9.0"),
@@ -132,6 +140,6 @@ def test_docstrings_comments_and_layout_change_nothing(monkeypatch):
 def test_every_module_that_decides_is_there():
     names = {name for names in fingerprints.DECIDING.values() for name in names}
     missing = [
-        name for name in names | fingerprints.JUDGING if not fingerprints._file(name).is_file()
+        name for name in [*names, *fingerprints.JUDGING] if not fingerprints._file(name).is_file()
     ]
     assert missing == []

@@ -8,7 +8,7 @@ import made_up
 import pytest
 from command_line import spincheck
 from spincheck.reports.cli.results.compare import changes_as_json, exit_code, print_changes
-from spincheck.reports.harness.observed_order import ASYMPTOTIC
+from spincheck.reports.harness.measuring.asymptotic import ASYMPTOTIC
 from spincheck.reports.pages.analysis.changes import (
     COST_FACTOR,
     ERROR_FACTOR,

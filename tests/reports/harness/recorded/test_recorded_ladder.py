@@ -9,11 +9,11 @@ from library_scenes import library_scene
 from spincheck.engines import Method
 from spincheck.reports.harness.choice import QUICK_STEPS
 from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.recorded.judged import judged_motion
 from spincheck.reports.harness.recorded.read import RecordingError, read_recording
 from spincheck.reports.harness.recorded.recorded_ladder import verdict_on_files
 from spincheck.reports.harness.study import convergence_study_of, prepare, run_rungs
-from spincheck.reports.harness.study_verdict import verdict_on
 
 HEADS = "t,qw,qx,qy,qz,wx,wy,wz,x,y,z,vx,vy,vz"
 
@@ -45,7 +45,7 @@ def test_the_verdict_is_the_engine_s_own(tmp_path, engine, method: Method):
     study.places = None
     for _ in run_rungs(study, InProcess()):
         pass
-    own = verdict_on(study)
+    own = judge(study.records)
     files = [write(tmp_path, row.motion, row.timestep) for row in study.rows]
     motions = [judged_motion(scene, read_recording(path)) for path in files]
     judged = verdict_on_files(scene, motions, min(method.order, method.attitude_order))

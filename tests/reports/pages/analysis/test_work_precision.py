@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from laws import ROUNDING, RUNGS, curve_of_law, law
 from made_up import METHODS, SECONDS_PER_STEP, TIMESTEPS, UNCERTAINTY, results
-from spincheck.reports.harness.observed_order import ASYMPTOTIC
+from spincheck.reports.harness.measuring.asymptotic import ASYMPTOTIC
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
 from spincheck.reports.pages.analysis.work_precision import (
     cost,

@@ -1,4 +1,4 @@
-"""Judges a method on its ladder, signal by signal: whether it converges to the exact motion.
+"""Judges a ladder in one signal: whether it converges to the exact motion.
 
 Verification as numerical analysts do it: the motion is extrapolated to dt → 0 with the order of
 accuracy (L. F. Richardson, Phil. Trans. R. Soc. A 210 (1911) 307), and the limit's error is
@@ -11,21 +11,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..results.records import SignalVerdict
-from ..results.verdict_words import VerdictWord
+from ...results.records import SignalVerdict
+from ...results.verdict_words import VerdictWord
+from ..measuring.asymptotic import ASYMPTOTIC, CAUTIOUS, DISTINCT, ORDER_SLACK, WHOLE
 from .best_window import SHARP, BestWindow, best_window
-from .observed_order import (
-    ABOVE_UNCERTAINTY,
-    ASYMPTOTIC,
-    FITTED_RUNGS,
-    ORDER_SLACK,
-    SETTLING_ORDER,
-)
-from .richardson import CAUTIOUS, DISTINCT, WHOLE, SignalSequence
+from .observed_order import ABOVE_UNCERTAINTY, FITTED_RUNGS, SETTLING_ORDER
+from .sequences import SignalSequence
 
 #: An order this far below the declared one, seen over clean rungs, is another order.
 SHORTFALL = 0.5
-#: Rungs over which such a shortfall, or errors that grow, must be seen.
+#: Rungs over which such a shortfall, or errors or defects that grow, must be seen.
 SHOWN_OVER = 4
 #: Growth of errors from rung to rung, each, that is no scatter.
 GROWTH = 2**0.5
@@ -56,6 +51,11 @@ class Judgement:
     extrapolation_tolerance: float = 0.0
     needed_timestep: float | None = None
 
+    @property
+    def converges(self) -> bool:
+        """Whether its word says so."""
+        return self.word == "converges"
+
     def of(self, sequence: SignalSequence) -> SignalVerdict:
         """The judgement as a record to store."""
         return SignalVerdict(
@@ -69,12 +69,14 @@ class Judgement:
         )
 
 
-def judge(sequence: SignalSequence) -> Judgement:
+def judge_signal(sequence: SignalSequence) -> Judgement:
     """Judge a ladder of at least three rungs in one signal."""
     errors, rounding = sequence.errors, sequence.roundoff_bounds
     if errors.max() <= SHARP and (errors <= rounding + sequence.uncertainty).all():
         tolerance = float(rounding[-1] + sequence.uncertainty)
-        reason = f"errors are at round-off throughout: {errors.max():.1e}, bound {tolerance:.1e}"
+        words = sequence.signal.words
+        reason = f"errors are at round-off throughout: {words(errors.max())}, bound "
+        reason += words(tolerance)
         return Judgement("converges", reason, None, float(errors[-1]), tolerance)
     window = best_window(sequence)
     if found := _elsewhere(window):
@@ -93,10 +95,10 @@ def judge(sequence: SignalSequence) -> Judgement:
 
 def _weigh(window: BestWindow) -> tuple[VerdictWord, str, float | None]:
     """Verdict, reason, and the timestep that would resolve the ladder, s."""
-    sequence = window.sequence
+    sequence, words = window.sequence, window.sequence.signal.words
     limit = (
-        f"Richardson-extrapolated error {max(window.limit_error, sequence.uncertainty):.1e}, "
-        f"tolerance {window.tolerance:.1e}"
+        f"Richardson-extrapolated error {words(max(window.limit_error, sequence.uncertainty))}, "
+        f"tolerance {words(window.tolerance)}"
     )
     if growing := _growing(sequence):
         return "disagrees", growing, None
@@ -112,9 +114,10 @@ def _elsewhere(window: BestWindow) -> Judgement | None:
     before, found = [None, None, *window.sequence.deviations][-2:]
     if before is None or found is None:
         return None
+    words = window.sequence.signal.words
     reason = (
         f"settles on another motion, from t = {found.since:.3g} s on: by t = {found.by:.3g} s the "
-        f"Richardson-extrapolated error is {found.error:.1e}, tolerance {found.tolerance:.1e}"
+        f"Richardson-extrapolated error is {words(found.error)}, tolerance {words(found.tolerance)}"
     )
     return Judgement(
         "disagrees",
@@ -134,9 +137,10 @@ def _growing(sequence: SignalSequence) -> str:
     if not grows or errors[0] > ASYMPTOTIC or errors[0] <= DISTINCT * noise_floor:
         return ""
     first, last = sequence.timesteps[-SHOWN_OVER], sequence.timesteps[-1]
+    words = sequence.signal.words
     return (
-        f"errors grow as the timestep shrinks: from {errors[0]:.1e} at {first:.1e} s "
-        f"to {errors[-1]:.1e} at {last:.1e} s"
+        f"errors grow as the timestep shrinks: from {words(errors[0])} at {first:.1e} s "
+        f"to {words(errors[-1])} at {last:.1e} s"
     )
 
 
@@ -165,9 +169,8 @@ def _order_words(window: BestWindow) -> str:
         # Without the sign of a zero.
         return f"order {round(window.order, 2) + 0.0:.2f}, declared {declared}{above}"
     if (window.sequence.errors >= ASYMPTOTIC).sum() > len(window.sequence) / 2:
-        return (
-            f"errors of {window.sequence.errors.min():.1e} and more are too large to show an order"
-        )
+        least = window.sequence.signal.words(window.sequence.errors.min())
+        return f"errors of {least} and more are too large to show an order"
     return "too few errors above round-off to show an order"
 
 
@@ -176,7 +179,7 @@ def _unresolved(window: BestWindow, limit: str) -> tuple[str, float | None]:
 
     Roundings of many steps are taken to add up as a random walk does, unless the ladder shows more.
     """
-    sequence = window.sequence
+    sequence, words = window.sequence, window.sequence.signal.words
     least = int(np.argmin(sequence.errors))
     needed = _needed_timestep(window)
     a_step = float(sequence.roundoff_bounds[-1] * sequence.timesteps[-1]) / sequence.duration
@@ -198,8 +201,8 @@ def _unresolved(window: BestWindow, limit: str) -> tuple[str, float | None]:
     if window.tolerance <= SHARP:
         return (
             f"{limit}: another motion is {DISTINCT:g} tolerances off; no finer timestep would "
-            f"decide: {window.noise_floor:.1e} of the tolerance come from round-off and from the "
-            "uncertainty of the exact motion, body and start",
+            f"decide: {words(window.noise_floor)} of the tolerance come from round-off and from "
+            "the uncertainty of the exact motion, body and start",
             None,
         )
     return _no_better(sequence, a_step, rounding(float(sequence.timesteps[least]))), None
@@ -214,18 +217,18 @@ def _no_better(sequence: SignalSequence, a_step: float, all_steps: float) -> str
     """
     timesteps, errors = sequence.timesteps, sequence.errors
     least = int(np.argmin(errors))
-    lowest, last = f"{errors[least]:.1e}", f"{errors[-1]:.1e}"
+    lowest, last = map(sequence.signal.words, (errors[least], errors[-1]))
     worse = f" and gets worse below it, {last} at {timesteps[-1]:.1e} s" if last != lowest else ""
     if sequence.uncertainty > SHARP:
         why = (
             "the uncertainty of the exact motion, and of body and start as the engine holds them, "
-            f"has grown to {_of_motion(sequence.uncertainty)} by the end, and a verdict needs "
-            f"{SHARP:g}"
+            f"has grown to {_of_motion(sequence, sequence.uncertainty)} by the end, and a verdict "
+            f"needs {sequence.signal.words(SHARP)}"
         )
     else:
         why = (
-            f"a step's rounding has grown to {_of_motion(a_step)} by the end, those of all steps "
-            f"to {_of_motion(all_steps)}"
+            f"a step's rounding has grown to {_of_motion(sequence, a_step)} by the end, those of "
+            f"all steps to {_of_motion(sequence, all_steps)}"
         )
     return (
         f"round-off × conditioning bounds the error from below: it comes down to {lowest} at a "
@@ -233,8 +236,8 @@ def _no_better(sequence: SignalSequence, a_step: float, all_steps: float) -> str
     )
 
 
-def _of_motion(error: float) -> str:
-    return f"{error:.1e}" if error < WHOLE else "the size of the motion itself"
+def _of_motion(sequence: SignalSequence, error: float) -> str:
+    return sequence.signal.words(error) if error < WHOLE else "the size of the motion itself"
 
 
 def _at_roundoff(sequence: SignalSequence) -> bool:

@@ -10,9 +10,10 @@ from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.engines.checks import equation_residuals
 from spincheck.reports.cli.run.summary import verdict_record
-from spincheck.reports.harness.judging.local import examine
+from spincheck.reports.harness.judging import judge
+from spincheck.reports.harness.judging.local import LocalJudgement
+from spincheck.reports.harness.measuring.local import examine
 from spincheck.reports.harness.study import convergence_study_of, prepare
-from spincheck.reports.harness.study_verdict import verdict_on
 from stepped import Stepped, SteppedEngine
 from studies import verdict_of
 
@@ -38,8 +39,8 @@ def examined(engine, method, name):
 @pytest.mark.parametrize("name", [PLAIN, *HARD])
 def test_an_honest_method_of_first_order_is_consistent_and_converges_in_pieces(name):
     local = examined(FaultyMuJoCo(), "Euler", name)
-    assert local.reason == ""
-    assert local.converges
+    assert local.finding == ""
+    assert LocalJudgement(local).converges
 
 
 @pytest.mark.parametrize("kind", ["moment", "com", "gravity", "clock"])
@@ -48,21 +49,21 @@ def test_a_fault_of_a_ten_millionth_is_told_at_first_order(name, kind):
     fault = PlantedFault(kind, 1e-7)
     if not applies(fault, library_scene(name)):
         pytest.skip(f"'{name}' has no {kind} that acts")
-    assert examined(FaultyMuJoCo(fault), "Euler", name).reason
+    assert examined(FaultyMuJoCo(fault), "Euler", name).finding
 
 
 @pytest.mark.needs_pybullet
 @pytest.mark.parametrize("method", ["multibody-p2p", "maximal"])
 def test_a_body_that_a_constraint_holds_is_given_time_to_settle(method, monkeypatch):
-    assert examined(engines()["pybullet"], method, PLAIN).converges
+    assert LocalJudgement(examined(engines()["pybullet"], method, PLAIN)).converges
     monkeypatch.setattr(equation_residuals, "SETTLING", 0)
-    assert not examined(engines()["pybullet"], method, PLAIN).converges
+    assert not LocalJudgement(examined(engines()["pybullet"], method, PLAIN)).converges
 
 
 def test_a_body_that_no_engine_holds_is_not_known_well_enough():
     local = examined(engines()["mujoco"], "RK4", "rod-1e-12")
-    assert local.reason == ""
-    assert not local.converges
+    assert local.finding == ""
+    assert not LocalJudgement(local).converges
 
 
 @pytest.mark.parametrize("method", ["Euler", "RK4"])
@@ -71,15 +72,15 @@ def test_a_fault_at_the_stock_timestep_alone_is_told(method):
         SteppedEngine(kind, 1e-3, stock_timestep=2e-3)
         for kind in (planted.AtExactlyTwoMilliseconds, Stepped)
     )
-    assert "with a timestep of 0.002 s" in examined(faulty, method, "book-middle-axis").reason
-    assert not examined(honest, method, "book-middle-axis").reason
+    assert "with a timestep of 0.002 s" in examined(faulty, method, "book-middle-axis").finding
+    assert not examined(honest, method, "book-middle-axis").finding
 
 
 def test_what_is_left_of_a_body_near_rest_may_add_up_and_decides_nothing():
     """MuJoCo's `discrete` creeps on at a millionth of the first speed: 2e-4 rad over the window."""
     local = examined(engines()["mujoco"], "discrete", "drag-until-rest")
     assert local.is_open
-    assert not local.converges
+    assert not LocalJudgement(local).converges
     assert not examined(engines()["mujoco"], "Euler", "drag-until-rest").is_open
 
 
@@ -92,8 +93,8 @@ def test_a_verdict_by_pieces_says_so_and_does_not_contradict_itself(method):
     assert verdict.verdict == "converges"
     assert "would resolve" not in verdict.reason
     assert "pieces" in verdict_record(verdict)["ground"]
-    study.remembers = True
-    remembering = verdict_on(study)
+    study.memory = 2.0
+    remembering = judge(study.records)
     assert remembering.verdict == "unresolved"
     assert not remembering.ground
     assert "otherwise than if restarted from its own states" in remembering.reason
@@ -102,7 +103,7 @@ def test_a_verdict_by_pieces_says_so_and_does_not_contradict_itself(method):
 @pytest.mark.needs_pybullet
 def test_where_the_coarsest_timesteps_are_refused_finer_ones_are_taken():
     local = examined(engines()["pybullet"], "maximal", "ship-stabiliser")
-    assert local.converges
+    assert LocalJudgement(local).converges
 
 
 @pytest.mark.needs_pybullet
@@ -111,7 +112,7 @@ def test_rounding_of_a_thin_body_is_no_memory():
     prepared = prepare(scene, (), 1 << 12)
     study = convergence_study_of(scene, engine, engine.method("maximal"), prepared)
     assert verdict_of(study).verdict == "converges"
-    assert study.remembers is False
+    assert study.memory <= 1
 
 
 @pytest.mark.parametrize("can_restart", [True, False])
@@ -126,6 +127,6 @@ def test_every_session_that_is_opened_is_closed(can_restart, monkeypatch):
         "open",
         lambda *given: opened.append(SteppedEngine.open(engine, *given)) or opened[-1],
     )
-    assert examined(engine, engine.methods[0].name, PLAIN).converges
+    assert LocalJudgement(examined(engine, engine.methods[0].name, PLAIN)).converges
     assert (len(opened) > 100) is not can_restart
     assert {*map(id, closed)} == {*map(id, opened)}

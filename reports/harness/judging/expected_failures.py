@@ -3,8 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from ...scenarios import Known
-from ..results.records import Verdict
+from ....scenarios import Known
+from ...results.records import Verdict
 
 
 def compared_with_expected_failures(

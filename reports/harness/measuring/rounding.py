@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ...reference import Solution
-from ...scenarios import SIGNALS, Errors, Scenario
+from ....reference import Solution
+from ....scenarios import SIGNALS, Errors, Scenario
 
 
 def ulp_growth(scenario: Scenario, solution: Solution) -> Errors:

@@ -36,7 +36,7 @@ def restarted(
     """
     method, intervals = engine.method(method_name), len(rung.sample_steps) - 1
     steps = np.diff(rung.sample_steps)
-    if method.as_shipped or not intervals or steps.max() > MOST_STEPS:
+    if not intervals or steps.max() > MOST_STEPS:
         return None
     states = State(*(getattr(motion, name) for name in State.__dataclass_fields__))
     if rung.steps <= FEW_STEPS:

@@ -19,7 +19,6 @@ from ....scenarios import (
 )
 from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.rotation import cross, matrix, norms, rotation_vectors, turned_back
-from ...results.records import CONSISTENT
 from ..ladder import COARSEST_TURN
 
 #: States spread over the window, beside those where something is largest or least.
@@ -95,17 +94,6 @@ def _of_rotors(scenario: Scenario, motion: Trajectory) -> float:
 def rounding_of_body(condition: float) -> float:
     """What rounding of its moments changes of a body's angular acceleration, relative."""
     return ULPS_A_STEP * float(np.finfo(float).eps) * condition
-
-
-def not_held(at: Places | None) -> str:
-    """Why no engine holds a body in double precision, in words; empty if engines can."""
-    rounding = rounding_of_body(at.condition) if at else 0.0
-    if rounding <= CONSISTENT:
-        return ""
-    return (
-        "no engine holds the body in double precision: rounding of its moments changes its angular "
-        f"acceleration by {rounding:.1e}, relative"
-    )
 
 
 def flowed(scenario: Scenario, states: State, spans: FloatArray) -> State:

@@ -9,10 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...scenarios import FloatArray
-from .observed_order import ORDER_SLACK, observed_order
-from .richardson import CAUTIOUS, SAFE, SignalSequence
+from ....scenarios import FloatArray
+from ..measuring.asymptotic import CAUTIOUS, ORDER_SLACK
+from .observed_order import observed_order
+from .sequences import SignalSequence
 
+#: Safety factor of the grid convergence index of rungs that shrink as they should (Roache).
+SAFE = 1.25
 #: A limit whose tolerance is larger than this, relative or in rad, is inconclusive.
 SHARP = 1e-2
 

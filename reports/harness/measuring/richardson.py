@@ -4,66 +4,20 @@ Everything whose cost is proportional to a motion's length is computed once, whe
 judgement then reads a few numbers a rung.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...reference import Solution
-from ...scenarios import SIGNAL, SIGNALS, ErrorNorm, FloatArray, Scenario, Signal, Trajectory
-from ...scenarios.effects.gravity import swing_rate
-from ...scenarios.fastest_rate import fastest_rate
-from ..results.evidence import Deviation, JudgedRung, Refinement
-from .observed_order import ASYMPTOTIC, ORDER_SLACK
+from ....reference import Solution
+from ....scenarios import SIGNALS, ErrorNorm, FloatArray, Scenario, Trajectory
+from ....scenarios.effects.gravity import swing_rate
+from ....scenarios.fastest_rate import fastest_rate
+from ...results.evidence import Deviation, JudgedLadder, JudgedRung, LadderBasis, Refinement
+from .asymptotic import ASYMPTOTIC, CAUTIOUS, DISTINCT, ORDER_SLACK, WHOLE
 from .rounding import roundings_in_flight, ulp_growth
 
 EPS = float(np.finfo(float).eps)
-#: Safety factors of the grid convergence index (Roache, Annu. Rev. Fluid Mech. 29 (1997) 123): over
-#: rungs that shrink as they should, and over others.
-SAFE, CAUTIOUS = 1.25, 3.0
-#: A limit is wrong if its distance from the exact motion is this many times its tolerance; between
-#: one and this many times a finer rung has to decide.
-DISTINCT = 4.0
-#: At a rate Ω a method of order p makes an error of Ω (hΩ)^p a second. Where that exceeds one
-#: within the time, the leading error term may be invisible, and no limit is called wrong.
-WHOLE = 1.0
-
-
-@dataclass(frozen=True, eq=False)
-class SignalSequence:
-    """A ladder of n rungs in one signal, coarse to fine.
-
-    Attributes
-    ----------
-    timesteps, errors, roundoff_bounds : s; distance from the exact motion; largest effect of
-        rounding at every step; (n,)
-    differences : between neighbouring rungs, (n − 1,)
-    orders, limit_errors, limit_changes, is_clean, rounding, deviations : as in `Refinement`,
-        (n − 2,), one for each rung from the third on
-    declared_order : of accuracy
-    uncertainty : of the reference, plus that of start and body as the engine holds them
-    duration : s, of the window
-    rate : rad/s, the fastest of the motion
-    """
-
-    signal: Signal
-    timesteps: FloatArray
-    errors: FloatArray
-    roundoff_bounds: FloatArray
-    differences: FloatArray
-    orders: FloatArray
-    limit_errors: FloatArray
-    limit_changes: FloatArray
-    is_clean: NDArray[np.bool_]
-    rounding: FloatArray
-    deviations: tuple[Deviation | None, ...]
-    declared_order: int
-    uncertainty: float
-    duration: float
-    rate: float
-
-    def __len__(self) -> int:
-        return len(self.timesteps)
 
 
 class RichardsonLadder:
@@ -93,9 +47,10 @@ class RichardsonLadder:
         self._roundoff_a_step = growth * ulp
         uncertainty = np.array([value for _, value in solution.uncertainty])
         self._uncertainty = uncertainty + growth * precision
+        rate = fastest_rate(scenario, exact.omega_body)
+        self.basis = LadderBasis(self.declared, self._uncertainty, float(exact.t[-1]), rate)
         self._norm = ErrorNorm(scenario, exact)
         self._scenario, self._solution, self._exact = scenario, solution, exact
-        self._rate = fastest_rate(scenario, exact.omega_body)
         self._p = float(self.declared.min())
         rates = np.maximum(np.linalg.norm(exact.omega_body, axis=1), swing_rate(scenario))
         # ∫ Ω^(p+1) dt: times h^p, the error that a method of order p may have made by then.
@@ -103,12 +58,10 @@ class RichardsonLadder:
         self.rungs: list[JudgedRung] = []
         self._last: list[FloatArray] = []
 
-    def __len__(self) -> int:
-        return len(self.rungs)
-
-    def take(self, rung: JudgedRung) -> None:
-        """Take the next rung, which was judged before; after it, only such can be taken."""
-        self.rungs.append(rung)
+    @property
+    def judged(self) -> JudgedLadder:
+        """What its rungs show, to be judged."""
+        return JudgedLadder(self.basis, tuple(self.rungs))
 
     def add(self, timestep: float, motion: Trajectory, steps: int) -> None:
         """Take the next rung: its timestep, s, motion, and how many steps it took."""
@@ -134,32 +87,6 @@ class RichardsonLadder:
     @property
     def _refinements(self) -> list[Refinement]:
         return [rung.refinement for rung in self.rungs if rung.refinement]
-
-    def signal(self, name: str) -> SignalSequence:
-        """The ladder in one signal."""
-        k = list(SIGNAL).index(name)
-
-        def column(rows: list[FloatArray]) -> FloatArray:
-            return np.array([row[k] for row in rows])
-
-        refinements = self._refinements
-        return SignalSequence(
-            SIGNALS[k],
-            np.array([rung.timestep for rung in self.rungs]),
-            column([rung.errors for rung in self.rungs]),
-            column([rung.roundoff_bounds for rung in self.rungs]),
-            column(self._differences),
-            column([one.orders for one in refinements]),
-            column([one.limit_error for one in refinements]),
-            column([one.limit_change for one in refinements]),
-            np.array([one.is_clean[k] for one in refinements], dtype=bool),
-            column([one.rounding for one in refinements]),
-            tuple(one.deviations[k] for one in refinements),
-            int(self.declared[k]),
-            float(self._uncertainty[k]),
-            float(self._exact.t[-1]),
-            self._rate,
-        )
 
     def _refined(self) -> Refinement:
         norm = self._norm

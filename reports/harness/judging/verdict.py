@@ -1,0 +1,175 @@
+"""The verdict on a method on a scene, with its reason in words."""
+
+from math import degrees
+from typing import Any
+
+from ....scenarios.signals import SIGNAL
+from ...results.records import Row, Verdict
+from ...results.verdict_words import RANKS
+from ..ladder import COARSEST_TURN
+from .contradictions import contradictions
+from .expected_failures import compared_with_expected_failures
+from .ladder import RUNGS_OF_A_LIMIT
+from .local import CONSISTENT, LocalJudgement
+from .records import Records
+
+
+def judge(records: Records) -> Verdict:
+    """Judge a method by what is stored of it, and compare with the scene's expected failures."""
+    return compared_with_expected_failures(
+        records.known, _judged(records), cut_short=records.cut_short
+    )
+
+
+def _judged(records: Records) -> Verdict:
+    key, last, local = records.evidence.key, records.last, records.local
+    attributes: dict[str, Any] = {"unmet": records.unmet, "as_shipped": records.as_shipped}
+    if last is None and records.lacking:
+        return Verdict(key, "unsupported", records.lacking, **attributes)
+    if last and last.outcome in ("failed", "unsupported"):
+        return Verdict(key, last.outcome, _with_time(last), **attributes)
+    is_clean = not records.as_shipped
+    if is_clean and local and local.evidence.finding and not (last and last.cause == "law"):
+        return _of_signals(records, local.evidence.finding, is_wrong=True, **attributes)
+    if last and last.outcome == "diverged":
+        if sound := records.blown_up_below:
+            return Verdict(key, "disagrees", _grown_into(sound[-1], last), **attributes)
+        return Verdict(key, "diverges", _with_time(last), **attributes)
+    # For an engine as shipped: its differences from the scene.
+    remark = last.reason if last else ""
+    is_wrong = last is not None and last.cause in ("law", "precision")
+    if not is_wrong:
+        sequences = [one.sequence for one in records.ladder.signals]
+        found = contradictions(records.judged_rows, sequences, records.slack, records.interval)
+        wrong = next(found, "")
+        if wrong and is_clean:
+            return _of_signals(records, wrong, is_wrong=True, **attributes)
+        if not wrong and local and (verdict := _by_pieces(records, local, attributes)):
+            return verdict
+    return _of_signals(records, remark, is_wrong=is_wrong, **attributes)
+
+
+def _by_pieces(
+    records: Records, local: LocalJudgement, attributes: dict[str, Any]
+) -> Verdict | None:
+    """The verdict where the whole window does not decide; None where it does, or nothing does."""
+    ladder, key, found = records.ladder, records.evidence.key, local.evidence
+    word = ladder.worst.judgement.word if ladder.signals else "unresolved"
+    pieces = local.pieces.records()
+    if not pieces:
+        return None
+    worst = max(pieces, key=lambda one: RANKS[one.verdict])
+    where = f"over 115° from exact states, {SIGNAL[worst.signal].label}: {worst.reason}"
+    numbers = (worst.signal, worst.order, worst.limit_error, worst.tolerance, pieces)
+    if worst.verdict == "disagrees" and not records.as_shipped:
+        return Verdict(key, "disagrees", where, *numbers, **attributes)
+    # Single timesteps are asked about as they are.
+    if records.single or word != "unresolved" or not local.converges or records.remembers:
+        return None
+    reason = (
+        f"steps from {found.states} exact states are consistent to {found.tolerance:.1e}; "
+        f"{where}; over the whole window: {_over_all(records)}"
+    )
+    ground = f"in {found.states} steps and {found.starts} pieces"
+    return Verdict(key, "converges", reason, *numbers, ground=ground, **attributes)
+
+
+def _over_all(records: Records) -> str:
+    """How many steps would show it over the whole window."""
+    if not records.ladder.signals:
+        return _no_verdict(records)
+    worst = records.ladder.worst
+    if worst.judgement.needed_timestep is None:
+        return "round-off or the uncertainty of the exact motion hides it at every timestep"
+    return f"{worst.sequence.duration / worst.judgement.needed_timestep:.1e} steps would show it"
+
+
+def _of_signals(records: Records, remark: str, *, is_wrong: bool, **attributes: Any) -> Verdict:
+    """The verdict of the worst signal; `disagrees` if a run was of another model or precision."""
+    key = records.evidence.key
+    if not records.ladder.signals:
+        open_ended = () if is_wrong else (_no_verdict(records), _undecided_by_pieces(records))
+        reason = "; ".join(part for part in (*open_ended, remark) if part)
+        return Verdict(key, "disagrees" if is_wrong else "unresolved", reason, **attributes)
+    worst = records.ladder.worst
+    judgement = worst.judgement
+    word, reason = judgement.word, f"{worst.sequence.signal.label}: {judgement.reason}"
+    if word == "unresolved" and not is_wrong:
+        reason = "; ".join(filter(None, (reason, _undecided_by_pieces(records))))
+    # What single steps show, and the body that an engine holds of a user's file, explain the
+    # motion: they are named first.
+    explains = records.of_file or is_wrong
+    parts = [remark, reason] if explains else [reason, remark]
+    if word == "converges" and not is_wrong:
+        # Then the effects that an engine as shipped adds do not alter the motion.
+        parts = [reason]
+    return Verdict(
+        key,
+        "disagrees" if is_wrong else word,
+        "; ".join(part for part in parts if part),
+        worst.sequence.signal.name,
+        judgement.order,
+        judgement.limit_error,
+        judgement.tolerance,
+        records.ladder.records(),
+        ground="over the whole window" if word == "converges" and not is_wrong else "",
+        **attributes,
+    )
+
+
+def _undecided_by_pieces(records: Records) -> str:
+    """Why steps and pieces do not decide either; empty where they were not asked."""
+    if records.local is None or records.single:
+        return ""
+    found = records.local.evidence
+    if records.remembers:
+        return (
+            "pieces do not decide: a run goes on otherwise than if restarted from its own states, "
+            "so that a step depends on more than the state"
+        )
+    if found.finding:
+        return f"steps from exact states do not decide: {found.finding}"
+    if found.is_open:
+        return "pieces do not decide: where next to nothing acts, steps leave what may add up"
+    if found.tolerance > CONSISTENT:
+        return (
+            f"pieces do not decide: steps are known to be consistent to {found.tolerance:.1e} of "
+            f"the largest terms only, and {CONSISTENT:g} is needed"
+        )
+    return "pieces do not decide: over 115° from exact states it is unresolved, too"
+
+
+def _no_verdict(records: Records) -> str:
+    """Why the ladder cannot be judged."""
+    if records.single:
+        return "no ladder was run, only single timesteps"
+    if records.least_steps is not None:
+        return _no_ladder(records.least_steps, records.ending)
+    finished = len(records.judged_rows)
+    return f"only {finished} timesteps ran to the end; {RUNGS_OF_A_LIMIT} make a verdict"
+
+
+def _no_ladder(least_steps: float, ending: str) -> str:
+    """Why the scene has no ladder, and how many steps one would take."""
+    if not least_steps:
+        return (
+            "the motion is known up to a time before the first sample only"
+            f"{': ' if ending else ''}{ending}"
+        )
+    return (
+        f"at {degrees(COARSEST_TURN):.3g}° a step a run takes {least_steps:.1e} steps, which is "
+        f"above the limit; {RUNGS_OF_A_LIMIT} timesteps, which make a verdict, would take "
+        f"{least_steps * (2**RUNGS_OF_A_LIMIT - 1):.1e}"
+    )
+
+
+def _with_time(row: Row) -> str:
+    when = f" at {row.stopped_at:.4g} s" if row.stopped_at is not None else ""
+    return f"{row.reason}{when}, with a timestep of {row.timestep:.3g} s"
+
+
+def _grown_into(sound: Row, last: Row) -> str:
+    return (
+        f"errors grow as the timestep shrinks: a run ends well at {sound.timestep:.3g} s, while "
+        f"{_with_time(last)}"
+    )

@@ -1,0 +1,1 @@
+"""What verdicts rest on besides runs: a few numbers, measured once, stored as evidence."""
