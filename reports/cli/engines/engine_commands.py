@@ -109,7 +109,7 @@ def conform(
         list[str], typer.Argument(metavar="-- COMMAND...", help="What starts the engine.")
     ],
     limit: Annotated[
-        float, typer.Option(min=0.1, max=1e6, metavar="S", help="s that an answer may take.")
+        float, typer.Option(min=0.1, max=1e6, metavar="S", help="Seconds that an answer may take.")
     ] = ANSWER_LIMIT,
     as_json: AsJson = False,
 ) -> None:
@@ -157,8 +157,8 @@ def _conclusion(problems: int, wrong: int, checks: int) -> str:
 def reproduce(
     scenario: Scene,
     engine: Annotated[str, typer.Option(help="One of 'spincheck engines', or mujoco@VERSION.")],
-    method: Annotated[str, typer.Option(help="One of the engine's.")],
-    timestep: Annotated[float, typer.Option(help="s.")],
+    method: Annotated[str, typer.Option(help="One of the engine's methods.")],
+    timestep: Annotated[float, typer.Option(help="The timestep, s.")],
     out: Annotated[Path | None, typer.Option(help="The file to write.")] = None,
 ) -> None:
     """Write one run as a file that needs the engine alone, for an issue.

@@ -46,7 +46,7 @@ def list_scenes(scenes: Scenes = None, as_json: AsJson = False) -> None:
 
 
 @app.command(epilog="Example: spincheck new my-top")
-def new(name: Annotated[str, typer.Argument(metavar="NAME", help="Of the scene.")]) -> None:
+def new(name: Annotated[str, typer.Argument(metavar="NAME", help="The scene's name.")]) -> None:
     """Write NAME.toml, a scene to edit, with every key explained."""
     from .new_scene import new_scene
 
@@ -75,7 +75,7 @@ def check(
         typer.Argument(metavar="SCENARIO|FOLDER...", help="Files, folders or library scenes."),
     ],
 ) -> None:
-    """Check scenes: format, published values, and effects whose absence would not show."""
+    """Check scenes: format, published values, and effects without which nothing would change."""
     from ..named_scenes import checked, complain
 
     result = checked(scenes)
