@@ -5,9 +5,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from ....scenarios import Scenario, printable
-from ...harness.choice import QUICK_STEPS, Choice
+from ...harness.choice import Choice
 from ...harness.encodings import run_encodings
 from ...harness.instructions import why_not_counted
+from ...harness.ladder import QUICK_STEPS
 from ...harness.plan import plan
 from ...harness.power import too_long
 from ...harness.published import published_that_do_not_hold
