@@ -1,12 +1,13 @@
 """The executor that a command's options ask for."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from tempfile import gettempdir
 
 from ..harness.executors import Executor, LocalWorkers
-from .terminal import BAD_INPUT, NOT_RUN, Complaint, say
+from .terminal import BAD_INPUT, NOT_RUN, Complaint, in_words, say
 
 
 @dataclass(frozen=True)
@@ -51,9 +52,11 @@ def executor_for(where: Where, time_limit: float | None) -> Iterator[Executor]:
 def say_if_compiling() -> None:
     """Say that what solves exact motions is compiled next, unless it is there."""
     from ...reference.compiled import is_compiled
+    from ..harness.compiling import HALVES, SECONDS
 
     if not is_compiled():
-        say("First, once: what solves exact motions is compiled, for half a minute or so.")
+        wait = in_words(SECONDS / share_of_a_core(len(HALVES)))
+        say(f"First, once: what solves exact motions is compiled, roughly {wait}.")
 
 
 def compile_first() -> None:
@@ -63,6 +66,14 @@ def compile_first() -> None:
     say_if_compiling()
     with LocalWorkers(len(HALVES)) as executor:
         compile_side_by_side(executor)
+
+
+def share_of_a_core(jobs: int) -> float:
+    """The part of a core that each of so many processes may hope for, beside what runs already."""
+    cores = os.cpu_count() or 1
+    # Not every system tells.
+    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
+    return min(1.0, cores / (load + jobs))
 
 
 def check_temporary_folder() -> None:

@@ -12,6 +12,8 @@ from .executors import Executor, LocalWorkers
 
 #: What shares the work about evenly.
 HALVES = (compile_march, compile_flow)
+#: s, that the slower one takes on a core of its own, with the start of a process.
+SECONDS = 14.0
 
 
 def compile_side_by_side(executor: Executor) -> None:

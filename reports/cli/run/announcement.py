@@ -1,6 +1,5 @@
 """The line printed before a run: its engines, and roughly how long it takes."""
 
-import os
 from collections.abc import Iterable
 
 from ....engines import Engine
@@ -8,6 +7,7 @@ from ...harness.choice import Choice
 from ...harness.ladder import QUICK_STEPS
 from ...harness.plan import Plan
 from ...pages.analysis.wording import plural
+from ..executing import share_of_a_core
 from ..terminal import in_words
 
 #: Typical number of steps of all runs of one verdict: on short ladders, and on whole ones.
@@ -24,7 +24,7 @@ def announcement(left: Plan, choice: Choice, jobs: int) -> str:
     names = dict.fromkeys(engine.name for engine, _ in pairs)
     timings = sum(len(scene.to_run) for scene in left.scenes if scene.to_time)
     seconds = _seconds((engine for engine, _ in pairs), choice) / jobs + TIMING * timings
-    seconds /= _share(jobs)
+    seconds /= share_of_a_core(jobs)
     return (
         f"{plural(len(pairs), 'verdict')} of {plural(len(names), 'engine')} ({', '.join(names)}) "
         f"on {plural(len(left.scenes), 'scene')}: roughly {in_words(seconds)} "
@@ -37,11 +37,3 @@ def _seconds(engines: Iterable[Engine], choice: Choice) -> float:
     if choice.timesteps:
         steps = 0
     return sum(steps * engine.step_seconds + OVERHEAD for engine in engines)
-
-
-def _share(jobs: int) -> float:
-    """The part of a core that each worker may hope for, beside what runs here already."""
-    cores = os.cpu_count() or 1
-    # Not every system tells.
-    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
-    return min(1.0, cores / (load + jobs))

@@ -21,6 +21,7 @@ from ...harness.users_models import (
     remedies,
     weight_in_words,
 )
+from ...pages.analysis.wording import plural
 from ..refusals import written
 from ..terminal import NOT_RUN, Complaint, as_complaint, table, terminal_width
 from .inspection_record import columns, is_stated
@@ -83,15 +84,15 @@ def print_inspection(inspection: Inspection) -> None:
     model = inspection.model
     stated = sum(map(is_stated, inspection.links))
     _print(
-        f"{model.path}: {model.format.upper()}, {len(model.links)} links, {stated} with a mass "
-        "and a tensor"
+        f"{model.path}: {model.format.upper()}, {plural(len(model.links), 'link')}, {stated} with "
+        "a mass and a tensor"
     )
     if weight := weight_in_words(inspection):
         _print(weight)
     shown = [link for link in inspection.links if _has_something(link)]
     table([_row(link, columns(inspection)) for link in shown])
     if idle := len(inspection.links) - len(shown):
-        _print(f"Not in the table: {idle} links of which the file states no inertia.")
+        _print(f"Not in the table: {plural(idle, 'link')} of which the file states no inertia.")
     if not inspection.is_well:
         _print(LEGEND)
     print()
