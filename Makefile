@@ -117,7 +117,7 @@ $(INSTALLED): pyproject.toml
 	@echo "Setting up $(VENV) with $(PYTHON)."
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --no-compile --editable .
-	$(BIN)/python -m spincheck.reports.harness.compiling
+	$(BIN)/python -m spincheck.reports.harness.executors.compiling
 	touch $@
 
 # What developing needs besides.

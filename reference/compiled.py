@@ -1,6 +1,6 @@
 """Compiles all kernels and keeps their machine code, so that solving a scene only loads it.
 
-What compiles them in processes side by side: `reports/harness/compiling.py`.
+What compiles them in processes side by side: `reports/harness/executors/compiling.py`.
 """
 
 from collections.abc import Iterator

@@ -52,7 +52,7 @@ def executor_for(where: Where, time_limit: float | None) -> Iterator[Executor]:
 def say_if_compiling() -> None:
     """Say that what solves exact motions is compiled next, unless it is there."""
     from ...reference.compiled import is_compiled
-    from ..harness.compiling import HALVES, SECONDS
+    from ..harness.executors.compiling import HALVES, SECONDS
 
     if not is_compiled():
         wait = in_words(SECONDS / share_of_a_core(len(HALVES)))
@@ -61,7 +61,7 @@ def say_if_compiling() -> None:
 
 def compile_first() -> None:
     """Compile what solves exact motions, for a command that solves them in this process."""
-    from ..harness.compiling import HALVES, compile_side_by_side
+    from ..harness.executors.compiling import HALVES, compile_side_by_side
 
     say_if_compiling()
     with LocalWorkers(len(HALVES)) as executor:

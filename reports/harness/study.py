@@ -22,10 +22,10 @@ from ..results.evidence import Evidence
 from ..results.records import UNSOLVED, Key, Row, Verdict
 from ..results.store import Store
 from .choice import Choice
-from .compiling import compile_side_by_side
 from .convergence_study import ConvergenceStudy, SingleRun
 from .default_effects import take_defaults_away
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
+from .executors.compiling import compile_side_by_side
 from .judging import judge
 from .judging.local import is_long_enough
 from .ladder import Ladder, Rung, ladder, single

@@ -17,8 +17,8 @@ from ..results.records import Pair
 from ..results.store import Store
 from ..results.sweep_records import DefinedSweep, Ensemble, Map, PlacedRow, SweepPoint
 from .choice import Choice, EngineMethod
-from .compiling import compile_side_by_side
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
+from .executors.compiling import compile_side_by_side
 from .sweep_run import not_run, run_point
 
 Progress = Callable[[str], None]

@@ -1,14 +1,15 @@
 """Compiles what solves exact motions, side by side, before it is needed.
 
-``python -m spincheck.reports.harness.compiling`` does it after an installation, a study before its
-first scene: else each worker would compile for itself.
+``python -m spincheck.reports.harness.executors.compiling`` does it after an installation, a study
+before its first scene: else each worker would compile for itself.
 """
 
 from functools import partial
 
-from ...reference.compiled import compile_flow, compile_kernels, compile_march, is_compiled
-from ...reference.kernel import FOLDER
-from .executors import Executor, LocalWorkers
+from ....reference.compiled import compile_flow, compile_kernels, compile_march, is_compiled
+from ....reference.kernel import FOLDER
+from .executor import Executor
+from .local_workers import LocalWorkers
 
 #: What shares the work about evenly.
 HALVES = (compile_march, compile_flow)

@@ -4,8 +4,7 @@ from collections.abc import Callable
 
 import pytest
 from spincheck.reference.compiled import compile_kernels
-from spincheck.reports.harness import compiling
-from spincheck.reports.harness.executors import Answer, InProcess
+from spincheck.reports.harness.executors import Answer, InProcess, compiling
 
 
 class Recording(InProcess):
