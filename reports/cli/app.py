@@ -34,7 +34,7 @@ from .options import (
     Timesteps,
 )
 from .pictures.picture_commands import app as picture_commands
-from .refusals import refusal, unusable
+from .refusals import refusal, writing
 from .results.result_commands import app as result_commands
 from .run.error_bounds import ErrorBoundsCommand, error_bounds
 from .scenes.scene_commands import app as scene_commands
@@ -225,10 +225,8 @@ def report(
     from .run import running
 
     stored = running.read(results or RESULT_FILE)
-    try:
+    with writing(out):
         print(f"The report is {render(stored, out)}")
-    except OSError as error:
-        raise unusable(out, error, "written") from None
     running.tell_untrue(stored)
     raise typer.Exit(running.exit_code(stored))
 

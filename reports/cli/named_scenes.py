@@ -12,7 +12,7 @@ from ...scenarios import (
     load_each,
     printable,
 )
-from .terminal import BAD_INPUT, Complaint
+from .terminal import BAD_INPUT, Complaint, complaining
 
 
 def one_scene(name: str) -> Scenario:
@@ -122,7 +122,5 @@ def complain(wrong: Sequence[str]) -> None:
 
 
 def _files(names: Sequence[str]) -> list[Path]:
-    try:
+    with complaining(ScenarioError):
         return find(names)
-    except ScenarioError as error:
-        raise Complaint(str(error), BAD_INPUT) from None

@@ -1,6 +1,8 @@
 """Errors of the operating system, each as one message instead of a traceback."""
 
 import errno
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from .stopping import STDOUT, print_nowhere
@@ -34,3 +36,12 @@ def unusable(place: Path | str, error: OSError, purpose: str = "used") -> Compla
 
     where = printable(str(place))
     return Complaint(f"{where}: cannot be {purpose}: {error.strerror}", BAD_INPUT)
+
+
+@contextmanager
+def writing(place: Path) -> Iterator[None]:
+    """Turn an error of writing a file, or into a folder, into a `Complaint`."""
+    try:
+        yield
+    except OSError as error:
+        raise unusable(error.filename or place, error, "written") from None

@@ -27,6 +27,17 @@ class Complaint(Exception):
         self.exit_code = exit_code
 
 
+@contextmanager
+def complaining(
+    *errors: type[Exception], about: str = "", exit_code: int = BAD_INPUT
+) -> Iterator[None]:
+    """Turn errors into a `Complaint`: their message, after what it is about."""
+    try:
+        yield
+    except errors as error:
+        raise Complaint(f"{about}{error}", exit_code) from None
+
+
 def say(text: str) -> None:
     """Print a message on stderr; control characters are printed as escapes."""
     from ...scenarios import printable

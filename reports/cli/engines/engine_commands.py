@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..options import AsJson, Scene
-from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table, to_json
+from ..refusals import writing
+from ..terminal import AGREES, DISAGREES, NOT_RUN, complaining, say, table, to_json
 
 if TYPE_CHECKING:
     from ....engines import Engine
@@ -121,15 +122,13 @@ def conform(
     from ....engines.child.conformance import conformance
 
     checks = []
-    try:
+    with complaining(EngineError, exit_code=NOT_RUN):
         for check in conformance(command, _scenes(), limit):
             checks.append(check)
             if not as_json:
                 verdict = "FAILS" if check.problem else "WRONG" if check.physics else "ok"
                 words = check.problem or check.physics or check.remark
                 print(f"{verdict:5}  {check.what}{f': {words}' if words else ''}", flush=True)
-    except EngineError as error:
-        raise Complaint(str(error), NOT_RUN) from None
     problems = sum(bool(check.problem) for check in checks)
     wrong = sum(bool(check.physics) for check in checks)
     if as_json:
@@ -180,10 +179,8 @@ def reproduce(
     text = reproduction(scene, chosen, by, timestep)
     suffix = FRAMES[chosen.script_language].suffix
     file = out or Path(f"{scene.name}-{chosen.name}-{by.name}{suffix}")
-    try:
+    with writing(file):
         write_new(file, text)
-    except OSError as error:
-        raise Complaint(f"{file}: cannot be written: {error.strerror}", BAD_INPUT) from None
     print(file)
 
 

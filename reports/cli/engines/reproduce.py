@@ -9,7 +9,7 @@ from ....engines import Engine, Method, engines
 from ....reference import IntegrationError, Solution, solve
 from ....scenarios import Scenario, printable
 from ...harness.ladder import single
-from ..terminal import BAD_INPUT, NOT_RUN, Complaint
+from ..terminal import BAD_INPUT, NOT_RUN, Complaint, complaining
 from .script_frames import FRAMES, Frame
 
 #: Times at which the file compares.
@@ -30,14 +30,10 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
     script = engine.script(scenario, method, timestep)
     if not script:
         raise Complaint(_without_script(scenario, engine, method), BAD_INPUT)
-    try:
+    with complaining(ValueError, about="'--timestep': "):
         steps = single(timestep, scenario.times).sample_steps
-    except ValueError as error:
-        raise Complaint(f"'--timestep': {error}", BAD_INPUT) from None
-    try:
+    with complaining(IntegrationError, about=f"{scenario.name}: ", exit_code=NOT_RUN):
         solution = solve(scenario, np.asarray(steps * timestep, dtype=float))
-    except IntegrationError as error:
-        raise Complaint(f"{scenario.name}: {error}", NOT_RUN) from None
     frame = FRAMES[engine.script_language]
     head = frame.head.format(
         # The title goes into a docstring or a comment of one line.

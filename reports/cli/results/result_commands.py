@@ -6,7 +6,7 @@ from typing import Any
 import typer
 
 from ..options import RESULT_FILE, AsCsv, AsJson, Stored
-from ..terminal import BAD_INPUT, Complaint, to_json
+from ..terminal import BAD_INPUT, Complaint, complaining, to_json
 
 app = typer.Typer()
 MEGABYTE = 1e6
@@ -73,13 +73,11 @@ def tidy(results: Stored = RESULT_FILE) -> None:
     from ...results.result_file import ResultFileError
     from ...results.store import open_store
 
-    try:
+    with complaining(ResultFileError):
         with open_store(results):
             before = results.stat().st_size
         with open_store(results, create=True) as store:
             deleted = store.tidy()
-    except ResultFileError as error:
-        raise Complaint(str(error), BAD_INPUT) from None
     freed = before - results.stat().st_size
     print(f"{deleted} records deleted, {freed / MEGABYTE:.1f} MB freed")
 

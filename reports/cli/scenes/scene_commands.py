@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from ..options import AsJson, Scene, Scenes
-from ..refusals import unusable
+from ..refusals import writing
 from ..terminal import DISAGREES, Complaint, table, to_json
 
 app = typer.Typer()
@@ -99,10 +99,8 @@ def export(
     from .truth_files import write_truth
 
     write = write_truth if truth else export_scene
-    try:
+    with writing(folder):
         written = write(_scenario(scenario), folder)
-    except OSError as error:
-        raise unusable(folder, error, "written") from None
     for path in written:
         print(path)
 
