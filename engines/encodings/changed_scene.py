@@ -18,6 +18,7 @@ from ...scenarios.exact import (
     product,
     rotate,
     turned_tensor,
+    vector,
 )
 from ...scenarios.rotation import matrix, times
 from ...scenarios.scenario import with_tables
@@ -100,6 +101,11 @@ class SceneChange:
             gravity["acceleration"] = self._polar(
                 tuple(g * self.length / self.time**2 for g in gravity["acceleration"])
             )
+        if table := tables.get("table"):
+            tip = rotate(conjugate(self.q_body_new), vector(table["tip"]))
+            table["tip"] = self._polar(tuple(part * self.length for part in tip))
+            table["height"] *= self.length
+            table["radius"] *= self.length
         if drag := tables.get("drag"):
             drag["rotational"] *= self.mass * self.length**2 / self.time
         for axes, torque in tables.get("torque", {}).items():

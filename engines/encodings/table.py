@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from mpmath import mpf
 
-from ...scenarios import Scenario
+from ...scenarios import EFFECTS, Scenario
 from ...scenarios.exact import normalised
 from ...scenarios.principal import from_matrix, principal_axes
 from ..engine import COMMON_EFFECTS, Engine
@@ -60,7 +60,7 @@ class Encoding:
         if beyond := sorted(self.description.features - engine.describes):
             return f"{engine.name}'s models have no words for it: {', '.join(beyond)}"
         if beyond := sorted(scenario.called_for - self.effects):
-            return f"it does not keep the meaning of {', '.join(beyond)}"
+            return f"it is not of scenes with {', '.join(beyond)}"
         if self.needs_free and not scenario.constraint.is_free:
             return "it is of free bodies"
         moments = [float(m) for m in principal_axes(scenario.body.inertia_com_exact)[0]]
@@ -80,25 +80,33 @@ def _principal(scenario: Scenario) -> SceneChange:
 
 
 _FREE_FALL = frozenset({"gravity"})
+_ON_A_TABLE = COMMON_EFFECTS | {"table"}
 ENCODINGS: dict[str, Encoding] = {
     one.name: one
     for one in (
-        Encoding("plain", "as every scene is given: one body, its tensor along principal axes"),
+        Encoding(
+            "plain",
+            "as every scene is given: one body, its tensor along principal axes",
+            effects=frozenset(EFFECTS),
+        ),
         Encoding(
             "turned",
             "body frame turned by 74°, about none of its axes",
             lambda _: SceneChange(q_body_new=TURN),
+            effects=_ON_A_TABLE,
         ),
         Encoding(
             "permuted",
             "body axes x, y, z named y, z, x",
             lambda _: SceneChange(q_body_new=CYCLE),
+            effects=_ON_A_TABLE,
         ),
         Encoding(
             "full-tensor",
             "body frame turned by 161°, and the tensor written whole, with its products of inertia",
             lambda _: SceneChange(q_body_new=FAR_TURN),
             Description(full_tensor=True),
+            _ON_A_TABLE,
         ),
         Encoding(
             "shape",
@@ -133,9 +141,15 @@ ENCODINGS: dict[str, Encoding] = {
             "mirrored",
             "world and body mirrored, x reversed",
             lambda _: SceneChange(is_mirrored=True),
+            effects=_ON_A_TABLE,
         ),
-        Encoding("mm-g", "in millimetres and grams", lambda _: SceneChange(length=1e3, mass=1e3)),
-        Encoding("ms", "in milliseconds", lambda _: SceneChange(time=1e3)),
+        Encoding(
+            "mm-g",
+            "in millimetres and grams",
+            lambda _: SceneChange(length=1e3, mass=1e3),
+            effects=_ON_A_TABLE,
+        ),
+        Encoding("ms", "in milliseconds", lambda _: SceneChange(time=1e3), effects=_ON_A_TABLE),
         Encoding(
             "boosted",
             "seen from a frame that moves at 1 km/s",

@@ -30,18 +30,18 @@ def refusal(error: Exception) -> Complaint | None:
     return None
 
 
+@contextmanager
+def written(place: Path | str) -> Iterator[None]:
+    """Have a file or folder that cannot be written end the command with one message."""
+    try:
+        yield
+    except OSError as error:
+        raise unusable(error.filename or place, error, "written") from None
+
+
 def unusable(place: Path | str, error: OSError, purpose: str = "used") -> Complaint:
     """The complaint about a file or folder that cannot be written or used."""
     from ...scenarios import printable
 
     where = printable(str(place))
     return Complaint(f"{where}: cannot be {purpose}: {error.strerror}", BAD_INPUT)
-
-
-@contextmanager
-def writing(place: Path) -> Iterator[None]:
-    """Turn an error of writing a file, or into a folder, into a `Complaint`."""
-    try:
-        yield
-    except OSError as error:
-        raise unusable(error.filename or place, error, "written") from None

@@ -28,14 +28,14 @@ class Complaint(Exception):
 
 
 @contextmanager
-def complaining(
-    *errors: type[Exception], about: str = "", exit_code: int = BAD_INPUT
+def as_complaint(
+    *errors: type[Exception], before: str = "", exit_code: int = BAD_INPUT
 ) -> Iterator[None]:
-    """Turn errors into a `Complaint`: their message, after what it is about."""
+    """Have such an error end the command: with its own message, behind what is set before it."""
     try:
         yield
     except errors as error:
-        raise Complaint(f"{about}{error}", exit_code) from None
+        raise Complaint(f"{before}{error}", exit_code) from None
 
 
 def say(text: str) -> None:

@@ -111,8 +111,11 @@ def _stated(inertial: Element | None) -> Stated | None:
     assert tensor is not None
     pose = _pose(inertial)
     unturned = np.array([[number(tensor, key) for key in row] for row in _TENSOR])
-    inertia = pose.R @ unturned @ pose.R.T
-    return Stated(number(mass, "value"), pose.position, (inertia + inertia.T) / 2, unturned)
+    # Moments too large for a double are among the problems of a file.
+    with np.errstate(over="ignore", invalid="ignore"):
+        inertia = pose.R @ unturned @ pose.R.T
+        inertia = (inertia + inertia.T) / 2
+    return Stated(number(mass, "value"), pose.position, inertia, unturned)
 
 
 def _pose(element: Element) -> Pose:

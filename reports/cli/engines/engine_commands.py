@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..options import AsJson, Scene
-from ..refusals import writing
-from ..terminal import AGREES, DISAGREES, NOT_RUN, complaining, say, table, to_json
+from ..refusals import written
+from ..terminal import AGREES, DISAGREES, NOT_RUN, as_complaint, say, table, to_json
 
 if TYPE_CHECKING:
     from ....engines import Engine
@@ -109,7 +109,7 @@ def conform(
         list[str], typer.Argument(metavar="-- COMMAND...", help="What starts the engine.")
     ],
     limit: Annotated[
-        float, typer.Option(min=0.1, max=1e6, metavar="S", help="s that an answer may take.")
+        float, typer.Option(min=0.1, max=1e6, metavar="S", help="Seconds that an answer may take.")
     ] = ANSWER_LIMIT,
     as_json: AsJson = False,
 ) -> None:
@@ -122,7 +122,7 @@ def conform(
     from ....engines.child.conformance import conformance
 
     checks = []
-    with complaining(EngineError, exit_code=NOT_RUN):
+    with as_complaint(EngineError, exit_code=NOT_RUN):
         for check in conformance(command, _scenes(), limit):
             checks.append(check)
             if not as_json:
@@ -157,8 +157,8 @@ def _conclusion(problems: int, wrong: int, checks: int) -> str:
 def reproduce(
     scenario: Scene,
     engine: Annotated[str, typer.Option(help="One of 'spincheck engines', or mujoco@VERSION.")],
-    method: Annotated[str, typer.Option(help="One of the engine's.")],
-    timestep: Annotated[float, typer.Option(help="s.")],
+    method: Annotated[str, typer.Option(help="One of the engine's methods.")],
+    timestep: Annotated[float, typer.Option(help="The timestep, s.")],
     out: Annotated[Path | None, typer.Option(help="The file to write.")] = None,
 ) -> None:
     """Write one run as a file that needs the engine alone, for an issue.
@@ -179,7 +179,7 @@ def reproduce(
     text = reproduction(scene, chosen, by, timestep)
     suffix = FRAMES[chosen.script_language].suffix
     file = out or Path(f"{scene.name}-{chosen.name}-{by.name}{suffix}")
-    with writing(file):
+    with written(file):
         write_new(file, text)
     print(file)
 

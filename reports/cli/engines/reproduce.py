@@ -9,7 +9,8 @@ from ....engines import Engine, Method, engines
 from ....reference import IntegrationError, Solution, solve
 from ....scenarios import Scenario, printable
 from ...harness.ladder import single
-from ..terminal import BAD_INPUT, NOT_RUN, Complaint, complaining
+from ..executing import compile_first
+from ..terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint
 from .script_frames import FRAMES, Frame
 
 #: Times at which the file compares.
@@ -30,9 +31,10 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
     script = engine.script(scenario, method, timestep)
     if not script:
         raise Complaint(_without_script(scenario, engine, method), BAD_INPUT)
-    with complaining(ValueError, about="'--timestep': "):
+    with as_complaint(ValueError, before="'--timestep': "):
         steps = single(timestep, scenario.times).sample_steps
-    with complaining(IntegrationError, about=f"{scenario.name}: ", exit_code=NOT_RUN):
+    compile_first()
+    with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
         solution = solve(scenario, np.asarray(steps * timestep, dtype=float))
     frame = FRAMES[engine.script_language]
     head = frame.head.format(

@@ -70,7 +70,10 @@ def encoding_lines(encodings: Sequence[EncodedRuns]) -> Iterator[str]:
 
 
 def _lines(of_scene: Sequence[EncodedRuns]) -> Iterator[str]:
-    """One line for each engine, encoding and word, with the first method's reason."""
+    """One line for each engine, encoding and word, with the first method's reason.
+
+    And one for each reason that encodings are left out for.
+    """
     alike: dict[tuple[str, str, str, str], list[tuple[str, EncodedRun]]] = {}
     for runs in of_scene:
         for one in runs.each:
@@ -80,6 +83,13 @@ def _lines(of_scene: Sequence[EncodedRuns]) -> Iterator[str]:
     for (engine, encoding, *_), made in alike.items():
         methods = ", ".join(method for method, _ in made)
         yield f"{engine} {methods}, {encoding}: {encoding_sentence(made[0][1])}"
+    left_out: dict[str, dict[str, None]] = {}
+    for runs in of_scene:
+        for one in runs.each:
+            if one.word == "left out":
+                left_out.setdefault(one.reason, {})[one.encoding] = None
+    for reason, names in left_out.items():
+        yield f"left out: {', '.join(names)}: {reason}"
 
 
 def are_alike(encodings: Sequence[EncodedRuns]) -> bool:

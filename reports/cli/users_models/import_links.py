@@ -7,8 +7,8 @@ from ....scenarios import printable
 from ....scenarios.regular_files import write_new
 from ....scenarios.users_models import ModelFileError, read_model
 from ...harness.users_models import listed
-from ..refusals import writing
-from ..terminal import BAD_INPUT, Complaint, complaining
+from ..refusals import written
+from ..terminal import BAD_INPUT, Complaint, as_complaint
 from .link_scenes import LinkScene, link_scenes
 
 
@@ -25,7 +25,7 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
         If the file cannot be read or has no such link, if no link makes a scene, or if a scene's
         file exists already.
     """
-    with complaining(ModelFileError):
+    with as_complaint(ModelFileError):
         model = read_model(file)
         scenes = list(link_scenes(model, out.absolute()))
     there = {link.name for link in model.links}
@@ -44,7 +44,7 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
             "or give another '--out'",
             BAD_INPUT,
         )
-    with writing(out):
+    with written(out):
         out.mkdir(parents=True, exist_ok=True)
         for path, scene in paths.items():
             write_new(path, scene.text, replace=False)

@@ -16,8 +16,8 @@ from statistics import median
 from spincheck.engines import engines
 from spincheck.reports.cli.choosing import choose
 from spincheck.reports.cli.run.running import scenes_of
-from spincheck.reports.harness.choice import QUICK_STEPS
 from spincheck.reports.harness.executors import LocalWorkers
+from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_study
 from spincheck.reports.pages.analysis.cost_to_reach import reach

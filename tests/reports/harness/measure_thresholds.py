@@ -12,9 +12,9 @@ ROOT = Path(__file__).parents[3]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 
 from faulty_mujoco import KINDS, FaultyMuJoCo, PlantedFault, applies  # noqa: E402
-from spincheck.reports.harness.choice import QUICK_STEPS  # noqa: E402
 from spincheck.reports.harness.executors import InProcess  # noqa: E402
 from spincheck.reports.harness.judging import judge  # noqa: E402
+from spincheck.reports.harness.ladder import QUICK_STEPS  # noqa: E402
 from spincheck.reports.harness.study import (  # noqa: E402
     Prepared,
     convergence_study_of,
