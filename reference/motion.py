@@ -3,10 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ..scenarios import FloatArray, Scenario, Trajectory
-from ..scenarios.rotation import norms
+from ..scenarios.exact import conjugate
+from ..scenarios.rotation import matrices, matrix, norms, turned
+from ..scenarios.rotation import times as times_quaternion
 from .problem import Problem
 
 
@@ -63,11 +64,8 @@ def assembled(
     if q_axes_body[0] == 1:  # body axes are principal: nothing to round
         q_world_body, omega_body = q_world_axes, omega_axes
     else:
-        R_axes_body = Rotation.from_quat(q_axes_body, scalar_first=True)
-        R_world_axes = Rotation.from_quat(q_world_axes, scalar_first=True)
-        q_world_body = (R_world_axes * R_axes_body).as_quat(scalar_first=True)
-        # scipy refuses read-only arrays, hence the copies here and below.
-        omega_body = np.asarray(R_axes_body.inv().apply(np.array(omega_axes)))
+        q_world_body = q_world_axes @ times_quaternion(q_axes_body)
+        omega_body = omega_axes @ matrix(q_axes_body)
     com_world, velocity_world = _placed(scenario, q_world_body, omega_body, flight)
     spins = scenario.spins(omega_body, kept)
     return Trajectory(times, q_world_body, omega_body, com_world, velocity_world, spins)
@@ -76,13 +74,13 @@ def assembled(
 def along_axes(problem: Problem, motion: Trajectory) -> tuple[FloatArray, FloatArray]:
     """Return q_world_axes (n, 4), of unit norm, and omega_axes (n, 3) rad/s of a motion."""
     q_axes_body = np.array(problem.q_axes_body, dtype=float)
-    if q_axes_body[0] == 1:
-        lengths = norms(motion.q_world_body_wxyz)
-        return motion.q_world_body_wxyz / lengths[:, None], motion.omega_body
-    R_axes_body = Rotation.from_quat(q_axes_body, scalar_first=True)
-    R_world_axes = motion.R_world_body * R_axes_body.inv()
-    omega_axes = R_axes_body.apply(np.array(motion.omega_body))
-    return R_world_axes.as_quat(scalar_first=True), np.asarray(omega_axes)
+    q_world_axes, omega_axes = motion.q_world_body_wxyz, motion.omega_body
+    if q_axes_body[0] != 1:
+        q_world_axes = q_world_axes @ times_quaternion(
+            np.array(conjugate(problem.q_axes_body), dtype=float)
+        )
+        omega_axes = omega_axes @ matrix(q_axes_body).T
+    return q_world_axes / norms(q_world_axes)[:, None], omega_axes
 
 
 def _placed(
@@ -94,9 +92,9 @@ def _placed(
     falling, constraint = flight.velocity_world + g * t, scenario.constraint
     if constraint.is_free:
         return fallen, falling
-    R_world_body, lever = Rotation.from_quat(q_world_body, scalar_first=True), constraint.lever
-    swing_world = R_world_body.apply(np.cross(omega_body, lever))
+    R_world_body, lever = matrices(q_world_body), constraint.lever
+    swing_world = turned(R_world_body, np.cross(omega_body, lever))
     return (
-        constraint.com_world(R_world_body.apply(np.array(lever)), fallen),
+        constraint.com_world(R_world_body @ lever, fallen),
         constraint.velocity_world(swing_world, falling),
     )

@@ -4,6 +4,7 @@ Field constraints say what a value may be; cross-checks between keys sit on the 
 concern. `schema.json` is generated from these models.
 """
 
+from functools import lru_cache
 from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import BaseModel, Discriminator, Field, Tag, create_model, model_validator
@@ -105,13 +106,7 @@ class BodyTable(Table):
 
     def body(self) -> Body:
         """The rigid body this table describes; ValueError if no such body exists."""
-        if self.particles is not None:
-            return body_of_particles(self.particles)
-        mass, matrix = self.mass, self.inertia_matrix
-        assert mass is not None
-        assert matrix is not None
-        build = body_about_com if self.inertia_about == "com" else body_about_origin
-        return build(mass, self.com or (0.0, 0.0, 0.0), matrix)
+        return _body(self)
 
 
 class Window(Table):
@@ -272,3 +267,15 @@ class Document(Table):
     def whole_body(self) -> Body:
         """The body with its rotors as if they did not turn in it."""
         return whole(self.body.body(), rotors_of(self.rotors))
+
+
+@lru_cache(maxsize=1)
+def _body(table: BodyTable) -> Body:
+    """The body of a table, which is checked by it and built from it right afterwards."""
+    if table.particles is not None:
+        return body_of_particles(table.particles)
+    mass, matrix = table.mass, table.inertia_matrix
+    assert mass is not None
+    assert matrix is not None
+    build = body_about_com if table.inertia_about == "com" else body_about_origin
+    return build(mass, table.com or (0.0, 0.0, 0.0), matrix)

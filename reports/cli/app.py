@@ -126,7 +126,7 @@ def run(
     out: Annotated[Path, typer.Option(help="The result file; added to.")] = RESULT_FILE,
     quick: Annotated[
         bool,
-        typer.Option("--quick", help="Short ladders, without timing; hard scenes only if named."),
+        typer.Option("--quick", help="Fewer timesteps, without timing; hard scenes only if named."),
     ] = False,
     instructions: Annotated[
         bool,
@@ -152,8 +152,8 @@ def run(
 ) -> None:
     """Simulate scenes, compare with the exact motion, and store the results.
 
-    What the file holds already is not run again, unless its scene, engine or spincheck changed,
-    the machine was to blame that it failed, or by '--again'.
+    Results that the file has already are not made again, unless the scene, the engine or spincheck
+    has changed since, the run failed because of the machine, or '--again' is given.
     """
     from .executing import Where
     from .run import running

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from ...engines import Engine, add, engines, missing
 from ...scenarios import Scenario, did_you_mean
 from ..harness.choice import Choice
-from .terminal import BAD_INPUT, NOT_RUN, Complaint
+from .terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint
 
 #: Begins the name of an engine that is a command: docs/reference/engine-protocol.md.
 CHILD = "child:"
@@ -122,18 +122,18 @@ def _child(command: str, time_limit: float | None) -> Engine:
     from ...engines import EngineError
     from ...engines.child import ANSWER_LIMIT, ChildEngine, child_engine
 
-    try:
+    before = f"'--engine' {CHILD}{command}: "
+    with (
+        as_complaint(ValueError, before=before),
+        as_complaint(EngineError, before=before, exit_code=NOT_RUN),
+    ):
         words = words_of(command)
         for known in engines().values():
             if isinstance(known, ChildEngine) and known.command == tuple(words):
                 return known
         engine = child_engine(words, min(time_limit or ANSWER_LIMIT, ANSWER_LIMIT))
         add(engine)
-    except EngineError as error:
-        raise Complaint(f"'--engine' {CHILD}{command}: {error}", NOT_RUN) from None
-    except ValueError as error:
-        raise Complaint(f"'--engine' {CHILD}{command}: {error}", BAD_INPUT) from None
-    return engine
+        return engine
 
 
 def words_of(command: str) -> list[str]:

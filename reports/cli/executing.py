@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from tempfile import gettempdir
 
 from ..harness.executors import Executor, LocalWorkers
-from .terminal import BAD_INPUT, NOT_RUN, Complaint
+from .terminal import BAD_INPUT, NOT_RUN, Complaint, say
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,23 @@ def executor_for(where: Where, time_limit: float | None) -> Iterator[Executor]:
     except ClusterError as error:
         exit_code = BAD_INPUT if error.bad_address else NOT_RUN
         raise Complaint(f"'--dask': {error}", exit_code) from None
+
+
+def say_if_compiling() -> None:
+    """Say that what solves exact motions is compiled next, unless it is there."""
+    from ...reference.compiled import is_compiled
+
+    if not is_compiled():
+        say("First, once: what solves exact motions is compiled, for half a minute or so.")
+
+
+def compile_first() -> None:
+    """Compile what solves exact motions, for a command that solves them in this process."""
+    from ..harness.compiling import HALVES, compile_side_by_side
+
+    say_if_compiling()
+    with LocalWorkers(len(HALVES)) as executor:
+        compile_side_by_side(executor)
 
 
 def check_temporary_folder() -> None:

@@ -14,7 +14,10 @@ CORES = os.cpu_count() or 1
 
 Scenes = Annotated[
     list[str] | None,
-    typer.Argument(metavar="[SCENARIO|FOLDER]...", help="Files, folders or library scenes."),
+    typer.Argument(
+        metavar="[SCENARIO|FOLDER]...",
+        help="Files, folders, library scenes; the library if none.",
+    ),
 ]
 Scene = Annotated[str, typer.Argument(metavar="SCENARIO", help="A file or a library scene.")]
 Stored = Annotated[
@@ -49,13 +52,13 @@ Timesteps = Annotated[
     typer.Option(
         "--timestep",
         metavar="S",
-        help="Run this timestep, s, instead of a ladder; may be repeated.",
+        help="Run at this timestep, s, and not at halved ones; may be repeated.",
     ),
 ]
 Jobs = Annotated[int, typer.Option("--jobs", metavar="N", min=1, help="Worker processes.")]
 TimeLimit = Annotated[
     float | None,
-    typer.Option("--time-limit", metavar="S", help="s that a run may take; 120 if left out."),
+    typer.Option("--time-limit", metavar="S", help="CPU seconds that a run may take: 120."),
 ]
 SweepTimesteps = Annotated[
     list[float] | None,
@@ -86,7 +89,7 @@ AsEncoded = Annotated[
         "'spincheck encodings' with commas between.",
     ),
 ]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="Of the ensemble's random numbers.")]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="The seed of the random numbers.")]
 Again = Annotated[
     bool, typer.Option("--again", help="Run what the result file holds already, too.")
 ]

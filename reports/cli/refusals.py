@@ -1,6 +1,8 @@
 """Errors of the operating system, each as one message instead of a traceback."""
 
 import errno
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from .stopping import STDOUT, print_nowhere
@@ -26,6 +28,15 @@ def refusal(error: Exception) -> Complaint | None:
     if cause_of(error) == "environment":
         return Complaint(f"the system does not let it go on: {error}", NOT_RUN)
     return None
+
+
+@contextmanager
+def written(place: Path | str) -> Iterator[None]:
+    """Have a file or folder that cannot be written end the command with one message."""
+    try:
+        yield
+    except OSError as error:
+        raise unusable(error.filename or place, error, "written") from None
 
 
 def unusable(place: Path | str, error: OSError, purpose: str = "used") -> Complaint:

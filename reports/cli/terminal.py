@@ -27,6 +27,17 @@ class Complaint(Exception):
         self.exit_code = exit_code
 
 
+@contextmanager
+def as_complaint(
+    *errors: type[Exception], before: str = "", exit_code: int = BAD_INPUT
+) -> Iterator[None]:
+    """Have such an error end the command: with its own message, behind what is set before it."""
+    try:
+        yield
+    except errors as error:
+        raise Complaint(f"{before}{error}", exit_code) from None
+
+
 def say(text: str) -> None:
     """Print a message on stderr; control characters are printed as escapes."""
     from ...scenarios import printable

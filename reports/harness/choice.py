@@ -5,13 +5,9 @@ from dataclasses import dataclass
 from ...engines import Engine, Method
 from ...scenarios import Scenario
 from ..results.records import Key
-from .ladder import MAX_STEPS
+from .ladder import MAX_STEPS, QUICK_STEPS
 
 EngineMethod = tuple[Engine, Method]
-
-#: A quick study's ladders end before a run would take more steps than this, and those of any study
-#: where single steps and pieces decide.
-QUICK_STEPS = 1 << 14
 
 
 @dataclass(frozen=True)

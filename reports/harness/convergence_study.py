@@ -10,23 +10,14 @@ from ...reference import Solution
 from ...scenarios import Expect, Scenario
 from ..results.evidence import Evidence, LocalEvidence
 from ..results.records import Key, Row
-from .choice import QUICK_STEPS
 from .comparison import compared, unmet_expectations
 from .executors import Answer
 from .judging import Records
-from .judging.best_window import SHARP
-from .judging.ladder import LadderJudgement, judged_ladder
-from .judging.local import LocalJudgement
-from .ladder import EXCESS, LEAST_RUNGS, MIN_RUNGS, Ladder, Rung
+from .judging.ladder_end import cut_short, is_down
+from .ladder import Ladder, Rung
 from .measuring.places import Places, rounding_of_body
 from .measuring.richardson import RichardsonLadder
 from .stock import StockRun
-
-#: A ladder continues until every limit is known to `GOAL`, relative or in rad, or steps run out; to
-#: `FINE_GOAL` for methods of `HIGH_ORDER`, which need few rungs for it; to `SHARP`, enough for a
-#: judgement, for engines as shipped.
-GOAL, FINE_GOAL = 1e-4, 1e-9
-HIGH_ORDER = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,17 +104,18 @@ class ConvergenceStudy:
         return Records(
             self.evidence,
             self.rows,
-            self._last_row,
+            self.single_rows,
+            self.above_rows,
+            ladder.least_steps if ladder else None,
+            ladder.rungs[-1].timestep if ladder and ladder.rungs else 0.0,
+            min(self.method.order, self.method.attitude_order),
             self.method.as_shipped,
             self.engine.of_file,
             # Of a body whose moments differ much no engine holds the least.
             max(self.engine.slack, rounding),
             float(times[-1]) / max(1, len(times) - 1),
             self.engine.unsupported(scenario, self.method),
-            None if ladder is None or ladder.rungs else ladder.least_steps,
             self.solution.ending,
-            ladder is None,
-            self.cut_short,
             tuple(self.unmet),
             scenario.expected_failures,
         )
@@ -149,7 +141,7 @@ class ConvergenceStudy:
         for rung in self.ladder.rungs:
             judged = rung.timestep in self._judged
             self._take((yield PlannedRun(rung, self.solution, "ladder", judged)))
-            if self._is_down:
+            if is_down(self.records):
                 break
         is_alive = not self.rows or self.rows[0].survived
         for rung in self.ladder.above if is_alive else ():
@@ -187,31 +179,16 @@ class ConvergenceStudy:
             if not self._measured or has_failed:
                 self._measured.append(self._new_ladder())
             self._measured[-1].add(row.timestep, row.motion, row.steps)
-        self.__dict__.pop("_ladder_judgement", None)
 
     def _new_ladder(self) -> RichardsonLadder:
-        slack, ulp = self.engine.slack, self.engine.ulp
-        return RichardsonLadder(self.scenario, self.solution, *self._orders, slack, ulp)
+        orders = self.method.order, self.method.attitude_order
+        engine = self.engine
+        return RichardsonLadder(self.scenario, self.solution, *orders, engine.slack, engine.ulp)
 
     @cached_property
     def _judged(self) -> set[float]:
         """The timesteps, s, of rungs that were judged before."""
         return {rung.timestep for rung in self.before.rungs} if self.before else set()
-
-    @cached_property
-    def _ladder_judgement(self) -> LadderJudgement:
-        """The judgement on the rows so far, made once a rung."""
-        return judged_ladder(self.evidence, self.rows)
-
-    @property
-    def _is_known(self) -> bool:
-        """Whether the ladder has reached its goal."""
-        goal = FINE_GOAL if min(self._orders) >= HIGH_ORDER else GOAL
-        return self._ladder_judgement.is_known(SHARP if self.method.as_shipped else goal)
-
-    @property
-    def _orders(self) -> tuple[int, int]:
-        return self.method.order, self.method.attitude_order
 
     def refusals(self) -> list[Row]:
         """Rows of stock timesteps that do not fit the scene: `unsupported`, without a run."""
@@ -232,12 +209,7 @@ class ConvergenceStudy:
     @property
     def cut_short(self) -> bool:
         """Whether finer rungs would have been run if the step limit allowed them."""
-        if self.ladder is None:
-            return False
-        if not self.rows:
-            return self.ladder.least_steps > 0
-        settled = self._hopeless(self.rows[-1]) or self._diverges_at_any_timestep
-        return not (settled or self._is_decided or self._is_known)
+        return cut_short(self.records)
 
     def discardable_timesteps(self) -> list[float]:
         """Timesteps of the runs whose samples are not needed after the verdict.
@@ -263,61 +235,7 @@ class ConvergenceStudy:
         """Whether the method cannot simulate the scene, or failed at every timestep so far."""
         if self.engine.unsupported(self.scenario, self.method):
             return True
-        return bool(self.rows) and all(self._hopeless(row) for row in self.rows)
-
-    @property
-    def _is_down(self) -> bool:
-        """Whether no finer rung is needed, or can succeed."""
-        assert self.ladder is not None, "only a ladder has an end"
-        if self._hopeless(self.rows[-1]) or self._diverges_at_any_timestep:
-            return True
-        if self._is_decided:
-            return True
-        finest = self.ladder.rungs[-1].timestep
-        settled = self._is_known or self._ladder_judgement.is_out_of_reach(finest)
-        return len(self.rows) >= MIN_RUNGS and settled
-
-    @property
-    def _is_decided(self) -> bool:
-        """Whether steps and pieces decide, and a quick study's ladder has no more to show.
-
-        Errors of finer rungs, and their costs, follow by the order.
-        """
-        if self.local is None or not LocalJudgement(self.local).converges:
-            return False
-        last, excess = self.rows[-1], EXCESS if len(self.rows) < LEAST_RUNGS else 1
-        finest = last.timestep * last.steps / QUICK_STEPS
-        in_vain = len(self.rows) >= MIN_RUNGS and self._ladder_judgement.is_out_of_reach(finest)
-        return in_vain or 2 * last.steps > excess * QUICK_STEPS
-
-    @property
-    def _last_row(self) -> Row | None:
-        """The run that decides the verdict where nothing is judged; None if there is none."""
-        if self.rows or self.ladder is None:
-            return (self.rows or self.single_rows)[-1]
-        # Without rungs, only runs above the ladder exist: too coarse for anything but a failure.
-        return next((row for row in self.above_rows if self._hopeless(row)), None)
-
-    @property
-    def _diverges_at_any_timestep(self) -> bool:
-        """Whether the blow-up comes at the same time after the timestep was halved.
-
-        In an unstable integrator, errors grow by a factor a step that tends to 1 faster than the
-        number of steps increases, so halving delays the blow-up. A clamp is reached at the same
-        time.
-        """
-        if len(self.rows) < 2:
-            return False
-        coarse, fine = (
-            row.stopped_at if row.outcome == "diverged" else None for row in self.rows[-2:]
-        )
-        return coarse is not None and fine is not None and fine <= coarse
-
-    def _hopeless(self, last: Row) -> bool:
-        """Whether no finer timestep can succeed: the run failed, or the method lacks an effect."""
-        if last.outcome == "unsupported":
-            return bool(self.engine.unsupported(self.scenario, self.method))
-        return last.outcome == "failed"
+        return bool(self.rows) and all(map(self.records.is_hopeless, self.rows))
 
 
 def thinned(solution: Solution, every: int) -> Solution:

@@ -15,7 +15,6 @@ import numpy as np
 
 from ...engines import Engine, Method, Run
 from ...reference import ExactMotion, Solution
-from ...reference.compiled import compile_kernels, is_compiled
 from ...scenarios import FloatArray, Scenario
 from ...scenarios.fastest_rate import fastest_rate
 from ..results.environment import environment
@@ -23,6 +22,7 @@ from ..results.evidence import Evidence
 from ..results.records import UNSOLVED, Key, Row, Verdict
 from ..results.store import Store
 from .choice import Choice
+from .compiling import compile_side_by_side
 from .convergence_study import ConvergenceStudy, SingleRun
 from .default_effects import take_defaults_away
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
@@ -48,8 +48,8 @@ def run_study(
     """
     store.put_environment(environment(choice.engines, choice.max_steps))
     store.put_methods(choice.engines)
-    if left.scenes and not is_compiled():
-        executor.call(compile_kernels)
+    if left.scenes:
+        compile_side_by_side(executor)
     for verdict in executor.each(_methods_left(left, choice, store, executor)):
         key = verdict.key
         progress(f"{key.scenario}  {key.engine} {key.method}: {verdict.verdict}")

@@ -17,6 +17,7 @@ from ..results.records import Pair
 from ..results.store import Store
 from ..results.sweep_records import DefinedSweep, Ensemble, Map, PlacedRow, SweepPoint
 from .choice import Choice, EngineMethod
+from .compiling import compile_side_by_side
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
 from .sweep_run import not_run, run_point
 
@@ -87,6 +88,8 @@ def run_sweep(
     plan: SweepPlan, base: Scenario, store: Store, executor: Executor, progress: Progress
 ) -> None:
     """Run the missing points, and store the results of each as soon as it is run."""
+    if plan.missing:
+        compile_side_by_side(executor)
     tasks = (partial(study_point, left, base, store, executor) for left in plan.left())
     for point in executor.each(tasks):
         progress(str(point))

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..options import AsJson, Scene
-from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say, table, to_json
+from ..refusals import written
+from ..terminal import AGREES, DISAGREES, NOT_RUN, as_complaint, say, table, to_json
 
 if TYPE_CHECKING:
     from ....engines import Engine
@@ -108,7 +109,7 @@ def conform(
         list[str], typer.Argument(metavar="-- COMMAND...", help="What starts the engine.")
     ],
     limit: Annotated[
-        float, typer.Option(min=0.1, max=1e6, metavar="S", help="s that an answer may take.")
+        float, typer.Option(min=0.1, max=1e6, metavar="S", help="Seconds that an answer may take.")
     ] = ANSWER_LIMIT,
     as_json: AsJson = False,
 ) -> None:
@@ -121,15 +122,13 @@ def conform(
     from ....engines.child.conformance import conformance
 
     checks = []
-    try:
+    with as_complaint(EngineError, exit_code=NOT_RUN):
         for check in conformance(command, _scenes(), limit):
             checks.append(check)
             if not as_json:
                 verdict = "FAILS" if check.problem else "WRONG" if check.physics else "ok"
                 words = check.problem or check.physics or check.remark
                 print(f"{verdict:5}  {check.what}{f': {words}' if words else ''}", flush=True)
-    except EngineError as error:
-        raise Complaint(str(error), NOT_RUN) from None
     problems = sum(bool(check.problem) for check in checks)
     wrong = sum(bool(check.physics) for check in checks)
     if as_json:
@@ -158,8 +157,8 @@ def _conclusion(problems: int, wrong: int, checks: int) -> str:
 def reproduce(
     scenario: Scene,
     engine: Annotated[str, typer.Option(help="One of 'spincheck engines', or mujoco@VERSION.")],
-    method: Annotated[str, typer.Option(help="One of the engine's.")],
-    timestep: Annotated[float, typer.Option(help="s.")],
+    method: Annotated[str, typer.Option(help="One of the engine's methods.")],
+    timestep: Annotated[float, typer.Option(help="The timestep, s.")],
     out: Annotated[Path | None, typer.Option(help="The file to write.")] = None,
 ) -> None:
     """Write one run as a file that needs the engine alone, for an issue.
@@ -180,10 +179,8 @@ def reproduce(
     text = reproduction(scene, chosen, by, timestep)
     suffix = FRAMES[chosen.script_language].suffix
     file = out or Path(f"{scene.name}-{chosen.name}-{by.name}{suffix}")
-    try:
+    with written(file):
         write_new(file, text)
-    except OSError as error:
-        raise Complaint(f"{file}: cannot be written: {error.strerror}", BAD_INPUT) from None
     print(file)
 
 

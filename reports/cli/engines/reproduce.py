@@ -9,7 +9,8 @@ from ....engines import Engine, Method, engines
 from ....reference import IntegrationError, Solution, solve
 from ....scenarios import Scenario, printable
 from ...harness.ladder import single
-from ..terminal import BAD_INPUT, NOT_RUN, Complaint
+from ..executing import compile_first
+from ..terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint
 from .script_frames import FRAMES, Frame
 
 #: Times at which the file compares.
@@ -30,14 +31,11 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
     script = engine.script(scenario, method, timestep)
     if not script:
         raise Complaint(_without_script(scenario, engine, method), BAD_INPUT)
-    try:
+    with as_complaint(ValueError, before="'--timestep': "):
         steps = single(timestep, scenario.times).sample_steps
-    except ValueError as error:
-        raise Complaint(f"'--timestep': {error}", BAD_INPUT) from None
-    try:
+    compile_first()
+    with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
         solution = solve(scenario, np.asarray(steps * timestep, dtype=float))
-    except IntegrationError as error:
-        raise Complaint(f"{scenario.name}: {error}", NOT_RUN) from None
     frame = FRAMES[engine.script_language]
     head = frame.head.format(
         # The title goes into a docstring or a comment of one line.

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from ..options import CORES, RESULT_FILE, AsEncoded, AsJson, Jobs, Methods, Python
-from ..terminal import BAD_INPUT, Complaint, say, table, to_json
+from ..terminal import BAD_INPUT, Complaint, as_complaint, say, table, to_json
 
 app = typer.Typer()
 
@@ -23,10 +23,8 @@ def list_installed(remove: list[str], as_json: bool) -> None:
     from ....engines.versions import remove as remove_version
 
     for name in remove:
-        try:
+        with as_complaint(VersionError, before="'--remove': "):
             say(f"Removed {remove_version(name)}")
-        except VersionError as error:
-            raise Complaint(f"'--remove': {error}", BAD_INPUT) from None
     rows = [
         {"engine": one.name, "MB": round(one.megabytes), "folder": str(one.folder)}
         for one in installed()

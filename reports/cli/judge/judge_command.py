@@ -27,10 +27,10 @@ def judge(
     ] = None,
     timestep: Annotated[
         list[float] | None,
-        typer.Option("--timestep", metavar="S", help="s, of each file; may be repeated."),
+        typer.Option("--timestep", metavar="S", help="The timestep of a file, s; may be repeated."),
     ] = None,
     order: Annotated[
-        int, typer.Option(min=1, max=12, help="Of accuracy, of the method that made several files.")
+        int, typer.Option(min=1, max=12, help="The order of accuracy of several files' method.")
     ] = 1,
     fail_above: Annotated[
         list[str] | None,
@@ -40,11 +40,11 @@ def judge(
         ),
     ] = None,
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Write a page there, as a report's.")
+        Path | None, typer.Option(metavar="DIR", help="The folder to write a page into.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Compare recorded motions, from anywhere, with the exact one.
+    """Compare recorded motions with the exact one.
 
     A file's columns are t, qw qx qy qz (body to world), wx wy wz and, if there, x y z, vx vy vz, in
     SI units or with the unit behind the name, as in 'wx [deg/s]'. Several files at halved timesteps

@@ -13,10 +13,13 @@ from ...harness.convergence_study import ConvergenceStudy
 from ...harness.judging import judge
 from ...harness.recorded.judged import JudgedMotion, judged_motion
 from ...harness.recorded.motion import OmegaFrame, QuaternionOrder
-from ...harness.recorded.read import RecordingError, read_recording
+from ...harness.recorded.read import read_recording
 from ...harness.recorded.recorded_ladder import results_of, study_of_files
+from ...harness.recorded.recording import RecordingError
 from ...results.records import Verdict
-from ..terminal import AGREES, BAD_INPUT, DISAGREES, Complaint, table
+from ..executing import compile_first
+from ..refusals import written
+from ..terminal import AGREES, BAD_INPUT, DISAGREES, Complaint, as_complaint, table
 
 #: Columns that reasons are wrapped at.
 WIDTH = 80
@@ -49,11 +52,9 @@ class Judgement:
         Complaint
             If they are not.
         """
-        try:
+        names = ", ".join(map(printable, self.motions))
+        with as_complaint(RecordingError, before=f"{names}: "):
             return study_of_files(self.scenario, list(self.motions.values()), self.order)
-        except RecordingError as error:
-            names = ", ".join(map(printable, self.motions))
-            raise Complaint(f"{names}: {error}", BAD_INPUT) from None
 
     @cached_property
     def verdict(self) -> Verdict | None:
@@ -92,6 +93,7 @@ def judged_files(
             BAD_INPUT,
         )
     wanted = dict(_bound(bound) for bound in bounds)
+    compile_first()
     motions = {}
     for k, file in enumerate(files):
         timestep = timesteps[k] if timesteps else None
@@ -124,10 +126,8 @@ def write_page(judgement: Judgement, folder: Path) -> Path:
     from ...pages.render import render
 
     words = [one.explained_by for one in judgement.motions.values() if one.explained_by]
-    try:
+    with written(folder):
         index = render(results_of(judgement.study, words[0] if words else ()), folder)
-    except OSError as error:
-        raise Complaint(f"{folder}: cannot be written: {error}", BAD_INPUT) from None
     return index.parent / "scenes" / f"{judgement.scenario.name}.html"
 
 

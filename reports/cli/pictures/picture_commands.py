@@ -19,7 +19,7 @@ def view(
     jobs: Jobs = CORES,
     out: Annotated[Path, typer.Option(help="The folder to write.")] = VIEW_FOLDER,
 ) -> None:
-    """Run one scene on short ladders and at stock timesteps, without timing, and write its page.
+    """Run one scene at a few timesteps, without timing, and write its page.
 
     Example: spincheck view my-top.toml
     """

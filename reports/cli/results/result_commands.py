@@ -6,7 +6,7 @@ from typing import Any
 import typer
 
 from ..options import RESULT_FILE, AsCsv, AsJson, Stored
-from ..terminal import BAD_INPUT, Complaint, to_json
+from ..terminal import BAD_INPUT, Complaint, as_complaint, to_json
 
 app = typer.Typer()
 MEGABYTE = 1e6
@@ -16,7 +16,7 @@ MEGABYTE = 1e6
 def rows(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
     """Print every run of a result file.
 
-    In 80 columns; --csv and --json have every number in full.
+    The table is cut to 80 columns; --csv and --json have every number in full.
     """
     from ..run import running
     from ..run.brief_records import run_lines
@@ -33,7 +33,7 @@ def rows(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson =
 def verdicts(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
     """Print every verdict of a result file.
 
-    In 80 columns; --csv and --json have every number in full.
+    The table is cut to 80 columns; --csv and --json have every number in full.
     """
     from ..run import running
     from ..run.brief_records import verdict_lines
@@ -50,7 +50,7 @@ def verdicts(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJs
 def points(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
     """Print every point of every map and ensemble of a result file.
 
-    In 80 columns; --csv and --json have every number in full.
+    The table is cut to 80 columns; --csv and --json have every number in full.
     """
     from ..run import running
     from ..run.brief_records import point_lines
@@ -65,21 +65,18 @@ def points(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson
 
 @app.command(epilog="Example: spincheck tidy spincheck.sqlite")
 def tidy(results: Stored = RESULT_FILE) -> None:
-    """Delete the results of a result file that no longer count.
+    """Delete results whose scene, engine or spincheck has changed since.
 
-    They are of a scene, an engine or a spincheck that has changed since: 'spincheck run' makes
-    such results again, and keeps the old ones until they are deleted.
+    'spincheck run' makes such results again, and keeps the old ones until they are deleted.
     """
     from ...results.result_file import ResultFileError
     from ...results.store import open_store
 
-    try:
+    with as_complaint(ResultFileError):
         with open_store(results):
             before = results.stat().st_size
         with open_store(results, create=True) as store:
             deleted = store.tidy()
-    except ResultFileError as error:
-        raise Complaint(str(error), BAD_INPUT) from None
     freed = before - results.stat().st_size
     print(f"{deleted} records deleted, {freed / MEGABYTE:.1f} MB freed")
 

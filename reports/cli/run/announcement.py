@@ -4,7 +4,8 @@ import os
 from collections.abc import Iterable
 
 from ....engines import Engine
-from ...harness.choice import QUICK_STEPS, Choice
+from ...harness.choice import Choice
+from ...harness.ladder import QUICK_STEPS
 from ...harness.plan import Plan
 from ...pages.analysis.wording import plural
 from ..terminal import in_words

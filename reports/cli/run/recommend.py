@@ -8,6 +8,7 @@ made again.
 
 import math
 import shlex
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,6 +18,7 @@ from ....engines import engines
 from ....scenarios import Scenario
 from ...harness.choice import Choice
 from ...harness.executors import TIME_LIMIT, LocalWorkers
+from ...harness.judging.ladder import RUNGS_OF_A_LIMIT
 from ...harness.plan import plan
 from ...harness.study import run_study
 from ...pages.analysis.best_choice import BOUNDS, steady
@@ -144,7 +146,7 @@ def _methods(engine_names: Sequence[str]) -> list[str]:
 
 
 def _timed_runs(scene: str, engine_names: Sequence[str], stored: Path) -> Results | None:
-    """The file's results of the scene, of engines installed here; None without timed runs."""
+    """The file's results of the scene, of engines installed here; None without a timed ladder."""
     if not stored.exists():
         return None
     scenario, results = one_scene(scene), running.read(stored)
@@ -158,7 +160,8 @@ def _timed_runs(scene: str, engine_names: Sequence[str], stored: Path) -> Result
         for row in results.rows
         if row.key.scenario == scenario.name and versions.get(row.key.engine) == row.engine_version
     ]
-    if not any(row.seconds_per_step for row in rows):
+    timed = Counter(row.key for row in rows if row.seconds_per_step)
+    if max(timed.values(), default=0) < RUNGS_OF_A_LIMIT:
         return None
     keys = {row.key for row in rows}
     return replace(

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ....reference.compiled import is_compiled
 from ....scenarios import Scenario, printable
-from ...harness.choice import QUICK_STEPS, Choice
+from ...harness.choice import Choice
 from ...harness.encodings import run_encodings
 from ...harness.instructions import why_not_counted
+from ...harness.ladder import QUICK_STEPS
 from ...harness.plan import plan
 from ...harness.power import too_long
 from ...harness.published import published_that_do_not_hold
@@ -18,10 +18,10 @@ from ...results.result_file import ResultFileError
 from ...results.store import Results, open_store
 from ...results.verdict_words import UNPROVEN
 from ..choosing import check_timesteps, choose
-from ..executing import Where, executor_for
+from ..executing import Where, executor_for, say_if_compiling
 from ..named_scenes import scenes_to_run
 from ..stopping import saying
-from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress, say
+from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, as_complaint, progress, say
 from .announcement import announcement
 
 
@@ -67,25 +67,26 @@ def run(
     if quick:
         choice = replace(choice, max_steps=QUICK_STEPS, timed=False)
     check_timesteps(scenarios, choice)
-    try:
-        with saying(gone_on_with(out)), open_store(out, create=True) as store:
-            left = plan(scenarios, choice, store)
-            if str(left):
-                say(f"{out}: {left}")
-            if words := announcement(left, choice, where.jobs):
-                say(words)
-            if left.scenes and not is_compiled():
-                say("First, once: what solves exact motions is compiled, for half a minute or so.")
-            with (
-                executor_for(where, choice.time_limit) as executor,
-                progress(left.total) as advance,
-            ):
-                run_study(left, choice, store, executor, advance)
-                if encodings:
-                    run_encodings(scenarios, choice, encodings, store, executor)
-            return _asked_for(store.read(choice.timesteps), scenarios, choice)
-    except ResultFileError as error:
-        raise Complaint(str(error), BAD_INPUT) from None
+    with (
+        as_complaint(ResultFileError),
+        saying(gone_on_with(out)),
+        open_store(out, create=True) as store,
+    ):
+        left = plan(scenarios, choice, store)
+        if str(left):
+            say(f"{out}: {left}")
+        if words := announcement(left, choice, where.jobs):
+            say(words)
+        if left.scenes:
+            say_if_compiling()
+        with (
+            executor_for(where, choice.time_limit) as executor,
+            progress(left.total) as advance,
+        ):
+            run_study(left, choice, store, executor, advance)
+            if encodings:
+                run_encodings(scenarios, choice, encodings, store, executor)
+        return _asked_for(store.read(choice.timesteps), scenarios, choice)
 
 
 def check_counting(*, timed: bool) -> None:
@@ -158,16 +159,13 @@ def read(path: Path) -> Results:
     Complaint
         If it cannot be read or is empty.
     """
-    try:
-        with open_store(path) as store:
-            results = store.read()
-            if store.log_missing:
-                say(
-                    f"{path}: it was being written when it was copied, and its log "
-                    f"'{path.name}-wal' is not beside it: the last runs may be missing"
-                )
-    except ResultFileError as error:
-        raise Complaint(str(error), BAD_INPUT) from None
+    with as_complaint(ResultFileError), open_store(path) as store:
+        results = store.read()
+        if store.log_missing:
+            say(
+                f"{path}: it was being written when it was copied, and its log "
+                f"'{path.name}-wal' is not beside it: the last runs may be missing"
+            )
     if not (results.verdicts or results.sweeps):
         raise Complaint(f"{path}: holds no results; 'spincheck run' fills it", BAD_INPUT)
     return results

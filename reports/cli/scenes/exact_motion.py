@@ -9,7 +9,8 @@ import numpy as np
 from ....reference import IntegrationError, drifts, facts, solve
 from ....reference.euler_angles import euler_zyz_from_quaternion, rates_from_omega_body
 from ....scenarios import SIGNALS, Misfit, Scenario, angular_momentum_world, check_scales, energy
-from ..terminal import BAD_INPUT, NOT_RUN, Complaint, table
+from ..executing import compile_first
+from ..terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint, table
 
 #: Where a user names no times: the start, the end, and three between.
 QUARTERS = 5
@@ -26,14 +27,12 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
     for time in at:
         if not 0 <= time < float("inf"):
             raise Complaint(f"'--at' must be a time from 0 on, got {time:g}", BAD_INPUT)
+    compile_first()
     wanted = np.array(sorted(set(at))) if at else np.linspace(0, scenario.window.duration, QUARTERS)
-    try:
+    with as_complaint(Misfit, before="'--at': "):
         check_scales(scenario, until=max(scenario.window.duration, float(wanted[-1])))
+    with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
         solution = solve(scenario, wanted)
-    except Misfit as error:
-        raise Complaint(f"'--at': {error}", BAD_INPUT) from None
-    except IntegrationError as error:
-        raise Complaint(f"{scenario.name}: {error}", NOT_RUN) from None
     motion = solution.trajectory
     angles = euler_zyz_from_quaternion(motion.q_world_body_wxyz)
     columns = {

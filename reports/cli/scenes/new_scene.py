@@ -18,7 +18,7 @@ inertia = [8e-4, 8e-4, 4e-4]       # kg m²: principal moments about the com, or
 com = [0.0, 0.0, 0.05]             # m, from the body's origin, which is the pivot
 
 [start]
-euler_zyz_deg = [0.0, 30.0, 0.0]   # α β γ; or quaternion_wxyz, or rotation_vector_deg
+euler_zyz_deg = [0.0, 30.0, 0.0]   # α, β (tilt), γ; or quaternion_wxyz, rotation_vector_deg
 omega_body = [0.0, 0.0, 80.0]      # rad/s; or omega_world, or euler_zyz_rates
 
 # An effect is simulated if its table is here, and only then.

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from ..options import AsJson, Scene, Scenes
-from ..refusals import unusable
+from ..refusals import written
 from ..terminal import DISAGREES, Complaint, table, to_json
 
 app = typer.Typer()
@@ -46,7 +46,7 @@ def list_scenes(scenes: Scenes = None, as_json: AsJson = False) -> None:
 
 
 @app.command(epilog="Example: spincheck new my-top")
-def new(name: Annotated[str, typer.Argument(metavar="NAME", help="Of the scene.")]) -> None:
+def new(name: Annotated[str, typer.Argument(metavar="NAME", help="The scene's name.")]) -> None:
     """Write NAME.toml, a scene to edit, with every key explained."""
     from .new_scene import new_scene
 
@@ -75,7 +75,7 @@ def check(
         typer.Argument(metavar="SCENARIO|FOLDER...", help="Files, folders or library scenes."),
     ],
 ) -> None:
-    """Check scenes: format, published values, and effects whose absence would not show."""
+    """Check scenes: format, published values, and effects without which nothing would change."""
     from ..named_scenes import checked, complain
 
     result = checked(scenes)
@@ -99,11 +99,10 @@ def export(
     from .truth_files import write_truth
 
     write = write_truth if truth else export_scene
-    try:
-        written = write(_scenario(scenario), folder)
-    except OSError as error:
-        raise unusable(folder, error, "written") from None
-    for path in written:
+    scene = _scenario(scenario)
+    with written(folder):
+        paths = write(scene, folder)
+    for path in paths:
         print(path)
 
 

@@ -10,7 +10,8 @@ from textwrap import wrap
 from ....reference import IntegrationError, Solution, solve
 from ....scenarios import FloatArray, Scenario, angular_momentum_world, energy, printable
 from ....scenarios.regular_files import write_new
-from ..terminal import NOT_RUN, Complaint
+from ..executing import compile_first
+from ..terminal import NOT_RUN, as_complaint
 
 #: What each column is, with its unit and its axes.
 COLUMNS = {
@@ -38,10 +39,9 @@ def write_truth(scenario: Scenario, folder: Path) -> list[Path]:
     OSError
         If the folder cannot be written.
     """
-    try:
+    compile_first()
+    with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
         solution = solve(scenario, scenario.times)
-    except IntegrationError as error:
-        raise Complaint(f"{scenario.name}: {error}", NOT_RUN) from None
     motion = solution.trajectory
     columns = {
         "t": motion.t,

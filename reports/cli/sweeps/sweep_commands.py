@@ -53,7 +53,7 @@ def map_scene(
 ) -> None:
     """Vary two numbers of a scene, and compare every method with the exact motion at every point.
 
-    What the file holds already is not run again, unless by '--again'.
+    Points that the file has already are not run again, unless '--again' is given.
     """
     from ..executing import Where
     from .sweep_running import choose_for_sweep, run_map
@@ -66,7 +66,10 @@ def map_scene(
 @app.command("vary", epilog="Example: spincheck vary fast-top start.omega_body[2]=37.3")
 def print_varied(
     scenario: Scene,
-    numbers: Annotated[list[str], typer.Argument(metavar="PATH=VALUE...")],
+    numbers: Annotated[
+        list[str],
+        typer.Argument(metavar="PATH=VALUE...", help="Numbers of the scene file, and values."),
+    ],
 ) -> None:
     """Print a scene with other numbers, such as a point of a map, as a scenario file."""
     from .sweep_running import varied_text
@@ -77,7 +80,7 @@ def print_varied(
 @app.command("member", epilog="Example: spincheck member fast-top --seed 7 --member 3")
 def print_member(
     scenario: Scene,
-    member: Annotated[int, typer.Option(min=0, help="Its number, from 0 on.")],
+    member: Annotated[int, typer.Option(min=0, help="The member's number, from 0 on.")],
     seed: Seed = 0,
 ) -> None:
     """Print one member of an ensemble as a scenario file, to be read and run."""

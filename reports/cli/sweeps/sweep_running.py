@@ -21,11 +21,11 @@ from ...results.sweep_records import (
     points_of,
 )
 from ..choosing import check_timesteps, choose
-from ..executing import Where, executor_for
+from ..executing import Where, executor_for, say_if_compiling
 from ..named_scenes import one_scene, scenes_to_run
 from ..run.running import gone_on_with
 from ..stopping import saying
-from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, progress, say
+from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, as_complaint, progress, say
 
 #: Lines of progress that a sweep prints if there is no terminal to draw a bar on.
 PROGRESS_LINES = 50
@@ -115,14 +115,12 @@ def varied_text(scene: str, numbers: Sequence[str]) -> str:
     """
     base = one_scene(scene)
     values = dict(_number(text) for text in numbers)
-    try:
+    with as_complaint(VaryError, ScenarioError):
         for path in values:
             check_path(base, path)
         if TIMESTEP in values:
             raise VaryError("the timestep is no number of the scene; give it to 'spincheck run'")
         return varied(base, values).text
-    except (VaryError, ScenarioError) as error:
-        raise Complaint(str(error), BAD_INPUT) from None
 
 
 def choose_for_sweep(
@@ -166,12 +164,10 @@ def _number(text: str) -> tuple[str, float]:
 
 
 def _map(base: Scenario, ranges: Sequence[str], choice: Choice) -> Map:
-    try:
+    with as_complaint(VaryError, before="'--vary' "):
         axes = [parse_axis(text) for text in ranges]
         for axis in axes:
             check_path(base, axis.path)
-    except VaryError as error:
-        raise Complaint(f"'--vary' {error}", BAD_INPUT) from None
     paths = [axis.path for axis in axes]
     if len(axes) != 2 or paths[0] == paths[1]:
         raise Complaint(
@@ -192,23 +188,25 @@ def _carried_out(
     """Run what is missing of sweeps, and return them with the points of the methods chosen."""
     pairs = {(engine.name, method.name) for engine, method in choice.pairs()}
     results = []
-    try:
-        with saying(gone_on_with(out)), open_store(out, create=True) as store:
-            left = [(plan_sweep(sweep, base, choice, store), base) for sweep, base in sweeps]
-            complete, total = (sum(getattr(p, n) for p, _ in left) for n in ("complete", "total"))
-            if complete:
-                say(f"{out}: {complete} of {total} points are stored already")
-            if complete < total:
-                with (
-                    executor_for(where, choice.time_limit) as executor,
-                    progress(total - complete, PROGRESS_LINES) as advance,
-                ):
-                    for planned, base in left:
-                        run_sweep(planned, base, store, executor, advance)
-            for sweep, base in sweeps:
-                points = points_of(sweep, store.points(base.name))
-                chosen = tuple(row for row in points if row.pair in pairs)
-                results.append(SweepResult(sweep, base, chosen))
-            return results
-    except ResultFileError as error:
-        raise Complaint(str(error), BAD_INPUT) from None
+    with (
+        as_complaint(ResultFileError),
+        saying(gone_on_with(out)),
+        open_store(out, create=True) as store,
+    ):
+        left = [(plan_sweep(sweep, base, choice, store), base) for sweep, base in sweeps]
+        complete, total = (sum(getattr(p, n) for p, _ in left) for n in ("complete", "total"))
+        if complete:
+            say(f"{out}: {complete} of {total} points are stored already")
+        if complete < total:
+            say_if_compiling()
+            with (
+                executor_for(where, choice.time_limit) as executor,
+                progress(total - complete, PROGRESS_LINES) as advance,
+            ):
+                for planned, base in left:
+                    run_sweep(planned, base, store, executor, advance)
+        for sweep, base in sweeps:
+            points = points_of(sweep, store.points(base.name))
+            chosen = tuple(row for row in points if row.pair in pairs)
+            results.append(SweepResult(sweep, base, chosen))
+    return results

@@ -7,7 +7,8 @@ from ....scenarios import printable
 from ....scenarios.regular_files import write_new
 from ....scenarios.users_models import ModelFileError, read_model
 from ...harness.users_models import listed
-from ..terminal import BAD_INPUT, Complaint
+from ..refusals import written
+from ..terminal import BAD_INPUT, Complaint, as_complaint
 from .link_scenes import LinkScene, link_scenes
 
 
@@ -24,11 +25,9 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
         If the file cannot be read or has no such link, if no link makes a scene, or if a scene's
         file exists already.
     """
-    try:
+    with as_complaint(ModelFileError):
         model = read_model(file)
         scenes = list(link_scenes(model, out.absolute()))
-    except ModelFileError as error:
-        raise Complaint(str(error), BAD_INPUT) from None
     there = {link.name for link in model.links}
     if unknown := [link for link in links if link not in there]:
         raise Complaint(f"{file}: there is no link '{unknown[0]}'", BAD_INPUT)
@@ -45,13 +44,10 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
             "or give another '--out'",
             BAD_INPUT,
         )
-    try:
+    with written(out):
         out.mkdir(parents=True, exist_ok=True)
         for path, scene in paths.items():
             write_new(path, scene.text, replace=False)
-    except OSError as error:
-        where = error.filename or out
-        raise Complaint(f"{where}: cannot be written: {error.strerror}", BAD_INPUT) from None
     said = (*(_path_line(path, scene) for path, scene in paths.items()), *_left_out(wanted))
     return [printable(line) for line in said]
 

@@ -21,7 +21,8 @@ from ...harness.users_models import (
     remedies,
     weight_in_words,
 )
-from ..terminal import BAD_INPUT, NOT_RUN, Complaint, table, terminal_width
+from ..refusals import written
+from ..terminal import NOT_RUN, Complaint, as_complaint, table, terminal_width
 from .inspection_record import columns, is_stated
 
 #: Lines of a list that are printed; '--json' has all.
@@ -53,15 +54,12 @@ def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator
     Complaint
         If no engine can be asked.
     """
-    try:
-        readers = reader_engines(engines)
-        if not readers:
-            raise Complaint("no engine is installed that reads model files", NOT_RUN)
-        with LocalWorkers(1, READ_LIMIT) as worker:
-            for model in models:
-                yield inspect_model(model, worker, readers)
-    except CannotInspectError as error:
-        raise Complaint(str(error), BAD_INPUT) from None
+    readers = reader_engines(engines)
+    if not readers:
+        raise Complaint("no engine is installed that reads model files", NOT_RUN)
+    with as_complaint(CannotInspectError), LocalWorkers(1, READ_LIMIT) as worker:
+        for model in models:
+            yield inspect_model(model, worker, readers)
 
 
 def write_pages(inspected: Sequence[Inspection], out: Path) -> Iterator[Path]:
@@ -75,12 +73,9 @@ def write_pages(inspected: Sequence[Inspection], out: Path) -> Iterator[Path]:
     from ...pages.users_models import page_names, write_model_page
 
     names = page_names([one.model.path for one in inspected])
-    try:
+    with written(out):
         for one, name in zip(inspected, names, strict=True):
             yield write_model_page(one, out, name)
-    except OSError as error:
-        where = error.filename or out
-        raise Complaint(f"{where}: cannot be written: {error.strerror}", BAD_INPUT) from None
 
 
 def print_inspection(inspection: Inspection) -> None:

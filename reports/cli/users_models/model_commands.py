@@ -26,7 +26,7 @@ def inspect(
     package_path: Packages = None,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", help="Write a page of each file there; a report's will do."),
+        typer.Option(metavar="DIR", help="The folder to write a page of each file into."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -63,7 +63,7 @@ def import_links(
         list[str] | None, typer.Option("--link", help="Only this link; may be repeated.")
     ] = None,
 ) -> None:
-    """Make a scene of every link of a model: it tumbles, with the inertia that the file states."""
+    """Write a scene for each link of a model, which tumbles with the inertia of the file."""
     from .import_links import import_scenes
 
     for line in import_scenes(file, out, link or []):

@@ -114,7 +114,7 @@ def since_failure(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
 
 
 def judged_ladder(evidence: Evidence, rows: Sequence[Row]) -> LadderJudgement:
-    """The judgement on the rows since the last that failed."""
-    judged = {row.timestep for row in since_failure(rows)[0]}
+    """The judgement on some rows."""
+    judged = {row.timestep for row in rows}
     rungs = tuple(rung for rung in evidence.rungs if rung.timestep in judged)
     return LadderJudgement(JudgedLadder(evidence.basis, rungs) if evidence.basis else None)

@@ -18,38 +18,47 @@ class Records:
     Attributes
     ----------
     evidence : of the runs of the ladder, and of steps and pieces from exact states
-    rows : of the ladder, coarse to fine
-    last : the run that decides where nothing is judged; None if there is none
+    rows, single_rows, above_rows : of the ladder, coarse to fine; of single timesteps; above it
+    least_steps : of the ladder's first rung, though they exceed the limit; None if only single
+        timesteps were asked for
+    finest : s, the timestep of the ladder's last rung; 0 if it has none
+    order : the least that is declared
     as_shipped, of_file : whether the method is an engine with all its defaults, or of a user's file
     slack : relative, to which the engine holds a state
     interval : s, between two samples
     lacking : why the engine cannot simulate the scene, in words; else empty
-    least_steps : that the first rung would take, more than the limit; None if there are rungs
     ending : why the exact motion ends before its window, in words; else empty
-    single : whether only single timesteps were asked for
-    cut_short : whether finer rungs would have been run if the step limit allowed them
     unmet : expectations of the scene that were not met, in words
     known : the expected failures of the scene's file
     """
 
     evidence: Evidence
-    rows: Sequence[Row] = ()
-    last: Row | None = None
+    rows: Sequence[Row]
+    single_rows: Sequence[Row]
+    above_rows: Sequence[Row]
+    least_steps: float | None
+    finest: float
+    order: int
     as_shipped: bool = False
     of_file: bool = False
     slack: float = 0.0
     interval: float = 0.0
     lacking: str = ""
-    least_steps: float | None = None
     ending: str = ""
-    single: bool = False
-    cut_short: bool = False
     unmet: tuple[str, ...] = ()
     known: Sequence[Known] = ()
 
+    @property
+    def last(self) -> Row | None:
+        """The run that decides the verdict where nothing is judged; None if there is none."""
+        if self.rows or self.least_steps is None:
+            return [*self.single_rows, *self.rows][-1]
+        # Without rungs, only runs above the ladder exist: too coarse for anything but a failure.
+        return next(filter(self.is_hopeless, self.above_rows), None)
+
     @cached_property
     def judged_rows(self) -> list[Row]:
-        """Those finer than the last that failed."""
+        """Those of the ladder finer than the last that failed."""
         return since_failure(self.rows)[0]
 
     @cached_property
@@ -59,8 +68,8 @@ class Records:
 
     @cached_property
     def ladder(self) -> LadderJudgement:
-        """The judgement on these rows."""
-        return judged_ladder(self.evidence, self.rows)
+        """The judgement on the judged rows."""
+        return judged_ladder(self.evidence, self.judged_rows)
 
     @cached_property
     def local(self) -> LocalJudgement | None:
@@ -71,3 +80,7 @@ class Records:
     def remembers(self) -> bool:
         """Whether a run goes on otherwise than if restarted from its own states."""
         return (self.evidence.memory or 0.0) > 1
+
+    def is_hopeless(self, row: Row) -> bool:
+        """Whether no finer timestep can succeed: the run failed, or the method lacks an effect."""
+        return bool(self.lacking) if row.outcome == "unsupported" else row.outcome == "failed"

@@ -10,6 +10,7 @@ from ..ladder import COARSEST_TURN
 from .contradictions import contradictions
 from .expected_failures import compared_with_expected_failures
 from .ladder import RUNGS_OF_A_LIMIT
+from .ladder_end import cut_short
 from .local import CONSISTENT, LocalJudgement
 from .records import Records
 
@@ -17,7 +18,7 @@ from .records import Records
 def judge(records: Records) -> Verdict:
     """Judge a method by what is stored of it, and compare with the scene's expected failures."""
     return compared_with_expected_failures(
-        records.known, _judged(records), cut_short=records.cut_short
+        records.known, _judged(records), cut_short=cut_short(records)
     )
 
 
@@ -64,7 +65,8 @@ def _by_pieces(
     if worst.verdict == "disagrees" and not records.as_shipped:
         return Verdict(key, "disagrees", where, *numbers, **attributes)
     # Single timesteps are asked about as they are.
-    if records.single or word != "unresolved" or not local.converges or records.remembers:
+    is_decided = records.least_steps is None or word != "unresolved"
+    if is_decided or not local.converges or records.remembers:
         return None
     reason = (
         f"steps from {found.states} exact states are consistent to {found.tolerance:.1e}; "
@@ -119,7 +121,7 @@ def _of_signals(records: Records, remark: str, *, is_wrong: bool, **attributes: 
 
 def _undecided_by_pieces(records: Records) -> str:
     """Why steps and pieces do not decide either; empty where they were not asked."""
-    if records.local is None or records.single:
+    if records.local is None or records.least_steps is None:
         return ""
     found = records.local.evidence
     if records.remembers:
@@ -141,9 +143,9 @@ def _undecided_by_pieces(records: Records) -> str:
 
 def _no_verdict(records: Records) -> str:
     """Why the ladder cannot be judged."""
-    if records.single:
+    if records.least_steps is None:
         return "no ladder was run, only single timesteps"
-    if records.least_steps is not None:
+    if not records.finest:
         return _no_ladder(records.least_steps, records.ending)
     finished = len(records.judged_rows)
     return f"only {finished} timesteps ran to the end; {RUNGS_OF_A_LIMIT} make a verdict"

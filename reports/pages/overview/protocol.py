@@ -3,9 +3,9 @@
 from ....engines.checks.read_back import READ_BACK_SLACK, READ_BACK_SLACK_SINGLE
 from ....reference.solution import MAX_UNCERTAINTY
 from ....scenarios import EFFECTS
-from ...harness import choice, comparison, convergence_study, ladder, step_cost
+from ...harness import comparison, ladder, step_cost
 from ...harness.executors import TIME_LIMIT
-from ...harness.judging import best_window, observed_order, signal_ladder
+from ...harness.judging import best_window, ladder_end, observed_order, signal_ladder
 from ...harness.judging.ladder import RUNGS_OF_A_LIMIT
 from ...harness.measuring import asymptotic
 from ..analysis.wording import count, number
@@ -19,11 +19,11 @@ def constants() -> dict[str, str]:
         "largest_turn": number(ladder.LARGEST_TURN),
         "least_steps": str(ladder.LEAST_STEPS),
         "max_steps": count(ladder.MAX_STEPS),
-        "quick_steps": count(choice.QUICK_STEPS),
+        "quick_steps": count(ladder.QUICK_STEPS),
         "min_rungs": str(ladder.MIN_RUNGS),
-        "goal": number(convergence_study.GOAL),
-        "fine_goal": number(convergence_study.FINE_GOAL),
-        "high_order": str(convergence_study.HIGH_ORDER),
+        "goal": number(ladder_end.GOAL),
+        "fine_goal": number(ladder_end.FINE_GOAL),
+        "high_order": str(ladder_end.HIGH_ORDER),
         "rungs_of_a_limit": str(RUNGS_OF_A_LIMIT),
         "absurd_energy": f"{comparison.ABSURD_ENERGY:g}",
         "order_slack": f"{asymptotic.ORDER_SLACK:g}",

@@ -49,7 +49,7 @@ SURVIVAL = (
     "Percentage of runs that finished, by the angle that the body turns in a step at the start, "
     "‖ω(0)‖ dt. A run that finished may still be wrong."
 )
-UNFINISHED = "The worst there is where a run did not finish."
+UNFINISHED = "From the best member to the worst; a run that did not finish has the worst value."
 WORST_FIRST = "Those that did not finish first, then by the error of ω."
 
 

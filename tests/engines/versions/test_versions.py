@@ -14,9 +14,10 @@ from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.engines.versions import VersionedEngine, VersionError, folders, versioned
 from spincheck.reports.cli.engines.versions import changes_between_versions
-from spincheck.reports.harness.choice import QUICK_STEPS, Choice
+from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess, LocalWorkers
 from spincheck.reports.harness.executors.executor import CallFailed
+from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_study
 from spincheck.reports.pages.analysis.changes import Change

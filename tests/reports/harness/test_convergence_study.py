@@ -9,12 +9,12 @@ import pytest
 from scene_texts import sphere_text
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Engine, Method, Run
-from spincheck.reports.harness.choice import QUICK_STEPS
-from spincheck.reports.harness.convergence_study import GOAL, ConvergenceStudy
+from spincheck.reports.harness.convergence_study import ConvergenceStudy
 from spincheck.reports.harness.executors import Answer
 from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.judging.ladder import RUNGS_OF_A_LIMIT
-from spincheck.reports.harness.ladder import MAX_STEPS, MIN_RUNGS, Rung
+from spincheck.reports.harness.judging.ladder_end import GOAL
+from spincheck.reports.harness.ladder import MAX_STEPS, MIN_RUNGS, QUICK_STEPS, Rung
 from spincheck.reports.harness.study import prepare
 from spincheck.reports.results.evidence import JudgedLadder, LocalEvidence
 from spincheck.scenarios import Scenario, Trajectory, loads

@@ -6,8 +6,8 @@ import pytest
 from library_scenes import library_scene
 from planted import Planted
 from spincheck.reports.cli.run.running import scenes_of
-from spincheck.reports.harness.choice import QUICK_STEPS, Choice
-from spincheck.reports.harness.ladder import MAX_STEPS
+from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.ladder import MAX_STEPS, QUICK_STEPS
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.results.store import open_store
 

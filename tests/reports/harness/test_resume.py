@@ -13,10 +13,10 @@ from failing_calls import FailingCalls, of_function
 from planted import HeunSession, RaisingSession, planted
 from same_results import differences
 from spincheck.engines.lost_process import KILLED
-from spincheck.reports.harness import convergence_study
 from spincheck.reports.harness import study as study_module
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import CallFailed, Executor
+from spincheck.reports.harness.judging import ladder_end
 from spincheck.reports.harness.study import prepare, simulate
 from spincheck.reports.results import fingerprints as fingerprints
 from spincheck.reports.results.records import Record, Row
@@ -223,7 +223,7 @@ def test_the_verdict_on_a_timestep_is_its_own(finished):
 def test_a_ladder_cut_short_by_a_lesser_limit_is_gone_on_with(path, tmp_path, monkeypatch):
     # No limit is known so well: all rungs are run.
     for goal in ("GOAL", "FINE_GOAL"):
-        monkeypatch.setattr(convergence_study, goal, 0.0)
+        monkeypatch.setattr(ladder_end, goal, 0.0)
     longer, other = replace(LADDER, max_steps=1 << 11), tmp_path / "longer.sqlite"
     run(path)
     run(other, longer)

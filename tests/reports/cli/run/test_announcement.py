@@ -7,7 +7,8 @@ import pytest
 from scenes import SCENES
 from spincheck.engines import engines
 from spincheck.reports.cli.run.announcement import announcement
-from spincheck.reports.harness.choice import QUICK_STEPS, Choice
+from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.plan import Plan, SceneLeft
 
 CHOICE = Choice((engines()["mujoco"], engines()["pybullet"]), max_steps=QUICK_STEPS)

@@ -105,16 +105,25 @@ def test_engines_as_shipped_are_not_even_run(monkeypatch: pytest.MonkeyPatch) ->
 
 
 @pytest.mark.parametrize(
-    ("of_the_file", "is_taken"),
-    [({}, True), ({"engine_version": "0.1"}, False), ({"seconds_per_step": None}, False)],
-    ids=["timed", "of another version", "untimed"],
+    ("of_the_file", "runs", "is_taken"),
+    [
+        ({}, 3, True),
+        ({}, 2, False),
+        ({"engine_version": "0.1"}, 3, False),
+        ({"seconds_per_step": None}, 3, False),
+    ],
+    ids=["timed", "timesteps that are no ladder", "of another version", "untimed"],
 )
 def test_timed_runs_of_the_engine_that_is_here_are_taken_from_the_file(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, of_the_file: dict[str, Any], is_taken: bool
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    of_the_file: dict[str, Any],
+    runs: int,
+    is_taken: bool,
 ) -> None:
     ladder = euler_alone(straight)
     here = {"engine_version": engines()["mujoco"].version}
-    rows = [replace(row, **(here | of_the_file)) for row in ladder.rows]
+    rows = [replace(row, **(here | of_the_file)) for row in ladder.rows[:runs]]
     stored = tmp_path / "stored.sqlite"
     stored.touch()
     monkeypatch.setattr(running, "read", lambda _: replace(ladder, rows=rows))
