@@ -10,7 +10,7 @@ READY := $(VENV)/.ready
 CODE := scenarios reference engines reports
 # The distributions on the first page, a scene of each kind of motion scattered: defaults, and what is recommended
 # instead, at stock timesteps.
-SPREAD := football-spiral book-middle-axis fast-top lopsided-body motor-driven-top --ensemble 60 \
+SPREAD := football-spiral book-middle-axis fast-top lopsided-body motor-driven-top --ensemble 50 \
 	--engine mujoco --engine pybullet \
 	--method default --method RK4 --method multibody
 

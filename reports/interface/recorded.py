@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
-from spincheck.reports.harness.recorded.read import Recording, check_motion
+from spincheck.reports.harness.recorded.recording import Recording, check_motion
 from spincheck.scenarios import FloatArray, Scenario
 
 #: By the name of an argument, the quantity that it gives and its number of components.

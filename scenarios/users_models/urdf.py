@@ -111,8 +111,12 @@ def _stated(inertial: Element | None) -> Stated | None:
     assert tensor is not None
     pose = _pose(inertial)
     unturned = np.array([[number(tensor, key) for key in row] for row in _TENSOR])
-    inertia = pose.R @ unturned @ pose.R.T
-    return Stated(number(mass, "value"), pose.position, (inertia + inertia.T) / 2, unturned)
+    with np.errstate(over="ignore", invalid="ignore"):
+        inertia = pose.R @ unturned @ pose.R.T
+        inertia = (inertia + inertia.T) / 2
+    if not np.isfinite(inertia).all():
+        inertial.refuse("the inertia is too large to be computed with")
+    return Stated(number(mass, "value"), pose.position, inertia, unturned)
 
 
 def _pose(element: Element) -> Pose:

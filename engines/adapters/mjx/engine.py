@@ -48,8 +48,8 @@ class MJX(Engine):
         """Compile the scene's MJCF, hand it to MJX, and have JAX compile the step."""
         check_not_too_small(scenario)
         integrator = None if method.as_shipped else method.name
-        text = mjcf(scenario, timestep, integrator, left_in(scenario, integrator))
-        return MJXSession(scenario, text, is_double=not self.single_precision)
+        text = mjcf(scenario, self.stock_timestep, integrator, left_in(scenario, integrator))
+        return MJXSession(scenario, text, timestep, is_double=not self.single_precision)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """The MJCF, and the few calls that step it."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from contextlib import redirect_stdout
-from functools import cache
+from functools import cache, lru_cache
 from importlib import import_module
 from io import StringIO
 from typing import Any, final
@@ -21,27 +21,27 @@ from .script import SPRINGS
 
 #: Samples that one call takes: a call costs as much as a hundred steps.
 SAMPLES_A_CALL = 256
+#: Models that are kept as MJX holds them, some 100 kB each.
+MODELS = 64
 
 
 @final
 class MJXSession(Session):
     """One body, on a ball joint or free; MJX's model and data as flat lists of JAX's arrays."""
 
-    def __init__(self, scenario: Scenario, text: str, is_double: bool) -> None:
+    def __init__(self, scenario: Scenario, text: str, timestep: float, is_double: bool) -> None:
         self._jax, self._is_double, self._scenario = _jax(is_double), is_double, scenario
-        mjx, jnp = import_module("mujoco.mjx"), import_module("jax.numpy")
-        model = mjx.put_model(compiled(lambda: _nameless(text).compile()))
-        qpos, qvel = (jnp.array(numbers) for numbers in start_coordinates(scenario))
-        data = mjx.make_data(model).replace(qpos=qpos, qvel=qvel)
-        self._still, model_tree = self._jax.tree.flatten(model)
-        moving, data_tree = self._jax.tree.flatten(data)
-        # As numpy's: the compiled loop takes none of JAX's weak types.
-        self._moving = self._at_start = [np.asarray(leaf) for leaf in moving]
+        model, data = _in_mjx(text, is_double)
+        self._model = _with_timestep(model, timestep)
+        qpos, qvel = (
+            np.asarray(numbers, dtype=data.qpos.dtype) for numbers in start_coordinates(scenario)
+        )
+        still, model_tree = self._jax.tree.flatten(self._model)
+        self._still = self._jax.device_put(still)
+        self._at_start, data_tree = self._jax.tree.flatten(data.replace(qpos=qpos, qvel=qvel))
+        self._moving = self._at_start
         self._trees = model_tree, data_tree
         self._loop = _loop(self._trees, _kinds(self._still), _kinds(self._moving))
-        # All else that it holds follows from the arrays; as numpy's, for MuJoCo's audit.
-        still = [np.asarray(leaf) for leaf in self._still]
-        self._model = self._jax.tree.unflatten(self._trees[0], still)
         self.record((), lambda _: None)
 
     @property
@@ -57,10 +57,7 @@ class MJXSession(Session):
     def restart(self, state: State, timestep: float | None = None) -> None:
         """The data of the start with the coordinates of the state; nothing is compiled again."""
         if timestep is not None:
-            old = self._model.opt.timestep
-            self._model = self._model.tree_replace(
-                {"opt.timestep": np.asarray(timestep, dtype=old.dtype)}
-            )
+            self._model = _with_timestep(self._model, timestep)
             self._still = self._jax.tree.leaves(self._model)
         data = self._jax.tree.unflatten(self._trees[1], self._at_start)
         coordinates = coordinates_of(state, self._model.nv, self._model.body_ipos[-1])
@@ -128,6 +125,24 @@ def _nameless(text: str) -> Any:
     return spec
 
 
+@lru_cache(maxsize=MODELS)
+def _in_mjx(text: str, is_double: bool) -> tuple[Any, Any]:
+    """A model and data at rest, as MJX makes them of an MJCF, in numpy's arrays.
+
+    As numpy's: the compiled loop takes none of JAX's weak types, and MuJoCo's audit reads them. To
+    hand a model to MJX takes a tenth of a second; nothing changes the arrays.
+    """
+    jax, mjx = _jax(is_double), import_module("mujoco.mjx")
+    model = mjx.put_model(compiled(lambda: _nameless(text).compile()))
+    made: tuple[Any, Any] = jax.tree.map(np.asarray, (model, mjx.make_data(model)))
+    return made
+
+
+def _with_timestep(model: Any, timestep: float) -> Any:
+    made = np.asarray(timestep, dtype=model.opt.timestep.dtype)
+    return model.tree_replace({"opt.timestep": made})
+
+
 def _jax(is_double: bool) -> Any:
     """JAX on the CPU in this precision, which keeps what it compiles in the user's cache."""
     jax: Any = import_module("jax")
@@ -135,7 +150,10 @@ def _jax(is_double: bool) -> Any:
     jax.config.update("jax_compilation_cache_dir", str(user_cache() / "jax"))
     with redirect_stdout(StringIO()):  # It prints that Warp is not there.
         import_module("mujoco.mjx")
-    jax.config.update("jax_enable_x64", is_double)
+    if jax.config.jax_enable_x64 != is_double:
+        jax.config.update("jax_enable_x64", is_double)
+        # Functions that were traced in the other precision do not fit MJX's any more.
+        jax.clear_caches()
     return jax
 
 
@@ -169,8 +187,6 @@ def _loop(trees: Any, still: tuple[Kind, ...], moving: tuple[Kind, ...]) -> Any:
         rows = jnp.zeros((SAMPLES_A_CALL, model.nq + model.nv), data.qpos.dtype)
         return jax.lax.fori_loop(0, count, sample, (moving, rows))
 
-    # Functions that were traced in the other precision do not fit MJX's any more.
-    jax.clear_caches()
     kinds = (still, moving, (((SAMPLES_A_CALL,), "int32"),), (((), "int32"),))
     held_as, moving_as, (strides_as,), (count_as,) = (
         [jax.ShapeDtypeStruct(*kind) for kind in part] for part in kinds

@@ -13,8 +13,9 @@ from ...harness.convergence_study import ConvergenceStudy
 from ...harness.judging import judge
 from ...harness.recorded.judged import JudgedMotion, judged_motion
 from ...harness.recorded.motion import OmegaFrame, QuaternionOrder
-from ...harness.recorded.read import RecordingError, read_recording
+from ...harness.recorded.read import read_recording
 from ...harness.recorded.recorded_ladder import results_of, study_of_files
+from ...harness.recorded.recording import RecordingError
 from ...results.records import Verdict
 from ..executing import compile_first
 from ..refusals import written

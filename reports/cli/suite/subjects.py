@@ -17,8 +17,9 @@ from ....scenarios import Scenario, load
 from ...harness.executors import InProcess
 from ...harness.judging import judge
 from ...harness.recorded.judged import judged_motion
-from ...harness.recorded.read import READERS, RecordingError, read_recording
+from ...harness.recorded.read import READERS, read_recording
 from ...harness.recorded.recorded_ladder import verdict_on_files
+from ...harness.recorded.recording import RecordingError
 from ...harness.study import Prepared, convergence_study_of, prepare, run_rungs
 from ...results.records import Verdict
 from ...results.verdict_words import RANKS, VERDICT

@@ -21,7 +21,7 @@ from ..defects import defects
 from .mistakes import Reading, mistakes, starts_elsewhere
 from .motion import OmegaFrame, QuaternionOrder, RecordedMotion, recorded_motion
 from .physics import other_physics
-from .read import Recording, RecordingError
+from .recording import Recording, RecordingError
 
 EPS = float(np.finfo(float).eps)
 #: rad; the bound that is reported where a user names none.

@@ -14,7 +14,7 @@ from ....reference import ExactMotion
 from ....scenarios import FloatArray, Scenario, Trajectory, error_series
 from ....scenarios.mechanics import RECENT
 from .motion import OmegaFrame, QuaternionOrder, RecordedMotion, recorded_motion
-from .read import Recording, RecordingError
+from .recording import Recording, RecordingError
 
 #: rad that the exact motion turns in the beginning that is compared, and samples of it at least.
 BEGINNING, FEWEST = 3.0, 3

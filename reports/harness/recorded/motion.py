@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import matrices, turned_back
-from .read import Recording, RecordingError
+from .recording import Recording, RecordingError
 
 QuaternionOrder = Literal["wxyz", "xyzw"]
 OmegaFrame = Literal["body", "world"]

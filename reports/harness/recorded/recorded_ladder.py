@@ -17,7 +17,7 @@ from ..executors import Answer
 from ..judging import judge
 from ..ladder import Ladder, Rung
 from .judged import JudgedMotion, exact_at
-from .read import RecordingError
+from .recording import RecordingError
 
 #: Two times are the same if they differ by less than this, relative to the last.
 SAME_TIME = 1e-9

@@ -5,6 +5,7 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ...harness.recorded.recorded_ladder import RecordedEngine
 from ...results.records import Key, Row
 from ..analysis.best_choice import (
     BOUNDS,
@@ -59,6 +60,7 @@ class SceneAnswer:
 
     Attributes
     ----------
+    title : of the table of defaults
     sentence : the defaults' errors, and what to use instead, in words
     uses : the best choice of each engine, the best of all first; none where no method converges,
         or the motion tells nothing about methods
@@ -66,6 +68,7 @@ class SceneAnswer:
     others : every other method at its engine's stock timestep and at 1 ms
     """
 
+    title: str
     sentence: str
     uses: tuple[Use, ...]
     defaults: Table
@@ -76,18 +79,25 @@ def scene_answer(scene: SceneRuns) -> SceneAnswer | None:
     """The answer for a scene; None if it could not be solved."""
     if scene.solved is None:
         return None
-    choices = best_choices(scene)
+    of_files = _is_of_files(scene)
+    choices = [] if of_files else best_choices(scene)
     shipped = [runs for runs in scene.methods if runs.declared and runs.declared.as_shipped]
     others = [runs for runs in scene.methods if runs not in shipped]
     seen = {(run.row.key, run.row.timestep): run for run in scene.compared}
     rows = [_line(scene, runs, row, seen) for runs in shipped for row in runs.stock[:1]]
     rows += [_line(scene, best.runs, best.row, seen, "recommended") for best in choices[:1]]
     return SceneAnswer(
+        "What the files show" if of_files else "What the defaults give",
         _sentence(scene, next(iter(choices), None)),
         tuple(_use(scene, choice) for choice in choices),
         table(HEADINGS, rows),
         table(HEADINGS, [_line(scene, runs, row, seen) for runs in others for row in runs.stock]),
     )
+
+
+def _is_of_files(scene: SceneRuns) -> bool:
+    """Whether its runs are motions read from files, which no advice on engines is about."""
+    return {runs.engine for runs in scene.methods} == {RecordedEngine.name}
 
 
 def shown_at_first(scene: SceneRuns) -> set[str]:
@@ -114,6 +124,8 @@ def attitude_in_degrees(scene: SceneRuns, row: Row) -> str:
 
 def _sentence(scene: SceneRuns, best: BestChoice | None) -> str:
     defaults = closest_defaults(scene)
+    if _is_of_files(scene):
+        return " ".join(_run_in_words(scene, "The recorded motion", row) for _, row in defaults)
     sentences = [_run_in_words(scene, runs.label, row) for runs, row in defaults[:SHOWN_DEFAULTS]]
     if others := defaults[SHOWN_DEFAULTS:]:
         are = "is" if len(others) == 1 else "are"

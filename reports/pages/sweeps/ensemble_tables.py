@@ -17,8 +17,11 @@ WORST = 3
 
 def quantile_table(members: Sequence[Members], measure: Measure) -> Table:
     """The quantiles of a measure, from the best member to the worst."""
+    *shares, worst = QUANTILES
+    if measure.more_is_better:
+        worst = "fewest"
     return table(
-        ("engine", "method", "members", "finished", *QUANTILES),
+        ("engine", "method", "members", "finished", *shares, worst),
         (list(_quantile_row(of_method, measure)) for of_method in members),
     )
 

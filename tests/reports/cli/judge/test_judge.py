@@ -60,7 +60,9 @@ def test_a_page_shows_the_files_as_the_runs_of_one_method(recorded, tmp_path):
     code, _, err = recorded("world.csv", "--out", "page")
     assert (code, err.split()) == (1, ["page/scenes/fast-top.html"])
     page = (tmp_path / "page/scenes/fast-top.html").read_text(encoding="utf-8")
-    assert "recorded files at 5 ms" in page
+    assert "The recorded motion at 5 ms is off by " in page
+    assert "What the files show" in page
+    assert "recommended" not in page
     assert "ω is in world axes; only 1 timesteps ran to the end" in page
 
 

@@ -7,7 +7,7 @@ import pytest
 from library_scenes import library_scene
 from spincheck.reference import solve
 from spincheck.reports.harness.recorded.judged import judged_motion
-from spincheck.reports.harness.recorded.read import Recording
+from spincheck.reports.harness.recorded.recording import Recording
 
 pytestmark = pytest.mark.slow
 

@@ -12,7 +12,7 @@ from planted_physics import Damped, Ungyroscopic
 from spincheck.engines import engines
 from spincheck.reference import solve
 from spincheck.reports.harness.recorded.judged import judged_motion
-from spincheck.reports.harness.recorded.read import Recording
+from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.scenarios import Scenario, Trajectory, load
 from spincheck.scenarios.scenario import with_tables
 from spincheck.suite import SCENES

@@ -11,8 +11,9 @@ from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.recorded.judged import judged_motion
-from spincheck.reports.harness.recorded.read import RecordingError, read_recording
+from spincheck.reports.harness.recorded.read import read_recording
 from spincheck.reports.harness.recorded.recorded_ladder import verdict_on_files
+from spincheck.reports.harness.recorded.recording import RecordingError
 from spincheck.reports.harness.study import convergence_study_of, prepare, run_rungs
 
 HEADS = "t,qw,qx,qy,qz,wx,wy,wz,x,y,z,vx,vy,vz"
