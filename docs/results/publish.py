@@ -30,7 +30,9 @@ Each page shows what one version of an engine did on the scenes of the library: 
 with what to do about them, and the verdicts and errors of each method. *Error* is that of the
 attitude at the timestep that users of the engine get who set none. The method `default` is the
 engine as shipped; in the others everything that a scene does not call for is switched off. Ladders
-are those of `--quick`: a run without it decides some of what is `unresolved` here.
+are those of `--quick`: a run without it decides some of what is `unresolved` here. The column
+*scenes* is the number of scenes that a method was run on, which are the plain ones where it is
+smaller than the page's.
 [How to object to a result](../project/neutrality.md).
 
 `make results` writes these pages, and a report with a page for each scene into `build/results`.
@@ -136,6 +138,12 @@ def degrees(off: float | None) -> str:
     return "blew up" if off is None or off == math.inf else f"{float(f'{off:.2g}'):g}°"
 
 
+def newest(path: Path) -> tuple[str, str, list[int]]:
+    """The day, engine and version of a file, to sort by."""
+    engine, _, version = path.stem.rpartition("-")
+    return path.parent.name, engine, ordered(version)
+
+
 def table(columns: tuple[str, ...], lines: list[list[str]]) -> str:
     """A table in Markdown, of the columns that are not empty."""
     full = [number for number in range(len(columns)) if any(cells[number] for cells in lines)]
@@ -167,7 +175,7 @@ def page(one: Record) -> str:
 
 def index() -> str:
     """The page of all days: a line a version and day, newest first; counts over all methods."""
-    paths = sorted(FOLDER.glob("*/*.json"), reverse=True)
+    paths = sorted(FOLDER.glob("*/*.json"), key=newest, reverse=True)
     lines = []
     for path in paths:
         one = json.loads(path.read_text(encoding="utf-8"))

@@ -117,7 +117,9 @@ def _outside_its_shapes(link: Link, stated: Stated) -> list[FileProblem]:
     low = np.min([s.low for s in link.shapes if s.low is not None], axis=0)
     high = np.max([s.high for s in link.shapes if s.high is not None], axis=0)
     diagonal = np.diag(stated.inertia)
-    spread = np.sqrt((diagonal.sum() / 2 - diagonal) / stated.mass)
+    # Of next to no mass it is infinite.
+    with np.errstate(over="ignore"):
+        spread = np.sqrt((diagonal.sum() / 2 - diagonal) / stated.mass)
     most = SHAPE_SLACK * (high - low) / 2
     axis = int(np.argmax(spread / np.maximum(most, np.finfo(float).tiny)))
     if spread[axis] <= most[axis]:

@@ -111,10 +111,11 @@ def _stated(inertial: Element | None) -> Stated | None:
     assert tensor is not None
     pose = _pose(inertial)
     unturned = np.array([[number(tensor, key) for key in row] for row in _TENSOR])
-    # Moments too large for a double are among the problems of a file.
     with np.errstate(over="ignore", invalid="ignore"):
         inertia = pose.R @ unturned @ pose.R.T
         inertia = (inertia + inertia.T) / 2
+    if not np.isfinite(inertia).all():
+        inertial.refuse("the inertia is too large to be computed with")
     return Stated(number(mass, "value"), pose.position, inertia, unturned)
 
 

@@ -253,7 +253,7 @@
     if (!shown.length) rows.push(nothingFound(columns));
     const total = data.scenes.length;
     document.getElementById("shown").textContent =
-      `${shown.length === total ? total : `${shown.length} of ${total}`} scenes`;
+      `${shown.length === total ? total : `${shown.length} of ${total}`} scene${total === 1 ? "" : "s"}`;
     return rows;
   }
 

@@ -48,69 +48,38 @@ def study(
     return study_of(tmp_path / "results.sqlite", [loads(text, "box")], choice, executor)
 
 
+#: Of all that leave this process alive: the verdict, and what its reason names.
+VERDICTS = {
+    HeunSession: ("converges", ""),
+    DampedInSecretSession: ("disagrees", ""),
+    SwappedMomentsSession: ("disagrees", ""),
+    NotANumberSession: ("diverges", "no longer finite"),
+    ResetSession: ("diverges", "has reset itself"),
+    ExplodingSession: ("diverges", "energy"),
+    LyingAboutBodySession: ("failed", "'mass' must read back"),
+    LyingAboutStartSession: ("failed", "'omega_body' must read back"),
+    DampedOpenlySession: ("failed", "damping"),
+    RaisingSession: ("failed", "ZeroDivisionError: a bug in an adapter"),
+}
+
+
 @pytest.fixture(scope="module")
 def judged(tmp_path_factory):
-    """Verdict by session class, of one study of all that leave this process alive."""
-    kinds = [
-        HeunSession,
-        NotANumberSession,
-        ResetSession,
-        ExplodingSession,
-        LyingAboutBodySession,
-        LyingAboutStartSession,
-        DampedInSecretSession,
-        DampedOpenlySession,
-        SwappedMomentsSession,
-        RaisingSession,
-    ]
-    results = study(tmp_path_factory.mktemp("study"), *kinds)
+    """Verdict by session class, of one study."""
+    results = study(tmp_path_factory.mktemp("study"), *VERDICTS)
     by_engine = {verdict.key.engine: verdict for verdict in results.verdicts}
-    return {kind: by_engine[planted(kind).name] for kind in kinds}
+    return {kind: by_engine[planted(kind).name] for kind in VERDICTS}
+
+
+@pytest.mark.parametrize("kind", VERDICTS)
+def test_each_fault_has_its_verdict_and_is_named(judged, kind):
+    word, named = VERDICTS[kind]
+    assert judged[kind].verdict == word
+    assert named in judged[kind].reason
 
 
 def test_the_faultless_engine_converges_at_its_order(judged):
-    verdict = judged[HeunSession]
-    assert verdict.verdict == "converges"
-    assert verdict.order == pytest.approx(2, abs=0.25)
-
-
-@pytest.mark.parametrize("kind", [DampedInSecretSession, SwappedMomentsSession])
-def test_a_model_that_is_not_the_scene_disagrees(judged, kind):
-    assert judged[kind].verdict == "disagrees"
-
-
-@pytest.mark.parametrize("kind", [NotANumberSession, ResetSession, ExplodingSession])
-def test_a_blow_up_diverges(judged, kind):
-    assert judged[kind].verdict == "diverges"
-
-
-@pytest.mark.parametrize(
-    ("kind", "words"),
-    [
-        (NotANumberSession, "no longer finite"),
-        (ResetSession, "has reset itself"),
-        (ExplodingSession, "energy"),
-        (LyingAboutBodySession, "'mass' must read back"),
-        (LyingAboutStartSession, "'omega_body' must read back"),
-        (DampedOpenlySession, "damping"),
-        (RaisingSession, "ZeroDivisionError: a bug in an adapter"),
-    ],
-)
-def test_the_reason_names_the_fault(judged, kind, words):
-    assert words in judged[kind].reason
-
-
-@pytest.mark.parametrize(
-    "kind",
-    [
-        LyingAboutBodySession,
-        LyingAboutStartSession,
-        DampedOpenlySession,
-        RaisingSession,
-    ],
-)
-def test_what_cannot_be_judged_failed(judged, kind):
-    assert judged[kind].verdict == "failed"
+    assert judged[HeunSession].order == pytest.approx(2, abs=0.25)
 
 
 @pytest.fixture(scope="module")

@@ -178,6 +178,13 @@ def test_mass_that_spreads_further_than_the_shapes_is_doubted(tmp_path):
     assert "within its shapes" in problem.text
 
 
+def test_next_to_no_mass_spreads_without_end(tmp_path):
+    text = shaped(MOST, BOX).replace('value="2"', 'value="1e-320"')
+    assert [p.kind for p in problems(read_model(written(tmp_path, text)).links[0])] == [
+        "radius of gyration"
+    ]
+
+
 @pytest.mark.parametrize("shape", [BOX, BOX.replace("collision", "visual")])
 def test_mass_at_the_shapes_corners_is_not(tmp_path, shape):
     assert problems(read_model(written(tmp_path, shaped(MOST, shape))).links[0]) == ()

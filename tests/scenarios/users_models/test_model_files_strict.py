@@ -35,6 +35,11 @@ def test_a_number_that_engines_read_differently_is_refused(tmp_path, number, why
     assert refusal(path) == message
 
 
+def test_an_inertia_too_large_for_a_double_is_refused(tmp_path):
+    path = written(tmp_path, arm(diagonal("1e308", "1e308", "1e308")))
+    assert refusal(path) == "FILE:3: the inertia is too large to be computed with"
+
+
 def test_a_vector_of_another_length_is_refused(tmp_path):
     text = arm().replace('rpy="0 0 0.5"', 'rpy="0 0.5"')
     message = "FILE:3: 'rpy' of <origin> must be 3 numbers, got '0 0.5'"
