@@ -8,10 +8,12 @@ import errno
 import os
 import secrets
 import stat
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+#: Characters of a name that is made of a text.
+LONGEST_NAME = 100
 #: Opening a pipe would wait for a writer; Windows has no such pipes.
 _AT_ONCE = getattr(os, "O_NONBLOCK", 0)
 
@@ -41,6 +43,17 @@ def is_own(folder: Path) -> bool:
     # Windows has neither.
     owners = {0, getattr(os, "getuid", lambda: found.st_uid)()}
     return found.st_uid in owners and not (os.name == "posix" and found.st_mode & stat.S_IWOTH)
+
+
+def file_name(text: str, taken: Collection[str]) -> str:
+    """A text in characters that files' names may have, another one than those taken."""
+    plain = "".join(c if c.isalnum() or c in "-_." else "-" for c in text)
+    plain = plain.lstrip("-_.")[:LONGEST_NAME] or "unnamed"
+    name, count, others = plain, 1, {other.lower() for other in taken}
+    while name.lower() in others:
+        count += 1
+        name = f"{plain}-{count}"
+    return name
 
 
 def write_new(path: Path, text: str, *, replace: bool = True) -> None:

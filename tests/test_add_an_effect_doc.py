@@ -21,7 +21,7 @@ OF_A_CONSTRAINT = "## A constraint: the table"
 #: Where "table" is another's.
 OTHER_TABLES = {"reports/pages/markdown.py"}
 #: Of a constraint with a force and an end of its own: measured.
-MOST_OF_A_CONSTRAINT = 24
+MOST_OF_A_CONSTRAINT = 26
 MOST, MOST_WITH_ADAPTERS = 11, 21
 #: Of a part, which adds states: measured.
 MOST_OF_A_PART = 15

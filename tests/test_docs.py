@@ -125,7 +125,7 @@ def test_a_version_is_shown_the_known_issues_that_it_has(publish: ModuleType) ->
         commands_shown = re.findall(r"`(spincheck [^`]*)`", str(lines))
         check_options([shlex.split(call) for call in commands_shown])
         if record["engine"] == "mujoco":
-            averaged = any("are averaged" in line[0] for line in lines)
+            averaged = any("are averaged" in line for line in lines)
             assert averaged == (publish.ordered(record["version"]) < [4])
             rk4[averaged] = record["degrees_off"]["RK4 fast-top"]
     assert rk4[True] > 1000 * rk4[False]

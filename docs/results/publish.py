@@ -95,11 +95,12 @@ def line(one: Record, method: str) -> list[str]:
     return [method, str(len(words)), *counts, *(cells or ["–", "–"]), worst_on]
 
 
-def faults(one: Record) -> list[list[str]]:
-    """The lines of the known faults that a version has."""
+def faults(one: Record) -> list[str]:
+    """The known faults that a version has, an item of a list each."""
     known = tomllib.loads(FAULTS.read_text(encoding="utf-8"))["fault"]
     return [
-        [fault["what"], span(fault), fault["remedy"], upstream(fault), seen(one, fault)]
+        f"- **{fault['what']}** ({span(fault)}).\n  What to do: {fault['remedy']}."
+        f" Upstream: {upstream(fault)}.\n  Shown by {seen(one, fault)}.\n"
         for fault in known
         if one["engine"] == fault["engine"]
         and ordered(fault["since"]) <= ordered(one["version"])
@@ -160,12 +161,11 @@ def name_of(one: Record) -> str:
 def page(one: Record) -> str:
     """The page of a version."""
     methods = sorted({name for name, *_ in one["verdicts"]})
-    head = ("what is wrong", "versions", "what to do", "upstream", "the command that shows it")
     return f"""# {one["engine"]} {one["version"]}, {one["date"]}
 
 ## Known issues
 
-{table(head, faults(one))}
+{"".join(faults(one))}
 ## On {len(one["scenes"])} scenes
 
 [Every verdict with its reason]({name_of(one)}.json).

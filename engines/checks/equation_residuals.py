@@ -37,6 +37,8 @@ ASKEW = ((0.62, 0.55, 0.56), (-0.48, 0.71, 0.52))
 LONGEST_TURN, HALVINGS = 0.1, 10
 #: So many of the shortest steps have to show that an error does not depend on their length.
 LEAPS = 4
+#: rad at the fastest rate, in a step that an explanation is looked for of.
+FOLLOWED = 30.0
 #: Digits printed of a number; more if they are needed to show a difference.
 DIGITS = 3
 
@@ -166,7 +168,9 @@ def differing(equations: Equations, steps: Steps, found: Excess, when: Sequence[
     if off.max() <= 1:
         return ""
     gains = gains_of(equations, steps.before, steps.exact, steps.spans, found.limit)
-    as_if = explanation(equations, gains, found.tolerance)
+    # A rod whose least moment is a 10⁻¹²th is not followed, even for a step.
+    is_followed = equations.rate * max(gain.span for gain in gains) <= FOLLOWED
+    as_if = explanation(equations, gains, found.tolerance) if is_followed else ""
     worst, quantity = divmod(int(np.argmax(off)), off.shape[1])
     what = _residual(gains[worst], quantity, equations.scenario.constraint.is_pivot, when[worst])
     return f"behaves as if {as_if}: {what}" if as_if else what

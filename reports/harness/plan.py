@@ -114,7 +114,10 @@ def _scene_for_passes(scenarios: Sequence[Scenario]) -> Scenario | None:
 
 
 def can_be_timed(scenario: Scenario, pair: EngineMethod, verdict: Verdict | None) -> bool:
-    """Whether a method can be stepped on a scene, as far as is known."""
+    """Whether a method can be stepped on a scene, as far as is known.
+
+    Another reader of an engine's models takes the engine's own steps: they are not timed again.
+    """
     engine, method = pair
     failed = verdict is not None and verdict.verdict in ("failed", "unsupported")
-    return not failed and not engine.unsupported(scenario, method)
+    return not (failed or method.reader or engine.unsupported(scenario, method))

@@ -70,6 +70,8 @@ def _time_left_out(
     """Time what each engine leaves out of a scene."""
     methods: dict[str, tuple[Engine, list[Method]]] = {}
     for engine, method in choice.methods_on(scenario).values():
+        if method.reader:
+            continue
         methods.setdefault(engine.name, (engine, []))[1].append(method)
     for engine, chosen in methods.values():
         costs = timed(executor.call_at(engine.site, call, scenario, engine, chosen))

@@ -34,6 +34,15 @@ class Table:
     anchors: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True, eq=False)
+class Captioned:
+    """A table, what it is of, and in a sentence what it shows."""
+
+    label: str
+    sentence: str
+    table: Table
+
+
 def table(headings: Iterable[str], rows: Iterable[Iterable[Cell | str]]) -> Table:
     """A table; plain strings become plain cells."""
     return Table(

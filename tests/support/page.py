@@ -2,12 +2,15 @@
 
 import base64
 import json
+import re
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 from spincheck.scenarios import FloatArray
@@ -101,6 +104,25 @@ def read_page(path: Path) -> Page:
     parser.close()
     parser.page.faults += [f"<{element.tag}> is never closed" for element in parser.open]
     return parser.page
+
+
+def unsound(folder: Path) -> dict[str, list[str]]:
+    """What is wrong with a report's pages, by page: markup, ids, links that lead nowhere or out."""
+    pages = {path.resolve(): read_page(path) for path in folder.rglob("*.html")}
+    found = {path.name: [*page.faults, *_wrong_links(page, pages)] for path, page in pages.items()}
+    return {name: faults for name, faults in found.items() if faults}
+
+
+def _wrong_links(page: Page, pages: dict[Path, Page]) -> Iterator[str]:
+    ids = page.attribute("id")
+    yield from (f"id {one} twice" for one in {one for one in ids if ids.count(one) > 1})
+    for target in page.attribute("href") + page.attribute("src"):
+        file, _, place = target.partition("#")
+        path = (page.path.parent / unquote(file)).resolve() if file else page.path.resolve()
+        if re.match(r"[a-z]+:|//", target) or not path.is_file():
+            yield f"leads nowhere in the report: {target}"
+        elif place and path in pages and place not in pages[path].attribute("id"):
+            yield f"no such place: {target}"
 
 
 class _Parser(HTMLParser):

@@ -21,6 +21,8 @@ from .script import SPRINGS
 
 #: Samples that one call takes: a call costs as much as a hundred steps.
 SAMPLES_A_CALL = 256
+#: Fields that mark aligned bodies.
+_MARKS = ("body_sameframe", "body_simple", "dof_simplenum")
 #: Models that are kept as MJX holds them, some 100 kB each.
 MODELS = 64
 
@@ -133,9 +135,17 @@ def _in_mjx(text: str, is_double: bool) -> tuple[Any, Any]:
     hand a model to MJX takes a tenth of a second; nothing changes the arrays.
     """
     jax, mjx = _jax(is_double), import_module("mujoco.mjx")
-    model = mjx.put_model(compiled(lambda: _nameless(text).compile()))
+    model = _unmarked(mjx.put_model(compiled(lambda: _nameless(text).compile())))
     made: tuple[Any, Any] = jax.tree.map(np.asarray, (model, mjx.make_data(model)))
     return made
+
+
+def _unmarked(model: Any) -> Any:
+    """The model without the marks of aligned bodies, by which MuJoCo's C code saves itself work.
+
+    MJX's steps do not read them, but JAX would compile them anew for each.
+    """
+    return model.replace(**{name: np.zeros_like(getattr(model, name)) for name in _MARKS})
 
 
 def _with_timestep(model: Any, timestep: float) -> Any:

@@ -55,12 +55,13 @@ def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator
     Complaint
         If no engine can be asked.
     """
-    readers = reader_engines(engines)
-    if not readers:
-        raise Complaint("no engine is installed that reads model files", NOT_RUN)
-    with as_complaint(CannotInspectError), LocalWorkers(1, READ_LIMIT) as worker:
-        for model in models:
-            yield inspect_model(model, worker, readers)
+    with as_complaint(CannotInspectError):
+        readers = reader_engines(engines)
+        if not readers:
+            raise Complaint("no engine is installed that reads model files", NOT_RUN)
+        with LocalWorkers(1, READ_LIMIT) as worker:
+            for model in models:
+                yield inspect_model(model, worker, readers)
 
 
 def write_pages(inspected: Sequence[Inspection], out: Path) -> Iterator[Path]:

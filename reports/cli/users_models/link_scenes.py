@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ....scenarios import ScenarioError, loads
+from ....scenarios.regular_files import file_name
 from ....scenarios.users_models import (
     ModelFile,
     RigidBody,
@@ -57,11 +58,12 @@ def link_scenes(model: ModelFile, folder: Path) -> Iterator[LinkScene]:
     ----------
     folder : that the scenes will be in: they name the model relative to it
     """
-    taken: set[str] = set()
+    taken: list[str] = []
     sha256 = digest(model.path)
     file = _relative(model.folders.own / model.path.name, folder)
     for body in rigid_bodies(model.links):
-        name, stated = _scene_name(body.host.name, taken), body.stated
+        name, stated = file_name(body.host.name, taken), body.stated
+        taken.append(name)
         left_out, text = _left_out(body, stated), ""
         if stated is not None and not left_out:
             text = to_toml(_tables(model, body, stated, file, sha256))
@@ -110,17 +112,6 @@ def _tables(
         "start": {"rotation_vector_deg": [0.0, 0.0, 0.0], "omega_body": (axes @ START).tolist()},
         "window": {"duration": DURATION, "samples": SAMPLES},
     }
-
-
-def _scene_name(link: str, taken: set[str]) -> str:
-    """The link's name in the characters of a scene's, another one each."""
-    plain = "".join(c if c.isalnum() or c in "-_." else "-" for c in link).lstrip("-_.") or "link"
-    name, count = plain, 1
-    while name.lower() in taken:
-        count += 1
-        name = f"{plain}-{count}"
-    taken.add(name.lower())
-    return name
 
 
 def _relative(path: Path, folder: Path) -> str:

@@ -1,7 +1,7 @@
 """Judges the run of an encoding beside that of the scene as it is."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from ....engines import Engine, Run
 from ....engines.encodings import Encoding
@@ -43,7 +43,6 @@ class Judge:
     engine: Engine
     at_halved: Callable[[Encoding, int], Pair]
     plain_of: Mapping[str, Run]
-    _bounds_of: dict[tuple[str, int], dict[str, float]] = field(default_factory=dict)
 
     def judged(self, encoding: Encoding, pair: Pair) -> EncodedRun:
         """The word on an encoding, with its reason."""
@@ -78,11 +77,7 @@ class Judge:
         return [name for name, bound in bounds.items() if not apart[name] <= bound]
 
     def _bounds(self, encoding: Encoding, steps: int) -> dict[str, float]:
-        if (encoding.name, steps) not in self._bounds_of:
-            self._bounds_of[encoding.name, steps] = rounding_bounds(
-                self.scenario, encoding, self.solution, steps, self.engine
-            )
-        return self._bounds_of[encoding.name, steps]
+        return rounding_bounds(self.scenario, encoding, self.solution, steps, self.engine)
 
     def _moves_as(self, encoding: Encoding, run: Run) -> str:
         """The method whose motion of the scene as it is this one is, to round-off."""

@@ -1,37 +1,21 @@
 """Tables, on a scene's page, of the effect of each default of an engine as shipped."""
 
 import math
-from dataclasses import dataclass
 
 from ....scenarios import Errors
 from ...results.default_records import DefaultEffects
 from ..analysis.report_data import SceneRuns
 from ..analysis.wording import NOTHING, duration, limited
-from ..tables import Cell, Table, figure, table
+from ..tables import Captioned, Cell, Table, figure, table
 
 #: A default has an effect if the error of ω exceeds this many times that without, and this size.
 NOTICED, NEGLIGIBLE = 1.5, 1e-6
 
 
-@dataclass(frozen=True, eq=False)
-class DefaultsTable:
-    """One engine as shipped.
-
-    Attributes
-    ----------
-    label : engine, method and timestep
-    sentence : which default changes the motion most
-    """
-
-    label: str
-    sentence: str
-    table: Table
-
-
-def default_tables(scene: SceneRuns) -> list[DefaultsTable]:
+def default_tables(scene: SceneRuns) -> list[Captioned]:
     """One table for each engine whose defaults were measured one by one."""
     return [
-        DefaultsTable(
+        Captioned(
             f"{measured.key.label} at {duration(measured.timestep)}",
             _sentence(measured),
             _table(scene, measured),

@@ -1,38 +1,22 @@
 """Tables, on a scene's page, of its body described otherwise."""
 
 import math
-from dataclasses import dataclass
 
 from ....scenarios import Errors
 from ...results.encoding_records import EncodedRuns
 from ..analysis.encoding_words import PHRASES, encoding_sentence
 from ..analysis.report_data import SceneRuns
 from ..analysis.wording import NOTHING, duration
-from ..tables import Cell, Table, figure, table
+from ..tables import Captioned, Cell, Table, figure, table
 
 
-@dataclass(frozen=True, eq=False)
-class EncodingsTable:
-    """The encodings of one engine that differ.
-
-    Attributes
-    ----------
-    label : engine, version and timestep
-    sentence : how many runs are the same to round-off
-    """
-
-    label: str
-    sentence: str
-    table: Table
-
-
-def encoding_tables(scene: SceneRuns) -> list[EncodingsTable]:
+def encoding_tables(scene: SceneRuns) -> list[Captioned]:
     """One table for each engine and timestep that encodings were run with."""
     by_engine: dict[tuple[str, str, float], list[EncodedRuns]] = {}
     for runs in scene.encodings:
         by_engine.setdefault((runs.key.engine, runs.engine_version, runs.timestep), []).append(runs)
     return [
-        EncodingsTable(f"{engine}, at {duration(timestep)}", _sentence(made), _table(made))
+        Captioned(f"{engine}, at {duration(timestep)}", _sentence(made), _table(made))
         for (engine, _, timestep), made in by_engine.items()
     ]
 

@@ -1,7 +1,6 @@
 """A scene's tables: its reference, verdicts, conserved quantities, every run."""
 
 from collections import Counter
-from dataclasses import dataclass
 
 from ....reference import facts, invariants
 from ....reference.observables import observables
@@ -24,7 +23,7 @@ from ..analysis.wording import (
 from ..analysis.work_precision import cost
 from ..links import method_anchor
 from ..overview.overview import reason_of
-from ..tables import Cell, Table, figure, table, verdict_cell
+from ..tables import Captioned, Cell, Table, figure, table, verdict_cell
 
 
 def effects_table(scenario: Scenario) -> Table:
@@ -168,16 +167,7 @@ def observables_table(scene: SceneRuns) -> Table | None:
     return table(headings, rows)
 
 
-@dataclass(frozen=True, eq=False)
-class MethodRunsTable:
-    """Every run of one method, coarse to fine."""
-
-    label: str
-    summary: str
-    runs: Table
-
-
-def runs_tables(scene: SceneRuns) -> list[MethodRunsTable]:
+def runs_tables(scene: SceneRuns) -> list[Captioned]:
     """A table for each method."""
     headings = (
         "timestep, s",
@@ -188,7 +178,7 @@ def runs_tables(scene: SceneRuns) -> list[MethodRunsTable]:
         "outcome",
     )
     return [
-        MethodRunsTable(
+        Captioned(
             runs.label,
             _summary(runs),
             table(headings, [_run_row(scene, row) for row in runs.rows]),

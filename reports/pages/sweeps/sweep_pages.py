@@ -128,19 +128,19 @@ def _page(name: str, result: SweepResult, results: Results) -> SweepPage:
     if isinstance(sweep, Map):
         title = f"{sweep.scenario}: {sweep.axes[0].path} × {sweep.axes[1].path}"
         grid = Grid(result, methods, results.stock_timesteps)
-        drawn, tables = (_map_figure(grid), ()), _map_tables(grid)
+        drawn, tables = (_map_figure(name, grid), ()), _map_tables(grid)
     else:
         title = f"{count(sweep.members)} members like {sweep.scenario}, seed {sweep.seed}"
         members = members_of(result.points, methods)
         ends = ends_table(result.points, methods)
-        drawn, tables = _distributions(members), _ensemble_tables(sweep, members, ends)
+        drawn, tables = _distributions(name, members), _ensemble_tables(sweep, members, ends)
     command = shlex.join([*_words(sweep), *_method_options(methods, results)])
     return SweepPage(result, name, title, command, _timestep_in_words(sweep), *drawn, tables)
 
 
-def _map_figure(grid: Grid) -> Titled:
+def _map_figure(name: str, grid: Grid) -> Titled:
     across, up = (axis_title(axis) for axis in grid.axes)
-    return Titled("map", f"{up} against {across}", CELLS, map_figure(grid))
+    return Titled(f"map-{name}", f"{up} against {across}", CELLS, map_figure(grid))
 
 
 def _map_tables(grid: Grid) -> tuple[SweepTable, ...]:
@@ -158,6 +158,7 @@ def _map_tables(grid: Grid) -> tuple[SweepTable, ...]:
 
 
 def _distributions(
+    name: str,
     members: Sequence[Members],
 ) -> tuple[Titled | None, tuple[tuple[str, TraceStyle], ...]]:
     """The figure of an ensemble, if there is anything to draw, and its methods."""
@@ -167,7 +168,8 @@ def _distributions(
         return None, ()
     first, second = (distribution(compared, styles, measure) for measure in (ATTITUDE, OMEGA))
     shown = tuple((" ".join(one.pair), styles[one.pair]) for one in compared)
-    return Titled("errors", "How errors are distributed", CURVES, first, (second,)), shown
+    figure = Titled(f"errors-{name}", "How errors are distributed", CURVES, first, (second,))
+    return figure, shown
 
 
 def _ensemble_tables(

@@ -9,6 +9,7 @@ import numpy as np
 from ....engines.checks.read_back import BodyReading
 from ....engines.users_models import model_readers
 from ....scenarios import FloatArray, printable
+from ....scenarios.regular_files import file_name
 from ....scenarios.users_models import Stated, principal_moments
 from ...harness.users_models import (
     InspectedLink,
@@ -73,13 +74,7 @@ def page_names(paths: Sequence[Path]) -> list[str]:
     """A page name for each file: folder and file name, in safe characters."""
     names: list[str] = []
     for path in paths:
-        whole = f"{path.absolute().parent.name}-{path.stem}"
-        plain = "".join(c if c.isalnum() or c in "-_." else "-" for c in whole).lstrip("-.")[:100]
-        name, count = plain, 1
-        while name.lower() in map(str.lower, names):
-            count += 1
-            name = f"{plain}-{count}"
-        names.append(name)
+        names.append(file_name(f"{path.absolute().parent.name}-{path.stem}", names))
     return names
 
 

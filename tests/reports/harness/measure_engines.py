@@ -54,14 +54,15 @@ COLUMNS = ("engine", "method", "scenes", *RANKS, "error, °", "survives")
 COSTS = tuple(f"cost, {math.degrees(level):.2g}°" for level in LEVELS)
 HEAD = f"""# Which engines get tops right, and at what price
 
-Made by `make engine-verdicts` of every engine that was there, best methods first, `default` as it
-is shipped. Scenes are counted by [verdict](../explanation/outcomes.md). Ladders are short:
-methods of first order and single precision are often `unresolved`, neither proven nor refuted.
+Scenes are counted by [verdict](../explanation/outcomes.md); the methods that converge on most
+scenes come first. `default` is the engine as shipped. Ladders are short, so that methods of first
+order and single precision are often `unresolved`. Made by `make engine-verdicts`, with all engines
+installed.
 
-- *Error* and *survives*, at {math.degrees(TURN):.2g}° a step: the median error of the attitude, °,
-  and on how many scenes every run of at most that comes to its end and is better than no motion.
+- *Error* and *survives*, with steps of up to {math.degrees(TURN):.2g}°: the median error of the
+  attitude, and on how many scenes all such runs come to their end and are better than no motion.
 - *Cost*: CPU time to keep the attitude within an error, as a multiple of MuJoCo RK4's on the same
-  scene; the median of the scenes, in parentheses how many, on which both can be told.
+  scene: the median, and in parentheses the number, of scenes on which both are known.
 """
 
 Cell = tuple[SceneRuns, MethodRuns]

@@ -81,11 +81,12 @@ def rows(names: tuple[str, ...]) -> Iterator[str]:
 
 TITLE = "The smallest faults that are detected"
 TEXT = f"""
-Measured by `make thresholds`: MuJoCo with a planted fault, which does not show in the read-back
-before the first step, run down ladders of up to {MOST_STEPS} steps. Sizes are relative, of turns
-in rad, of a com and its drift relative to the radius of gyration. Given is the smallest detected of
-{", ".join(f"{size:.0e}" for size in SIZES)}, named by single steps where a change of the model
-explains them, else by the signal that decides.
+The table has the smallest fault of each kind that spincheck detects, out of sizes of
+{", ".join(f"{size:.0e}" for size in SIZES)}.
+MuJoCo was run with the fault planted, hidden from the read-back before the first step, on
+ladders of up to {MOST_STEPS} steps. Sizes are relative; of turns in rad; of a com and its drift
+relative to the radius of gyration. *Named* is what the verdict says: the change of the model that
+single steps show, else the signal that decides. Made by `make thresholds`.
 
 | scene | method | fault | smallest detected | named |
 |---|---|---|---|---|

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from command_line import spincheck
 from default_signals import WITH_DEFAULT_SIGNALS
+from spincheck.reports.cli import app as commands
 from spincheck.reports.cli import executing
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.executing import Where
@@ -90,6 +91,16 @@ def test_an_ensemble_prints_its_members(tmp_path):
     with open_store(path) as store:
         (ensemble,) = store.read().sweeps
     assert ensemble.sweep == Ensemble(SCENE, 3, 7, None)
+
+
+def test_without_a_number_an_ensemble_has_two_hundred_members(monkeypatch):
+    calls = []
+    monkeypatch.setattr(
+        commands, "run_members", lambda scenes, members, *_: calls.append((scenes, members)) or 0
+    )
+    for arguments in ([SCENE, "--ensemble"], ["--ensemble", SCENE], ["--ensemble", "3", SCENE]):
+        assert run("run", *arguments)[0] == AGREES
+    assert calls == [([SCENE], 200), ([SCENE], 200), ([SCENE], 3)]
 
 
 def test_a_member_is_printed_as_a_scenario_file_that_runs(tmp_path):

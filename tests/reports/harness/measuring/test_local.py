@@ -130,3 +130,11 @@ def test_every_session_that_is_opened_is_closed(can_restart, monkeypatch):
     assert LocalJudgement(examined(engine, engine.methods[0].name, PLAIN)).converges
     assert (len(opened) > 100) is not can_restart
     assert {*map(id, closed)} == {*map(id, opened)}
+
+
+@pytest.mark.needs_pybullet
+def test_what_a_rod_does_that_no_engine_holds_is_not_explained():
+    """Its rate is 10¹² times that of its spin: a step of it would take 10⁹ to be followed."""
+    finding = examined(engines()["pybullet"], "default", "rod-1e-12").finding
+    assert finding
+    assert "behaves as if" not in finding
