@@ -13,6 +13,7 @@ from case_loops import each_case
 from command_line import spincheck
 from library_scenes import library_scene
 from spincheck.engines import Session
+from spincheck.reference.compiled import compile_kernels
 
 ROOT = Path(__file__).parents[1]
 PAGES = (
@@ -69,6 +70,8 @@ class Trace:
 @pytest.fixture(scope="module")
 def traces(tmp_path_factory: pytest.TempPathFactory) -> tuple[Trace, Trace]:
     """What `run` and `report` call for one scene and method, in this process."""
+    # Else it would be compiled on the way.
+    compile_kernels()
     folder = tmp_path_factory.mktemp("way")
     method = ("--engine", "mujoco", "--method", "RK4", "--quick")
     return traced("run", "fast-top", *method, folder=folder), traced("report", folder=folder)
