@@ -18,6 +18,8 @@ from .causes import no_gyroscopic_torque, why
 
 #: A method is recommended instead of a default if it can simulate this fraction of the scenes.
 COVERING = 0.9
+#: A method is recommended if its median error is smaller by this factor.
+MUCH_SMALLER = 2.0
 #: Number of engines whose defaults are described one by one, smallest errors first.
 LISTED = 2
 #: What stands in the table, line by line.
@@ -219,12 +221,14 @@ def _at_stock(gathered: ReportData, pair: Pair, timestep: float) -> _AtStock:
 
 
 def _instead(shipped: _AtStock, clean: Sequence[_AtStock]) -> _AtStock | None:
-    """The most accurate method of the same engine, if it is more accurate than the default."""
+    """The most accurate method of the same engine, if its median error is much smaller."""
     own = [one for one in clean if one.pair[0] == shipped.pair[0]]
     most = max((len(one.rows) for one in own), default=0)
     offered = [one for one in own if len(one.rows) >= COVERING * most]
     best = min(offered, key=lambda one: one.size, default=None)
-    return best if best and best.size < shipped.size else None
+    if best is None or best.size >= shipped.size:
+        return None
+    return best if MUCH_SMALLER * best.size[0] <= shipped.size[0] else None
 
 
 def _price(seconds: Mapping[str, float | None], base: Mapping[str, float | None]) -> str:

@@ -5,6 +5,7 @@ import math
 from dataclasses import replace
 
 import pytest
+from case_loops import each_case
 from made_up import SECONDS_PER_STEP, SIZE, TIMESTEPS, MadeUp, results
 from markdown_text import markdown_tables, plain
 from spincheck.reports.pages.analysis.best_choice import ATTITUDE_WITHIN, best_choice
@@ -110,6 +111,20 @@ def test_without_times_nothing_is_said_of_cost():
     found = answer(report_data(replace(stored, rows=rows)))
     assert "CPU" not in found.about
     assert not {"CPU time of a step", "pruned"} & shown(found, "use mujoco RK4").keys()
+
+
+@each_case(("factor", "is_offered"), [(0.6, False), (0.4, True)])
+def test_a_method_is_offered_if_its_errors_are_half_the_defaults(factor, is_offered):
+    stored = stocked()
+
+    def errs(row: Row) -> Row:
+        size = {"default": 1.0, "Euler": 1.0, "RK4": factor}.get(row.key.method)
+        if size is None or not row.errors:
+            return row
+        return replace(row, errors=replace(row.errors, attitude=size))
+
+    found = answer(report_data(replace(stored, rows=list(map(errs, stored.rows)))))
+    assert ("use mujoco RK4" in found.table.headings) == is_offered
 
 
 def left_out(*names: str, unpruned: float = SECONDS_PER_STEP) -> EffectsCost:
