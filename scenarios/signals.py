@@ -90,6 +90,11 @@ class Signal:
         """What its errors are multiplied by where people read them: of angles, degrees a rad."""
         return math.degrees(1.0) if self.unit == "rad" else 1.0
 
+    @property
+    def shown_unit(self) -> str:
+        """The unit of its errors where people read them."""
+        return "°" if self.unit == "rad" else "relative"
+
     def words(self, error: float) -> str:
         """An error where people read it: of angles, in degrees."""
         return f"{error * self.shown:.2g}°" if self.unit == "rad" else f"{error:.1e}"
@@ -97,7 +102,7 @@ class Signal:
     @property
     def error_title(self) -> str:
         """A heading of its errors where people read them: `ω error, relative`."""
-        return f"{self.label} error, {'°' if self.unit == 'rad' else 'relative'}"
+        return f"{self.label} error, {self.shown_unit}"
 
     def declared_order(self, order: int, attitude_order: int) -> int:
         """The order of accuracy of a method that declares those of ω and of the attitude."""

@@ -219,14 +219,17 @@ def _lines(name: str, motion: JudgedMotion) -> Iterator[str]:
 
 def _rows(motion: JudgedMotion) -> list[dict[str, object]]:
     """A row a signal: the largest error, and its defects from sample to sample."""
-    return [
-        {
-            "signal": f"{SIGNAL[name].label}, {SIGNAL[name].unit or 'relative'}",
-            "largest error": error,
-            "defect, median": motion.defects[name].p50 if name in motion.defects else None,
-            "largest": motion.defects[name].max if name in motion.defects else None,
-            "at, s": motion.defects[name].at if name in motion.defects else None,
-        }
-        for name, error in motion.errors.items()
-        if error is not None
-    ]
+    rows: list[dict[str, object]] = []
+    for name, error in motion.errors.items():
+        signal, defect = SIGNAL[name], motion.defects.get(name)
+        if error is not None:
+            rows.append(
+                {
+                    "signal": f"{signal.label}, {signal.shown_unit}",
+                    "largest error": error * signal.shown,
+                    "defect, median": defect and defect.p50 * signal.shown,
+                    "largest": defect and defect.max * signal.shown,
+                    "at, s": defect and defect.at,
+                }
+            )
+    return rows
