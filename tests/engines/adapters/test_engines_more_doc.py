@@ -11,6 +11,7 @@ from spincheck.engines import engines
 from spincheck.engines.child.process import end_idle
 from spincheck.reference import solve
 from spincheck.scenarios import Trajectory, errors_between
+from spincheck.scenarios.rotation import rotation_vectors
 
 pytestmark = pytest.mark.slow
 
@@ -24,6 +25,8 @@ LONG_COMPILED = ("mjx-float32", "RK4")
 TIMESTEP = 1e-2
 #: The page has two digits; roundings in single precision differ from processor to processor.
 PRINTED, SINGLE = 0.05, 0.2
+#: Of a small angle, relative, of a step that turns by it.
+ROUNDED = 1e-12
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -54,6 +57,27 @@ def test_the_error_on_the_fast_top_is_the_pages(
     error = errors_between(scenario, run.trajectory, exact).omega
     slack = SINGLE if engine.single_precision else PRINTED
     assert error == pytest.approx(float(printed), rel=slack)
+
+
+def test_dart_turns_a_body_by_a_truncated_series_below_a_thousandth_of_a_radian() -> None:
+    if reason := why_missing("dartpy"):
+        pytest.skip(reason)
+    engine, scenario = engines()["dartpy"], library_scene("book-long-axis")
+    speed = float(np.linalg.norm(scenario.start.omega_body))
+
+    def off(turn: float) -> float:
+        """By which part of itself a step's rotation is off."""
+        timestep = turn / speed
+        with engine.open(scenario, engine.method("semi-implicit"), timestep) as session:
+            before = session.read_state().q_world_body_wxyz
+            session.advance(1)
+            after = session.read_state()
+        turned = rotation_vectors(before[None], after.q_world_body_wxyz[None])[0]
+        return float(np.linalg.norm(turned - timestep * after.omega_body)) / turn
+
+    assert off(2e-3) < ROUNDED
+    for turn in (0.98e-3, 1e-4):
+        assert off(turn) == pytest.approx(turn**2 / 3, rel=PRINTED)
 
 
 def test_the_row_that_is_not_run_is_that_of_double_precision() -> None:
