@@ -49,7 +49,8 @@ def surprises(nodes: Gains, at: Gains, least: int) -> FloatArray:
     """How far each gain is from what those with neighbouring timesteps predict, (J, K, 4).
 
     Consistent gains vanish at h = 0, which is one more point of the polynomial. What leaving out
-    its coarsest timestep changes is the error of a prediction.
+    one of its two coarsest timesteps changes is the error of a prediction: by accident one such
+    change may be small, as may that of a state, so the median of all states counts at least.
 
     Parameters
     ----------
@@ -65,11 +66,20 @@ def surprises(nodes: Gains, at: Gains, least: int) -> FloatArray:
         h, values = np.append(nodes.timesteps[near], 0.0), nodes.values[near]
         weights = _weights(h, timestep)[:-1]
         predicted = np.tensordot(weights, values, 1)
-        by_fewer = np.tensordot(_weights(h[1:], timestep)[:-1], values[1:], 1)
-        error = DISTINCT * np.abs(predicted - by_fewer).max(axis=2)
+        change = np.max([_changed(h, values, k, timestep, predicted) for k in (0, 1)], axis=0)
+        error = DISTINCT * np.maximum(change, np.median(change, axis=0))
         error += ABOVE * (at.rounding[j] + np.tensordot(np.abs(weights), nodes.rounding[near], 1))
         apart[j] = np.abs(at.values[j] - predicted).max(axis=2) - error
     return apart
+
+
+def _changed(
+    h: FloatArray, values: FloatArray, left_out: int, timestep: float, predicted: FloatArray
+) -> FloatArray:
+    """What leaving out one timestep changes of a prediction, (K, 4)."""
+    fewer = np.delete(np.arange(len(h) - 1), left_out)
+    weights = _weights(np.append(h[fewer], 0.0), timestep)[:-1]
+    return np.asarray(np.abs(predicted - np.tensordot(weights, values[fewer], 1)).max(axis=2))
 
 
 def _weights(nodes: FloatArray, at: float) -> FloatArray:

@@ -6,6 +6,7 @@ Verified is what single steps and pieces show; what ladders show is in `test_fal
 import pytest
 import stepped_faults as planted
 from faulty_mujoco import FaultyMuJoCo, PlantedFault, applies
+from kinds_of_engines import why_missing
 from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.engines.checks import equation_residuals
@@ -41,6 +42,13 @@ def test_an_honest_method_of_first_order_is_consistent_and_converges_in_pieces(n
     local = examined(FaultyMuJoCo(), "Euler", name)
     assert local.finding == ""
     assert LocalJudgement(local).converges
+
+
+def test_a_prediction_that_is_known_well_by_accident_accuses_no_method():
+    """At one state and timestep, one estimate of its error is far too small."""
+    if reason := why_missing("exudyn"):
+        pytest.skip(reason)
+    assert examined(engines()["exudyn"], "RK33", "planar-pendulum").finding == ""
 
 
 @pytest.mark.parametrize("kind", ["moment", "com", "gravity", "clock"])
