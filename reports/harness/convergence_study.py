@@ -15,7 +15,7 @@ from .executors import Answer
 from .judging import Records
 from .judging.ladder_end import cut_short, is_down
 from .ladder import Ladder, Rung
-from .measuring.places import Places, rounding_of_body
+from .measuring.places import Places
 from .measuring.richardson import RichardsonLadder
 from .stock import StockRun
 
@@ -100,7 +100,7 @@ class ConvergenceStudy:
     def records(self) -> Records:
         """All that the method is judged by, so far."""
         scenario, times, ladder = self.scenario, self.solution.trajectory.t, self.ladder
-        rounding = rounding_of_body(self.places.condition) if self.places else 0.0
+        rounding = self.places.rounding if self.places else 0.0
         return Records(
             self.evidence,
             self.rows,

@@ -31,7 +31,7 @@ from .judging.local import is_long_enough
 from .ladder import Ladder, Rung, ladder, single
 from .measuring.local import examine
 from .measuring.memory import FEW_STEPS, restarted
-from .measuring.places import Places, places, rounding_of_body
+from .measuring.places import Places, places
 from .plan import Plan, SceneLeft
 from .stock import StockRun, stock_rung, stock_timesteps
 from .timing import time_scene
@@ -160,8 +160,8 @@ class Prepared:
 
     @property
     def rounding(self) -> float:
-        """What rounding of its moments changes of the body's angular acceleration, relative."""
-        return rounding_of_body(self.places.condition) if self.places else 0.0
+        """As of `Places`; 0 where nothing is tested from exact states."""
+        return self.places.rounding if self.places else 0.0
 
 
 class SceneReference:

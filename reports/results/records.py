@@ -59,11 +59,9 @@ class Record:
     __pydantic_config__: ClassVar = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
 
 
-@dataclass(frozen=True)
-class Key:
-    """Which scene, engine and method."""
+class OfMethod:
+    """What belongs to a method of an engine."""
 
-    scenario: SceneName
     engine: str
     method: str
 
@@ -76,6 +74,15 @@ class Key:
     def label(self) -> str:
         """The same as users type it."""
         return f"{self.engine} {self.method}"
+
+
+@dataclass(frozen=True)
+class Key(OfMethod):
+    """Which scene, engine and method."""
+
+    scenario: SceneName
+    engine: str
+    method: str
 
 
 def _named(key: Key) -> Key:

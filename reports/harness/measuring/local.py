@@ -24,7 +24,6 @@ from .places import (
     Places,
     apart,
     flowed,
-    rounding_of_body,
 )
 from .richardson import RichardsonLadder
 
@@ -101,7 +100,7 @@ def _consistency(
         at.states,
         (at.timesteps, np.array(_others(engine, at))),
         lambda states, spans: flowed(scenario, states, spans),
-        max(engine.slack, rounding_of_body(at.condition)),
+        max(engine.slack, at.rounding),
         engine.single_precision,
     )
 
@@ -141,7 +140,7 @@ def _misread(
         with _started(engine, scenario, method, session, at.states.rows(k), timestep) as one:
             starts.append(one.read_state())
     off = apart(at.states, stacked(starts))
-    if off.max() <= ABOVE * max(engine.slack, rounding_of_body(at.condition)):
+    if off.max() <= ABOVE * max(engine.slack, at.rounding):
         return ""
     k = int(np.argmax(off))
     return (

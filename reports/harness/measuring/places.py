@@ -59,6 +59,11 @@ class Places:
     condition: float
     finer: int = 0
 
+    @property
+    def rounding(self) -> float:
+        """What rounding of its moments changes of the body's angular acceleration, relative."""
+        return rounding_of_body(self.condition)
+
 
 def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Places:
     """Choose them along the exact motion.

@@ -12,14 +12,14 @@ from ....scenarios.fastest_rate import fastest_rate
 from ...harness.defects import defects
 from ...results.default_records import DefaultEffects
 from ...results.encoding_records import EncodedRuns
-from ...results.records import Key, Pair, Row, Verdict
+from ...results.records import Key, OfMethod, Pair, Row, Verdict
 from ...results.store import Results, SceneResult
 from .trace_style import TraceStyle, trace_styles
 from .wording import typed
 
 
 @dataclass(frozen=True, eq=False)
-class MethodRuns:
+class MethodRuns(OfMethod):
     """The runs of one method on one scene, and the verdict.
 
     Attributes
@@ -35,16 +35,6 @@ class MethodRuns:
     verdict: Verdict | None
     declared: Method | None
     style: TraceStyle
-
-    @property
-    def pair(self) -> Pair:
-        """Engine and method."""
-        return self.engine, self.method
-
-    @property
-    def label(self) -> str:
-        """As users type it."""
-        return f"{self.engine} {self.method}"
 
     def setup(self, timestep: float) -> str:
         """What users write to have it at a timestep, s; empty if its adapter does not say."""
