@@ -60,6 +60,7 @@ class PyBulletSession(Session):
         self._clamp = DEFAULT_CLAMP if CLAMP in representation.defaults else UNREACHED_VELOCITY
         self._torques, self.at_once = torques(self.model, scenario)
         self._placed: dict[bytes, Placed] = {}
+        self._is_sound = True
         self.set_timestep(timestep)
 
     def read_body(self) -> BodyReading:
@@ -136,7 +137,12 @@ class PyBulletSession(Session):
         for apply in self._torques:
             apply()
         if p.stepSimulation(self.client) is None:
-            raise EngineError(NOT_COMPLETED, "warning")
+            raise self._not_completed()
+
+    def _not_completed(self) -> EngineError:
+        """The error of a step that was given up; its world is not used again."""
+        self._is_sound = False
+        return EngineError(NOT_COMPLETED, "warning")
 
     def record(self, strides: Sequence[int], keep: Callable[[bytes], object]) -> None:
         """As in `Session`, without other calls between PyBullet's: each takes a tenth of a step."""
@@ -146,7 +152,7 @@ class PyBulletSession(Session):
         for steps in strides:
             if steps and is_plain and steps == self._substeps:
                 if step(client) is None:
-                    raise EngineError(NOT_COMPLETED, "warning")
+                    raise self._not_completed()
             elif steps:
                 self.advance(steps)
             keep(read())
@@ -226,10 +232,10 @@ class PyBulletSession(Session):
     def close(self) -> None:
         """Return the world for reuse; if something went wrong in it, disconnect it."""
         try:
-            is_sound = bool(np.isfinite(self.read_state().omega_body).all())
+            is_finite = bool(np.isfinite(self.read_state().omega_body).all())
         except p.error:
-            is_sound = False
-        if is_sound:
+            is_finite = False
+        if self._is_sound and is_finite:
             give_back(self.client)
         elif p.isConnected(self.client):
             p.disconnect(self.client)

@@ -166,6 +166,9 @@ def test_a_call_that_is_given_up_is_noticed() -> None:
         p.setTimeOut(1e-6, session.client)
         with pytest.raises(EngineError, match="did not complete a step"):
             session.advance(1024)
+        # However fast the next calls are: a world that gave up a call is not used again.
+        p.setTimeOut(10.0, session.client)
+    assert not p.isConnected(session.client)
 
 
 # Sleep
