@@ -191,6 +191,10 @@ class ChildProcess:
         """CPU time it has used so far, s, with its children; 0 once it is gone."""
         return cpu_seconds(self._of_system)
 
+    def is_running(self) -> bool:
+        """Whether it has not ended: an idle child may be killed from outside."""
+        return self._process.poll() is None
+
     def is_stopped(self) -> bool:
         """Whether it is stopped (SIGSTOP)."""
         return is_stopped(self._of_system)
@@ -246,9 +250,14 @@ _idle: dict[tuple[str, ...], list[ChildProcess]] = {}
 
 
 def taken(command: tuple[str, ...], limit: float) -> ChildProcess:
-    """An idle child, or a new one."""
-    idle = _idle.get(command)
-    return idle.pop() if idle else ChildProcess(command, limit)
+    """An idle child that still runs, or a new one."""
+    idle = _idle.get(command, [])
+    while idle:
+        child = idle.pop()
+        if child.is_running():
+            return child
+        child.end()
+    return ChildProcess(command, limit)
 
 
 def given_back(child: ChildProcess) -> None:

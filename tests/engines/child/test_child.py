@@ -9,7 +9,7 @@ import numpy as np
 import psutil
 import pytest
 from spincheck.engines import EngineError, Run
-from spincheck.engines.child import ChildEngine, ProtocolError, child_engine
+from spincheck.engines.child import ChildEngine, ProtocolError, child_engine, process
 from spincheck.engines.child.messages import Stepped
 from spincheck.engines.child.process import ChildProcess, end_idle
 from spincheck.reports.harness.executors import CallFailed, LocalWorkers
@@ -132,6 +132,14 @@ def test_a_child_that_died_leaves_the_next_run_a_new_one() -> None:
     reasons = {ran(engine).reason for _ in range(2)}
     assert len(reasons) == 1
     assert "exit code 3" in reasons.pop()
+
+
+def test_a_child_killed_while_it_was_idle_is_replaced() -> None:
+    engine = planted()
+    (child,) = process._idle[engine.command]
+    psutil.Process(child.pid).kill()
+    psutil.wait_procs([psutil.Process(child.pid)], timeout=10)
+    assert ran(engine).outcome == "ok"
 
 
 def test_times_are_the_childs_own_unless_they_are_impossible() -> None:
