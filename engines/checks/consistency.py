@@ -200,7 +200,7 @@ def excess(
         known_to,
         known_to + slack_of_terms,
         sizes,
-        (np.abs(nodes.values).mean(axis=1).max(axis=3) / sizes).max(axis=1),
+        (np.abs(nodes.values.mean(axis=1)).max(axis=3) / sizes).max(axis=1),
         unsmooth.max(axis=1),
         unsmooth_others.max(axis=1),
         branched.max(axis=1) / sizes,

@@ -77,7 +77,7 @@ class Places:
         return rounding_of_body(self.condition)
 
     def repeated(self, scenario: Scenario, repeats: int) -> State:
-        """All states so many times over, each time turned and spun a little otherwise."""
+        """All states so many times over, each time with every number a little otherwise."""
         if repeats == 1:
             return self.states
         chance = np.random.default_rng(repeats)
@@ -109,22 +109,27 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
 
 
 def _nudged(scenario: Scenario, states: State, chance: np.random.Generator) -> State:
-    """The states, turned and spun a little otherwise, where what holds the body can hold it."""
-    turn, spin = NUDGE * chance.standard_normal((2, 3))
+    """The states, each number a little otherwise, where what holds the body can hold it."""
+    turn, spin, thrown, put = NUDGE * chance.standard_normal((4, 3))
     q = states.q_world_body_wxyz @ times(np.append(1.0, turn / 2) / np.sqrt(1 + turn @ turn / 4))
-    omega_body = states.omega_body + norms(states.omega_body)[:, None] * spin
+    omega_body = _changed(states.omega_body, spin)
     constraint, R_world_body = scenario.constraint, matrices(q)
     swing_world = turned(R_world_body, cross(omega_body, np.array(constraint.lever)))
     nudged = State(
         q,
         omega_body,
-        constraint.com_world(R_world_body @ constraint.lever, states.com_world),
-        constraint.velocity_world(swing_world, states.velocity_world),
+        constraint.com_world(R_world_body @ constraint.lever, _changed(states.com_world, put)),
+        constraint.velocity_world(swing_world, _changed(states.velocity_world, thrown)),
         states.spins,
     )
     bears = Equations(scenario).bears(nudged)[:, None]
     pairs = zip(_columns(nudged), _columns(states), strict=True)
     return State(*(np.where(bears, changed, column) for changed, column in pairs))
+
+
+def _changed(vectors: FloatArray, by: FloatArray) -> FloatArray:
+    """Rows, changed by so much relative to their norms."""
+    return np.asarray(vectors + norms(vectors)[:, None] * by)
 
 
 def _of_rotors(scenario: Scenario, motion: Trajectory) -> float:
