@@ -1,6 +1,7 @@
 """What users are told to type into an engine gives the method and timestep that it promises."""
 
 import re
+from functools import partial
 from typing import Any
 
 import mujoco
@@ -36,6 +37,11 @@ def test_in_mujoco_the_option_and_the_calls_set_the_same_integrator(engine, meth
         assert (made.opt.integrator, made.opt.timestep) == (expected, TIMESTEP)
 
 
+def noted(calls, name, real, *args, **settings):
+    calls.append((name, settings))
+    return real(*args, **settings)
+
+
 @pytest.mark.needs_pybullet
 @each_case(("engine", "method"), [pair for pair in METHODS if pair[0].name == "pybullet"])
 def test_in_pybullet_the_calls_are_among_those_of_the_adapter(engine, method) -> None:
@@ -48,12 +54,8 @@ def test_in_pybullet_the_calls_are_among_those_of_the_adapter(engine, method) ->
         calls = []
         with pytest.MonkeyPatch.context() as patched:
             for name in names:
-
-                def noted(*args, name=name, real=getattr(p, name), **settings):
-                    calls.append((name, settings))
-                    return real(*args, **settings) if is_real else None
-
-                patched.setattr(p, name, noted)
+                real = getattr(p, name) if is_real else lambda *_, **__: None
+                patched.setattr(p, name, partial(noted, calls, name, real))
             run()
         return calls
 
