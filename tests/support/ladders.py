@@ -12,8 +12,6 @@ from spincheck.scenarios import Errors
 
 TOP = "made-up-top"
 ALONE = (MadeUp("mujoco", "Euler", 1), MadeUp("mujoco", "RK4", 4))
-#: s, between two samples of the made-up scenes.
-INTERVAL = 2.0 / 100
 #: Of ω; between two rungs of a first-order method, and below its finest.
 BETWEEN, BELOW = 1e-3, 1e-5
 #: Quotients of times and powers of them.
