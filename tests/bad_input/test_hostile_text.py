@@ -19,8 +19,8 @@ from spincheck.reports.cli.executing import Where
 from spincheck.reports.cli.run import running
 from spincheck.reports.cli.scenes.scene import export_scene
 from spincheck.reports.harness.executors import InProcess
-from spincheck.reports.pages.markdown import escaped, to_html
 from spincheck.reports.pages.render import render
+from spincheck.reports.pages.templating import escaped, to_html
 from spincheck.reports.results.cost_records import EffectsCost, PassCost, PassCosts, Ratio
 from spincheck.reports.results.records import Key
 from spincheck.reports.results.store import SceneResult
