@@ -296,7 +296,7 @@ class World:
         return state[0], state[1], state[6], state[7]
 
     def spins(self):
-        """Of the rotors that turn, relative to the body, rad/s."""
+        """Spins of the rotors that turn, relative to the body, rad/s."""
         if not self.hinges:
             return ()
         return tuple(state[1] for state in p.getJointStates(self.body, [*self.hinges], self.client))
