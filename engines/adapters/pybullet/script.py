@@ -56,13 +56,13 @@ p.changeConstraint(tie, maxForce=1e100)"""
 def setup(representation: BodyRepresentation) -> str:
     """What users write who load a URDF of their own, its pivot a joint or a constraint."""
     maximal = ", useMaximalCoordinates=True" if representation.maximal else ""
-    held = CONTACT if representation.by_contact else JOINT if representation.hung else TIE
+    holding = CONTACT if representation.by_contact else JOINT if representation.hung else TIE
     return f"""\
 p.setTimeStep(TIMESTEP)
 body = p.loadURDF("body.urdf", flags=p.URDF_USE_INERTIA_FROM_FILE{maximal})
 p.changeDynamics(body, -1, linearDamping=0, angularDamping=0)
 p.changeDynamics(body, -1, maxJointVelocity=1e100)
-{held}"""
+{holding}"""
 
 
 def script(scenario: Scenario, representation: BodyRepresentation, timestep: float) -> str:
