@@ -20,6 +20,7 @@ from ...models.mjcf import switched_off
 from ...session import Session
 from . import clock
 from .audit import acting
+from .world import at_start, set_timestep
 
 #: MuJoCo's number of the world, which every model begins with.
 WORLD = 0
@@ -63,9 +64,7 @@ class MuJoCoSession(Session):
     ) -> None:
         self._scenario, self._tied = scenario, tied
         self.model = model
-        self.data = mujoco.MjData(model)
-        self.data.qpos[:] = qpos
-        self.data.qvel[:] = qvel
+        self.data = at_start(model, qpos, qvel)
         # Reused for each snapshot: fetching MuJoCo's own arrays would double the time.
         self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
         self._read = self._reading[1:]
@@ -98,9 +97,7 @@ class MuJoCoSession(Session):
 
     def set_timestep(self, timestep: float) -> None:
         """Length of the steps from now on, s."""
-        self.model.opt.timestep = timestep
-        if self._tied:
-            self.model.geom_solref[:, 0] = self._tied * timestep
+        set_timestep(self.model, timestep, self._tied)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
         """`mj_resetData`, and the coordinates of the state."""
