@@ -147,8 +147,6 @@ def _add_body(world: ET.Element, scenario: Scenario, description: Description) -
             place = {"pos": decimals(part.position), "quat": decimals(part.q)}
             name = f"{BODY}-{len(elements)}"
             element = ET.SubElement(elements[part.onto], "body", {"name": name, **place})
-        if description.compensated:
-            element.set("gravcomp", "1")
         if part.body is not None:
             _add_inertia(element, part.body, description)
         elements.append(element)
@@ -160,6 +158,10 @@ def _add_body(world: ET.Element, scenario: Scenario, description: Description) -
             hinge.set("pos", decimals(rotor.body.com))
             hinge.set("armature", decimals([armature(rotor)]))
         _add_inertia(part_of_body, rotor.body)
+        elements.append(part_of_body)
+    if description.compensated:
+        for element in elements:
+            element.set("gravcomp", "1")
 
 
 def armature(rotor: Rotor) -> float:

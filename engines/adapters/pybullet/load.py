@@ -237,7 +237,8 @@ def _folder() -> str:
 def _model_of_link(client: int, body: int, link: int, rotors: Rotors) -> Model:
     _, _, _, com, q_body_principal_xyzw, *_ = p.getDynamicsInfo(body, link, client)
     is_driven = np.array([rotor.hinge == "driven" for rotor in rotors.each])
-    hinges = Hinges(client, body, link + 1, rotors.is_turning, is_driven) if rotors else None
+    first = p.getNumJoints(body, client) - len(is_driven)
+    hinges = Hinges(client, body, first, rotors.is_turning, is_driven) if rotors else None
     axes = Rotation.from_quat(q_body_principal_xyzw)
     return Model(client, body, link, axes, np.array(com), hinges)
 

@@ -6,6 +6,7 @@
 
 import sys
 from collections import Counter
+from collections.abc import Iterator
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -31,6 +32,8 @@ KNOWN = {
     ("pybullet", "halves"): {"coarser", "other body", "ends early"},
     ("pybullet", "thirds"): {"coarser", "other body", "ends early"},
 }
+#: Of so many bodies, one has rotors.
+WITH_ROTORS = 3
 METHODS = ("RK4", "implicitfast", "multibody", "maximal")
 
 
@@ -42,7 +45,7 @@ class Nowhere:
 
 
 def random_scene(seed: int) -> Scenario:
-    """A free body of 0.1 to 10 kg and 5 to 50 cm, of any proportions, that tumbles for 1 s."""
+    """A free body of 0.1 to 10 kg and 5 to 50 cm, that tumbles for 1 s; some have rotors."""
     rng = np.random.default_rng(seed)
     mass, size = 10 ** rng.uniform(-1, 1), 10 ** rng.uniform(-1.3, -0.3)
     spread = mass * size**2 * 10 ** rng.uniform(-2, 0, 3)
@@ -51,6 +54,7 @@ def random_scene(seed: int) -> Scenario:
     numbers = {"inertia": spread.sum() - spread, "turn": turn, "omega": omega}
     numbers["velocity"] = rng.normal(size=3)
     inertia, turn, omega, velocity = (values.tolist() for values in numbers.values())
+    rotors = "".join(random_rotors(rng, mass, size)) if seed % WITH_ROTORS == 0 else ""
     return loads(
         f"""spincheck = 1
 title = "A random body"
@@ -62,12 +66,29 @@ inertia = {inertia}
 rotation_vector_deg = {turn}
 omega_body = {omega}
 velocity = {velocity}
-[window]
+{rotors}[window]
 duration = 1.0
 samples = 11
 """,
         f"random-{seed}",
     )
+
+
+def random_rotors(rng: np.random.Generator, mass: float, size: float) -> Iterator[str]:
+    """One to three rotors of a hundredth to a tenth of a body's mass, on hinges of every kind."""
+    for _ in range(rng.integers(1, 4)):
+        share = 10 ** rng.uniform(-2, -1)
+        across = mass * share * (size * 10 ** rng.uniform(-1, 0)) ** 2
+        hinge = str(rng.choice(["free", "driven", "locked"]))
+        spin = 0.0 if hinge == "locked" else float(rng.normal() * 10 ** rng.uniform(0, 3))
+        yield f"""[[rotors]]
+axis = {rng.normal(size=3).tolist()}
+position = {(rng.normal(size=3) * size).tolist()}
+mass = {mass * share}
+inertia = {[across, across * rng.uniform(0.1, 1.9)]}
+spin = {spin}
+hinge = "{hinge}"
+"""
 
 
 def main(count: int) -> int:
