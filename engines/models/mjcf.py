@@ -14,6 +14,7 @@ from mpmath import mp
 from ...scenarios import Body, Scenario
 from ...scenarios.exact import DIGITS, cross, rotate
 from ...scenarios.gyrostat import Rotor
+from ..world_parts import DRIVE
 from .description import (
     COMPENSATED,
     PLAIN,
@@ -31,9 +32,6 @@ from .text import decimals, xml_text
 BODY = "top"
 JOINT = "joint"
 ROTOR = "rotor"
-#: Inertia of a drive that keeps a rotor's spin, in moments of the rotor: the spin changes by an ulp
-#: of what ω does.
-DRIVE = 2.0**50
 START_KEY = "start"
 BODY_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 NO_FORCE = (0.0, 0.0, 0.0)

@@ -41,31 +41,25 @@ def rounding_bounds(
     - A step: ω̇ = I⁻¹ (ω × I ω) is rounded relative to ‖I⁻¹‖ ‖I‖ ω² = (I₃ + m r²) / I₁ ω², and
       gains ω dt of that, an ulp of ω for the 20 operations of a component at 0.05 rad a step; the
       state is rounded once. Steps add up as if all had one sign. With rotors L is not I ω, torques
-      are added that cancel in coordinates which turn with them, and I₁ is the least moment that is
-      left where they turn freely.
+      are added that cancel in coordinates which turn with them, at places that are rounded relative
+      to their distance from the origin, and I₁ is the least moment that is left where they turn
+      freely.
     - The flight, for place and velocity of a free body: an ulp of the changed scene's own numbers,
       and of forces that cancel in coordinates which turn with rotors.
     """
-    change = encoding.change(scenario)
-    changed, exact = _farthest(encoding.scene(scenario), encoding), solution.trajectory
-    state = State(exact.q_world_body_wxyz, exact.omega_body, exact.com_world, exact.velocity_world)
-    place, velocity = change.motion(state, exact.t)
-    moved = Trajectory(
-        t=exact.t * change.time,
-        q_world_body_wxyz=exact.q_world_body_wxyz,
-        omega_body=exact.omega_body / change.time,
-        com_world=place,
-        velocity_world=velocity,
-    )
+    change, exact = encoding.change(scenario), solution.trajectory
+    changed, moved = _farthest(encoding.scene(scenario), encoding), _moved(change, exact)
+    far = float(norms(moved.com_world).max()) / change.length
     flight = roundings_in_flight(changed, replace(solution, trajectory=moved), steps)
-    rounded = steps * _ulps_a_step(scenario, exact, steps) + flight + SAME_BODY
-    ulps = rounded * _condition(changed) * BOTH * np.sqrt(NUMBERS)
-    ulps *= engine.ulp / EPS
+    ulps = steps * _ulps_a_step(scenario, exact, steps, far) + flight + SAME_BODY
+    ulps *= _condition(changed) * BOTH * np.sqrt(NUMBERS) * engine.ulp / EPS
     units = {"com": change.length, "velocity": change.length / change.time}
     # A place turns with the body: what it is rounded by makes a velocity.
     metres = SIGNAL["com"].growth(changed, moved, solution.conditioning)
     metres *= SIGNAL["com"].base(changed, moved)
-    swing = metres * float(np.linalg.norm(moved.omega_body, axis=1).max())
+    swing = metres * float(norms(moved.omega_body).max())
+    flung = _flung(scenario, exact, far) * engine.ulp * float(exact.t[-1])
+    flown = {"com": flung * float(exact.t[-1]) / 2, "velocity": flung}
     bounds = {}
     for name in JUDGED:
         signal, ulp = SIGNAL[name], solution.conditioning[name]
@@ -74,19 +68,28 @@ def rounding_bounds(
             absolute *= signal.base(changed, moved)
             absolute += swing if name == "velocity" else 0.0
             ulp = absolute / units[name] / signal.base(scenario, exact)
-        bounds[name] = ulp * ulps
-    span = float(exact.t[-1])
-    flung = _flung(scenario, exact) * engine.ulp * span
-    bounds["velocity"] += flung / SIGNAL["velocity"].base(scenario, exact)
-    bounds["com"] += flung * span / 2 / SIGNAL["com"].base(scenario, exact)
+        bounds[name] = ulp * ulps + flown.get(name, 0.0) / signal.base(scenario, exact)
     return bounds
 
 
-def _flung(scenario: Scenario, exact: Trajectory) -> float:
+def _moved(change: SceneChange, exact: Trajectory) -> Trajectory:
+    """The exact motion in the changed scene's units, and where that has it."""
+    state = State(exact.q_world_body_wxyz, exact.omega_body, exact.com_world, exact.velocity_world)
+    place, velocity = change.motion(state, exact.t)
+    return Trajectory(
+        t=exact.t * change.time,
+        q_world_body_wxyz=exact.q_world_body_wxyz,
+        omega_body=exact.omega_body / change.time,
+        com_world=place,
+        velocity_world=velocity,
+    )
+
+
+def _flung(scenario: Scenario, exact: Trajectory, far: float) -> float:
     """Accelerations that cancel where a free body's rotors are off its com, both ways, m/s²."""
     if not scenario.constraint.is_free:
         return 0.0
-    force, _ = scenario.rotors.cancelling(exact.spins, scenario.body.com)
+    force, _ = scenario.rotors.cancelling(exact.spins, scenario.body.com, far)
     return BOTH * OPERATIONS * float(force.max()) / scenario.body.mass
 
 
@@ -100,10 +103,11 @@ def _farthest(scenario: Scenario, encoding: Encoding) -> Scenario:
     return SceneChange(shift=(x, y, z)).scene(scenario)
 
 
-def _ulps_a_step(scenario: Scenario, exact: Trajectory, steps: int) -> float:
+def _ulps_a_step(scenario: Scenario, exact: Trajectory, steps: int, far: float) -> float:
     """Roundings of ω a step, in units of the condition number: one, or more of fast rotors."""
     speed = norms(exact.omega_body).max() or 1 / float(exact.t[-1])
-    _, torque = scenario.rotors.cancelling(exact.spins, scenario.body.com)
+    turning = np.abs(exact.spins) + speed
+    _, torque = scenario.rotors.cancelling(turning, scenario.body.com, far)
     torque = torque + norms(angular_momentum_world(scenario, exact)) * speed
     rate = torque.max() / (scenario.body.principal_moments[-1] * speed)
     return max(1.0, OPERATIONS * float(rate * exact.t[-1]) / steps)
