@@ -10,7 +10,7 @@ LIGHT = 2.0**-80
 
 
 class World:
-    """One body, on a ball joint at its pivot, which may be on slides, or on a free joint at its com."""
+    """One body, on a free joint at its com or on a ball joint where it is held, as on slides."""
 
     def __init__(self, scene, method, timestep):
         self.scene, self.is_pushed = scene, is_pushed(scene)
