@@ -144,7 +144,7 @@ def scene_record(scenario: Scenario) -> dict[str, Any]:
     """
     body, frame, held = scenario.carrier, RecordFrame.of(scenario), scenario.constraint
     to_axes = frame.body_from_axes.inv()
-    record = {
+    record: dict[str, Any] = {
         "mass": float(body.mass),
         "moments": _numbers(principal_frame(body).moments),
         "axes": _numbers(principal_frame(body).q_body_axes_wxyz),
