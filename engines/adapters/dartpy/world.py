@@ -60,7 +60,7 @@ class World:
         return joint, node
 
     def spins(self):
-        """Of all rotors, relative to the body."""
+        """Angular velocities of all rotors relative to the body, rad/s."""
         return [joint.getVelocity(0) if joint.getNumDofs() else 0.0 for joint, _ in self.rotors]
 
     def restart(self, motion, timestep):

@@ -89,7 +89,7 @@ class World:
         return np.array([w, x, y, z, *omega, *com, *velocity, *self.spins()])
 
     def spins(self):
-        """Of all rotors, relative to the body."""
+        """Angular velocities of all rotors relative to the body, rad/s."""
         joints = self.model.joints
         return [self.v[joints[joint].idx_v] if joint else 0.0 for joint in self.rotors]
 
