@@ -71,8 +71,8 @@ class RecordFrame:
         """The frame of a scene's record."""
         axes = principal_frame(scenario.carrier).q_body_axes_wxyz
         whole = scenario.body.com
-        held = whole - scenario.constraint.lever
-        return cls(Rotation.from_quat(axes, scalar_first=True), scenario.carrier.com, held, whole)
+        point = whole - scenario.constraint.lever
+        return cls(Rotation.from_quat(axes, scalar_first=True), scenario.carrier.com, point, whole)
 
     @property
     def _lag_body(self) -> FloatArray:
@@ -142,22 +142,22 @@ def scene_record(scenario: Scenario) -> dict[str, Any]:
 
     With `slides` and `height` of a body on a table, with `rotors` and `spins` of one that has them.
     """
-    body, frame, held = scenario.carrier, RecordFrame.of(scenario), scenario.constraint
+    body, frame, constraint = scenario.carrier, RecordFrame.of(scenario), scenario.constraint
     to_axes = frame.body_from_axes.inv()
     record: dict[str, Any] = {
         "mass": float(body.mass),
         "moments": _numbers(principal_frame(body).moments),
         "axes": _numbers(principal_frame(body).q_body_axes_wxyz),
-        "arm": None if held.is_free else _numbers(to_axes.apply(frame.held_body - body.com)),
+        "arm": None if constraint.is_free else _numbers(to_axes.apply(frame.held_body - body.com)),
         "gravity": _numbers(scenario.gravity_world),
         "drag": float(scenario.pushed["drag"]),
         "torque_body": _numbers(to_axes.apply(np.array(scenario.pushed["torque_body"]))),
         "torque_world": _numbers(scenario.pushed["torque_world"]),
         **frame.motion(start_state(scenario)),
     }
-    if not (held.is_free or held.is_pivot):
-        record["slides"] = [axis for axis in range(3) if not held.is_held[axis]]
-        record["height"] = float(held.place_exact[-1])
+    if not (constraint.is_free or constraint.is_pivot):
+        record["slides"] = [axis for axis in range(3) if not constraint.is_held[axis]]
+        record["height"] = float(constraint.place_exact[-1])
     if scenario.rotors:
         record["rotors"] = [_rotor(rotor, frame) for rotor in scenario.rotors.each]
     return record

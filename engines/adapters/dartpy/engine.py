@@ -36,8 +36,8 @@ class DartSession(WorldSession):
         """The body as its body node holds it, from the joint."""
         inertia = self.world.body.getInertia()
         arm = None if self.world.is_free else np.zeros(3)
-        held = inertia.getMass(), inertia.getLocalCOM(), np.array(inertia.getMoment())
-        return WorldBody(*held, arm, [_rotor(*rotor) for rotor in self.world.rotors])
+        mass = inertia.getMass(), inertia.getLocalCOM(), np.array(inertia.getMoment())
+        return WorldBody(*mass, arm, [_rotor(*rotor) for rotor in self.world.rotors])
 
     def active(self) -> frozenset[str]:
         """What acts, as reported by world, joint and body node."""

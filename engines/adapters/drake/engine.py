@@ -60,10 +60,12 @@ class DrakeSession(WorldSession):
         """The body as the plant's context holds it, from the joint."""
         arm = None if self.world.is_free else np.zeros(3)
         return WorldBody(
-            *self._held(self.world.body), arm, [self._rotor(joint) for joint in self.world.rotors]
+            *self._mass_of(self.world.body),
+            arm,
+            [self._rotor(joint) for joint in self.world.rotors],
         )
 
-    def _held(self, body: Any) -> tuple[float, FloatArray, FloatArray]:
+    def _mass_of(self, body: Any) -> tuple[float, FloatArray, FloatArray]:
         """Mass, com and tensor about it of a body, in its own frame."""
         spatial = body.CalcSpatialInertiaInBodyFrame(self.world.context)
         mass, com = spatial.get_mass(), np.array(spatial.get_com())
@@ -73,7 +75,7 @@ class DrakeSession(WorldSession):
 
     def _rotor(self, joint: Any) -> HeldRotor:
         """The body beyond a joint, at the joint's angle 0."""
-        mass, com, inertia_com = self._held(joint.child_body())
+        mass, com, inertia_com = self._mass_of(joint.child_body())
         at = joint.frame_on_parent().GetFixedPoseInBodyFrame()
         R = at.rotation().matrix()
         turns = joint.type_name() == self.module.drake.RevoluteJoint.kTypeName
@@ -140,7 +142,7 @@ class DrakeSession(WorldSession):
                 yield f"rotor {number} with {driven:g} kg m² on a {rotor['hinge']} hinge"
             if joint.GetDampingVector(context).any():
                 yield f"damping on the hinge of rotor {number}"
-            if np.any(self._held(joint.child_body())[1]):
+            if np.any(self._mass_of(joint.child_body())[1]):
                 yield f"rotor {number} on a hinge beside its centre of mass"
         yield from (f"an actuator of {inertia:g} kg m²" for inertia in drives.values())
 
