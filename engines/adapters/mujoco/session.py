@@ -78,7 +78,7 @@ class MuJoCoSession(Session):
 
     def read_body(self) -> BodyReading:
         """The body of the compiled model, its principal moments turned back into body axes."""
-        return replace(body_of(self.model), axial=_axial(self.model))
+        return replace(body_of(self.model), axial=_axial(self.model, len(self._is_turning)))
 
     def read_state(self) -> State:
         """The state now; see `states`."""
@@ -222,13 +222,13 @@ def body_of(model: Any) -> BodyReading:
     return composed(parts)
 
 
-def _axial(model: Any) -> FloatArray:
-    """Axis times moment about it of the bodies after the first, kg m², zero if welded, (n, 3)."""
-    rows = np.zeros((model.nbody - WORLD - 2, 3))
+def _axial(model: Any, count: int) -> FloatArray:
+    """Axis times moment about it of the last `count` bodies, kg m², zero if welded, (count, 3)."""
+    rows = np.zeros((count, 3))
     for joint in range(model.body_jntnum[WORLD + 1], model.njnt):
         body = model.jnt_bodyid[joint]
         axis = _rotation(model.body_quat[body]).apply(model.jnt_axis[joint])
-        rows[body - WORLD - 2] = axis * (axis @ _body(model, body).inertia_com @ axis)
+        rows[body - model.nbody + count] = axis * (axis @ _body(model, body).inertia_com @ axis)
     return rows
 
 
