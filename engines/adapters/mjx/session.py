@@ -16,7 +16,8 @@ from ...models.mjcf import START_KEY, start_coordinates
 from ...session import Session
 from ...user_cache import user_cache
 from ..mujoco.audit import FLAG_WORDS, acting
-from ..mujoco.session import TURNING, body_of, compiled, coordinates_of, states_of
+from ..mujoco.coordinates import TURNING, body_of, coordinates_of, states_of
+from ..mujoco.session import compiled
 from .script import SPRINGS
 
 #: Samples that one call takes: a call costs as much as a hundred steps.
