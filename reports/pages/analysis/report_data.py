@@ -130,7 +130,7 @@ class SceneRuns:
 
     @cached_property
     def _uncertainties(self) -> dict[float, Errors]:
-        """By what is stored with a run: figures and tables ask for them some thousand times."""
+        """They are kept by what is stored with a run: figures ask for them thousands of times."""
         return {}
 
 
