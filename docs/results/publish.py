@@ -20,7 +20,6 @@ from typing import Any
 import spincheck
 from spincheck.engines import engines
 from spincheck.reports.results.verdict_words import RANKS
-from spincheck.scenarios import LIBRARY
 
 FOLDER = Path(__file__).parent
 BUILD = FOLDER.parents[1] / "build" / "results"
@@ -34,13 +33,13 @@ HEAD = """# Results by date and version
 
 Each page shows what one version of an engine did: its known issues with what to do about them, the
 verdicts and errors of each method, and each scene. The engines that are installed with spincheck
-are run on the whole library, older versions of them on its plain scenes, and optional engines on a
-scene of each kind of motion.
+are run on the whole library, all their methods on the plain scenes and two or three on the hard
+ones; older versions of them on the plain scenes, and optional engines on a scene of each kind of
+motion, both with the fewer timesteps of `--quick`, which leave more `unresolved`.
 
 *Error* is that of the attitude at the timestep that users of the engine get who set none. The
 method `default` is the engine as shipped; in the others everything that a scene does not call for
-is switched off. Timesteps are those of `spincheck run --quick`: a run without `--quick` decides
-some of what is `unresolved` here. [How to object to a result](../project/neutrality.md).
+is switched off. [How to object to a result](../project/neutrality.md).
 
 `make results` makes these pages, and in `build/results` a report with a page for each scene.
 """
@@ -61,7 +60,7 @@ def command(*words: object) -> int:
 
 def run(out: Path) -> None:
     """Run what is missing in the result file; an engine that cannot be installed is left out."""
-    command("run", LIBRARY, "--quick", "--out", out)
+    command("run", "--out", out)
     others = {one.name: KINDS for one in engines().values() if one.is_optional and not one.of_file}
     for name, scenes in {**dict.fromkeys(VERSIONS, ()), **others}.items():
         if command("run", *scenes, "--quick", "--engine", name, "--out", out) == 3:
