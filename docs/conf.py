@@ -17,7 +17,7 @@ DOCS = Path(__file__).parent
 #: A parameter in a docstring: at the margin, names, a colon, and what they are.
 ENTRY = re.compile(r"^(\*{0,2}\w[\w, *]*) : ", re.MULTILINE)
 sys.path.insert(0, str(DOCS / "extensions"))
-import warm_kernels  # noqa: E402
+import warm_start  # noqa: E402
 
 
 def digest_of_program() -> str:
@@ -62,7 +62,7 @@ nb_merge_streams = True
 os.environ["PATH"] = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
 os.environ["COLUMNS"] = "88"
 os.environ["PYTHONSTARTUP"] = str(DOCS / "extensions" / "notebook_start.py")
-forked_from = warm_kernels.begin(DOCS.parent / "build" / "notebooks")
+forked_from = warm_start.begin(DOCS.parent / "build" / "notebooks")
 
 autodoc_member_order = "bysource"
 napoleon_use_rtype = False
