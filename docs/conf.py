@@ -88,5 +88,6 @@ def describe_without_types(_app: object, _what: str, _name: str, *others: object
 
 
 def setup(app: Sphinx) -> None:
-    """Have docstrings changed before napoleon reads them."""
+    """Have docstrings changed before napoleon reads them, and the warm process end."""
     app.connect("autodoc-process-docstring", describe_without_types, priority=400)
+    app.connect("build-finished", lambda *_: forked_from.communicate())
