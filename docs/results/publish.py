@@ -20,12 +20,14 @@ from typing import Any
 import spincheck
 from spincheck.engines import engines
 from spincheck.reports.results.verdict_words import RANKS
+from spincheck.scenarios import LIBRARY
 
 FOLDER = Path(__file__).parent
 BUILD = FOLDER.parents[1] / "build" / "results"
 FAULTS = FOLDER.parent / "measured/known-issues.toml"
-#: Older versions, which are run on the plain scenes.
+#: Older versions, and the folders of scenes that they are run on.
 VERSIONS = ("mujoco@3.3.7", "mujoco@3.6.0", "mujoco@3.10.0", "pybullet@3.2.6")
+TOPS = (LIBRARY / "free", LIBRARY / "heavy")
 #: A scene of each kind of motion, on which optional engines are run.
 KINDS = ("football-spiral", "tennis-racket", "fast-top", "lopsided-body", "spin-up")
 COLUMNS = ("method", "scenes", *RANKS, "median error", "largest error", "on")
@@ -34,8 +36,8 @@ HEAD = """# Results by date and version
 Each page shows what one version of an engine did: its known issues with what to do about them, the
 verdicts and errors of each method, and each scene. The engines that are installed with spincheck
 are run on the whole library, all their methods on the plain scenes and two or three on the hard
-ones; older versions of them on the plain scenes, and optional engines on a scene of each kind of
-motion, both with the fewer timesteps of `--quick`, which leave more `unresolved`.
+ones; older versions of them on the free and the heavy tops, optional engines on a scene of each
+kind of motion, both with the fewer timesteps of `--quick`, which leave more `unresolved`.
 
 *Error* is that of the attitude at the timestep that users of the engine get who set none. The
 method `default` is the engine as shipped; in the others everything that a scene does not call for
@@ -62,7 +64,7 @@ def run(out: Path) -> None:
     """Run what is missing in the result file; an engine that cannot be installed is left out."""
     command("run", "--out", out)
     others = {one.name: KINDS for one in engines().values() if one.is_optional and not one.of_file}
-    for name, scenes in {**dict.fromkeys(VERSIONS, ()), **others}.items():
+    for name, scenes in {**dict.fromkeys(VERSIONS, TOPS), **others}.items():
         if command("run", *scenes, "--quick", "--engine", name, "--out", out) == 3:
             print(f"{name} could not be run, and gets no page.")
 
@@ -78,7 +80,11 @@ def record(stored: Any, engine: str, version: str, day: str) -> Record:
     verdicts = [one for one in stored.verdicts if one.key.engine == engine]
     # Methods are run at 1 ms, too; an engine's own timestep is no shorter, and comes last.
     rows = sorted(
-        (one for one in stored.rows if one.key.engine == engine and one.stock),
+        (
+            one
+            for one in stored.rows
+            if one.key.engine == engine and one.stock and one.outcome in ("ok", "diverged")
+        ),
         key=lambda one: one.timestep,
     )
     return {
@@ -191,6 +197,13 @@ def name_of(one: Record) -> str:
     return f"{one['engine']}-{one['version'].split()[0]}"
 
 
+def as_json(one: Record) -> str:
+    """The file of a version, a line a verdict."""
+    verdicts = ",\n".join(json.dumps(verdict, ensure_ascii=False) for verdict in one["verdicts"])
+    text = json.dumps(one | {"verdicts": []}, ensure_ascii=False)
+    return text.replace('"verdicts": []', f'"verdicts": [\n{verdicts}\n]', 1) + "\n"
+
+
 def page(one: Record) -> str:
     """The page of a version."""
     methods = sorted({name for name, *_ in one["verdicts"]})
@@ -221,8 +234,8 @@ def scene_lines(one: Record, methods: list[str]) -> list[list[str]]:
 
 def cell(one: Record, method: str, scene: str, word: str) -> str:
     """The error of a method on a scene, and its verdict."""
-    off = one["degrees_off"].get(f"{method} {scene}")
-    shown = "" if off is None else degrees(off)
+    run_of = f"{method} {scene}"
+    shown = degrees(one["degrees_off"][run_of]) if run_of in one["degrees_off"] else ""
     return ", ".join(part for part in (shown, "" if word == "converges" else word) if part)
 
 
@@ -252,8 +265,7 @@ def main() -> None:
     folder.mkdir(exist_ok=True)
     for one in records(spincheck.results(out), day):
         (folder / f"{name_of(one)}.md").write_text(page(one), encoding="utf-8")
-        text = json.dumps(one, ensure_ascii=False).replace("], [", "],\n[")
-        (folder / f"{name_of(one)}.json").write_text(text + "\n", encoding="utf-8")
+        (folder / f"{name_of(one)}.json").write_text(as_json(one), encoding="utf-8")
     (FOLDER / "index.md").write_text(index(), encoding="utf-8")
     command("report", out, "--out", BUILD / day)
 
