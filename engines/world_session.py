@@ -111,11 +111,11 @@ def world_script(path: Path, scenario: Scenario, method: str) -> str:
     record = scene_record(scenario)
     entries = "\n".join(f'    "{key}": {record[key]!r},  # {about}' for key, about in ABOUT.items())
     pushing = "\n\n".join(inspect.getsource(function) for function in (is_pushed, push))
-    return f"""{_code(PARTS)}
+    return f"""{stand_alone(PARTS)}
 
 {pushing}
 
-{_code(path)}
+{stand_alone(path)}
 
 SCENE = {{
 {entries}
@@ -135,7 +135,7 @@ def state():
 """
 
 
-def _code(path: Path) -> str:
+def stand_alone(path: Path) -> str:
     """A module's text without its docstring and what it imports from the folders around it."""
     text = path.read_text(encoding="utf-8")
     docstring = ast.parse(text).body[0].end_lineno or 0

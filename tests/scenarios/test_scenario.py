@@ -4,9 +4,10 @@ import pickle
 
 import numpy as np
 import pytest
+from library_scenes import library
 from scene_texts import TEXT, scene
 from scipy.spatial.transform import Rotation
-from spincheck.scenarios import EFFECTS, find, load, loads
+from spincheck.scenarios import EFFECTS, loads
 from spincheck.scenarios.scenario import started_at, with_tables
 
 EPS = np.finfo(float).eps
@@ -123,11 +124,8 @@ def test_arrays_of_the_start_are_read_only(name):
         getattr(scene().start, name)[0] = 5.0
 
 
-LIBRARY = [load(path) for path in find([])]
-
-
 def test_every_scene_comes_whole_out_of_another_process():
-    for scenario in LIBRARY:
+    for scenario in library():
         again = pickle.loads(pickle.dumps(scenario))
         assert (again.name, again.document) == (scenario.name, scenario.document)
         assert again.start.q_exact == scenario.start.q_exact
@@ -189,7 +187,7 @@ STATE = {
 
 def test_every_scene_can_be_started_elsewhere_and_reads_back_from_its_text():
     # On a table a body cannot be anywhere.
-    for scenario in (scenario for scenario in LIBRARY if scenario.effects.table is None):
+    for scenario in (scenario for scenario in library() if scenario.effects.table is None):
         moved = started_at(scenario, **STATE)
         assert tuple(moved.start.q_world_body_wxyz) == STATE["q_world_body_wxyz"]
         assert tuple(moved.start.omega_body) == STATE["omega_body"]
@@ -203,7 +201,7 @@ def test_every_scene_can_be_started_elsewhere_and_reads_back_from_its_text():
 
 
 def test_on_a_table_a_scene_is_started_where_the_tip_touches_it():
-    for scenario in (scenario for scenario in LIBRARY if scenario.effects.table is not None):
+    for scenario in (scenario for scenario in library() if scenario.effects.table is not None):
         start = scenario.start
         q, omega = start.q_world_body_wxyz, start.omega_body
         moved = started_at(scenario, q, omega, (4.0, 5.0, 60.0), (0.7, 0.8, 90.0))

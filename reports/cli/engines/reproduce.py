@@ -5,7 +5,7 @@ from importlib.metadata import version
 import numpy as np
 from numpy.typing import NDArray
 
-from ....engines import Engine, Method, engines
+from ....engines import Engine, EngineError, Method, engines
 from ....reference import IntegrationError, Solution, solve
 from ....scenarios import Scenario, printable
 from ...harness.ladder import single
@@ -28,7 +28,8 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
     """
     if reason := engine.unsupported(scenario, method):
         raise Complaint(reason, BAD_INPUT)
-    script = engine.script(scenario, method, timestep)
+    with as_complaint(EngineError, before=f"{engine.name} {method.name}: ", exit_code=NOT_RUN):
+        script = engine.script(scenario, method, timestep)
     if not script:
         raise Complaint(_without_script(scenario, engine, method), BAD_INPUT)
     with as_complaint(ValueError, before="'--timestep': "):
@@ -52,11 +53,19 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
 def _without_script(scenario: Scenario, engine: Engine, method: Method) -> str:
     """That a method or an engine has none, and which have."""
     offered = engine.methods_for(scenario)
-    if of_it := [one.name for one in offered if engine.script(scenario, one, 1.0)]:
+    if of_it := [one.name for one in offered if _writes(engine, scenario, one)]:
         words = f"{', '.join(of_it)}, which {engine.name} writes scripts of"
         return f"'--method' must be one of {words}, got '{method.name}'"
-    able = [one.name for one in engines().values() if one.script(scenario, one.methods[0], 1.0)]
+    able = [one.name for one in engines().values() if _writes(one, scenario, one.methods[0])]
     return f"'--engine' must be one of {', '.join(able)}, which write scripts, got '{engine.name}'"
+
+
+def _writes(engine: Engine, scenario: Scenario, method: Method) -> bool:
+    """Whether it has scripts, if not of this scene."""
+    try:
+        return bool(engine.script(scenario, method, 1.0))
+    except EngineError:
+        return True
 
 
 def _tail(frame: Frame, solution: Solution, steps: NDArray[np.int64]) -> str:

@@ -10,7 +10,7 @@ from ....scenarios.regular_files import replacing
 from ...pages.analysis.report_data import Compared, SceneRuns, report_data
 from ...pages.figures.figures import figures
 from ...pages.figures.plot import Figure
-from ...pages.figures.run_lines import with_runs
+from ...pages.figures.signal_figures import with_runs
 from ...pages.render import render
 from ...pages.scene.motion_data import run_name
 from ...results.store import Results, SceneResult

@@ -21,8 +21,7 @@ from ...harness.executors import TIME_LIMIT, LocalWorkers
 from ...harness.judging.ladder import RUNGS_OF_A_LIMIT
 from ...harness.plan import plan
 from ...harness.study import run_study
-from ...pages.analysis.best_choice import BOUNDS, steady
-from ...pages.analysis.candidates import Candidate, ErrorBounds, candidates
+from ...pages.analysis.best_choice import BOUNDS, Candidate, ErrorBounds, candidates, steady
 from ...pages.analysis.report_data import SceneRuns, report_data
 from ...pages.analysis.wording import rounded_down
 from ...results.records import Key, Row

@@ -3,7 +3,7 @@
 from typing import Any
 
 from ....scenarios.fastest_rate import fastest_rate
-from ...pages.analysis.survival import Survival, survival
+from ...pages.analysis.timesteps import Survival, survival
 from ...results.as_json import as_json
 from ...results.records import Key, Row, Verdict
 from ...results.store import Results

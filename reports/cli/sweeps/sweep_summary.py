@@ -6,8 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from ...pages.analysis.ensemble_numbers import ATTITUDE, QUANTILES, Members
-from ...pages.analysis.measures import A_TURN, TURNS
+from ...pages.analysis.measures import A_TURN, ATTITUDE, QUANTILES, TURNS, Members
 from ...results.as_json import as_json
 from ...results.sweep_records import Ensemble, PlacedRow, SweepResult
 from ..terminal import table

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -51,6 +52,21 @@ def test_the_file_alone_finds_the_error_that_the_harness_finds(
     steps, errors = printed_errors(done.stdout, TIMESTEP)
     expected = harness_errors(scenario, chosen, chosen.method(method), TIMESTEP, steps)
     assert errors == pytest.approx(expected, rel=PRINTED)
+
+
+@pytest.mark.needs_pybullet
+@pytest.mark.parametrize(("scene", "method"), [(s, m) for s, name, m in RUNS if name == "pybullet"])
+def test_the_files_world_moves_as_the_adapters_to_the_last_bit(scene: str, method: str) -> None:
+    scenario, engine = library_scene(scene), engines()["pybullet"]
+    head = "import numpy as np\nTIMESTEP = 0.002\nproduct = conjugate = turned = None\n"
+    run: dict[str, Any] = {}
+    exec(head + engine.script(scenario, engine.method(method), TIMESTEP), run)
+    with engine.open(scenario, engine.method(method), TIMESTEP) as session:
+        for steps in (37, 64):
+            session.advance(steps)
+            run["step"](steps)
+            assert run["world"].motion() == session.world.motion()  # type: ignore[attr-defined]
+    run["p"].disconnect(run["world"].client)
 
 
 def test_an_engine_without_a_script_is_reported() -> None:
