@@ -264,10 +264,6 @@ class Document(Table):
                 )
         return self
 
-    def whole_body(self) -> Body:
-        """The body with its rotors as if they did not turn in it."""
-        return whole(self.body.body(), rotors_of(self.rotors))
-
 
 @lru_cache(maxsize=1)
 def _body(table: BodyTable) -> Body:

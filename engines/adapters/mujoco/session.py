@@ -20,6 +20,7 @@ from ...models.mjcf import switched_off
 from ...session import Session
 from . import clock
 from .audit import acting
+from .world import at_start, set_timestep
 
 #: MuJoCo's number of the world, which every model begins with.
 WORLD = 0
@@ -63,9 +64,7 @@ class MuJoCoSession(Session):
     ) -> None:
         self._scenario, self._tied = scenario, tied
         self.model = model
-        self.data = mujoco.MjData(model)
-        self.data.qpos[:] = qpos
-        self.data.qvel[:] = qvel
+        self.data = at_start(model, qpos, qvel)
         # Reused for each snapshot: fetching MuJoCo's own arrays would double the time.
         self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
         self._read = self._reading[1:]
@@ -79,7 +78,7 @@ class MuJoCoSession(Session):
 
     def read_body(self) -> BodyReading:
         """The body of the compiled model, its principal moments turned back into body axes."""
-        return replace(body_of(self.model), axial=_axial(self.model))
+        return replace(body_of(self.model), axial=_axial(self.model, len(self._is_turning)))
 
     def read_state(self) -> State:
         """The state now; see `states`."""
@@ -98,9 +97,7 @@ class MuJoCoSession(Session):
 
     def set_timestep(self, timestep: float) -> None:
         """Length of the steps from now on, s."""
-        self.model.opt.timestep = timestep
-        if self._tied:
-            self.model.geom_solref[:, 0] = self._tied * timestep
+        set_timestep(self.model, timestep, self._tied)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
         """`mj_resetData`, and the coordinates of the state."""
@@ -225,13 +222,13 @@ def body_of(model: Any) -> BodyReading:
     return composed(parts)
 
 
-def _axial(model: Any) -> FloatArray:
-    """Axis times moment about it of the bodies after the first, kg m², zero if welded, (n, 3)."""
-    rows = np.zeros((model.nbody - WORLD - 2, 3))
+def _axial(model: Any, count: int) -> FloatArray:
+    """Axis times moment about it of the last `count` bodies, kg m², zero if welded, (count, 3)."""
+    rows = np.zeros((count, 3))
     for joint in range(model.body_jntnum[WORLD + 1], model.njnt):
         body = model.jnt_bodyid[joint]
         axis = _rotation(model.body_quat[body]).apply(model.jnt_axis[joint])
-        rows[body - WORLD - 2] = axis * (axis @ _body(model, body).inertia_com @ axis)
+        rows[body - model.nbody + count] = axis * (axis @ _body(model, body).inertia_com @ axis)
     return rows
 
 

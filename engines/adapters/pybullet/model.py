@@ -77,7 +77,7 @@ class Model:
             axis = np.array(p.getJointInfo(world.body, link, world.client)[13])
             moments = np.array(p.getDynamicsInfo(world.body, link, world.client)[2])
             moment = float(axis @ (moments * axis))
-            axial[link - world.link - 1] = poses[link][1].apply(axis) * moment
+            axial[link - world.first_rotor] = poses[link][1].apply(axis) * moment
         return axial
 
     def _welded(self, link: int, poses: dict[int, tuple[FloatArray, Rotation]]) -> BodyReading:
@@ -129,7 +129,7 @@ class Model:
             com_world = com_world + R_world_body @ self._arm
             velocity_world = velocity_world + turned(R_world_body, omega_body @ across(self._arm))
         spins = np.zeros((len(rows), len(self.world.scene["rotors"])))
-        spins[:, [link - self.world.link - 1 for link in self.world.hinges]] = rows[:, 13:]
+        spins[:, [link - self.world.first_rotor for link in self.world.hinges]] = rows[:, 13:]
         return State(q_world_body, omega_body, com_world, velocity_world, spins)
 
     def coordinates(self, states: State) -> FloatArray:

@@ -76,8 +76,9 @@ class World:
             flags=0 if INERTIA in scene["defaults"] else p.URDF_USE_INERTIA_FROM_FILE,
             physicsClientId=client,
         )
-        # By their links: rotors come after the link that carries them.
-        hinges = dict(enumerate(scene["rotors"], start=self.link + 1))
+        # By their links: rotors come last.
+        self.first_rotor = p.getNumJoints(self.body, client) - len(scene["rotors"])
+        hinges = dict(enumerate(scene["rotors"], start=self.first_rotor))
         self.hinges = {link: hinge for link, hinge in hinges.items() if hinge != "locked"}
         self.at_once, self.pushes = True, []
 
@@ -186,7 +187,7 @@ class World:
 
     def set_spins(self, spins):
         """Set the spins of all rotors, rad/s, at the angles of the model, and the drives."""
-        for link, spin in enumerate(spins, start=self.link + 1):
+        for link, spin in enumerate(spins, start=self.first_rotor):
             if link in self.hinges:
                 p.resetJointState(self.body, link, 0.0, float(spin), self.client)
                 if self.hinges[link] == "driven":

@@ -75,8 +75,8 @@ def _attitudes(tensor: FloatArray, omega: FloatArray, times: FloatArray) -> Rota
     x, y, z = exact(omega @ axes)
     try:
         body = body_about_com(1.0, (0.0, 0.0, 0.0), np.diag(moments / total).tolist())
-        started = replace(scene, body=body, start=replace(scene.start, omega_body_exact=(x, y, z)))
-        moved = solve_ode(started, times)
+        start = replace(scene.start, omega_body_exact=(x, y, z))
+        moved = solve_ode(replace(scene, carrier=body, start=start), times)
     except (ValueError, IntegrationError):
         return None
     turn = Rotation.from_matrix(axes)
