@@ -97,8 +97,9 @@ Unknown keys are errors; `spincheck check FILE` names file, line, key and rule o
 `scenarios/schema.json` gives completion in editors.
 [Your own top in five minutes](../start/first-scene.md) shows one being written.
 
-ZYZ Euler angles are α, β, γ with R = Rz(α) Ry(β) Rz(γ); R times body components is world components.
-L is about the pivot, or about the centre of mass where there is none; potential energy is −m g·r_com.
+ZYZ Euler angles are α, β, γ with R = Rz(α) Ry(β) Rz(γ); R times body components is world
+components. L is about the pivot, or about the centre of mass where there is none; potential energy
+is −m g·r_com.
 """
 
 
