@@ -114,7 +114,7 @@ def test_a_motor_that_is_left_in_is_solved_for() -> None:
         assert session is not None
         with session:
             p.setJointMotorControlMultiDof(
-                session.model.body,  # type: ignore[attr-defined]
+                session.world.body,  # type: ignore[attr-defined]
                 0,
                 p.POSITION_CONTROL,
                 targetPosition=(0, 0, 0, 1),

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from made_up import TIMESTEPS, MadeUp, results
-from spincheck.reports.pages.analysis.candidates import Candidate, candidates
+from spincheck.reports.pages.analysis.best_choice import Candidate, candidates
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
 from spincheck.reports.pages.analysis.work_precision import EPS
 from spincheck.reports.results.store import Results

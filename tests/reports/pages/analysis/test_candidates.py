@@ -22,11 +22,11 @@ from ladders import (
 )
 from library_scenes import library
 from made_up import METHODS, TIMESTEPS, results
-from spincheck.reports.pages.analysis.candidates import Candidate, as_cheap, candidates
+from spincheck.reports.pages.analysis.best_choice import Candidate, as_cheap, candidates
 from spincheck.reports.pages.analysis.cost_to_reach import LEVELS
 from spincheck.reports.pages.analysis.report_data import SceneRuns
 from spincheck.reports.pages.analysis.wording import number
-from spincheck.reports.pages.cost_tables import MARKS, reach_table
+from spincheck.reports.pages.cost_section import MARKS, reach_table
 from spincheck.reports.results.records import Key
 from spincheck.reports.results.store import Results, SceneResult
 from spincheck.scenarios import Errors

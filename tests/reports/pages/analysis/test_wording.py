@@ -4,7 +4,7 @@ import math
 
 import pytest
 from spincheck.reports.pages.analysis.wording import count, limited, number, observed
-from spincheck.reports.pages.markdown import code_block, escaped, to_html
+from spincheck.reports.pages.templating import code_block, escaped, to_html
 
 
 @pytest.mark.parametrize(
