@@ -4,10 +4,10 @@ from collections.abc import Iterable
 
 from ....engines import Engine
 from ...harness.choice import Choice
+from ...harness.executors.compiling import share_of_a_core
 from ...harness.ladder import QUICK_STEPS
 from ...harness.plan import Plan
 from ...pages.analysis.wording import plural
-from ..executing import share_of_a_core
 from ..terminal import in_words
 
 #: Typical number of steps of all runs of one verdict: on short ladders, and on whole ones.
