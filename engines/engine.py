@@ -233,7 +233,7 @@ class Engine(ABC):
 
     def steps_angles(self, scenario: Scenario, method: Method) -> bool:
         """Whether the attitude is stepped as three angles."""
-        return method.by_angles and scenario.constraint.is_pivot
+        return method.by_angles and not scenario.constraint.is_free
 
     def applies_to(self, scenario: Scenario) -> bool:  # noqa: ARG002
         """Whether the engine can load anything of the scene."""

@@ -7,6 +7,22 @@ import numpy as np
 from ..scenarios.effects.push import is_pushed as is_pushed
 from ..scenarios.effects.push import push as push
 
+#: Inertia of a drive that keeps a rotor's spin, in moments of the rotor: the spin changes by an ulp
+#: of what ω does.
+DRIVE = 2.0**50
+
+
+def drive(rotor: Any) -> float:
+    """Inertia against a change of its spin, kg m²: of a driven one, all of it."""
+    return DRIVE * float(rotor["inertia"][1]) if rotor["hinge"] == "driven" else 0.0
+
+
+def rotor_tensor(rotor: Any) -> Any:
+    """Inertia of a rotor about its com, kg m², (3, 3)."""
+    across, along = rotor["inertia"]
+    axis = np.array(rotor["axis"])
+    return across * np.eye(3) + (along - across) * np.outer(axis, axis)
+
 
 def matrix(q: Any) -> Any:
     """Rotation matrix of a quaternion w x y z, (3, 3)."""

@@ -14,7 +14,7 @@ import numpy as np
 from ..scenarios import FloatArray, Scenario
 from ..scenarios.effects.push import is_pushed, push
 from .checks.read_back import BodyReading, EngineError, State
-from .scene_record import ABOUT, RecordFrame, scene_record
+from .scene_record import ABOUT, HeldRotor, RecordFrame, scene_record
 from .session import Session
 from .world_parts import matrix
 
@@ -30,6 +30,7 @@ class WorldBody(NamedTuple):
     com: Sequence[float] | FloatArray
     inertia_com: FloatArray
     arm: Sequence[float] | FloatArray | None
+    rotors: Sequence[HeldRotor] = ()
 
 
 class WorldSession(Session):
@@ -109,13 +110,13 @@ class WorldSession(Session):
 def world_script(path: Path, scenario: Scenario, method: str) -> str:
     """A run as Python: the stand-alone module, the scene's record as data, and its steps."""
     record = scene_record(scenario)
-    entries = "\n".join(f'    "{key}": {record[key]!r},  # {about}' for key, about in ABOUT.items())
+    entries = "\n".join(f'    "{key}": {record[key]!r},  # {ABOUT[key]}' for key in record)
     pushing = "\n\n".join(inspect.getsource(function) for function in (is_pushed, push))
-    return f"""{_code(PARTS)}
+    return f"""{stand_alone(PARTS)}
 
 {pushing}
 
-{_code(path)}
+{stand_alone(path)}
 
 SCENE = {{
 {entries}
@@ -135,7 +136,7 @@ def state():
 """
 
 
-def _code(path: Path) -> str:
+def stand_alone(path: Path) -> str:
     """A module's text without its docstring and what it imports from the folders around it."""
     text = path.read_text(encoding="utf-8")
     docstring = ast.parse(text).body[0].end_lineno or 0

@@ -11,7 +11,7 @@ of what ω' is multiplied by. A driven one keeps s, a locked one has none.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
@@ -21,6 +21,9 @@ from numpy.typing import NDArray
 from .body import Body
 from .exact import DIGITS, ZERO, Tensor, Vector, add, dot, steiner
 from .float_array import FloatArray, read_only
+
+#: Bodies with rotors that are kept as a whole.
+KEPT = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,16 +122,19 @@ class Rotors:
         """The sum of what the hinges keep, kg m²/s, (n, 3): what is added to I ω in L."""
         return np.asarray(kept @ self.axes_body)
 
-    def cancelling(self, spins: FloatArray, com_body: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Σ m d s², N, and Σ (C + m d²) s², N m, (n,), d from the com of all.
+    def cancelling(
+        self, spins: FloatArray, com_body: FloatArray, far: float = 0.0
+    ) -> tuple[FloatArray, FloatArray]:
+        """Σ m r s², N, and Σ (C + m d r) s², N m, (n,), d from the com of all, r = d + far.
 
-        Terms that coordinates which turn with a rotor have, and that cancel.
+        Terms that coordinates which turn with a rotor have, and that cancel; places are rounded
+        relative to their distance from an origin, m, that is so far away.
         """
         masses = np.array([rotor.body.mass for rotor in self.each])
         places = np.array([rotor.body.com for rotor in self.each]).reshape(-1, 3)
         apart = np.linalg.norm(places - com_body, axis=1)
-        squares = spins * spins
-        return squares @ (masses * apart), squares @ (self.along + masses * apart**2)
+        squares, reach = spins * spins, apart + far
+        return squares @ (masses * reach), squares @ (self.along + masses * apart * reach)
 
     def momentum_body(self, spins: FloatArray) -> FloatArray:
         """Σ C s u, kg m²/s, (n, 3): what they add to L."""
@@ -153,8 +159,11 @@ def whole(body: Body, rotors: Rotors) -> Body:
     ValueError
         If it is too large to be computed with.
     """
-    if not rotors:
-        return body
+    return _composed(body, rotors) if rotors else body
+
+
+@lru_cache(maxsize=KEPT)
+def _composed(body: Body, rotors: Rotors) -> Body:
     parts = [(body.mass_exact, body.com_exact, body.inertia_com_exact)]
     parts += [(rotor.mass, rotor.position, rotor.inertia) for rotor in rotors.each]
     with mp.workdps(DIGITS):

@@ -16,7 +16,7 @@ from .constraint import Constraint
 from .document import Document, Expect, Known, Published, Window
 from .effects import EFFECTS, Effect, Effects, EffectTable, rotors_of
 from .float_array import FloatArray, read_only
-from .gyrostat import Rotors, without_free_axes
+from .gyrostat import Rotors, whole, without_free_axes
 from .start import Start, StartTable, start_of
 from .values import Table
 from .write import to_toml
@@ -39,14 +39,15 @@ class Scenario:
     path : the file it was read from, or None for one built in memory
     text : the file, as read or as it would be written
     document : its tables
-    body, start : what they describe; of the body with its rotors as if they did not turn in it
+    carrier, rotors, start : what they describe: the body without its rotors, these, and their start
     """
 
     name: str
     path: Path | None
     text: str
     document: Document
-    body: Body
+    carrier: Body
+    rotors: Rotors
     start: Start
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -123,11 +124,6 @@ class Scenario:
         """The point that L and the moments of inertia are about: "pivot" or "com"."""
         return "pivot" if self.constraint.is_pivot else "com"
 
-    @cached_property
-    def rotors(self) -> Rotors:
-        """The parts of the body that turn in it."""
-        return rotors_of(self.document.rotors)
-
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
         """The angular momentum that each part keeps as it turns, kg m²/s, (n, parts)."""
         return self.rotors.kept(omega_body, spins)
@@ -146,9 +142,9 @@ class Scenario:
         return self.rotors.spins(omega_body, kept)
 
     @cached_property
-    def carrier(self) -> Body:
-        """The body without its rotors."""
-        return self.document.body.body() if self.rotors else self.body
+    def body(self) -> Body:
+        """The body with its rotors as if they did not turn in it."""
+        return whole(self.carrier, self.rotors)
 
     @cached_property
     def inertia_exact(self) -> exact.Tensor:
@@ -198,15 +194,9 @@ def _rebuilt(text: str, name: str, path: Path | None) -> Scenario:
 
 def build(document: Document, name: str, text: str, path: Path | None = None) -> Scenario:
     """Turn a validated document, whose text this is, into a scenario."""
-    body = document.whole_body()
-    return Scenario(
-        name=name,
-        path=path,
-        text=text,
-        document=document,
-        body=body,
-        start=start_of(document.start, _constraint(document, body)),
-    )
+    carrier, rotors = document.body.body(), rotors_of(document.rotors)
+    start = _start(document, carrier, rotors)
+    return Scenario(name, path, text, document, carrier, rotors, start)
 
 
 def with_tables(scenario: Scenario, **tables: Table | tuple[Table, ...] | None) -> Scenario:
@@ -216,13 +206,15 @@ def with_tables(scenario: Scenario, **tables: Table | tuple[Table, ...] | None) 
     """
     alone: dict[str, object] = dict.fromkeys(OF_THE_SCENE_ALONE, ())
     document = scenario.document.model_copy(update=alone | tables)
-    body = document.whole_body() if {"body", "rotors"} & tables.keys() else scenario.body
+    carrier = document.body.body() if "body" in tables else scenario.carrier
+    rotors = rotors_of(document.rotors) if "rotors" in tables else scenario.rotors
     return replace(
         scenario,
         text=to_toml(document.model_dump(mode="json", exclude_defaults=True)),
         document=document,
-        body=body,
-        start=start_of(document.start, _constraint(document, body)),
+        carrier=carrier,
+        rotors=rotors,
+        start=_start(document, carrier, rotors),
     )
 
 
@@ -265,6 +257,10 @@ def started_at(
     on_plane = {"position": moved.start.position_world, "velocity": moved.start.velocity_world}
     start |= {key: tuple(values.tolist()) for key, values in on_plane.items()}
     return with_tables(moved, start=StartTable.model_validate(start))
+
+
+def _start(document: Document, carrier: Body, rotors: Rotors) -> Start:
+    return start_of(document.start, _constraint(document, whole(carrier, rotors)))
 
 
 def _constraint(document: Document, body: Body) -> Constraint:

@@ -178,35 +178,48 @@ def with_one_more(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def run(folder: Path, *words: str, code: int) -> str:
-    """What the command prints with the edited tables."""
-    program = "from spincheck.reports.cli.start import main; main()"
+PROGRAM = """
+import json, sys
+from command_line import spincheck
+done = [spincheck(*words) for words in json.loads(sys.argv[1])]
+print(json.dumps([(one.returncode, one.stdout) for one in done]))
+"""
+
+
+def run(folder: Path, *commands: tuple[str, ...]) -> list[tuple[int, str]]:
+    """Exit code and output of each command with the edited tables, all in one other process."""
+    paths = os.pathsep.join([str(folder), str(ROOT / "tests/support")])
     done = subprocess.run(
-        [sys.executable, "-c", program, *words],
+        [sys.executable, "-c", PROGRAM, json.dumps(commands)],
         cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(folder)},
+        env=os.environ | {"PYTHONPATH": paths},
         capture_output=True,
         text=True,
         check=False,
     )
-    assert done.returncode == code, done.stderr
-    return done.stdout
+    assert done.returncode == 0, done.stderr
+    return [(code, output) for code, output in json.loads(done.stdout)]
 
 
 @pytest.mark.processes
 @pytest.mark.slow
 def test_one_entry_more_in_the_tables_is_all_that_a_new_name_takes(with_one_more):
-    study = ("--engine", "mujoco", "--method", "RK4", "--jobs", "1", "--out", "r.sqlite")
-    ran = json.loads(run(with_one_more, "run", "top.toml", *study, "--json", code=1))
+    done = run(
+        with_one_more,
+        ("run", "top.toml", "--engine", "mujoco", "--method", "RK4", "--out", "r.sqlite", "--json"),
+        ("rows", "r.sqlite", "--csv"),
+        ("recommend", "top.toml", "--upright", "1e-3", "--from", "r.sqlite", "--json"),
+        ("report", "r.sqlite", "--out", "pages"),
+    )
+    assert [code for code, _ in done] == [1, 0, 0, 1]
+    ran, rows, recommended = json.loads(done[0][1]), done[1][1], json.loads(done[2][1])
     finished = [row for row in ran["rows"] if row["outcome"] == "ok"]
     assert all(row["upright_error"] > 0 for row in finished)
     (verdict,) = ran["verdicts"]
     assert verdict["signals"]["upright"]["verdict"] == "converges"
     assert any("Lz error" in unmet for unmet in verdict["unmet"])
-    assert "upright_error" in run(with_one_more, "rows", "r.sqlite", "--csv", code=0)
-    bound = ("recommend", "top.toml", "--upright", "1e-3", "--from", "r.sqlite", "--json")
-    assert json.loads(run(with_one_more, *bound, code=0))["checks"][-1]["upright"] <= 1e-3
-    run(with_one_more, "report", "r.sqlite", "--out", "pages", code=1)
+    assert "upright_error" in rows
+    assert recommended["checks"][-1]["upright"] <= 1e-3
     pages = with_one_more / "pages"
     first, scene = (
         (pages / name).read_text(encoding="utf-8") for name in ("index.html", "scenes/top.md")

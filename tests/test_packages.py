@@ -33,10 +33,17 @@ def run(*words: object, cwd: Path, **environment: str) -> str:
     return done.stdout
 
 
-def environment(folder: Path) -> Path:
-    """The interpreter of a new environment."""
-    venv.create(folder, with_pip=True)
+@pytest.fixture(scope="module")
+def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The interpreter of a new environment; this one's pip installs into it."""
+    folder = tmp_path_factory.mktemp("environment")
+    venv.create(folder)
     return folder / "bin/python"
+
+
+def install(python: Path, *words: object) -> list[str]:
+    """The command that installs into an environment."""
+    return [*map(str, (sys.executable, "-m", "pip", "--python", python, "install", "-q", *words))]
 
 
 @pytest.fixture(scope="module")
@@ -52,13 +59,11 @@ def checkout(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def wheel(checkout: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def wheel(checkout: Path, python: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A wheel, built from the source distribution, as installers do where there is no wheel."""
     folder = tmp_path_factory.mktemp("dist")
-    python = environment(folder / "env")
     needed = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["build-system"]["requires"]
-    fetched = subprocess.run([python, "-m", "pip", "install", "-q", *needed], capture_output=True)
-    if fetched.returncode:
+    if subprocess.run(install(python, *needed), capture_output=True).returncode:
         pytest.skip(f"{needed} could not be downloaded")
     archive = run(python, "-c", BUILD, "build_sdist", folder, cwd=checkout).split()[-1]
     run("tar", "-xf", folder / archive, cwd=folder)
@@ -77,18 +82,17 @@ def test_the_wheel_holds_every_file_that_the_program_reads(wheel: Path, checkout
 
 
 def test_it_runs_in_an_environment_that_holds_its_dependencies_alone(
-    wheel: Path, tmp_path: Path
+    wheel: Path, python: Path, tmp_path: Path
 ) -> None:
     """Packages are not downloaded: those of this environment are lent, without spincheck."""
-    python = environment(tmp_path / "env")
-    run(python, "-m", "pip", "install", "--quiet", "--no-deps", wheel, cwd=tmp_path)
+    run(*install(python, "--no-deps", wheel), cwd=tmp_path)
     lent = os.pathsep.join(path for path in sys.path if path.endswith("site-packages"))
     inside = {"PYTHONPATH": lent, "XDG_CACHE_HOME": str(tmp_path)}
     where = run(
         python, "-c", "import spincheck.scenarios as s; print(s.__file__)", cwd=tmp_path, **inside
     )
-    assert where.startswith(str(tmp_path))
-    spincheck = tmp_path / "env/bin/spincheck"
+    assert where.startswith(str(python.parents[1]))
+    spincheck = python.with_name("spincheck")
     assert "fast-top" in run(spincheck, "list", cwd=tmp_path, **inside)
     printed = run(spincheck, "show", "fast-top", cwd=tmp_path, **inside)
     assert "gravity" in printed

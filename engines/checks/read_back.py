@@ -53,7 +53,9 @@ class BodyReading:
 
     def placed(self, at: FloatArray, R: FloatArray) -> "BodyReading":
         """The same body in other axes: its origin is at `at` (3,) m there, turned by R (3, 3)."""
-        return BodyReading(self.mass, at + R @ self.com, R @ self.inertia_com @ R.T)
+        return BodyReading(
+            self.mass, at + R @ self.com, R @ self.inertia_com @ R.T, self.axial @ R.T
+        )
 
 
 def composed(parts: Sequence[BodyReading]) -> BodyReading:

@@ -20,6 +20,7 @@ from ...scenarios.exact import (
     turned_tensor,
     vector,
 )
+from ...scenarios.gyrostat import Rotor, Rotors
 from ...scenarios.rotation import matrix, times
 from ...scenarios.scenario import with_tables
 from ...scenarios.start import Start
@@ -66,13 +67,15 @@ class SceneChange:
                 update={"duration": scenario.window.duration * self.time}
             )
             changed = with_tables(scenario, window=window, effects=self._effects(scenario.effects))
-            return replace(changed, body=self._body(scenario.body), start=self._start(scenario))
+            return replace(
+                changed,
+                carrier=self._body(scenario.carrier),
+                rotors=Rotors(tuple(map(self._rotor, scenario.rotors.each))),
+                start=self._start(scenario),
+            )
 
     def _body(self, body: Body) -> Body:
-        (a, b, c), (p, q, r) = body.com_exact, self.shift
-        com = self._polar(rotate(conjugate(self.q_body_new), (a - p, b - q, c - r)))
-        mass, length = mpf(self.mass), mpf(self.length)
-        scale = mass * length**2
+        scale = self._moment
         rows = turned_tensor(body.inertia_com_exact, self.q_body_new)
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = (
             (a * scale, b * scale, c * scale) for a, b, c in rows
@@ -80,8 +83,27 @@ class SceneChange:
         if self.is_mirrored:
             xy, xz = -xy, -xz
         tensor: Tensor = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
-        x, y, z = (c * length for c in com)
-        return Body(body.mass_exact * mass, (x, y, z), tensor)
+        return Body(body.mass_exact * mpf(self.mass), self._point(body.com_exact), tensor)
+
+    def _rotor(self, rotor: Rotor) -> Rotor:
+        return Rotor(
+            self._axial(rotate(conjugate(self.q_body_new), rotor.axis)),
+            self._point(rotor.position),
+            rotor.mass * mpf(self.mass),
+            rotor.across * self._moment,
+            rotor.along * self._moment,
+            rotor.spin / mpf(self.time),
+            rotor.hinge,
+        )
+
+    def _point(self, place: Vector) -> Vector:
+        (a, b, c), (p, q, r) = place, self.shift
+        x, y, z = self._polar(rotate(conjugate(self.q_body_new), (a - p, b - q, c - r)))
+        return (x * self.length, y * self.length, z * self.length)
+
+    @property
+    def _moment(self) -> mpf:
+        return mpf(self.mass) * mpf(self.length) ** 2
 
     def _start(self, scenario: Scenario) -> Start:
         start = scenario.start
@@ -136,7 +158,7 @@ class SceneChange:
             omega_new @ R_body_new.T * self.time,
             (states.com_world - unmoved) * sign / self.length,
             (states.velocity_world - self.boost * _X) * sign * self.time / self.length,
-            states.spins,
+            states.spins * self.time,
         )
 
     def motion(self, states: State, times_old: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -148,7 +170,9 @@ class SceneChange:
         R = self._R_body_new
         sign = self._sign
         com, tensor = body.com * sign / self.length, body.inertia_com * np.outer(sign, sign)
-        alone = BodyReading(body.mass / self.mass, com, tensor / (self.mass * self.length**2))
+        unit = self.mass * self.length**2
+        axial = body.axial * (_AXIAL if self.is_mirrored else 1.0) / unit
+        alone = BodyReading(body.mass / self.mass, com, tensor / unit, axial)
         return alone.placed(np.array([float(c) for c in self.shift]), R)
 
     @property

@@ -74,6 +74,10 @@ class EncodedEngine(Engine):
             ("mass", np.array(body.mass), np.array(own.mass), own.mass),
             ("com", body.com, own.com, np.sqrt(moment / own.mass)),
             ("inertia_com", body.inertia_com, own.inertia_com, moment),
+            *(
+                (f"axial moment of rotor {number}", body.axial[number - 1], axial, moment)
+                for number, axial in enumerate(scenario.rotors.axial_body, start=1)
+            ),
         )
         return [
             _Off(what, wanted, got, largest / size)

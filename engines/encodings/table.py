@@ -22,6 +22,12 @@ CYCLE = (mpf("0.5"), mpf("0.5"), mpf("0.5"), mpf("0.5"))
 FAR_TURN = normalised((1, 3, 1, 5))
 
 
+#: What most of them keep the meaning of.
+_OF_BODIES = COMMON_EFFECTS | {"rotors"}
+_ON_A_TABLE = _OF_BODIES | {"table"}
+_FREE_FALL = frozenset({"gravity", "rotors"})
+
+
 def _none(scenario: Scenario) -> SceneChange:  # noqa: ARG001
     return SceneChange()
 
@@ -48,7 +54,7 @@ class Encoding:
     summary: str
     change: Callable[[Scenario], SceneChange] = _none
     description: Description = PLAIN
-    effects: frozenset[str] = COMMON_EFFECTS
+    effects: frozenset[str] = _OF_BODIES
     needs_free: bool = False
 
     def scene(self, scenario: Scenario) -> Scenario:
@@ -63,8 +69,9 @@ class Encoding:
             return f"it is not of scenes with {', '.join(beyond)}"
         if self.needs_free and not scenario.constraint.is_free:
             return "it is of free bodies"
-        moments = [float(m) for m in principal_axes(scenario.body.inertia_com_exact)[0]]
-        if self.description.shape and not min(box_of(scenario.body.mass, moments).sides):
+        body = scenario.carrier
+        moments = [float(m) for m in principal_axes(body.inertia_com_exact)[0]]
+        if self.description.shape and not min(box_of(body.mass, moments).sides):
             return "the body is flat: no box has its inertia"
         return ""
 
@@ -79,8 +86,6 @@ def _principal(scenario: Scenario) -> SceneChange:
     return SceneChange(q_body_new=from_matrix(R_body_axes), shift=scenario.body.com_exact)
 
 
-_FREE_FALL = frozenset({"gravity"})
-_ON_A_TABLE = COMMON_EFFECTS | {"table"}
 ENCODINGS: dict[str, Encoding] = {
     one.name: one
     for one in (
@@ -135,6 +140,7 @@ ENCODINGS: dict[str, Encoding] = {
             "a frame as far off and turned, with a free joint aligned with the inertia",
             _principal,
             Description(joint="aligned"),
+            effects=COMMON_EFFECTS,
             needs_free=True,
         ),
         Encoding(
@@ -163,7 +169,7 @@ ENCODINGS: dict[str, Encoding] = {
             "compensated",
             "gravity, and its compensation",
             description=Description(compensated=True),
-            effects=COMMON_EFFECTS - {"gravity"},
+            effects=_OF_BODIES - {"gravity"},
         ),
         Encoding(
             "slides-ball",
@@ -176,7 +182,7 @@ ENCODINGS: dict[str, Encoding] = {
             "hinges",
             "three hinges, not a ball joint; of a free body on three slides",
             description=Description(joint="hinges"),
-            effects=_FREE_FALL | {"pivot"},
+            effects=frozenset({"gravity", "pivot"}),
         ),
         Encoding(
             "urdf",

@@ -14,6 +14,7 @@ from mpmath import mp
 from ...scenarios import Body, Scenario
 from ...scenarios.exact import DIGITS, cross, rotate
 from ...scenarios.gyrostat import Rotor
+from ..world_parts import DRIVE
 from .description import (
     COMPENSATED,
     PLAIN,
@@ -31,9 +32,6 @@ from .text import decimals, xml_text
 BODY = "top"
 JOINT = "joint"
 ROTOR = "rotor"
-#: Inertia of a drive that keeps a rotor's spin, in moments of the rotor: the spin changes by an ulp
-#: of what ω does.
-DRIVE = 2.0**50
 START_KEY = "start"
 BODY_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 NO_FORCE = (0.0, 0.0, 0.0)
@@ -147,8 +145,6 @@ def _add_body(world: ET.Element, scenario: Scenario, description: Description) -
             place = {"pos": decimals(part.position), "quat": decimals(part.q)}
             name = f"{BODY}-{len(elements)}"
             element = ET.SubElement(elements[part.onto], "body", {"name": name, **place})
-        if description.compensated:
-            element.set("gravcomp", "1")
         if part.body is not None:
             _add_inertia(element, part.body, description)
         elements.append(element)
@@ -160,6 +156,10 @@ def _add_body(world: ET.Element, scenario: Scenario, description: Description) -
             hinge.set("pos", decimals(rotor.body.com))
             hinge.set("armature", decimals([armature(rotor)]))
         _add_inertia(part_of_body, rotor.body)
+        elements.append(part_of_body)
+    if description.compensated:
+        for element in elements:
+            element.set("gravcomp", "1")
 
 
 def armature(rotor: Rotor) -> float:

@@ -24,6 +24,8 @@ _HEAD = 1 << 14
 _UNSUPPORTED = "unsupported: "
 #: The keyword of the items of scenes.
 _OWN = "spincheck_scene"
+#: The property of an item whose outcome was known, so that it was not run.
+_KEPT = "spincheck_kept"
 _ENGINES, _MAX_STEPS = "spincheck_engines", "spincheck_max_steps"
 #: Options of `spincheck.suite`.
 ENGINE, XFAILS, SUITE = "--spincheck-engine", "--spincheck-xfails", "--spincheck-suite"
@@ -106,9 +108,11 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
         return
     unsupported = sum(_UNSUPPORTED in str(report.longrepr) for report in own["skipped"])
     open_ = len(own["skipped"]) - unsupported
+    kept = sum((_KEPT, True) in r.user_properties for reports in own.values() for r in reports)
     terminalreporter.write_line(
         f"spincheck: scenes: {len(scenes)}; items that agree: {len(own['passed'])}, fail: "
         f"{len(own['failed'])}, do not support the scene: {unsupported}, skipped otherwise: {open_}"
+        + (f"; known from before, not run ('--cache-clear' runs them): {kept}" if kept else "")
     )
 
 
@@ -230,22 +234,41 @@ class EngineItem(SceneItem):
         self.method = method
 
     def runtest(self) -> None:
-        """Raise `Disagreement` if it disagrees, or is unresolved though engines hold the body."""
+        """Skip it, or raise `Disagreement`; it is not run if nothing it rests on has changed."""
+        from .kept_items import keep, outcome_of, rests_on
+
+        scenario = self.parent.scenario
+        if reason := self.engine.unsupported(scenario, self.method):
+            skipped = f"{_UNSUPPORTED}{reason}"
+        else:
+            digest = rests_on(scenario, self.engine, self.method, _max_steps(self.config))
+            kept = outcome_of(self, digest)
+            skipped = self._skipped() if kept is None else kept
+            self.user_properties.append((_KEPT, kept is not None))
+            keep(self, digest, skipped)
+        if skipped:
+            pytest.skip(f"{scenario.name}, {self.engine.name} {self.method.name}: {skipped}")
+
+    def _skipped(self) -> str:
+        """Run it; returns why it is neither a pass nor a failure, empty if it passes.
+
+        Raises
+        ------
+        Disagreement
+            If it disagrees, or is unresolved though engines hold the body.
+        """
         from ..harness.judging import judge
         from ..harness.judging.local import not_held
         from ..harness.study import convergence_study_of, run_rungs
 
         scenario = self.parent.scenario
-        which = f"{scenario.name}, {self.engine.name} {self.method.name}"
-        if reason := self.engine.unsupported(scenario, self.method):
-            pytest.skip(f"{which}: {_UNSUPPORTED}{reason}")
         study = convergence_study_of(scenario, self.engine, self.method, self.parent.prepared)
         for _ in run_rungs(study, _worker(self.config)):
             pass
         verdict = judge(study.records)
         is_open = verdict.verdict == "unresolved" and verdict.is_unproven
         if is_open and (reason := not_held(self.parent.prepared.rounding)):
-            pytest.skip(f"{which}: {_UNSUPPORTED}{reason}")
+            return f"{_UNSUPPORTED}{reason}"
         if not verdict.agrees or is_open:
             raise Disagreement(
                 "\n".join(
@@ -259,11 +282,12 @@ class EngineItem(SceneItem):
                 )
             )
         if verdict.verdict != "converges" and not (verdict.as_shipped or verdict.expected_failure):
-            pytest.skip(f"{which}: {verdict.verdict}: {verdict.reason}")
+            return f"{verdict.verdict}: {verdict.reason}"
+        return ""
 
     def _remedies(self, unmet: Sequence[str]) -> Iterator[str]:
         """The commands that find a timestep at which the bounds of unmet expectations hold."""
-        from .run.error_bounds import option
+        from .grouped import option
 
         own = (self.engine.name, self.method.name)
         for expect in self.parent.scenario.expect:

@@ -7,29 +7,71 @@ from typing import Any
 
 from jinja2 import Environment
 
+from ...engines.checks.read_back import READ_BACK_SLACK, READ_BACK_SLACK_SINGLE
 from ...engines.models.mjcf import mjcf
 from ...engines.models.urdf import urdf
-from ...scenarios import Scenario
+from ...reference.solution import MAX_UNCERTAINTY
+from ...scenarios import EFFECTS, Scenario
+from ..harness import comparison, ladder, step_cost
+from ..harness.executors import TIME_LIMIT
+from ..harness.judging import best_window, ladder_end, observed_order, signal_ladder
+from ..harness.judging.ladder import RUNGS_OF_A_LIMIT
+from ..harness.measuring import asymptotic
 from ..results.store import Results
 from .analysis.report_data import ReportData, SceneRuns, report_data
-from .cost_section import cost_section, scene_costs
+from .analysis.wording import count, number
+from .cost_section import cost_section, effects_table, harm_in_words, passes_tables, scene_costs
 from .figures.figures import figures
 from .overview import hard_cases, overview
 from .overview.first_screen import answer
-from .overview.heat_map import FIRST_SIGNAL, heat_map
-from .overview.left_out_tables import effects_table, harm_in_words, passes_tables
-from .overview.protocol import constants
+from .overview.heat_map import FIRST_SIGNAL, heat_map, stock_table
 from .overview.spread import spread
-from .overview.stock_table import stock_table
 from .page_data import PageData
 from .scene import scene_tables
-from .scene.default_tables import default_tables
-from .scene.encoding_tables import encoding_tables
+from .scene.default_tables import default_tables, encoding_tables
 from .scene.motion_data import motion_data
 from .scene.scene_answer import scene_answer, shown_at_first
-from .sweeps.sweep_section import sweep_section, write_sweeps
-from .templating import templates, write_assets
-from .written import ReportFolder
+from .sweeps.sweep_pages import sweep_section, write_sweeps
+from .templating import ReportFolder, templates, write_assets
+
+
+def constants() -> dict[str, str]:
+    """Name and printed value of every constant in the text of the protocol."""
+    return {
+        "rates": " and ".join(e.rate_formula for e in EFFECTS.values() if e.rate_formula),
+        "coarsest_turn": number(ladder.COARSEST_TURN),
+        "largest_turn": number(ladder.LARGEST_TURN),
+        "least_steps": str(ladder.LEAST_STEPS),
+        "max_steps": count(ladder.MAX_STEPS),
+        "decided_steps": count(ladder.DECIDED_STEPS),
+        "min_rungs": str(ladder.MIN_RUNGS),
+        "goal": number(ladder_end.GOAL),
+        "fine_goal": number(ladder_end.FINE_GOAL),
+        "high_order": str(ladder_end.HIGH_ORDER),
+        "rungs_of_a_limit": str(RUNGS_OF_A_LIMIT),
+        "absurd_energy": f"{comparison.ABSURD_ENERGY:g}",
+        "order_slack": f"{asymptotic.ORDER_SLACK:g}",
+        "above_uncertainty": f"{observed_order.ABOVE_UNCERTAINTY:g}",
+        "asymptotic": f"{asymptotic.ASYMPTOTIC:g}",
+        "fitted_rungs": str(observed_order.FITTED_RUNGS),
+        "sharp": f"{best_window.SHARP:g}",
+        "distinct": f"{asymptotic.DISTINCT:g}",
+        "shown_over": str(signal_ladder.SHOWN_OVER),
+        "safe": f"{best_window.SAFE:g}",
+        "cautious": f"{asymptotic.CAUTIOUS:g}",
+        "settling_order": f"{observed_order.SETTLING_ORDER:g}",
+        "time_limit": f"{TIME_LIMIT:g}",
+        "resolutions": str(step_cost.RESOLUTIONS),
+        "stretch_ms": f"{1e3 * step_cost.STRETCH:g}",
+        "share_of_call": f"{step_cost.SHARE_OF_CALL:.0%}",
+        "repeats": str(step_cost.REPEATS),
+        "warm_up": count(step_cost.WARM_UP),
+        "timed_turn": number(step_cost.TIMED_TURN),
+        "max_uncertainty": number(MAX_UNCERTAINTY),
+        "read_back": number(READ_BACK_SLACK),
+        "read_back_single": number(READ_BACK_SLACK_SINGLE),
+    }
+
 
 #: Plotly, deflated: `figures.js` unpacks it.
 PLOTLY = "plotly.js"

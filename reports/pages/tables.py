@@ -1,9 +1,32 @@
-"""Tables that HTML and Markdown share: headings with units, and cells of text."""
+"""Tables that HTML and Markdown share: headings with units, cells of text, and links."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from urllib.parse import quote
 
 from ..results.verdict_words import VERDICT, VerdictWord
+
+
+def scene_page(name: str) -> str:
+    """A scene's page, relative to the report's folder."""
+    return f"scenes/{quote(name)}.html"
+
+
+def sweep_page(kind: str, name: str) -> str:
+    """The page of a map or an ensemble, likewise."""
+    return f"{kind}s/{quote(name)}.html"
+
+
+def method_anchor(engine: str, method: str) -> str:
+    """The anchor of a method's verdict on a scene's page."""
+    return ":".join(("method", _plain(engine), _plain(method)))
+
+
+def _plain(text: str) -> str:
+    """ASCII letters, digits, - and _ unchanged; other characters as their code points."""
+    return "".join(
+        c if c.isascii() and (c.isalnum() or c in "-_") else f".{ord(c):x}." for c in text
+    )
 
 
 @dataclass(frozen=True)

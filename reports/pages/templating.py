@@ -1,18 +1,112 @@
-"""Templates of pages, and the style sheets and scripts beside them."""
+"""Templates of pages with their style sheets, scripts and Markdown, and the folder of a report."""
 
+import errno
+import re
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+from markdown_it import MarkdownIt
 from markupsafe import Markup
 
-from ...scenarios import SIGNALS
+from ...scenarios import SIGNALS, is_scene_name
+from ...scenarios.regular_files import read_regular, write_new
+from ..results.database import shown
 from ..results.verdict_words import VERDICTS
 from .cost_section import LEGEND
-from .links import scene_page
-from .markdown import code_block, escaped, to_html
-from .written import ReportFolder
+from .tables import scene_page
+
+#: Raw HTML is shown as text; images and links are shown as written, so that a report loads nothing.
+_READER = (
+    MarkdownIt("commonmark", {"html": False})
+    .enable("table")
+    .disable(["image", "link", "autolink", "html_inline", "html_block", "reference"])
+)
+_SPECIAL = re.compile(r"([\\`*_{}\[\]|#~])")
+
+
+def to_html(text: str) -> str:
+    """Markdown as HTML, without any HTML of the writer's."""
+    return str(_READER.render(text))
+
+
+def escaped(text: str) -> str:
+    """Plain text escaped for a line or a cell of Markdown."""
+    one_line = " ".join(text.split())
+    safe = one_line.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    return _SPECIAL.sub(r"\\\1", safe)
+
+
+def code_block(text: str, language: str) -> str:
+    """A fenced block; the fence is longer than any run of backticks inside."""
+    longest = max((len(run) for run in re.findall(r"`+", text)), default=0)
+    fence = "`" * max(3, longest + 1)
+    end = "" if text.endswith("\n") else "\n"
+    return f"{fence}{language}\n{text}{end}{fence}"
+
+
+#: The file that lists what was written, one relative path a line.
+LIST = "assets/files.txt"
+#: Bytes of the list that are read; a report of 10⁵ scenes has fewer.
+LONGEST_LIST = 1 << 24
+#: What a report can have written: the files of its folders, named by scenes.
+_OWN = re.compile(
+    r"index\.html|report\.md|assets/(?P<asset>[a-z]+\.(js|css)|files\.txt)"
+    r"|(scenes|maps|ensembles)/(?P<scene>[^/]+)\.(html|md|xml|urdf)"
+)
+
+
+class ReportFolder:
+    """A folder that pages are written to: a new one, an empty one, or one that has been before.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written, or holds what is not a report's.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._written: list[str] = []
+        folder.mkdir(parents=True, exist_ok=True)
+        # Hidden files are of whatever publishes the folder.
+        others = [entry.name for entry in folder.iterdir() if not entry.name.startswith(".")]
+        if others and not (folder / LIST).is_file():
+            words = f"it holds '{min(others)}' and no report; give a new or an empty folder"
+            raise OSError(errno.EEXIST, words, str(folder))
+        self._earlier = self._listed()
+        self.write(LIST, "\n".join(sorted(self._earlier)))
+
+    def write(self, name: str, text: str) -> Path:
+        """Write a file, given as a relative path with `/`, without control characters."""
+        path = self._folder / name
+        if path.parent != self._folder:
+            if path.parent.is_symlink():
+                raise OSError(errno.ELOOP, "it is a link", str(path.parent))
+            path.parent.mkdir(exist_ok=True)
+        write_new(path, shown(text))
+        self._written.append(name)
+        return path
+
+    def finish(self) -> None:
+        """Remove files that an earlier report wrote and this one did not; nothing else."""
+        for name in self._earlier - set(self._written):
+            path = self._folder / name
+            if path.is_file() and not path.parent.is_symlink():
+                path.unlink()
+        self.write(LIST, "\n".join(sorted(set(self._written))) + "\n")
+
+    def _listed(self) -> set[str]:
+        """What an earlier report wrote: of the names in its list those that a report can have."""
+        try:
+            content = read_regular(self._folder / LIST, LONGEST_LIST)
+        except FileNotFoundError:
+            return set()
+        names = content.decode(errors="replace").split("\n")
+        own = [match for match in map(_OWN.fullmatch, names) if match]
+        return {match[0] for match in own if is_scene_name(match["scene"] or "index")}
+
 
 #: A folder a page, and `templates` for what pages share; no two templates have one name.
 FOLDERS = sorted(path for path in Path(str(files(__package__))).iterdir() if path.is_dir())

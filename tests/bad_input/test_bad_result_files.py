@@ -6,15 +6,16 @@ import shutil
 import sqlite3
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from functools import partial
 from pathlib import Path
 
 import command_line
 import pytest
 from forging import columns, forge
 from mutated_scenes import LEAST, written
-from spincheck.reports.cli import executing
+from spincheck.reports.cli import choosing
 from spincheck.reports.cli.app import app
-from spincheck.reports.cli.executing import Where
+from spincheck.reports.cli.choosing import Where
 from spincheck.reports.cli.run import running
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, Complaint
 from spincheck.reports.harness.executors import InProcess
@@ -124,27 +125,32 @@ def foreign(path: Path, application: int, version: int) -> None:
         connection.execute(f"PRAGMA user_version = {version}")
 
 
+#: What makes each, and words of the complaint.
 NOT_OURS = {
-    "text": lambda path: path.write_text("scenario,engine\n" * 100),
-    "binary": lambda path: path.write_bytes(bytes(range(256)) * 64),
-    "another application's": lambda path: foreign(path, 0x12345678, 1),
-    "of nobody": lambda path: foreign(path, 0, 0),
-    "an older format": lambda path: foreign(path, APPLICATION_ID, FORMAT - 1),
-    "a newer format": lambda path: foreign(path, APPLICATION_ID, FORMAT + 1),
-    "a folder": lambda path: path.mkdir(),
-    "a pipe": os.mkfifo,
-    "a loop of links": lambda path: path.symlink_to(path),
+    "text": (lambda path: path.write_text("scenario,engine\n" * 100), "not a usable result file"),
+    "binary": (lambda path: path.write_bytes(bytes(range(256)) * 64), "not a usable result file"),
+    "another application's": (lambda path: foreign(path, 0x12345678, 1), "of spincheck"),
+    "of nobody": (lambda path: foreign(path, 0, 0), "not a result file of spincheck"),
+    "an older format": (lambda path: foreign(path, APPLICATION_ID, FORMAT - 1), ""),
+    "a newer format": (
+        *(lambda path: foreign(path, APPLICATION_ID, FORMAT + 1), f"format {FORMAT + 1}"),
+    ),
+    "a folder": (lambda path: path.mkdir(), ""),
+    "a pipe": (os.mkfifo, ""),
+    "a loop of links": (lambda path: path.symlink_to(path), ""),
 }
 
 
-@pytest.mark.parametrize("make", NOT_OURS.values(), ids=NOT_OURS)
-def test_what_is_no_result_file_is_reported_and_left_as_it_is(elsewhere, make):
+@pytest.mark.parametrize(("make", "words"), NOT_OURS.values(), ids=NOT_OURS)
+def test_what_is_no_result_file_is_reported_and_left_as_it_is(elsewhere, make, words):
     path = elsewhere / "other.sqlite"
     make(path)
     before = path.read_bytes() if path.is_file() else None
     (elsewhere / "made.toml").write_text(written(LEAST))
     for command in READERS:
-        assert read_by(command, path)
+        complaint = read_by(command, path)
+        assert complaint
+        assert words in complaint
     with pytest.raises(Complaint) as complaint:
         running.run(["made.toml"], ["mujoco"], ["RK4"], [], Where(1), path, quick=True)
     assert complaint.value.exit_code == BAD_INPUT
@@ -160,11 +166,12 @@ def test_a_place_that_cannot_be_is_one_line_without_escapes(elsewhere, name):
     assert "\x1b" not in done.stderr
 
 
-def test_a_file_held_by_another_program_is_reported(good, elsewhere):
+def test_a_file_held_by_another_program_is_reported(good, elsewhere, monkeypatch):
     path = elsewhere / "held.sqlite"
     shutil.copy(good, path)
     with closing(sqlite3.connect(path, isolation_level=None)) as other:
         other.execute("BEGIN EXCLUSIVE")
+        monkeypatch.setattr(sqlite3, "connect", partial(sqlite3.connect, timeout=0.1))
         assert "another program has locked it" in read_by(["rows"], path)
 
 
@@ -185,7 +192,7 @@ def full_disk(size: int) -> Iterator[None]:
 
 
 def test_a_full_disk_costs_a_message_and_the_run_resumes(elsewhere, monkeypatch):
-    monkeypatch.setattr(executing, "LocalWorkers", lambda *_: InProcess())
+    monkeypatch.setattr(choosing, "LocalWorkers", lambda *_: InProcess())
     (elsewhere / "made.toml").write_text(written(LEAST))
     command = ("run", "made.toml", "--engine", "mujoco", "--method", "RK4", "--quick")
     with full_disk(FULL):

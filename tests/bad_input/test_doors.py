@@ -78,22 +78,24 @@ def test_every_bad_file_of_a_folder_is_named_before_a_run_is_begun(folder):
 
 
 NOT_FILES = {
-    "a pipe": os.mkfifo,
-    "a folder": lambda path: path.mkdir(),
-    "a loop of links": lambda path: path.symlink_to(path),
-    "nothing": lambda path: None,
-    "a device that never ends": lambda path: path.symlink_to("/dev/zero"),
+    "a pipe": (os.mkfifo, "cannot be read: "),
+    "a folder": (lambda path: path.mkdir(), ""),
+    "a loop of links": (lambda path: path.symlink_to(path), "cannot be read: "),
+    "nothing": (lambda path: None, "bad.toml"),
+    "a device that never ends": (lambda path: path.symlink_to("/dev/zero"), "cannot be read: "),
+    "no text": (lambda path: path.write_bytes(b"\xff\xfe\x00"), "not a text file in UTF-8"),
 }
 
 
-@pytest.mark.parametrize("make", NOT_FILES.values(), ids=NOT_FILES)
-def test_what_is_no_file_is_reported_and_not_waited_for(folder, make):
+@pytest.mark.parametrize(("make", "words"), NOT_FILES.values(), ids=NOT_FILES)
+def test_what_is_no_file_is_reported_and_not_waited_for(folder, make, words):
     make(folder / "bad.toml")
     for door in ("show", "run"):
         result = CliRunner().invoke(app, DOORS[door])
         assert isinstance(result.exception, Complaint)
         assert result.exception.exit_code == BAD_INPUT
         assert str(result.exception).startswith("bad.toml: ")
+        assert words in str(result.exception)
 
 
 @pytest.mark.parametrize("encoding", ["utf-16", "utf-32", "utf-8-sig"])

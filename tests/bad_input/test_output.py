@@ -15,7 +15,7 @@ import pytest
 from default_signals import WITH_DEFAULT_SIGNALS
 from mutated_scenes import LEAST, written
 from spincheck.engines import engines
-from spincheck.reports.cli import executing, terminal
+from spincheck.reports.cli import choosing, terminal
 from spincheck.reports.cli.stopping import ENDING, HEARING
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, NOT_RUN, to_json
 
@@ -170,7 +170,7 @@ def test_no_temporary_folder_is_reported_before_anything_is_run(tmp_path, monkey
     # Found once a process, and some use a temporary folder as they are imported.
     engines()
     monkeypatch.chdir(tmp_path)
-    for module in (tempfile, executing):
+    for module in (tempfile, choosing):
         monkeypatch.setattr(module, "gettempdir", none)
     options = ["--omega", "1e-3"] if command == "recommend" else ["--quick"]
     done = command_line.spincheck(command, "gazebo-box-tumbling", "--engine", "mujoco", *options)
@@ -201,18 +201,29 @@ def test_tables_of_a_terminal_are_drawn(capsys):
     assert stream.getvalue() == "\x1b[1mθ\x1b[0m \\u202etop\n"
 
 
-@pytest.mark.parametrize("command", ["inspect", "import", "run", "report", "check", "list", "new"])
-def test_a_current_folder_that_was_deleted_is_no_traceback(tmp_path, command):
-    folder = tmp_path / "gone"
-    folder.mkdir()
-    program = f"import os; os.rmdir({str(folder)!r}); {SPINCHECK}"
-    arguments = [] if command in ("list", "report") else ["robot.urdf"]
+IN_A_DELETED_FOLDER = """
+import os, sys
+os.rmdir(os.getcwd())
+from spincheck.reports.cli.app import main
+for words in {commands}:
+    sys.argv = ["spincheck", *words]
+    try:
+        main()
+    except SystemExit as end:
+        assert end.code in {codes}, (words, end.code)
+"""
+
+
+def test_a_current_folder_that_was_deleted_is_no_traceback(tmp_path):
+    (tmp_path / "gone").mkdir()
+    commands = [(name, "robot.urdf") for name in ("inspect", "import", "run", "check", "new")]
+    commands += [("report",), ("list",)]
+    program = IN_A_DELETED_FOLDER.format(commands=commands, codes=(AGREES, BAD_INPUT, NOT_RUN))
     done = subprocess.run(
-        [sys.executable, "-c", program, command, *arguments],
-        cwd=folder,
+        [sys.executable, "-c", program],
+        cwd=tmp_path / "gone",
         capture_output=True,
         text=True,
         check=False,
     )
-    assert "Traceback" not in done.stderr
-    assert done.returncode in (AGREES, BAD_INPUT, NOT_RUN)
+    assert (done.returncode, "Traceback" in done.stderr) == (0, False), done.stderr

@@ -133,7 +133,7 @@ def recording_by_hand(session: Session, timestep: float) -> Callable[[], object]
 
         return record_mujoco
     assert isinstance(session, PyBulletSession)
-    client, body, link = session.client, session.model.body, session.model.link
+    client, body, link = session.client, session.world.body, session.world.link
     set_substeps(client, PER_SAMPLE, timestep)
 
     def read() -> object:

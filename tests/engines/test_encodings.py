@@ -44,9 +44,8 @@ TIMESTEP = 1e-3
 
 
 def state_of(motion):
-    return State(
-        motion.q_world_body_wxyz, motion.omega_body, motion.com_world, motion.velocity_world
-    )
+    place = motion.com_world, motion.velocity_world
+    return State(motion.q_world_body_wxyz, motion.omega_body, *place, motion.spins)
 
 
 def back(change, scenario, exact):
@@ -56,7 +55,7 @@ def back(change, scenario, exact):
     return replace(exact, **vars(change.state_back(state_of(motion), changed.times)))
 
 
-@each_case("scene", [TUMBLING, library_scene("lopsided-egg")])
+@each_case("scene", [TUMBLING, library_scene("lopsided-egg"), SCENES["free-rotors"]])
 def test_the_exact_motion_of_a_changed_scene_is_that_of_the_scene(scene):
     solution = solve(scene, scene.times)
     exact, own = solution.trajectory, solution.uncertainty
@@ -67,6 +66,37 @@ def test_the_exact_motion_of_a_changed_scene_is_that_of_the_scene(scene):
         apart = errors_between(scene, back(one.change(scene), scene, exact), exact)
         within = (apart[name] <= bounds[name] + 2 * own[name] for name in JUDGED)
         assert all(within), (one.name, apart)
+        turned_back = back(one.change(scene), scene, exact)
+        off = np.abs(turned_back.spins - exact.spins).max(initial=0.0)
+        # What a free hinge keeps ties its spin to ω.
+        fast = np.abs(exact.omega_body).max() + np.abs(exact.spins).max(initial=0.0)
+        assert off <= (bounds["omega"] + 2 * own["omega"]) * fast, one.name
+
+
+@each_case(
+    ("encoding", "fault"),
+    {
+        "an axis that does not turn with the body": (
+            "turned",
+            lambda rotor, own: replace(rotor, axis=own.axis),
+        ),
+        "a place that stays": ("mm-g", lambda rotor, own: replace(rotor, position=own.position)),
+        "a spin in the old unit of time": ("ms", lambda rotor, own: replace(rotor, spin=own.spin)),
+        "an axis that is mirrored as an arrow": (
+            "mirrored",
+            lambda rotor, own: replace(rotor, axis=(-own.axis[0], *own.axis[1:])),
+        ),
+    },
+)
+def test_rotors_that_are_carried_along_wrongly_are_another_motion(encoding, fault, monkeypatch):
+    scene, right, one = SCENES["free-rotors"], SceneChange._rotor, ENCODINGS[encoding]
+    solution = solve(scene, scene.times)
+    bounds = rounding_bounds(scene, one, solution, 1, engines()["mujoco"])
+    with monkeypatch.context() as patch:
+        patch.setattr(SceneChange, "_rotor", lambda self, own: fault(right(self, own), own))
+        made = back(one.change(scene), scene, solution.trajectory)
+    apart = errors_between(scene, made, solution.trajectory)
+    assert apart.omega > 1e6 * bounds["omega"], encoding
 
 
 def test_a_moment_that_is_off_by_1e_8_is_beyond_what_rounding_explains():
@@ -105,7 +135,7 @@ def run(engine, scenario, encoding, method, steps=100):
 
 
 @pytest.mark.needs_pybullet
-@each_case("name", ["free-tilted", "heavy-tilted"])
+@each_case("name", ["free-tilted", "heavy-tilted", "free-rotors", "pivot-rotors"])
 def test_engines_move_alike_in_all_descriptions_that_mean_the_same(name):
     scenario = SCENES[name]
     for engine, method in (("mujoco", "RK4"), ("mujoco", "Euler"), ("pybullet", "multibody")):

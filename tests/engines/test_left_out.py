@@ -4,18 +4,18 @@ import numpy as np
 import pybullet as p
 import pytest
 from kinds_of_engines import required_engines
+from library_scenes import library
 from scenes import SCENES
 from spincheck.engines import Engine, Method, Session
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.pybullet.engine import PyBullet
 from spincheck.engines.models.mjcf import switched_off
-from spincheck.scenarios import Scenario, find, load
+from spincheck.scenarios import Scenario
 
 pytestmark = pytest.mark.slow
 
 TIMESTEP = 1e-3
 STEPS = 100
-LIBRARY = [load(path) for path in find([])]
 METHODS = [
     pytest.param(engine, method, id=f"{engine.name}-{method.name}")
     for engine in required_engines()
@@ -46,7 +46,7 @@ def test_in_every_scene_of_the_library_acts_what_it_calls_for(
     engine: Engine, method: Method
 ) -> None:
     """At its strength too, which the audit compares."""
-    for scene in LIBRARY:
+    for scene in library():
         if engine.unsupported(scene, method):
             continue
         omega = np.linalg.norm(scene.start.omega_body)
@@ -114,7 +114,7 @@ def test_a_motor_that_is_left_in_is_solved_for() -> None:
         assert session is not None
         with session:
             p.setJointMotorControlMultiDof(
-                session.model.body,  # type: ignore[attr-defined]
+                session.world.body,  # type: ignore[attr-defined]
                 0,
                 p.POSITION_CONTROL,
                 targetPosition=(0, 0, 0, 1),

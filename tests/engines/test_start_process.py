@@ -167,7 +167,9 @@ def test_an_engine_that_is_busy_goes_with_a_run_that_is_killed(tmp_path) -> None
 
 
 @pytest.mark.processes
-def test_a_guard_that_is_killed_is_replaced() -> None:
+def test_a_guard_that_is_killed_is_replaced(monkeypatch) -> None:
+    # With it would go what other tests have started.
+    monkeypatch.setattr(start_process, "_guard", start_process._Guard())
     first = start_process.start(["sleep", "600"])
     before = start_process._guard._process
     assert before is not None

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 from case_loops import each_case
+from library_scenes import library
 from spincheck.reference.facts import facts
-from spincheck.scenarios import find, load
 from top_scenes import ASYMMETRIC, GRAVITY, HEAVY, TOP, scene
 
 pytestmark = pytest.mark.slow
@@ -133,6 +133,6 @@ def test_the_spin_down_time_is_the_axial_moment_over_the_drag():
     assert values(scene(TOP, SPUN, DRAG))["spin-down time"] == 2.0
 
 
-@each_case("path", find([]))
-def test_every_scene_of_the_library_has_facts_without_nan(path):
-    assert not any(math.isnan(fact.value) for fact in facts(load(path)))
+@each_case("scenario", library())
+def test_every_scene_of_the_library_has_facts_without_nan(scenario):
+    assert not any(math.isnan(fact.value) for fact in facts(scenario))

@@ -15,11 +15,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from case_loops import each_case
+from library_scenes import library
 from mpmath import mp, mpf
 from scipy.spatial.transform import Rotation
 from spincheck.reference import drifts, solve
 from spincheck.reference.allowed_drift import allowed_drifts
-from spincheck.scenarios import FloatArray, Scenario, Trajectory, find, load
+from spincheck.scenarios import FloatArray, Scenario, Trajectory
 from spincheck.scenarios.exact import conjugate, rotate
 from spincheck.scenarios.fastest_rate import fastest_rate
 from spincheck.scenarios.rotation import norms, rotation_vectors
@@ -27,7 +28,7 @@ from spincheck.scenarios.scenario import with_tables
 
 pytestmark = pytest.mark.slow
 
-SCENES = [scene for scene in map(load, find([])) if scene.rotors]
+SCENES = [scene for scene in library() if scene.rotors]
 DIGITS, ORDER = 40, 30
 #: rad, of the fastest rate: a step's series leaves out 8^-31, and so many radians are followed.
 STEP, REACH = mpf(1) / 8, 4

@@ -4,11 +4,12 @@ from pathlib import Path
 
 import numpy as np
 from case_loops import each_case
-from spincheck.scenarios import EFFECTS, LIBRARY, Scenario, find, load
+from library_scenes import library
+from spincheck.scenarios import EFFECTS, LIBRARY, Scenario
 from spincheck.scenarios.document import BodyTable
 from spincheck.scenarios.start import StartTable
 
-SCENES = [load(path) for path in find([])]
+SCENES = library()
 KINDS = ("free", "thrown", "heavy", "driven", "rotors", "table")
 #: Scenes of any kind that are hard to get right.
 HARD = "hard"

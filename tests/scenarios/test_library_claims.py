@@ -2,27 +2,19 @@
 
 import numpy as np
 import pytest
+from library_scenes import library_scene as scene
 from mpmath import ellipfun, mp, mpf
 from spincheck.scenarios import (
-    LIBRARY,
     FloatArray,
     Scenario,
     Trajectory,
     angular_momentum_world,
     energy,
-    find,
-    load,
 )
 
 EPS = np.finfo(float).eps
 #: A planted fault in a rate: far below what anybody would see, far above rounding.
 NUDGE = 1e-9
-
-
-def scene(name: str) -> Scenario:
-    (path,) = find([name])
-    assert path.is_relative_to(LIBRARY)
-    return load(path)
 
 
 def equal(a: float, b: float) -> bool:

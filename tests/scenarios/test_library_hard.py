@@ -6,12 +6,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from case_loops import each_case
+from library_scenes import library
 from mpmath import mp
-from spincheck.scenarios import LIBRARY, Scenario, find, load
+from spincheck.scenarios import LIBRARY, Scenario
 from spincheck.scenarios.exact import DIGITS
 
 EPS = float(np.finfo(float).eps)
-HARD = [load(path) for path in find([]) if path.is_relative_to(LIBRARY / "hard")]
+HARD = [scene for scene in library() if scene.path.is_relative_to(LIBRARY / "hard")]
 KINDS = ("free", "thrown", "heavy", "driven")
 FEWEST_SCENES = 40
 #: Words too few to say what is hard, and for which method.

@@ -14,23 +14,6 @@ def test_a_file_is_a_scene_named_by_its_stem(tmp_path):
     assert (scenario.name, scenario.path) == ("my-top.2", path)
 
 
-def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(ScenarioError, match=r"nothing.toml: cannot be read: No such file"):
-        load(tmp_path / "nothing.toml")
-
-
-def test_a_folder_is_no_file(tmp_path):
-    with pytest.raises(ScenarioError, match=r"cannot be read: it is a folder"):
-        load(tmp_path)
-
-
-def test_a_file_that_is_no_text_is_named(tmp_path):
-    path = tmp_path / "picture.toml"
-    path.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(ScenarioError, match=r"picture.toml: not a text file in UTF-8"):
-        load(path)
-
-
 def test_a_huge_file_is_not_read(tmp_path):
     path = tmp_path / "huge.toml"
     path.write_text(TEXT + "#" * MAX_BYTES)

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from case_loops import each_case
+from library_scenes import library
 from scipy.spatial.transform import Rotation
-from spincheck.scenarios import ScenarioError, find, load, loads
+from spincheck.scenarios import ScenarioError, loads
 from spincheck.scenarios.scatter import SCATTER, member
 
 pytestmark = pytest.mark.slow
@@ -84,9 +85,8 @@ def test_a_member_reads_back_from_its_text():
     assert np.array_equal(again.body.inertia_com, one.body.inertia_com)
 
 
-@each_case("path", find([]))
-def test_every_scene_of_the_library_can_be_scattered(path):
-    base = load(path)
+@each_case("base", library())
+def test_every_scene_of_the_library_can_be_scattered(base):
     if "table" in base.called_for and (reason := _refusal(base)):
         # The tip of a body that is started otherwise may leave its table at once.
         assert "lift" in reason

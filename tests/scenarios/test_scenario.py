@@ -4,9 +4,10 @@ import pickle
 
 import numpy as np
 import pytest
+from library_scenes import library
 from scene_texts import TEXT, scene
 from scipy.spatial.transform import Rotation
-from spincheck.scenarios import EFFECTS, find, load, loads
+from spincheck.scenarios import EFFECTS, loads
 from spincheck.scenarios.scenario import started_at, with_tables
 
 EPS = np.finfo(float).eps
@@ -123,11 +124,8 @@ def test_arrays_of_the_start_are_read_only(name):
         getattr(scene().start, name)[0] = 5.0
 
 
-LIBRARY = [load(path) for path in find([])]
-
-
 def test_every_scene_comes_whole_out_of_another_process():
-    for scenario in LIBRARY:
+    for scenario in library():
         again = pickle.loads(pickle.dumps(scenario))
         assert (again.name, again.document) == (scenario.name, scenario.document)
         assert again.start.q_exact == scenario.start.q_exact
@@ -189,21 +187,22 @@ STATE = {
 
 def test_every_scene_can_be_started_elsewhere_and_reads_back_from_its_text():
     # On a table a body cannot be anywhere.
-    for scenario in (scenario for scenario in LIBRARY if scenario.effects.table is None):
+    for scenario in (scenario for scenario in library() if scenario.effects.table is None):
         moved = started_at(scenario, **STATE)
         assert tuple(moved.start.q_world_body_wxyz) == STATE["q_world_body_wxyz"]
         assert tuple(moved.start.omega_body) == STATE["omega_body"]
         flight = [*moved.start.position_world, *moved.start.velocity_world]
         assert flight == ([0] * 6 if scenario.constraint.is_pivot else [4, 5, 6, 7, 8, 9])
         assert (moved.name, moved.effects) == (scenario.name, scenario.effects)
-        assert (moved.body, moved.window) == (scenario.body, scenario.window)
+        assert (moved.carrier, moved.rotors) == (scenario.carrier, scenario.rotors)
+        assert moved.window == scenario.window
         assert moved.digest != scenario.digest
         again = loads(moved.text, scenario.name)
         assert (again.document, again.digest) == (moved.document, moved.digest)
 
 
 def test_on_a_table_a_scene_is_started_where_the_tip_touches_it():
-    for scenario in (scenario for scenario in LIBRARY if scenario.effects.table is not None):
+    for scenario in (scenario for scenario in library() if scenario.effects.table is not None):
         start = scenario.start
         q, omega = start.q_world_body_wxyz, start.omega_body
         moved = started_at(scenario, q, omega, (4.0, 5.0, 60.0), (0.7, 0.8, 90.0))

@@ -25,7 +25,7 @@ def each_case(
     """
     keys = (names,) if isinstance(names, str) else tuple(names)
     if not isinstance(cases, Mapping):
-        cases = {f"{k}: {case!r:.80}": case for k, case in enumerate(cases)}
+        cases = {f"{k}: {getattr(case, 'name', case)!r:.80}": case for k, case in enumerate(cases)}
     by_label = {
         label: {keys[0]: case} if isinstance(names, str) else dict(zip(keys, case, strict=True))
         for label, case in cases.items()

@@ -4,20 +4,21 @@ from functools import cache
 
 import numpy as np
 from case_loops import each_case
+from library_scenes import library
 from spincheck.reference import Solution, solve
 from spincheck.reference.closed_forms import closed_form
 from spincheck.reference.problem import Problem
 from spincheck.reference.taylor import integrate
-from spincheck.scenarios import Scenario, find, load
+from spincheck.scenarios import Scenario
 
-SCENES = {path.stem: path for path in find([])}
+SCENES = {scenario.name: scenario for scenario in library()}
 every_scene = each_case("name", [*SCENES])
 
 
 @cache
 def solved(name: str) -> tuple[Scenario, Solution]:
     """A scene and its exact motion at the window's times."""
-    scenario = load(SCENES[name])
+    scenario = SCENES[name]
     return scenario, solve(scenario, scenario.times)
 
 

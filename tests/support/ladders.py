@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from made_up import TIMESTEPS, MadeUp, results
-from spincheck.reports.pages.analysis.candidates import Candidate, candidates
+from spincheck.reports.pages.analysis.best_choice import Candidate, candidates
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
 from spincheck.reports.pages.analysis.work_precision import EPS
 from spincheck.reports.results.store import Results
@@ -12,8 +12,6 @@ from spincheck.scenarios import Errors
 
 TOP = "made-up-top"
 ALONE = (MadeUp("mujoco", "Euler", 1), MadeUp("mujoco", "RK4", 4))
-#: s, between two samples of the made-up scenes.
-INTERVAL = 2.0 / 100
 #: Of ω; between two rungs of a first-order method, and below its finest.
 BETWEEN, BELOW = 1e-3, 1e-5
 #: Quotients of times and powers of them.

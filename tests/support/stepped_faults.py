@@ -13,8 +13,15 @@ ASKEW = np.array([0.62, 0.55, 0.56])
 #: h times the rate of the start, rad: a check of vanishing timesteps is below the first, the finest
 #: rungs of a ladder are below the second.
 TINY, FINE = 3e-5, 1e-2
-#: Draws that differ from run to run, and are the same in each test if its runs are.
-CHANCE = np.random.default_rng(20)
+SEED = 20
+#: Draws that differ from run to run, and are the same in each test: see `begin`.
+CHANCE = np.random.default_rng(SEED)
+
+
+def begin() -> None:
+    """Begin chance and count anew, so that no test depends on those before it."""
+    CHANCE.bit_generator.state = np.random.default_rng(SEED).bit_generator.state
+    WrongWhenOpenedTwice.opened = 0
 
 
 class Pushed(Stepped):
@@ -371,13 +378,6 @@ class ReadsPermuted(Stepped):
 
     def reading(self, state):
         return replace(state, q_world_body_wxyz=np.roll(state.q_world_body_wxyz, -1))
-
-
-class ReadsConjugatedLater(ReadsConjugated):
-    """From half of the window on the attitude is conjugated."""
-
-    def reading(self, state):
-        return super().reading(state) if self.time > self.scenario.window.duration / 2 else state
 
 
 class ReadsScattered(Stepped):

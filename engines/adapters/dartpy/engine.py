@@ -3,14 +3,18 @@
 What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
-from typing import final
+from collections.abc import Iterator
+from typing import Any, final
 
 import numpy as np
 
 from ...engine import COMMON_EFFECTS, Method
+from ...scene_record import HeldRotor
 from ...world_engine import WorldEngine
 from ...world_session import WorldBody, WorldSession
 
+#: A table is a planar slide under a ball joint, a rotor's hinge is a revolute joint.
+EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
 TORQUES = frozenset({"torque_body", "torque_world"})
 #: Number of coordinates that turn the body; they come first in a joint.
 TURNING = 3
@@ -31,10 +35,9 @@ class DartSession(WorldSession):
     def world_body(self) -> WorldBody:
         """The body as its body node holds it, from the joint."""
         inertia = self.world.body.getInertia()
-        arm = np.zeros(3) if self.scenario.constraint.is_pivot else None
-        return WorldBody(
-            inertia.getMass(), inertia.getLocalCOM(), np.array(inertia.getMoment()), arm
-        )
+        arm = None if self.world.is_free else np.zeros(3)
+        mass = inertia.getMass(), inertia.getLocalCOM(), np.array(inertia.getMoment())
+        return WorldBody(*mass, arm, [_rotor(*rotor) for rotor in self.world.rotors])
 
     def active(self) -> frozenset[str]:
         """What acts, as reported by world, joint and body node."""
@@ -50,7 +53,7 @@ class DartSession(WorldSession):
         named = {
             "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
             **self.damped_by(damping),
-            "pivot": joint.getType() == "BallJoint",
+            **self._joints(),
             f"a torque of {torque.tolist()} N m": not pushes,
             "springs": any(joint.getSpringStiffness(k) for k in range(count)),
             "deactivation": world.getDeactivationOptions().mEnabled,
@@ -58,6 +61,48 @@ class DartSession(WorldSession):
         }
         acting = frozenset(name for name, acts in named.items() if acts)
         return acting | (scenario.called_for & TORQUES if torque.any() else frozenset())
+
+    def _joints(self) -> dict[str, bool]:
+        """What the joints are, under and beyond the body's."""
+        slide, rotors = self.world.slide, self.world.rotors
+        count = self.world.skeleton.getNumBodyNodes()
+        turns = self.world.joint.getType() == "BallJoint"
+        slides = slide is not None and slide.getType() == "TranslationalJoint2D"
+        return {
+            "pivot": turns and slide is None,
+            "table": turns and slides,
+            "rotors": bool(rotors),
+            **dict.fromkeys(self._wrong_hinges(), True),
+            "other bodies": count != 1 + (slide is not None) + len(rotors),
+        }
+
+    def _wrong_hinges(self) -> Iterator[str]:
+        """Joints of rotors that are other than the scene's, in words."""
+        kinds = self.module.dart.dynamics.ActuatorType
+        described = self.scene.get("rotors", ())
+        rows = enumerate(zip(described, self.world.rotors, strict=True), start=1)
+        for number, (rotor, (joint, node)) in rows:
+            if not joint.getNumDofs():
+                continue
+            wanted = kinds.ACCELERATION if rotor["hinge"] == "driven" else kinds.FORCE
+            if joint.getActuatorType() != wanted or joint.getCommand(0):
+                yield f"rotor {number} with another actuator than that of a {rotor['hinge']} hinge"
+            if joint.getDampingCoefficient(0) or joint.getSpringStiffness(0):
+                yield f"damping or a spring on the hinge of rotor {number}"
+            if joint.getCoulombFriction(0):
+                yield f"friction on the hinge of rotor {number}"
+            if np.any(node.getInertia().getLocalCOM()):
+                yield f"rotor {number} on a hinge beside its centre of mass"
+
+
+def _rotor(joint: Any, node: Any) -> HeldRotor:
+    """A body node beyond a joint, at the joint's angle 0."""
+    inertia, at = node.getInertia(), joint.getTransformFromParentBodyNode()
+    R = np.array(at.rotation())
+    com = np.array(at.translation()) + R @ inertia.getLocalCOM()
+    tensor = R @ np.array(inertia.getMoment()) @ R.T
+    axis = R @ joint.getAxis() if joint.getNumDofs() else np.zeros(3)
+    return HeldRotor(inertia.getMass(), com, tensor, axis)
 
 
 @final
@@ -76,8 +121,8 @@ class Dart(WorldEngine):
             1,
             1,
             "semi-implicit Euler in joint coordinates",
-            COMMON_EFFECTS,
+            EFFECTS,
             setup=AWAKE,
         ),
-        Method("default", 1, 1, "as shipped: may fall asleep", COMMON_EFFECTS, as_shipped=True),
+        Method("default", 1, 1, "as shipped: may fall asleep", EFFECTS, as_shipped=True),
     )

@@ -3,11 +3,14 @@
 import dartpy as dart
 import numpy as np
 
-from ...world_parts import is_pushed, matrix, rotation_vector
+from ...world_parts import is_pushed, matrix, rotation_vector, rotor_tensor
+
+#: What slides weigh, in bodies: DART takes none without mass.
+LIGHT = 2.0**-80
 
 
 class World:
-    """One body, on a ball joint at its pivot or on a free joint at its com."""
+    """One body, on a free joint at its com or on a ball joint where it is held, as on slides."""
 
     def __init__(self, scene, method, timestep):
         self.scene, self.is_pushed = scene, is_pushed(scene)
@@ -17,26 +20,65 @@ class World:
             options = self.world.getDeactivationOptions()
             options.mEnabled = False
             self.world.setDeactivationOptions(options)
-        self.is_free = scene["arm"] is None
-        skeleton = dart.dynamics.Skeleton("top")
+        self.is_free, self.slide = scene["arm"] is None, None
+        self.skeleton = dart.dynamics.Skeleton("top")
         create = f"create{'Free' if self.is_free else 'Ball'}JointAndBodyNodePair"
-        self.joint, self.body = getattr(skeleton, create)()
-        lever = -np.array(scene["arm"] or (0.0, 0.0, 0.0))  # from the joint to the com
-        inertia = dart.dynamics.Inertia(scene["mass"], lever, np.diag(scene["moments"]))
+        self.joint, self.body = getattr(self.skeleton, create)(*self.slid(scene))
+        self.lever = -np.array(scene["arm"] or (0.0, 0.0, 0.0))  # from the joint to the com
+        inertia = dart.dynamics.Inertia(scene["mass"], self.lever, np.diag(scene["moments"]))
         self.body.setInertia(inertia)
         for k in range(3):
             self.joint.setDampingCoefficient(k, scene["drag"])
-        self.world.addSkeleton(skeleton)
+        self.rotors = [self.add_rotor(rotor) for rotor in scene.get("rotors", [])]
+        self.world.addSkeleton(self.skeleton)
         self.restart(scene, timestep)
+
+    def slid(self, scene):
+        """What the body's joint is on, if it is on slides: a node of next to no mass."""
+        if "slides" not in scene:
+            return ()
+        self.slide, node = self.skeleton.createTranslationalJoint2DAndBodyNodePair()
+        at = dart.math.Isometry3(np.eye(3), np.array([0.0, 0.0, scene["height"]]))
+        self.slide.setTransformFromParentBodyNode(at)
+        tensor = LIGHT * min(scene["moments"]) * np.eye(3)
+        node.setInertia(dart.dynamics.Inertia(LIGHT * scene["mass"], np.zeros(3), tensor))
+        return (node,)
+
+    def add_rotor(self, rotor):
+        """Add a rotor at its place; returns its joint and its body node."""
+        kind = "Weld" if rotor["hinge"] == "locked" else "Revolute"
+        joint, node = getattr(self.skeleton, f"create{kind}JointAndBodyNodePair")(self.body)
+        at = dart.math.Isometry3(np.eye(3), self.lever + rotor["place"])
+        joint.setTransformFromParentBodyNode(at)
+        tensor = rotor_tensor(rotor)
+        node.setInertia(dart.dynamics.Inertia(rotor["mass"], np.zeros(3), tensor))
+        if kind == "Revolute":
+            joint.setAxis(np.array(rotor["axis"]))
+        if rotor["hinge"] == "driven":
+            # Its angular acceleration is what is commanded: none.
+            joint.setActuatorType(dart.dynamics.ActuatorType.ACCELERATION)
+        return joint, node
+
+    def spins(self):
+        """Angular velocities of all rotors relative to the body, rad/s."""
+        return [joint.getVelocity(0) if joint.getNumDofs() else 0.0 for joint, _ in self.rotors]
 
     def restart(self, motion, timestep):
         """Set another motion and timestep."""
         self.world.setTimeStep(timestep)
+        for (joint, _), spin in zip(self.rotors, motion.get("spins", ()), strict=True):
+            if joint.getNumDofs():
+                joint.setPosition(0, 0.0)
+                joint.setVelocity(0, spin)
         R = matrix(motion["q"])
         omega = R.T @ np.array(motion["omega"])
         if not self.is_free:
             self.joint.setPositions(rotation_vector(motion["q"]))
             self.joint.setVelocities(omega)
+            if self.slide:
+                arm = R @ self.lever
+                self.slide.setPositions((motion["com"] - arm)[:2])
+                self.slide.setVelocities((motion["velocity"] - np.cross(motion["omega"], arm))[:2])
             return
         self.joint.setTransform(dart.math.Isometry3(R, np.array(motion["com"])))
         velocity = np.array([*omega, *(R.T @ np.array(motion["velocity"]))])
@@ -47,7 +89,7 @@ class World:
         body = self.body
         attitude = body.getWorldTransform()
         omega = attitude.rotation() @ body.getSpatialVelocity()[:3]
-        motion = omega, body.getCOM(), body.getCOMLinearVelocity()
+        motion = omega, body.getCOM(), body.getCOMLinearVelocity(), self.spins()
         return np.concatenate([attitude.quaternion().wxyz(), *motion])
 
     def push(self):

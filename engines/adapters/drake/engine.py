@@ -3,16 +3,20 @@
 What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
-from typing import final
+from collections.abc import Iterator
+from typing import Any, final
 
 import numpy as np
 
 from ....scenarios import FloatArray
 from ...checks.read_back import EngineError
 from ...engine import COMMON_EFFECTS, Method
+from ...scene_record import HeldRotor
 from ...world_engine import WorldEngine
 from ...world_session import WorldBody, WorldSession
 
+#: A table is two slides under a ball joint, a rotor's hinge is a revolute joint.
+EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
 TORQUES = frozenset({"torque_body", "torque_world"})
 #: Relative rounding of a torque that was rotated.
 SLACK = 16 * float(np.finfo(float).eps)
@@ -30,7 +34,7 @@ ApplySimulatorConfig(config, simulator)"""
         order,
         order,
         summary,
-        COMMON_EFFECTS,
+        EFFECTS,
         as_shipped=as_shipped,
         by_angles=True,
         setup="plant = MultibodyPlant(time_step=TIMESTEP)" if name == "discrete" else setup,
@@ -54,12 +58,29 @@ class DrakeSession(WorldSession):
 
     def world_body(self) -> WorldBody:
         """The body as the plant's context holds it, from the joint."""
-        spatial = self.world.body.CalcSpatialInertiaInBodyFrame(self.world.context)
+        arm = None if self.world.is_free else np.zeros(3)
+        return WorldBody(
+            *self._mass_of(self.world.body),
+            arm,
+            [self._rotor(joint) for joint in self.world.rotors],
+        )
+
+    def _mass_of(self, body: Any) -> tuple[float, FloatArray, FloatArray]:
+        """Mass, com and tensor about it of a body, in its own frame."""
+        spatial = body.CalcSpatialInertiaInBodyFrame(self.world.context)
         mass, com = spatial.get_mass(), np.array(spatial.get_com())
         about_origin = spatial.CalcRotationalInertia()
         about_com = about_origin.ShiftToCenterOfMass(mass, com).CopyToFullMatrix3()
-        arm = None if self.world.is_free else np.zeros(3)
-        return WorldBody(mass, com, np.array(about_com), arm)
+        return mass, com, np.array(about_com)
+
+    def _rotor(self, joint: Any) -> HeldRotor:
+        """The body beyond a joint, at the joint's angle 0."""
+        mass, com, inertia_com = self._mass_of(joint.child_body())
+        at = joint.frame_on_parent().GetFixedPoseInBodyFrame()
+        R = at.rotation().matrix()
+        turns = joint.type_name() == self.module.drake.RevoluteJoint.kTypeName
+        axis = R @ joint.revolute_axis() if turns else np.zeros(3)
+        return HeldRotor(mass, at @ com, R @ inertia_com @ R.T, axis)
 
     def advance(self, steps: int) -> None:
         """As the world does."""
@@ -83,6 +104,8 @@ class DrakeSession(WorldSession):
     def active(self) -> frozenset[str]:
         """What acts, as reported by plant, joint and input port."""
         plant, joint, scenario = self.world.plant, self.world.joint, self.scenario
+        slides, rotors = self.world.slides, self.world.rotors
+        turns = joint.type_name() == self.module.drake.BallRpyJoint.kTypeName
         gravity = np.array(plant.gravity_field().gravity_vector())
         right = np.array_equal(gravity, scenario.gravity_world)
         damping = np.array(joint.GetDampingVector(self.world.context))
@@ -92,16 +115,36 @@ class DrakeSession(WorldSession):
         named = {
             "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
             **self.damped_by(damping.tolist()),
-            "pivot": joint.type_name() == self.module.drake.BallRpyJoint.kTypeName,
+            "pivot": turns and not slides,
+            "table": turns and len(slides) == 2,
+            "rotors": bool(rotors),
+            **dict.fromkeys(self._wrong_hinges(), True),
             f"a torque of {torque.tolist()} N m": not pushes,
-            "joints": plant.num_joints() > 1,
+            "joints": plant.num_joints() != 1 + len(slides) + len(rotors),
             # Gravity is one of them.
             "force elements": plant.num_force_elements() > 1,
-            "actuators": plant.num_actuators() > 0,
             "contact geometry": plant.geometry_source_is_registered(),
         }
         acting = frozenset(name for name, acts in named.items() if acts)
         return acting | (scenario.called_for & TORQUES if torque.any() else frozenset())
+
+    def _wrong_hinges(self) -> Iterator[str]:
+        """Joints of rotors that are other than the scene's, in words."""
+        plant, context = self.world.plant, self.world.context
+        drives = {
+            int(actuator.joint().index()): actuator.calc_reflected_inertia(context)
+            for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices())
+        }
+        described = self.scene.get("rotors", ())
+        for number, (rotor, joint) in enumerate(zip(described, self.world.rotors, strict=True), 1):
+            driven = drives.pop(int(joint.index()), 0.0)
+            if driven != self.module.drive(rotor):
+                yield f"rotor {number} with {driven:g} kg m² on a {rotor['hinge']} hinge"
+            if joint.GetDampingVector(context).any():
+                yield f"damping on the hinge of rotor {number}"
+            if np.any(self._mass_of(joint.child_body())[1]):
+                yield f"rotor {number} on a hinge beside its centre of mass"
+        yield from (f"an actuator of {inertia:g} kg m²" for inertia in drives.values())
 
     def _felt_torque(self) -> FloatArray:
         """The torque at the plant's input port, N m, world axes."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pydrake.all as drake
 
-from ...world_parts import matrix, push
+from ...world_parts import drive, matrix, push, rotor_tensor
 
 #: Methods in which the plant steps itself, without an integrator.
 DISCRETE = ("discrete", "default")
@@ -65,7 +65,8 @@ class World:
             scene["mass"], lever, drake.RotationalInertia(*scene["moments"])
         )
         self.body = self.plant.AddRigidBody("top", inertia)
-        world, frame = self.plant.world_frame(), self.body.body_frame()
+        self.slides = []
+        world, frame = self.slid(scene), self.body.body_frame()
         # Roll, pitch and yaw are those of the body's own axes.
         self.R_frame_own = np.eye(3) if self.is_free else matrix(scene["axes"]).T
         if self.is_free:
@@ -75,8 +76,46 @@ class World:
             own = self.plant.AddFrame(drake.FixedOffsetFrame("own", frame, turned))
             joint = drake.BallRpyJoint("pivot", world, own, scene["drag"])
         self.joint = self.plant.AddJoint(joint)
+        self.rotors = [self.add_rotor(rotor, lever) for rotor in scene.get("rotors", [])]
         self.plant.mutable_gravity_field().set_gravity_vector(scene["gravity"])
         self.plant.Finalize()
+
+    def slid(self, scene):
+        """The frame that the body's joint is on: of the world, or of slides without mass on it."""
+        frame, height = self.plant.world_frame(), [0.0, 0.0, scene.get("height", 0.0)]
+        if any(height):
+            frame = self.offset("plane", frame, height)
+        for axis in scene.get("slides", []):
+            slide = self.plant.AddRigidBody(f"slide-{axis}", drake.SpatialInertia.Zero())
+            joint = drake.PrismaticJoint(
+                f"slide-{axis}", frame, slide.body_frame(), np.eye(3)[axis]
+            )
+            self.slides.append(self.plant.AddJoint(joint))
+            frame = slide.body_frame()
+        return frame
+
+    def add_rotor(self, rotor, lever):
+        """Add a rotor at its place; returns its joint."""
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = rotor_tensor(rotor)
+        inertia = drake.SpatialInertia.MakeFromCentralInertia(
+            rotor["mass"], np.zeros(3), drake.RotationalInertia(xx, yy, zz, xy, xz, yz)
+        )
+        name = f"rotor-{self.plant.num_joints()}"
+        part = self.plant.AddRigidBody(name, inertia).body_frame()
+        hub = self.offset(f"hub-{name}", self.body.body_frame(), lever + rotor["place"])
+        if rotor["hinge"] == "locked":
+            upright = drake.RigidTransform.Identity()
+            return self.plant.AddJoint(drake.WeldJoint(name, hub, part, upright))
+        joint = self.plant.AddJoint(drake.RevoluteJoint(name, hub, part, rotor["axis"]))
+        if rotor["hinge"] == "driven":
+            actuator = self.plant.AddJointActuator(f"drive-{name}", joint)
+            actuator.set_default_rotor_inertia(drive(rotor))
+        return joint
+
+    def offset(self, name, frame, place):
+        """Add a frame at a place in another's."""
+        at = drake.RigidTransform(np.array(place))
+        return self.plant.AddFrame(drake.FixedOffsetFrame(name, frame, at))
 
     def restart(self, motion, timestep):
         """Set another motion and timestep; a plant that steps itself keeps its own."""
@@ -96,8 +135,24 @@ class World:
             attitude = drake.RotationMatrix(matrix(motion["q"]) @ self.R_frame_own)
             joint.set_angles(context, drake.RollPitchYaw(attitude).vector())
         joint.set_angular_velocity(context, motion["omega"])
+        if self.slides:
+            self.slide_to(motion)
+        for rotor, spin in zip(self.rotors, motion.get("spins", ()), strict=True):
+            if rotor.num_velocities():
+                rotor.set_angle(context, 0.0)
+                rotor.set_angular_rate(context, spin)
         self.simulator.Initialize()
         self.simulator.ResetStatistics()
+
+    def slide_to(self, motion):
+        """Put the tip where it carries the com to its place and velocity."""
+        body, context = self.body, self.context
+        arm = matrix(motion["q"]) @ body.CalcCenterOfMassInBodyFrame(context)
+        place = motion["com"] - arm
+        speed = motion["velocity"] - np.cross(motion["omega"], arm)
+        for slide in self.slides:
+            slide.set_translation(context, slide.translation_axis() @ place)
+            slide.set_translation_rate(context, slide.translation_axis() @ speed)
 
     def motion(self):
         """Attitude, w x y z, ω, com and its velocity, world axes."""
@@ -109,6 +164,7 @@ class World:
                 moving.rotational(),
                 pose @ body.CalcCenterOfMassInBodyFrame(context),
                 body.CalcCenterOfMassTranslationalVelocityInWorld(context),
+                [j.get_angular_rate(context) if j.num_velocities() else 0.0 for j in self.rotors],
             ]
         )
 

@@ -8,12 +8,12 @@ import numpy as np
 from ....scenarios import Scenario
 from ...checks.read_back import UnsupportedError
 from ...models.description import Description
-from ...models.mjcf import START_KEY, start_coordinates
+from ...models.mjcf import START_KEY, armature, start_coordinates
 from ...models.urdf import BODY_LINK, urdf
 
-#: The reader diagonalises the principal moments again, with errors of up to 12 ulp, and then
-#: refuses every third flat body because it breaks the triangle inequality.
-READER_ROUNDOFF = 64 * float(np.finfo(float).eps)
+#: The reader diagonalises the three principal moments again, with errors of up to 12 ulp each, and
+#: then refuses every third flat body because it breaks the triangle inequality.
+READER_ROUNDOFF = 3 * 12 * float(np.finfo(float).eps)
 
 
 def spec_of_urdf(scenario: Scenario, integrator: str, description: Description) -> Any:
@@ -29,10 +29,13 @@ def spec_of_urdf(scenario: Scenario, integrator: str, description: Description) 
         raise UnsupportedError(f"MuJoCo {version} cannot give a body of a URDF a joint", "effects")
     text = urdf(scenario, READER_ROUNDOFF, description=description)
     spec = mujoco.MjSpec.from_string(text)
+    # By default the reader fuses a single link with the world, and locked rotors with the body.
+    spec.compiler.fusestatic = False
     if scenario.constraint.is_free:
-        # By default the reader fuses a single link with the world.
-        spec.compiler.fusestatic = False
         spec.body(BODY_LINK).add_freejoint(align=False)
+    for number, rotor in enumerate(scenario.rotors.each, start=1):
+        if rotor.hinge != "locked":
+            spec.joint(f"hinge{number}").armature = armature(rotor)
     spec.option.integrator = mujoco.mjtIntegrator.__members__[f"mjINT_{integrator.upper()}"]
     spec.option.gravity = scenario.gravity_world
     qpos, qvel = start_coordinates(scenario)

@@ -73,4 +73,4 @@ def _package(text: str) -> str:
 
 def _entries(scenario: Scenario) -> list[str]:
     record = scene_record(scenario)
-    return [f"  {key}: {json.dumps(record[key])},  // {about}" for key, about in ABOUT.items()]
+    return [f"  {key}: {json.dumps(record[key])},  // {ABOUT[key]}" for key in record]

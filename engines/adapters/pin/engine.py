@@ -8,10 +8,14 @@ from typing import final
 
 import numpy as np
 
-from ....scenarios import PUSHED
+from ....scenarios import PUSHED, FloatArray
 from ...engine import COMMON_EFFECTS, Method
+from ...scene_record import HeldRotor
 from ...world_engine import WorldEngine
 from ...world_session import WorldBody, WorldSession
+
+#: A table is two slides under a spherical joint, a rotor's hinge is a revolute joint.
+EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
 
 
 @final
@@ -20,9 +24,22 @@ class PinocchioSession(WorldSession):
 
     def world_body(self) -> WorldBody:
         """The body as the model holds it, from the joint."""
-        inertia = self.world.model.inertias[1]
+        inertia = self.world.model.inertias[self.world.joint]
         arm = None if self.world.is_free else np.zeros(3)
-        return WorldBody(inertia.mass, np.array(inertia.lever), np.array(inertia.inertia), arm)
+        rotors = [self._rotor(joint) for joint in self.world.rotors]
+        return WorldBody(
+            inertia.mass, np.array(inertia.lever), np.array(inertia.inertia), arm, rotors
+        )
+
+    def _rotor(self, joint: int) -> HeldRotor:
+        """That of a hinge, at its angle 0; one that is locked is part of the body."""
+        if not joint:
+            return HeldRotor(0.0, np.zeros(3), np.zeros((3, 3)), np.zeros(3))
+        model = self.world.model
+        inertia, at = model.inertias[joint], model.jointPlacements[joint]
+        R, axis = np.array(at.rotation), np.array(model.joints[joint].extract().axis)
+        com = np.array(at.translation) + R @ inertia.lever
+        return HeldRotor(inertia.mass, com, R @ inertia.inertia @ R.T, R @ axis)
 
     def active(self) -> frozenset[str]:
         """Gravity and pivot as in the model; torques as passed to `aba`."""
@@ -31,13 +48,30 @@ class PinocchioSession(WorldSession):
         right = np.array_equal(gravity, [*scenario.gravity_world, 0.0, 0.0, 0.0])
         named = {
             "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
-            "pivot": model.joints[1].shortname() == "JointModelSpherical",
-            "more bodies": model.njoints > 2,
+            **self._joints(),
             **dict.fromkeys(scenario.called_for & PUSHED, True),
-            "armature": model.armature.any(),
             "joint friction": model.damping.any() or model.friction.any(),
         }
         return frozenset(name for name, acts in named.items() if acts)
+
+    def _joints(self) -> dict[str, bool]:
+        """What the joints are, before and after the body's."""
+        world, model = self.world, self.world.model
+        kinds = [joint.shortname() for joint in model.joints]
+        hinges = [joint for joint in world.rotors if joint]
+        beside = [joint for joint in hinges if model.inertias[joint].lever.any()]
+        armature: FloatArray = np.zeros(model.nv)
+        for rotor, joint in zip(self.scene.get("rotors", ()), world.rotors, strict=True):
+            armature[model.joints[joint].idx_v] = self.module.drive(rotor) if joint else 0.0
+        turns = kinds[world.joint] == "JointModelSpherical"
+        return {
+            "pivot": turns and world.joint == 1,
+            "table": turns and kinds[1 : world.joint] == ["JointModelPrismaticUnaligned"] * 2,
+            "rotors": bool(world.rotors),
+            "a rotor on a hinge beside its centre of mass": bool(beside),
+            "armature": not np.array_equal(model.armature, armature),
+            "more bodies": model.njoints != world.joint + 1 + len(hinges),
+        }
 
 
 @final
@@ -49,14 +83,14 @@ class Pinocchio(WorldEngine):
     package = "pinocchio"
     step_seconds = 30e-6
     methods = (
-        Method("semi-implicit", 1, 1, "aba, then integrate with the new velocity", COMMON_EFFECTS),
-        Method("RK4", 4, 4, "aba, in classical Runge-Kutta steps of its state", COMMON_EFFECTS),
+        Method("semi-implicit", 1, 1, "aba, then integrate with the new velocity", EFFECTS),
+        Method("RK4", 4, 4, "aba, in classical Runge-Kutta steps of its state", EFFECTS),
         Method(
             "default",
             1,
             1,
             "the loop of its examples, which is semi-implicit: it has no integrator",
-            COMMON_EFFECTS,
+            EFFECTS,
             as_shipped=True,
         ),
     )

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pinocchio
 
-from ...world_parts import is_pushed, push
+from ...world_parts import drive, is_pushed, push, rotor_tensor
 
 #: The classical Runge-Kutta rule (Hairer, Nørsett & Wanner I, II.1): nodes of the stages, and their
 #: weights in sixths.
@@ -20,36 +20,78 @@ class World:
         self.step = self.runge_kutta if method == "RK4" else self.semi_implicit
         self.model = pinocchio.Model()
         self.lever = -np.array(scene["arm"] or (0.0, 0.0, 0.0))  # from the joint to the com
-        self.is_free = scene["arm"] is None
-        kind = pinocchio.JointModelFreeFlyer if self.is_free else pinocchio.JointModelSpherical
-        upright = pinocchio.SE3.Identity()
-        joint = self.model.addJoint(0, kind(), upright, "top")
-        inertia = pinocchio.Inertia(scene["mass"], self.lever, np.diag(scene["moments"]))
-        self.model.appendBodyToJoint(joint, inertia, upright)
+        self.is_free, self.slides = scene["arm"] is None, scene.get("slides", [])
+        self.height = np.array((0.0, 0.0, scene.get("height", 0.0)))
+        self.add_body(scene)
+        self.rotors = [self.add_rotor(rotor) for rotor in scene.get("rotors", [])]
         self.model.gravity.linear = np.array(scene["gravity"])
         self.data = self.model.createData()
+        moving = 3 if self.is_free else len(self.slides)
+        self.q_turning, self.v_turning = slice(moving, moving + 4), slice(moving, moving + 3)
         self.restart(scene, timestep)
+
+    def add_body(self, scene):
+        """Add the body and its joint, which may be on slides."""
+        kind = pinocchio.JointModelFreeFlyer if self.is_free else pinocchio.JointModelSpherical
+        parent, at = 0, pinocchio.SE3(np.eye(3), self.height)
+        for axis in self.slides:
+            slide = pinocchio.JointModelPrismaticUnaligned(np.eye(3)[axis])
+            parent = self.model.addJoint(parent, slide, at, f"slide-{axis}")
+            at = pinocchio.SE3.Identity()
+        self.joint = self.model.addJoint(parent, kind(), at, "top")
+        inertia = pinocchio.Inertia(scene["mass"], self.lever, np.diag(scene["moments"]))
+        self.model.appendBodyToJoint(self.joint, inertia, pinocchio.SE3.Identity())
+
+    def add_rotor(self, rotor):
+        """Add a rotor; the number of its joint, 0 of one that is locked."""
+        at = pinocchio.SE3(np.eye(3), self.lever + rotor["place"])
+        inertia = pinocchio.Inertia(rotor["mass"], np.zeros(3), rotor_tensor(rotor))
+        if rotor["hinge"] == "locked":
+            self.model.appendBodyToJoint(self.joint, inertia, at)
+            return 0
+        hinge = pinocchio.JointModelRevoluteUnaligned(np.array(rotor["axis"]))
+        joint = self.model.addJoint(self.joint, hinge, at, f"hinge-{self.model.njoints}")
+        self.model.appendBodyToJoint(joint, inertia, pinocchio.SE3.Identity())
+        armature = np.array(self.model.armature)
+        armature[self.model.joints[joint].idx_v] = drive(rotor)
+        self.model.armature = armature
+        return joint
 
     def restart(self, motion, timestep):
         """Set another motion and timestep."""
         self.timestep = timestep
         w, x, y, z = motion["q"]
-        self.q = np.array((x, y, z, w))
-        R = pinocchio.Quaternion(self.q).matrix()
-        self.v = R.T @ np.array(motion["omega"])
+        R = pinocchio.Quaternion(np.array((x, y, z, w))).matrix()
+        omega, com, velocity = (np.array(motion[key]) for key in ("omega", "com", "velocity"))
         if self.is_free:
-            # The position of the com, and its velocity in the body's axes, come first.
-            self.q = np.array([*motion["com"], *self.q])
-            self.v = np.array([*(R.T @ np.array(motion["velocity"])), *self.v])
+            # The velocity of the com is along the body's axes.
+            place, speed = com, R.T @ velocity
+        else:
+            place = (com - R @ self.lever)[self.slides]
+            speed = (velocity - np.cross(omega, R @ self.lever))[self.slides]
+        spins = [
+            spin for spin, joint in zip(motion.get("spins", ()), self.rotors, strict=True) if joint
+        ]
+        self.q = np.array([*place, x, y, z, w, *(0.0 for _ in spins)])
+        self.v = np.array([*speed, *(R.T @ omega), *spins])
 
     def motion(self):
         """Attitude, w x y z, ω, com and its velocity, world axes."""
-        x, y, z, w = self.q[-4:]
-        R = pinocchio.Quaternion(self.q[-4:]).matrix()
-        omega = R @ self.v[-3:]
-        com = self.q[:3] if self.is_free else R @ self.lever
-        velocity = R @ self.v[:3] if self.is_free else np.cross(omega, com)
-        return np.array([w, x, y, z, *omega, *com, *velocity])
+        x, y, z, w = self.q[self.q_turning]
+        R = pinocchio.Quaternion(self.q[self.q_turning]).matrix()
+        omega, arm = R @ self.v[self.v_turning], R @ self.lever
+        com, velocity = arm + self.height, np.cross(omega, arm)
+        if self.is_free:
+            com, velocity = self.q[:3], R @ self.v[:3]
+        for number, axis in enumerate(self.slides):
+            com[axis] += self.q[number]
+            velocity[axis] += self.v[number]
+        return np.array([w, x, y, z, *omega, *com, *velocity, *self.spins()])
+
+    def spins(self):
+        """Angular velocities of all rotors relative to the body, rad/s."""
+        joints = self.model.joints
+        return [self.v[joints[joint].idx_v] if joint else 0.0 for joint in self.rotors]
 
     def advance(self, steps):
         """Take steps one by one: Pinocchio has no native loop."""
@@ -67,36 +109,39 @@ class World:
         q_rate, v_rate = np.zeros(len(q)), np.zeros(len(v))
         q_gain, v_gain = np.zeros(len(q)), np.zeros(len(v))
         for at, weight in STAGES:
-            stage_q, stage_v = normalised(q + at * h * q_rate), v + at * h * v_rate
+            stage_q, stage_v = self.normalised(q + at * h * q_rate), v + at * h * v_rate
             q_rate = self.rate(stage_q, stage_v)
             v_rate = self.acceleration(stage_q, stage_v)
             q_gain += weight * q_rate
             v_gain += weight * v_rate
-        self.q, self.v = normalised(q + h / 6 * q_gain), v + h / 6 * v_gain
+        self.q, self.v = self.normalised(q + h / 6 * q_gain), v + h / 6 * v_gain
 
     def rate(self, q, v):
         """Time derivative of the coordinates; of the quaternion, half its product with ω."""
         # As Python's floats: numpy's cost several times as much one by one.
-        (x, y, z, w), (a, b, c) = q[-4:].tolist(), v[-3:].tolist()
+        (x, y, z, w), (a, b, c) = q[self.q_turning].tolist(), v[self.v_turning].tolist()
         turning = (
             w * a + y * c - z * b,
             w * b + z * a - x * c,
             w * c + x * b - y * a,
             -x * a - y * b - z * c,
         )
-        moving = pinocchio.Quaternion(q[-4:]).matrix() @ v[:-3] if self.is_free else ()
-        return np.array([*moving, *(part / 2 for part in turning)])
+        moving = v[: self.v_turning.start]
+        if self.is_free:
+            moving = pinocchio.Quaternion(q[self.q_turning]).matrix() @ moving
+        spins = v[self.v_turning.stop :]
+        return np.array([*moving, *(part / 2 for part in turning), *spins])
 
     def acceleration(self, q, v):
         """The acceleration by the articulated-body algorithm."""
         torque = np.zeros(len(v))
         if self.is_pushed:
-            R = pinocchio.Quaternion(q[-4:]).matrix()
-            torque[-3:] = R.T @ push(self.scene, R, R @ v[-3:])
+            R = pinocchio.Quaternion(q[self.q_turning]).matrix()
+            torque[self.v_turning] = R.T @ push(self.scene, R, R @ v[self.v_turning])
         return pinocchio.aba(self.model, self.data, q, v, torque)
 
-
-def normalised(q):
-    """Coordinates with a quaternion of norm 1, x y z w, at their end."""
-    q[-4:] /= math.sqrt(q[-4:] @ q[-4:])
-    return q
+    def normalised(self, q):
+        """Coordinates with their quaternion, x y z w, of norm 1."""
+        turning = q[self.q_turning]
+        turning /= math.sqrt(turning @ turning)
+        return q

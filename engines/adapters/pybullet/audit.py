@@ -5,9 +5,9 @@ gravity, from rest and once more from a slow spin: the gain of angular momentum 
 torque that acts.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Protocol
+from functools import partial
 
 import numpy as np
 import pybullet as p
@@ -16,8 +16,8 @@ from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import cross, matrix
 from ...checks.read_back import BodyReading, State
 from ...models.mjcf_contact import sphere_and_plane
-from .as_shipped import take_away_damping, take_away_motor
-from .model import BASE, HUNG, Model
+from .model import Model
+from .world import BASE, HUNG, World
 
 #: s, timestep h of a probe. The torque, gain of L over h, has a rounding error of EPS L / h and a
 #: truncation error proportional to h: their sum is least at h = √EPS.
@@ -33,38 +33,30 @@ EMPTY_MARGIN = 0.001
 SLACK = 16 * PROBE_STEP
 
 
-class Steps(Protocol):
-    """The part of a session that a probe uses."""
-
-    def set_timestep(self, timestep: float) -> None:
-        """Length of the steps from now on, s."""
-
-    def advance(self, steps: int) -> None:
-        """Take whole steps, with the torques that belong to the scene."""
-
-
 def what_acts(
-    steps: Steps, model: Model, scenario: Scenario, *, rests: bool = False
+    advance: Callable[[int], None], model: Model, scenario: Scenario, *, rests: bool = False
 ) -> frozenset[str]:
     """Names of the effects that act, and descriptions of anything else that does.
 
     Parameters
     ----------
+    advance : takes whole steps, with the torques that belong to the scene
     rests : whether the body lies on a plane by contact
 
     The probes change the body's state, and switch PyBullet's defaults off.
     """
-    acting = {*_world(model, scenario), *_holds(model)}
-    acting |= _lifted_off(model, scenario) if rests else _extras(model)
+    world = model.world
+    acting = {*_engine(world, scenario), *_holds(world)}
+    acting |= _lifted_off(world, scenario) if rests else _extras(world)
     if np.isfinite(model.read_state().omega_body).all():
-        acting |= _acting(_Probe.of(steps, model, scenario))
+        acting |= _acting(_Probe.of(advance, model, scenario))
     return frozenset(acting)
 
 
-def _world(model: Model, scenario: Scenario) -> set[str]:
-    world = p.getPhysicsEngineParameters(model.client)
-    gravity = [world[f"gravityAcceleration{axis}"] for axis in "XYZ"]
-    acting = {"real-time stepping"} if world["useRealTimeSimulation"] else set()
+def _engine(world: World, scenario: Scenario) -> set[str]:
+    engine = p.getPhysicsEngineParameters(world.client)
+    gravity = [engine[f"gravityAcceleration{axis}"] for axis in "XYZ"]
+    acting = {"real-time stepping"} if engine["useRealTimeSimulation"] else set()
     if gravity != scenario.gravity_world.tolist():
         acting.add(f"a gravity of {gravity} m/s²")
     elif "gravity" in scenario.called_for:
@@ -72,45 +64,47 @@ def _world(model: Model, scenario: Scenario) -> set[str]:
     return acting
 
 
-def _holds(model: Model) -> set[str]:
+def _holds(world: World) -> set[str]:
     """What holds the body, in words: its joints, and constraints of the world."""
-    acting = set()
-    for joint in range(p.getNumJoints(model.body, model.client)):
-        kind = p.getJointInfo(model.body, joint, model.client)[2]
-        if kind == p.JOINT_FIXED or (model.hinges and joint in model.hinges.links):
+    acting, client = set(), world.client
+    for joint in range(p.getNumJoints(world.body, client)):
+        kind = p.getJointInfo(world.body, joint, client)[2]
+        if kind == p.JOINT_FIXED or joint in world.hinges:
             continue  # of a part of the body
         acting.add("pivot" if kind == p.JOINT_SPHERICAL else f"a joint of type {kind}")
-    for index in range(p.getNumConstraints(model.client)):
-        constraint = p.getConstraintUniqueId(index, model.client)
-        kind = p.getConstraintInfo(constraint, model.client)[4]
+    for index in range(p.getNumConstraints(client)):
+        kind = p.getConstraintInfo(p.getConstraintUniqueId(index, client), client)[4]
         acting.add("pivot" if kind == p.JOINT_POINT2POINT else f"a constraint of type {kind}")
     return acting
 
 
-def _lifted_off(model: Model, scenario: Scenario) -> set[str]:
+def _others(world: World) -> list[int]:
+    """The bodies besides the scene's."""
+    bodies = [p.getBodyUniqueId(i, world.client) for i in range(p.getNumBodies(world.client))]
+    return [body for body in bodies if body != world.body]
+
+
+def _lifted_off(world: World, scenario: Scenario) -> set[str]:
     """What a body lies on, in words; that is taken away, so that nothing else pushes it."""
     acting, (_, height) = set(), sphere_and_plane(scenario)
-    has_tip = _has_shape(model.client, model.body, BASE)
-    for body in [p.getBodyUniqueId(i, model.client) for i in range(p.getNumBodies(model.client))]:
-        if body == model.body:
-            continue
-        shapes = p.getCollisionShapeData(body, BASE, model.client)
-        place, _ = p.getBasePositionAndOrientation(body, model.client)
+    has_tip = _has_shape(world.client, world.body, BASE)
+    for body in _others(world):
+        shapes = p.getCollisionShapeData(body, BASE, world.client)
+        place, _ = p.getBasePositionAndOrientation(body, world.client)
         is_plane = [shape[2] for shape in shapes] == [p.GEOM_PLANE] and place == (0, 0, height)
         acting.add("table" if is_plane and has_tip else "another body")
-        p.removeBody(body, model.client)
+        p.removeBody(body, world.client)
     return acting
 
 
-def _extras(model: Model) -> set[str]:
+def _extras(world: World) -> set[str]:
     """The shapes that can collide, and other bodies that move, in words."""
-    acting = set()
-    for index in range(p.getNumBodies(model.client)):
-        body = p.getBodyUniqueId(index, model.client)
-        if body != model.body and p.getDynamicsInfo(body, BASE, model.client)[0]:
-            acting.add("another body")
-        links = range(BASE, p.getNumJoints(body, model.client))
-        if any(_has_shape(model.client, body, link) for link in links):
+    acting, others = set(), _others(world)
+    if any(p.getDynamicsInfo(body, BASE, world.client)[0] for body in others):
+        acting.add("another body")
+    for body in (world.body, *others):
+        links = range(BASE, p.getNumJoints(body, world.client))
+        if any(_has_shape(world.client, body, link) for link in links):
             acting.add("a collision shape")
     return acting
 
@@ -139,7 +133,7 @@ class _Probe:
     spin_world : rad/s, slow, (3,)
     """
 
-    steps: Steps
+    advance: Callable[[int], None]
     model: Model
     scenario: Scenario
     reading: BodyReading
@@ -147,18 +141,18 @@ class _Probe:
     spin_world: FloatArray
 
     @classmethod
-    def of(cls, steps: Steps, model: Model, scenario: Scenario) -> "_Probe":
+    def of(cls, advance: Callable[[int], None], model: Model, scenario: Scenario) -> "_Probe":
         """Prepare for probing; switches gravity off."""
-        p.setGravity(0, 0, 0, physicsClientId=model.client)
-        steps.set_timestep(PROBE_STEP)
-        if scenario.constraint.is_pivot and model.link == BASE:
+        world = model.world
+        p.setGravity(0, 0, 0, physicsClientId=world.client)
+        world.set_timestep(PROBE_STEP)
+        if scenario.constraint.is_pivot and world.link == BASE:
             model.put_on_pivot()
-        if model.hinges:
-            model.hinges.set(np.full(len(scenario.rotors.each), PROBE_SPIN))
+        world.set_spins(np.full(len(scenario.rotors.each), PROBE_SPIN))
         R_world_body = model.R_world_body()
         push_world = R_world_body @ scenario.pushed["torque_body"] + scenario.pushed["torque_world"]
         spin_world = R_world_body @ np.full(3, PROBE_SPIN)
-        return cls(steps, model, scenario, model.read_body(), push_world, spin_world)
+        return cls(advance, model, scenario, model.read_body(), push_world, spin_world)
 
     def after(self, omega_world: FloatArray) -> tuple[State, State]:
         """The states before and after a step from this ω.
@@ -170,7 +164,7 @@ class _Probe:
         is_held = self.scenario.constraint.is_pivot
         self.model.set_velocity(omega_world, at_pivot if is_held else omega_world)
         before = self.model.read_state()
-        self.steps.advance(1)
+        self.advance(1)
         return before, self.model.read_state()
 
     def gains(self, omega_world: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -204,9 +198,8 @@ class _Probe:
 
     def wrong_hinges(self) -> Iterator[str]:
         """The hinges that do not keep what they should, from a slow spin, in words."""
-        assert self.model.hinges is not None
         rotors = self.scenario.rotors
-        self.model.hinges.set(np.full(len(rotors.each), PROBE_SPIN))
+        self.model.world.set_spins(np.full(len(rotors.each), PROBE_SPIN))
         before, after = self.after(self.spin_world)
         kept = [rotors.kept(state.omega_body, state.spins) for state in (before, after)]
         for number, torque in enumerate((kept[1] - kept[0]) / PROBE_STEP, start=1):
@@ -257,22 +250,22 @@ def _acting(probe: _Probe) -> set[str]:
 
 def _wrong_hinges(probe: _Probe) -> set[str]:
     """What is wrong with the hinges; PyBullet's motors if it ends without them."""
-    assert probe.model.hinges is not None
     if not any(probe.wrong_hinges()):
         return set()
-    probe.model.hinges.take_away_motors()
+    probe.model.world.take_away_motors()
     return set(probe.wrong_hinges()) or {"joint motor"}
 
 
 def _slowing_defaults(probe: _Probe) -> set[str]:
     """The defaults of PyBullet that act: those whose removal makes a difference."""
-    slowing = {"joint motor": take_away_motor} if probe.model.link == HUNG else {}
-    # Measured after the motor is removed, whose torque would hide it.
-    slowing["damping"] = take_away_damping
-    acting = set()
+    world, acting = probe.model.world, set()
+    slowing: dict[str, Callable[[], object]] = {"damping": world.take_away_damping}
+    if world.link == HUNG:
+        # First, as its torque would hide the damping.
+        slowing = {"joint motor": partial(world.set_motor, 0), **slowing}
     for name, take_away in slowing.items():
         with_it = probe.resistance()
-        take_away(probe.model)
+        take_away()
         if not _near(probe.resistance(), with_it, probe.noise):
             acting.add(name)
     return acting

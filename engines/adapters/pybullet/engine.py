@@ -21,15 +21,17 @@ from ...session import Session
 
 with native_output():
     # On import, Bullet prints its build date.
-    from .as_shipped import DEFAULT_DAMPING
-    from .load import DEFAULTS, INERTIA, JOINT_MOTOR, BodyRepresentation, left_out
+    from .load import BodyRepresentation, left_out
     from .pivot_limit import check_borne
     from .script import script, setup
     from .session import PyBulletSession
+    from .world import DEFAULTS, INERTIA, JOINT_MOTOR
 
 #: rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h, for every kind of body.
 #: Beyond it the attitude turns only by this much a step, while ω still reads its full value.
 MOST_ROTATION_A_STEP = pi / 4
+#: 1/s, linear and angular. (Source: Bullet's user manual; measured.)
+DEFAULT_DAMPING = 0.04
 
 #: What bodies in joint coordinates have besides.
 JOINTED = COMMON_EFFECTS | {"rotors"}

@@ -6,9 +6,10 @@ from ....scenarios import Scenario
 from ...engine import Method, Release
 from ...users_models import FileEngine, body_alone, users_link
 from .engine import PyBullet, bullet_method, installed_version, release
-from .load import DEFAULTS, INERTIA, BodyRepresentation, OwnURDF
+from .load import BodyRepresentation, OwnURDF
 from .model_reader import DEFAULT, FROM_FILE, MADE_UP, takes_mesh
 from .session import PyBulletSession
+from .world import DEFAULTS, INERTIA
 
 #: By method, the defaults that are kept.
 LEFT = {DEFAULT: frozenset(DEFAULTS), FROM_FILE: frozenset[str]()}

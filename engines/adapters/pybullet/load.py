@@ -1,7 +1,4 @@
-"""Puts a scene's body into a PyBullet world: loaded, stripped of defaults, held, set to its start.
-
-Why each call is there, and what happens without it: docs/measured/engines-pybullet.md.
-"""
+"""Puts a scene's body into a PyBullet world: what the world is given, and what it is read as."""
 
 import atexit
 import shutil
@@ -11,41 +8,23 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import count
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pybullet as p
 from scipy.spatial.transform import Rotation
 
-from ....scenarios import Effects, FloatArray, Scenario
-from ....scenarios.gyrostat import Rotors
+from ....scenarios import Effects, Scenario
 from ....scenarios.scenario import with_tables
 from ...checks.read_back import EngineError, UnsupportedError
 from ...models.description import PLAIN, Description
 from ...models.mjcf_contact import sphere_and_plane
 from ...models.urdf import urdf
-from .as_shipped import idle_motor, take_away_clamp, take_away_damping, take_away_motor
-from .hinges import Hinges
-from .model import BASE, HUNG, Model
+from .model import Model
+from .world import DEFAULTS, World
 
 #: Names of the parts left out; they would change no motion.
 SHAPE, MOTOR = "collision shape", "idle joint motor"
-#: Defaults of PyBullet that alter motions; the third is of bodies on a joint.
-INERTIA, DAMPING, JOINT_MOTOR, CLAMP = (
-    "inertia of the shape",
-    "damping",
-    "joint motor",
-    "velocity clamp",
-)
-DEFAULTS = (INERTIA, DAMPING, JOINT_MOTOR, CLAMP)
-#: Of a contact.
-FRICTIONLESS = {
-    "lateralFriction": 0,
-    "spinningFriction": 0,
-    "rollingFriction": 0,
-    "restitution": 0,
-}
-#: N, limit of a constraint's force. The default is an impulse of 500 N s a step.
-UNREACHED_FORCE = 1e100
 #: SIMD_EPSILON of Bullet's LinearMath/btScalar.h: values not above it are taken for zero.
 TAKEN_FOR_ZERO = float(np.finfo(float).eps)
 
@@ -93,7 +72,11 @@ def left_out(scenario: Scenario, representation: BodyRepresentation) -> tuple[st
 
 
 def load(
-    client: int, scenario: Scenario, representation: BodyRepresentation, left_in: Collection[str]
+    client: int,
+    scenario: Scenario,
+    representation: BodyRepresentation,
+    timestep: float,
+    left_in: Collection[str] = (),
 ) -> Model:
     """Put the scene's body into an empty world, at its start, held as the scene says.
 
@@ -110,62 +93,59 @@ def load(
     OSError
         If there is no file to load it from.
     """
-    hung = representation.hung and scenario.constraint.is_pivot
-    world_from_body = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
-    arm_world = world_from_body.apply(np.array(scenario.body.com))
     if not representation.as_shipped:
         _check_not_lost(scenario, representation)
-    text = representation.own or _scenes_own(scenario, representation, left_in)
-    if hung:
-        body = _load_urdf(client, text, representation, np.zeros(3), Rotation.identity())
-        model = _model_of_link(client, body, HUNG, scenario.rotors)
-    else:
-        is_held = scenario.constraint.is_pivot
-        position = np.zeros(3) if is_held else scenario.start.position_world - arm_world
-        body = _load_urdf(client, text, representation, position, world_from_body)
-        if representation.maximal:
-            model = _model_of_rigid_body(client, body, position, world_from_body)
-        else:
-            model = _model_of_link(client, body, BASE, scenario.rotors)
-    if DAMPING not in representation.defaults:
-        take_away_damping(model)
-    if CLAMP not in representation.defaults:
-        take_away_clamp(model)
-    if hung and JOINT_MOTOR not in representation.defaults:
-        # If it were removed first, it would not come back.
-        idle_motor(model) if MOTOR in left_in else take_away_motor(model)
-    if hung:
-        model.set_joint_attitude(world_from_body)
-    elif scenario.constraint.is_pivot:
-        _tie_to_world(model, representation)
-    if representation.by_contact:
-        _lay_under(model, scenario)
-    omega_world = world_from_body.apply(np.array(scenario.start.omega_body))
-    at_pivot = np.cross(omega_world, arm_world)
-    model.set_velocity(
-        omega_world, at_pivot if scenario.constraint.is_pivot else scenario.start.velocity_world
-    )
-    if model.hinges:
-        if JOINT_MOTOR not in representation.defaults:
-            model.hinges.take_away_motors()
-        if not representation.as_shipped:
-            _solve_exactly(client)
-        model.hinges.set(scenario.rotors.start_spins)
+    own = representation.own or scenes_own(scenario, representation, left_in)
+    world = _loaded(own, _record(scenario, representation, left_in), client)
+    of_body = _model_of_rigid_body if representation.maximal else _model_of_link
+    model = of_body(world, scenario)
+    world.scene |= model.in_its_axes(scenario)
+    world.set_up(timestep)
     return model
 
 
-def _scenes_own(
+def _record(
     scenario: Scenario, representation: BodyRepresentation, left_in: Collection[str]
+) -> dict[str, Any]:
+    """The scene as a world takes it, but for what is along the body's principal axes."""
+    start, is_pivot = scenario.start, scenario.constraint.is_pivot
+    world_from_body = Rotation.from_quat(start.q_world_body_wxyz, scalar_first=True)
+    hung = representation.hung and is_pivot
+    position, attitude = np.zeros(3), Rotation.identity() if hung else world_from_body
+    if not is_pivot:
+        position = start.position_world - world_from_body.apply(np.array(scenario.body.com))
+    drives = scenario.rotors and not representation.as_shipped
+    return {
+        "maximal": representation.maximal,
+        "hung": hung,
+        "defaults": [name for name in DEFAULTS if name in representation.defaults],
+        "position": position.tolist(),
+        "attitude": attitude.as_quat().tolist(),
+        "gravity": scenario.gravity_world.tolist(),
+        "drag": float(scenario.pushed["drag"]),
+        "torque_world": scenario.pushed["torque_world"].tolist(),
+        "plane": sphere_and_plane(scenario)[1] if representation.by_contact else None,
+        "rotors": [rotor.hinge for rotor in scenario.rotors.each],
+        "spins": scenario.rotors.start_spins.tolist(),
+        "motor": (0, 0, 0) if MOTOR in left_in else 0,
+        "is_exact": bool(drives or (is_pivot and not hung)),
+    }
+
+
+def scenes_own(
+    scenario: Scenario, representation: BodyRepresentation, left_in: Collection[str] = ()
 ) -> OwnURDF:
     """The scene as URDF; what holds a body that does not hang by a joint is no part of it."""
     hung = representation.hung and scenario.constraint.is_pivot
     sphere: tuple[Iterable[float], float] | None = None
     if representation.by_contact:
-        sphere = tip_sphere(scenario)
+        table = scenario.effects.table
+        assert table is not None
+        sphere = table.tip, sphere_and_plane(scenario)[0]
     elif SHAPE in left_in:
         sphere = scenario.body.com, _gyration_radius(scenario)
     text = urdf(
-        scenario if hung else set_free(scenario),
+        scenario if hung else with_tables(scenario, effects=Effects()),
         sphere=sphere,
         has_box=representation.as_shipped,
         description=representation.description,
@@ -173,18 +153,10 @@ def _scenes_own(
     return OwnURDF(text.encode(), ())
 
 
-def _load_urdf(
-    client: int,
-    model: OwnURDF,
-    representation: BodyRepresentation,
-    position: FloatArray,
-    attitude: Rotation,
-) -> int:
-    """Load a model with its frame's origin at `position` (3,) m; PyBullet's number for it.
+def _loaded(model: OwnURDF, record: dict[str, Any], client: int) -> World:
+    """A world with a model loaded.
 
-    PyBullet caches files by name, so every file has a name of its own. The pose is given here and
-    not set later: a rigid body keeps the inertia, in world axes, that it was loaded with until the
-    end of its first step.
+    PyBullet caches files by name, so every file has a name of its own.
     """
     number = next(_numbers)
     file = Path(_folder(), f"{number}.urdf")
@@ -194,16 +166,7 @@ def _load_urdf(
             # Meshes too have names of their own, since they are cached as well.
             file = _beside_meshes(file, model.meshes)
         try:
-            return int(
-                p.loadURDF(
-                    str(file),
-                    position,
-                    attitude.as_quat(),
-                    useMaximalCoordinates=representation.maximal,
-                    flags=0 if INERTIA in representation.defaults else p.URDF_USE_INERTIA_FROM_FILE,
-                    physicsClientId=client,
-                )
-            )
+            return World(record, client, str(file))
         except p.error as error:
             # Raises the system's own error if the file cannot be opened.
             file.read_bytes()
@@ -234,50 +197,22 @@ def _folder() -> str:
     return folder.name
 
 
-def _model_of_link(client: int, body: int, link: int, rotors: Rotors) -> Model:
-    _, _, _, com, q_body_principal_xyzw, *_ = p.getDynamicsInfo(body, link, client)
-    is_driven = np.array([rotor.hinge == "driven" for rotor in rotors.each])
-    hinges = Hinges(client, body, link + 1, rotors.is_turning, is_driven) if rotors else None
-    axes = Rotation.from_quat(q_body_principal_xyzw)
-    return Model(client, body, link, axes, np.array(com), hinges)
+def _model_of_link(world: World, _: Scenario) -> Model:
+    of_link = p.getDynamicsInfo(world.body, world.link, world.client)
+    return Model(world, Rotation.from_quat(of_link[4]), np.array(of_link[3]))
 
 
-def _model_of_rigid_body(
-    client: int, body: int, position: FloatArray, world_from_body: Rotation
-) -> Model:
+def _model_of_rigid_body(world: World, scenario: Scenario) -> Model:
     """The model of a rigid body, from the pose after loading: PyBullet does not report its frame.
 
     (For rigid bodies `getDynamicsInfo` returns uninitialised memory.)
     """
-    com_world, q_world_principal_xyzw = p.getBasePositionAndOrientation(body, client)
-    body_from_principal = world_from_body.inv() * Rotation.from_quat(q_world_principal_xyzw)
-    com = world_from_body.inv().apply(np.array(com_world) - position)
-    return Model(client, body, BASE, body_from_principal, com)
-
-
-def set_free(scenario: Scenario) -> Scenario:
-    """The scene's body without its pivot, which is then not part of the URDF."""
-    return with_tables(scenario, effects=Effects())
-
-
-def tip_sphere(scenario: Scenario) -> tuple[tuple[float, float, float], float]:
-    """Centre, m, body axes, and radius, m, of the sphere that lies on the table."""
-    table = scenario.effects.table
-    assert table is not None
-    return table.tip, sphere_and_plane(scenario)[0]
-
-
-def _lay_under(model: Model, scenario: Scenario) -> None:
-    """Put a plane under the body, both without friction or restitution.
-
-    By default Bullet leaves contacts that are 1e-5 m deep, which shows in the limit of short steps.
-    """
-    p.setPhysicsEngineParameter(contactSlop=0, physicsClientId=model.client)
-    client, height = model.client, sphere_and_plane(scenario)[1]
-    shape = p.createCollisionShape(p.GEOM_PLANE, physicsClientId=client)
-    plane = p.createMultiBody(0, shape, basePosition=[0, 0, height], physicsClientId=client)
-    for body in (plane, model.body):
-        p.changeDynamics(body, BASE, **FRICTIONLESS, physicsClientId=client)
+    com_world, q_world_principal_xyzw = p.getBasePositionAndOrientation(world.body, world.client)
+    q_world_body_wxyz = scenario.start.q_world_body_wxyz
+    body_from_world = Rotation.from_quat(q_world_body_wxyz, scalar_first=True).inv()
+    body_from_principal = body_from_world * Rotation.from_quat(q_world_principal_xyzw)
+    com = body_from_world.apply(np.array(com_world) - world.scene["position"])
+    return Model(world, body_from_principal, com)
 
 
 def _gyration_radius(scenario: Scenario) -> float:
@@ -300,37 +235,3 @@ def _check_not_lost(scenario: Scenario, representation: BodyRepresentation) -> N
             f"PyBullet takes a mass or moment for zero unless it exceeds {TAKEN_FOR_ZERO:.2g} "
             f"(kg, kg m²), got {min(mass, *moments):.2g}; scale the scene up"
         )
-
-
-def _solve_exactly(client: int) -> None:
-    """Have constraints, and drives, solved directly: 50 iterations leave some of them unsolved."""
-    p.setPhysicsEngineParameter(
-        constraintSolverType=p.CONSTRAINT_SOLVER_LCP_DANTZIG, physicsClientId=client
-    )
-
-
-def _tie_to_world(model: Model, representation: BodyRepresentation) -> None:
-    """A point-to-point constraint from the body's origin to the world's, solved directly.
-
-    The default solver's 50 iterations leave so much of a slender body's constraint unsolved that
-    its error is no longer of first order.
-    """
-    _solve_exactly(model.client)
-    anchor = BASE
-    if representation.maximal:
-        # Of two rigid bodies only: a massless, shapeless one stands for the world.
-        anchor = p.createMultiBody(
-            baseMass=0, useMaximalCoordinates=True, physicsClientId=model.client
-        )
-    constraint = p.createConstraint(
-        model.body,
-        BASE,
-        anchor,
-        BASE,
-        p.JOINT_POINT2POINT,
-        jointAxis=(0, 0, 0),
-        parentFramePosition=model.body_from_principal.inv().apply(-model.link_com),
-        childFramePosition=(0, 0, 0),
-        physicsClientId=model.client,
-    )
-    p.changeConstraint(constraint, maxForce=UNREACHED_FORCE, physicsClientId=model.client)

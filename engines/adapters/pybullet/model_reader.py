@@ -15,7 +15,7 @@ from ....scenarios.users_models import ModelFile, Shape
 from ...checks.read_back import BodyReading, EngineError
 from ...native_output import native_output
 from ...users_models import Advice, Configuration, ModelReader, with_meshes
-from .model import BASE
+from .world import BASE
 
 #: Endings of meshes that PyBullet makes collision shapes of.
 MESHES = frozenset((".obj", ".stl", ".dae"))

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
-from functools import cache, cached_property
+from functools import cached_property
 from math import isnan
 from struct import Struct
 from typing import final
@@ -16,16 +16,16 @@ from ...checks.read_back import BodyReading, EngineError, State
 from ...fault import Fault
 from ...native_output import native_output
 from ...session import Session
-from .as_shipped import DEFAULT_CLAMP, UNREACHED_VELOCITY
 from .audit import what_acts
-from .load import CLAMP, BodyRepresentation, load
-from .model import BASE, HUNG, Model, Placed
+from .load import BodyRepresentation, load
+from .model import Model, Placed
 from .pivot_limit import check_borne
-from .torques import torques
+from .world import BASE, CLAMP, HUNG, UNREACHED
 from .worlds import give_back, take_world
 
-#: Largest number of steps in a native call, some 20 ms, as a call cannot be interrupted.
-MOST_STEPS_A_CALL = 2**14
+#: rad/s and m/s: every velocity coordinate of a multibody is clamped at this. (Source:
+#: `m_maxCoordinateVelocity` of btMultiBody; measured.)
+DEFAULT_CLAMP = 100.0
 #: s, of a step in which a body at rest goes nowhere.
 IDLE = 2.0**-60
 #: A clamped velocity is read back through a rotation, with a few rounding errors.
@@ -56,12 +56,11 @@ class PyBulletSession(Session):
     ) -> None:
         self._scenario, self._is_maximal = scenario, representation.maximal
         self._rests = representation.by_contact
-        self.client, self.model = _open(scenario, representation, left_in)
-        self._clamp = DEFAULT_CLAMP if CLAMP in representation.defaults else UNREACHED_VELOCITY
-        self._torques, self.at_once = torques(self.model, scenario)
+        self.model = _open(scenario, representation, timestep, left_in)
+        self.world, self.client = self.model.world, self.model.world.client
+        self._clamp = DEFAULT_CLAMP if CLAMP in representation.defaults else UNREACHED
         self._placed: dict[bytes, Placed] = {}
         self._is_sound = True
-        self.set_timestep(timestep)
 
     def read_body(self) -> BodyReading:
         """Mass, com and tensor as PyBullet holds them."""
@@ -73,8 +72,7 @@ class PyBulletSession(Session):
 
     def set_timestep(self, timestep: float) -> None:
         """Length of the steps from now on, s."""
-        self._timestep = timestep
-        self._substeps = 0
+        self.world.set_timestep(timestep)
 
     @property
     def can_restart(self) -> bool:
@@ -84,11 +82,11 @@ class PyBulletSession(Session):
     @property
     def restarts_to_the_last_bit(self) -> bool:
         """Whether the body is on a joint; any other pose is composed as it is loaded."""
-        return self.model.link == HUNG
+        return bool(self.world.link == HUNG)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
         """Set pose and velocities; a body held by a constraint is set off its pivot, too."""
-        timestep = self._timestep if timestep is None else timestep
+        timestep = self.world.timestep if timestep is None else timestep
         if self._is_maximal and self._scenario.constraint.is_pivot:
             check_borne(self._equations, state, timestep)
         # The same few states are set at many timesteps.
@@ -99,8 +97,7 @@ class PyBulletSession(Session):
         if self._is_maximal:
             self._renew_inertia(placed)
         self.model.place(placed, state.com_world, state.velocity_world)
-        if self.model.hinges:
-            self.model.hinges.set(state.spins)
+        self.world.set_spins(state.spins)
         self.set_timestep(timestep)
 
     def _renew_inertia(self, placed: Placed) -> None:
@@ -116,28 +113,11 @@ class PyBulletSession(Session):
         return Equations(self._scenario)
 
     def advance(self, steps: int) -> None:
-        """Take `steps` whole steps, many a call where no torque has to be renewed in between."""
-        if steps == self._substeps and self.at_once:
-            self._step(steps)
-        elif self.at_once:
-            for substeps in calls(steps, self._timestep):
-                self._step(substeps)
-        else:
-            for _ in range(steps):
-                self._step(1)
-
-    def _step(self, substeps: int) -> None:
-        if substeps != self._substeps:
-            p.setPhysicsEngineParameter(
-                fixedTimeStep=self._timestep * substeps,
-                numSubSteps=substeps,
-                physicsClientId=self.client,
-            )
-            self._substeps = substeps
-        for apply in self._torques:
-            apply()
-        if p.stepSimulation(self.client) is None:
-            raise self._not_completed()
+        """As the world does."""
+        try:
+            self.world.advance(steps)
+        except RuntimeError:
+            raise self._not_completed() from None
 
     def _not_completed(self) -> EngineError:
         """The error of a step that was given up; its world is not used again."""
@@ -148,9 +128,10 @@ class PyBulletSession(Session):
         """As in `Session`, without other calls between PyBullet's: each takes a tenth of a step."""
         step, client, read = p.stepSimulation, self.client, self._reader()
         # Steps without torques to renew; PyBullet has been told their number.
-        is_plain = self.at_once and not self._torques
+        world = self.world
+        is_plain = world.at_once and not world.pushes
         for steps in strides:
-            if steps and is_plain and steps == self._substeps:
+            if steps and is_plain and steps == world.substeps:
                 if step(client) is None:
                     raise self._not_completed()
             elif steps:
@@ -159,10 +140,10 @@ class PyBulletSession(Session):
 
     def check(self) -> None:
         """Raise if the clock is not what was set, a velocity is clamped, or the pivot gave way."""
-        world = p.getPhysicsEngineParameters(self.client)
-        wanted = (self._timestep * self._substeps, self._substeps)
-        got = (world["fixedTimeStep"], world["numSubSteps"])
-        if self._substeps and got != wanted:
+        engine, world = p.getPhysicsEngineParameters(self.client), self.world
+        wanted = (world.timestep * world.substeps, world.substeps)
+        got = (engine["fixedTimeStep"], engine["numSubSteps"])
+        if world.substeps and got != wanted:
             raise EngineError(
                 f"PyBullet's time and steps a call must be {wanted}, got {got}", "clock"
             )
@@ -175,11 +156,12 @@ class PyBulletSession(Session):
         return self._reader()()
 
     def _reader(self) -> Callable[[], bytes]:
-        """A function that makes snapshots: `Model.motion`, packed, with all that is constant bound.
+        """A function that makes snapshots: `World.motion`, packed, with all that is constant bound.
 
         A state that is not finite ends the run: the solvers might not return from it.
         """
-        body, link, client, pack = self.model.body, self.model.link, self.client, MOTION.pack
+        world, pack = self.world, MOTION.pack
+        body, link, client = world.body, world.link, world.client
         pose, velocity, link_state = (
             p.getBasePositionAndOrientation,
             p.getBaseVelocity,
@@ -202,11 +184,10 @@ class PyBulletSession(Session):
             return pack(*com_world, *q_xyzw, *velocity_world, *omega_world)
 
         of_body = of_base if link == BASE else of_link
-        hinges = self.model.hinges
-        if hinges is None:
+        if not world.hinges:
             return of_body
         # Not with `pack`, whose numbers are those of one body.
-        return lambda: of_body() + np.array(hinges.read()).tobytes()
+        return lambda: of_body() + np.array(world.spins()).tobytes()
 
     def states(self, snapshots: Sequence[bytes]) -> State:
         """The states of n snapshots, in spincheck's frames."""
@@ -227,7 +208,7 @@ class PyBulletSession(Session):
 
     def active(self) -> frozenset[str]:
         """What acts, read back and felt: see `audit`."""
-        return what_acts(self, self.model, self._scenario, rests=self._rests)
+        return what_acts(self.advance, self.model, self._scenario, rests=self._rests)
 
     def close(self) -> None:
         """Return the world for reuse; if something went wrong in it, disconnect it."""
@@ -242,15 +223,17 @@ class PyBulletSession(Session):
 
 
 def _open(
-    scenario: Scenario, representation: BodyRepresentation, left_in: Collection[str]
-) -> tuple[int, Model]:
-    """A world with the scene's body and gravity in it."""
+    scenario: Scenario,
+    representation: BodyRepresentation,
+    timestep: float,
+    left_in: Collection[str],
+) -> Model:
+    """The scene's body, in a world of its own."""
     client = -1
     try:
         with native_output() as printed:
             client = take_world()
-            model = load(client, scenario, representation, left_in)
-            p.setGravity(*scenario.gravity_world, physicsClientId=client)
+            model = load(client, scenario, representation, timestep, left_in)
         if WARNING in printed.text:
             raise EngineError("PyBullet warns")
     except EngineError as error:
@@ -258,20 +241,4 @@ def _open(
             p.disconnect(client)
         warning = f"; PyBullet printed: {printed.text.strip()}" if printed.text.strip() else ""
         raise type(error)(f"{error}{warning}", error.cause) from None
-    return client, model
-
-
-@cache
-def calls(steps: int, timestep: float) -> tuple[int, ...]:
-    """Steps a call that add up to `steps`: one call where PyBullet takes exactly that many.
-
-    PyBullet gets k dt and k, divides the one by the other, and takes as many steps as fit. With k a
-    power of two that is exact; with another it may be a step less, or of another length.
-    """
-    span = steps * timestep
-    each = span / steps
-    if steps <= MOST_STEPS_A_CALL and each == timestep and int(span / each) == steps:
-        return (steps,)
-    chunk = min(1 << (steps.bit_length() - 1), MOST_STEPS_A_CALL)
-    rest = steps - chunk
-    return (chunk, *calls(rest, timestep)) if rest else (chunk,)
+    return model

@@ -10,11 +10,11 @@ from ....scenarios.regular_files import replacing
 from ...pages.analysis.report_data import Compared, SceneRuns, report_data
 from ...pages.figures.figures import figures
 from ...pages.figures.plot import Figure
-from ...pages.figures.run_lines import with_runs
+from ...pages.figures.signal_figures import with_runs
 from ...pages.render import render
 from ...pages.scene.motion_data import run_name
 from ...results.store import Results, SceneResult
-from ..executing import Where
+from ..choosing import Where
 from ..named_scenes import one_scene
 from ..run import running
 from ..stopping import saying

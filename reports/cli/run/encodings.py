@@ -6,8 +6,7 @@ from itertools import groupby, pairwise
 from ....engines import engines
 from ....engines.encodings import ENCODINGS
 from ....scenarios import did_you_mean
-from ...pages.analysis.encoding_words import PHRASES, encoding_sentence
-from ...results.encoding_records import WRONG, EncodedRun, EncodedRuns
+from ...results.encoding_records import PHRASES, WRONG, EncodedRun, EncodedRuns, encoding_sentence
 from ..terminal import BAD_INPUT, Complaint
 
 #: The word for all of them.

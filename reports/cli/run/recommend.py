@@ -21,19 +21,17 @@ from ...harness.executors import TIME_LIMIT, LocalWorkers
 from ...harness.judging.ladder import RUNGS_OF_A_LIMIT
 from ...harness.plan import plan
 from ...harness.study import run_study
-from ...pages.analysis.best_choice import BOUNDS, steady
-from ...pages.analysis.candidates import Candidate, ErrorBounds, candidates
+from ...pages.analysis.best_choice import BOUNDS, Candidate, ErrorBounds, candidates, steady
 from ...pages.analysis.report_data import SceneRuns, report_data
 from ...pages.analysis.wording import rounded_down
 from ...results.records import Key, Row
 from ...results.store import Results, open_store
-from ..choosing import choose
-from ..executing import Where, check_temporary_folder
+from ..choosing import Where, check_temporary_folder, choose
+from ..grouped import option
 from ..named_scenes import one_scene
 from ..stopping import saying
 from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say
 from . import running
-from .error_bounds import option
 
 #: Checks before it is given up.
 CHECKS = 4

@@ -6,7 +6,7 @@ from textwrap import indent
 from typing import Any
 
 from ....scenarios import SIGNAL
-from ...pages.analysis.candidates import Candidate, ErrorBounds, as_cheap
+from ...pages.analysis.best_choice import Candidate, ErrorBounds, as_cheap
 from ...results.records import Row
 from ..terminal import table
 from .recommend import Recommendation

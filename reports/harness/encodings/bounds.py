@@ -7,10 +7,13 @@ import numpy as np
 
 from ....engines import Engine
 from ....engines.checks.read_back import State
-from ....engines.encodings import KEPT, SAME_BODY, Encoding
+from ....engines.encodings import KEPT, SAME_BODY, Encoding, SceneChange
 from ....engines.models.description import away_from
 from ....reference import Solution
 from ....scenarios import SIGNAL, Scenario, Trajectory
+from ....scenarios.gyrostat import without_free_axes
+from ....scenarios.mechanics import angular_momentum_world
+from ....scenarios.rotation import norms
 from ..measuring.rounding import roundings_in_flight
 
 #: The signals that make up a state; the others follow from them.
@@ -20,6 +23,8 @@ BOTH = 2
 #: Numbers that a motion follows from, each of which rounding may change: of ω and attitude three
 #: each, of the tensor six. The conditioning is of changes of length one, together.
 NUMBERS = 12
+#: Of a component of ω̇ a step.
+OPERATIONS = 20
 EPS = float(np.finfo(float).eps)
 
 
@@ -35,28 +40,26 @@ def rounding_bounds(
       to the com, is as many times (I₃ + m r²) / I₁ off in its least moment.
     - A step: ω̇ = I⁻¹ (ω × I ω) is rounded relative to ‖I⁻¹‖ ‖I‖ ω² = (I₃ + m r²) / I₁ ω², and
       gains ω dt of that, an ulp of ω for the 20 operations of a component at 0.05 rad a step; the
-      state is rounded once. Steps add up as if all had one sign.
-    - The flight, for place and velocity of a free body: an ulp of the changed scene's own numbers.
+      state is rounded once. Steps add up as if all had one sign. With rotors L is not I ω, torques
+      are added that cancel in coordinates which turn with them, at places that are rounded relative
+      to their distance from the origin, and I₁ is the least moment that is left where they turn
+      freely.
+    - The flight, for place and velocity of a free body: an ulp of the changed scene's own numbers,
+      and of forces that cancel in coordinates which turn with rotors.
     """
-    change = encoding.change(scenario)
-    changed, exact = _farthest(encoding.scene(scenario), encoding), solution.trajectory
-    state = State(exact.q_world_body_wxyz, exact.omega_body, exact.com_world, exact.velocity_world)
-    place, velocity = change.motion(state, exact.t)
-    moved = Trajectory(
-        t=exact.t * change.time,
-        q_world_body_wxyz=exact.q_world_body_wxyz,
-        omega_body=exact.omega_body / change.time,
-        com_world=place,
-        velocity_world=velocity,
-    )
+    change, exact = encoding.change(scenario), solution.trajectory
+    changed, moved = _farthest(encoding.scene(scenario), encoding), _moved(change, exact)
+    far = float(norms(moved.com_world).max()) / change.length
     flight = roundings_in_flight(changed, replace(solution, trajectory=moved), steps)
-    ulps = (steps + flight + SAME_BODY) * _condition(changed) * BOTH * np.sqrt(NUMBERS)
-    ulps *= engine.ulp / EPS
+    ulps = steps * _ulps_a_step(scenario, exact, steps, far) + flight + SAME_BODY
+    ulps *= _condition(changed) * BOTH * np.sqrt(NUMBERS) * engine.ulp / EPS
     units = {"com": change.length, "velocity": change.length / change.time}
     # A place turns with the body: what it is rounded by makes a velocity.
     metres = SIGNAL["com"].growth(changed, moved, solution.conditioning)
     metres *= SIGNAL["com"].base(changed, moved)
-    swing = metres * float(np.linalg.norm(moved.omega_body, axis=1).max())
+    swing = metres * float(norms(moved.omega_body).max())
+    flung = _flung(scenario, exact, far) * engine.ulp * float(exact.t[-1])
+    flown = {"com": flung * float(exact.t[-1]) / 2, "velocity": flung}
     bounds = {}
     for name in JUDGED:
         signal, ulp = SIGNAL[name], solution.conditioning[name]
@@ -65,8 +68,29 @@ def rounding_bounds(
             absolute *= signal.base(changed, moved)
             absolute += swing if name == "velocity" else 0.0
             ulp = absolute / units[name] / signal.base(scenario, exact)
-        bounds[name] = ulp * ulps
+        bounds[name] = ulp * ulps + flown.get(name, 0.0) / signal.base(scenario, exact)
     return bounds
+
+
+def _moved(change: SceneChange, exact: Trajectory) -> Trajectory:
+    """The exact motion in the changed scene's units, and where that has it."""
+    state = State(exact.q_world_body_wxyz, exact.omega_body, exact.com_world, exact.velocity_world)
+    place, velocity = change.motion(state, exact.t)
+    return Trajectory(
+        t=exact.t * change.time,
+        q_world_body_wxyz=exact.q_world_body_wxyz,
+        omega_body=exact.omega_body / change.time,
+        com_world=place,
+        velocity_world=velocity,
+    )
+
+
+def _flung(scenario: Scenario, exact: Trajectory, far: float) -> float:
+    """Accelerations that cancel where a free body's rotors are off its com, both ways, m/s²."""
+    if not scenario.constraint.is_free:
+        return 0.0
+    force, _ = scenario.rotors.cancelling(exact.spins, scenario.body.com, far)
+    return BOTH * OPERATIONS * float(force.max()) / scenario.body.mass
 
 
 @lru_cache(maxsize=KEPT)
@@ -74,11 +98,26 @@ def _farthest(scenario: Scenario, encoding: Encoding) -> Scenario:
     """The scene with its com where the farthest frame of the model has it."""
     if encoding.description.parts == "one":
         return scenario
-    return replace(scenario, body=replace(scenario.body, com_exact=away_from(scenario.body)))
+    there = zip(scenario.body.com_exact, away_from(scenario.body), strict=True)
+    x, y, z = (com - far for com, far in there)
+    return SceneChange(shift=(x, y, z)).scene(scenario)
+
+
+def _ulps_a_step(scenario: Scenario, exact: Trajectory, steps: int, far: float) -> float:
+    """Roundings of ω a step, in units of the condition number: one, or more of fast rotors."""
+    speed = norms(exact.omega_body).max() or 1 / float(exact.t[-1])
+    turning = np.abs(exact.spins) + speed
+    _, torque = scenario.rotors.cancelling(turning, scenario.body.com, far)
+    torque = torque + norms(angular_momentum_world(scenario, exact)) * speed
+    rate = torque.max() / (scenario.body.principal_moments[-1] * speed)
+    return max(1.0, OPERATIONS * float(rate * exact.t[-1]) / steps)
 
 
 def _condition(scenario: Scenario) -> float:
     """(I₃ + m r²) / I₁, r the distance of the com from the frame's origin."""
     body = scenario.body
-    moments, far = body.principal_moments, float(np.linalg.norm(body.com))
-    return float((moments[-1] + body.mass * far**2) / moments[0])
+    far = float(np.linalg.norm(body.com))
+    moments = np.linalg.eigvalsh(
+        np.array(without_free_axes(body.inertia_com_exact, scenario.rotors), dtype=float)
+    )
+    return float((body.principal_moments[-1] + body.mass * far**2) / moments[0])

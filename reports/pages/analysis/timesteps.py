@@ -1,7 +1,12 @@
-"""A method's runs at the timesteps that people use."""
+"""A method's runs at the timesteps that people use, and the largest timestep that it survives.
+
+A run survives if it comes to its end and is better than no motion (`Row.survived`).
+"""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from itertools import takewhile
 from statistics import median_high
 from typing import Literal
 
@@ -9,6 +14,61 @@ from ....engines import Method
 from ...harness.stock import COMMON_TIMESTEP
 from ...results.records import Pair, Row
 from .report_data import MethodRuns, ReportData
+from .wording import NOTHING, number
+
+
+@dataclass(frozen=True)
+class Survival:
+    """The largest timestep that a method survives.
+
+    Attributes
+    ----------
+    timestep : s, the largest below which every run survived; None if the finest did not
+    turn : rad a step at that timestep where the motion is fastest; None if the finest did not
+    at_least : whether all runs survived, so that a larger timestep may too
+    """
+
+    timestep: float | None
+    turn: float | None
+    at_least: bool
+
+    def reaches(self, turn: float) -> bool:
+        """Whether the method survives steps of so many rad, or all that the scene has room for."""
+        return self.turn is not None and (self.at_least or self.turn >= turn)
+
+    def __str__(self) -> str:
+        if self.timestep is None or self.turn is None:
+            return "unstable at every timestep tested"
+        bound = "≥ " if self.at_least else ""
+        return f"{bound}{number(self.timestep)} s, {number(self.turn)} rad"
+
+
+def survival(rows: Iterable[Row], fastest_rate: float | None) -> Survival | None:
+    """The largest timestep that a method survives on a scene; None if it was not run there.
+
+    Parameters
+    ----------
+    fastest_rate : the scene's, rad/s; None where it could not be solved, and nothing was run
+    """
+    tried = sorted((row for row in rows if row.timestep and row.made), key=lambda row: row.timestep)
+    if fastest_rate is None or all(row.outcome == "unsupported" for row in tried):
+        return None
+    survived = list(takewhile(lambda row: row.survived, tried))
+    if not survived:
+        return Survival(None, None, at_least=False)
+    largest = survived[-1].timestep
+    return Survival(largest, largest * fastest_rate, at_least=len(survived) == len(tried))
+
+
+def in_words(survived: Survival | None) -> tuple[str, str]:
+    """The timestep, s, and the turn, rad a step, for two columns of a table."""
+    if survived is None:
+        return NOTHING, NOTHING
+    if survived.timestep is None:
+        return "at none tested", NOTHING
+    bound = "≥ " if survived.at_least else ""
+    return f"{bound}{number(survived.timestep)}", f"{bound}{number(survived.turn)}"
+
 
 #: The engine's own stock timestep, the one that all engines share, and the finest that ended well.
 At = Literal["stock", "common", "finest"]

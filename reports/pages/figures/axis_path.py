@@ -4,10 +4,9 @@ import numpy as np
 
 from ....scenarios import FloatArray, Scenario
 from ..analysis.report_data import SceneRuns
-from . import solid
-from .dense_motion import dense_motion
-from .drawn_body import axis_body
+from .drawn_body import axis_body, dense_motion
 from .plot import Figure, Panel, Range, drawing, padded, start_dot
+from .solid import dot, surface, view
 
 HEIGHT = 400
 #: Degrees of azimuth shown at first; the rest can be dragged into view.
@@ -35,12 +34,12 @@ def axis_path(scene: SceneRuns) -> list[Figure]:
 
 def _on_sphere(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
     traces = [
-        *solid.surface(np.ones(3), ("x", "y", "up")),
-        solid.dot(exact[0]),
+        *surface(np.ones(3), ("x", "y", "up")),
+        dot(exact[0]),
     ]
     overlay = {"kind": "axis", "exact": "beginning", "matrix": R_upright_world.tolist()}
-    view = solid.view(np.ones(3), exact.mean(axis=0))
-    return {"data": traces, "layout": {"height": HEIGHT, "scene": view}, "overlays": [overlay]}
+    shown = view(np.ones(3), exact.mean(axis=0))
+    return {"data": traces, "layout": {"height": HEIGHT, "scene": shown}, "overlays": [overlay]}
 
 
 def _from_above(exact: FloatArray, R_upright_world: FloatArray) -> Figure:

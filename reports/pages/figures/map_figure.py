@@ -12,8 +12,7 @@ from ....scenarios.vary import TIMESTEP
 from ...results.records import Pair
 from ...results.sweep_records import PlacedRow
 from ..analysis.map_grid import Grid, place_of, places, with_unit
-from ..analysis.map_marks import HORIZON, Mark, is_coloured, marks
-from ..analysis.measures import FIRST
+from ..analysis.measures import FIRST, HORIZON, Mark, is_coloured, marks
 from ..analysis.wording import number, power_of_ten
 from .map_axes import cell_side, columns_of, edges, panels
 from .map_bounds import Bound, bounds_of

@@ -8,10 +8,10 @@ from scipy.spatial.transform import Rotation
 from ....reference.rotational_problem import rotational_problem
 from ....scenarios import FloatArray, Trajectory
 from ..analysis.report_data import SceneRuns
-from . import solid
 from .axis_path import frame_about
-from .dense_motion import dense_motion
+from .drawn_body import dense_motion
 from .plot import Figure, Panel, drawing, start_dot
+from .solid import dot, surface, view
 
 HEIGHT = 460
 #: Room around the herpolhode, as a factor.
@@ -63,8 +63,8 @@ def _on_ellipsoid(picture: Poinsot, exact: Trajectory) -> Figure:
     semi_axes = 1 / np.sqrt(picture.moments)
     tips = picture.on_ellipsoid(exact)
     traces = [
-        *solid.surface(semi_axes, ("1", "2", "3")),
-        solid.dot(tips[0]),
+        *surface(semi_axes, ("1", "2", "3")),
+        dot(tips[0]),
     ]
     matrix = picture.R_axes_body.as_matrix() / picture.root_energy
     overlay = {
@@ -73,7 +73,7 @@ def _on_ellipsoid(picture: Poinsot, exact: Trajectory) -> Figure:
         "matrix": matrix.tolist(),
         "within": OFF_THE_ELLIPSOID * float(semi_axes.max()),
     }
-    scene = solid.view(semi_axes, tips.mean(axis=0))
+    scene = view(semi_axes, tips.mean(axis=0))
     return {"data": traces, "layout": {"height": HEIGHT, "scene": scene}, "overlays": [overlay]}
 
 

@@ -4,7 +4,7 @@ from statistics import median
 
 from ...results.records import Pair
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
-from ..analysis.survival import survival
+from ..analysis.timesteps import survival
 from ..analysis.wording import NOTHING, number
 from ..tables import Cell, Table, figure, table
 from .overview import VerdictMatrix, matrix_of

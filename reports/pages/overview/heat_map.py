@@ -1,19 +1,68 @@
-"""Data of the first screen's table, for its script: the error of each method on each scene."""
+"""The first screen's table: errors of methods on scenes, for its script and as Markdown."""
 
+import math
 from typing import Any
 
 import numpy as np
 
 from ....scenarios import SIGNALS
 from ...results.records import Pair, Row
-from ...results.verdict_words import LISTED, RANKS
-from ..analysis.best_choice import BestChoice, best_choices, nothing_because
+from ...results.verdict_words import LISTED, RANKS, VERDICT
+from ..analysis.best_choice import BestChoice, best_choice, best_choices, nothing_because
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
 from ..analysis.timesteps import AT, as_shipped, leading, row_at, stock_timesteps
-from ..analysis.wording import duration
+from ..analysis.wording import NOTHING, duration, limited
 from ..analysis.work_precision import cost
-from ..links import method_anchor, scene_page
+from ..tables import Cell, Table, figure, method_anchor, scene_page, table
 from .overview import GROUPS, group_of
+
+
+def stock_table(gathered: ReportData) -> Table:
+    """One line for each scene: attitude errors of all methods in degrees, as shipped first."""
+    steps, shipped = stock_timesteps(gathered), as_shipped(gathered)
+    pairs = [*shipped, *(pair for pair in gathered.pairs if pair not in shipped)]
+    headings = [
+        f"{engine} {method}, {duration(steps[engine])}" if engine in steps else f"{engine} {method}"
+        for engine, method in pairs
+    ]
+    rows = [
+        [
+            Cell(scene.name, "scene", link=scene_page(scene.name)),
+            *(_stock_cell(scene, pair, steps.get(pair[0], 0.0)) for pair in pairs),
+            Cell(_best_in_words(scene)),
+        ]
+        for scene in gathered.scenes
+    ]
+    return table(("scene", *headings, "cheapest run within 0.1°"), rows)
+
+
+def _stock_cell(scene: SceneRuns, pair: tuple[str, str], stock: float) -> Cell:
+    runs = scene.by_pair.get(pair)
+    if runs is None:
+        return figure(NOTHING)
+    row = row_at(runs, "stock", stock)
+    word = runs.verdict.verdict if runs.verdict else None
+    sign = f"{VERDICT[word].sign} " if word and word != "converges" else ""
+    return figure(f"{sign}{_attitude(scene, row) if row else NOTHING}")
+
+
+def _best_in_words(scene: SceneRuns) -> str:
+    best = best_choice(scene)
+    if best is None:
+        return NOTHING
+    within = "" if best.within else ", the most accurate there is"
+    timestep = duration(best.timestep)
+    return f"{best.runs.label} {timestep}: {_attitude(scene, best.row)}{within}"
+
+
+def _attitude(scene: SceneRuns, row: Row) -> str:
+    """The attitude error in degrees, at least the uncertainty; without one, how the run ended."""
+    if row.errors is None:
+        when = f" at {duration(row.stopped_at)}" if row.stopped_at else ""
+        return f"{row.outcome}{when}" if row.made else "not run"
+    limit = math.degrees(scene.uncertainty(row).attitude)
+    return f"{limited(math.degrees(row.errors.attitude), limit)}°"
+
 
 #: Significant digits that are carried; cells show two, their details three.
 DIGITS = 3

@@ -13,8 +13,7 @@ from ...results.verdict_words import LISTED, VerdictKind
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
 from ..analysis.timesteps import row_at, stock_timesteps
 from ..analysis.wording import NOTHING, number, order, plural
-from ..links import method_anchor, scene_page
-from ..tables import Cell, Table, figure, table, verdict_cell
+from ..tables import Cell, Table, figure, method_anchor, scene_page, table, verdict_cell
 
 #: rad; a run is counted as close if it never is further off.
 CLOSE = math.radians(1.0)

@@ -9,14 +9,13 @@ from ....reference.kinds import KINDS, kind_of
 from ...results.records import Pair
 from ...results.store import Results
 from ...results.sweep_records import Ensemble, PlacedRow, SweepResult
-from ..analysis.ensemble_numbers import ATTITUDE, QUANTILES, Members, members_of
+from ..analysis.measures import ATTITUDE, QUANTILES, Members, members_of
 from ..analysis.trace_style import TraceStyle, trace_styles
 from ..analysis.wording import NOTHING, count, duration, readable
-from ..figures.ensemble_figure import LOW, distribution
 from ..figures.figures import Titled
-from ..links import sweep_page
+from ..figures.profile_figure import LOW, distribution
 from ..sweeps.sweep_pages import methods_of, numbered
-from ..tables import Cell, Table, figure, table
+from ..tables import Cell, Table, figure, sweep_page, table
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from ..analysis.report_data import Compared, SceneRuns
 from ..analysis.wording import duration
 from ..figures.drawn_body import drawn_body, kept_body
 from ..figures.plot import claimed, thinned
-from .differences import Differences, differenced
+from ..page_data import Differences, differenced
 
 #: Of the exact motion on a page, and of a run; a page grows with every one.
 EXACT_SAMPLES, RUN_SAMPLES = 600, 200

@@ -9,7 +9,7 @@ from ...harness.published import published_values
 from ...results.records import Row, Verdict
 from ...results.store import SceneResult
 from ..analysis.report_data import MethodRuns, SceneRuns
-from ..analysis.survival import in_words, survival
+from ..analysis.timesteps import in_words, survival
 from ..analysis.wording import (
     NOTHING,
     count,
@@ -21,9 +21,8 @@ from ..analysis.wording import (
     plural,
 )
 from ..analysis.work_precision import cost
-from ..links import method_anchor
 from ..overview.overview import reason_of
-from ..tables import Captioned, Cell, Table, figure, table, verdict_cell
+from ..tables import Captioned, Cell, Table, figure, method_anchor, table, verdict_cell
 
 
 def effects_table(scenario: Scenario) -> Table:

@@ -1,17 +1,74 @@
-"""A map as tables: survival by turn a step, how runs ended, meaning of the lines."""
+"""A map or an ensemble as tables: survival, how runs ended, quantiles, the worst members."""
 
+import shlex
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from statistics import median_high
 
 from ...results.records import Pair
-from ...results.sweep_records import PlacedRow
+from ...results.sweep_records import Ensemble, PlacedRow
 from ..analysis.map_grid import Grid
-from ..analysis.map_marks import is_coloured, marks
-from ..analysis.measures import Measure
-from ..analysis.wording import NOTHING, number
+from ..analysis.measures import OMEGA, QUANTILES, Measure, Members, is_coloured, marks
+from ..analysis.wording import NOTHING, limited, number
 from ..figures.map_figure import legend_of_bounds
 from ..tables import Cell, Table, figure, table
+
+#: Number of worst members shown of each method.
+WORST = 3
+
+
+def quantile_table(members: Sequence[Members], measure: Measure) -> Table:
+    """The quantiles of a measure, from the best member to the worst."""
+    *shares, worst = QUANTILES
+    if measure.more_is_better:
+        worst = "fewest"
+    return table(
+        ("engine", "method", "members", "finished", *shares, worst),
+        (list(_quantile_row(of_method, measure)) for of_method in members),
+    )
+
+
+def worst_table(ensemble: Ensemble, members: Sequence[Members]) -> Table:
+    """The worst members of each method, with the commands that write them as scene files."""
+    rows = (
+        [Cell(engine, "name"), Cell(method, "name"), *_member(ensemble, point)]
+        for of_method in members
+        for engine, method in [of_method.pair]
+        for point in of_method.worst(WORST)
+    )
+    return table(("engine", "method", "member", "ω error", "how it ended", "as a scene file"), rows)
+
+
+def member_command(ensemble: Ensemble, number_of_member: int) -> str:
+    """The shell command that writes a member as a scene file."""
+    words = ["spincheck", "member", ensemble.scenario, "--member", str(number_of_member)]
+    path = f"{ensemble.scenario}-{ensemble.seed}-{number_of_member}.toml"
+    return f"{shlex.join([*words, '--seed', str(ensemble.seed)])} > {shlex.quote(path)}"
+
+
+def _quantile_row(of_method: Members, measure: Measure) -> Iterator[Cell]:
+    engine, method = of_method.pair
+    run, finished = len(of_method.points), len(of_method.finished)
+    yield Cell(engine, "name")
+    yield Cell(method, "name")
+    yield figure(str(run))
+    yield figure(percent(finished, run) if run else NOTHING)
+    for value in of_method.quantiles(measure) or (None,) * len(QUANTILES):
+        yield figure(number(value))
+
+
+def _member(ensemble: Ensemble, point: PlacedRow) -> Iterator[Cell]:
+    member = int(point.at[0])
+    yield figure(str(member))
+    error = OMEGA.of(point) if point.errors else None
+    yield figure(limited(error, point.reference_uncertainty))
+    if is_coloured(point):
+        yield Cell("finished")
+    else:
+        at = f" at {number(point.stopped_at)} s" if point.stopped_at is not None else ""
+        yield Cell(f"{point.outcome}{at}", "", point.reason)
+    yield Cell(member_command(ensemble, member), "command")
+
 
 #: rad a step, limits of the columns: half decades around the turn that a method can resolve.
 TURNS = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)

@@ -1,27 +1,36 @@
-"""The page of a sweep, a map or an ensemble: definition, command, figure and tables."""
+"""Maps and ensembles in a report: a page each, and the overview's table of them."""
 
 import shlex
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+
+from jinja2 import Environment
 
 from ....engines import Method
 from ....scenarios.vary import TIMESTEP, Axis
 from ...results.records import Pair
 from ...results.store import Results
 from ...results.sweep_records import Ensemble, Map, SweepResult
-from ..analysis.ensemble_numbers import ATTITUDE, OMEGA, Members, members_of
 from ..analysis.map_grid import Grid, axis_title
-from ..analysis.measures import FIRST, MEASURES
+from ..analysis.measures import ATTITUDE, FIRST, MEASURES, OMEGA, Members, is_coloured, members_of
 from ..analysis.trace_style import TraceStyle, trace_styles
-from ..analysis.wording import count
-from ..figures.ensemble_figure import distribution
+from ..analysis.wording import NOTHING, count
 from ..figures.figures import Titled
 from ..figures.map_figure import map_figure
-from ..links import sweep_page
-from ..tables import Table
-from .ensemble_tables import quantile_table, worst_table
-from .map_tables import bounds_table, ends_table, medians_table, survival_table
+from ..figures.profile_figure import distribution
+from ..page_data import PageData
+from ..tables import Cell, Table, figure, sweep_page, table
+from ..templating import ReportFolder
+from .map_tables import (
+    bounds_table,
+    ends_table,
+    medians_table,
+    percent,
+    quantile_table,
+    survival_table,
+    worst_table,
+)
 
 #: Digits of a number in a command: those that were typed, and none that rounding added.
 TYPED_DIGITS = 12
@@ -227,3 +236,54 @@ def _timestep_in_words(sweep: Map | Ensemble) -> str:
     if sweep.timestep is None:
         return CHOSEN[sweep.kind]
     return f"Every run takes steps of {sweep.timestep:g} s."
+
+
+@dataclass(frozen=True, eq=False)
+class SweepSection:
+    """Pages of maps and ensembles, and the table of them; it has no rows if there are none."""
+
+    pages: tuple[SweepPage, ...]
+    table: Table
+
+
+def sweep_section(results: Results) -> SweepSection:
+    """Every map and ensemble of a result file that has any runs."""
+    pages = tuple(sweep_pages(results))
+    return SweepSection(pages, table(("", "command", "runs", "finished"), map(_row, pages)))
+
+
+def write_sweeps(
+    environment: Environment, written: ReportFolder, section: SweepSection, scenes: Iterable[str]
+) -> None:
+    """Write maps/ and ensembles/, each page as .html and .md.
+
+    Parameters
+    ----------
+    scenes : names of those that have a page
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be written.
+    """
+    solved_scenes = set(scenes)
+    for page in section.pages:
+        for ending in ("html", "md"):
+            text = environment.get_template(f"sweep.{ending}").render(
+                root="../",
+                page=page,
+                packed=PageData(),
+                has_scene=page.result.scenario.name in solved_scenes,
+            )
+            written.write(f"{page.kind}s/{page.name}.{ending}", text)
+
+
+def _row(page: SweepPage) -> list[Cell]:
+    run = [point for point in page.result.points if point.simulated]
+    finished = sum(is_coloured(point) for point in run)
+    return [
+        Cell(page.title, "page", page.result.scenario.title, page.link),
+        Cell(page.command, "command"),
+        figure(count(len(run))),
+        figure(percent(finished, len(run)) if run else NOTHING),
+    ]

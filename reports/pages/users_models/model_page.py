@@ -27,10 +27,8 @@ from ...harness.users_models import (
 )
 from ..analysis.trace_style import TraceStyle, trace_styles
 from ..tables import Cell, Table, figure, table
-from ..templating import templates, write_assets
-from ..written import ReportFolder
-from .inertia_ellipsoid import Solid, View, solid_squares, views
-from .time_curves import TimeCurves, time_curves
+from ..templating import ReportFolder, templates, write_assets
+from .inertia_ellipsoid import Solid, TimeCurves, View, solid_squares, time_curves, views
 
 #: Number of links with pictures; the table has all.
 MOST_SHOWN = 12

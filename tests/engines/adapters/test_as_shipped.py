@@ -10,8 +10,8 @@ from pybullet_planted import rotor
 from scenes import SCENES, SPUN_UP, scene
 from spincheck.engines import Engine, Method, Run, engines
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
-from spincheck.engines.adapters.pybullet.as_shipped import DEFAULT_CLAMP
 from spincheck.engines.adapters.pybullet.engine import PyBullet
+from spincheck.engines.adapters.pybullet.session import DEFAULT_CLAMP
 
 MUJOCO, PYBULLET = MuJoCo(), PyBullet()
 FROM_FILE = PYBULLET.method("default-inertia-from-file")
@@ -179,7 +179,7 @@ def test_a_clamp_is_found_along_axes_that_are_no_coordinate_axes() -> None:
     tilted = scene("tilted", body="\nmass = 1.0\ninertia = [1.0, 1.0, 1.0]\n", start=spun)
     with PYBULLET.open(tilted, PYBULLET.method("default"), TIMESTEP) as session:
         session.advance(1)
-        omega_world = np.array(p.getBaseVelocity(session.model.body, session.client)[1])
+        omega_world = np.array(p.getBaseVelocity(session.world.body, session.client)[1])
         assert np.abs(omega_world).max() == DEFAULT_CLAMP
     run = PYBULLET.run(tilted, PYBULLET.method("default"), TIMESTEP, STEPS)
     assert "PyBullet clamps velocities at 100" in run.reason

@@ -33,7 +33,7 @@ def test_the_audit_feels_a_torque_that_is_not_applied(name: str, method: Method)
     (missing,) = scenario.called_for - {"pivot"}
     without = replace(scenario, document=SCENES["pivot"].document)
     with opened(without, method) as session:
-        assert missing not in pybullet_session.what_acts(session, session.model, scenario)
+        assert missing not in pybullet_session.what_acts(session.advance, session.model, scenario)
 
 
 def test_the_audit_feels_a_torque_along_the_wrong_axes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -48,7 +48,7 @@ def test_the_audit_feels_a_torque_along_the_wrong_axes(monkeypatch: pytest.Monke
 def test_a_torque_that_turns_must_be_renewed_every_step(name: str, method: Method) -> None:
     def after(at_once: bool) -> np.ndarray:
         with opened(SCENES[name], method) as session:
-            session.at_once = at_once
+            session.world.at_once = at_once
             session.advance(64)
             return session.read_state().omega_body
 

@@ -113,7 +113,7 @@ def slip(method: Method) -> float:
     with opened(slender, method) as session:
         arm_world = session.read_state().com_world
         session.advance(1)
-        velocity_world, omega_world = p.getBaseVelocity(session.model.body, session.client)
+        velocity_world, omega_world = p.getBaseVelocity(session.world.body, session.client)
         left_over = np.array(velocity_world) - np.cross(omega_world, arm_world)
         return float(np.linalg.norm(left_over) / np.linalg.norm(velocity_world))
 

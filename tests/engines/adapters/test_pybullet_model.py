@@ -142,7 +142,7 @@ def test_a_spherical_joints_velocity_is_along_the_childs_principal_axes(
     real = p.resetJointStateMultiDof
     omega_body = scenario.start.omega_body
     with opened(scenario, MULTIBODY) as session:
-        held = p.getJointStateMultiDof(session.model.body, 0, session.client)[1]
+        held = p.getJointStateMultiDof(session.world.body, 0, session.client)[1]
         expected = session.model.body_from_principal.inv().apply(np.array(omega_body))
         assert held == pytest.approx(expected, rel=READ_BACK_SLACK)
     monkeypatch.setattr(
@@ -185,7 +185,7 @@ def first_spin(method: Method) -> np.ndarray:
     with opened(SCENES["free-torque-world"], method) as session:
         session.model.set_velocity(np.zeros(3), np.zeros(3))
         session.advance(1)
-        return np.array(p.getBaseVelocity(session.model.body, session.client)[1])
+        return np.array(p.getBaseVelocity(session.world.body, session.client)[1])
 
 
 def test_a_rigid_body_is_loaded_in_its_pose_lest_its_inertia_be_that_of_another(

@@ -23,9 +23,9 @@ from pybullet_planted import (
 from scenes import SCENES, scene
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError, Method
-from spincheck.engines.adapters.pybullet import as_shipped as pybullet_defaults
 from spincheck.engines.adapters.pybullet import load as pybullet_load
 from spincheck.engines.adapters.pybullet import session as pybullet_session
+from spincheck.engines.adapters.pybullet import world as pybullet_world
 from spincheck.scenarios import Scenario
 
 EPS = np.finfo(float).eps
@@ -100,8 +100,8 @@ def test_the_default_clamp_holds_every_velocity_to_a_hundred(
 
 
 def test_a_velocity_at_the_clamp_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pybullet_defaults, "UNREACHED_VELOCITY", 100.0)
-    monkeypatch.setattr(pybullet_session, "UNREACHED_VELOCITY", 100.0)
+    monkeypatch.setattr(pybullet_world, "UNREACHED", 100.0)
+    monkeypatch.setattr(pybullet_session, "UNREACHED", 100.0)
     result = run(rotor(FAST, effects=""), MULTIBODY)
     assert (result.outcome, result.reason) == ("diverged", "PyBullet clamps velocities at 100")
     assert (result.stopped_at, result.steps, result.trajectory) == (0.0, 0, None)
@@ -157,7 +157,7 @@ def test_calls_are_split_into_powers_of_two_which_lose_no_step(
             return float(Rotation.from_quat(q, scalar_first=True).magnitude())
 
     assert turned() == pytest.approx(steps * dt, rel=steps * EPS)
-    monkeypatch.setattr(pybullet_session, "calls", lambda k, _: [k])
+    monkeypatch.setattr(pybullet_world, "calls", lambda k, _: [k])
     assert turned() == pytest.approx((steps - 1) * dt, rel=steps * EPS)
 
 

@@ -6,13 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from case_loops import each_case
+from library_scenes import library
 from spincheck.engines import engines
 from spincheck.engines.users_models import AGREES
 from spincheck.engines.users_models import named_link as of_scene
 from spincheck.engines.users_models.users_urdf import body_alone
 from spincheck.reference import solve
-from spincheck.reports.cli.users_models.link_scenes import link_scenes
-from spincheck.scenarios import Scenario, find, load
+from spincheck.reports.cli.users_models.import_links import link_scenes
+from spincheck.scenarios import Scenario, load
 from spincheck.scenarios.users_models import IDENTITY, RigidBody, read_model
 from users_models import TENSOR, arm, body, diagonal, inertial, joint, link, robot, written
 
@@ -111,7 +112,7 @@ def test_a_link_that_the_file_has_not_is_reported(tmp_path):
 
 @pytest.mark.parametrize("name", FILE_ENGINES)
 def test_scenes_that_name_no_file_are_none_of_theirs(name):
-    assert not any(engines()[name].applies_to(load(path)) for path in find([]))
+    assert not any(map(engines()[name].applies_to, library()))
 
 
 def test_an_engine_that_cannot_read_the_format_is_not_asked(tmp_path):

@@ -35,25 +35,19 @@ def test_a_killed_run_goes_on_as_if_it_had_not_been(tmp_path, undisturbed, targe
     assert list(after(path, undisturbed, "--quick")) == []
 
 
-def test_a_killed_worker_is_replaced_and_its_run_made_again(tmp_path, undisturbed):
-    path = tmp_path / "results.sqlite"
-    run = start(path, "--quick")
-    wait_for_rows(run, path, 5)
-    for worker in children(run.pid):
-        os.kill(worker, signal.SIGKILL)
-    run.communicate()
-    assert run.returncode == 0
-    assert differences(read(path), undisturbed) == []
-
-
-def test_a_second_run_into_the_same_file_is_refused(tmp_path, undisturbed):
+def test_neither_a_second_run_into_its_file_nor_a_killed_worker_changes_a_result(
+    tmp_path, undisturbed
+):
+    """The second run is refused; the worker is replaced, and its run made again."""
     path = tmp_path / "results.sqlite"
     first = start(path, "--quick", jobs=1)
-    wait_for_rows(first, path, 1)
+    wait_for_rows(first, path, EARLY)
     # Stopped, so that it cannot end before the second has begun.
     first.send_signal(signal.SIGSTOP)
     second = start(path, "--quick", jobs=1)
     _, err = second.communicate()
+    for worker in children(first.pid):
+        os.kill(worker, signal.SIGKILL)
     first.send_signal(signal.SIGCONT)
     assert second.returncode == 2
     assert err == f"spincheck: {path}: another 'spincheck run' is writing to it\n"

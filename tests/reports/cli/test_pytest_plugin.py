@@ -5,6 +5,8 @@ from _pytest.pytester import SysModulesSnapshot
 from library_scenes import library_scene
 from scene_texts import sphere_text
 from spincheck.engines import engines
+from spincheck.reports.cli import kept_items
+from spincheck.reports.harness import study
 from spincheck.reports.harness.executors import compiling
 
 pytestmark = pytest.mark.slow
@@ -173,6 +175,20 @@ def test_an_engine_in_the_settings_that_there_is_not_is_one_message(run):
     result.assert_outcomes(errors=1)
     result.stdout.fnmatch_lines(["*'spincheck_engines' must be of *; did you mean 'mujoco'*"])
     result.stdout.no_fnmatch_line("*Traceback*")
+
+
+def test_what_agreed_is_run_again_when_something_it_rests_on_changes(run, pytester, monkeypatch):
+    def outcomes(text: str = SPHERE, *options: str) -> dict[str, int]:
+        pytester.makefile(".toml", sphere=text)
+        return pytester.runpytest_inprocess("-k", "mujoco-RK4", *options).parseoutcomes()
+
+    assert outcomes()["passed"] == 1
+    monkeypatch.setattr(study, "run_rungs", lambda *_: pytest.fail("it is run"))
+    assert outcomes()["passed"] == 1
+    assert outcomes(SPHERE, "-o", "spincheck_max_steps=8")["failed"] == 1
+    assert outcomes(SPHERE.replace("[0.0, 1.0, 2.0]", "[0.0, 1.0, 2.5]"))["failed"] == 1
+    monkeypatch.setattr(kept_items, "_stamp", lambda file: "rebuilt")
+    assert outcomes()["failed"] == 1
 
 
 def test_ladders_end_at_the_steps_in_the_settings(run):

@@ -45,14 +45,6 @@ def solved(run: subprocess.Popen[str], path: Path) -> None:
     wait_for_rows(run, path, 1, "scenes")
 
 
-def running(run: subprocess.Popen[str], path: Path) -> None:
-    wait_for_rows(run, path, 3)
-
-
-def timing(run: subprocess.Popen[str], path: Path) -> None:
-    wait_for_rows(run, path, 2, "verdicts")
-
-
 def stop(run: subprocess.Popen[str], number: signal.Signals) -> list[str]:
     """Send a signal as a terminal does, to the whole group; returns the lines on stderr."""
     os.killpg(run.pid, number)
@@ -88,35 +80,8 @@ def test_a_run_is_stopped(
     stop_run(run, path, signal.SIGINT)
 
 
-def test_a_run_stopped_while_running_and_while_timing_is_gone_on_with(tmp_path: Path) -> None:
-    path = tmp_path / "results.sqlite"
-    for phase, number in ((running, signal.SIGTERM), (timing, signal.SIGHUP)):
-        run = start(path)
-        phase(run, path)
-        stop_run(run, path, number)
-    finish(path)
-    results = read(path)
-    assert {verdict.verdict for verdict in results.verdicts} == {"converges"}
-    assert None not in {row.seconds_per_step for row in results.rows if row.outcome == "ok"}
-
-
-def test_a_report_being_made_is_stopped(tmp_path: Path) -> None:
-    path = small_result_file.write(tmp_path / "results.sqlite")
-    command = [sys.executable, "-c", RENDERING, "report", path, "--out", tmp_path / "report"]
-    report = subprocess.Popen(
-        [*WITH_DEFAULT_SIGNALS, *command],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-    assert report.stdout
-    assert report.stdout.readline() == "begun\n"
-    assert stop(report, signal.SIGINT) == ["spincheck: stopped by SIGINT"]
-
-
-def test_a_run_whose_terminal_closes_ends_and_can_be_gone_on_with(tmp_path: Path) -> None:
-    path = tmp_path / "results.sqlite"
+def close_the_terminal(path: Path) -> None:
+    """Of a run with some results."""
     ours, theirs = pty.openpty()
     run = subprocess.Popen(
         [*WITH_DEFAULT_SIGNALS, COMMAND, "run", *STUDY, "--jobs", "1", "--out", path],
@@ -137,6 +102,35 @@ def test_a_run_whose_terminal_closes_ends_and_can_be_gone_on_with(tmp_path: Path
     assert run.wait(PATIENCE) == 128 + signal.SIGHUP
     assert is_gone(run.pid)
     assert rows_in(path) >= 3
+
+
+def test_a_run_whose_terminal_closes_and_one_stopped_while_timing_are_gone_on_with(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "results.sqlite"
+    close_the_terminal(path)
+    run = start(path)
+    wait_for_rows(run, path, 2, "verdicts")
+    stop_run(run, path, signal.SIGTERM)
+    finish(path)
+    results = read(path)
+    assert {verdict.verdict for verdict in results.verdicts} == {"converges"}
+    assert None not in {row.seconds_per_step for row in results.rows if row.outcome == "ok"}
+
+
+def test_a_report_being_made_is_stopped(tmp_path: Path) -> None:
+    path = small_result_file.write(tmp_path / "results.sqlite")
+    command = [sys.executable, "-c", RENDERING, "report", path, "--out", tmp_path / "report"]
+    report = subprocess.Popen(
+        [*WITH_DEFAULT_SIGNALS, *command],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert report.stdout
+    assert report.stdout.readline() == "begun\n"
+    assert stop(report, signal.SIGINT) == ["spincheck: stopped by SIGINT"]
 
 
 def test_what_is_to_survive_its_terminal_does(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_study
 from spincheck.reports.pages.analysis.cost_to_reach import reach
 from spincheck.reports.pages.analysis.report_data import MethodRuns, SceneRuns, report_data
-from spincheck.reports.pages.analysis.survival import survival
+from spincheck.reports.pages.analysis.timesteps import survival
 from spincheck.reports.pages.analysis.work_precision import curve_of
 from spincheck.reports.results.store import Store, open_store
 from spincheck.reports.results.verdict_words import RANKS, VerdictWord

@@ -6,7 +6,7 @@ import pytest
 from scenes import GRAVITY, PIVOT, SPUN_UP, TOP, scene
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.pybullet.engine import PyBullet
-from spincheck.engines.adapters.pybullet.load import CLAMP, DAMPING, INERTIA, JOINT_MOTOR
+from spincheck.engines.adapters.pybullet.world import CLAMP, DAMPING, INERTIA, JOINT_MOTOR
 from spincheck.reference import solve
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.default_effects import default_effects

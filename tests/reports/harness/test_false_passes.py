@@ -115,6 +115,7 @@ def prepared(name: str) -> tuple[Scenario, Prepared]:
 
 
 def judged(name: str, kind: type[Stepped], size: float, method: str, **as_if: object) -> Verdict:
+    planted.begin()
     engine = SteppedEngine(kind, size, **as_if)
     scenario, solved = prepared(name)
     return verdict_of(convergence_study_of(scenario, engine, engine.method(method), solved))

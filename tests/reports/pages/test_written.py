@@ -3,7 +3,7 @@
 import os
 
 import pytest
-from spincheck.reports.pages.written import LIST, ReportFolder
+from spincheck.reports.pages.templating import LIST, ReportFolder
 
 
 def report(folder, *names: str) -> set[str]:

@@ -1,6 +1,7 @@
 """Digests change when something changes that results depend on, and only then."""
 
 import ast
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -71,12 +72,23 @@ def test_one_version_in_two_caches_is_one_engine() -> None:
     assert digest(folder) == digest(Path("another-cache") / folder.name)
 
 
-def digests(monkeypatch, file: Path | None = None, text: str = "") -> dict[str, str]:
-    """All digests, with one file's text taken to be another."""
+def forget() -> None:
     for cached in (sources.source, fingerprints._content, fingerprints._imported_by):
         cached.cache_clear()
     for cached in (fingerprints.program, fingerprints.modules, fingerprints.adapter):
         cached.cache_clear()
+
+
+@pytest.fixture(autouse=True)
+def _forgotten() -> Iterator[None]:
+    """What was found of changed sources is no other test's."""
+    yield
+    forget()
+
+
+def digests(monkeypatch, file: Path | None = None, text: str = "") -> dict[str, str]:
+    """All digests, with one file's text taken to be another."""
+    forget()
     read = Path.read_bytes
     with monkeypatch.context() as patch:
         patch.setattr(

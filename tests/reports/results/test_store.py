@@ -2,14 +2,12 @@
 
 import math
 import os
-import sqlite3
 import subprocess
 import sys
 from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
-from forging import forge
 from library_scenes import library_scene
 from spincheck.reference import Solution
 from spincheck.reports.results.cost_records import MethodCost, StepCost
@@ -22,7 +20,7 @@ from spincheck.reports.results.records import (
     SignalVerdict,
     Verdict,
 )
-from spincheck.reports.results.result_file import FORMAT, ResultFileError
+from spincheck.reports.results.result_file import ResultFileError
 from spincheck.reports.results.store import open_store
 from spincheck.scenarios import Errors, Trajectory
 
@@ -310,44 +308,3 @@ def test_a_place_where_no_file_can_be_is_reported(tmp_path, out):
         open_store(tmp_path / out, create=True),
     ):
         pass
-
-
-def test_a_missing_file_is_refused(path):
-    with pytest.raises(ResultFileError, match="no such result file"), open_store(path):
-        pass
-
-
-def test_a_file_that_is_no_database_is_refused(path):
-    path.write_text("spincheck = 1\n" * 100)
-    with pytest.raises(ResultFileError, match="not a usable result file"), open_store(path):
-        pass
-
-
-def test_a_database_of_something_else_is_refused(path):
-    with sqlite3.connect(path) as connection:
-        connection.execute("CREATE TABLE notes (text TEXT)")
-    connection.close()
-    with pytest.raises(ResultFileError, match="not a result file of spincheck"), open_store(path):
-        pass
-
-
-def test_a_file_of_another_format_version_is_refused(path):
-    with open_store(path, create=True):
-        pass
-    connection = sqlite3.connect(path)
-    connection.execute(f"PRAGMA user_version = {FORMAT + 1}")
-    connection.close()
-    with pytest.raises(ResultFileError, match=f"format {FORMAT + 1}"), open_store(path):
-        pass
-
-
-@pytest.mark.parametrize("column", ["record", "motion"])
-def test_a_damaged_record_is_reported(path, row, column):
-    with open_store(path, create=True) as store:
-        store.put(row)
-    forge(path, [("rows", column)], "nonsense")
-    with (
-        pytest.raises(ResultFileError, match="cannot be read"),
-        open_store(path) as store,
-    ):
-        store.read()

@@ -2,11 +2,12 @@
 
 import pytest
 from command_line import spincheck
+from library_scenes import library
 from scene_texts import FAST_TOP
 from spincheck.engines import engines
 from spincheck.reports.harness.study import convergence_study_of, prepare
 from spincheck.reports.results.records import Verdict
-from spincheck.scenarios import Expect, Scenario, find, load, loads
+from spincheck.scenarios import Expect, Scenario, loads
 from studies import verdict_of
 
 pytestmark = pytest.mark.slow
@@ -62,7 +63,7 @@ def top(engine: str, method: str, timestep: float, spin: float) -> str:
 
 LIBRARY = [
     pytest.param(scene, expected, id=f"{scene.name}-{expected.engine}-{expected.method}")
-    for scene in map(load, find([]))
+    for scene in library()
     for expected in scene.expect
 ]
 

@@ -11,13 +11,13 @@ import pytest
 from command_line import spincheck
 from default_signals import WITH_DEFAULT_SIGNALS
 from spincheck.reports.cli import app as commands
-from spincheck.reports.cli import executing
+from spincheck.reports.cli import choosing
 from spincheck.reports.cli.app import app
-from spincheck.reports.cli.executing import Where
+from spincheck.reports.cli.choosing import Where
 from spincheck.reports.cli.sweeps.sweep_running import choose_for_sweep as choose
 from spincheck.reports.cli.sweeps.sweep_running import exit_code, run_ensembles, run_map
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint
-from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.harness.executors import InProcess, dask_cluster
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.sweep_records import Ensemble
 from spincheck.scenarios import load, loads
@@ -35,7 +35,7 @@ STEPS = "timestep=1e-3:1e-2:2:log"
 @pytest.fixture
 def in_process(monkeypatch):
     """What is run is run here."""
-    monkeypatch.setattr(executing, "LocalWorkers", lambda *_: InProcess())
+    monkeypatch.setattr(choosing, "LocalWorkers", lambda *_: InProcess())
 
 
 @pytest.fixture(scope="module")
@@ -171,7 +171,8 @@ def test_what_cannot_be_used_is_one_message_and_exit_code_2(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_scheduler_that_is_not_there_is_reported_with_exit_code_3(tmp_path):
+def test_a_scheduler_that_is_not_there_is_reported_with_exit_code_3(tmp_path, monkeypatch):
+    monkeypatch.setattr(dask_cluster, "CONNECT_LIMIT", 0.1)
     path = tmp_path / "results.sqlite"
     done = spincheck("run", SCENE, "--ensemble", 3, "--dask", "127.0.0.1:9", "--out", path)
     assert done.returncode == NOT_RUN

@@ -158,7 +158,8 @@ def _another() -> Callable[[], tuple[bytes, str]]:
     return lambda: (b"another", "")
 
 
-def test_where_no_scheduler_answers_it_is_reported():
+def test_where_no_scheduler_answers_it_is_reported(monkeypatch):
+    monkeypatch.setattr(dask_cluster, "CONNECT_LIMIT", 0.1)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]

@@ -5,18 +5,17 @@ from dataclasses import replace
 
 from case_loops import each_case
 from ladders import TOP
+from library_scenes import library_scene
 from made_up import results
 from spincheck.reference import solve
 from spincheck.reports.pages.analysis.best_choice import BOUNDS, TELLING, best_choices, steady
 from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.pages.analysis.wording import rounded_down, typed
 from spincheck.reports.results.store import Results, SceneResult
-from spincheck.scenarios import find, load
 
 
 def solved(name: str) -> SceneResult:
-    (path,) = find([name])
-    scenario = load(path)
+    scenario = library_scene(name)
     return SceneResult(scenario, solve(scenario, scenario.times))
 
 

@@ -20,15 +20,16 @@ from ladders import (
     straight,
     with_law,
 )
+from library_scenes import library
 from made_up import METHODS, TIMESTEPS, results
-from spincheck.reports.pages.analysis.candidates import Candidate, as_cheap, candidates
+from spincheck.reports.pages.analysis.best_choice import Candidate, as_cheap, candidates
 from spincheck.reports.pages.analysis.cost_to_reach import LEVELS
 from spincheck.reports.pages.analysis.report_data import SceneRuns
 from spincheck.reports.pages.analysis.wording import number
-from spincheck.reports.pages.cost_tables import MARKS, reach_table
+from spincheck.reports.pages.cost_section import MARKS, reach_table
 from spincheck.reports.results.records import Key
 from spincheck.reports.results.store import Results, SceneResult
-from spincheck.scenarios import Errors, find, load
+from spincheck.scenarios import Errors
 
 
 def test_an_engine_as_shipped_is_no_candidate() -> None:
@@ -95,8 +96,7 @@ def of_the_library() -> Iterator[SceneRuns]:
     """Every scene with made-up runs, whose orders, sizes, bends and costs differ scene by scene."""
     stored = results()
     stand_in = stored.scenes[TOP].solution
-    for k, path in enumerate(find([])):
-        scenario = load(path)
+    for k, scenario in enumerate(library()):
         random = np.random.default_rng(k)
         size, bend, price = (float(10 ** random.uniform(-2, 1)) for _ in range(3))
         rows = [

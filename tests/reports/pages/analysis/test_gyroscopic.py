@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from made_up import MadeUp, at_stock, results
 from scipy.spatial.transform import Rotation
-from spincheck.reports.pages.analysis.gyroscopic import (
+from spincheck.reports.pages.analysis.report_data import report_data
+from spincheck.reports.pages.overview.causes import (
     STEADY,
     TELLING,
     turned_in_space,
     without_gyroscopic_torque,
 )
-from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.results.records import Row
 from spincheck.scenarios import Trajectory
 

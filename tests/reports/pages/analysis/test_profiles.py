@@ -12,7 +12,7 @@ from spincheck.reports.pages.analysis.profiles import order_ratios, profile, tal
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
 from spincheck.reports.pages.analysis.trace_style import trace_styles
 from spincheck.reports.pages.analysis.work_precision import Curve, curves
-from spincheck.reports.pages.cost_tables import (
+from spincheck.reports.pages.cost_section import (
     median_table,
     ratio_table,
     reach_table,

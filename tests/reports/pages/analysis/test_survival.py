@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from made_up import TIMESTEPS, TOP, results
 from spincheck.reports.pages.analysis.report_data import report_data
-from spincheck.reports.pages.analysis.survival import in_words, survival
+from spincheck.reports.pages.analysis.timesteps import in_words, survival
 from spincheck.reports.pages.analysis.wording import number
 from spincheck.reports.pages.overview.hard_cases import (
     TURNS,

@@ -17,7 +17,7 @@ from spincheck.reference import facts, solve
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
 from spincheck.reports.pages.analysis.trace_style import COLOURS, DASHES, SYMBOLS, trace_styles
 from spincheck.reports.pages.figures import ladder_figures
-from spincheck.reports.pages.figures.dense_motion import MOST as MOST_DENSE
+from spincheck.reports.pages.figures.drawn_body import MOST as MOST_DENSE
 from spincheck.reports.pages.figures.figures import Titled, figures
 from spincheck.reports.pages.figures.ladder_figures import cost
 from spincheck.reports.pages.figures.plot import (
@@ -28,7 +28,7 @@ from spincheck.reports.pages.figures.plot import (
     error_range,
     thinned,
 )
-from spincheck.reports.pages.figures.run_lines import with_runs
+from spincheck.reports.pages.figures.signal_figures import with_runs
 from spincheck.reports.pages.page_data import PageData
 from spincheck.reports.pages.scene.motion_data import motion_data
 from spincheck.reports.pages.templating import source

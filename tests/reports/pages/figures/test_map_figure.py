@@ -13,7 +13,7 @@ from made_up_sweeps import METHODS, MISCHIEF, UNCERTAINTY, UPRIGHT, map_result
 from plotted import coloured, values_of
 from spincheck.reference.stability_bounds import RK4_LIMIT
 from spincheck.reports.pages.analysis.map_grid import Grid, axis_title, places
-from spincheck.reports.pages.analysis.map_marks import COLOURS, HORIZON, SIGNS, is_coloured, marks
+from spincheck.reports.pages.analysis.measures import COLOURS, HORIZON, SIGNS, is_coloured, marks
 from spincheck.reports.pages.figures import map_figure as map_figure_module
 from spincheck.reports.pages.figures.map_bounds import bounds_of
 from spincheck.reports.pages.figures.map_figure import drawn_bounds, legend_of_bounds, map_figure

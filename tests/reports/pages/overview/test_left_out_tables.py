@@ -1,7 +1,7 @@
 """Costs of passes left out: stored in the result file, and shown in the report."""
 
 import pytest
-from spincheck.reports.pages.overview.left_out_tables import (
+from spincheck.reports.pages.cost_section import (
     BEYOND_NOISE,
     effects_table,
     harm_in_words,

@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from page import read_page
-from spincheck.reports.pages.page_data import PageData
-from spincheck.reports.pages.scene.differences import LARGEST, differenced
+from spincheck.reports.pages.page_data import LARGEST, PageData, differenced
 from spincheck.scenarios import FloatArray
 
 STEP = 2.0**-13

@@ -9,7 +9,7 @@ from made_up import METHODS, STOCK, UNCERTAINTY, at_stock, results
 from numpy.typing import NDArray
 from spincheck.reports.pages.analysis.report_data import Compared, SceneRuns, report_data
 from spincheck.reports.pages.figures.drawn_body import BOX, ELLIPSOID, drawn_body
-from spincheck.reports.pages.scene.differences import Differences
+from spincheck.reports.pages.page_data import Differences
 from spincheck.reports.pages.scene.motion_data import (
     DECADES_STEP,
     EXACT_SAMPLES,

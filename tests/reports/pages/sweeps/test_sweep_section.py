@@ -25,8 +25,14 @@ from planted import HeunSession, planted
 from plotted import coloured, values_of
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.sweep import plan_sweep
-from spincheck.reports.pages.analysis.ensemble_numbers import ATTITUDE, OMEGA, Members, members_of
-from spincheck.reports.pages.analysis.measures import A_TURN, TURNS
+from spincheck.reports.pages.analysis.measures import (
+    A_TURN,
+    ATTITUDE,
+    OMEGA,
+    TURNS,
+    Members,
+    members_of,
+)
 from spincheck.reports.pages.analysis.wording import NOTHING, readable
 from spincheck.reports.pages.overview.spread import spread
 from spincheck.reports.pages.render import render

@@ -1,0 +1,303 @@
+"""A body in a PyBullet world, which needs `pybullet` alone: loaded, stripped, held, pushed.
+
+Why each call is there, and what happens without it: docs/measured/engines-pybullet.md.
+"""
+
+from functools import cache, partial
+
+import pybullet as p
+
+#: PyBullet's index of a body's base; its links count from 0.
+BASE = -1
+#: The one link of a body that hangs by a joint.
+HUNG = 0
+#: Defaults of PyBullet that alter motions; the third is of bodies on a joint.
+INERTIA, DAMPING, JOINT_MOTOR, CLAMP = (
+    "inertia of the shape",
+    "damping",
+    "joint motor",
+    "velocity clamp",
+)
+DEFAULTS = (INERTIA, DAMPING, JOINT_MOTOR, CLAMP)
+#: rad/s and m/s; N; N m: larger than any velocity, force or torque of a run.
+UNREACHED = 1e100
+#: Of a contact.
+FRICTIONLESS = {
+    "lateralFriction": 0,
+    "spinningFriction": 0,
+    "rollingFriction": 0,
+    "restitution": 0,
+}
+#: Largest number of steps in a native call, some 20 ms, as a call cannot be interrupted.
+MOST_STEPS_A_CALL = 2**14
+
+
+@cache
+def calls(steps, timestep):
+    """Steps a call that add up to `steps`: one call where PyBullet takes exactly that many.
+
+    PyBullet gets k dt and k, divides the one by the other, and takes as many steps as fit. With k a
+    power of two that is exact; with another it may be a step less, or of another length.
+    """
+    span = steps * timestep
+    each = span / steps
+    if steps <= MOST_STEPS_A_CALL and each == timestep and int(span / each) == steps:
+        return (steps,)
+    chunk = min(1 << (steps.bit_length() - 1), MOST_STEPS_A_CALL)
+    rest = steps - chunk
+    return (chunk, *calls(rest, timestep)) if rest else (chunk,)
+
+
+class World:
+    """One body, loaded in its pose, as a rigid body keeps its inertia, in world axes, for a step.
+
+    Parameters
+    ----------
+    scene : `maximal`, whether it has six coordinates and not a joint's; `hung`, whether it hangs by
+        a spherical joint; `defaults` that are left; `position`, m, and `attitude`, x y z w, that it
+        is loaded at; `gravity`, m/s²; `drag`, N m s; `torque_world`, N m; `plane`, the height of
+        the plane that it lies on, m, or None; `rotors`, the hinge of each, and their `spins`,
+        rad/s; `motor`, the gain of the joint's motor; `is_exact`, whether constraints are solved
+        directly. Along the principal axes that PyBullet has found, and needed by `set_up` only:
+        `axes`, w x y z, in the body's; `pivot`, m, where it is tied to the world's origin, or None;
+        `torque_body`, N m; `joint`, x y z w, and its `omega`, rad/s; of a base, `omega` and
+        `velocity`, m/s, are along the world's.
+    client, file : PyBullet's number of an empty world, and a URDF
+    """
+
+    def __init__(self, scene, client, file):
+        self.scene, self.client = scene, client
+        self.link = HUNG if scene["hung"] else BASE
+        self.body = p.loadURDF(
+            file,
+            scene["position"],
+            scene["attitude"],
+            useMaximalCoordinates=scene["maximal"],
+            flags=0 if INERTIA in scene["defaults"] else p.URDF_USE_INERTIA_FROM_FILE,
+            physicsClientId=client,
+        )
+        # By their links: rotors come last.
+        self.first_rotor = p.getNumJoints(self.body, client) - len(scene["rotors"])
+        hinges = dict(enumerate(scene["rotors"], start=self.first_rotor))
+        self.hinges = {link: hinge for link, hinge in hinges.items() if hinge != "locked"}
+        self.at_once, self.pushes = True, []
+
+    def set_up(self, timestep):
+        """Take away the defaults that are not to be left, hold the body, and set it off."""
+        scene = self.scene
+        if DAMPING not in scene["defaults"]:
+            self.take_away_damping()
+        if CLAMP not in scene["defaults"]:
+            self.take_away_clamp()
+        if scene["hung"] and JOINT_MOTOR not in scene["defaults"]:
+            self.set_motor(scene["motor"])
+        if scene["is_exact"]:
+            self.solve_exactly()
+        if scene["pivot"] is not None:
+            self.tie()
+        if scene["plane"] is not None:
+            self.lay_under()
+        self.move(scene["joint"], scene["velocity"], scene["omega"])
+        if JOINT_MOTOR not in scene["defaults"]:
+            self.take_away_motors()
+        self.set_spins(scene["spins"])
+        p.setGravity(*scene["gravity"], physicsClientId=self.client)
+        self.set_torques()
+        self.set_timestep(timestep)
+
+    def take_away_damping(self):
+        """Set linear and angular damping to 0; for a body with joints, at its base."""
+        p.changeDynamics(
+            self.body, BASE, linearDamping=0, angularDamping=0, physicsClientId=self.client
+        )
+
+    def take_away_clamp(self):
+        """Raise the clamp of the velocity coordinates beyond any velocity of a run."""
+        p.changeDynamics(self.body, BASE, maxJointVelocity=UNREACHED, physicsClientId=self.client)
+
+    def set_motor(self, gain):
+        """Have the motor of a spherical joint, which holds the joint's velocity at zero, idle.
+
+        With gains of one number, 0, it is removed; with three it stays in the solver, without a
+        force. If it were removed first, it would not come back.
+        """
+        p.setJointMotorControlMultiDof(
+            self.body,
+            HUNG,
+            p.POSITION_CONTROL,
+            targetPosition=(0, 0, 0, 1),
+            positionGain=gain,
+            velocityGain=gain,
+            force=[0, 0, 0],
+            physicsClientId=self.client,
+        )
+
+    def solve_exactly(self):
+        """Have constraints and drives solved directly.
+
+        The default solver's 50 iterations leave some drives unsolved, and so much of a slender
+        body's constraint that its error is no longer of first order.
+        """
+        p.setPhysicsEngineParameter(
+            constraintSolverType=p.CONSTRAINT_SOLVER_LCP_DANTZIG, physicsClientId=self.client
+        )
+
+    def tie(self):
+        """A point-to-point constraint from the body's origin to the world's."""
+        anchor = BASE
+        if self.scene["maximal"]:
+            # Of two rigid bodies only: a massless, shapeless one stands for the world.
+            anchor = p.createMultiBody(
+                baseMass=0, useMaximalCoordinates=True, physicsClientId=self.client
+            )
+        constraint = p.createConstraint(
+            self.body,
+            BASE,
+            anchor,
+            BASE,
+            p.JOINT_POINT2POINT,
+            jointAxis=(0, 0, 0),
+            parentFramePosition=self.scene["pivot"],
+            childFramePosition=(0, 0, 0),
+            physicsClientId=self.client,
+        )
+        # The default is an impulse of 500 N s a step.
+        p.changeConstraint(constraint, maxForce=UNREACHED, physicsClientId=self.client)
+
+    def lay_under(self):
+        """Put a plane under the body, both without friction or restitution.
+
+        By default Bullet leaves contacts that are 1e-5 m deep, which shows in the limit of short
+        steps.
+        """
+        client = self.client
+        p.setPhysicsEngineParameter(contactSlop=0, physicsClientId=client)
+        shape = p.createCollisionShape(p.GEOM_PLANE, physicsClientId=client)
+        place = [0, 0, self.scene["plane"]]
+        plane = p.createMultiBody(0, shape, basePosition=place, physicsClientId=client)
+        for body in (plane, self.body):
+            p.changeDynamics(body, BASE, **FRICTIONLESS, physicsClientId=client)
+
+    def move(self, joint, velocity, omega):
+        """Set the velocities of a base, or a joint's attitude and ω along the principal axes."""
+        if self.link == HUNG:
+            p.resetJointStateMultiDof(self.body, HUNG, joint, omega, physicsClientId=self.client)
+        else:
+            p.resetBaseVelocity(self.body, velocity, omega, self.client)
+
+    def set_spins(self, spins):
+        """Set the spins of all rotors, rad/s, at the angles of the model, and the drives."""
+        for link, spin in enumerate(spins, start=self.first_rotor):
+            if link in self.hinges:
+                p.resetJointState(self.body, link, 0.0, float(spin), self.client)
+                if self.hinges[link] == "driven":
+                    self.drive(link, float(spin), UNREACHED)
+
+    def take_away_motors(self):
+        """Remove PyBullet's motors, which brake every hinge."""
+        for link in self.hinges:
+            self.drive(link, 0.0, 0.0)
+
+    def drive(self, link, spin, torque):
+        """Have a hinge keep its spin with a torque of at most this."""
+        p.setJointMotorControl2(
+            self.body,
+            link,
+            p.VELOCITY_CONTROL,
+            targetVelocity=spin,
+            force=torque,
+            physicsClientId=self.client,
+        )
+
+    def set_torques(self):
+        """Find what to apply before a call, and whether that call may take many steps.
+
+        PyBullet applies a torque in all steps of a call and clears it afterwards. A torque constant
+        in world axes, or on a joint, is right for all of them; any other must be set again every
+        step.
+        """
+        scene, on_base = self.scene, self.link == BASE
+        if any(scene["torque_world"]):
+            self.pushes.append(partial(self.push, scene["torque_world"], p.WORLD_FRAME))
+        if any(scene["torque_body"]):
+            if on_base:
+                self.pushes.append(partial(self.push, scene["torque_body"], p.LINK_FRAME))
+                self.at_once = False
+            else:
+                self.pushes.append(self.push_joint)
+        if scene["drag"]:
+            self.at_once = False
+            if on_base:
+                self.pushes.append(self.drag)
+            else:
+                p.changeDynamics(
+                    self.body, HUNG, jointDamping=scene["drag"], physicsClientId=self.client
+                )
+
+    def push(self, torque, frame):
+        """Apply a torque to the base or link."""
+        p.applyExternalTorque(self.body, self.link, torque, frame, self.client)
+
+    def push_joint(self):
+        """Apply the torque that turns with the body to its joint."""
+        p.setJointMotorControlMultiDof(
+            self.body,
+            HUNG,
+            p.TORQUE_CONTROL,
+            force=self.scene["torque_body"],
+            physicsClientId=self.client,
+        )
+
+    def drag(self):
+        """Apply the drag of a body that hangs by no joint."""
+        coefficient = self.scene["drag"]
+        _, (x, y, z) = p.getBaseVelocity(self.body, self.client)
+        self.push((-coefficient * x, -coefficient * y, -coefficient * z), p.WORLD_FRAME)
+
+    def set_timestep(self, timestep):
+        """Length of the steps from now on, s."""
+        self.timestep, self.substeps = timestep, 0
+
+    def advance(self, steps):
+        """Take whole steps, many a call where no torque has to be renewed in between."""
+        if steps == self.substeps and self.at_once:
+            self.step(steps)
+        elif self.at_once:
+            for substeps in calls(steps, self.timestep):
+                self.step(substeps)
+        else:
+            for _ in range(steps):
+                self.step(1)
+
+    def step(self, substeps):
+        """One native call."""
+        if substeps != self.substeps:
+            p.setPhysicsEngineParameter(
+                fixedTimeStep=self.timestep * substeps,
+                numSubSteps=substeps,
+                physicsClientId=self.client,
+            )
+            self.substeps = substeps
+        for push in self.pushes:
+            push()
+        if p.stepSimulation(self.client) is None:
+            raise RuntimeError("PyBullet did not complete a step")
+
+    def motion(self):
+        """Com, attitude of the principal axes as x, y, z, w, velocity, ω; world axes.
+
+        Those of a link are computed anew: PyBullet's cached values are one step old.
+        """
+        if self.link == BASE:
+            com_world, q_xyzw = p.getBasePositionAndOrientation(self.body, self.client)
+            velocity_world, omega_world = p.getBaseVelocity(self.body, self.client)
+            return com_world, q_xyzw, velocity_world, omega_world
+        # computeLinkVelocity and computeForwardKinematics; keywords would take longer.
+        state = p.getLinkState(self.body, self.link, 1, 1, self.client)
+        return state[0], state[1], state[6], state[7]
+
+    def spins(self):
+        """Spins of the rotors that turn, relative to the body, rad/s."""
+        if not self.hinges:
+            return ()
+        return tuple(state[1] for state in p.getJointStates(self.body, [*self.hinges], self.client))

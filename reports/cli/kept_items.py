@@ -1,0 +1,69 @@
+"""What came of items of scenes, kept in pytest's cache until something it rests on changes.
+
+Verdicts are not kept that disagree: whoever mends an engine wants to see them again.
+"""
+
+from collections.abc import Iterator
+from hashlib import sha256
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from ...engines import Engine, Method
+    from ...scenarios import Scenario
+
+_FOLDER = "spincheck"
+
+
+def outcome_of(item: pytest.Item, rests_on: str) -> str | None:
+    """Why the item was skipped when it was last run; empty if it passed, None if it must be run."""
+    cache = _cache(item)
+    match cache and cache.get(_place(item), None):
+        case [str(digest), str(outcome)] if digest == rests_on:
+            return outcome
+    return None
+
+
+def keep(item: pytest.Item, rests_on: str, outcome: str) -> None:
+    """Keep what came of an item, in place of what came of it before."""
+    if cache := _cache(item):
+        cache.set(_place(item), [rests_on, outcome])
+
+
+def _cache(item: pytest.Item) -> pytest.Cache | None:
+    """None if it is switched off."""
+    return getattr(item.config, "cache", None)
+
+
+def rests_on(scenario: "Scenario", engine: "Engine", method: "Method", max_steps: int) -> str:
+    """The digest of scene, program, adapter, engine, method and length of the ladder."""
+    from ..results.fingerprints import fingerprints
+    from ..results.sources import source
+
+    plugin = Path(__file__).with_name("pytest_plugin.py")
+    parts = [one.digest for one in fingerprints(scenario, [engine]) if one.kind != "timing"]
+    parts += [method.name, str(max_steps), source(plugin).digest, *_native_files(engine)]
+    return sha256("\n".join(parts).encode()).hexdigest()
+
+
+def _native_files(engine: "Engine") -> Iterator[str]:
+    """Size and time of change of an engine's native files: one that was rebuilt is another."""
+    package = engine.package or engine.family or engine.name
+    spec = find_spec(package) if package.isidentifier() else None
+    for folder in (spec and spec.submodule_search_locations) or ():
+        yield from map(_stamp, sorted(Path(folder).rglob("*.so*")))
+    if spec and spec.origin and not spec.submodule_search_locations:
+        yield _stamp(Path(spec.origin))
+
+
+def _stamp(file: Path) -> str:
+    found = file.stat()
+    return f"{file.name} {found.st_size} {found.st_mtime_ns}"
+
+
+def _place(item: pytest.Item) -> str:
+    """Its place in the cache: names of items are no names of files everywhere."""
+    return f"{_FOLDER}/{sha256(item.nodeid.encode()).hexdigest()[:16]}"
