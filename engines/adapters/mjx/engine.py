@@ -15,7 +15,7 @@ from .script import left_in, script
 from .session import MJXSession
 
 #: Torques along the world's axes come out wrong on a free body: docs/measured/engines-more.md.
-EFFECTS = COMMON_EFFECTS - {"torque_world"}
+EFFECTS = (COMMON_EFFECTS | {"rotors", "table"}) - {"torque_world"}
 
 
 def _method(name: str, order: int, summary: str) -> Method:

@@ -35,14 +35,16 @@ def step(count):
 
 def state():
     \"\"\"Attitude, w x y z, body to world, and angular velocity in body axes.\"\"\"
-    return np.array(data.qpos[-4:], dtype=float), np.array(data.qvel[-3:], dtype=float)
+    q, omega = data.qpos[{moving} : {moving} + 4], data.qvel[{moving} : {moving} + 3]
+    return np.array(q, dtype=float), np.array(omega, dtype=float)
 """
 
 
 def script(scenario: Scenario, integrator: str | None, timestep: float, is_double: bool) -> str:
     """The model of a method; as shipped where there is no integrator."""
     text = mjcf(scenario, timestep, integrator, left_in(scenario, integrator))
-    return _SCRIPT.format(is_double=is_double, lines=python_lines(text))
+    moving = 3 - sum(scenario.constraint.is_held)
+    return _SCRIPT.format(is_double=is_double, lines=python_lines(text), moving=moving)
 
 
 def left_in(scenario: Scenario, integrator: str | None) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from contextlib import redirect_stdout
+from dataclasses import replace
 from functools import cache, lru_cache
 from importlib import import_module
 from io import StringIO
@@ -16,7 +17,7 @@ from ...models.mjcf import START_KEY, start_coordinates
 from ...session import Session
 from ...user_cache import user_cache
 from ..mujoco.audit import FLAG_WORDS, acting
-from ..mujoco.session import TURNING, body_of, compiled, coordinates_of, states_of
+from ..mujoco.session import anchor, axial, body_of, compiled, coordinates_of, states_of
 from .script import SPRINGS
 
 #: Samples that one call takes: a call costs as much as a hundred steps.
@@ -29,12 +30,13 @@ MODELS = 64
 
 @final
 class MJXSession(Session):
-    """One body, on a ball joint or free; MJX's model and data as flat lists of JAX's arrays."""
+    """One body and its rotors; MJX's model and data as flat lists of JAX's arrays."""
 
     def __init__(self, scenario: Scenario, text: str, timestep: float, is_double: bool) -> None:
         self._jax, self._is_double, self._scenario = _jax(is_double), is_double, scenario
         model, data = _in_mjx(text, is_double)
-        self._model = _with_timestep(model, timestep)
+        self._model, self._is_turning = _with_timestep(model, timestep), scenario.rotors.is_turning
+        self._arm_body, self._place_world = anchor(model)
         qpos, qvel = (
             np.asarray(numbers, dtype=data.qpos.dtype) for numbers in start_coordinates(scenario)
         )
@@ -54,7 +56,8 @@ class MJXSession(Session):
     @property
     def restarts_to_the_last_bit(self) -> bool:
         """Unless it moves another point of the body than its com."""
-        return self._model.nv == TURNING or not self._model.body_ipos[-1].any()
+        on_pivot = self._model.jnt_type[0] == mujoco.mjtJoint.mjJNT_BALL
+        return bool(on_pivot or not self._arm_body.any())
 
     def restart(self, state: State, timestep: float | None = None) -> None:
         """The data of the start with the coordinates of the state; nothing is compiled again."""
@@ -62,13 +65,13 @@ class MJXSession(Session):
             self._model = _with_timestep(self._model, timestep)
             self._still = self._jax.tree.leaves(self._model)
         data = self._jax.tree.unflatten(self._trees[1], self._at_start)
-        coordinates = coordinates_of(state, self._model.nv, self._model.body_ipos[-1])
+        coordinates = coordinates_of(state, self._model.nv, self._arm_body, self._is_turning)
         qpos, qvel = (numbers.astype(data.qpos.dtype) for numbers in coordinates)
         self._moving = self._jax.tree.leaves(data.replace(qpos=qpos, qvel=qvel))
 
     def read_body(self) -> BodyReading:
         """The body in MJX's model."""
-        return body_of(self._model)
+        return replace(body_of(self._model), axial=axial(self._model, len(self._is_turning)))
 
     def read_state(self) -> State:
         """The state now."""
@@ -82,7 +85,9 @@ class MJXSession(Session):
     def states(self, snapshots: Sequence[FloatArray]) -> State:
         """The states, read from qpos and qvel alone."""
         qpos, qvel = np.split(np.array(snapshots, dtype=float), [self._model.nq], axis=1)
-        return states_of(qpos, qvel, self._model.body_ipos[-1])
+        states = states_of(qpos, qvel, self._arm_body, self._is_turning)
+        states.com_world[:] += self._place_world
+        return states
 
     def advance(self, steps: int) -> None:
         """One compiled loop."""

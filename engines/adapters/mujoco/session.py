@@ -69,7 +69,7 @@ class MuJoCoSession(Session):
         # Reused for each snapshot: fetching MuJoCo's own arrays would double the time.
         self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
         self._read = self._reading[1:]
-        self._arm_body, self._place_world = _anchor(model)
+        self._arm_body, self._place_world = anchor(model)
         self._is_turning = scenario.rotors.is_turning
         last_of_body = model.body_jntadr[WORLD + 1] + model.body_jntnum[WORLD + 1] - 1
         self._on_hinges = model.jnt_type[last_of_body] == mujoco.mjtJoint.mjJNT_HINGE
@@ -79,7 +79,7 @@ class MuJoCoSession(Session):
 
     def read_body(self) -> BodyReading:
         """The body of the compiled model, its principal moments turned back into body axes."""
-        return replace(body_of(self.model), axial=_axial(self.model, len(self._is_turning)))
+        return replace(body_of(self.model), axial=axial(self.model, len(self._is_turning)))
 
     def read_state(self) -> State:
         """The state now; see `states`."""
@@ -225,12 +225,12 @@ def body_of(model: Any) -> BodyReading:
     return composed(parts)
 
 
-def _axial(model: Any, count: int) -> FloatArray:
+def axial(model: Any, count: int) -> FloatArray:
     """Axis times moment about it of the last `count` bodies, kg m², zero if welded, (count, 3)."""
     rows = np.zeros((count, 3))
     for joint in range(model.body_jntnum[WORLD + 1], model.njnt):
         body = model.jnt_bodyid[joint]
-        axis = _rotation(model.body_quat[body]).apply(model.jnt_axis[joint])
+        axis = _rotation(model.body_quat[body]).apply(np.array(model.jnt_axis[joint]))
         rows[body - model.nbody + count] = axis * (axis @ _body(model, body).inertia_com @ axis)
     return rows
 
@@ -245,7 +245,7 @@ def _body(model: Any, body: int) -> BodyReading:
     )
 
 
-def _anchor(model: Any) -> tuple[FloatArray, FloatArray]:
+def anchor(model: Any) -> tuple[FloatArray, FloatArray]:
     """The com from the point that the coordinates move, m, body axes; and where that begins."""
     com_body, last = body_of(model).com, model.body_jntnum[WORLD + 1] - 1
     if model.jnt_type[last] == mujoco.mjtJoint.mjJNT_FREE:
