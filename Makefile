@@ -67,7 +67,7 @@ engine-verdicts: $(READY)
 	$(BIN)/python tests/reports/harness/measure_engines.py
 
 # Dated pages of what each engine and version does on the library: docs/results.
-results: $(READY)
+results: $(INSTALLED)
 	$(BIN)/python docs/results/publish.py
 
 # Faultless methods on a thousand random scenes: what is judged wrongly, counted.

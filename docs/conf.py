@@ -17,6 +17,7 @@ DOCS = Path(__file__).parent
 #: A parameter in a docstring: at the margin, names, a colon, and what they are.
 ENTRY = re.compile(r"^(\*{0,2}\w[\w, *]*) : ", re.MULTILINE)
 sys.path.insert(0, str(DOCS / "extensions"))
+import warm_start  # noqa: E402
 
 
 def digest_of_program() -> str:
@@ -61,6 +62,7 @@ nb_merge_streams = True
 os.environ["PATH"] = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
 os.environ["COLUMNS"] = "88"
 os.environ["PYTHONSTARTUP"] = str(DOCS / "extensions" / "notebook_start.py")
+forked_from = warm_start.begin(DOCS.parent / "build" / "notebooks")
 
 autodoc_member_order = "bysource"
 napoleon_use_rtype = False
@@ -86,5 +88,6 @@ def describe_without_types(_app: object, _what: str, _name: str, *others: object
 
 
 def setup(app: Sphinx) -> None:
-    """Have docstrings changed before napoleon reads them."""
+    """Have docstrings changed before napoleon reads them, and the warm process end."""
     app.connect("autodoc-process-docstring", describe_without_types, priority=400)
+    app.connect("build-finished", lambda *_: forked_from.communicate())

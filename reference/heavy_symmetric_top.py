@@ -16,7 +16,7 @@ integral on a pivot is a quadrature.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from mpmath import mp, mpf
@@ -38,6 +38,8 @@ from .symmetry import (
 
 #: Where two or three roots of the nutation cubic meet, a root has half or a third of the digits.
 ROOT_DIGITS = 3 * DIGITS
+#: Tops whose elliptic integrals are kept: every run of a scene is read beside the same.
+RECENT_TOPS = 8
 
 
 @dataclass(frozen=True)
@@ -154,6 +156,7 @@ def nutation_bounds(top: HeavySymmetricTop) -> tuple[float, float]:
         return float(mp.acos(u2)), float(mp.acos(u1))
 
 
+@lru_cache(maxsize=RECENT_TOPS)
 def nutation_period(top: HeavySymmetricTop) -> float:
     """The period of cos β, s: on a pivot 2K/p with p² = κ(u3 − u1)/2 I1; inf on a separatrix.
 
@@ -169,6 +172,7 @@ def nutation_period(top: HeavySymmetricTop) -> float:
         return float(2 * mp.sqrt(2 * top.I1 / top.kappa) * mp.elliprf(0, u3 - u2, u3 - u1))
 
 
+@lru_cache(maxsize=RECENT_TOPS)
 def mean_precession_rate(top: HeavySymmetricTop) -> float | None:
     """α̇ averaged over a nutation, rad/s; None where the axis comes to the vertical.
 

@@ -56,13 +56,13 @@ class BodyTable(Table):
     )
 
     model: Text | None = Field(
-        None, description="the URDF or MJCF file the numbers are from, relative to this one"
+        None, description="path of the URDF or MJCF file that the numbers are from"
     )
-    link: Text | None = Field(None, description="its link, or body")
+    link: Text | None = Field(None, description="name of the link, or of the body, in that file")
     welded: tuple[Text, ...] | None = Field(
-        None, description="links welded to that one, whose mass and inertia are added"
+        None, description="names of links welded to that one; the numbers include them"
     )
-    sha256: Digest | None = Field(None, description="of that file, hexadecimal")
+    sha256: Digest | None = Field(None, description="SHA-256 of that file, in hexadecimal")
 
     @model_validator(mode="after")
     def _whole_origin(self) -> Self:
@@ -114,7 +114,7 @@ class Window(Table):
 
     duration: Positive = Field(description="s")
     samples: Annotated[int, Field(strict=True, ge=2, le=MAX_SAMPLES)] = Field(
-        description="evenly spaced times, t = 0 and the end included"
+        description="number of evenly spaced times, t = 0 and the end included"
     )
 
 
@@ -190,9 +190,9 @@ class Expect(Table):
     """What the scene expects of one engine, method and timestep."""
 
     engine: Text = Field(description="as `spincheck engines` names it")
-    method: Text = Field(description="likewise")
-    timestep: Positive = Field(description="s; the run is made besides the ladder")
-    outcome: Literal["diverges"] | None = Field(None, description="this run is known to blow up")
+    method: Text = Field(description="one of its methods")
+    timestep: Positive = Field(description="s; run in addition to the halved timesteps")
+    outcome: Literal["diverges"] | None = Field(None, description="the run is expected to blow up")
 
     @model_validator(mode="after")
     def _bounds_or_outcome(self) -> Self:
@@ -209,8 +209,8 @@ class Known(Table):
     """An expected failure of an engine's method on this scene; reported if it is gone."""
 
     engine: Text = Field(description="as `spincheck engines` names it")
-    method: Text = Field(description="likewise")
-    verdict: Literal["disagrees"] = Field(description="it settles on another motion")
+    method: Text = Field(description="one of its methods")
+    verdict: Literal["disagrees"] = Field(description="the method goes to another motion")
     reason: Text = Field(description="the cause, and where it is documented")
 
 
@@ -222,7 +222,7 @@ class Document(Table):
     source: Text = Field(description="book, section or paper the scene comes from")
     description: Prose = Field("", description="Markdown")
     tags: tuple[Text, ...] = Field(
-        (), description="to filter by; `hard` keeps a scene out of quick runs"
+        (), description="words to filter by; `hard` keeps a scene out of quick runs"
     )
     body: BodyTable = Field(description="the rigid body")
     start: StartTable = Field(description="the state at t = 0")
@@ -230,10 +230,10 @@ class Document(Table):
         None, description="parts that turn in the body", max_length=MAX_ROTORS
     )
     effects: Effects = Field(Effects(), description="what acts on the body")
-    window: Window = Field(description="the span that is simulated")
-    published: tuple[Published, ...] = Field((), description="values that others printed")
-    expect: tuple[Expect, ...] = Field((), description="what runs are held to")
-    known: tuple[Known, ...] = Field((), description="faults of engines that are known")
+    window: Window = Field(description="duration and samples")
+    published: tuple[Published, ...] = Field((), description="values from the literature")
+    expect: tuple[Expect, ...] = Field((), description="what is expected of single runs")
+    known: tuple[Known, ...] = Field((), description="disagreements that are known and accepted")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -97,8 +97,9 @@ Unknown keys are errors; `spincheck check FILE` names file, line, key and rule o
 `scenarios/schema.json` gives completion in editors.
 [Your own top in five minutes](../start/first-scene.md) shows one being written.
 
-Angles of ZYZ Euler angles are α, β, γ with R = Rz(α) Ry(β) Rz(γ), body to world components. L is
-about the pivot, or about the centre of mass where there is none; potential energy is −m g·r_com.
+ZYZ Euler angles are α, β, γ with R = Rz(α) Ry(β) Rz(γ); R times body components is world
+components. L is about the pivot, or about the centre of mass where there is none; potential energy
+is −m g·r_com.
 """
 
 
@@ -150,7 +151,7 @@ def _words(annotation: Any) -> str:
 def _row(arguments: tuple[Any, ...]) -> str:
     words = [_words(one) for one in arguments if one is not Ellipsis]
     if Ellipsis in arguments:
-        return "array of tables" if words == ["table"] else f"any number of: {words[0]}"
+        return "array of tables" if words == ["table"] else f"list of {words[0]}"
     if len(set(words)) == 1:
         return f"{len(words)} × {words[0]}"
     return ", ".join(words)

@@ -66,7 +66,10 @@ def times(q_wxyz: FloatArray) -> FloatArray:
 
 
 def cross(u: FloatArray, v: FloatArray) -> FloatArray:
-    """u × v, row by row: (n, 3) each; in a tenth of the time that numpy's own takes for few."""
+    """u × v, row by row: (n, 3) each, or (3,); in a tenth of the time of numpy's own for few."""
+    if u.ndim == v.ndim == 1:
+        (ux, uy, uz), (vx, vy, vz) = u.tolist(), v.tolist()
+        return np.array([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx])
     product = np.empty(np.broadcast_shapes(u.shape, v.shape))
     ux, uy, uz = u[..., 0], u[..., 1], u[..., 2]
     vx, vy, vz = v[..., 0], v[..., 1], v[..., 2]

@@ -22,7 +22,7 @@ class StartTable(Table):
     omega_body: Vector | None = Field(None, description="rad/s, body axes")
     omega_world: Vector | None = Field(None, description="rad/s, world axes")
     euler_zyz_rates: Vector | None = Field(
-        None, description="rad/s: α̇ β̇ γ̇; takes the attitude as euler_zyz_deg"
+        None, description="rad/s: α̇ β̇ γ̇; only with euler_zyz_deg"
     )
     position: Vector | None = Field(
         None, description="m, of the com; not with a pivot; on a table z follows from the attitude"

@@ -1,13 +1,16 @@
 """Runs the library and writes dated pages of every engine's version: `make results`.
 
 A page and a JSON file a version go to docs/results/DATE, the report with a page a scene to
-build/results/DATE. What was written on other days stays, and is in the history of index.md.
+build/results/DATE. What was written on other days stays, and is in the history of index.md. All
+runs are kept in build/results/spincheck.sqlite: after a stop the next call goes on with them.
 """
 
 import argparse
 import json
 import math
+import re
 import subprocess
+import sys
 import tomllib
 from datetime import date
 from pathlib import Path
@@ -15,38 +18,55 @@ from statistics import median
 from typing import Any
 
 import spincheck
+from spincheck.engines import engines
 from spincheck.reports.results.verdict_words import RANKS
 from spincheck.scenarios import LIBRARY
 
 FOLDER = Path(__file__).parent
 BUILD = FOLDER.parents[1] / "build" / "results"
 FAULTS = FOLDER.parent / "measured/known-issues.toml"
-#: Older versions that are run beside those installed.
-VERSIONS = ("mujoco@3.3.7", "mujoco@3.10.0", "pybullet@3.2.6")
+#: Older versions, and the folders of scenes that they are run on.
+VERSIONS = ("mujoco@3.3.7", "mujoco@3.6.0", "mujoco@3.10.0", "pybullet@3.2.6")
+TOPS = (LIBRARY / "free", LIBRARY / "heavy")
+#: A scene of each kind of motion, on which optional engines are run.
+KINDS = ("football-spiral", "tennis-racket", "fast-top", "lopsided-body", "spin-up")
 COLUMNS = ("method", "scenes", *RANKS, "median error", "largest error", "on")
 HEAD = """# Results by date and version
 
-Each page shows what one version of an engine did on the scenes of the library: its known issues
-with what to do about them, and the verdicts and errors of each method. *Error* is that of the
-attitude at the timestep that users of the engine get who set none. The method `default` is the
-engine as shipped; in the others everything that a scene does not call for is switched off. Ladders
-are those of `--quick`: a run without it decides some of what is `unresolved` here. The column
-*scenes* is the number of scenes that a method was run on, which are the plain ones where it is
-smaller than the page's.
-[How to object to a result](../project/neutrality.md).
+Each page shows what one version of an engine did: its known issues with what to do about them, the
+verdicts and errors of each method, and each scene. The engines that are installed with spincheck
+are run on the whole library, all their methods on the plain scenes and two or three on the hard
+ones; older versions of them on the free and the heavy tops, optional engines on a scene of each
+kind of motion, both with the fewer timesteps of `--quick`, which leave more `unresolved`.
 
-`make results` writes these pages, and a report with a page for each scene into `build/results`.
+*Error* is that of the attitude at the timestep that users of the engine get who set none. The
+method `default` is the engine as shipped; in the others everything that a scene does not call for
+is switched off. [How to object to a result](../project/neutrality.md).
+
+`make results` makes these pages, and in `build/results` a report with a page for each scene.
 """
+
+NO_FAULTS = "None is listed: not every engine was searched for them.\n"
 
 Record = dict[str, Any]
 
 
-def run(engines: list[str], out: Path) -> None:
-    """Run the plain and the hard scenes; that something disagrees is a result."""
-    words = ["spincheck", "run", LIBRARY, "--quick", *engines, "--out", out]
-    done = subprocess.run(words, check=False)
-    if done.returncode not in (0, 1):
-        raise SystemExit(f"'spincheck run' ended with exit code {done.returncode}")
+def command(*words: object) -> int:
+    """Call spincheck, and return its exit code: 1, something disagrees, is a result like others."""
+    here = Path(sys.executable).with_name("spincheck")
+    code = subprocess.run([here, *map(str, words)], check=False).returncode
+    if code not in (0, 1, 3):
+        raise SystemExit(f"'spincheck {words[0]}' ended with exit code {code}")
+    return code
+
+
+def run(out: Path) -> None:
+    """Run what is missing in the result file; an engine that cannot be installed is left out."""
+    command("run", "--out", out)
+    others = {one.name: KINDS for one in engines().values() if one.is_optional and not one.of_file}
+    for name, scenes in {**dict.fromkeys(VERSIONS, TOPS), **others}.items():
+        if command("run", *scenes, "--quick", "--engine", name, "--out", out) == 3:
+            print(f"{name} could not be run, and gets no page.")
 
 
 def records(stored: Any, day: str) -> list[Record]:
@@ -60,24 +80,40 @@ def record(stored: Any, engine: str, version: str, day: str) -> Record:
     verdicts = [one for one in stored.verdicts if one.key.engine == engine]
     # Methods are run at 1 ms, too; an engine's own timestep is no shorter, and comes last.
     rows = sorted(
-        (one for one in stored.rows if one.key.engine == engine and one.stock),
+        (
+            one
+            for one in stored.rows
+            if one.key.engine == engine and one.stock and one.outcome in ("ok", "diverged")
+        ),
         key=lambda one: one.timestep,
     )
     return {
         "engine": engine.partition("@")[0],
         "version": version,
         "date": day,
-        "scenes": sorted({one.key.scenario for one in verdicts}),
         "verdicts": sorted(
-            [one.key.method, one.key.scenario, one.verdict, one.reason] for one in verdicts
+            [one.key.method, one.key.scenario, one.verdict, reason(one)] for one in verdicts
         ),
         "degrees_off": {
-            f"{one.key.method} {one.key.scenario}": math.degrees(one.errors["attitude"])
+            f"{one.key.method} {one.key.scenario}": float(
+                f"{math.degrees(one.errors['attitude']):.3g}"
+            )
             if one.errors
             else None
             for one in rows
         },
     }
+
+
+def reason(verdict: Any) -> str:
+    """Why, without the list of what is active in an engine as shipped: the same for all scenes."""
+    text: str = verdict.reason.partition("; active though the scene does not call for it")[0]
+    return text
+
+
+def scenes(one: Record) -> list[str]:
+    """The scenes that a version was run on."""
+    return sorted({scene for _, scene, _, _ in one["verdicts"]})
 
 
 def line(one: Record, method: str) -> list[str]:
@@ -110,7 +146,7 @@ def faults(one: Record) -> list[str]:
 
 def ordered(version: str) -> list[int]:
     """A version, such as "3.10.0 (double)", as numbers that sort."""
-    return [int(number) for number in version.split()[0].split(".")]
+    return [int(number) for number in re.findall(r"\d+", version.split()[0])]
 
 
 def span(fault: Record) -> str:
@@ -130,8 +166,11 @@ def seen(one: Record, fault: Record) -> str:
     shown = f"`spincheck {fault['command']}`"
     if "scene" not in fault:
         return shown
-    off = one["degrees_off"].get(f"{fault['method']} {fault['scene']}")
-    return f"{shown}; here `{fault['method']}` on {fault['scene']}: {degrees(off)}"
+    run_of = f"{fault['method']} {fault['scene']}"
+    if run_of not in one["degrees_off"]:
+        return shown
+    off = degrees(one["degrees_off"][run_of])
+    return f"{shown}; here `{fault['method']}` on {fault['scene']}: {off}"
 
 
 def degrees(off: float | None) -> str:
@@ -158,6 +197,13 @@ def name_of(one: Record) -> str:
     return f"{one['engine']}-{one['version'].split()[0]}"
 
 
+def as_json(one: Record) -> str:
+    """The file of a version, a line a verdict."""
+    verdicts = ",\n".join(json.dumps(verdict, ensure_ascii=False) for verdict in one["verdicts"])
+    text = json.dumps(one | {"verdicts": []}, ensure_ascii=False)
+    return text.replace('"verdicts": []', f'"verdicts": [\n{verdicts}\n]', 1) + "\n"
+
+
 def page(one: Record) -> str:
     """The page of a version."""
     methods = sorted({name for name, *_ in one["verdicts"]})
@@ -165,12 +211,32 @@ def page(one: Record) -> str:
 
 ## Known issues
 
-{"".join(faults(one))}
-## On {len(one["scenes"])} scenes
+{"".join(faults(one)) or NO_FAULTS}
+## On {len(scenes(one))} scenes
 
+{table(COLUMNS, [line(one, method) for method in methods])}
+## Each scene
+
+The error, with the verdict where it is not `converges`.
 [Every verdict with its reason]({name_of(one)}.json).
 
-{table(COLUMNS, [line(one, method) for method in methods])}"""
+{table(("scene", *methods), scene_lines(one, methods))}"""
+
+
+def scene_lines(one: Record, methods: list[str]) -> list[list[str]]:
+    """What each method did on each scene, a line a scene."""
+    words = {(method, scene): word for method, scene, word, _ in one["verdicts"]}
+    return [
+        [scene, *(cell(one, method, scene, words.get((method, scene), "")) for method in methods)]
+        for scene in scenes(one)
+    ]
+
+
+def cell(one: Record, method: str, scene: str, word: str) -> str:
+    """The error of a method on a scene, and its verdict."""
+    run_of = f"{method} {scene}"
+    shown = degrees(one["degrees_off"][run_of]) if run_of in one["degrees_off"] else ""
+    return ", ".join(part for part in (shown, "" if word == "converges" else word) if part)
 
 
 def index() -> str:
@@ -182,27 +248,26 @@ def index() -> str:
         words = [word for _, _, word, _ in one["verdicts"]]
         link = f"[{one['engine']} {one['version']}]({path.parent.name}/{path.stem}.md)"
         counts = [str(words.count(word) or "") for word in RANKS]
-        lines.append([one["date"], link, str(len(one["scenes"])), *counts])
+        lines.append([one["date"], link, str(len(scenes(one))), *counts])
     columns = ("date", "engine", "scenes", *RANKS)
     pages = "\n".join(path.relative_to(FOLDER).with_suffix("").as_posix() for path in paths)
     return f"{HEAD}\n{table(columns, lines)}\n```{{toctree}}\n:hidden:\n\n{pages}\n```\n"
 
 
 def main() -> None:
-    """Run, and write the pages."""
+    """Run, and write the pages once everything has run."""
     argparse.ArgumentParser(description=__doc__).parse_args()
-    day = date.today().isoformat()
-    out, folder = BUILD / f"{day}.sqlite", FOLDER / day
-    folder.mkdir(parents=True, exist_ok=True)
     BUILD.mkdir(parents=True, exist_ok=True)
-    run([], out)
-    run([word for version in VERSIONS for word in ("--engine", version)], out)
-    subprocess.run(["spincheck", "report", out, "--out", BUILD / day], check=False)
+    out = BUILD / "spincheck.sqlite"
+    run(out)
+    day = date.today().isoformat()
+    folder = FOLDER / day
+    folder.mkdir(exist_ok=True)
     for one in records(spincheck.results(out), day):
         (folder / f"{name_of(one)}.md").write_text(page(one), encoding="utf-8")
-        text = json.dumps(one, ensure_ascii=False, indent=1)
-        (folder / f"{name_of(one)}.json").write_text(text + "\n", encoding="utf-8")
+        (folder / f"{name_of(one)}.json").write_text(as_json(one), encoding="utf-8")
     (FOLDER / "index.md").write_text(index(), encoding="utf-8")
+    command("report", out, "--out", BUILD / day)
 
 
 if __name__ == "__main__":

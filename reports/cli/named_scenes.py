@@ -114,7 +114,7 @@ def _check_motion(scenario: Scenario, result: Checked) -> None:
     from ...reference import IntegrationError
     from ..harness.power import powerless
     from ..harness.published import published_that_do_not_hold
-    from .executing import compile_first
+    from .choosing import compile_first
 
     compile_first()
     try:

@@ -19,9 +19,10 @@ LARGEST_TURN = math.pi
 LEAST_STEPS = 10
 #: A ladder ends before a run would take more steps than this.
 MAX_STEPS = 1 << 20
-#: A quick study's ladders end before a run would take more steps than this, and those of any study
-#: where single steps and pieces decide.
+#: A quick study's ladders end before a run would take more steps than this.
 QUICK_STEPS = 1 << 14
+#: And those of any study where single steps and pieces decide: they only show what accuracy costs.
+DECIDED_STEPS = 1 << 13
 #: A ladder is not ended early after fewer rungs than this.
 MIN_RUNGS = 6
 #: For so many rungs, runs may take more steps than the limit: three make a verdict, and one more

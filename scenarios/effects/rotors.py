@@ -37,7 +37,7 @@ hinge = "free"                      # or "driven", or "locked"
     )
     spin: Number = Field(0.0, description="rad/s about the axis, relative to the body, at t = 0")
     hinge: Literal["free", "driven", "locked"] = Field(
-        description="frictionless; or the spin relative to the body stays; or there is none"
+        description="turns without friction; keeps its spin; or is fixed to the body"
     )
 
     @model_validator(mode="after")

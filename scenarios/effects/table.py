@@ -50,7 +50,7 @@ class TableTable(EffectTable):
 
     height: Number = Field(description="m, of the plane, along the world's z axis")
     tip: Vector = Field(description="m, of the tip's centre, from the body's origin, body axes")
-    radius: NotNegative = Field(description="m, of the sphere about it that slides; 0 is a point")
+    radius: NotNegative = Field(description="m, of the sphere about the tip; 0 for a point")
 
 
 def constraint(table: TableTable, body: Body) -> Constraint:

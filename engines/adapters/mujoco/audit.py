@@ -4,9 +4,8 @@ Forces in MuJoCo come from the model, from what was applied to its data, and fro
 process; all three are checked.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import mujoco
@@ -16,6 +15,7 @@ from ....scenarios import FloatArray, Scenario
 from ....scenarios.gyrostat import Rotor
 from ...models.mjcf import armature
 from ...models.mjcf_contact import PASSES, sphere_and_plane
+from .world import disabling, flags
 
 #: Parts of a model that no scene calls for; those with non-zero values are reported.
 FOREIGN: dict[str, Callable[[Any], Any]] = {
@@ -286,43 +286,13 @@ def _idle_passes(model: Any, effects: EffectsReading) -> frozenset[str]:
     needed |= {"damper", "eulerdamp"} if has_damping else set()
     needed |= {"actuation"} if model.nu else set()
     needed |= PASSES if model.ngeom else set()
-    disabling = _disabling()
-    needed_bits = {disabling[name] for name in needed & disabling.keys()}
-    on = {name for name, bit in disabling.items() if _is_on(model, name) and bit not in needed_bits}
-    bits = _flags(mujoco.mjtEnableBit, "mjENBL_")
+    passes = disabling()
+    needed_bits = {passes[name] for name in needed & passes.keys()}
+    on = {name for name, bit in passes.items() if _is_on(model, name) and bit not in needed_bits}
+    bits = flags(mujoco.mjtEnableBit, "mjENBL_")
     on |= {name for name, bit in bits.items() if model.opt.enableflags & bit}
     return frozenset(FLAG_WORDS.get(name, f"flag '{name}'") for name in on - needed)
 
 
-def disable(model: Any, passes: Iterable[str]) -> None:
-    """Switch passes off in a compiled model, by MuJoCo's names for its flags.
-
-    A flag shared by several passes is set only if all of them are to be off; flags that this
-    version lacks are skipped.
-    """
-    bits, passes = _disabling(), set(passes)
-    kept = {bit for name, bit in bits.items() if name not in passes}
-    for name in passes & bits.keys():
-        if bits[name] not in kept:
-            model.opt.disableflags |= bits[name]
-
-
 def _is_on(model: Any, name: str) -> bool:
-    return not model.opt.disableflags & _disabling().get(name, 0)
-
-
-@cache
-def _disabling() -> dict[str, int]:
-    """The bits that disable passes, by name."""
-    bits = dict(_flags(mujoco.mjtDisableBit, "mjDSBL_"))
-    # One flag of both up to 3.3.0.
-    if passive := bits.pop("passive", 0):
-        bits |= {"spring": passive, "damper": passive}
-    return bits
-
-
-@cache
-def _flags(enum: Any, prefix: str) -> dict[str, int]:
-    """MuJoCo's flags by the names MJCF gives them."""
-    members = enum.__members__.items()
-    return {key.removeprefix(prefix).lower(): int(bit) for key, bit in members if prefix in key}
+    return not model.opt.disableflags & disabling().get(name, 0)

@@ -15,11 +15,11 @@ from ...models.description import PLAIN, Description
 from ...models.mjcf import mjcf, switched_off
 from ...models.mjcf_contact import PASSES, off_its_table, with_contact
 from ...release import numbers_of
-from .audit import disable
 from .clock import CLOCK
 from .script import script
 from .session import MuJoCoSession, check_not_too_small, compiled, left_out
 from .urdf_reader import spec_of_urdf
+from .world import disable
 
 #: The version that introduced an integrator (changelog).
 SINCE = {"discrete": "3.13.0"}
@@ -165,7 +165,7 @@ class MuJoCo(Engine):
             return ""
         way, off = _way(method), () if method.as_shipped else _switched_off(scenario, method)
         moving = 3 if way.by_contact else 3 - sum(scenario.constraint.is_held)
-        return script(_text(scenario, timestep, way), off, moving)
+        return script(_text(scenario, timestep, way), off, way.tied, moving)
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """The passes that are switched off, and the clock."""

@@ -10,10 +10,10 @@ from ....scenarios import Scenario
 from ...engine import Method, Release
 from ...models.mjcf import start_coordinates, switched_off
 from ...users_models import FileEngine, UsersLink, body_alone, users_link
-from .audit import disable
 from .engine import KEPT, MuJoCo, release
 from .model_reader import name_bodies, spec_of_mjcf
 from .session import MuJoCoSession, check_not_too_small, compiled
+from .world import disable
 
 #: Prefix that keeps the link's name from clashing with another.
 PREFIX = "cut-"

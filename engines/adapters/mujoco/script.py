@@ -1,19 +1,22 @@
 """A MuJoCo model and its steps as Python that needs `mujoco` alone."""
 
+from collections.abc import Sequence
+from pathlib import Path
+
 from ...models.text import python_lines
+from ...world_session import stand_alone
 
 _SCRIPT = """\
-import mujoco
+{world}
 
 MJCF = (
 {lines}
 )
 model = mujoco.MjModel.from_xml_string(MJCF)
 # What this scene has no use for; not every version of MuJoCo has all of it.
-for flag in {flags!r}:
-    model.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, "mjDSBL_" + flag, 0))
-data = mujoco.MjData(model)
-mujoco.mj_resetDataKeyframe(model, data, 0)
+disable(model, {passes!r})
+set_timestep(model, TIMESTEP, {tied!r})
+data = at_start(model, model.key(0).qpos, model.key(0).qvel)
 
 
 def step(count):
@@ -22,24 +25,23 @@ def step(count):
 
 def state():
     \"\"\"Attitude, w x y z, body to world, and angular velocity in body axes.\"\"\"
-    return data.qpos[{attitude}].copy(), data.qvel[{rotation}].copy()
+    return data.qpos[{moving}:{moving} + 4].copy(), data.qvel[{moving}:{moving} + 3].copy()
 """
 
 
-def script(mjcf: str, switched_off: tuple[str, ...], moving: int) -> str:
+def script(mjcf: str, passes: Sequence[str], tied: float, moving: int) -> str:
     """A model and its steps.
 
     Parameters
     ----------
-    switched_off : passes
+    passes : that are switched off
+    tied : timesteps that the time constant of contacts is
     moving : coordinates that move a point of the body; its attitude comes after them
     """
-    # One flag up to 3.3.0.
-    off = switched_off + ("passive",) * ({"spring", "damper"} <= set(switched_off))
-    flags = tuple(name.upper() for name in off)
     return _SCRIPT.format(
+        world=stand_alone(Path(__file__).with_name("world.py")),
         lines=python_lines(mjcf),
-        flags=flags,
-        attitude=f"{moving}:{moving + 4}",
-        rotation=f"{moving}:{moving + 3}",
+        passes=tuple(passes),
+        tied=tied,
+        moving=moving,
     )

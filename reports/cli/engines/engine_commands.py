@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..options import AsJson, Scene
-from ..refusals import written
-from ..terminal import AGREES, DISAGREES, NOT_RUN, as_complaint, say, table, to_json
+from ..terminal import AGREES, DISAGREES, NOT_RUN, as_complaint, say, table, to_json, written
 
 if TYPE_CHECKING:
     from ....engines import Engine
@@ -169,8 +168,7 @@ def reproduce(
     from ....scenarios.regular_files import write_new
     from ..choosing import check_timesteps, choose
     from ..named_scenes import one_scene
-    from .reproduce import reproduction
-    from .script_frames import FRAMES
+    from .reproduce import FRAMES, reproduction
 
     scene = one_scene(scenario)
     choice = choose([engine], [method], [timestep])

@@ -121,8 +121,17 @@ class SceneRuns:
 
     def uncertainty(self, row: Row) -> Errors:
         """Uncertainty of the reference of a run; that of ω is stored with the run."""
-        of_reference = self.exact.solution.uncertainty
-        return replace(of_reference, omega=max(of_reference.omega, row.reference_uncertainty))
+        stored = row.reference_uncertainty
+        if stored not in self._uncertainties:
+            of_reference = self.exact.solution.uncertainty
+            larger = replace(of_reference, omega=max(of_reference.omega, stored))
+            self._uncertainties[stored] = larger
+        return self._uncertainties[stored]
+
+    @cached_property
+    def _uncertainties(self) -> dict[float, Errors]:
+        """They are kept by what is stored with a run: figures ask for them thousands of times."""
+        return {}
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from spincheck.engines import Engine, Method, Session, engines
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.engines.versions import VersionedEngine, VersionError, folders, versioned
-from spincheck.reports.cli.engines.versions import changes_between_versions
+from spincheck.reports.cli.results.compare import changes_between_versions
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess, LocalWorkers
 from spincheck.reports.harness.executors.executor import CallFailed

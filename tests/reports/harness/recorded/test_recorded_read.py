@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from spincheck.reports.harness.recorded.read import read_recording
 from spincheck.reports.harness.recorded.recording import Recording, RecordingError
-from spincheck.reports.harness.recorded.rows import MAX_SAMPLES
+from spincheck.reports.harness.recorded.text_formats import MAX_SAMPLES
 
 ROW = "0,1,0,0,0,0.5,0,2"
 GOOD = f"t,qw,qx,qy,qz,wx,wy,wz\n{ROW}\n0.1,1,0,0,0,0.5,0,2\n"
@@ -139,7 +139,7 @@ def test_an_array_that_claims_to_be_huge_is_not_unpacked(tmp_path):
 
 
 def test_an_endless_file_is_read_no_further_than_samples_go(tmp_path, monkeypatch):
-    monkeypatch.setattr("spincheck.reports.harness.recorded.rows.MAX_SAMPLES", 10)
+    monkeypatch.setattr("spincheck.reports.harness.recorded.text_formats.MAX_SAMPLES", 10)
     rows = "".join(f"{k},1,0,0,0,0.5,0,2\n" for k in range(20)) + "not a row\n"
     with pytest.raises(RecordingError, match="at most 10 samples"):
         read_recording(written(tmp_path, GOOD.splitlines()[0] + "\n" + rows))
