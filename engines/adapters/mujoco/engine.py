@@ -10,7 +10,8 @@ import mujoco
 
 from ....scenarios import Scenario
 from ...checks.read_back import UnsupportedError
-from ...engine import COMMON_EFFECTS, Engine, Method, Release
+from ...engine import Engine
+from ...method import COMMON_EFFECTS, Method, Release
 from ...models.description import PLAIN, Description
 from ...models.mjcf import mjcf, switched_off
 from ...models.mjcf_contact import PASSES, off_its_table, with_contact
@@ -68,8 +69,10 @@ WAYS = {
     "contact-default": Way(None, by_contact=True),
     "urdf-RK4": Way("RK4", description=Description(urdf=True)),
 }
+#: Of a table by contact.
+BY_CONTACT = COMMON_EFFECTS | {"table"}
 #: What joints can be of: a table is two slides under a ball, a rotor's hinge is a hinge.
-EFFECTS = COMMON_EFFECTS | {"table", "rotors"}
+EFFECTS = BY_CONTACT | {"rotors"}
 ON_TABLE = frozenset({"table"})
 CONTACT_SETUP = """\
 {setup}
@@ -87,7 +90,7 @@ def _by_contact(integrator: str, order: int) -> Method:
         order,
         order,
         f"{integrator}, the table as a contact as stiff as the timestep allows",
-        EFFECTS,
+        BY_CONTACT,
         requires=ON_TABLE,
         setup=CONTACT_SETUP.format(setup=setup(integrator)),
     )
@@ -125,7 +128,7 @@ class MuJoCo(Engine):
             1,
             1,
             "as shipped: Euler, the table as a contact with a time constant of 20 ms",
-            EFFECTS,
+            BY_CONTACT,
             requires=ON_TABLE,
             as_shipped=True,
         ),
