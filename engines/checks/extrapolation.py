@@ -143,6 +143,7 @@ def extrapolated(gains: Gains) -> tuple[FloatArray, FloatArray]:
     h = gains.timesteps[:, None, None]
     table, rounded = gains.values, gains.rounding
     limit, best = table[-1].mean(axis=0), np.full(rounded.shape[1:], np.inf)
+    accident = np.zeros_like(best)
     for order in range(1, len(h)):
         coarse, fine = h[:-order], h[order:]
         finer = table[1:]
@@ -152,12 +153,13 @@ def extrapolated(gains: Gains) -> tuple[FloatArray, FloatArray]:
         entries = table.mean(axis=1)
         change = np.abs(entries - finer.mean(axis=1)).max(axis=3)
         unsure = _uncertainty(table, rounded)
-        # A finer entry of the same order that is further away shows that this is by accident.
-        finer_off = np.abs(np.diff(entries, axis=0)).max(axis=3) - unsure[1:]
-        change[:-1] = np.maximum(change[:-1], finer_off)
         known = ABOVE * np.maximum(change, np.median(change, axis=1, keepdims=True)) + unsure
-        for entry, known_to in zip(entries, known, strict=True):
+        # A finer entry of the same order that is further away shows that this is by accident.
+        finer_off = np.zeros_like(known)
+        finer_off[:-1] = np.abs(np.diff(entries, axis=0)).max(axis=3) - unsure[1:]
+        for entry, known_to, off in zip(entries, known, finer_off, strict=True):
             is_better = known_to < best
             best = np.where(is_better, known_to, best)
+            accident = np.where(is_better, ABOVE * off, accident)
             limit = np.where(is_better[..., None], entry, limit)
-    return limit, best
+    return limit, np.maximum(best, accident)
