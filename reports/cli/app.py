@@ -11,7 +11,7 @@ import typer
 from ..results.verdict_words import UNPROVEN
 from .engines.engine_commands import app as engine_commands
 from .engines.version_commands import app as version_commands
-from .grouped import GroupedCommands
+from .grouped import EnsembleCommand, ErrorBoundsCommand, GroupedCommands, error_bounds
 from .judge.judge_command import app as judge_command
 from .options import (
     CORES,
@@ -34,15 +34,21 @@ from .options import (
     Timesteps,
 )
 from .pictures.picture_commands import app as picture_commands
-from .refusals import refusal, unusable
 from .results.result_commands import app as result_commands
-from .run.error_bounds import ErrorBoundsCommand, error_bounds
 from .scenes.scene_commands import app as scene_commands
 from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last_words
-from .sweeps.ensemble_command import EnsembleCommand
 from .sweeps.sweep_commands import app as sweep_commands
 from .sweeps.sweep_commands import run_members
-from .terminal import BAD_INPUT, DISAGREES, Complaint, escape_what_turns_text, say, to_json
+from .terminal import (
+    BAD_INPUT,
+    DISAGREES,
+    Complaint,
+    escape_what_turns_text,
+    refusal,
+    say,
+    to_json,
+    unusable,
+)
 from .users_models import app as model_commands
 
 app = typer.Typer(
@@ -155,12 +161,11 @@ def run(
     Results that the file has already are not made again, unless the scene, the engine or spincheck
     has changed since, the run failed because of the machine, or '--again' is given.
     """
-    from .executing import Where
+    from .choosing import Where
     from .run import running
-    from .run.brief_records import verdict_lines
     from .run.encodings import are_alike, encoding_lines, named_encodings
     from .run.short_summary import short_summary
-    from .run.summary import results_as_json
+    from .run.summary import results_as_json, verdict_lines
 
     named = (engine or [], method or [], timestep or [])
     if instructions:

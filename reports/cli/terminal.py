@@ -1,5 +1,6 @@
-"""What the command line prints: tables, JSON, progress, complaints."""
+"""What the command line prints: tables, JSON, progress, complaints, errors of the system."""
 
+import errno
 import json
 import math
 import sys
@@ -7,9 +8,10 @@ import textwrap
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, TextIO
 
-from .stopping import STDERR, print_nowhere
+from .stopping import STDERR, STDOUT, print_nowhere
 
 #: Exit codes: everything agrees; something does not; bad input or usage; nothing could be run.
 AGREES, DISAGREES, BAD_INPUT, NOT_RUN = 0, 1, 2, 3
@@ -241,3 +243,42 @@ def progress(total: int, lines: int | None = None) -> Iterator[Callable[[str], N
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("starting", total=total)
         yield lambda text: bar.update(task, advance=1, description=text)
+
+
+#: Error numbers of an output that cannot be written.
+_OF_OUTPUT = (errno.ENOSPC, errno.EPIPE, errno.EBADF, errno.EIO, errno.EFBIG, errno.EDQUOT)
+
+
+def refusal(error: Exception) -> Complaint | None:
+    """The message for an error of the operating system; None for any other error."""
+    from ..harness.executors import cause_of
+
+    if isinstance(error, FileNotFoundError) and error.filename is None:
+        return Complaint("the current folder was deleted; change to another", NOT_RUN)
+    if isinstance(error, OSError) and error.filename is not None:
+        return unusable(error.filename, error)
+    if isinstance(error, OSError) and error.errno in _OF_OUTPUT:
+        print_nowhere(STDOUT)
+        return Complaint(f"the output cannot be written: {error.strerror}", NOT_RUN)
+    if isinstance(error, MemoryError):
+        return Complaint("there is not enough memory", NOT_RUN)
+    if cause_of(error) == "environment":
+        return Complaint(f"the system does not let it go on: {error}", NOT_RUN)
+    return None
+
+
+@contextmanager
+def written(place: Path | str) -> Iterator[None]:
+    """Have a file or folder that cannot be written end the command with one message."""
+    try:
+        yield
+    except OSError as error:
+        raise unusable(error.filename or place, error, "written") from None
+
+
+def unusable(place: Path | str, error: OSError, purpose: str = "used") -> Complaint:
+    """The complaint about a file or folder that cannot be written or used."""
+    from ...scenarios import printable
+
+    where = printable(str(place))
+    return Complaint(f"{where}: cannot be {purpose}: {error.strerror}", BAD_INPUT)

@@ -23,9 +23,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ...scenarios import printable
-from .journals import check_journals, has_log, log_of
-from .only_writer import only_writer
-from .result_file_error import ResultFileError as ResultFileError
+from .only_writer import ResultFileError as ResultFileError
+from .only_writer import check_journals, has_log, log_of, only_writer
 
 #: "spin" in ASCII: distinguishes a result file from other SQLite databases.
 APPLICATION_ID = 0x7370696E

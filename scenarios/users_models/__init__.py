@@ -1,12 +1,10 @@
 """Users' own models, URDF and MJCF: what a file states of its links, before any engine."""
 
-from .errors import ModelFileError
 from .mjcf import unnamed
 from .model_file import IDENTITY, Format, Link, ModelFile, Pose, Shape, Stated, fused, welded
-from .origin import check_origin, digest
-from .problems import FileProblem, principal_moments, problems
-from .read import read_model
-from .rigid_bodies import WORLD, RigidBody, rigid_bodies
+from .problems import WORLD, FileProblem, RigidBody, principal_moments, problems, rigid_bodies
+from .read import check_origin, digest, read_model
+from .xml_tree import ModelFileError
 
 __all__ = [
     "IDENTITY",

@@ -8,8 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from ..float_array import FloatArray
 from .model_file import IDENTITY, Folders, Link, Pose, Stated
-from .quantities import numbers, vector
-from .xml_tree import Element, read_xml, shown
+from .xml_tree import Element, numbers, read_xml, shown, vector
 
 #: More bodies than any robot has; `replicate` can ask for any number.
 MAX_BODIES = 10_000

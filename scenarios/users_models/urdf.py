@@ -5,8 +5,7 @@ from scipy.spatial.transform import Rotation
 
 from ..float_array import FloatArray
 from .model_file import IDENTITY, Link, Pose, Shape, Stated
-from .quantities import number, vector
-from .xml_tree import MAX_DEPTH, Element, shown
+from .xml_tree import MAX_DEPTH, Element, number, shown, vector
 
 ZEROS = (0.0, 0.0, 0.0)
 _TENSOR = (("ixx", "ixy", "ixz"), ("ixy", "iyy", "iyz"), ("ixz", "iyz", "izz"))

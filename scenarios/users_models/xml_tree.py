@@ -1,10 +1,14 @@
-"""XML as a tree whose elements know their line and their place in the file; DTDs are refused.
+"""XML as a tree whose elements know their line and place in the file; DTDs are refused.
 
 expat itself, because its positions are needed for messages and for cutting a link out verbatim,
-which ElementTree and the parsers built on it or on lxml do not keep.
+which ElementTree and the parsers built on it or on lxml do not keep. Numbers are read as every
+engine reads them alike: PyBullet reads `0,5` as 0, some take `1_0` for 10, both engines load a
+mass of `nan`.
 """
 
+import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Never
@@ -12,7 +16,14 @@ from xml.parsers import expat
 
 from ..errors import printable
 from ..regular_files import read_regular
-from .errors import ModelFileError
+
+#: A decimal number. No hexadecimal, no `inf`, no `nan`, no digit grouping.
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+
+
+class ModelFileError(ValueError):
+    """A model file cannot be read one way; the message names file, line, element and rule."""
+
 
 #: Bytes; the largest robot files of public packages have one million.
 MAX_BYTES = 1 << 25
@@ -219,3 +230,52 @@ def _unbound_prefixes(root: Element) -> list[str]:
             )
         left += [(child, bound) for child in element.children]
     return list(notes.values())
+
+
+def number(element: Element, key: str) -> float:
+    """One finite number, which must be there."""
+    return vector(element, key, 1)[0]
+
+
+def vector(
+    element: Element, key: str, length: int, default: Sequence[float] | None = None
+) -> tuple[float, ...]:
+    """A vector of so many finite numbers.
+
+    Parameters
+    ----------
+    default : what is meant where the attribute is not there; None where it must be
+
+    Raises
+    ------
+    ModelFileError
+        If the attribute is not there, or is anything but so many decimal numbers.
+    """
+    text = element.attributes.get(key)
+    if text is None:
+        if default is None:
+            element.refuse(f"<{element.tag}> lacks '{key}'")
+        return tuple(default)
+    return numbers(element, key, text, length)
+
+
+def numbers(element: Element, key: str, text: str, length: int) -> tuple[float, ...]:
+    """The numbers of an attribute's text."""
+    parts = text.split()
+    for part in parts:
+        if not _NUMBER.fullmatch(part) or not math.isfinite(float(part)):
+            element.refuse(
+                f"'{key}' of <{element.tag}> must be decimal numbers, got {shown(part)}{_why(part)}"
+            )
+    if len(parts) != length:
+        count = "one number" if length == 1 else f"{length} numbers"
+        element.refuse(f"'{key}' of <{element.tag}> must be {count}, got {shown(text)}")
+    return tuple(map(float, parts))
+
+
+def _why(part: str) -> str:
+    if "$" in part:
+        return ": it is xacro, expand the file first"
+    if "," in part:
+        return ": engines stop reading at the comma"
+    return ": engines do not read it alike"

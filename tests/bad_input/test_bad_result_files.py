@@ -13,9 +13,9 @@ import command_line
 import pytest
 from forging import columns, forge
 from mutated_scenes import LEAST, written
-from spincheck.reports.cli import executing
+from spincheck.reports.cli import choosing
 from spincheck.reports.cli.app import app
-from spincheck.reports.cli.executing import Where
+from spincheck.reports.cli.choosing import Where
 from spincheck.reports.cli.run import running
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, Complaint
 from spincheck.reports.harness.executors import InProcess
@@ -192,7 +192,7 @@ def full_disk(size: int) -> Iterator[None]:
 
 
 def test_a_full_disk_costs_a_message_and_the_run_resumes(elsewhere, monkeypatch):
-    monkeypatch.setattr(executing, "LocalWorkers", lambda *_: InProcess())
+    monkeypatch.setattr(choosing, "LocalWorkers", lambda *_: InProcess())
     (elsewhere / "made.toml").write_text(written(LEAST))
     command = ("run", "made.toml", "--engine", "mujoco", "--method", "RK4", "--quick")
     with full_disk(FULL):

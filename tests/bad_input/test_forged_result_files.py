@@ -15,10 +15,10 @@ import pytest
 import small_result_file
 from forging import change, columns, forge, seal
 from spincheck.reports.cli.terminal import BAD_INPUT
-from spincheck.reports.results.motion_blobs import pack, unpack
 from spincheck.reports.results.result_file import ResultFileError
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.sweep_records import MAX_MEMBERS, SweepPoint
+from spincheck.reports.results.tables import pack, unpack
 from spincheck.scenarios import Trajectory
 from spincheck.scenarios.errors import is_control
 

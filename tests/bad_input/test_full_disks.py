@@ -12,7 +12,7 @@ import small_result_file
 from mutated_scenes import LEAST, written
 from small_disks import SmallDisk, small_disk
 from spincheck.engines.adapters.pybullet import load
-from spincheck.reports.cli import executing
+from spincheck.reports.cli import choosing
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.results.store import open_store
@@ -24,7 +24,7 @@ OUT = ("--out", "disk/results.sqlite")
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(executing, "LocalWorkers", lambda *_: InProcess())
+    monkeypatch.setattr(choosing, "LocalWorkers", lambda *_: InProcess())
     (tmp_path / "made.toml").write_text(written(LEAST))
     return tmp_path
 

@@ -14,8 +14,8 @@ from mutated_scenes import LEAST, Raw, written
 from page import read_page
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.engines.models.urdf import urdf
-from spincheck.reports.cli import executing
-from spincheck.reports.cli.executing import Where
+from spincheck.reports.cli import choosing
+from spincheck.reports.cli.choosing import Where
 from spincheck.reports.cli.run import running
 from spincheck.reports.cli.scenes.scene import export_scene
 from spincheck.reports.harness.executors import InProcess
@@ -84,7 +84,7 @@ def results(tmp_path_factory):
     (folder / "made.toml").write_text(written(LEAST))
     out = folder / "clean.sqlite"
     scene = [str(folder / "made.toml")]
-    with patch.object(executing, "LocalWorkers", lambda *_: InProcess()):
+    with patch.object(choosing, "LocalWorkers", lambda *_: InProcess()):
         return running.run(scene, ["mujoco"], ["RK4"], [], Where(1), out, quick=True)
 
 

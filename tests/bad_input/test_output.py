@@ -15,7 +15,7 @@ import pytest
 from default_signals import WITH_DEFAULT_SIGNALS
 from mutated_scenes import LEAST, written
 from spincheck.engines import engines
-from spincheck.reports.cli import executing, terminal
+from spincheck.reports.cli import choosing, terminal
 from spincheck.reports.cli.stopping import ENDING, HEARING
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, NOT_RUN, to_json
 
@@ -170,7 +170,7 @@ def test_no_temporary_folder_is_reported_before_anything_is_run(tmp_path, monkey
     # Found once a process, and some use a temporary folder as they are imported.
     engines()
     monkeypatch.chdir(tmp_path)
-    for module in (tempfile, executing):
+    for module in (tempfile, choosing):
         monkeypatch.setattr(module, "gettempdir", none)
     options = ["--omega", "1e-3"] if command == "recommend" else ["--quick"]
     done = command_line.spincheck(command, "gazebo-box-tumbling", "--engine", "mujoco", *options)

@@ -15,7 +15,7 @@ import typer
 from case_loops import each_case
 from mutated_scenes import LEAST, written
 from spincheck.reports.cli.app import app
-from spincheck.reports.cli.run.error_bounds import option
+from spincheck.reports.cli.grouped import option
 from spincheck.reports.cli.terminal import BAD_INPUT, NOT_RUN, Complaint
 from spincheck.scenarios import SIGNALS
 from typer.models import OptionInfo

@@ -7,7 +7,7 @@ from pathlib import Path
 from subprocess import CompletedProcess
 from unittest.mock import patch
 
-from spincheck.reports.cli import app, executing
+from spincheck.reports.cli import app, choosing
 from spincheck.reports.cli.run import recommend
 from spincheck.reports.harness.executors import InProcess
 
@@ -17,7 +17,7 @@ def spincheck(*arguments: object, cwd: Path = Path()) -> CompletedProcess[str]:
     words = [str(argument) for argument in arguments]
     out, err = StringIO(), StringIO()
     with (
-        patch.object(executing, "LocalWorkers", lambda *_: InProcess()),
+        patch.object(choosing, "LocalWorkers", lambda *_: InProcess()),
         patch.object(recommend, "LocalWorkers", lambda *_: InProcess()),
         patch.object(app, "raise_when_stopped"),
         patch.object(sys, "argv", ["spincheck", *words]),

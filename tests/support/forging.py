@@ -5,8 +5,7 @@ import sqlite3
 from contextlib import closing
 from pathlib import Path
 
-from spincheck.reports.results.checksum import CHECKSUM, checksum
-from spincheck.reports.results.database import shown
+from spincheck.reports.results.database import CHECKSUM, checksum, shown
 
 #: Before a field of the JSON in a column.
 FIELD = "record."

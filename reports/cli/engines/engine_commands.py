@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..options import AsJson, Scene
-from ..refusals import written
-from ..terminal import AGREES, DISAGREES, NOT_RUN, as_complaint, say, table, to_json
+from ..terminal import AGREES, DISAGREES, NOT_RUN, as_complaint, say, table, to_json, written
 
 if TYPE_CHECKING:
     from ....engines import Engine
@@ -121,6 +120,9 @@ def conform(
     from ....engines import EngineError
     from ....engines.child.conformance import conformance
 
+    if len(command) == 1 and command[0].startswith("child:"):
+        # As '--engine' has it.
+        command = shlex.split(command[0].removeprefix("child:"))
     checks = []
     with as_complaint(EngineError, exit_code=NOT_RUN):
         for check in conformance(command, _scenes(), limit):
@@ -169,8 +171,7 @@ def reproduce(
     from ....scenarios.regular_files import write_new
     from ..choosing import check_timesteps, choose
     from ..named_scenes import one_scene
-    from .reproduce import reproduction
-    from .script_frames import FRAMES
+    from .reproduce import FRAMES, reproduction
 
     scene = one_scene(scenario)
     choice = choose([engine], [method], [timestep])

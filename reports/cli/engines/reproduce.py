@@ -1,5 +1,6 @@
 """What the command `reproduce` writes: one run as a file that needs no spincheck."""
 
+from dataclasses import dataclass
 from importlib.metadata import version
 
 import numpy as np
@@ -9,9 +10,147 @@ from ....engines import Engine, EngineError, Method, engines
 from ....reference import IntegrationError, Solution, solve
 from ....scenarios import Scenario, printable
 from ...harness.ladder import single
-from ..executing import compile_first
+from ..choosing import compile_first
 from ..terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint
-from .script_frames import FRAMES, Frame
+
+_PYTHON_HEAD = '''\
+"""{title}
+
+{engine} {engine_version}, {method}, a timestep of {timestep!r} s, against the exact motion: run it
+with {engine} and numpy installed. Written by spincheck {version}.
+"""
+
+import numpy as np
+
+TIMESTEP = {timestep!r}  # s
+
+
+def product(q, r):
+    """Of quaternions, w x y z."""
+    vector = q[0] * r[1:] + r[0] * q[1:] + np.cross(q[1:], r[1:])
+    return np.array([q[0] * r[0] - q[1:] @ r[1:], *vector])
+
+
+def conjugate(q):
+    return q * np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def turned(q, v):
+    return product(product(q, np.array([0.0, *v])), conjugate(q))[1:]
+
+
+'''
+_PYTHON_TAIL = """
+
+# The exact motion, right to {omega:.1e} of the largest angular velocity and {attitude:.1e} rad
+# ({solved}).
+# Whole steps; attitude, w x y z, body to world; angular velocity, rad/s, body axes.
+EXACT = [
+{rows}
+]
+LARGEST = {largest!r}  # rad/s; errors of omega are relative to it
+
+
+def main():
+    worst_omega = worst_attitude = taken = 0
+    print("      t, s   error of omega   error of attitude, rad")
+    for steps, q_exact, omega_exact in EXACT:
+        if steps:
+            step(steps - taken)
+        taken = steps
+        q, omega = state()
+        off_omega = np.linalg.norm(omega - omega_exact) / LARGEST
+        apart = product(conjugate(q / np.linalg.norm(q)), np.array(q_exact))
+        off_attitude = 2 * np.arctan2(np.linalg.norm(apart[1:]), abs(apart[0]))
+        worst_omega = np.maximum(worst_omega, off_omega)
+        worst_attitude = np.maximum(worst_attitude, off_attitude)
+        print(f"{{steps * TIMESTEP:10.6g}}   {{off_omega:14.3e}}   {{off_attitude:22.3e}}")
+    print(f"largest      {{worst_omega:14.3e}}   {{worst_attitude:22.3e}}")
+
+
+main()
+"""
+_JAVASCRIPT_HEAD = """\
+// {title}
+// {engine} {engine_version}, {method}, a timestep of {timestep!r} s, against the exact motion.
+// Written by spincheck {version}.
+const TIMESTEP = {timestep!r};  // s
+
+"""
+_JAVASCRIPT_TAIL = """
+// Of quaternions, w x y z.
+function product([w, x, y, z], [a, b, c, d]) {{
+  return [w * a - x * b - y * c - z * d, w * b + x * a + y * d - z * c,
+    w * c - x * d + y * a + z * b, w * d + x * c - y * b + z * a];
+}}
+
+function conjugate([w, x, y, z]) {{
+  return [w, -x, -y, -z];
+}}
+
+function turned(q, v) {{
+  return product(product(q, [0, ...v]), conjugate(q)).slice(1);
+}}
+
+// The exact motion, right to {omega:.1e} of the largest angular velocity and {attitude:.1e} rad
+// ({solved}).
+// Whole steps; attitude, w x y z, body to world; angular velocity, rad/s, body axes.
+const EXACT = [
+{rows}
+];
+const LARGEST = {largest!r};  // rad/s; errors of omega are relative to it
+
+function row(t, ...errors) {{
+  const padded = ([x, width]) => {{
+    const twoDigits = (_, sign, digit) => `e${{sign}}0${{digit}}`;
+    return x.toExponential(3).replace(/e([+-])(\\d)$/, twoDigits).padStart(width);
+  }};
+  console.log([t.padStart(10), ...errors.map(padded)].join('   '));
+}}
+
+function main() {{
+  let worstOmega = 0, worstAttitude = 0, taken = 0;
+  console.log('      t, s   error of omega   error of attitude, rad');
+  for (const [steps, qExact, omegaExact] of EXACT) {{
+    if (steps) step(steps - taken);
+    taken = steps;
+    const [q, omega] = state();
+    const offOmega = Math.hypot(...omega.map((x, i) => x - omegaExact[i])) / LARGEST;
+    const [w, ...apart] = product(conjugate(q), qExact);
+    const offAttitude = 2 * Math.atan2(Math.hypot(...apart), Math.abs(w));
+    worstOmega = Math.max(worstOmega, offOmega);
+    worstAttitude = Math.max(worstAttitude, offAttitude);
+    row(String(Number((steps * TIMESTEP).toPrecision(6))), [offOmega, 14], [offAttitude, 22]);
+  }}
+  row('largest   ', [worstOmega, 14], [worstAttitude, 22]);
+}}
+
+main();
+"""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """What stands around an engine's script.
+
+    Attributes
+    ----------
+    suffix : of the file
+    head, tail : templates; a title goes into the head
+    row : template of a line of exact values: steps, q, omega
+    """
+
+    suffix: str
+    head: str
+    tail: str
+    row: str
+
+
+FRAMES = {
+    "Python": Frame(".py", _PYTHON_HEAD, _PYTHON_TAIL, "    ({}, {!r}, {!r}),"),
+    "JavaScript": Frame(".mjs", _JAVASCRIPT_HEAD, _JAVASCRIPT_TAIL, "  [{}, {!r}, {!r}],"),
+}
+
 
 #: Times at which the file compares.
 MOST_SAMPLES = 21

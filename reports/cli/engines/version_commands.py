@@ -60,11 +60,16 @@ def versions(
 
     Exits with 1 if anything got worse from one version to the next.
     """
-    from ..executing import Where
-    from ..results.compare import changes_as_json, exit_code, print_changes
+    from ..choosing import Where
+    from ..results.compare import (
+        SCENES,
+        changes_as_json,
+        changes_between_versions,
+        exit_code,
+        print_changes,
+    )
     from ..run import running
     from ..run.encodings import encoding_changes, encoding_lines, named_encodings
-    from .versions import SCENES, changes_between_versions
 
     numbers = [word for word in arguments if word[:1].isdigit()]
     if len(numbers) < 2:

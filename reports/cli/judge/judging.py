@@ -17,9 +17,8 @@ from ...harness.recorded.read import read_recording
 from ...harness.recorded.recorded_ladder import results_of, study_of_files
 from ...harness.recorded.recording import RecordingError
 from ...results.records import Verdict
-from ..executing import compile_first
-from ..refusals import written
-from ..terminal import AGREES, BAD_INPUT, DISAGREES, Complaint, as_complaint, table
+from ..choosing import compile_first
+from ..terminal import AGREES, BAD_INPUT, DISAGREES, Complaint, as_complaint, table, written
 
 #: Columns that reasons are wrapped at.
 WIDTH = 80

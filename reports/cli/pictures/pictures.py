@@ -14,7 +14,7 @@ from ...pages.figures.signal_figures import with_runs
 from ...pages.render import render
 from ...pages.scene.motion_data import run_name
 from ...results.store import Results, SceneResult
-from ..executing import Where
+from ..choosing import Where
 from ..named_scenes import one_scene
 from ..run import running
 from ..stopping import saying

@@ -1,12 +1,50 @@
-"""The commands that print what a result file holds, record by record."""
+"""The commands that print what a result file holds, record by record, in lines, JSON and CSV."""
 
-from collections.abc import Iterable
+import csv
+import io
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import typer
 
 from ..options import RESULT_FILE, AsCsv, AsJson, Stored
 from ..terminal import BAD_INPUT, Complaint, as_complaint, to_json
+
+#: What a formula begins with, or white space that spreadsheets pass over before one.
+FORMULA = ("=", "+", "-", "@", "\t", "\n")
+
+
+def csv_text(records: Sequence[Mapping[str, object]]) -> str:
+    """One line a record under one line of names; numbers read back to the last bit.
+
+    A missing value is an empty cell. A table inside a record has a column for each of its entries,
+    as in ``drifts.energy``; a list is joined by semicolons. A text that a spreadsheet would take
+    for a formula begins with an apostrophe
+    (https://owasp.org/www-community/attacks/CSV_Injection).
+    """
+    flat = [dict(_flattened(record)) for record in records]
+    names = list(dict.fromkeys(name for record in flat for name in record))
+    text = io.StringIO()
+    writer = csv.DictWriter(text, names, restval="", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(flat)
+    return text.getvalue()
+
+
+def _flattened(record: Mapping[str, object]) -> Iterator[tuple[str, object]]:
+    for name, value in record.items():
+        if isinstance(value, Mapping):
+            yield from ((f"{name}.{entry}", inner) for entry, inner in _flattened(value))
+        elif isinstance(value, list):
+            yield name, _no_formula("; ".join(map(str, value)))
+        else:
+            yield name, _no_formula(value)
+
+
+def _no_formula(value: object) -> object:
+    """The value, a text with an apostrophe before it where it begins like a formula."""
+    return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA) else value
+
 
 app = typer.Typer()
 MEGABYTE = 1e6
@@ -19,8 +57,7 @@ def rows(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson =
     The table is cut to 80 columns; --csv and --json have every number in full.
     """
     from ..run import running
-    from ..run.brief_records import run_lines
-    from ..run.summary import row_record
+    from ..run.summary import row_record, run_lines
 
     stored = running.read(results).rows
     if as_csv or as_json:
@@ -36,8 +73,7 @@ def verdicts(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJs
     The table is cut to 80 columns; --csv and --json have every number in full.
     """
     from ..run import running
-    from ..run.brief_records import verdict_lines
-    from ..run.summary import verdict_records
+    from ..run.summary import verdict_lines, verdict_records
 
     stored = running.read(results)
     if as_csv or as_json:
@@ -53,8 +89,8 @@ def points(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson
     The table is cut to 80 columns; --csv and --json have every number in full.
     """
     from ..run import running
-    from ..run.brief_records import point_lines
-    from ..sweeps.sweep_summary import flat_records
+    from ..run.summary import point_lines
+    from ..sweeps.sweep_running import flat_records
 
     records = [one for sweep in running.read(results).sweeps for one in flat_records(sweep)]
     if as_csv or as_json:
@@ -89,8 +125,6 @@ def _print_lines(lines: Iterable[str]) -> None:
 
 
 def _print_records(records: list[dict[str, Any]], as_csv: bool, as_json: bool) -> None:
-    from .csv_export import csv_text
-
     if as_csv and as_json:
         raise Complaint("takes '--csv' or '--json', not both", BAD_INPUT)
     if as_csv:

@@ -26,13 +26,12 @@ from ...pages.analysis.report_data import SceneRuns, report_data
 from ...pages.analysis.wording import rounded_down
 from ...results.records import Key, Row
 from ...results.store import Results, open_store
-from ..choosing import choose
-from ..executing import Where, check_temporary_folder
+from ..choosing import Where, check_temporary_folder, choose
+from ..grouped import option
 from ..named_scenes import one_scene
 from ..stopping import saying
 from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say
 from . import running
-from .error_bounds import option
 
 #: Checks before it is given up.
 CHECKS = 4

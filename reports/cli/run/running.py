@@ -1,28 +1,73 @@
 """What the command `run` does, and how its results are read back."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from ....engines import Engine
 from ....scenarios import Scenario, printable
 from ...harness.choice import Choice
 from ...harness.encodings import run_encodings
+from ...harness.executors.compiling import share_of_a_core
 from ...harness.instructions import why_not_counted
 from ...harness.ladder import QUICK_STEPS
-from ...harness.plan import plan
+from ...harness.plan import Plan, plan
 from ...harness.power import too_long
 from ...harness.published import published_that_do_not_hold
 from ...harness.study import run_study
+from ...pages.analysis.wording import plural
 from ...results.records import UNSOLVED, Key, Row
 from ...results.result_file import ResultFileError
 from ...results.store import Results, open_store
 from ...results.verdict_words import UNPROVEN
-from ..choosing import check_timesteps, choose
-from ..executing import Where, executor_for, say_if_compiling
+from ..choosing import (
+    Where,
+    check_timesteps,
+    choose,
+    executor_for,
+    say_if_compiling,
+)
 from ..named_scenes import scenes_to_run
 from ..stopping import saying
-from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, as_complaint, progress, say
-from .announcement import announcement
+from ..terminal import (
+    AGREES,
+    BAD_INPUT,
+    DISAGREES,
+    NOT_RUN,
+    Complaint,
+    as_complaint,
+    in_words,
+    progress,
+    say,
+)
+
+#: Typical number of steps of all runs of one verdict: on short ladders, and on whole ones.
+STEPS_QUICK, STEPS = 35_000, 50_000
+#: s, that a verdict takes besides its steps; s, that the timing of a method on a scene takes.
+OVERHEAD, TIMING = 0.3, 0.06
+
+
+def announcement(left: Plan, choice: Choice, jobs: int) -> str:
+    """Engines, number of verdicts to be made, estimated time; empty for one verdict at most."""
+    pairs = [pair for scene in left.scenes for pair in scene.to_run]
+    if len(pairs) < 2:
+        return ""
+    names = dict.fromkeys(engine.name for engine, _ in pairs)
+    timings = sum(len(scene.to_run) for scene in left.scenes if scene.to_time)
+    seconds = _seconds((engine for engine, _ in pairs), choice) / jobs + TIMING * timings
+    seconds /= share_of_a_core(jobs)
+    return (
+        f"{plural(len(pairs), 'verdict')} of {plural(len(names), 'engine')} ({', '.join(names)}) "
+        f"on {plural(len(left.scenes), 'scene')}: roughly {in_words(seconds)} "
+        f"with {plural(jobs, 'worker')}{'; --engine names fewer' if len(names) > 2 else ''}"
+    )
+
+
+def _seconds(engines: Iterable[Engine], choice: Choice) -> float:
+    steps = STEPS_QUICK if choice.max_steps <= QUICK_STEPS else STEPS
+    if choice.timesteps:
+        steps = 0
+    return sum(steps * engine.step_seconds + OVERHEAD for engine in engines)
 
 
 def run(

@@ -1,12 +1,112 @@
-"""Results as JSON, with the names that scripts rely on."""
+"""Runs, verdicts and points: lines of at most 80 columns, and JSON with all columns."""
 
+import json
+import math
+import textwrap
+from collections.abc import Iterator, Sequence
+from itertools import groupby
 from typing import Any
 
+from ....scenarios import SIGNALS
 from ....scenarios.fastest_rate import fastest_rate
 from ...pages.analysis.timesteps import Survival, survival
 from ...results.as_json import as_json
 from ...results.records import Key, Row, Verdict
 from ...results.store import Results
+from ...results.verdict_words import VERDICT
+
+WIDTH = 80
+#: Columns of names in a line of a verdict.
+SCENE, METHOD = 25, 25
+#: Lines that a reason takes at most.
+REASON_LINES = 3
+#: Columns of the coordinates of a point.
+PLACE = 23
+_HEADINGS = "".join(f"{signal.label:>9}" for signal in SIGNALS)
+
+
+def run_lines(rows: Sequence[Row]) -> Iterator[str]:
+    """The runs of each method below its name, coarse to fine; a star marks a stock timestep."""
+    for key, runs in groupby(rows, key=lambda row: row.key):
+        yield cut(f"{key.scenario}: {key.label}", WIDTH)
+        yield f"  {'timestep, s':>11} {_HEADINGS}{'CPU s/s':>9}"
+        for row in runs:
+            yield cut(_run(row), WIDTH)
+
+
+def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
+    """One line a verdict, and below each that needs one its reason."""
+    yield f"{'scene':{SCENE}} {'method':{METHOD}} {'verdict':11} {'order':>5} {'limit':>8}"
+    for verdict in verdicts:
+        key = verdict.key
+        order = "" if verdict.order is None else f"{verdict.order:.2f}"
+        limit = "" if verdict.limit_error is None else f"{verdict.limit_error:.1e}"
+        yield (
+            f"{cut(key.scenario, SCENE):{SCENE}} {cut(key.label, METHOD):{METHOD}} "
+            f"{verdict.verdict:11} {order:>5} {limit:>8}"
+        ).rstrip()
+        reasons = [
+            *verdict.unmet,
+            *([verdict.reason] if VERDICT[verdict.verdict].needs_reason else []),
+        ]
+        yield from textwrap.wrap(
+            "; ".join(reasons),
+            WIDTH,
+            initial_indent="    ",
+            subsequent_indent="    ",
+            max_lines=REASON_LINES,
+            placeholder=" …",
+            break_on_hyphens=False,
+        )
+
+
+def point_lines(records: Sequence[dict[str, Any]]) -> Iterator[str]:
+    """The points of each sweep below its scene and method, as `flat_records` gives them."""
+
+    def sweep_of(record: dict[str, Any]) -> str:
+        method = f"{record['engine']} {record['method']}"
+        return f"{record['scenario']}: {method}; {record['sweep']} of {', '.join(_at(record))}"
+
+    for title, points in groupby(records, key=sweep_of):
+        yield cut(title, WIDTH)
+        yield f"  {'at':{PLACE}} {_HEADINGS}"
+        for point in points:
+            place = "  ".join(f"{value:<11.6g}" for value in _at(point).values())
+            begun = f"  {cut(place.rstrip(), PLACE):{PLACE}} "
+            if point[SIGNALS[0].key] is None:
+                stopped = point["stopped_at"]
+                when = f" at {stopped:.3g} s" if stopped is not None else ""
+                why = f": {point['reason']}" if point["reason"] else ""
+                yield cut(f"{begun}{point['outcome']}{when}{why}", WIDTH)
+            else:
+                yield begun + "".join(f"{point[signal.key]:9.1e}" for signal in SIGNALS)
+
+
+def _at(point: dict[str, Any]) -> dict[str, float]:
+    coordinates: dict[str, float] = json.loads(point["at"])
+    return coordinates
+
+
+def cut(text: str, width: int) -> str:
+    """A text of at most so many characters."""
+    return text if len(text) <= width else f"{text[: width - 1]}…"
+
+
+def _run(row: Row) -> str:
+    mark = "*" if row.stock else " "
+    begun = f"{mark} {row.timestep:11.5g} "
+    if row.errors is None:
+        when = f" at {row.stopped_at:.3g} s" if row.stopped_at is not None else ""
+        return f"{begun}{row.outcome if row.made else 'not run'}{when}: {row.reason}"
+    numbers = (*(error for _, error in row.errors), _cost(row))
+    return begun + "".join(f"{number:9.1e}" if number is not None else "" for number in numbers)
+
+
+def _cost(row: Row) -> float | None:
+    """CPU seconds a simulated second."""
+    if row.seconds_per_step is None or not row.timestep or math.isinf(row.seconds_per_step):
+        return None
+    return row.seconds_per_step / row.timestep
 
 
 def results_as_json(results: Results) -> dict[str, Any]:

@@ -7,8 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from ..options import AsJson, Scene, Scenes
-from ..refusals import written
-from ..terminal import DISAGREES, Complaint, table, to_json
+from ..terminal import DISAGREES, Complaint, table, to_json, written
 
 app = typer.Typer()
 
@@ -48,7 +47,7 @@ def list_scenes(scenes: Scenes = None, as_json: AsJson = False) -> None:
 @app.command(epilog="Example: spincheck new my-top")
 def new(name: Annotated[str, typer.Argument(metavar="NAME", help="The scene's name.")]) -> None:
     """Write NAME.toml, a scene to edit, with every key explained."""
-    from .new_scene import new_scene
+    from .scene import new_scene
 
     path = new_scene(name)
     print(f"{path} is written. Edit it, then: spincheck run {path}")
@@ -95,8 +94,8 @@ def export(
     ] = False,
 ) -> None:
     """Write a scene as scene.xml (MJCF) and scene.urdf, or its exact motion."""
+    from .exact_motion import write_truth
     from .scene import export_scene
-    from .truth_files import write_truth
 
     write = write_truth if truth else export_scene
     scene = _scenario(scenario)

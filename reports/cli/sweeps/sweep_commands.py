@@ -23,7 +23,7 @@ from ..terminal import say, to_json
 
 if TYPE_CHECKING:
     from ...results.sweep_records import SweepResult
-    from ..executing import Where
+    from ..choosing import Where
 
 app = typer.Typer()
 
@@ -55,7 +55,7 @@ def map_scene(
 
     Points that the file has already are not run again, unless '--again' is given.
     """
-    from ..executing import Where
+    from ..choosing import Where
     from .sweep_running import choose_for_sweep, run_map
 
     choice = choose_for_sweep(engine or [], method or [], timestep or [], time_limit, again=again)
@@ -119,8 +119,7 @@ def run_members(
 
 def _printed(swept: "list[SweepResult]", where: str, out: Path, as_json: bool) -> int:
     """Print sweeps, a single one or a list of them; returns the exit code."""
-    from .sweep_running import exit_code
-    from .sweep_summary import print_sweep, sweep_as_json
+    from .sweep_running import exit_code, print_sweep, sweep_as_json
 
     if as_json:
         records = [sweep_as_json(one) for one in swept]

@@ -1,15 +1,127 @@
-"""The command 'import': scenes of a model's links, welded ones as one, and what was left out."""
+"""The command 'import': scenes of a model's links, and what was left out.
 
+Each tumbles on its own, with the numbers that its file states; links that are welded together are
+one body and make one scene.
+"""
+
+import math
+import os
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from ....scenarios import printable
-from ....scenarios.regular_files import write_new
-from ....scenarios.users_models import ModelFileError, read_model
+import numpy as np
+
+from ....scenarios import ScenarioError, loads, printable
+from ....scenarios.regular_files import file_name, write_new
+from ....scenarios.users_models import (
+    ModelFile,
+    ModelFileError,
+    RigidBody,
+    Stated,
+    digest,
+    problems,
+    read_model,
+    rigid_bodies,
+)
+from ....scenarios.write import to_toml
 from ...harness.users_models import listed
-from ..refusals import written
-from ..terminal import BAD_INPUT, Complaint, as_complaint
-from .link_scenes import LinkScene, link_scenes
+from ..terminal import BAD_INPUT, Complaint, as_complaint, written
+
+#: rad/s along the principal axes, ascending moments: a turn a second about the middle axis, which
+#: no body keeps, and a little about the others.
+START = 2 * math.pi * np.array([0.05, 1.0, 0.05])
+#: s, and looks at it.
+DURATION, SAMPLES = 3.0, 301
+
+
+@dataclass(frozen=True)
+class LinkScene:
+    """A link's scene, or why it has none.
+
+    Attributes
+    ----------
+    link : that others may be welded to
+    welded : the links with an inertia that are welded to it: parts of the same body
+    name : of the scene: the link's, in characters that files may have
+    text : of the file; empty if the link is left out
+    left_out : why; empty if it is not
+    """
+
+    link: str
+    welded: tuple[str, ...]
+    name: str
+    text: str
+    left_out: str
+
+
+def link_scenes(model: ModelFile, folder: Path) -> Iterator[LinkScene]:
+    """A scene of every link, with those welded to it, whose inertia a body can have.
+
+    Parameters
+    ----------
+    folder : that the scenes will be in: they name the model relative to it
+    """
+    taken: list[str] = []
+    sha256 = digest(model.path)
+    file = _relative(model.folders.own / model.path.name, folder)
+    for body in rigid_bodies(model.links):
+        name, stated = file_name(body.host.name, taken), body.stated
+        taken.append(name)
+        left_out, text = _why_left_out(body, stated), ""
+        if stated is not None and not left_out:
+            text = to_toml(_tables(model, body, stated, file, sha256))
+            try:
+                loads(text, name)
+            except ScenarioError as error:
+                left_out, text = str(error), ""
+        yield LinkScene(body.host.name, body.welded, name, text, left_out)
+
+
+def _why_left_out(body: RigidBody, stated: Stated | None) -> str:
+    if stated is None:
+        return "the file states no inertia of it"
+    impossible = [
+        f"{problem.text}{'' if link is body.host else f' (of {link.name}, welded to it)'}"
+        for link, _ in body.parts
+        for problem in problems(link)
+        if problem.impossible
+    ]
+    if impossible:
+        return "; ".join(impossible)
+    return body.unread or ("" if stated.is_physical else "it has no mass")
+
+
+def _tables(
+    model: ModelFile, body: RigidBody, stated: Stated, file: str, sha256: str
+) -> dict[str, Any]:
+    link, welded = body.host, body.welded
+    axes = np.linalg.eigh(stated.inertia)[1]
+    kind = "link" if model.format == "urdf" else "body"
+    others = f" with {', '.join(welded)}, welded to it" if welded else ""
+    return {
+        "spincheck": 1,
+        "title": f"{link.name} of {model.path.name}: tumbles",
+        "source": f"{model.path.name}, {kind} '{link.name}'{others}",
+        "tags": ["free", "imported"],
+        "body": {
+            "mass": stated.mass,
+            "inertia": stated.inertia.tolist(),
+            "com": stated.com.tolist(),
+            "model": file,
+            "link": link.name,
+            **({"welded": list(welded)} if welded else {}),
+            "sha256": sha256,
+        },
+        "start": {"rotation_vector_deg": [0.0, 0.0, 0.0], "omega_body": (axes @ START).tolist()},
+        "window": {"duration": DURATION, "samples": SAMPLES},
+    }
+
+
+def _relative(path: Path, folder: Path) -> str:
+    """The path with `..` where needed; `Path.relative_to` does that from Python 3.12 on only."""
+    return Path(os.path.relpath(path, folder)).as_posix()
 
 
 def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:

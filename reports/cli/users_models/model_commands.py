@@ -35,8 +35,7 @@ def inspect(
     Exits with 1 if an engine holds something else or the file states what no body can have, with 2
     if a file cannot be read; the others are inspected all the same.
     """
-    from .inspect import inspections, models, print_inspection, write_pages
-    from .inspection_record import record
+    from .inspect import inspections, models, print_inspection, record, write_pages
 
     model_files, unreadable = models(files, _packages(package_path or []))
     inspected = []

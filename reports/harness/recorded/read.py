@@ -5,13 +5,122 @@ largest number of samples, and nothing in them is executed.
 """
 
 import stat
+import zipfile
 from pathlib import Path
+from typing import Any
 
-from ....scenarios import printable
-from .binary_formats import read_npz, read_parquet
-from .columns import ColumnError
-from .recording import Recording, RecordingError, check_motion
-from .text_formats import read_csv, read_json_lines
+import numpy as np
+from numpy.lib import format as npy
+
+from ....scenarios import FloatArray, printable
+from .recording import QUANTITIES, ColumnError, Recording, RecordingError, check_motion, columns_of
+from .text_formats import (
+    LONGEST_LINE,
+    SETTINGS,
+    Table,
+    check_count,
+    read_csv,
+    read_json_lines,
+    setting,
+)
+
+
+def read_npz(path: Path) -> Recording:
+    """Read an archive of arrays, by their names.
+
+    Raises
+    ------
+    RecordingError
+        If the file holds no such motion.
+    """
+    arrays: dict[str, FloatArray] = {}
+    settings: dict[str, str] = {}
+    ignored = []
+    quantities = {q.name: q for q in QUANTITIES} | {q.written: q for q in QUANTITIES}
+    try:
+        with zipfile.ZipFile(path) as archive:
+            for entry in archive.namelist():
+                name = entry.removesuffix(".npy")
+                # ω itself, or the axes that it is in.
+                if name in SETTINGS and _header(archive, entry)[0] == ():
+                    value = str(_array(archive, entry, ())[()])
+                    settings |= setting(name, value, None)
+                elif name in quantities:
+                    quantity = quantities[name]
+                    width = len(quantity.columns)
+                    shape = (None,) if quantity.name == "t" else (None, width)
+                    arrays[quantity.name] = _array(archive, entry, shape).astype(float)
+                else:
+                    ignored.append(name)
+    except (zipfile.BadZipFile, ValueError, EOFError, NotImplementedError) as error:
+        if isinstance(error, RecordingError):
+            raise
+        raise RecordingError(
+            f"is no npz archive that can be read: {printable(str(error))}"
+        ) from None
+    return Recording(path, arrays, settings, tuple(ignored))
+
+
+def _header(archive: zipfile.ZipFile, entry: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    """Shape and type of an array, which is not unpacked."""
+    with archive.open(entry) as file:
+        version = npy.read_magic(file)
+        read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
+        shape, _, dtype = read(file)
+    return shape, dtype
+
+
+def _array(archive: zipfile.ZipFile, entry: str, wanted: tuple[int | None, ...]) -> Any:
+    """An array whose shape is checked before it is unpacked."""
+    shape, dtype = _header(archive, entry)
+    is_text = dtype.kind == "U" and dtype.itemsize <= 4 * LONGEST_LINE
+    if dtype.kind not in "fiu" and not (wanted == () and is_text):
+        raise RecordingError(f"'{printable(entry)}' must hold numbers, got {dtype}")
+    fits = len(shape) == len(wanted) and all(
+        w in (None, size) for w, size in zip(wanted, shape, strict=True)
+    )
+    if not fits:
+        form = ", ".join("n" if size is None else str(size) for size in wanted)
+        raise RecordingError(f"'{printable(entry)}' must have the shape ({form}), got {shape}")
+    if shape:
+        check_count(shape[0])
+    with archive.open(entry) as file:
+        return npy.read_array(file, allow_pickle=False)
+
+
+def read_parquet(path: Path) -> Recording:
+    """Read a table with named columns; settings are in its metadata.
+
+    Raises
+    ------
+    RecordingError
+        If the file holds no such motion, or pyarrow is not installed.
+    """
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        raise RecordingError("needs 'pip install pyarrow' to be read; CSV does without") from None
+    try:
+        with parquet.ParquetFile(path) as file:
+            check_count(file.metadata.num_rows)
+            heads = [str(name) for name in file.schema_arrow.names]
+            columns = columns_of(heads)
+            settings: dict[str, str] = {}
+            for name, value in (file.schema_arrow.metadata or {}).items():
+                if name.decode(errors="replace") in SETTINGS:
+                    settings |= setting(name.decode(), value.decode(errors="replace"), None)
+            table = Table(columns)
+            for batch in file.iter_batches():
+                for k, row in enumerate(batch.to_pylist()):
+                    table.add(list(row.values()), f"row {k + 1}")
+    except pyarrow.ArrowException as error:
+        raise RecordingError(
+            f"is no Parquet file that can be read: {printable(str(error))}"
+        ) from None
+    ignored = tuple(h for h, column in zip(heads, columns, strict=True) if column is None)
+    return Recording(path, table.arrays(), settings, ignored)
+
 
 #: By the ending of a file's name, what reads it.
 READERS = {

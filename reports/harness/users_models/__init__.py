@@ -1,6 +1,9 @@
 """Compares users' models as engines hold them with what their files state."""
 
 from .findings import (
+    InspectedLink,
+    Inspection,
+    LinkReading,
     added_masses,
     cell_text,
     composed_bodies,
@@ -11,9 +14,7 @@ from .findings import (
     weight_in_words,
     worst_links,
 )
-from .inspect import READ_LIMIT, CannotInspectError, inspect_model, reader_engines
-from .motion_apart import attitude_apart
-from .records import InspectedLink, Inspection, LinkReading
+from .inspect import READ_LIMIT, CannotInspectError, attitude_apart, inspect_model, reader_engines
 from .remedy import line_without_rotation, remedies
 
 __all__ = [

@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 from ....engines.models.text import decimals
 from ....engines.users_models import Kind, ModelReader, model_readers
 from ....scenarios.users_models import Stated
-from .findings import listed
-from .records import InspectedLink, Inspection, LinkReading
+from .findings import InspectedLink, Inspection, LinkReading, listed
 
 #: The `<inertial>` of a frame without a mass.
 NO_INERTIA = (

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 from spincheck.engines import BodyReading
 from spincheck.engines.users_models import AGREES, cause, difference
 from spincheck.engines.users_models.difference import angle_between_axes
-from spincheck.reports.harness.users_models.motion_apart import START, attitude_apart_deg
+from spincheck.reports.harness.users_models.inspect import START, attitude_apart_deg
 from spincheck.scenarios.users_models import FileProblem, Stated
 
 EPS = float(np.finfo(float).eps)

@@ -12,7 +12,7 @@ from spincheck.engines.users_models import AGREES
 from spincheck.engines.users_models import named_link as of_scene
 from spincheck.engines.users_models.users_urdf import body_alone
 from spincheck.reference import solve
-from spincheck.reports.cli.users_models.link_scenes import link_scenes
+from spincheck.reports.cli.users_models.import_links import link_scenes
 from spincheck.scenarios import Scenario, load
 from spincheck.scenarios.users_models import IDENTITY, RigidBody, read_model
 from users_models import TENSOR, arm, body, diagonal, inertial, joint, link, robot, written

@@ -13,7 +13,7 @@ from spincheck.engines import Engine, Method, Session, engines
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.engines.versions import VersionedEngine, VersionError, folders, versioned
-from spincheck.reports.cli.engines.versions import changes_between_versions
+from spincheck.reports.cli.results.compare import changes_between_versions
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess, LocalWorkers
 from spincheck.reports.harness.executors.executor import CallFailed
@@ -158,8 +158,8 @@ def test_its_defaults_and_speed_are_its_adapters() -> None:
     assert engine.step_seconds == newest.step_seconds
     assert engine.defaults(scene, method) == newest.defaults(scene, method) != ()
     with (
-        engine.open_with_defaults(scene, method, TIMESTEP, ["damping"]) as at_version,
-        newest.open_with_defaults(scene, method, TIMESTEP, ["damping"]) as own,
+        engine.open_with(scene, method, TIMESTEP, defaults=["damping"]) as at_version,
+        newest.open_with(scene, method, TIMESTEP, defaults=["damping"]) as own,
     ):
         for session in (at_version, own):
             session.advance(10)

@@ -4,7 +4,7 @@ import pytest
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.choosing import choose
 from spincheck.reports.cli.grouped import GROUPS
-from spincheck.reports.cli.scenes.new_scene import new_scene
+from spincheck.reports.cli.scenes.scene import new_scene
 from spincheck.reports.cli.terminal import Complaint
 from spincheck.scenarios import load
 from typer.main import get_group

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 from made_up import TIMESTEPS, MadeUp, results
-from spincheck.reports.cli.results.csv_export import csv_text
+from spincheck.reports.cli.results.result_commands import csv_text
 from spincheck.reports.cli.run.summary import row_record
 from spincheck.reports.cli.terminal import to_json
 from spincheck.reports.pages.analysis.cost_to_reach import reach

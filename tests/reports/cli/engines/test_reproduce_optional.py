@@ -18,8 +18,7 @@ from spincheck.engines.child.process import end_idle
 from spincheck.engines.session import Session
 from spincheck.engines.user_cache import user_cache
 from spincheck.reports.cli.engines import reproduce
-from spincheck.reports.cli.engines.reproduce import reproduction
-from spincheck.reports.cli.engines.script_frames import FRAMES
+from spincheck.reports.cli.engines.reproduce import FRAMES, reproduction
 from spincheck.scenarios import Scenario
 from spincheck.suite.contract_scenes import (
     DRAG,

@@ -9,7 +9,7 @@ from dataclasses import replace
 import made_up
 import pytest
 from command_line import spincheck
-from spincheck.reports.cli.results.csv_export import csv_text
+from spincheck.reports.cli.results.result_commands import csv_text
 from spincheck.reports.cli.run.summary import results_as_json, row_record, verdict_record
 from spincheck.reports.results.cost_records import MethodCost, StepCost
 from spincheck.reports.results.store import open_store

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from scenes import SCENES
 from spincheck.engines import engines
-from spincheck.reports.cli.run.announcement import announcement
+from spincheck.reports.cli.run.running import announcement
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.plan import Plan, SceneLeft

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from made_up import MadeUp, at_stock, results
-from spincheck.reports.cli.run.brief_records import WIDTH, run_lines, verdict_lines
+from spincheck.reports.cli.run.summary import WIDTH, run_lines, verdict_lines
 from spincheck.reports.results.records import Key, Row
 from spincheck.scenarios import SIGNALS, Errors
 

@@ -11,9 +11,9 @@ import pytest
 from command_line import spincheck
 from default_signals import WITH_DEFAULT_SIGNALS
 from spincheck.reports.cli import app as commands
-from spincheck.reports.cli import executing
+from spincheck.reports.cli import choosing
 from spincheck.reports.cli.app import app
-from spincheck.reports.cli.executing import Where
+from spincheck.reports.cli.choosing import Where
 from spincheck.reports.cli.sweeps.sweep_running import choose_for_sweep as choose
 from spincheck.reports.cli.sweeps.sweep_running import exit_code, run_ensembles, run_map
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint
@@ -35,7 +35,7 @@ STEPS = "timestep=1e-3:1e-2:2:log"
 @pytest.fixture
 def in_process(monkeypatch):
     """What is run is run here."""
-    monkeypatch.setattr(executing, "LocalWorkers", lambda *_: InProcess())
+    monkeypatch.setattr(choosing, "LocalWorkers", lambda *_: InProcess())
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from spincheck.reports.harness.recorded.read import read_recording
 from spincheck.reports.harness.recorded.recording import Recording, RecordingError
-from spincheck.reports.harness.recorded.rows import MAX_SAMPLES
+from spincheck.reports.harness.recorded.text_formats import MAX_SAMPLES
 
 ROW = "0,1,0,0,0,0.5,0,2"
 GOOD = f"t,qw,qx,qy,qz,wx,wy,wz\n{ROW}\n0.1,1,0,0,0,0.5,0,2\n"
@@ -93,7 +93,10 @@ WRONG = {
         GOOD + ROW + "\n",
         "times must increase, got 0.10000000000000001 s and then 0 s",
     ),
-    "times twice": (GOOD + "0.1,1,0,0,0,0.5,0,2\n", "times must increase"),
+    "times twice": (
+        GOOD + "0.1,1,0,0,0,0.5,0,2\n",
+        "0.10000000000000001 s in samples 1 and 2, counted from 0; sort the samples",
+    ),
     "before the start": (GOOD.replace("\n0,", "\n-1,"), "must be counted from the scene's start"),
     "one sample": (f"t,qw,qx,qy,qz,wx,wy,wz\n{ROW}\n", "at least two samples, got 1"),
     "no length": (GOOD.replace("0.1,1,", "0.1,0,"), "unit norm, that of sample 1 is 0 long"),
@@ -139,7 +142,7 @@ def test_an_array_that_claims_to_be_huge_is_not_unpacked(tmp_path):
 
 
 def test_an_endless_file_is_read_no_further_than_samples_go(tmp_path, monkeypatch):
-    monkeypatch.setattr("spincheck.reports.harness.recorded.rows.MAX_SAMPLES", 10)
+    monkeypatch.setattr("spincheck.reports.harness.recorded.text_formats.MAX_SAMPLES", 10)
     rows = "".join(f"{k},1,0,0,0,0.5,0,2\n" for k in range(20)) + "not a row\n"
     with pytest.raises(RecordingError, match="at most 10 samples"):
         read_recording(written(tmp_path, GOOD.splitlines()[0] + "\n" + rows))
