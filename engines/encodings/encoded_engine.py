@@ -7,8 +7,9 @@ import numpy as np
 
 from ...scenarios import FloatArray, Scenario
 from ..checks.read_back import BodyReading, Difference, State
-from ..engine import Engine, Method
+from ..engine import Engine
 from ..fault import Fault
+from ..method import Method
 from ..models.description import PLAIN
 from ..session import Session
 from .changed_scene import SceneChange
@@ -49,7 +50,7 @@ class EncodedEngine(Engine):
         if description == PLAIN:
             session = self.base.open(changed, method, timestep)
         else:
-            session = self.base.open_as(changed, method, timestep, description)
+            session = self.base.open_with(changed, method, timestep, description=description)
         return EncodedSession(session, scenario, change, timestep)
 
     def steps_angles(self, scenario: Scenario, method: Method) -> bool:

@@ -10,7 +10,8 @@ import mujoco
 
 from ....scenarios import Scenario
 from ...checks.read_back import UnsupportedError
-from ...engine import COMMON_EFFECTS, Engine, Method, Release
+from ...engine import Engine
+from ...method import COMMON_EFFECTS, Method, Release
 from ...models.description import PLAIN, Description
 from ...models.mjcf import mjcf, switched_off
 from ...models.mjcf_contact import PASSES, off_its_table, with_contact
@@ -68,8 +69,10 @@ WAYS = {
     "contact-default": Way(None, by_contact=True),
     "urdf-RK4": Way("RK4", description=Description(urdf=True)),
 }
+#: Of a table by contact.
+BY_CONTACT = COMMON_EFFECTS | {"table"}
 #: What joints can be of: a table is two slides under a ball, a rotor's hinge is a hinge.
-EFFECTS = COMMON_EFFECTS | {"table", "rotors"}
+EFFECTS = BY_CONTACT | {"rotors"}
 ON_TABLE = frozenset({"table"})
 CONTACT_SETUP = """\
 {setup}
@@ -87,7 +90,7 @@ def _by_contact(integrator: str, order: int) -> Method:
         order,
         order,
         f"{integrator}, the table as a contact as stiff as the timestep allows",
-        EFFECTS,
+        BY_CONTACT,
         requires=ON_TABLE,
         setup=CONTACT_SETUP.format(setup=setup(integrator)),
     )
@@ -125,7 +128,7 @@ class MuJoCo(Engine):
             1,
             1,
             "as shipped: Euler, the table as a contact with a time constant of 20 ms",
-            EFFECTS,
+            BY_CONTACT,
             requires=ON_TABLE,
             as_shipped=True,
         ),
@@ -147,15 +150,35 @@ class MuJoCo(Engine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
         """Compile the scene's MJCF and set its keyframe."""
-        return _open(scenario, timestep, method, left_out(scenario) if method.as_shipped else ())
+        left_in = left_out(scenario) if method.as_shipped else ()
+        return self.open_with(scenario, method, timestep, left_in=left_in)
 
-    def open_as(
-        self, scenario: Scenario, method: Method, timestep: float, description: Description
+    def open_with(
+        self,
+        scenario: Scenario,
+        method: Method,
+        timestep: float,
+        *,
+        left_in: Collection[str] = (),
+        defaults: Collection[str] | None = None,  # noqa: ARG002
+        description: Description = PLAIN,
     ) -> MuJoCoSession:
-        """Compile the scene's MJCF with the body described otherwise."""
-        # Gravity is compensated among the passive forces.
-        left_in = ("gravity", "spring", "damper") if description.compensated else ()
-        return _open(scenario, timestep, method, left_in, description)
+        """As `open`; flags are set after compiling, as older versions refuse some in MJCF."""
+        check_not_too_small(scenario)
+        way = _way(method)
+        if way.integrator is not None:
+            _check_has(way.integrator)
+        if description != PLAIN:
+            way = replace(way, description=description)
+        if description.compensated:
+            # Among the passive forces.
+            left_in = ("gravity", "spring", "damper")
+        model = copy(_model(scenario, way))
+        disable(model, (name for name in _switched_off(scenario, method) if name not in left_in))
+        start = model.key(0)
+        session = MuJoCoSession(scenario, model, start.qpos, start.qvel, CLOCK in left_in, way.tied)
+        session.set_timestep(timestep)
+        return session
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """The MJCF, and the few calls that step it."""
@@ -173,12 +196,6 @@ class MuJoCo(Engine):
             return left_out(scenario)
         kept = (*PASSES, *OF_CONTACTS)
         return tuple(name for name in left_out(off_its_table(scenario)) if name not in kept)
-
-    def open_with(
-        self, scenario: Scenario, method: Method, timestep: float, left_in: Collection[str]
-    ) -> MuJoCoSession:
-        """As `open`, with some passes on."""
-        return _open(scenario, timestep, method, left_in)
 
     def at_version(self, version: str) -> Release:
         """Another version; its differences are from MuJoCo's changelog."""
@@ -207,28 +224,6 @@ def _switched_off(scenario: Scenario, method: Method) -> tuple[str, ...]:
     if not _way(method).by_contact:
         return switched_off(scenario)
     return tuple(name for name in switched_off(off_its_table(scenario)) if name not in PASSES)
-
-
-def _open(
-    scenario: Scenario,
-    timestep: float,
-    method: Method,
-    left_in: Collection[str],
-    description: Description | None = None,
-) -> MuJoCoSession:
-    """Open a session; flags are set after compiling, as older versions refuse some in MJCF."""
-    check_not_too_small(scenario)
-    way = _way(method)
-    if way.integrator is not None:
-        _check_has(way.integrator)
-    if description is not None:
-        way = replace(way, description=description)
-    model = copy(_model(scenario, way))
-    disable(model, (name for name in _switched_off(scenario, method) if name not in left_in))
-    start = model.key(0)
-    session = MuJoCoSession(scenario, model, start.qpos, start.qvel, CLOCK in left_in, way.tied)
-    session.set_timestep(timestep)
-    return session
 
 
 @lru_cache(maxsize=KEPT)
