@@ -44,6 +44,7 @@ def constants() -> dict[str, str]:
         "least_steps": str(ladder.LEAST_STEPS),
         "max_steps": count(ladder.MAX_STEPS),
         "decided_steps": count(ladder.DECIDED_STEPS),
+        "quick_steps": count(ladder.QUICK_STEPS),
         "min_rungs": str(ladder.MIN_RUNGS),
         "goal": number(ladder_end.GOAL),
         "fine_goal": number(ladder_end.FINE_GOAL),

@@ -9,10 +9,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ....engines.checks.consistency import Steps, step_gains, term_sizes
+from ....engines.checks.consistency import Steps, step_gains
 from ....engines.checks.equations import Equations, gains_of
 from ....engines.checks.explanations import explanation
 from ....engines.checks.read_back import State
+from ....engines.checks.terms import term_sizes
 from ....reference import IntegrationError
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.fastest_rate import fastest_rate
