@@ -1,7 +1,7 @@
 """The report's sections on cost: of accuracy, on both kinds of page, and of what is left out."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import Any
 
 from ...scenarios import SIGNALS
 from ..results.cost_records import EffectsCost, PassCosts
@@ -9,7 +9,7 @@ from ..results.records import Key, Pair
 from .analysis.cost_to_reach import LEVELS, Reach, reach
 from .analysis.profiles import SceneCurves, order_ratios, profile, tally
 from .analysis.report_data import MethodRuns, ReportData, SceneRuns
-from .analysis.trace_style import TraceStyle, trace_styles
+from .analysis.trace_style import trace_styles
 from .analysis.wording import NOTHING, number
 from .analysis.work_precision import curve_of, curves
 from .figures.figures import Titled
@@ -169,27 +169,8 @@ LEGEND = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class CostSection:
-    """The first page's section.
-
-    Attributes
-    ----------
-    scenes : how many were solved, reached or not
-    methods : label and style of every method, for the figure's key
-    profiles : None where nothing was timed
-    """
-
-    scenes: int
-    methods: tuple[tuple[str, TraceStyle], ...]
-    profiles: Titled | None
-    reached: Table
-    medians: Table
-    ratios: Table
-
-
-def cost_section(gathered: ReportData) -> CostSection:
-    """The cost of accuracy, over all scenes that were solved."""
+def cost_section(gathered: ReportData) -> dict[str, Any]:
+    """The cost of accuracy, over all scenes that were solved; no profiles where none was timed."""
     scenes = [curves(scene, COMPARED) for scene in gathered.scenes if scene.solved]
     drawn = trace_styles(gathered.pairs)
     timed = any(curve.seconds_per_step is not None for tried in scenes for curve in tried)
@@ -205,14 +186,14 @@ def cost_section(gathered: ReportData) -> CostSection:
         first,
         tuple(others),
     )
-    return CostSection(
-        len(scenes),
-        tuple((" ".join(pair), style) for pair, style in drawn.items()),
-        titled if timed else None,
-        reached_table(gathered, scenes),
-        median_table(gathered, scenes),
-        ratio_table(scenes),
-    )
+    return {
+        "scenes": len(scenes),
+        "methods": [(" ".join(pair), style) for pair, style in drawn.items()],
+        "profiles": titled if timed else None,
+        "reached": reached_table(gathered, scenes),
+        "medians": median_table(gathered, scenes),
+        "ratios": ratio_table(scenes),
+    }
 
 
 def scene_costs(scene: SceneRuns) -> list[tuple[str, Table]]:

@@ -59,11 +59,12 @@ class Table:
 
 @dataclass(frozen=True, eq=False)
 class Captioned:
-    """A table, what it is of, and in a sentence what it shows."""
+    """A table, what it is of, and in words what it shows; a folded one is shown on demand."""
 
     label: str
     sentence: str
     table: Table
+    folded: bool = False
 
 
 def table(headings: Iterable[str], rows: Iterable[Iterable[Cell | str]]) -> Table:
