@@ -82,6 +82,11 @@ def figure(text: str) -> Cell:
     return Cell(text, "number")
 
 
+def named(pair: tuple[str, str]) -> tuple[Cell, Cell]:
+    """Cells of an engine and a method."""
+    return Cell(pair[0], "name"), Cell(pair[1], "name")
+
+
 def verdict_cell(word: VerdictWord, detail: str = "", link: str = "") -> Cell:
     """A verdict's word with its sign, in its colour."""
     return Cell(f"{VERDICT[word].sign} {word}", word, detail, link)

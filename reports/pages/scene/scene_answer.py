@@ -16,7 +16,7 @@ from ..analysis.best_choice import (
     within_in_words,
 )
 from ..analysis.report_data import Compared, MethodRuns, SceneRuns
-from ..analysis.wording import NOTHING, duration, limited, number, plural, typed
+from ..analysis.wording import NOTHING, duration, ended, limited, number, plural, typed
 from ..analysis.work_precision import cost
 from ..tables import Cell, figure, table
 from .motion_data import noticeable_from
@@ -118,8 +118,7 @@ def _run_in_words(scene: SceneRuns, label: str, row: Row) -> str:
         return f"{run} was not run: {row.reason}."
     if row.outcome == "unsupported":
         return f"{run} cannot be run: {row.reason}."
-    when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
-    return f"{run} {row.outcome}{when}."
+    return f"{run} {ended(row)}."
 
 
 def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
@@ -185,8 +184,7 @@ def _line(
 
 def _errors(scene: SceneRuns, row: Row, noticed: float | None) -> list[Cell]:
     if row.errors is None:
-        when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
-        word = f"{row.outcome}{when}" if row.made else "not run"
+        word = ended(row) if row.made else "not run"
         kind = row.outcome if row.made else "unsupported"
         return [Cell(word, kind, note=row.reason), *[figure(NOTHING)] * 3]
     limits = scene.uncertainty(row)
