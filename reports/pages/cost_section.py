@@ -1,20 +1,20 @@
 """The report's sections on cost: of accuracy, on both kinds of page, and of what is left out."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import Any
 
 from ...scenarios import SIGNALS
 from ..results.cost_records import EffectsCost, PassCosts
-from ..results.records import Key, Pair
+from ..results.records import Key
 from .analysis.cost_to_reach import LEVELS, Reach, reach
 from .analysis.profiles import SceneCurves, order_ratios, profile, tally
 from .analysis.report_data import MethodRuns, ReportData, SceneRuns
-from .analysis.trace_style import TraceStyle, trace_styles
+from .analysis.trace_style import trace_styles
 from .analysis.wording import NOTHING, number
 from .analysis.work_precision import curve_of, curves
 from .figures.figures import Titled
 from .figures.profile_figure import profile_figures
-from .tables import Cell, Table, figure, table
+from .tables import Cell, Table, figure, named, table
 
 #: Microseconds in a second.
 MICROSECONDS = 1e6
@@ -35,7 +35,7 @@ def reach_table(scene: SceneRuns, signal: str) -> Table:
         curve = curve_of(scene, runs, signal)
         costs = [*_step_costs(runs), *(figure(count or NOTHING) for _ in counted)]
         cells = [_reach_cell(reach(curve, level)) for level in LEVELS]
-        rows.append([*_named(runs.pair), *costs, *cells])
+        rows.append([*named(runs.pair), *costs, *cells])
     return table(("engine", "method", *step, *_level_headings()), rows)
 
 
@@ -44,7 +44,7 @@ def reached_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
     rows = []
     for pair in gathered.pairs:
         tallies = [tally(scenes, pair, level) for level in LEVELS]
-        rows.append([*_named(pair), *(figure(f"{t.reached} ({t.extrapolated})") for t in tallies)])
+        rows.append([*named(pair), *(figure(f"{t.reached} ({t.extrapolated})") for t in tallies)])
     return table(("engine", "method", *_level_headings()), rows)
 
 
@@ -53,7 +53,7 @@ def median_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
     rows = []
     for pair in gathered.pairs:
         costs = [tally(scenes, pair, level).median_cost for level in LEVELS]
-        rows.append([*_named(pair), *(figure(number(cost)) for cost in costs)])
+        rows.append([*named(pair), *(figure(number(cost)) for cost in costs)])
     return table(("engine", "method", *_level_headings()), rows)
 
 
@@ -102,10 +102,6 @@ def _instructions(runs: MethodRuns) -> str:
 
 def _microseconds(seconds: float | None) -> str:
     return number(None if seconds is None else MICROSECONDS * seconds)
-
-
-def _named(pair: Pair) -> tuple[Cell, Cell]:
-    return Cell(pair[0], "name"), Cell(pair[1], "name")
 
 
 #: A pass is listed if its cost exceeds this many times the difference between equal sessions.
@@ -169,27 +165,8 @@ LEGEND = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class CostSection:
-    """The first page's section.
-
-    Attributes
-    ----------
-    scenes : how many were solved, reached or not
-    methods : label and style of every method, for the figure's key
-    profiles : None where nothing was timed
-    """
-
-    scenes: int
-    methods: tuple[tuple[str, TraceStyle], ...]
-    profiles: Titled | None
-    reached: Table
-    medians: Table
-    ratios: Table
-
-
-def cost_section(gathered: ReportData) -> CostSection:
-    """The cost of accuracy, over all scenes that were solved."""
+def cost_section(gathered: ReportData) -> dict[str, Any]:
+    """The cost of accuracy, over all scenes that were solved; no profiles where none was timed."""
     scenes = [curves(scene, COMPARED) for scene in gathered.scenes if scene.solved]
     drawn = trace_styles(gathered.pairs)
     timed = any(curve.seconds_per_step is not None for tried in scenes for curve in tried)
@@ -205,14 +182,14 @@ def cost_section(gathered: ReportData) -> CostSection:
         first,
         tuple(others),
     )
-    return CostSection(
-        len(scenes),
-        tuple((" ".join(pair), style) for pair, style in drawn.items()),
-        titled if timed else None,
-        reached_table(gathered, scenes),
-        median_table(gathered, scenes),
-        ratio_table(scenes),
-    )
+    return {
+        "scenes": len(scenes),
+        "methods": [(" ".join(pair), style) for pair, style in drawn.items()],
+        "profiles": titled if timed else None,
+        "reached": reached_table(gathered, scenes),
+        "medians": median_table(gathered, scenes),
+        "ratios": ratio_table(scenes),
+    }
 
 
 def scene_costs(scene: SceneRuns) -> list[tuple[str, Table]]:

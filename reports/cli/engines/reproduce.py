@@ -157,14 +157,7 @@ MOST_SAMPLES = 21
 
 
 def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: float) -> str:
-    """The text of the file, in the language of the engine's script.
-
-    Raises
-    ------
-    Complaint
-        If the engine has no script, cannot simulate the scene with this method, or the exact motion
-        is not known so far.
-    """
+    """The text of the file, in the language of the engine's script."""
     if reason := engine.unsupported(scenario, method):
         raise Complaint(reason, BAD_INPUT)
     with as_complaint(EngineError, before=f"{engine.name} {method.name}: ", exit_code=NOT_RUN):

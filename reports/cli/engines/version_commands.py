@@ -12,13 +12,7 @@ app = typer.Typer()
 
 
 def list_installed(remove: list[str], as_json: bool) -> None:
-    """Remove versions, then list those that are there.
-
-    Raises
-    ------
-    Complaint
-        If a version to remove is not installed.
-    """
+    """Remove versions, then list those that are there."""
     from ....engines.versions import VersionError, installed
     from ....engines.versions import remove as remove_version
 

@@ -47,8 +47,6 @@ def write_truth(scenario: Scenario, folder: Path) -> list[Path]:
 
     Raises
     ------
-    Complaint
-        If the motion cannot be solved.
     OSError
         If the folder cannot be written.
     """
@@ -148,13 +146,7 @@ QUARTERS = 5
 
 
 def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
-    """States, uncertainty, conserved quantities and facts of a scene, SI units.
-
-    Raises
-    ------
-    Complaint
-        If a time is negative, not a number, or out of reach, or the motion cannot be solved.
-    """
+    """States, uncertainty, conserved quantities and facts of a scene, SI units."""
     for time in at:
         if not 0 <= time < float("inf"):
             raise Complaint(f"'--at' must be a time from 0 on, got {time:g}", BAD_INPUT)

@@ -18,7 +18,7 @@ from ...harness.executors import InProcess
 from ...harness.judging import judge
 from ...harness.recorded.judged import judged_motion
 from ...harness.recorded.read import READERS, read_recording
-from ...harness.recorded.recorded_ladder import verdict_on_files
+from ...harness.recorded.recorded_ladder import study_of_files
 from ...harness.recorded.recording import RecordingError
 from ...harness.study import Prepared, convergence_study_of, prepare, run_rungs
 from ...results.records import Verdict
@@ -117,7 +117,7 @@ class RecordedSubject(Subject):
         scenario = _scene(name)
         try:
             motions = [judged_motion(scenario, read_recording(file)) for file in files]
-            verdict = verdict_on_files(scenario, motions, order=1)
+            verdict = judge(study_of_files(scenario, motions, order=1).records)
         except RecordingError as error:
             pytest.fail(f"{self.folder / name}: {error}", pytrace=False)
         explained = [one.explained_by for one in motions if one.explained_by]

@@ -132,13 +132,7 @@ def models(
 
 
 def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator[Inspection]:
-    """Inspect models one after the other; engines read them in one worker process each.
-
-    Raises
-    ------
-    Complaint
-        If no engine can be asked.
-    """
+    """Inspect models one after the other; engines read them in one worker process each."""
     with as_complaint(CannotInspectError):
         readers = reader_engines(engines)
         if not readers:
@@ -149,13 +143,7 @@ def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator
 
 
 def write_pages(inspected: Sequence[Inspection], out: Path) -> Iterator[Path]:
-    """Write a page for each model.
-
-    Raises
-    ------
-    Complaint
-        If the folder cannot be written.
-    """
+    """Write a page for each model."""
     from ...pages.users_models import page_names, write_model_page
 
     names = page_names([one.model.path for one in inspected])

@@ -6,7 +6,7 @@ from ...results.records import Pair
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
 from ..analysis.timesteps import survival
 from ..analysis.wording import NOTHING, number
-from ..tables import Cell, Table, figure, table
+from ..tables import Cell, Table, figure, named, table
 from .overview import VerdictMatrix, matrix_of
 
 #: rad a step, at which methods are compared.
@@ -54,10 +54,8 @@ def _line(pair: Pair, scenes: tuple[SceneRuns, ...]) -> list[Cell | str]:
     can = [(runs, survived) for runs, survived in tried if survived is not None]
     converging = [runs.verdict and runs.verdict.verdict == "converges" for runs, _ in can]
     turns = [survived.turn or 0.0 for _, survived in can]
-    engine, method = pair
     return [
-        Cell(engine, "name"),
-        Cell(method, "name"),
+        *named(pair),
         figure(str(len(can))),
         figure(str(sum(map(bool, converging)))),
         figure(str(sum(survived.timestep is not None for _, survived in can))),

@@ -13,7 +13,7 @@ from ...results.verdict_words import LISTED, VerdictKind
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
 from ..analysis.timesteps import row_at, stock_timesteps
 from ..analysis.wording import NOTHING, number, order, plural
-from ..tables import Cell, Table, figure, method_anchor, scene_page, table, verdict_cell
+from ..tables import Cell, Table, figure, method_anchor, named, scene_page, table, verdict_cell
 
 #: rad; a run is counted as close if it never is further off.
 CLOSE = math.radians(1.0)
@@ -239,8 +239,7 @@ def _complaint(scene: SceneRuns, runs: MethodRuns, verdict: Verdict) -> list[Cel
     link = f"{page}#{method_anchor(runs.engine, runs.method)}"
     return [
         Cell(scene.name, "scene", "", page),
-        Cell(runs.engine, "name"),
-        Cell(runs.method, "name"),
+        *named(runs.pair),
         verdict_cell(verdict.verdict, "expectation unmet" if verdict.unmet else "", link),
         reason_of(verdict),
     ]

@@ -54,9 +54,9 @@ def test_every_method_can_be_switched_off(first: Page) -> None:
 
 def test_plotly_accepts_the_profiles() -> None:
     section = cost_section(report_data(results()))
-    for part in section.profiles.parts:
+    for part in section["profiles"].parts:
         go.Figure(coloured(part))
-    traces = [trace for part in section.profiles.parts for trace in part["data"]]
+    traces = [trace for part in section["profiles"].parts for trace in part["data"]]
     assert len(traces) == len(PROFILED) * len(LABELS)
 
 
