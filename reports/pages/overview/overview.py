@@ -165,11 +165,6 @@ def complaints(
     return table(("scene", "engine", "method", "verdict", "reason"), rows)
 
 
-def environment_table(gathered: ReportData) -> Table:
-    """Table of machine and versions."""
-    return table(("", "value"), [(name, value) for name, value in gathered.environment.items()])
-
-
 def _matrix_row(
     scene: SceneRuns,
     pairs: Sequence[Pair],
