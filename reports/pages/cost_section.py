@@ -141,11 +141,6 @@ def passes_table(costs: PassCosts) -> Table:
     )
 
 
-def passes_tables(passes: Sequence[PassCosts]) -> list[tuple[str, Table]]:
-    """A heading and a table for each engine."""
-    return [(f"{p.key.label} on {p.key.scenario}", passes_table(p)) for p in passes]
-
-
 def _effects_cell(cost: EffectsCost) -> Cell:
     more = f"{cost.ratio.median - 1:+.0%} ± {cost.ratio.spread:.0%}"
     same = "motion identical to the last bit"
@@ -171,7 +166,6 @@ def cost_section(gathered: ReportData) -> dict[str, Any]:
     drawn = trace_styles(gathered.pairs)
     timed = any(curve.seconds_per_step is not None for tried in scenes for curve in tried)
     profiles = [profile(scenes, COMPARED, level) for level in PROFILED]
-    first, *others = profile_figures(profiles, drawn)
     titled = Titled(
         "profiles",
         "Performance profiles",
@@ -179,8 +173,7 @@ def cost_section(gathered: ReportData) -> dict[str, Any]:
         "cost of the cheapest method there (Dolan & Moré 2002). Higher is better; the right end "
         "is the fraction within reach at all. Extrapolated costs count; at τ near 1, methods "
         "closer than the spread of the timings change places by chance.",
-        first,
-        tuple(others),
+        profile_figures(profiles, drawn),
     )
     return {
         "scenes": len(scenes),

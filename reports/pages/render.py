@@ -19,7 +19,7 @@ from ..harness.judging.ladder import RUNGS_OF_A_LIMIT
 from ..harness.measuring import asymptotic
 from ..results.store import Results
 from .analysis.report_data import ReportData, SceneRuns, report_data
-from .cost_section import cost_section, effects_table, harm_in_words, passes_tables, scene_costs
+from .cost_section import cost_section, effects_table, harm_in_words, passes_table, scene_costs
 from .figures.figures import figures
 from .overview import hard_cases, overview
 from .overview.first_screen import answer
@@ -31,6 +31,7 @@ from .scene.default_tables import default_tables, encoding_tables
 from .scene.motion_data import motion_data
 from .scene.scene_answer import scene_answer, shown_at_first
 from .sweeps.sweep_pages import sweep_pages, sweeps_table, write_sweeps
+from .tables import table
 from .templating import ReportFolder, templates, write_assets
 
 #: The modules whose constants the text of the protocol quotes, and what it quotes besides.
@@ -78,7 +79,7 @@ def render(results: Results, folder: Path) -> Path:
     _write_plotly(written)
     left_out = (
         effects_table(results.effects),
-        passes_tables(results.passes),
+        [(f"{p.key.label} on {p.key.scenario}", passes_table(p)) for p in results.passes],
         harm_in_words(results.effects),
     )
     shared = {**_overview(gathered, results), "gathered": gathered, "left_out": left_out}
@@ -144,7 +145,7 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
             overview.complaints(plain, lambda kind: kind.word == "unsupported"),
         ],
         "shipped": overview.complaints(plain, lambda kind: kind.needs_reason, as_shipped=True),
-        "environment": overview.environment_table(gathered),
+        "environment": table(("", "value"), gathered.environment.items()),
     }
 
 

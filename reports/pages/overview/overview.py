@@ -22,12 +22,9 @@ WORDS = tuple(kind.word for kind in LISTED)
 GROUPS = ("On a pivot", "On a table", "Free", "Thrown", "Driven or damped", "Not solved")
 
 
-@dataclass(frozen=True)
-class Group:
-    """Scenes of one kind: a title and, for each scene, its name, title, page and cells."""
-
-    title: str
-    scenes: tuple[tuple[Cell, tuple[Cell, ...]], ...]
+#: A scene's name, title and page, and its cells; a title, and the scenes below it.
+SceneLine = tuple[Cell, tuple[Cell, ...]]
+Group = tuple[str, tuple[SceneLine, ...]]
 
 
 @dataclass(frozen=True)
@@ -111,7 +108,7 @@ def matrix_of(
         scenes = [scene for scene in shown if group_of(scene) == title]
         if scenes:
             rows = tuple(_matrix_row(scene, gathered.pairs, detail) for scene in scenes)
-            groups.append(Group(title, rows))
+            groups.append((title, rows))
     shipped = {v.key.pair for v in gathered.verdicts if v.as_shipped}
     methods = tuple(
         f"{pair[1]}, as shipped" if pair in shipped else pair[1] for pair in gathered.pairs
@@ -165,16 +162,11 @@ def complaints(
     return table(("scene", "engine", "method", "verdict", "reason"), rows)
 
 
-def environment_table(gathered: ReportData) -> Table:
-    """Table of machine and versions."""
-    return table(("", "value"), [(name, value) for name, value in gathered.environment.items()])
-
-
 def _matrix_row(
     scene: SceneRuns,
     pairs: Sequence[Pair],
     detail: Callable[[SceneRuns, MethodRuns], str],
-) -> tuple[Cell, tuple[Cell, ...]]:
+) -> SceneLine:
     page = scene_page(scene.name)
     cells = []
     for pair in pairs:

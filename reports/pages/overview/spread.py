@@ -61,7 +61,7 @@ def _of_kind(
         "scenes": [(e.scenario.name, sweep_page("ensemble", n)) for n, e in ensembles.items()],
         "table": table(("", *QUANTILES), [_row(one) for one in shown]),
         "styles": [styles[one.pair] for one in shown],
-        "figure": Titled(f"spread {kind}", "", "", distribution(shown, styles, ATTITUDE, LOW)),
+        "figure": Titled(f"spread {kind}", "", "", [distribution(shown, styles, ATTITUDE, LOW)]),
     }
 
 

@@ -139,7 +139,7 @@ def _page(name: str, result: SweepResult, results: Results) -> SweepPage:
 
 def _map_figure(name: str, grid: Grid) -> Titled:
     across, up = (axis_title(axis) for axis in grid.axes)
-    return Titled(f"map-{name}", f"{up} against {across}", CELLS, map_figure(grid))
+    return Titled(f"map-{name}", f"{up} against {across}", CELLS, [map_figure(grid)])
 
 
 def _map_tables(grid: Grid) -> tuple[Captioned, ...]:
@@ -165,9 +165,9 @@ def _distributions(
     compared = [one for one in members if (one.errors(OMEGA) > 0).any()]
     if not compared:
         return None, ()
-    first, second = (distribution(compared, styles, measure) for measure in (ATTITUDE, OMEGA))
+    parts = [distribution(compared, styles, measure) for measure in (ATTITUDE, OMEGA)]
     shown = tuple((" ".join(one.pair), styles[one.pair]) for one in compared)
-    figure = Titled(f"errors-{name}", "How errors are distributed", CURVES, first, (second,))
+    figure = Titled(f"errors-{name}", "How errors are distributed", CURVES, parts)
     return figure, shown
 
 

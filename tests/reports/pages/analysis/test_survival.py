@@ -116,7 +116,7 @@ def test_each_cell_has_verdict_and_largest_timestep():
     gathered = report_data(hardened())
     fastest_rate = hard_scenes(gathered)[0].fastest_rate
     matrix = survivors(gathered)
-    ((_, cells),) = matrix.groups[0].scenes
+    _, ((_, cells),) = matrix.groups[0]
     euler = next(c for c, name in zip(cells, matrix.methods, strict=True) if name == "Euler")
     assert euler.kind == "converges"
     assert euler.detail == f"≥ 0.0200 s, {number(TIMESTEPS[0] * fastest_rate)} rad"

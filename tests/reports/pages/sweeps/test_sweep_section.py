@@ -230,7 +230,7 @@ def test_the_first_screen_has_the_default_and_the_best_of_each_engine() -> None:
     median = math.degrees(2 * 0.05)
     assert rows[0][1] == readable(median)
     assert rows[2][-1] == "∞"
-    curve = next(t for t in of_kind["figure"].figure["data"] if t["name"] == "mujoco Euler")
+    curve = next(t for t in of_kind["figure"].parts[0]["data"] if t["name"] == "mujoco Euler")
     np.testing.assert_allclose(values_of(curve["x"])[5], median, rtol=1e-6)
     assert spread(swept()) is None
 
