@@ -2,8 +2,9 @@
 
 from .checks.read_back import BodyReading, EngineError, State, UnsupportedError
 from .discovery import add, engines, missing
-from .engine import Engine, Method
+from .engine import Engine
 from .fault import Cause, Fault
+from .method import Method
 from .missing import Missing
 from .run import Outcome, Run
 from .session import Session

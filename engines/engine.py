@@ -2,9 +2,9 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Literal, final
+from typing import Any, Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,75 +26,12 @@ from .checks.read_back import (
     UnsupportedError,
     differences,
 )
-from .fault import ENVIRONMENTAL, Cause
+from .fault import ENVIRONMENTAL
+from .method import Method, Release
 from .models.description import Description
-from .run import Outcome, Run
+from .run import Run
 from .sampling import Sampled, sample
 from .session import Session
-
-#: What engines of jointed rigid bodies can simulate: not all that a scene can call for. A method
-#: that has a further effect names it besides.
-COMMON_EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
-
-
-@dataclass(frozen=True)
-class Method:
-    """One way an engine can simulate a top: an integrator, a formulation.
-
-    Attributes
-    ----------
-    name : as users type it
-    order : order of accuracy of ω in the timestep, as the adapter declares it
-    attitude_order : likewise of the attitude
-    summary : one line for tables
-    effects : names out of `scenarios.EFFECTS` that it can simulate
-    requires : effects without which it makes no sense, such as a pivot for a pivot constraint
-    max_rotation_per_step : rad; beyond it the engine silently clamps, so it is not run
-    as_shipped : the engine with all its defaults: how it differs from the scene is reported as a
-        remark, and does not fail a run
-    by_angles : whether the attitude of a held body is stepped as roll, pitch and yaw
-    damping : 1/s, at which it slows bodies that nothing slows
-    reader : whether it differs from a method of another engine only in how models are read
-    setup : what users of the engine write to have it, with `TIMESTEP` for the timestep in s; empty
-        if that is no matter of a few lines
-    """
-
-    name: str
-    order: int
-    attitude_order: int
-    summary: str
-    effects: frozenset[str]
-    requires: frozenset[str] = frozenset()
-    max_rotation_per_step: float = np.inf
-    as_shipped: bool = False
-    by_angles: bool = False
-    damping: float = 0.0
-    reader: bool = False
-    setup: str = ""
-
-    @property
-    def is_recommendable(self) -> bool:
-        """Whether it may be recommended to users: it simulates the scene as no other does."""
-        return not (self.as_shipped or self.reader)
-
-
-@dataclass(frozen=True)
-class Release:
-    """One version of an engine.
-
-    Attributes
-    ----------
-    requirements : distributions, as pip takes them, with nothing that they depend on but what this
-        version needs otherwise than the newest does
-    methods : with their orders in that version
-    installed_as : the engine whose installed versions it shares; its own name if empty
-    surplus : packages that come along and that no run imports: they are not kept
-    """
-
-    requirements: tuple[str, ...]
-    methods: tuple[Method, ...]
-    installed_as: str = ""
-    surplus: tuple[str, ...] = ()
 
 
 class Engine(ABC):
@@ -213,12 +150,7 @@ class Engine(ABC):
     def open_with_defaults(
         self, scenario: Scenario, method: Method, timestep: float, defaults: Collection[str]
     ) -> Session:
-        """As `open`, with only these of a method's defaults.
-
-        Parameters
-        ----------
-        defaults : names out of `defaults`
-        """
+        """As `open`, with only these of a method's `defaults`."""
         raise NotImplementedError(f"{self.name} {method.name} has no defaults that alter motions.")
 
     def differences(
@@ -311,53 +243,52 @@ class Engine(ABC):
             are a remark; of a method as shipped they always are a remark
         """
         is_strict = fails_if_unlike and not method.as_shipped
-
-        def ended(outcome: Outcome, reason: str, cause: Cause, **fields: object) -> Run:
-            named = (self.name, self.version, method.name, timestep)
-            return Run(*named, outcome, reason, cause, **fields)  # type: ignore[arg-type]
-
+        ended = partial(Run, self.name, self.version, method.name, timestep)
         if reason := self.unsupported(scenario, method):
             return ended("unsupported", reason, "effects")
-        most = method.max_rotation_per_step
-        if turn := clamped_turn(float(np.linalg.norm(scenario.start.omega_body)), timestep, most):
+        speed = float(np.linalg.norm(scenario.start.omega_body))
+        if turn := clamped_turn(speed, timestep, method.max_rotation_per_step):
             return ended("unsupported", turn, "clamp")
         try:
             with self.open(scenario, method, timestep) as session:
-                read_back = session.read_body(), session.read_state()
-                unlike = self.differences(scenario, method.name, *read_back)
+                body = session.read_body()
+                unlike = self.differences(scenario, method.name, body, session.read_state())
                 if unlike and is_strict:
                     return ended("failed", unlike[0].complaint, "read-back")
-                arm = read_back[0].com if scenario.constraint.is_pivot else None
-                decay = decay_rate(scenario) + method.damping
-                by_angles = self.steps_angles(scenario, method)
-                bounds = Bounds(timestep, most, self.slack, decay, arm, by_angles)
+                bounds = self._bounds(scenario, method, timestep, body)
                 sampled = sample(session, sample_steps, bounds)
                 audited = audit(session, scenario, sampled)
         except UnsupportedError as error:
             return ended("unsupported", str(error), error.cause)
         except EngineError as error:
             return ended("failed", str(error), error.cause or "refused")
-        fields = _samples(sampled, sample_steps, timestep) | {"active": audited.active}
+        ending = _samples(sampled, sample_steps, timestep) | {"active": audited.active}
         if audited.differs and is_strict:
-            return ended("failed", audited.differs, "model", **fields)
+            return ended("failed", audited.differs, "model", **ending)
         bits = "" if self.single_precision else single_precision(sampled.states)
-        remarks = [
-            *(difference.remark for difference in unlike),
-            audited.differs,
-            sampled.reason,
-            bits,
-        ]
+        remarks = [*(one.remark for one in unlike), audited.differs, sampled.reason, bits]
         cause = sampled.cause or ("read-back" if unlike else "model" if audited.differs else "")
         if bits and is_strict and not cause:
             cause = "precision"
-        return ended(sampled.outcome, "; ".join(part for part in remarks if part), cause, **fields)
+        return ended(sampled.outcome, "; ".join(filter(None, remarks)), cause, **ending)
+
+    def _bounds(
+        self, scenario: Scenario, method: Method, timestep: float, body: BodyReading
+    ) -> Bounds:
+        """What the states of a run are checked against."""
+        return Bounds(
+            timestep,
+            method.max_rotation_per_step,
+            self.slack,
+            decay_rate(scenario) + method.damping,
+            body.com if scenario.constraint.is_pivot else None,
+            self.steps_angles(scenario, method),
+        )
 
 
-def _samples(
-    sampled: Sampled, sample_steps: NDArray[np.int64], timestep: float
-) -> dict[str, object]:
+def _samples(sampled: Sampled, sample_steps: NDArray[np.int64], timestep: float) -> dict[str, Any]:
     """The good samples as a trajectory, how many steps they took, and where they end."""
-    fields: dict[str, object] = {}
+    fields: dict[str, Any] = {}
     count = sampled.count
     if count:
         times = np.asarray(sample_steps[:count] * timestep, dtype=float)

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import ClassVar
 
 from ..scenarios import Scenario
-from .engine import Engine, Method
+from .engine import Engine
+from .method import Method
 from .session import Session
 from .world_session import WorldSession, world_script
 

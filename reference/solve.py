@@ -7,7 +7,15 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from ..scenarios import Errors, FloatArray, Scenario, Trajectory, error_series, errors_between
+from ..scenarios import (
+    SIGNAL,
+    Errors,
+    FloatArray,
+    Scenario,
+    Trajectory,
+    error_series,
+    errors_between,
+)
 from ..scenarios.fastest_rate import fastest_rate
 from .closed_forms import ClosedForm, closed_form
 from .conditioning import conditioning
@@ -60,11 +68,12 @@ def solve(scenario: Scenario, times: FloatArray) -> Solution:
 def solve_cheaply(scenario: Scenario, rows: Sequence[FloatArray]) -> list[Solution]:
     """The exact motion of one of many scenes; parameters and errors as of `solve_each`.
 
-    A closed form is only worked out where the series does not reach the last time, as beside a
-    saddle: finding one costs as much as hundreds of radians of the series.
+    Conditioning may be NaN: no verdict is given on one of many. A closed form is only worked out
+    where the series does not reach the last time, as beside a saddle: finding one costs as much as
+    hundreds of radians of the series.
     """
     times = np.unique(np.concatenate([_increasing(row) for row in rows]))
-    solution = _solve_ode(scenario, rotational_problem(scenario), times)
+    solution = _by_series(scenario, rotational_problem(scenario), times)
     if solution.horizon is not None and not solution.lifts_off:
         solution = solve(scenario, times)
     return [_part(solution, row) for row in rows]
@@ -205,17 +214,24 @@ def _conditioning_of_closed(
 
 
 def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solution:
-    known = _integrated_to_horizon(scenario, problem, times)
-    within = known.trajectory
+    solution = _by_series(scenario, problem, times)
+    within = solution.trajectory
 
     def solved(neighbour: Problem) -> Trajectory:
         return motion(scenario, neighbour, within.t, integrate(neighbour, within.t, CHECK_ORDERS))
 
+    return replace(solution, conditioning=conditioning(scenario, problem, within, solved))
+
+
+def _by_series(scenario: Scenario, problem: Problem, times: FloatArray) -> Solution:
+    """The solution without its conditioning, which takes twice as long: it is NaN."""
+    known = _integrated_to_horizon(scenario, problem, times)
+    apart = errors_between(scenario, known.trajectory, known.coarser)
     return Solution(
-        trajectory=within,
+        trajectory=known.trajectory,
         method="Taylor series of the equations of motion, low orders in double-double",
-        uncertainty=_at_least(errors_between(scenario, within, known.coarser), ROUNDING),
-        conditioning=conditioning(scenario, problem, within, solved),
+        uncertainty=_at_least(apart, ROUNDING),
+        conditioning=Errors(**dict.fromkeys(SIGNAL, np.nan)),
         horizon=known.horizon,
         lifts_off=known.lifts_off,
     )

@@ -114,7 +114,7 @@ def error_series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> E
     """
     if not np.array_equal(motion.t, exact.t):
         raise ValueError("'motion' and 'exact' must be sampled at the same times.")
-    norm = _norm_of(scenario, exact)
+    norm = norm_of(scenario, exact)
     return ErrorSeries(norm.distances(norm.table(motion), norm.true_table))
 
 
@@ -124,7 +124,8 @@ def errors_between(scenario: Scenario, motion: Trajectory, exact: Trajectory) ->
 
 
 @lru_cache(maxsize=RECENT)
-def _norm_of(scenario: Scenario, exact: Trajectory) -> ErrorNorm:
+def norm_of(scenario: Scenario, exact: Trajectory) -> ErrorNorm:
+    """The norm of errors against an exact motion; kept, for all its runs are compared by it."""
     return ErrorNorm(scenario, exact)
 
 

@@ -8,6 +8,7 @@ equations of motion and the scene's, known far better than one step's error.
 """
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +29,7 @@ NEGLIGIBLE = 2e-6
 #: Smallest size that is divided by.
 NO_SIZE = 1e-300
 
-Open = Callable[[Scenario, float], Session]
+Open = Callable[[Scenario, float], AbstractContextManager[Session]]
 #: The exact states a time after each of n states, s, (n,).
 After = Callable[[State, FloatArray], State]
 

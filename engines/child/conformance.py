@@ -7,8 +7,8 @@ import numpy as np
 
 from ...scenarios import Scenario
 from ..checks.read_back import EngineError, start_state
-from ..engine import Method
 from ..fault import Cause
+from ..method import Method
 from ..run import Run
 from .engine import ChildEngine, child_engine
 from .messages import Done, Hello

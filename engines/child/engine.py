@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import final
 
 from ...scenarios import Scenario
-from ..engine import Engine, Method
+from ..engine import Engine
+from ..method import Method
 from .messages import Hello
 from .process import ANSWER_LIMIT, ChildProcess, ProtocolError, given_back, taken
 from .session import ChildSession

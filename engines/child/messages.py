@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from ...scenarios import EFFECTS
-from ..engine import Method
+from ..method import Method
 
 #: Characters of an answer that a complaint quotes.
 QUOTED = 80

@@ -7,8 +7,9 @@ import numpy as np
 
 from ...scenarios import FloatArray, Scenario
 from ..checks.read_back import BodyReading, Difference, State
-from ..engine import Engine, Method
+from ..engine import Engine
 from ..fault import Fault
+from ..method import Method
 from ..models.description import PLAIN
 from ..session import Session
 from .changed_scene import SceneChange

@@ -9,7 +9,8 @@ from mpmath import mpf
 from ...scenarios import EFFECTS, Scenario
 from ...scenarios.exact import normalised
 from ...scenarios.principal import from_matrix, principal_axes
-from ..engine import COMMON_EFFECTS, Engine
+from ..engine import Engine
+from ..method import COMMON_EFFECTS
 from ..models.description import PLAIN, TURN, Description, away_from
 from ..models.shape import box_of
 from .changed_scene import SceneChange

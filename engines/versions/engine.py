@@ -9,7 +9,8 @@ from typing import Any, final
 from ...scenarios import Scenario, printable
 from ..checks.read_back import EngineError
 from ..discovery import engines
-from ..engine import Engine, Method
+from ..engine import Engine
+from ..method import Method
 from ..session import Session
 from .folders import VersionError, check_version, install, install_for
 

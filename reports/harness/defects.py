@@ -16,7 +16,7 @@ import numpy as np
 
 from ...reference import IntegrationError, flow
 from ...scenarios import Errors, ErrorSeries, FloatArray, Scenario, Trajectory
-from ...scenarios.agreement import ErrorNorm
+from ...scenarios.agreement import ErrorNorm, norm_of
 from ...scenarios.fastest_rate import fastest_rate
 from ...scenarios.mechanics import RECENT
 from ..results.records import Defect, Row
@@ -110,4 +110,4 @@ def _rounding(scenario: Scenario, exact: Trajectory) -> Errors:
 def _series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> ErrorSeries:
     flowed = flow(scenario, motion, np.diff(motion.t))
     made, right = (ErrorNorm(scenario, one).true_table for one in (motion, flowed))
-    return ErrorSeries(ErrorNorm(scenario, exact).distances(made[1:], right))
+    return ErrorSeries(norm_of(scenario, exact).distances(made[1:], right))

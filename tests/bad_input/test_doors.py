@@ -80,8 +80,8 @@ def test_every_bad_file_of_a_folder_is_named_before_a_run_is_begun(folder):
 NOT_FILES = {
     "a pipe": (os.mkfifo, "cannot be read: "),
     "a folder": (lambda path: path.mkdir(), ""),
-    "a loop of links": (lambda path: path.symlink_to(path), "cannot be read: "),
-    "nothing": (lambda path: None, "bad.toml"),
+    "a loop of links": (lambda path: path.symlink_to(path), "neither a file, a folder, nor"),
+    "nothing": (lambda path: None, "neither a file, a folder, nor a scene"),
     "a device that never ends": (lambda path: path.symlink_to("/dev/zero"), "cannot be read: "),
     "no text": (lambda path: path.write_bytes(b"\xff\xfe\x00"), "not a text file in UTF-8"),
 }

@@ -169,18 +169,20 @@ def test_an_engine_that_is_busy_goes_with_a_run_that_is_killed(tmp_path) -> None
 @pytest.mark.processes
 def test_a_guard_that_is_killed_is_replaced(monkeypatch) -> None:
     # With it would go what other tests have started.
-    monkeypatch.setattr(start_process, "_guard", start_process._Guard())
+    guard = start_process._Guard()
+    monkeypatch.setattr(start_process, "_guard", guard)
     first = start_process.start(["sleep", "600"])
-    before = start_process._guard._process
+    before = guard._process
     assert before is not None
     os.kill(before.pid, signal.SIGKILL)
     assert is_gone(before.pid)
     second = start_process.start(["sleep", "600"])
-    assert start_process._guard._process is not before
-    start_process._guard.end()
+    assert guard._process is not before
+    guard.end()
     for process in (first, second):
         assert process.wait(PATIENCE) == -signal.SIGKILL
         start_process.kill(process)
+    guard.end()
 
 
 @pytest.mark.processes

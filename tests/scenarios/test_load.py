@@ -14,6 +14,12 @@ def test_a_file_is_a_scene_named_by_its_stem(tmp_path):
     assert (scenario.name, scenario.path) == ("my-top.2", path)
 
 
+@each_case(("name", "why"), [("nothing.toml", "No such file"), (".", "it is a folder")])
+def test_what_is_no_file_is_said_to_be_none(tmp_path, name, why):
+    with pytest.raises(ScenarioError, match=f"cannot be read: {why}"):
+        load(tmp_path / name)
+
+
 def test_a_huge_file_is_not_read(tmp_path):
     path = tmp_path / "huge.toml"
     path.write_text(TEXT + "#" * MAX_BYTES)

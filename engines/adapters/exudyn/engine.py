@@ -10,7 +10,7 @@ import numpy as np
 
 from ....scenarios import Scenario
 from ...checks.read_back import EngineError
-from ...engine import COMMON_EFFECTS, Method
+from ...method import COMMON_EFFECTS, Method
 from ...native_output import native_output
 from ...session import Session
 from ...world_engine import WorldEngine

@@ -6,7 +6,8 @@ from typing import final
 import mujoco
 
 from ....scenarios import Scenario
-from ...engine import COMMON_EFFECTS, Engine, Method
+from ...engine import Engine
+from ...method import COMMON_EFFECTS, Method
 from ...models.mjcf import mjcf
 from ...session import Session
 from ..mujoco.engine import setup

@@ -1,40 +1,31 @@
 """An MJX model and its steps as Python that needs `mujoco`, `mujoco-mjx` and `jax`."""
 
+from pathlib import Path
+
 from ....scenarios import Scenario
-from ...models.mjcf import mjcf, switched_off
+from ...models.mjcf import mjcf, start_coordinates, switched_off
 from ...models.text import python_lines
+from ...world_session import stand_alone
 
 #: MuJoCo's name of the pass of springs.
 SPRINGS = ("spring",)
 _SCRIPT = """\
-import jax
-import mujoco
-from mujoco import mjx
+{world}
 
-jax.config.update("jax_platforms", "cpu")
-jax.config.update("jax_enable_x64", {is_double})
 MJCF = (
 {lines}
 )
-compiled = mujoco.MjModel.from_xml_string(MJCF)
-held = mujoco.MjData(compiled)
-mujoco.mj_resetDataKeyframe(compiled, held, 0)
-model = mjx.put_model(compiled)
-data = mjx.put_data(compiled, held)
-
-
-@jax.jit
-def advanced(data, count):
-    return jax.lax.fori_loop(0, count, lambda _, data: mjx.step(model, data), data)
+in_precision({is_double})
+world = World(*in_mjx(nameless(MJCF).compile()), TIMESTEP, qpos={qpos}, qvel={qvel})
 
 
 def step(count):
-    global data
-    data = advanced(data, count)
+    world.run([count])
 
 
 def state():
     \"\"\"Attitude, w x y z, body to world, and angular velocity in body axes.\"\"\"
+    data = world.data()
     return np.array(data.qpos[-4:], dtype=float), np.array(data.qvel[-3:], dtype=float)
 """
 
@@ -42,7 +33,14 @@ def state():
 def script(scenario: Scenario, integrator: str | None, timestep: float, is_double: bool) -> str:
     """The model of a method; as shipped where there is no integrator."""
     text = mjcf(scenario, timestep, integrator, left_in(scenario, integrator))
-    return _SCRIPT.format(is_double=is_double, lines=python_lines(text))
+    qpos, qvel = start_coordinates(scenario)
+    return _SCRIPT.format(
+        world=stand_alone(Path(__file__).with_name("world.py")),
+        lines=python_lines(text),
+        is_double=is_double,
+        qpos=qpos,
+        qvel=qvel,
+    )
 
 
 def left_in(scenario: Scenario, integrator: str | None) -> tuple[str, ...]:

@@ -10,7 +10,8 @@ import mujoco
 
 from ....scenarios import Scenario
 from ...checks.read_back import UnsupportedError
-from ...engine import COMMON_EFFECTS, Engine, Method, Release
+from ...engine import Engine
+from ...method import COMMON_EFFECTS, Method, Release
 from ...models.description import PLAIN, Description
 from ...models.mjcf import mjcf, switched_off
 from ...models.mjcf_contact import PASSES, off_its_table, with_contact

@@ -7,7 +7,7 @@ from typing import Any, final
 import mujoco
 
 from ....scenarios import Scenario
-from ...engine import Method, Release
+from ...method import Method, Release
 from ...models.mjcf import start_coordinates, switched_off
 from ...users_models import FileEngine, UsersLink, body_alone, users_link
 from .engine import KEPT, MuJoCo, release

@@ -7,16 +7,14 @@ from types import MappingProxyType
 from typing import Any, final
 
 import mujoco
-import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ....scenarios.users_models import ModelFile, Shape, unnamed
 from ...checks.read_back import BodyReading, EngineError
 from ...users_models import Advice, Configuration, ModelReader, RefusalAdvice, with_meshes
+from .coordinates import WORLD, one_body
 
 #: Endings of meshes that MuJoCo reads.
 MESHES = frozenset((".obj", ".stl", ".msh"))
-WORLD = 0
 
 
 @final
@@ -72,7 +70,7 @@ class MuJoCoModelReader(ModelReader):
             words = "; ".join(str(error).removeprefix("Error: ").split("\n"))
             raise EngineError(f"MuJoCo refuses the file: {words}") from None
         return {
-            compiled.body(body).name: _body(compiled, body)
+            compiled.body(body).name: one_body(compiled, body)
             for body in range(WORLD + 1, compiled.nbody)
         }
 
@@ -135,9 +133,3 @@ def _strip(spec: Any) -> None:
     """Remove shapes and joints: MuJoCo accepts a body without inertia if it cannot move."""
     for part in (*spec.geoms, *spec.equalities, *spec.joints):
         spec.delete(part)
-
-
-def _body(compiled: Any, body: int) -> BodyReading:
-    R = Rotation.from_quat(compiled.body_iquat[body], scalar_first=True).as_matrix()
-    tensor = R @ np.diag(compiled.body_inertia[body]) @ R.T
-    return BodyReading(float(compiled.body_mass[body]), compiled.body_ipos[body].copy(), tensor)

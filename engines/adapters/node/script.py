@@ -9,7 +9,7 @@ import re
 from pathlib import Path
 
 from ....scenarios import Scenario
-from ...engine import Method
+from ...method import Method
 from ...scene_record import ABOUT, scene_record
 
 HERE = Path(__file__).parent

@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 
 from ....scenarios import PUSHED, FloatArray
-from ...engine import COMMON_EFFECTS, Method
+from ...method import COMMON_EFFECTS, Method
 from ...scene_record import HeldRotor
 from ...world_engine import WorldEngine
 from ...world_session import WorldBody, WorldSession

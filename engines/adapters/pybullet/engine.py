@@ -13,7 +13,8 @@ from math import pi
 from ....scenarios import Scenario
 from ...checks.equations import Equations
 from ...checks.read_back import start_state
-from ...engine import COMMON_EFFECTS, Engine, Method, Release
+from ...engine import Engine
+from ...method import COMMON_EFFECTS, Method, Release
 from ...models.description import Description
 from ...native_output import native_output
 from ...release import numbers_of

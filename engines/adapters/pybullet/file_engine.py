@@ -3,7 +3,7 @@
 from typing import ClassVar, final
 
 from ....scenarios import Scenario
-from ...engine import Method, Release
+from ...method import Method, Release
 from ...users_models import FileEngine, body_alone, users_link
 from .engine import PyBullet, bullet_method, installed_version, release
 from .load import BodyRepresentation, OwnURDF

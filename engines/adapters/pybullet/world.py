@@ -12,12 +12,8 @@ BASE = -1
 #: The one link of a body that hangs by a joint.
 HUNG = 0
 #: Defaults of PyBullet that alter motions; the third is of bodies on a joint.
-INERTIA, DAMPING, JOINT_MOTOR, CLAMP = (
-    "inertia of the shape",
-    "damping",
-    "joint motor",
-    "velocity clamp",
-)
+INERTIA, DAMPING = "inertia of the shape", "damping"
+JOINT_MOTOR, CLAMP = "joint motor", "velocity clamp"
 DEFAULTS = (INERTIA, DAMPING, JOINT_MOTOR, CLAMP)
 #: rad/s and m/s; N; N m: larger than any velocity, force or torque of a run.
 UNREACHED = 1e100

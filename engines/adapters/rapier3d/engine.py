@@ -10,7 +10,7 @@ import numpy as np
 
 from ....scenarios import PUSHED
 from ...checks.read_back import EngineError
-from ...engine import COMMON_EFFECTS, Method
+from ...method import COMMON_EFFECTS, Method
 from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
 from ...world_session import WorldBody, WorldSession

@@ -155,7 +155,8 @@ def _worse_than(series: _Series, rungs: int, factor: float, off_order: float) ->
         if np.abs(slopes - series.order).max() > off_order:
             continue
         # Where no interval is worse, errors of another sign have added up, or noise has.
-        has_cause = (series.defects >= series.defects[end]).any(axis=1)
+        larger = series.defects > DISTINCT * series.defects[end]
+        has_cause = (larger | np.isinf(series.defects)).any(axis=1)
         worse = np.flatnonzero(has_cause & (values > factor * np.maximum(values[end], floors)))
         if len(worse) and worse[-1] > end:
             k = int(worse[-1])

@@ -1,7 +1,7 @@
 """Measures a method locally: single steps and short pieces from exact states along the motion."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +16,8 @@ from ....engines.session import Session
 from ....scenarios import Scenario, Trajectory
 from ....scenarios.scenario import started_at
 from ...results.evidence import JudgedLadder, LocalEvidence
-from ..judging.local import is_long_enough
+from ..judging.ladder import LadderJudgement
+from ..judging.local import PIECE_GOAL, PIECE_RUNGS
 from ..stock import stock_timesteps
 from .places import (
     PIECE_STEPS,
@@ -60,13 +61,19 @@ def _milder(at: Places) -> Places:
 def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) -> LocalEvidence:
     equations = Equations(scenario)
     with engine.open(scenario, method, float(at.timesteps[0])) as session:
+
+        def open_at(scene: Scenario, timestep: float) -> AbstractContextManager[Session]:
+            # Opening takes as long as some hundred steps: where it can be, one is restarted.
+            if session.can_restart:
+                return nullcontext(session)
+            return engine.open(scene, method, timestep)
+
         misread = _misread(engine, scenario, method, at, session)
-    steps, found = _consistency(
-        lambda scene, timestep: engine.open(scene, method, timestep), engine, scenario, at
-    )
-    eps = rounding_of(steps.before, engine.single_precision)
-    is_smooth = not found.is_constrained
-    wrong = misread or _wrong(engine, equations, steps, found, at, is_smooth=is_smooth)
+        steps, found = _consistency(open_at, engine, scenario, at)
+        is_smooth = not found.is_constrained
+        wrong = misread or _wrong(engine, equations, steps, found, at, is_smooth=is_smooth)
+        eps = rounding_of(steps.before, engine.single_precision)
+        pieces = None if wrong else _pieces(engine, scenario, method, at, session, eps)
     return LocalEvidence(
         finding=wrong,
         excess=float(found.by_tolerance.max()),
@@ -74,7 +81,7 @@ def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) ->
         is_open=found.is_open,
         states=len(at.times),
         starts=len(at.starts),
-        pieces=None if wrong else _pieces(engine, scenario, method, at, eps),
+        pieces=pieces,
     )
 
 
@@ -180,18 +187,16 @@ def _when(time: float) -> str:
 
 
 def _pieces(
-    engine: Engine, scenario: Scenario, method: Method, at: Places, eps: float
+    engine: Engine, scenario: Scenario, method: Method, at: Places, session: Session, eps: float
 ) -> JudgedLadder:
     """A ladder of short runs from some of the states, all judged together."""
     ladder = RichardsonLadder(
         scenario, at.pieces, method.order, method.attitude_order, engine.slack, eps
     )
-    with engine.open(scenario, method, float(at.timesteps[0])) as session:
-        while not ladder.rungs or not is_long_enough(ladder.judged):
-            k = len(ladder.rungs)
-            ladder.add(
-                float(at.timesteps[k]), *_run_pieces(engine, scenario, method, at, session, k)
-            )
+    for k in range(PIECE_RUNGS):
+        ladder.add(float(at.timesteps[k]), *_run_pieces(engine, scenario, method, at, session, k))
+        if LadderJudgement(ladder.judged).converges_to(PIECE_GOAL):
+            break
     return ladder.judged
 
 

@@ -44,11 +44,13 @@ def test_neither_a_second_run_into_its_file_nor_a_killed_worker_changes_a_result
     wait_for_rows(first, path, EARLY)
     # Stopped, so that it cannot end before the second has begun.
     first.send_signal(signal.SIGSTOP)
-    second = start(path, "--quick", jobs=1)
-    _, err = second.communicate()
-    for worker in children(first.pid):
-        os.kill(worker, signal.SIGKILL)
-    first.send_signal(signal.SIGCONT)
+    try:
+        second = start(path, "--quick", jobs=1)
+        _, err = second.communicate()
+        for worker in children(first.pid):
+            os.kill(worker, signal.SIGKILL)
+    finally:
+        first.send_signal(signal.SIGCONT)
     assert second.returncode == 2
     assert err == f"spincheck: {path}: another 'spincheck run' is writing to it\n"
     first.communicate()

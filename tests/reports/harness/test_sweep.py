@@ -5,6 +5,7 @@ from contextlib import closing, suppress
 from copy import copy
 from dataclasses import replace
 from pathlib import Path
+from shutil import copyfile
 
 import numpy as np
 import pytest
@@ -85,6 +86,12 @@ def finished(tmp_path_factory):
     return path, sweep(path)
 
 
+@pytest.fixture
+def swept(path, finished):
+    """A copy of it, to be written to."""
+    return Path(copyfile(finished[0], path))
+
+
 def test_there_is_a_point_for_every_pair_of_values_in_the_order_of_the_axes(finished):
     expected = [(a, b) for a in SPIN.values for b in STEPS.values]
     assert [point.at for point in finished[1]] == expected
@@ -119,31 +126,27 @@ def test_what_is_read_back_is_what_was_put(finished):
     assert stored_map.scenario.text == SCENE.text
 
 
-def test_a_finer_map_uses_the_points_it_shares(path):
-    sweep(path)
+def test_a_finer_map_uses_the_points_it_shares(swept):
     finer = replace(MAP, axes=(SPIN, replace(STEPS, values=(0.005, *STEPS.values))))
-    assert points_missing(path, finer) == len(SPIN.values)
+    assert points_missing(swept, finer) == len(SPIN.values)
 
 
-def test_with_its_axes_swapped_it_shares_them_all(path):
-    sweep(path)
-    assert points_missing(path, replace(MAP, axes=(STEPS, SPIN))) == 0
+def test_with_its_axes_swapped_it_shares_them_all(swept):
+    assert points_missing(swept, replace(MAP, axes=(STEPS, SPIN))) == 0
 
 
-def test_another_engine_leaves_what_is_there(path):
-    sweep(path)
-    with open_store(path, create=True) as store:
+def test_another_engine_leaves_what_is_there(swept):
+    with open_store(swept, create=True) as store:
         plan = plan_sweep(MAP, SCENE, Choice((*FAULTLESS.engines, planted(RaisingSession))), store)
     assert {engine.name for one in plan.left() for engine, _ in one.to_run} == {"Raising"}
 
 
 @pytest.mark.parametrize("what", ["scene", "program"])
-def test_points_that_rest_on_something_else_are_dropped(path, monkeypatch, what):
-    sweep(path)
+def test_points_that_rest_on_something_else_are_dropped(swept, monkeypatch, what):
     scene = loads(BOX.replace("2.5]", "2.6]"), "box") if what == "scene" else SCENE
     if what == "program":
         monkeypatch.setattr(fingerprints, "program", lambda kind: f"another {kind}")
-    assert points_missing(path, scene=scene) == len(SPIN.values) * len(STEPS.values)
+    assert points_missing(swept, scene=scene) == len(SPIN.values) * len(STEPS.values)
 
 
 class Stop(Exception):
@@ -170,13 +173,12 @@ def test_stopped_at_any_point_it_goes_on_and_ends_the_same(path, finished):
     assert sweep(path) == finished[1]
 
 
-def test_nothing_is_stored_twice(path):
-    sweep(path)
-    with closing(sqlite3.connect(path)) as connection:
+def test_nothing_is_stored_twice(swept):
+    with closing(sqlite3.connect(swept)) as connection:
         connection.execute("DELETE FROM points WHERE rowid % 2")
         connection.commit()
-    sweep(path)
-    with closing(sqlite3.connect(path)) as connection:
+    sweep(swept)
+    with closing(sqlite3.connect(swept)) as connection:
         (count,) = connection.execute("SELECT count(*) FROM points").fetchone()
     assert count == len(SPIN.values) * len(STEPS.values)
 

@@ -10,7 +10,7 @@ import command_line
 import numpy as np
 import pytest
 import small_result_file
-from spincheck.engines.engine import COMMON_EFFECTS
+from spincheck.engines.method import COMMON_EFFECTS
 from spincheck.reports.cli.terminal import BAD_INPUT
 from spincheck.reports.results.database import put
 from spincheck.reports.results.result_file import APPLICATION_ID, ResultFileError

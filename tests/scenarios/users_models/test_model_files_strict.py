@@ -3,6 +3,7 @@
 import os
 
 import pytest
+from case_loops import each_case
 from spincheck.scenarios.users_models import ModelFileError, read_model
 from spincheck.scenarios.users_models.xml_tree import MAX_BYTES, MAX_DEPTH
 from users_models import arm, body, diagonal, inertial, joint, link, robot, written
@@ -33,60 +34,6 @@ def test_a_number_that_engines_read_differently_is_refused(tmp_path, number, why
     path = written(tmp_path, arm(mass=number))
     message = f"FILE:3: 'value' of <mass> must be decimal numbers, got '{number}'{why}"
     assert refusal(path) == message
-
-
-def test_an_inertia_too_large_for_a_double_is_refused(tmp_path):
-    path = written(tmp_path, arm(diagonal("1e308", "1e308", "1e308")))
-    assert refusal(path) == "FILE:3: the inertia is too large to be computed with"
-
-
-def test_a_vector_of_another_length_is_refused(tmp_path):
-    text = arm().replace('rpy="0 0 0.5"', 'rpy="0 0.5"')
-    message = "FILE:3: 'rpy' of <origin> must be 3 numbers, got '0 0.5'"
-    assert refusal(written(tmp_path, text)) == message
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "FILE:1: not well-formed XML: no element found"),
-        ("<robot><link></robot>", "FILE:1: not well-formed XML: mismatched tag"),
-        ("<robot/><robot/>", "FILE:1: not well-formed XML: junk after document element"),
-        (
-            '<robot><link name="a" name="b"/></robot>',
-            "FILE:1: not well-formed XML: duplicate attribute",
-        ),
-        ("<sdf/>", "FILE:1: SDF is not read; convert it to URDF or MJCF"),
-        ("<html/>", "FILE:1: <html> is neither URDF (<robot>) nor MJCF (<mujoco>)"),
-        ("<robot/>", "FILE:1: <robot> has no <link>: there is nothing to inspect"),
-        ("<mujoco/>", "FILE:1: <mujoco> has no <body>: there is nothing to inspect"),
-        (
-            '<robot><xacro:macro name="m"/></robot>',
-            "FILE:1: <xacro:macro> is xacro: expand it first, 'xacro FILE > robot.urdf'",
-        ),
-        (
-            '<robot>\n<mujoco><include file="/etc/passwd"/></mujoco><link name="a"/></robot>',
-            "FILE:2: <include> has no place in a URDF; expand the file first",
-        ),
-    ],
-)
-def test_what_is_no_model_is_refused(tmp_path, text, message):
-    assert refusal(written(tmp_path, text)) == message
-
-
-def test_a_dtd_is_refused(tmp_path):
-    bomb = '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]>\n'
-    message = (
-        "FILE:1: a DTD (<!DOCTYPE …>) is refused: it can make a small file huge or read other "
-        "files; remove it"
-    )
-    assert refusal(written(tmp_path, robot(link("a"), head=bomb))) == message
-
-
-def test_elements_nested_without_end_are_refused(tmp_path):
-    deep = "<a>" * MAX_DEPTH + "</a>" * MAX_DEPTH
-    message = f"FILE:2: elements are nested more than {MAX_DEPTH} deep"
-    assert refusal(written(tmp_path, robot(deep))) == message
 
 
 def test_a_file_larger_than_any_model_is_refused(tmp_path):
@@ -156,95 +103,12 @@ def test_a_prefix_that_is_declared_is_not(tmp_path):
     assert read_model(written(tmp_path, text)).notes == ()
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        (
-            robot(link("a"), link("a")),
-            "FILE:3: a second link is named 'a'; names must differ",
-        ),
-        (
-            robot(link("a"), link("b")),
-            "FILE:3: links 'a' and 'b' both hang on no joint; engines want one root",
-        ),
-        (
-            robot(link("a"), link("b"), joint("a", "c")),
-            "FILE:4: <joint name='to-c'> must name a link of the file as its child, got 'c'",
-        ),
-        (
-            robot(link("a"), link("b"), joint("a", "b"), joint("a", "b")),
-            "FILE:5: <joint name='to-b'>: the link 'b' hangs on a joint already",
-        ),
-        (
-            robot(link("a"), link("b"), joint("a", "b"), joint("b", "a")),
-            "FILE:1: joints lead from the link 'a' back to itself",
-        ),
-        (
-            robot(link("a", inertial() + inertial())),
-            "FILE:2: a second <inertial> in <link name='a'>: engines do not take the same one",
-        ),
-        (
-            robot(link("a", '<inertial><mass value="1"/></inertial>')),
-            "FILE:2: <inertial> lacks <inertia>: engines do not fill in the same",
-        ),
-        (
-            robot(link("a", inertial(tensor='ixx="1" iyy="1" izz="1"'))),
-            "FILE:2: <inertia> lacks 'ixy'",
-        ),
-    ],
-    ids=[
-        "twins",
-        "two roots",
-        "no such link",
-        "two parents",
-        "a ring",
-        "two inertials",
-        "no tensor",
-        "half a tensor",
-    ],
-)
-def test_what_makes_no_tree_of_bodies_is_refused(tmp_path, text, message):
-    assert refusal(written(tmp_path, text)) == message
-
-
-@pytest.mark.parametrize("target", ["/etc/passwd", "../outside.xml", "none.xml"])
-def test_an_include_stays_inside_the_models_folder(tmp_path, target):
-    written(tmp_path, "<mujoco/>", "outside.xml")
-    text = f'<mujoco>\n<include file="{target}"/></mujoco>'
-    message = (
-        f"FILE:2: <include> of '{target}': there is no such file inside the model's folder or one "
-        "given by '--package-path'"
-    )
-    assert refusal(written(tmp_path, text, "inner/robot.xml")) == message
-
-
-@pytest.mark.parametrize("tag", ["model", "hfield"])
-def test_other_files_that_mujoco_reads_are_inside_it_too(tmp_path, tag):
-    text = body("", f'<asset><{tag} name="m" file="/etc/passwd"/></asset>')
-    message = (
-        f"FILE:1: <{tag}> of '/etc/passwd': there is no such file inside the model's folder or one "
-        "given by '--package-path'"
-    )
-    assert refusal(written(tmp_path, text, "robot.xml")) == message
-
-
 def test_a_link_of_the_file_system_leads_no_further(tmp_path):
     outside = written(tmp_path, "<mujoco/>", "outside.xml")
     (tmp_path / "inner").mkdir()
     (tmp_path / "inner/inside.xml").symlink_to(outside)
     path = written(tmp_path, '<mujoco><include file="inside.xml"/></mujoco>', "inner/robot.xml")
     assert "there is no such file inside the model's folder" in refusal(path)
-
-
-def test_a_file_that_includes_itself_is_refused(tmp_path):
-    path = written(tmp_path, '<mujoco><include file="robot.xml"/></mujoco>', "robot.xml")
-    assert refusal(path) == "FILE:1: <include> of 'robot.xml': a file can be included once"
-
-
-def test_bodies_without_number_are_refused(tmp_path):
-    text = body('<replicate count="1e8"><body/></replicate>')
-    message = "FILE:1: <replicate> makes more than 4096 elements, nested ones too"
-    assert refusal(written(tmp_path, text, "robot.xml")) == message
 
 
 NESTED = {
@@ -269,32 +133,143 @@ def test_replicates_beside_each_other_are_a_sum(tmp_path):
     assert "makes more than" in refusal(written(tmp_path, body(3 * inner), "robot.xml"))
 
 
-@pytest.mark.parametrize("key", ["nkey", "nuserdata", "nuser_body"])
-def test_a_table_that_fills_the_memory_is_refused(tmp_path, key):
+#: Where a model may read other files from.
+INSIDE = "there is no such file inside the model's folder or one given by '--package-path'"
+CHAIN = "".join(f'<link name="l{k}"/>' for k in range(3000)) + "".join(
+    f'<joint name="j{k}" type="fixed"><parent link="l{k}"/><child link="l{k + 1}"/></joint>'
+    for k in reversed(range(2999))
+)
+BOMB = '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]>\n'
+
+
+def sized(key: str) -> str:
+    """An MJCF file with a table of two thousand million entries."""
     sizes = f'<size memory="1G" njmax="99999" {key}="2000000000"/>'
-    text = f"<mujoco>{sizes}<worldbody><body/></worldbody></mujoco>"
-    message = f"FILE:1: '{key}' of <size> must be at most 10000, got '2000000000'"
-    assert refusal(written(tmp_path, text, "robot.xml")) == message
+    return f"<mujoco>{sizes}<worldbody><body/></worldbody></mujoco>"
 
 
-def test_a_chain_of_thousands_of_links_is_refused(tmp_path):
-    links = "".join(f'<link name="l{k}"/>' for k in range(3000))
-    joints = "".join(
-        f'<joint name="j{k}" type="fixed"><parent link="l{k}"/><child link="l{k + 1}"/></joint>'
-        for k in reversed(range(2999))
-    )
-    message = "FILE:1: links hang on each other more than 256 deep"
-    assert refusal(written(tmp_path, f"<robot>{links}{joints}</robot>")) == message
+def reading(tag: str, file: str) -> str:
+    """An MJCF file that names another file."""
+    return body("", f'<asset><{tag} name="m" file="{file}"/></asset>')
 
 
-def test_a_rotation_that_is_given_twice_is_refused(tmp_path):
-    text = body('<inertial mass="1" diaginertia="1 1 1" quat="1 0 0 0" euler="0 0 0"/>')
-    message = "FILE:1: <inertial> gives its rotation twice: 'quat' and 'euler'"
-    assert refusal(written(tmp_path, text, "robot.xml")) == message
+#: The file's text, the line of the complaint, and the complaint.
+REFUSED = {
+    "no text": ("", 1, "not well-formed XML: no element found"),
+    "an open element": ("<robot><link></robot>", 1, "not well-formed XML: mismatched tag"),
+    "two roots": ("<robot/><robot/>", 1, "not well-formed XML: junk after document element"),
+    "an attribute twice": (
+        *('<robot><link name="a" name="b"/></robot>', 1),
+        "not well-formed XML: duplicate attribute",
+    ),
+    "SDF": ("<sdf/>", 1, "SDF is not read; convert it to URDF or MJCF"),
+    "HTML": ("<html/>", 1, "<html> is neither URDF (<robot>) nor MJCF (<mujoco>)"),
+    "no link": ("<robot/>", 1, "<robot> has no <link>: there is nothing to inspect"),
+    "no body": ("<mujoco/>", 1, "<mujoco> has no <body>: there is nothing to inspect"),
+    "xacro": (
+        *('<robot><xacro:macro name="m"/></robot>', 1),
+        "<xacro:macro> is xacro: expand it first, 'xacro FILE > robot.urdf'",
+    ),
+    "an include in a URDF": (
+        '<robot>\n<mujoco><include file="/etc/passwd"/></mujoco><link name="a"/></robot>',
+        *(2, "<include> has no place in a URDF; expand the file first"),
+    ),
+    "a DTD": (
+        *(robot(link("a"), head=BOMB), 1),
+        "a DTD (<!DOCTYPE …>) is refused: it can make a small file huge or read other files; "
+        "remove it",
+    ),
+    "nested without end": (
+        *(robot("<a>" * MAX_DEPTH + "</a>" * MAX_DEPTH), 2),
+        f"elements are nested more than {MAX_DEPTH} deep",
+    ),
+    "a chain of thousands of links": (
+        *(f"<robot>{CHAIN}</robot>", 1),
+        "links hang on each other more than 256 deep",
+    ),
+    "too large an inertia": (
+        *(arm(diagonal("1e308", "1e308", "1e308")), 3),
+        "the inertia is too large to be computed with",
+    ),
+    "a number of the tensor": (
+        *(arm(diagonal("0.1", "0,1", "0.1")), 3),
+        "'iyy' of <inertia> must be decimal numbers, got '0,1': engines stop reading at the comma",
+    ),
+    "a vector of two": (
+        *(arm().replace('rpy="0 0 0.5"', 'rpy="0 0.5"'), 3),
+        "'rpy' of <origin> must be 3 numbers, got '0 0.5'",
+    ),
+    "a rotation given twice": (
+        body('<inertial mass="1" diaginertia="1 1 1" quat="1 0 0 0" euler="0 0 0"/>'),
+        *(1, "<inertial> gives its rotation twice: 'quat' and 'euler'"),
+    ),
+    "twins": (
+        *(robot(link("a"), link("a")), 3),
+        "a second link is named 'a'; names must differ",
+    ),
+    "two links on no joint": (
+        *(robot(link("a"), link("b")), 3),
+        "links 'a' and 'b' both hang on no joint; engines want one root",
+    ),
+    "no such link": (
+        *(robot(link("a"), link("b"), joint("a", "c")), 4),
+        "<joint name='to-c'> must name a link of the file as its child, got 'c'",
+    ),
+    "two parents": (
+        *(robot(link("a"), link("b"), joint("a", "b"), joint("a", "b")), 5),
+        "<joint name='to-b'>: the link 'b' hangs on a joint already",
+    ),
+    "a ring": (
+        *(robot(link("a"), link("b"), joint("a", "b"), joint("b", "a")), 1),
+        "joints lead from the link 'a' back to itself",
+    ),
+    "two inertials": (
+        *(robot(link("a", inertial() + inertial())), 2),
+        "a second <inertial> in <link name='a'>: engines do not take the same one",
+    ),
+    "no tensor": (
+        *(robot(link("a", '<inertial><mass value="1"/></inertial>')), 2),
+        "<inertial> lacks <inertia>: engines do not fill in the same",
+    ),
+    "half a tensor": (
+        *(robot(link("a", inertial(tensor='ixx="1" iyy="1" izz="1"'))), 2),
+        "<inertia> lacks 'ixy'",
+    ),
+    **{
+        f"an include of {file}": (
+            *(f'<mujoco>\n<include file="{file}"/></mujoco>', 2),
+            f"<include> of '{file}': {INSIDE}",
+        )
+        for file in ("/etc/passwd", "../outside.xml", "none.xml")
+    },
+    **{
+        f"a {tag} elsewhere": (
+            *(reading(tag, "/etc/passwd"), 1),
+            f"<{tag}> of '/etc/passwd': {INSIDE}",
+        )
+        for tag in ("model", "hfield")
+    },
+    "an include of itself": (
+        *('<mujoco><include file="robot.xml"/></mujoco>', 1),
+        "<include> of 'robot.xml': a file can be included once",
+    ),
+    "bodies without number": (
+        *(body('<replicate count="1e8"><body/></replicate>'), 1),
+        "<replicate> makes more than 4096 elements, nested ones too",
+    ),
+    **{
+        f"a memory full of {key}": (
+            *(sized(key), 1),
+            f"'{key}' of <size> must be at most 10000, got '2000000000'",
+        )
+        for key in ("nkey", "nuserdata", "nuser_body")
+    },
+}
 
 
-def test_the_tensors_numbers_are_read_as_strictly_as_the_mass(tmp_path):
-    text = arm(diagonal("0.1", "0,1", "0.1"))
-    assert "'iyy' of <inertia> must be decimal numbers, got '0,1'" in refusal(
-        written(tmp_path, text)
-    )
+@each_case(("text", "line", "message"), REFUSED)
+def test_what_is_no_model_that_all_read_alike_is_refused(tmp_path, text, line, message):
+    written(tmp_path, "<mujoco/>", "outside.xml")
+    kind = "xml" if text.startswith("<mujoco") else "urdf"
+    path = written(tmp_path, text, f"inner/robot.{kind}")
+    assert refusal(path) == f"FILE:{line}: {message}"

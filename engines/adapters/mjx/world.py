@@ -1,0 +1,119 @@
+"""A body in MJX, which needs `mujoco`, `mujoco-mjx`, `jax` and numpy alone."""
+
+from contextlib import redirect_stdout
+from functools import cache
+from io import StringIO
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+
+with redirect_stdout(StringIO()):  # It prints that Warp is not there.
+    from mujoco import mjx
+
+#: Samples that one call takes: a call costs as much as a hundred steps.
+SAMPLES_A_CALL = 256
+#: Fields that mark aligned bodies.
+MARKS = ("body_sameframe", "body_simple", "dof_simplenum")
+
+
+def in_precision(is_double):
+    """Have JAX compute on the CPU, in double precision or in single, its own."""
+    jax.config.update("jax_platforms", "cpu")
+    if jax.config.jax_enable_x64 != is_double:
+        jax.config.update("jax_enable_x64", is_double)
+        # Functions that were traced in the other precision do not fit MJX's any more.
+        jax.clear_caches()
+
+
+def nameless(text):
+    """The MJCF without what makes JAX compile anew though it alters no step: name and keyframe."""
+    spec = mujoco.MjSpec.from_string(text)
+    spec.modelname = ""
+    spec.delete(spec.keys[0])
+    return spec
+
+
+def in_mjx(compiled):
+    """A compiled model, and data at rest, as MJX has them, in numpy's arrays.
+
+    As numpy's: the compiled loop takes none of JAX's weak types, and MuJoCo's audit reads them. The
+    marks of aligned bodies, by which MuJoCo's C code saves itself work, are left out: MJX's steps
+    do not read them, but JAX would compile them anew for each.
+    """
+    model = mjx.put_model(compiled)
+    model = model.replace(**{name: np.zeros_like(getattr(model, name)) for name in MARKS})
+    return jax.tree.map(np.asarray, (model, mjx.make_data(model)))
+
+
+def kinds(arrays):
+    """Shape and type of each."""
+    return tuple((array.shape, str(array.dtype)) for array in arrays)
+
+
+@cache
+def loop(trees, still, moving):
+    """The compiled loop of steps: numbers are arguments; only the model's structure is compiled."""
+    model_tree, data_tree = trees
+
+    def run(still, moving, strides, count):
+        model = jax.tree.unflatten(model_tree, still)
+
+        def step(_, moving):
+            return jax.tree.leaves(mjx.step(model, jax.tree.unflatten(data_tree, moving)))
+
+        def sample(k, carried):
+            moving, rows = carried
+            moving = jax.lax.fori_loop(0, strides[k], step, moving)
+            data = jax.tree.unflatten(data_tree, moving)
+            return moving, rows.at[k].set(jnp.concatenate([data.qpos, data.qvel]))
+
+        data = jax.tree.unflatten(data_tree, moving)
+        rows = jnp.zeros((SAMPLES_A_CALL, model.nq + model.nv), data.qpos.dtype)
+        return jax.lax.fori_loop(0, count, sample, (moving, rows))
+
+    kinds = (still, moving, (((SAMPLES_A_CALL,), "int32"),), (((), "int32"),))
+    still_as, moving_as, (strides_as,), (count_as,) = (
+        [jax.ShapeDtypeStruct(*kind) for kind in part] for part in kinds
+    )
+    return jax.jit(run).lower(still_as, moving_as, strides_as, count_as).compile()
+
+
+class World:
+    """MJX's model and data as flat lists of JAX's arrays, from coordinates qpos and qvel on."""
+
+    def __init__(self, model, data, timestep, qpos, qvel):
+        self.is_double = data.qpos.dtype == np.float64
+        in_precision(self.is_double)
+        self.at_rest, self.trees = data, (jax.tree.structure(model), jax.tree.structure(data))
+        self.set_timestep(model, timestep)
+        self.still = jax.device_put(self.still)
+        self.restart(qpos, qvel)
+        self.loop = loop(self.trees, kinds(self.still), kinds(self.moving))
+        self.run([])
+
+    def set_timestep(self, model, timestep):
+        """Set the length of the steps of a model from now on, s."""
+        made = np.asarray(timestep, dtype=model.opt.timestep.dtype)
+        self.model = model.tree_replace({"opt.timestep": made})
+        self.still = jax.tree.leaves(self.model)
+
+    def restart(self, qpos, qvel):
+        """Set other coordinates, and leave nothing of earlier steps."""
+        of_data = self.at_rest.qpos.dtype
+        qpos, qvel = (np.asarray(numbers, dtype=of_data) for numbers in (qpos, qvel))
+        self.moving = jax.tree.leaves(self.at_rest.replace(qpos=qpos, qvel=qvel))
+
+    def run(self, strides):
+        """Take some steps before each sample; returns qpos and qvel of each, one a row."""
+        padded = np.zeros(SAMPLES_A_CALL, dtype=np.int32)
+        padded[: len(strides)] = strides
+        in_precision(self.is_double)
+        ended = self.loop(self.still, self.moving, padded, np.int32(len(strides)))
+        self.moving, rows = jax.block_until_ready(ended)
+        return np.asarray(rows)[: len(strides)]
+
+    def data(self):
+        """MJX's data now, in numpy's arrays."""
+        return jax.tree.unflatten(self.trees[1], [np.asarray(array) for array in self.moving])

@@ -1,0 +1,69 @@
+"""What an engine can simulate with: its methods, and those of its other versions."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+#: What engines of jointed rigid bodies can simulate: not all that a scene can call for. A method
+#: that has a further effect names it besides.
+COMMON_EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
+
+
+@dataclass(frozen=True)
+class Method:
+    """One way an engine can simulate a top: an integrator, a formulation.
+
+    Attributes
+    ----------
+    name : as users type it
+    order : order of accuracy of ω in the timestep, as the adapter declares it
+    attitude_order : likewise of the attitude
+    summary : one line for tables
+    effects : names out of `scenarios.EFFECTS` that it can simulate
+    requires : effects without which it makes no sense, such as a pivot for a pivot constraint
+    max_rotation_per_step : rad; beyond it the engine silently clamps, so it is not run
+    as_shipped : the engine with all its defaults: how it differs from the scene is reported as a
+        remark, and does not fail a run
+    by_angles : whether the attitude of a held body is stepped as roll, pitch and yaw
+    damping : 1/s, at which it slows bodies that nothing slows
+    reader : whether it differs from a method of another engine only in how models are read
+    setup : what users of the engine write to have it, with `TIMESTEP` for the timestep in s; empty
+        if that is no matter of a few lines
+    """
+
+    name: str
+    order: int
+    attitude_order: int
+    summary: str
+    effects: frozenset[str]
+    requires: frozenset[str] = frozenset()
+    max_rotation_per_step: float = np.inf
+    as_shipped: bool = False
+    by_angles: bool = False
+    damping: float = 0.0
+    reader: bool = False
+    setup: str = ""
+
+    @property
+    def is_recommendable(self) -> bool:
+        """Whether it may be recommended to users: it simulates the scene as no other does."""
+        return not (self.as_shipped or self.reader)
+
+
+@dataclass(frozen=True)
+class Release:
+    """One version of an engine.
+
+    Attributes
+    ----------
+    requirements : distributions, as pip takes them, with nothing that they depend on but what this
+        version needs otherwise than the newest does
+    methods : with their orders in that version
+    installed_as : the engine whose installed versions it shares; its own name if empty
+    surplus : packages that come along and that no run imports: they are not kept
+    """
+
+    requirements: tuple[str, ...]
+    methods: tuple[Method, ...]
+    installed_as: str = ""
+    surplus: tuple[str, ...] = ()
