@@ -10,7 +10,6 @@ import typer
 
 from ..results.verdict_words import UNPROVEN
 from .engines.engine_commands import app as engine_commands
-from .engines.version_commands import app as version_commands
 from .grouped import EnsembleCommand, ErrorBoundsCommand, GroupedCommands, error_bounds
 from .judge.judge_command import app as judge_command
 from .options import (
@@ -66,7 +65,6 @@ app.add_typer(sweep_commands)
 app.add_typer(engine_commands)
 app.add_typer(model_commands)
 app.add_typer(picture_commands)
-app.add_typer(version_commands)
 
 
 def _print_version(wanted: bool) -> None:

@@ -6,8 +6,7 @@ from typing import Any
 from ...scenarios import SIGNALS
 from ..results.cost_records import EffectsCost, PassCosts
 from ..results.records import Key
-from .analysis.cost_to_reach import LEVELS, Reach, reach
-from .analysis.profiles import SceneCurves, order_ratios, profile, tally
+from .analysis.cost_to_reach import LEVELS, Reach, SceneCurves, order_ratios, profile, reach, tally
 from .analysis.report_data import MethodRuns, ReportData, SceneRuns
 from .analysis.trace_style import trace_styles
 from .analysis.wording import NOTHING, number

@@ -21,7 +21,7 @@ from ..results.store import Results
 from .analysis.report_data import ReportData, SceneRuns, report_data
 from .cost_section import cost_section, effects_table, harm_in_words, passes_table, scene_costs
 from .figures.figures import figures
-from .overview import hard_cases, overview
+from .overview import overview
 from .overview.first_screen import answer
 from .overview.heat_map import FIRST_SIGNAL, heat_map, stock_table
 from .overview.spread import spread
@@ -150,14 +150,14 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
 
 
 def _hard_cases(gathered: ReportData, environment: Environment) -> dict[str, Any]:
-    scenes = hard_cases.hard_scenes(gathered)
+    scenes = overview.hard_scenes(gathered)
     are = "scene is" if len(scenes) == 1 else "scenes are"
     count = f"{len(scenes)} {are}"
     return {
         "scenes": scenes,
         "text": environment.get_template("hard.md").render(count=count, **RULES),
-        "matrix": hard_cases.survivors(gathered),
-        "methods": hard_cases.survivors_table(gathered),
+        "matrix": overview.survivors(gathered),
+        "methods": overview.survivors_table(gathered),
     }
 
 

@@ -46,7 +46,7 @@ def _of_kind(
     declared: dict[Pair, Method | None],
     styles: dict[Pair, TraceStyle],
 ) -> dict[str, Any] | None:
-    """Of each engine its default and its best method; each scene with the link to its ensemble."""
+    """The members of a kind: each engine's default and best method, the scenes and their pages."""
     # Two ensembles of a scene may have members in common.
     points = {
         (p.key.scenario, p.place, p.pair): p for one in ensembles.values() for p in one.points

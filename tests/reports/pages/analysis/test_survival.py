@@ -7,13 +7,13 @@ from made_up import TIMESTEPS, TOP, results
 from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.pages.analysis.timesteps import in_words, survival
 from spincheck.reports.pages.analysis.wording import number
-from spincheck.reports.pages.overview.hard_cases import (
+from spincheck.reports.pages.overview.overview import (
     TURNS,
     hard_scenes,
+    headline,
     survivors,
     survivors_table,
 )
-from spincheck.reports.pages.overview.overview import headline
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.store import Results
 from spincheck.scenarios import loads
