@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 #: Methods of engines here that would take a scene with an effect that the format got after them.
 PLANT = """
 from spincheck.scenarios.effects import EFFECTS, Effect, EffectTable
@@ -17,6 +19,7 @@ print(*(one for one in answers if "spring" not in one[2]), sep="\\n", end="")
 """
 
 
+@pytest.mark.processes
 def test_no_adapter_claims_an_effect_that_it_does_not_name() -> None:
     command = [sys.executable, "-c", PLANT]
     done = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -28,6 +28,7 @@ from spincheck.scenarios import LIBRARY, Scenario, errors_between, load
 from spincheck.scenarios.effects.table import along, force
 from spincheck.scenarios.rotation import matrices
 from spincheck.scenarios.vary import varied
+from spincheck.suite.contract_scenes import SCENES as CONTRACT
 
 pytestmark = pytest.mark.slow
 
@@ -41,7 +42,7 @@ PLANTED = 1e-12
 #: rad, of an angle near a turning point that is read off its cosine.
 BY_COSINE = float(np.sqrt(EPS))
 SCENES = [load(path) for path in sorted(LIBRARY.glob("table/*.toml"))]
-SCENES.append(load(LIBRARY / "hard/dental-top-on-glass.toml"))
+SCENES += [load(LIBRARY / "hard/dental-top-on-glass.toml"), CONTRACT["table-rotors"]]
 each_scene = each_case("scene", SCENES)
 UP = mp.matrix([0, 0, 1])
 
@@ -52,16 +53,31 @@ def cross(a, b):
     )
 
 
+def mobile(scene: Scenario):
+    """What I ω is multiplied by to be ω, and the momentum that rotors keep, both in body axes.
+
+    The moment of a free rotor about its hinge is no part of I: it keeps what it has.
+    """
+    inertia, kept = mp.matrix(scene.body.inertia_com_exact), mp.zeros(3, 1)
+    for rotor in scene.rotors.each:
+        axis, spin = mp.matrix(rotor.axis), rotor.spin
+        if rotor.hinge == "free":
+            inertia -= rotor.along * axis * axis.T
+            spin += (axis.T * mp.matrix(scene.start.omega_body_exact))[0]
+        kept += rotor.along * spin * axis
+    return inertia**-1, kept
+
+
 def rates(scene: Scenario):
     """dy/dt of y = (L about the com, the columns of R), world axes."""
-    inverse = mp.matrix(scene.body.inertia_com_exact) ** -1
+    inverse, kept = mobile(scene)
     mass, tip = scene.body.mass_exact, -mp.matrix(scene.constraint.lever_exact)
     down, drag = mpf(float(scene.gravity_world[2])), mpf(scene.pushed["drag"])
 
     def rate(y):
         L, R = y[0:3, 0], mp.matrix([[y[3 + 3 * k + i] for k in range(3)] for i in range(3)])
         mobility, arm = R * inverse * R.T, R * tip
-        omega = mobility * L
+        omega = mobility * (L - R * kept)
         per_newton = mobility * cross(arm, UP)
         without = mobility * (-drag * omega - cross(omega, L))
         bend = cross(omega, cross(omega, arm))
@@ -101,7 +117,8 @@ def start_of(scene: Scenario):
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
         ]
     )
-    L = R * (mp.matrix(scene.body.inertia_com_exact) * mp.matrix(scene.start.omega_body_exact))
+    inverse, kept = mobile(scene)
+    L = R * (inverse**-1 * mp.matrix(scene.start.omega_body_exact) + kept)
     return mp.matrix([*L, *(R[i, k] for k in range(3) for i in range(3))])
 
 
@@ -116,12 +133,12 @@ def largest_error(scene: Scenario, told: Scenario) -> mpf:
     largest = mpf(0)
     with mp.workdps(DIGITS):
         rate, y = rates(told), start_of(told)
-        inverse = mp.matrix(told.body.inertia_com_exact) ** -1
+        inverse, kept = mobile(told)
         height = mpf(0) + told.constraint.place_exact[2]
         for k in range(1, STEPS + 1):
             y = extrapolated(rate, y, mpf(times[k]) - mpf(times[k - 1]))
             R = mp.matrix([[y[3 + 3 * c + i] for c in range(3)] for i in range(3)])
-            omega = inverse * (R.T * y[0:3, 0])
+            omega = inverse * (R.T * y[0:3, 0] - kept)
             w, q1, q2, q3 = map(mpf, motion.q_world_body_wxyz[k].tolist())
             got = start_of(replace_attitude(told, (w, q1, q2, q3)))[3:, 0]
             largest = max(largest, mp.norm(got - y[3:, 0]))
@@ -148,6 +165,11 @@ def test_a_tip_a_trillionth_off_would_show() -> None:
     scene = next(scene for scene in SCENES if scene.name == "gliding-top")
     moved = varied(scene, {"effects.table.tip[2]": PLANTED})
     assert largest_error(moved, scene) > 10 * AGREES
+
+
+def test_a_spin_a_trillionth_off_would_show() -> None:
+    moved = varied(CONTRACT["table-rotors"], {"rotors[0].spin": PLANTED})
+    assert largest_error(moved, CONTRACT["table-rotors"]) > 10 * AGREES
 
 
 @each_scene

@@ -26,7 +26,8 @@ def step(count):
 def state():
     \"\"\"Attitude, w x y z, body to world, and angular velocity in body axes.\"\"\"
     data = world.data()
-    return np.array(data.qpos[-4:], dtype=float), np.array(data.qvel[-3:], dtype=float)
+    q, omega = data.qpos[{moving} : {moving} + 4], data.qvel[{moving} : {moving} + 3]
+    return np.array(q, dtype=float), np.array(omega, dtype=float)
 """
 
 
@@ -40,6 +41,7 @@ def script(scenario: Scenario, integrator: str | None, timestep: float, is_doubl
         is_double=is_double,
         qpos=qpos,
         qvel=qvel,
+        moving=3 - sum(scenario.constraint.is_held),
     )
 
 

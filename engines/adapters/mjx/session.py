@@ -1,10 +1,12 @@
 """A scene in MJX: stepped by one compiled loop, audited by MuJoCo's functions."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cache, lru_cache
 from importlib import import_module
 from typing import Any, final
 
+import mujoco
 import numpy as np
 
 from ....scenarios import FloatArray, Scenario
@@ -13,7 +15,7 @@ from ...models.mjcf import start_coordinates
 from ...session import Session
 from ...user_cache import user_cache
 from ..mujoco.audit import FLAG_WORDS, acting
-from ..mujoco.coordinates import TURNING, body_of, coordinates_of, states_of
+from ..mujoco.coordinates import anchor_of, axial_of, body_of, coordinates_of, states_of
 from ..mujoco.session import compiled
 from .script import SPRINGS
 
@@ -23,11 +25,12 @@ MODELS = 64
 
 @final
 class MJXSession(Session):
-    """One body, on a ball joint or free; MJX's model and data as flat lists of JAX's arrays."""
+    """One body and its rotors; MJX's model and data as flat lists of JAX's arrays."""
 
     def __init__(self, scenario: Scenario, text: str, timestep: float, is_double: bool) -> None:
-        self._scenario = scenario
+        self._scenario, self._is_turning = scenario, scenario.rotors.is_turning
         model, data = _in_mjx(text, is_double)
+        self._arm_body, self._place_world = anchor_of(model)
         self._world = _module().World(model, data, timestep, *start_coordinates(scenario))
 
     @property
@@ -38,19 +41,21 @@ class MJXSession(Session):
     @property
     def restarts_to_the_last_bit(self) -> bool:
         """Unless it moves another point of the body than its com."""
-        model = self._world.model
-        return bool(model.nv == TURNING) or not model.body_ipos[-1].any()
+        on_pivot = self._world.model.jnt_type[0] == mujoco.mjtJoint.mjJNT_BALL
+        return bool(on_pivot or not self._arm_body.any())
 
     def restart(self, state: State, timestep: float | None = None) -> None:
         """The data of the start with the coordinates of the state; nothing is compiled again."""
         model = self._world.model
         if timestep is not None:
             self._world.set_timestep(model, timestep)
-        self._world.restart(*coordinates_of(state, model.nv, model.body_ipos[-1]))
+        arm, is_turning = self._arm_body, self._is_turning
+        self._world.restart(*coordinates_of(state, model.nv, arm, is_turning))
 
     def read_body(self) -> BodyReading:
         """The body in MJX's model."""
-        return body_of(self._world.model)
+        model = self._world.model
+        return replace(body_of(model), axial=axial_of(model, len(self._is_turning)))
 
     def read_state(self) -> State:
         """The state now."""
@@ -65,7 +70,9 @@ class MJXSession(Session):
         """The states, read from qpos and qvel alone."""
         model = self._world.model
         qpos, qvel = np.split(np.array(snapshots, dtype=float), [model.nq], axis=1)
-        return states_of(qpos, qvel, model.body_ipos[-1])
+        states = states_of(qpos, qvel, self._arm_body, self._is_turning)
+        states.com_world[:] += self._place_world
+        return states
 
     def advance(self, steps: int) -> None:
         """One compiled loop."""

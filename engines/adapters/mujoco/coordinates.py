@@ -38,7 +38,7 @@ def axial_of(model: Any, count: int) -> FloatArray:
     rows = np.zeros((count, 3))
     for joint in range(model.body_jntnum[WORLD + 1], model.njnt):
         body = model.jnt_bodyid[joint]
-        axis = _rotation(model.body_quat[body]).apply(model.jnt_axis[joint])
+        axis = _rotation(model.body_quat[body]).apply(np.array(model.jnt_axis[joint]))
         rows[body - model.nbody + count] = axis * (axis @ one_body(model, body).inertia_com @ axis)
     return rows
 

@@ -69,8 +69,10 @@ WAYS = {
     "contact-default": Way(None, by_contact=True),
     "urdf-RK4": Way("RK4", description=Description(urdf=True)),
 }
+#: Of a table by contact.
+BY_CONTACT = COMMON_EFFECTS | {"table"}
 #: What joints can be of: a table is two slides under a ball, a rotor's hinge is a hinge.
-EFFECTS = COMMON_EFFECTS | {"table", "rotors"}
+EFFECTS = BY_CONTACT | {"rotors"}
 ON_TABLE = frozenset({"table"})
 CONTACT_SETUP = """\
 {setup}
@@ -88,7 +90,7 @@ def _by_contact(integrator: str, order: int) -> Method:
         order,
         order,
         f"{integrator}, the table as a contact as stiff as the timestep allows",
-        EFFECTS,
+        BY_CONTACT,
         requires=ON_TABLE,
         setup=CONTACT_SETUP.format(setup=setup(integrator)),
     )
@@ -126,7 +128,7 @@ class MuJoCo(Engine):
             1,
             1,
             "as shipped: Euler, the table as a contact with a time constant of 20 ms",
-            EFFECTS,
+            BY_CONTACT,
             requires=ON_TABLE,
             as_shipped=True,
         ),

@@ -79,6 +79,23 @@ inertia = [0.1, 0.12]
 spin = -5.0
 hinge = "driven"
 """
+#: For the toy top.
+SMALL_ROTORS = """
+[[rotors]]
+axis = [0.1, 0.0, 1.0]
+position = [0.0, 0.0, 0.05]
+mass = 0.02
+inertia = [1e-5, 1.5e-5]
+spin = 100.0
+hinge = "free"
+[[rotors]]
+axis = [0.0, 1.0, 1.0]
+position = [0.01, 0.0, 0.03]
+mass = 0.01
+inertia = [5e-6, 6e-6]
+spin = -30.0
+hinge = "driven"
+"""
 
 
 def scene(
@@ -145,6 +162,7 @@ SCENES: dict[str, Scenario] = {
         scene("pivot-rotors", body=TILTED, effects=PIVOT + SKEW_GRAVITY + ROTORS),
         scene("table", body=TOP, start=SPUN_UP, effects=TABLE + GRAVITY),
         scene("table-torque-body", body=TOP, start=SPUN_UP, effects=TABLE + GRAVITY + FEEBLE),
+        scene("table-rotors", body=TOP, start=SPUN_UP, effects=TABLE + GRAVITY + SMALL_ROTORS),
         scene("everything", body=TILTED, effects=PIVOT + SKEW_GRAVITY + DRAG + TORQUE_WORLD),
     )
 }

@@ -21,7 +21,7 @@ pytestmark = pytest.mark.slow
 
 #: A free rotor and a locked one off the com, four on a falling body, a driven one on a pivot.
 ROTORS = ("brake-on-one-wheel", "quadrotor-body", "gyroscope-in-its-frame")
-METHODS = {"pin": "RK4", "drake": "runge_kutta3", "dartpy": "semi-implicit"}
+METHODS = {"mjx": "Euler", "pin": "RK4", "drake": "runge_kutta3", "dartpy": "semi-implicit"}
 #: Rotor's turns a step, rad, of the coarser of two runs; and how many steps it takes.
 TURN, STEPS = 0.1, 64
 #: How far an order may fall short of the declared one, as in the contract.

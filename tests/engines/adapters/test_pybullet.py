@@ -95,9 +95,11 @@ def printed(first: str) -> str:
     return (process.stdout + process.stderr).decode()
 
 
+@pytest.mark.processes
 def test_nothing_reaches_the_terminal() -> None:
     assert printed("") == ""
 
 
+@pytest.mark.processes
 def test_without_the_capture_it_would() -> None:
     assert "pybullet build time" in printed("import pybullet")

@@ -19,6 +19,7 @@ def exact():
     return spincheck.exact("fast-top").at(np.linspace(0, 2, 401))
 
 
+@pytest.mark.processes
 def test_importing_it_imports_no_numpy():
     code = "import sys, spincheck; sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -250,6 +250,7 @@ def test_an_empty_file_is_begun(path):
         assert store.read().rows == []
 
 
+@pytest.mark.processes
 def test_a_second_writer_is_refused(path):
     program = (
         "import sys; from pathlib import Path\n"

@@ -35,6 +35,7 @@ def test_a_gif_has_a_frame_a_time_and_they_differ(tmp_path):
 
 
 @pytest.mark.usefixtures("few_frames")
+@pytest.mark.processes
 def test_an_mp4_has_a_frame_a_time_and_they_differ(tmp_path):
     ffmpeg = shutil.which("ffmpeg")
     if ffmpeg is None:
