@@ -58,7 +58,7 @@ bench: $(READY)
 kills: $(READY)
 	PYTHONPATH=tests/support $(BIN)/python tests/reports/cli/kills.py
 
-# The smallest planted fault that is detected, by kind, method class and scene; written to docs/measured/thresholds.md and into reports.
+# The smallest planted fault that is detected, by kind, method class and scene; written to docs/measured/thresholds.md.
 thresholds: $(READY)
 	PYTHONPATH=tests/support $(BIN)/python tests/reports/harness/measure_thresholds.py
 

@@ -28,7 +28,7 @@ from .checks.read_back import (
 )
 from .fault import ENVIRONMENTAL
 from .method import Method, Release
-from .models.description import Description
+from .models.description import PLAIN, Description
 from .run import Run
 from .sampling import Sampled, sample
 from .session import Session
@@ -51,7 +51,7 @@ class Engine(ABC):
     script_language : what `script` is written in
     steps_in : the native function in which its steps are taken, as valgrind names it, `*` for any
         characters; empty if they are not all native
-    describes : features of `Description` that `open_as` can write
+    describes : features of `Description` that `open_with` can write
     """
 
     name: str
@@ -105,11 +105,25 @@ class Engine(ABC):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Compile the scene, with its effects and nothing else, and set its start."""
 
-    def open_as(
-        self, scenario: Scenario, method: Method, timestep: float, description: Description
+    def open_with(
+        self,
+        scenario: Scenario,
+        method: Method,
+        timestep: float,
+        *,
+        left_in: Collection[str] = (),
+        defaults: Collection[str] | None = None,
+        description: Description = PLAIN,
     ) -> Session:
-        """As `open`, with the body described in another way; see `describes`."""
-        raise NotImplementedError(f"{self.name} has one way to describe a body.")
+        """As `open`, but otherwise in one of these.
+
+        Parameters
+        ----------
+        left_in : which of `left_out` are left in, to time what they cost
+        defaults : which of `defaults` alone act
+        description : of the body; see `describes`
+        """
+        raise NotImplementedError(f"{self.name} opens a scene in one way.")
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
         """Code that builds the scene with this engine's package alone; empty if there is none.
@@ -124,34 +138,9 @@ class Engine(ABC):
         """What `open` leaves out that costs time and changes no motion, by the engine's names."""
         return ()
 
-    def open_with(
-        self, scenario: Scenario, method: Method, timestep: float, left_in: Collection[str]
-    ) -> Session:
-        """As `open`, with some of `left_out` left in, to time what they cost."""
-        raise NotImplementedError(f"{self.name} leaves nothing out.")
-
-    @final
-    def open_unpruned(
-        self,
-        scenario: Scenario,
-        method: Method,
-        timestep: float,
-        left_in: Collection[str] | None = None,
-    ) -> Session | None:
-        """As `open_with`, or with all of `left_out` if None; None if nothing is left out."""
-        names = self.left_out(scenario, method)
-        kept = names if left_in is None else left_in
-        return self.open_with(scenario, method, timestep, kept) if names else None
-
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
         """The defaults of a method as shipped that alter motions, by the engine's names."""
         return ()
-
-    def open_with_defaults(
-        self, scenario: Scenario, method: Method, timestep: float, defaults: Collection[str]
-    ) -> Session:
-        """As `open`, with only these of a method's `defaults`."""
-        raise NotImplementedError(f"{self.name} {method.name} has no defaults that alter motions.")
 
     def differences(
         self,

@@ -2,7 +2,7 @@
 
 from .agreement import ErrorNorm, ErrorSeries, error_series, errors_between
 from .body import Body
-from .catalogue import LIBRARY, find, scenario_files
+from .catalogue import LIBRARY, find, hiding_the_library, scenario_files
 from .document import Document, Expect, Known, Published, Window
 from .effects import EFFECTS, PUSHED, Effects, push
 from .errors import Misfit, ScenarioError, did_you_mean, printable
@@ -57,6 +57,7 @@ __all__ = [
     "errors_by_key",
     "find",
     "from_tables",
+    "hiding_the_library",
     "is_scenario",
     "is_scene_name",
     "kinetic_energy",

@@ -1,6 +1,8 @@
 """Finds scenario files: by path, by folder, or by name in the library that comes along."""
 
-from collections.abc import Iterable
+import os
+from collections.abc import Iterable, Iterator
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 
@@ -10,19 +12,31 @@ from .load import is_scenario, is_scene_name
 #: Endings of models, which are given by mistake.
 MODELS = (".urdf", ".xml", ".mjcf", ".xacro")
 LIBRARY = Path(str(files(__package__))) / "library"
+#: Files and folders that are looked at below a folder: a whole disk holds more, and takes minutes.
+MOST_ENTRIES = 50_000
 
 
 def scenario_files(folder: Path) -> list[Path]:
     """Every scenario below a folder, sorted by path; other TOML files are passed over.
 
+    Links to folders are not followed, and hidden folders not entered.
+
     Raises
     ------
     ScenarioError
-        If two files share a name: a scene is known by its file's stem.
+        If it holds more than `MOST_ENTRIES` files and folders, or two files share a name: a scene
+        is known by its file's stem.
     """
-    paths = [path for path in sorted(folder.rglob("*.toml")) if is_scenario(path)]
+    paths = [path for path in sorted(_toml_files(folder)) if is_scenario(path)]
     _check_unique(paths)
     return paths
+
+
+def hiding_the_library(names: Iterable[str]) -> list[Path]:
+    """The files and folders of the current folder that `find` takes before those of the library."""
+    there = {path: name for name in names for path in _of_current_folder(name)}
+    known = {one for path in _library() for one in (path.stem, path.parent.name)} if there else ()
+    return [path for path, name in there.items() if name in known]
 
 
 def find(names: Iterable[str]) -> list[Path]:
@@ -42,8 +56,30 @@ def find(names: Iterable[str]) -> list[Path]:
     return unique
 
 
+def _toml_files(folder: Path) -> Iterator[Path]:
+    count = 0
+    for path, folders, files_there in os.walk(folder):
+        count += len(folders) + len(files_there)
+        if count > MOST_ENTRIES:
+            raise ScenarioError(
+                f"{printable(str(folder))}: holds more than {MOST_ENTRIES} files and folders; "
+                "name the folder in it that has your scenes"
+            )
+        folders[:] = [name for name in folders if not name.startswith(".")]
+        yield from (Path(path, name) for name in files_there if name.endswith(".toml"))
+
+
+@cache
 def _library() -> list[Path]:
     return scenario_files(LIBRARY)
+
+
+def _of_current_folder(name: str) -> Iterator[Path]:
+    if name.endswith(".toml"):
+        return
+    for path in (Path(name), Path(f"{name}.toml")):
+        if path.exists() and not path.resolve().is_relative_to(LIBRARY.resolve()):
+            yield path
 
 
 def _find_one(name: str) -> list[Path]:

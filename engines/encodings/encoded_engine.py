@@ -50,7 +50,7 @@ class EncodedEngine(Engine):
         if description == PLAIN:
             session = self.base.open(changed, method, timestep)
         else:
-            session = self.base.open_as(changed, method, timestep, description)
+            session = self.base.open_with(changed, method, timestep, description=description)
         return EncodedSession(session, scenario, change, timestep)
 
     def steps_angles(self, scenario: Scenario, method: Method) -> bool:

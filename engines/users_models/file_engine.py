@@ -1,14 +1,17 @@
 """An engine that loads a link out of the user's own model file, instead of a generated model."""
 
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import ClassVar
 
 from ...scenarios import Scenario
-from ...scenarios.users_models import Format, problems
+from ...scenarios.users_models import problems
 from ..checks.read_back import BodyReading, Difference, EngineError, State
+from ..discovery import engines
 from ..engine import Engine
 from .cause import cause
 from .difference import AGREES, difference
+from .model_reader import ModelReader
 from .named_link import users_link
 
 #: Names of a body's numbers in `read_back.differences`.
@@ -22,21 +25,24 @@ class FileEngine(Engine):
 
     Attributes
     ----------
-    formats : file formats that it reads
-    made_up : by method, the source of tensors that are not taken from the file
+    reader : how the engine reads whole files; its configurations have the names of methods, if any
     """
 
     of_file = True
     slack = AGREES
-    formats: ClassVar[frozenset[Format]]
-    made_up: ClassVar[dict[str, str]] = {}
+    reader: ClassVar[ModelReader]
+
+    @property
+    def version(self) -> str:
+        """The engine's own version, as its reader has it."""
+        return self.reader.version
 
     def applies_to(self, scenario: Scenario) -> bool:
         """Whether a scene names a link of a file in its formats; a missing file is a failed run."""
         if scenario.document.body.model is None:
             return False
         try:
-            return users_link(scenario).model.format in self.formats
+            return users_link(scenario).model.format in self.reader.formats
         except EngineError:
             return True
 
@@ -54,11 +60,21 @@ class FileEngine(Engine):
         stated = replace(
             users.stated, mass=numbers.mass, com=numbers.com, inertia=numbers.inertia_com
         )
-        apart, made_up = difference(stated, body), self.made_up.get(method, "")
+        apart = difference(stated, body)
+        made_up = next(
+            (one.made_up for one in self.reader.configurations if one.name == method), ""
+        )
         wrong = tuple(problem for link, _ in users.body.parts for problem in problems(link))
         _, words = cause(stated, body, apart, wrong, made_up)
         other = _OtherBody("body", stated.inertia, body.inertia_com, apart.worst, words)
         return [other, *others]
+
+
+@cache
+def model_readers() -> dict[str, ModelReader]:
+    """The readers of the engines that are installed, by name, sorted."""
+    readers = [engine.reader for engine in engines().values() if isinstance(engine, FileEngine)]
+    return {reader.name: reader for reader in readers}
 
 
 @dataclass(frozen=True, eq=False)

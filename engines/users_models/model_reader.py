@@ -1,21 +1,13 @@
 """The interface by which engines read users' model files."""
 
-import importlib
-import pkgutil
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
-from inspect import isabstract
 from typing import ClassVar, Literal
 
 from ...scenarios.users_models import Format, ModelFile
-from .. import adapters
 from ..checks.read_back import BodyReading
 from .cause import Kind
-
-#: The module of an adapter's package that has its reader.
-MODULE = "model_reader"
 
 
 @dataclass(frozen=True)
@@ -97,26 +89,3 @@ class ModelReader(ABC):
         EngineError
             If it refuses the file.
         """
-
-
-@cache
-def model_readers() -> dict[str, ModelReader]:
-    """The readers of the engines that are installed, by name, sorted."""
-    readers: dict[str, ModelReader] = {}
-    for package in pkgutil.iter_modules(adapters.__path__):
-        where = f"{adapters.__name__}.{package.name}"
-        if not package.ispkg:
-            continue
-        try:
-            names = [
-                inner.name
-                for inner in pkgutil.iter_modules(importlib.import_module(where).__path__)
-            ]
-            module = importlib.import_module(f"{where}.{MODULE}") if MODULE in names else None
-        # An engine's package may raise anything when imported; that costs this engine alone.
-        except Exception:
-            continue
-        for cls in vars(module).values() if module else ():
-            if isinstance(cls, type) and issubclass(cls, ModelReader) and not isabstract(cls):
-                readers[cls.name] = cls()
-    return dict(sorted(readers.items()))

@@ -1,6 +1,5 @@
 """Which engines, methods, timesteps and executor a command is to use, from what was typed."""
 
-import os
 import shlex
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -11,7 +10,7 @@ from ...engines import Engine, add, engines, missing
 from ...scenarios import Scenario, did_you_mean
 from ..harness.choice import Choice
 from ..harness.executors import Executor, LocalWorkers
-from .terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint, in_words, say
+from .terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint, say
 
 
 @dataclass(frozen=True)
@@ -50,28 +49,17 @@ def executor_for(where: Where, time_limit: float | None) -> Iterator[Executor]:
 def say_if_compiling() -> None:
     """Say that what solves exact motions is compiled next, unless it is there."""
     from ...reference.compiled import is_compiled
-    from ..harness.executors.compiling import HALVES, SECONDS
+    from ..harness.executors.compiling import notice
 
     if not is_compiled():
-        wait = in_words(SECONDS / share_of_a_core(len(HALVES)))
-        say(f"First, once: what solves exact motions is compiled, roughly {wait}.")
+        say(notice())
 
 
 def compile_first() -> None:
     """Compile what solves exact motions, for a command that solves them in this process."""
-    from ..harness.executors.compiling import HALVES, compile_side_by_side
+    from ..harness.executors import compiling
 
-    say_if_compiling()
-    with LocalWorkers(len(HALVES)) as executor:
-        compile_side_by_side(executor)
-
-
-def share_of_a_core(jobs: int) -> float:
-    """The part of a core that each of so many processes may hope for, beside what runs already."""
-    cores = os.cpu_count() or 1
-    # Not every system tells.
-    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
-    return min(1.0, cores / (load + jobs))
+    compiling.compile_first(say)
 
 
 def check_temporary_folder() -> None:

@@ -9,10 +9,11 @@ from ...scenarios import (
     Scenario,
     ScenarioError,
     find,
+    hiding_the_library,
     load_each,
     printable,
 )
-from .terminal import BAD_INPUT, Complaint, as_complaint
+from .terminal import BAD_INPUT, Complaint, as_complaint, say
 
 
 def one_scene(name: str) -> Scenario:
@@ -83,7 +84,7 @@ def checked(names: Iterable[str]) -> Checked:
     result = Checked()
     for name in names:
         try:
-            scenarios, complaints = load_each(find([name]))
+            scenarios, complaints = load_each(_found([name]))
         except ScenarioError as error:
             # None of that name, or two.
             scenarios, complaints = [], [str(error)]
@@ -121,4 +122,11 @@ def complain(wrong: Sequence[str]) -> None:
 
 def _files(names: Sequence[str]) -> list[Path]:
     with as_complaint(ScenarioError):
-        return find(names)
+        return _found(names)
+
+
+def _found(names: Sequence[str]) -> list[Path]:
+    paths = find(names)
+    for path in hiding_the_library(names):
+        say(f"{path}: taken from the current folder; the library has one of that name, too.")
+    return paths

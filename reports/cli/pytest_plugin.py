@@ -4,7 +4,7 @@ It is loaded into every pytest run where the package is installed, so nothing he
 before a scenario file has been found.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -83,6 +83,18 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
         return None
     collector: pytest.Collector = ScenarioFile.from_parent(parent, path=file_path)
     return collector
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtestloop(session: pytest.Session) -> None:
+    """Compile what solves exact motions before the first scene, and say so, where output shows."""
+    reporter: Any = session.config.pluginmanager.get_plugin("terminalreporter")
+    has_scenes = any(isinstance(item, SceneItem) for item in session.items)
+    if reporter is None or not has_scenes or session.config.option.collectonly:
+        return
+    from ..harness.executors.compiling import compile_first
+
+    compile_first(reporter.write_line)
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
@@ -265,12 +277,24 @@ class EngineItem(SceneItem):
                         f"{verdict.verdict}: {verdict.reason}",
                         f"reproduce with: spincheck run {self.path} "
                         f"--engine {self.engine.name} --method {self.method.name}",
+                        *self._remedies(verdict.unmet),
                     ]
                 )
             )
         if verdict.verdict != "converges" and not (verdict.as_shipped or verdict.expected_failure):
             return f"{verdict.verdict}: {verdict.reason}"
         return ""
+
+    def _remedies(self, unmet: Sequence[str]) -> Iterator[str]:
+        """The commands that find a timestep at which the bounds of unmet expectations hold."""
+        from .grouped import option
+
+        own = (self.engine.name, self.method.name)
+        for expect in self.parent.scenario.expect:
+            if unmet and expect.bounds() and (expect.engine, expect.method) == own:
+                bounds = (f"{option(name)} {bound:g}" for name, bound in expect.bounds().items())
+                words = ["spincheck recommend", str(self.path), "--engine", own[0], *bounds]
+                yield f"a method and timestep that keep it: {' '.join(words)}"
 
 
 class MissingEngineItem(SceneItem):

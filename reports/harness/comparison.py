@@ -9,7 +9,6 @@ from ...reference import Solution, drifts
 from ...scenarios import (
     SIGNAL,
     Expect,
-    FloatArray,
     Scenario,
     Trajectory,
     energy,
@@ -18,7 +17,7 @@ from ...scenarios import (
 )
 from ..results.evidence import LocalEvidence
 from ..results.records import Key, Row
-from .defects import with_defects
+from .defects import turns_made, with_defects
 from .executors import Answer, CallFailed
 from .ladder import Rung
 from .stock import stock_timesteps
@@ -69,7 +68,7 @@ def row_of(
         row = replace(row, cause=row.cause or "lost", reason=reason, without_skill=True)
     # A run that stopped early has no errors: those up to that time may be arbitrarily small.
     series = error_series(scenario, motion, exact)
-    turned = _turns(exact)
+    turned = np.concatenate([[0.0], np.cumsum(turns_made(exact))])
     beyond = np.flatnonzero(series["attitude"] > DEGREE)
     return replace(
         row,
@@ -110,13 +109,6 @@ def _of_other_law(run: Run | CallFailed, local: LocalEvidence | None) -> Run | C
     return replace(run, outcome="failed", cause="clock", reason=reason) if is_clock else run
 
 
-def _turns(exact: Trajectory) -> FloatArray:
-    """The turns that the exact motion has made by each sample, 2π rad each, (n,)."""
-    rates = np.linalg.norm(exact.omega_body, axis=1)
-    steps = (rates[1:] + rates[:-1]) / 2 * np.diff(exact.t)
-    return np.concatenate([[0.0], np.cumsum(steps)]) / (2 * np.pi)
-
-
 def unmet_expectations(expected: Expect, row: Row) -> list[str]:
     """Which of a scene's expectations of one run are unmet, in words."""
     where = f"{row.key.engine} {row.key.method} at {row.timestep:g} s"
@@ -126,12 +118,22 @@ def unmet_expectations(expected: Expect, row: Row) -> list[str]:
         ended = f"{row.outcome}{f', {row.reason}' if row.reason else ''}"
         return [f"{where} was expected to diverge: {ended}"]
     if row.errors is None or row.outcome != "ok":
-        return [f"{where}: {row.outcome}, {row.reason}"]
+        bounds = (
+            f"{SIGNAL[name].label} within {_in_unit(name, bound)}"
+            for name, bound in expected.bounds().items()
+        )
+        return [f"{where}: expected {', '.join(bounds)}, got {row.outcome}: {row.reason}"]
     return [
-        f"{where}: {SIGNAL[name].label} error {error:.3g} exceeds the expected {bound:g}"
+        f"{where}: {SIGNAL[name].label} error {_in_unit(name, error)} exceeds the expected "
+        f"{_in_unit(name, bound)}"
         for name, bound in expected.bounds().items()
         if not (error := row.errors[name]) <= bound
     ]
+
+
+def _in_unit(name: str, size: float) -> str:
+    """A size of a signal's error as a scene's file has it: 0.0123 rad, or 1e-06."""
+    return f"{size:.3g} {SIGNAL[name].unit}".rstrip()
 
 
 def _first_absurd(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> int | None:

@@ -86,7 +86,7 @@ def _acts(scenario: Scenario, engine: Engine, method: Method, name: str, at: Pla
     """Whether a default alone alters the equations of motion; None if it cannot be stepped."""
     try:
         return acts_at_any_timestep(
-            lambda scene, timestep: engine.open_with_defaults(scene, method, timestep, [name]),
+            lambda scene, timestep: engine.open_with(scene, method, timestep, defaults=[name]),
             engine,
             scenario,
             at,
@@ -106,7 +106,7 @@ def _errors(
     """Errors of a run with these defaults; None if it did not finish."""
     bounds = Bounds(rung.timestep, method.max_rotation_per_step, engine.slack, np.inf)
     try:
-        with engine.open_with_defaults(scenario, method, rung.timestep, defaults) as session:
+        with engine.open_with(scenario, method, rung.timestep, defaults=defaults) as session:
             sampled = sample(session, rung.sample_steps, bounds)
     except EngineError:
         return None

@@ -27,6 +27,8 @@ FARTHEST_TURN = 1e5
 LEAST_ROUNDING = 8 * float(np.finfo(float).eps)
 #: Relative noise of a step that is no fault: where iterative solvers end.
 NOISE = 1e-12
+#: A body moves if it turns by this fraction of the exact motion's mean turn between two samples.
+MOVING = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +63,21 @@ class Defects:
             name: Defect(*map(float, (p50[k], p95[k], largest[k], self.t[at[k]], roundings * ulps)))
             for k, (name, ulps) in enumerate(self.rounding)
         }
+
+    def attitude_a_turn(self, motion: Trajectory, usual: float) -> float | None:
+        """The median error that a turn of the run adds to the attitude, rad, while it moves.
+
+        At rest there are no turns: a run that has stopped would look exact. None if it never moves.
+
+        Parameters
+        ----------
+        usual : turns that the exact motion makes between two samples
+        """
+        turns = turns_made(motion)
+        moves = turns > MOVING * usual
+        if not moves.any():
+            return None
+        return float(np.median(self.series["attitude"][moves] / turns[moves]))
 
 
 def defects(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Defects | None:
@@ -97,8 +114,15 @@ def with_defects(row: Row, scenario: Scenario, exact: Trajectory, *, is_single: 
     single = is_single or row.cause == "precision"
     ulp = float(np.finfo(np.float32 if single else np.float64).eps)
     by_signal = found.summary(row.steps, ulp)
-    added = by_signal["attitude"].p50 * len(found.t)
-    return replace(row, defects=by_signal, attitude_a_turn=added / row.turns if row.turns else None)
+    added = found.attitude_a_turn(row.motion, turns_made(exact).mean())
+    return replace(row, defects=by_signal, attitude_a_turn=added)
+
+
+def turns_made(motion: Trajectory) -> FloatArray:
+    """The turns between neighbours of n samples of a motion, 2π rad each, (n − 1,)."""
+    rates = np.linalg.norm(motion.omega_body, axis=1)
+    turns: FloatArray = (rates[1:] + rates[:-1]) / (4 * np.pi) * np.diff(motion.t)
+    return turns
 
 
 @lru_cache(maxsize=RECENT)

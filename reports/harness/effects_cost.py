@@ -68,7 +68,7 @@ def effects_cost(scenario: Scenario, engine: Engine, method: Method) -> EffectsC
     pruned, unpruned = interleaved(
         [
             partial(engine.open, scenario, method, timestep),
-            partial(_unpruned, engine, scenario, method, timestep, left_out),
+            partial(engine.open_with, scenario, method, timestep, left_in=left_out),
         ]
     )
     if not pruned or not unpruned:
@@ -98,7 +98,7 @@ def pass_costs(scenario: Scenario, engine: Engine, method: Method) -> PassCosts 
     timestep = timed_timestep(scenario)
 
     def opening(left_in: Sequence[str]) -> Callable[[], Session]:
-        return partial(_unpruned, engine, scenario, method, timestep, left_in)
+        return partial(engine.open_with, scenario, method, timestep, left_in=left_in)
 
     others = [[other for other in names if other != name] for name in names]
     groups: list[Sequence[Sequence[str]]] = [
@@ -124,14 +124,6 @@ def pass_costs(scenario: Scenario, engine: Engine, method: Method) -> PassCosts 
     )
 
 
-def _unpruned(
-    engine: Engine, scenario: Scenario, method: Method, timestep: float, left_in: Sequence[str]
-) -> Session:
-    session = engine.open_unpruned(scenario, method, timestep, left_in)
-    assert session is not None, "an engine that leaves passes out can also leave them in"
-    return session
-
-
 def _compared_steps(scenario: Scenario) -> int:
     """Steps over the window, a whole number of times `COMPARED`."""
     turned = float(np.linalg.norm(scenario.start.omega_body)) * scenario.window.duration
@@ -148,7 +140,7 @@ def _difference(
     largest = 0.0
     with (
         engine.open(scenario, method, timestep) as pruned,
-        _unpruned(engine, scenario, method, timestep, left_out) as unpruned,
+        engine.open_with(scenario, method, timestep, left_in=left_out) as unpruned,
     ):
         for sample in range(1, COMPARED + 1):
             try:

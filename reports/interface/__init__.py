@@ -58,7 +58,9 @@ def exact(scene: "Scene") -> "ExactMotion":
     """
     from .exact_motion import ExactMotion
 
-    return ExactMotion(load(scene))
+    scenario = load(scene)
+    _compile_first()
+    return ExactMotion(scenario)
 
 
 def judge(
@@ -92,7 +94,9 @@ def judge(
 
     arrays = {"t": t, "q_wxyz": q_wxyz, "q_xyzw": q_xyzw, "omega_body": omega_body}
     arrays |= {"omega_world": omega_world, "com": com, "velocity": velocity}
-    return judged(load(scene), {name: a for name, a in arrays.items() if a is not None})
+    scenario = load(scene)
+    _compile_first()
+    return judged(scenario, {name: a for name, a in arrays.items() if a is not None})
 
 
 def run(scene: "Scene", *, engine: str, method: str, timestep: float) -> "Row":
@@ -111,7 +115,9 @@ def run(scene: "Scene", *, engine: str, method: str, timestep: float) -> "Row":
     """
     from .single_run import single_run
 
-    return single_run(load(scene), engine, method, timestep)
+    scenario = load(scene)
+    _compile_first()
+    return single_run(scenario, engine, method, timestep)
 
 
 def results(path: "str | Path") -> "StoredResults":
@@ -125,3 +131,12 @@ def results(path: "str | Path") -> "StoredResults":
     from .stored import StoredResults
 
     return StoredResults.read(Path(path))
+
+
+def _compile_first() -> None:
+    """Say on the terminal, through `logging`, why the first call takes half a minute."""
+    from logging import getLogger
+
+    from spincheck.reports.harness.executors.compiling import compile_first
+
+    compile_first(getLogger("spincheck").warning)

@@ -205,7 +205,8 @@ class Row(Record):
     defects : by signal (`harness/defects.py`); None where the motion turns too far to be followed
     turns : of the exact motion over the samples; 2π rad each
     turns_within_1deg : likewise until the attitude is off by more than 1°; None if it never is
-    attitude_a_turn : rad; the median error that a turn adds to the attitude, of its defects
+    attitude_a_turn : rad; the median error that a turn of the run adds to the attitude, of its
+        defects while it moves; None if it never does
     """
 
     key: MethodKey

@@ -21,12 +21,12 @@ FLAT_SLACK = 4 * float(np.finfo(float).eps)
 class RotorTable(EffectTable):
     """An axisymmetric rotor on a frictionless hinge in the body, which `[body]` is without."""
 
-    EXAMPLE: ClassVar[str] = """axis = [0.0, 0.0, 1.0]              # body axes
-position = [0.0, 0.0, 0.05]         # m, of its com, from the body's origin
-mass = 0.1                          # kg
-inertia = [2e-5, 4e-5]              # kg m²: across, along the axis
-spin = 300.0                        # rad/s, relative to the body, at the start
-hinge = "free"                      # or "driven", or "locked"
+    EXAMPLE: ClassVar[str] = """axis = [0.0, 0.0, 1.0]           # body axes
+position = [0.0, 0.0, 0.05]      # m, of its com, from the body's origin
+mass = 0.1                       # kg
+inertia = [2e-5, 4e-5]           # kg m²: across, along the axis
+spin = 300.0                     # rad/s, relative to the body, at the start
+hinge = "free"                   # or "driven", or "locked"
 """
 
     axis: Numbers = Field(description="direction of the hinge, body axes, of any length")

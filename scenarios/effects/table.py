@@ -43,9 +43,9 @@ class TableTable(EffectTable):
     """A smooth horizontal plane under the body's tip, which slides on it without friction."""
 
     EXAMPLE: ClassVar[str] = (
-        "height = 0.0                       # m, of the plane, along z\n"
-        "tip = [0.0, 0.0, 0.0]              # m, from the body's origin, body axes\n"
-        "radius = 0.0                       # m, of a sphere about the tip; 0: a point\n"
+        "height = 0.0                     # m, of the plane, along z\n"
+        "tip = [0.0, 0.0, 0.0]            # m, from the body's origin, body axes\n"
+        "radius = 0.0                     # m, of a sphere about the tip; 0: a point\n"
     )
 
     height: Number = Field(description="m, of the plane, along the world's z axis")

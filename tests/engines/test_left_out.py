@@ -68,7 +68,9 @@ def test_something_is_left_out(engine: Engine, method: Method) -> None:
 def test_left_in_it_changes_no_bit_of_the_motion(engine: Engine, method: Method) -> None:
     for scene in supported(engine, method):
         pruned = numbers(engine.open(scene, method, TIMESTEP))
-        unpruned = numbers(engine.open_unpruned(scene, method, TIMESTEP))
+        unpruned = numbers(
+            engine.open_with(scene, method, TIMESTEP, left_in=engine.left_out(scene, method))
+        )
         assert np.array_equal(pruned, unpruned), scene.name
         assert not np.array_equal(pruned, numbers(engine.open(scene, method, TIMESTEP), STEPS + 1))
 
@@ -77,9 +79,7 @@ def test_left_in_it_changes_no_bit_of_the_motion(engine: Engine, method: Method)
 def test_left_in_it_is_seen_by_the_audit(engine: Engine, method: Method) -> None:
     scene = supported(engine, method)[0]
     for name in engine.left_out(scene, method):
-        session = engine.open_unpruned(scene, method, TIMESTEP, [name])
-        assert session is not None
-        with session:
+        with engine.open_with(scene, method, TIMESTEP, left_in=[name]) as session:
             session.advance(1)
             extra = session.active() - scene.called_for
         # A motor without force has no effect, nor has zero gravity.
@@ -89,9 +89,7 @@ def test_left_in_it_is_seen_by_the_audit(engine: Engine, method: Method) -> None
 @pytest.mark.parametrize(("engine", "method"), METHODS)
 def test_with_nothing_left_in_it_is_the_pruned_session(engine: Engine, method: Method) -> None:
     scene = supported(engine, method)[0]
-    session = engine.open_unpruned(scene, method, TIMESTEP, [])
-    assert session is not None
-    with session:
+    with engine.open_with(scene, method, TIMESTEP) as session:
         session.advance(1)
         assert session.active() == scene.called_for
 
@@ -101,7 +99,6 @@ def test_of_an_engine_as_shipped_nothing_is_left_out(engine: Engine) -> None:
     for method in engine.methods:
         if method.as_shipped:
             assert engine.left_out(SCENES["free"], method) == ()
-            assert engine.open_unpruned(SCENES["free"], method, TIMESTEP) is None
 
 
 def test_a_motor_that_is_left_in_is_solved_for() -> None:
@@ -110,9 +107,7 @@ def test_a_motor_that_is_left_in_is_solved_for() -> None:
     scene, method = SCENES["pivot"], engine.method("multibody")
 
     def slowed(left_in: list[str]) -> bool:
-        session = engine.open_unpruned(scene, method, TIMESTEP, left_in)
-        assert session is not None
-        with session:
+        with engine.open_with(scene, method, TIMESTEP, left_in=left_in) as session:
             p.setJointMotorControlMultiDof(
                 session.world.body,  # type: ignore[attr-defined]
                 0,
@@ -135,6 +130,6 @@ def test_mujocos_passes_are_left_in_one_by_one() -> None:
     scene, method = SCENES["free"], engine.method("Euler")
     flags = []
     for left_in in ([], ["contact"], ["contact", "sensor"]):
-        with engine.open_unpruned(scene, method, TIMESTEP, left_in) as session:  # type: ignore[union-attr]
+        with engine.open_with(scene, method, TIMESTEP, left_in=left_in) as session:
             flags.append(int(session.model.opt.disableflags).bit_count())
     assert flags == [len(switched_off(scene)) - k for k in range(3)]

@@ -5,7 +5,14 @@ from pathlib import Path
 
 import pytest
 from scene_texts import TEXT
-from spincheck.scenarios import LIBRARY, ScenarioError, find, scenario_files
+from spincheck.scenarios import (
+    LIBRARY,
+    ScenarioError,
+    catalogue,
+    find,
+    hiding_the_library,
+    scenario_files,
+)
 
 
 @pytest.fixture
@@ -80,3 +87,27 @@ def test_a_file_of_the_current_folder_may_be_named_as_its_scene(tmp_path, monkey
 def test_a_model_is_told_from_a_scene(name):
     with pytest.raises(ScenarioError, match="a model, not a scene; 'spincheck inspect'"):
         find([name])
+
+
+def test_a_disk_is_refused_before_it_is_searched(folder, monkeypatch):
+    monkeypatch.setattr(catalogue, "MOST_ENTRIES", 2)
+    with pytest.raises(ScenarioError, match="holds more than 2 files and folders; name the folder"):
+        find([os.curdir])
+
+
+def test_a_hidden_folder_is_not_entered(folder):
+    (folder / ".venv").mkdir()
+    (folder / ".venv" / "three.toml").write_text(TEXT)
+    assert stems(find([os.curdir])) == ["two", "one"]
+
+
+def test_what_goes_before_the_library_is_known(folder):
+    (folder / "sphere.toml").write_text(TEXT)
+    (folder / "free").mkdir()
+    names = ["sphere", "free", "one", "tennis-racket"]
+    assert hiding_the_library(names) == [Path("sphere.toml"), Path("free")]
+
+
+def test_the_library_does_not_hide_itself(monkeypatch):
+    monkeypatch.chdir(LIBRARY)
+    assert hiding_the_library(["free", "sphere"]) == []

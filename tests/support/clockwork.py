@@ -115,6 +115,6 @@ class Works(Engine):
         return self._left_out
 
     def open_with(
-        self, scenario: Scenario, method: Method, timestep: float, left_in: Collection[str]
+        self, scenario: Scenario, method: Method, timestep: float, *, left_in=(), **_: object
     ) -> Session:
         return self._make(left_in)

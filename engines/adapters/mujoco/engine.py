@@ -150,15 +150,35 @@ class MuJoCo(Engine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
         """Compile the scene's MJCF and set its keyframe."""
-        return _open(scenario, timestep, method, left_out(scenario) if method.as_shipped else ())
+        left_in = left_out(scenario) if method.as_shipped else ()
+        return self.open_with(scenario, method, timestep, left_in=left_in)
 
-    def open_as(
-        self, scenario: Scenario, method: Method, timestep: float, description: Description
+    def open_with(
+        self,
+        scenario: Scenario,
+        method: Method,
+        timestep: float,
+        *,
+        left_in: Collection[str] = (),
+        defaults: Collection[str] | None = None,  # noqa: ARG002
+        description: Description = PLAIN,
     ) -> MuJoCoSession:
-        """Compile the scene's MJCF with the body described otherwise."""
-        # Gravity is compensated among the passive forces.
-        left_in = ("gravity", "spring", "damper") if description.compensated else ()
-        return _open(scenario, timestep, method, left_in, description)
+        """As `open`; flags are set after compiling, as older versions refuse some in MJCF."""
+        check_not_too_small(scenario)
+        way = _way(method)
+        if way.integrator is not None:
+            _check_has(way.integrator)
+        if description != PLAIN:
+            way = replace(way, description=description)
+        if description.compensated:
+            # Among the passive forces.
+            left_in = ("gravity", "spring", "damper")
+        model = copy(_model(scenario, way))
+        disable(model, (name for name in _switched_off(scenario, method) if name not in left_in))
+        start = model.key(0)
+        session = MuJoCoSession(scenario, model, start.qpos, start.qvel, CLOCK in left_in, way.tied)
+        session.set_timestep(timestep)
+        return session
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """The MJCF, and the few calls that step it."""
@@ -176,12 +196,6 @@ class MuJoCo(Engine):
             return left_out(scenario)
         kept = (*PASSES, *OF_CONTACTS)
         return tuple(name for name in left_out(off_its_table(scenario)) if name not in kept)
-
-    def open_with(
-        self, scenario: Scenario, method: Method, timestep: float, left_in: Collection[str]
-    ) -> MuJoCoSession:
-        """As `open`, with some passes on."""
-        return _open(scenario, timestep, method, left_in)
 
     def at_version(self, version: str) -> Release:
         """Another version; its differences are from MuJoCo's changelog."""
@@ -210,28 +224,6 @@ def _switched_off(scenario: Scenario, method: Method) -> tuple[str, ...]:
     if not _way(method).by_contact:
         return switched_off(scenario)
     return tuple(name for name in switched_off(off_its_table(scenario)) if name not in PASSES)
-
-
-def _open(
-    scenario: Scenario,
-    timestep: float,
-    method: Method,
-    left_in: Collection[str],
-    description: Description | None = None,
-) -> MuJoCoSession:
-    """Open a session; flags are set after compiling, as older versions refuse some in MJCF."""
-    check_not_too_small(scenario)
-    way = _way(method)
-    if way.integrator is not None:
-        _check_has(way.integrator)
-    if description is not None:
-        way = replace(way, description=description)
-    model = copy(_model(scenario, way))
-    disable(model, (name for name in _switched_off(scenario, method) if name not in left_in))
-    start = model.key(0)
-    session = MuJoCoSession(scenario, model, start.qpos, start.qvel, CLOCK in left_in, way.tied)
-    session.set_timestep(timestep)
-    return session
 
 
 @lru_cache(maxsize=KEPT)

@@ -11,7 +11,7 @@ from ...method import Method, Release
 from ...models.mjcf import start_coordinates, switched_off
 from ...users_models import FileEngine, UsersLink, body_alone, users_link
 from .engine import KEPT, MuJoCo, release
-from .model_reader import name_bodies, spec_of_mjcf
+from .model_reader import MuJoCoModelReader, name_bodies, spec_of_mjcf
 from .session import MuJoCoSession, check_not_too_small, compiled
 from .world import disable
 
@@ -24,7 +24,7 @@ class MuJoCoFile(FileEngine):
     """MuJoCo's URDF and MJCF readers on the link that a scene names."""
 
     name = "mujoco-file"
-    formats = frozenset({"urdf", "mjcf"})
+    reader = MuJoCoModelReader()
     stock_timestep = MuJoCo.stock_timestep
     # Faults of the readers show with any integrator, best with the most accurate one.
     methods = (
@@ -37,11 +37,6 @@ class MuJoCoFile(FileEngine):
             reader=True,
         ),
     )
-
-    @property
-    def version(self) -> str:
-        """Version of the library, which may differ from the package's."""
-        return str(mujoco.mj_versionString())
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
         """Read the link, give it a free joint, and set what the file does not contain."""

@@ -15,7 +15,7 @@ from ...checks.equations import Equations
 from ...checks.read_back import start_state
 from ...engine import Engine
 from ...method import COMMON_EFFECTS, Method, Release
-from ...models.description import Description
+from ...models.description import PLAIN, Description
 from ...native_output import native_output
 from ...release import numbers_of
 from ...session import Session
@@ -121,16 +121,25 @@ class PyBullet(Engine):
         """Load the scene's URDF and set its start."""
         if REPRESENTATIONS[method.name].maximal and scenario.constraint.is_pivot:
             check_borne(Equations(scenario), start_state(scenario), timestep)
-        return self.open_with(scenario, method, timestep, ())
+        return self.open_with(scenario, method, timestep)
 
-    def open_as(
-        self, scenario: Scenario, method: Method, timestep: float, description: Description
+    def open_with(
+        self,
+        scenario: Scenario,
+        method: Method,
+        timestep: float,
+        *,
+        left_in: Collection[str] = (),
+        defaults: Collection[str] | None = None,
+        description: Description = PLAIN,
     ) -> Session:
-        """Load the scene's URDF with the body described otherwise; a shape is a collision box."""
+        """As `open`; a body that is described by its shape is a collision box."""
         representation = replace(REPRESENTATIONS[method.name], description=description)
         if description.shape:
-            representation = replace(representation, defaults=frozenset({INERTIA}))
-        return PyBulletSession(scenario, representation, timestep)
+            defaults = {INERTIA}
+        if defaults is not None:
+            representation = replace(representation, defaults=frozenset(defaults))
+        return PyBulletSession(scenario, representation, timestep, left_in)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """The URDF, and the calls that take away PyBullet's defaults and step it."""
@@ -139,12 +148,6 @@ class PyBullet(Engine):
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """The collision shape, and for a body on a joint the motor, which has no force."""
         return left_out(scenario, REPRESENTATIONS[method.name])
-
-    def open_with(
-        self, scenario: Scenario, method: Method, timestep: float, left_in: Collection[str]
-    ) -> Session:
-        """As `open`, with some of these."""
-        return PyBulletSession(scenario, REPRESENTATIONS[method.name], timestep, left_in)
 
     def at_version(self, version: str) -> Release:
         """Another version, with the same methods."""
@@ -158,13 +161,6 @@ class PyBullet(Engine):
             else {JOINT_MOTOR}
         )
         return tuple(name for name in DEFAULTS if name in left)
-
-    def open_with_defaults(
-        self, scenario: Scenario, method: Method, timestep: float, defaults: Collection[str]
-    ) -> Session:
-        """Loaded like the method, with some of its defaults."""
-        representation = replace(REPRESENTATIONS[method.name], defaults=frozenset(defaults))
-        return PyBulletSession(scenario, representation, timestep)
 
 
 def release(version: str, methods: tuple[Method, ...]) -> Release:

@@ -1,13 +1,13 @@
 """PyBullet from the user's own URDF: the link that a scene names, cut out of it."""
 
-from typing import ClassVar, final
+from typing import final
 
 from ....scenarios import Scenario
 from ...method import Method, Release
 from ...users_models import FileEngine, body_alone, users_link
-from .engine import PyBullet, bullet_method, installed_version, release
+from .engine import PyBullet, bullet_method, release
 from .load import BodyRepresentation, OwnURDF
-from .model_reader import DEFAULT, FROM_FILE, MADE_UP, takes_mesh
+from .model_reader import DEFAULT, FROM_FILE, PyBulletModelReader, takes_mesh
 from .session import PyBulletSession
 from .world import DEFAULTS, INERTIA
 
@@ -20,9 +20,8 @@ class PyBulletFile(FileEngine):
     """`loadURDF` on the link that a scene names, as `inspect` has it."""
 
     name = "pybullet-file"
-    formats = frozenset({"urdf"})
+    reader = PyBulletModelReader()
     stock_timestep = PyBullet.stock_timestep
-    made_up: ClassVar[dict[str, str]] = {DEFAULT: MADE_UP}
     methods = (
         bullet_method(
             name=FROM_FILE,
@@ -37,11 +36,6 @@ class PyBulletFile(FileEngine):
             as_shipped=True,
         ),
     )
-
-    @property
-    def version(self) -> str:
-        """Version of the installed package; the library does not report its own."""
-        return installed_version()
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> PyBulletSession:
         """Load the link's element and set its start."""

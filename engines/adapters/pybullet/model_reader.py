@@ -2,7 +2,6 @@
 
 import re
 import tempfile
-from importlib.metadata import version
 from pathlib import Path
 from types import MappingProxyType
 from typing import final
@@ -15,13 +14,13 @@ from ....scenarios.users_models import ModelFile, Shape
 from ...checks.read_back import BodyReading, EngineError
 from ...native_output import native_output
 from ...users_models import Advice, Configuration, ModelReader, with_meshes
+from .engine import installed_version
 from .world import BASE
 
 #: Endings of meshes that PyBullet makes collision shapes of.
 MESHES = frozenset((".obj", ".stl", ".dae"))
-#: The two ways to load a URDF, and where the first takes tensors from.
+#: The two ways to load a URDF.
 DEFAULT, FROM_FILE = "default", "inertia-from-file"
-MADE_UP = "made up from the collision shapes"
 #: First words of what PyBullet prints: file and line of its source.
 _HEAD = re.compile(r"b3(?:Warning|Error|Printf)\[[^\]]*\]:\n?")
 #: In bytes of the index of `getJointInfo`.
@@ -38,7 +37,7 @@ class PyBulletModelReader(ModelReader):
         Configuration(
             DEFAULT,
             "loadURDF without a flag",
-            MADE_UP,
+            "made up from the collision shapes",
             "load it with flags=pybullet.URDF_USE_INERTIA_FROM_FILE",
         ),
         Configuration(FROM_FILE, "loadURDF with URDF_USE_INERTIA_FROM_FILE"),
@@ -50,7 +49,7 @@ class PyBulletModelReader(ModelReader):
     @property
     def version(self) -> str:
         """Version of the installed package; the module reports only that of its API."""
-        return version("pybullet")
+        return installed_version()
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
         """Load the file into an empty world; only the default needs collision shapes."""

@@ -129,6 +129,9 @@ def conform(
     from ....engines import EngineError
     from ....engines.child.conformance import conformance
 
+    if len(command) == 1 and command[0].startswith("child:"):
+        # As '--engine' has it.
+        command = shlex.split(command[0].removeprefix("child:"))
     checks = []
     with as_complaint(EngineError, exit_code=NOT_RUN):
         for check in conformance(command, _scenes(), limit):

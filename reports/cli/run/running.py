@@ -8,6 +8,7 @@ from ....engines import Engine
 from ....scenarios import Scenario, printable
 from ...harness.choice import Choice
 from ...harness.encodings import run_encodings
+from ...harness.executors.compiling import share_of_a_core
 from ...harness.instructions import why_not_counted
 from ...harness.ladder import QUICK_STEPS
 from ...harness.plan import Plan, plan
@@ -25,7 +26,6 @@ from ..choosing import (
     choose,
     executor_for,
     say_if_compiling,
-    share_of_a_core,
 )
 from ..named_scenes import scenes_to_run
 from ..stopping import saying

@@ -4,6 +4,8 @@
 before its first scene: else each worker would compile for itself.
 """
 
+import os
+from collections.abc import Callable
 from functools import partial
 
 from ....reference.compiled import compile_flow, compile_kernels, compile_march, is_compiled
@@ -26,6 +28,29 @@ def compile_side_by_side(executor: Executor) -> None:
         pass
     # Both are loaded now: this sees that nothing is missing, and says so to later processes.
     executor.call(compile_kernels)
+
+
+def compile_first(tell: Callable[[str], object]) -> None:
+    """Compile for a process that solves exact motions itself, and say so, unless it is done."""
+    if is_compiled():
+        return
+    tell(notice())
+    with LocalWorkers(len(HALVES)) as executor:
+        compile_side_by_side(executor)
+
+
+def notice() -> str:
+    """The sentence that stands before a compilation."""
+    wait = SECONDS / share_of_a_core(len(HALVES))
+    return f"First, once: what solves exact motions is compiled, roughly {wait:.0f} s."
+
+
+def share_of_a_core(jobs: int) -> float:
+    """The part of a core that each of so many processes may hope for, beside what runs already."""
+    cores = os.cpu_count() or 1
+    # Not every system tells.
+    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
+    return min(1.0, cores / (load + jobs))
 
 
 if __name__ == "__main__":

@@ -175,7 +175,8 @@ def check_motion(arrays: dict[str, FloatArray]) -> None:
     if (back := np.diff(times) <= 0).any():
         k = _first(back)
         raise RecordingError(
-            f"times must increase, got {times[k - 1]:.17g} s and then {times[k]:.17g} s"
+            f"times must increase, got {times[k - 1]:.17g} s and then {times[k]:.17g} s in samples "
+            f"{k - 1} and {k}, counted from 0; sort the samples, and leave out doubled ones"
         )
     norms = np.linalg.norm(arrays["q"], axis=1)
     if (off := np.abs(norms - 1) > UNIT_SLACK).any():

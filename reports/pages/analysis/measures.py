@@ -147,14 +147,19 @@ class Members:
         """A measure of the finished members, ascending."""
         return _known(measure, self.finished)
 
-    def quantiles(self, measure: Measure) -> tuple[float, ...] | None:
-        """The values at `QUANTILES`, from the best member to the worst; None without any."""
+    def quantiles(self, measure: Measure) -> tuple[float | None, ...] | None:
+        """The values at `QUANTILES`, from the best member to the worst; None without any.
+
+        One is None where it would be the largest itself: p99 needs 100 members.
+        """
         values = _known(measure, self.points)
         if not len(values):
             return None
         sign = -1 if measure.more_is_better else 1
         shares = list(QUANTILES.values())
-        return tuple((sign * np.quantile(sign * values, shares, method="inverted_cdf")).tolist())
+        found = sign * np.quantile(sign * values, shares, method="inverted_cdf")
+        is_own = [q in (0.5, 1.0) or math.ceil(q * len(values)) < len(values) for q in shares]
+        return tuple(float(v) if own else None for v, own in zip(found, is_own, strict=True))
 
     def worst(self, count: int) -> tuple[PlacedRow, ...]:
         """The worst members: those that did not finish, earliest first, then by the error of ω."""

@@ -41,9 +41,9 @@ def number(value: float | None, digits: int = SIGNIFICANT_DIGITS) -> str:
     return f"{sign}{mantissa}×{power_of_ten(power)}"
 
 
-def readable(value: float) -> str:
-    """Two significant digits, for sentences: 13, 0.24, 3.1×10⁻⁷, 180."""
-    if value >= 10 ** (READABLE_DIGITS - 1) and value < 10**PLAIN_POWERS.stop:
+def readable(value: float | None) -> str:
+    """Two significant digits, for sentences: 13, 0.24, 3.1×10⁻⁷, 180; `NOTHING` for None."""
+    if value is not None and value >= 10 ** (READABLE_DIGITS - 1) and value < 10**PLAIN_POWERS.stop:
         return f"{value:.0f}"
     return number(value, READABLE_DIGITS)
 

@@ -104,7 +104,8 @@ def why(
             f"{name} converges to the exact motion on {good} of {scenes_tried} as its "
             f"timestep shrinks{left}: its errors are its integrator's"
         )
-    text = f"{name} does not, at any timestep, on {len(wrong)} of {plural(len(verdicts), 'scene')}"
+    scenes_tried = plural(len(verdicts), "scene")
+    text = f"{name} converges at no timestep on {len(wrong)} of {scenes_tried}"
     wrong_scenes = [scene for scene in scenes if scene.name in wrong]
     causes = _by_each_default(pair, wrong_scenes) or _acting(rows, wrong, harmless)
     return text + (f": {causes}" if causes else "")

@@ -159,7 +159,7 @@ def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> Answ
     return Answer(
         _lead(listed, list(instead.values())),
         table(headings, lines),
-        f"Attitude at stock timesteps, medians of {scenes}."
+        f"Attitude at stock timesteps, medians of {scenes}; the error a turn while a body moves."
         + (COST if lines[-1][0].text in MEASURES[-2:] else ""),
         _sentences([*_others(others), *reasons, *no_gyroscopic_torque(plain)]),
     )

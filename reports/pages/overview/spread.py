@@ -1,5 +1,6 @@
 """How errors at stock timesteps are distributed over starts and bodies: a curve an engine."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,7 +11,7 @@ from ...results.store import Results
 from ...results.sweep_records import Ensemble, PlacedRow, SweepResult
 from ..analysis.measures import ATTITUDE, QUANTILES, Members, members_of
 from ..analysis.trace_style import TraceStyle, trace_styles
-from ..analysis.wording import count, duration, readable
+from ..analysis.wording import NOTHING, count, duration, readable
 from ..figures.figures import Titled
 from ..figures.profile_figure import LOW, distribution
 from ..sweeps.sweep_pages import methods_of, numbered
@@ -35,7 +36,8 @@ def spread(results: Results) -> dict[str, Any] | None:
         return None
     return {
         "heading": "Over starts and bodies of each kind of motion",
-        "text": f"{ATTITUDE.title}, at stock timesteps; ∞ where a run did not finish.",
+        "text": f"{ATTITUDE.title}, at stock timesteps; ∞ where a run did not finish, "
+        f"{NOTHING} for p99 of less than 100 members, which is the largest.",
         "kinds": kinds,
     }
 
@@ -69,11 +71,19 @@ def _shown(points: Sequence[PlacedRow], declared: dict[Pair, Method | None]) -> 
     """The members of each engine's first method as shipped, and of the best of the others."""
     chosen: dict[tuple[str, bool], Members] = {}
     members = members_of(points, declared)
-    for one in sorted(members, key=lambda one: one.quantiles(ATTITUDE) or (float("inf"),)):
+    for one in sorted(members, key=_from_best):
         method = declared[one.pair]
         if one.points and (method is None or method.as_shipped or not method.reader):
             chosen.setdefault((one.pair[0], bool(method and method.as_shipped)), one)
     return sorted(chosen.values(), key=lambda one: list(declared).index(one.pair))
+
+
+def _from_best(one: Members) -> tuple[float, float]:
+    """The median and the largest, infinite without members."""
+    median, *_, largest = one.quantiles(ATTITUDE) or (math.inf, math.inf)
+    assert median is not None, "a median there always is"
+    assert largest is not None, "a largest there always is"
+    return median, largest
 
 
 def _row(one: Members) -> list[Cell | str]:

@@ -34,6 +34,11 @@ def test_one_that_keeps_the_protocol_and_turns_every_body_like_a_sphere_is_wrong
     assert "Next: spincheck run fast-top tennis-racket --engine 'child:" in result.output
 
 
+def test_its_command_may_be_given_as_to_run() -> None:
+    result = conform(f"child:{sys.executable} -S {HERE / 'planted_child.py'}")
+    assert "It keeps the protocol; in 1 of " in result.output
+
+
 @pytest.mark.parametrize(
     ("fault", "words"),
     {

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from spincheck.engines import EngineError
-from spincheck.engines.users_models.model_reader import model_readers
+from spincheck.engines.users_models import model_readers
 from spincheck.scenarios.users_models import read_model
 from users_models import arm, arm_with_a_tool, body, diagonal, inertial, joint, link, robot, written
 

@@ -158,8 +158,8 @@ def test_its_defaults_and_speed_are_its_adapters() -> None:
     assert engine.step_seconds == newest.step_seconds
     assert engine.defaults(scene, method) == newest.defaults(scene, method) != ()
     with (
-        engine.open_with_defaults(scene, method, TIMESTEP, ["damping"]) as at_version,
-        newest.open_with_defaults(scene, method, TIMESTEP, ["damping"]) as own,
+        engine.open_with(scene, method, TIMESTEP, defaults=["damping"]) as at_version,
+        newest.open_with(scene, method, TIMESTEP, defaults=["damping"]) as own,
     ):
         for session in (at_version, own):
             session.advance(10)

@@ -7,6 +7,7 @@ from scene_texts import sphere_text
 from spincheck.engines import engines
 from spincheck.reports.cli import kept_items
 from spincheck.reports.harness import study
+from spincheck.reports.harness.executors import compiling
 
 pytestmark = pytest.mark.slow
 
@@ -137,8 +138,21 @@ def test_an_unmet_expectation_fails_and_names_signal_size_and_command(run):
         [
             "*energy error * exceeds the expected 1e-300*",
             "*reproduce with: spincheck run * --engine mujoco --method RK4",
+            "a method and timestep that keep it: spincheck recommend *box.toml --engine mujoco "
+            "--energy 1e-300",
         ]
     )
+
+
+def test_what_is_compiled_first_is_announced(run, monkeypatch):
+    monkeypatch.setattr(compiling, "is_compiled", lambda: False)
+    monkeypatch.setattr(compiling, "compile_side_by_side", lambda _: None)
+    result = run("-k", "reference", sphere=SPHERE)
+    result.stdout.fnmatch_lines(
+        ["First, once: what solves exact motions is compiled, roughly * s."]
+    )
+    result = run("--collect-only", sphere=SPHERE)
+    result.stdout.no_fnmatch_line("First, once*")
 
 
 def test_a_broken_file_is_one_message(run):

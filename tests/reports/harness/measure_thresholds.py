@@ -1,6 +1,6 @@
 """The smallest planted fault that a verdict detects, by kind, class of method and scene.
 
-Written to docs/measured/thresholds.md and to the reports. Engines are MuJoCo with the fault planted
+Written to docs/measured/thresholds.md. Engines are MuJoCo with the fault planted
 (`faulty_mujoco`); sizes are tried from the smallest upwards.
 """
 
@@ -93,19 +93,14 @@ single steps show, else the signal that decides. Made by `make thresholds`.
 """
 
 
-#: Where it is printed, under which kind of heading: a page, and a section of every report.
-PAGES = {
-    "#": ROOT / "docs/measured/thresholds.md",
-    "##": ROOT / "reports" / "pages" / "overview" / "thresholds.md",
-}
+PAGE = ROOT / "docs/measured/thresholds.md"
 
 
 def main() -> None:
     """Measure the scenes named, or all of `SCENES`."""
     names = tuple(sys.argv[1:]) or SCENES
     text = TEXT + "\n".join(rows(names)) + "\n"
-    for head, path in PAGES.items():
-        path.write_text(f"{head} {TITLE}\n{text}", encoding="utf-8")
+    PAGE.write_text(f"# {TITLE}\n{text}", encoding="utf-8")
 
 
 if __name__ == "__main__":

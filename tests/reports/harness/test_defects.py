@@ -9,7 +9,7 @@ from planted import METHOD, HeunSession, planted
 from planted_faults import HALFWAY, SpunUpFromHalfwaySession, engine_of
 from spincheck.engines import Engine
 from spincheck.reference import ExactMotion
-from spincheck.reports.harness.defects import NOISE, defects
+from spincheck.reports.harness.defects import LEAST_ROUNDING, NOISE, defects, turns_made
 from spincheck.scenarios import Trajectory
 from spincheck.scenarios.scenario import started_at
 
@@ -86,3 +86,25 @@ def test_a_motion_of_too_many_turns_is_not_followed():
     exact = ExactMotion(far).outline(times)
     assert defects(far, exact, exact) is None
     assert defects(BOOK, EXACT.until(1), EXACT) is None
+
+
+def test_the_error_a_turn_is_of_the_time_in_which_a_body_moves():
+    """One that stops after a third of the window errs as much a turn as one that goes on."""
+    going = run(planted(HeunSession), 16)
+    stops = INTERVALS // 3
+    kept = np.minimum(np.arange(INTERVALS + 1), stops)
+    at_rest = (np.arange(INTERVALS + 1) > stops)[:, None]
+    stopped = replace(
+        going,
+        q_world_body_wxyz=going.q_world_body_wxyz[kept],
+        omega_body=np.where(at_rest, 0.0, going.omega_body),
+    )
+    usual = turns_made(EXACT).mean()
+    before, of_stopped = (
+        defects(BOOK, motion, EXACT).attitude_a_turn(motion, usual)
+        for motion in (going.until(stops + 1), stopped)
+    )
+    assert np.median(series(stopped)[:, 1]) < LEAST_ROUNDING
+    assert of_stopped == pytest.approx(before, rel=0.5)
+    resting = replace(stopped, omega_body=np.zeros((INTERVALS + 1, 3)))
+    assert defects(BOOK, resting, EXACT).attitude_a_turn(resting, usual) is None

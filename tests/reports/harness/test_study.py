@@ -26,9 +26,11 @@ from planted import (
 from spincheck.reference.solve import ExactMotion
 from spincheck.reports.harness import study as study_module
 from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.comparison import unmet_expectations
 from spincheck.reports.harness.executors import LocalWorkers
+from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.store import Results
-from spincheck.scenarios import loads
+from spincheck.scenarios import Expect, loads
 from studies import study as study_of
 
 pytestmark = pytest.mark.slow
@@ -167,6 +169,16 @@ def test_an_unmet_expectation_fails_and_says_by_how_much(tmp_path):
     (verdict,) = study(tmp_path, HeunSession, text=BOX + EXPECTATION + "omega = 1e-12").verdicts
     assert not verdict.agrees
     assert "ω error" in verdict.unmet[0]
+    assert verdict.unmet[0].endswith("exceeds the expected 1e-12")
+
+
+def test_of_a_run_that_blew_up_the_unmet_bound_is_stated():
+    expected = Expect(engine="mujoco", method="Euler", timestep=2e-3, attitude=1e-4)
+    row = Row(Key("top", "mujoco", "Euler"), "4", 2e-3, "diverged", "the energy exceeds all bounds")
+    assert unmet_expectations(expected, row) == [
+        "mujoco Euler at 0.002 s: expected attitude within 0.0001 rad, got diverged: the energy "
+        "exceeds all bounds"
+    ]
 
 
 def test_a_run_expected_to_diverge_that_does_not_is_reported(tmp_path):

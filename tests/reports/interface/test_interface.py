@@ -10,6 +10,7 @@ import pytest
 import spincheck
 from library_scenes import library_scene
 from spincheck import single_run
+from spincheck.reports.harness.executors import compiling
 from spincheck.scenarios import Scenario, ScenarioError
 from spincheck.testing import assert_matches_exact
 
@@ -182,3 +183,12 @@ def test_runs_that_cannot_be_made_are_refused(changed, words):
     asked = {"engine": "mujoco", "method": "RK4", "timestep": 2e-3} | changed
     with pytest.raises(ValueError, match=words):
         spincheck.run("fast-top", **asked)
+
+
+def test_what_is_compiled_first_is_announced(monkeypatch, caplog):
+    monkeypatch.setattr(compiling, "is_compiled", lambda: False)
+    monkeypatch.setattr(compiling, "compile_side_by_side", lambda _: None)
+    spincheck.exact("sphere")
+    (record,) = caplog.records
+    assert record.name == "spincheck"
+    assert "what solves exact motions is compiled, roughly" in record.message

@@ -93,7 +93,10 @@ WRONG = {
         GOOD + ROW + "\n",
         "times must increase, got 0.10000000000000001 s and then 0 s",
     ),
-    "times twice": (GOOD + "0.1,1,0,0,0,0.5,0,2\n", "times must increase"),
+    "times twice": (
+        GOOD + "0.1,1,0,0,0,0.5,0,2\n",
+        "0.10000000000000001 s in samples 1 and 2, counted from 0; sort the samples",
+    ),
     "before the start": (GOOD.replace("\n0,", "\n-1,"), "must be counted from the scene's start"),
     "one sample": (f"t,qw,qx,qy,qz,wx,wy,wz\n{ROW}\n", "at least two samples, got 1"),
     "no length": (GOOD.replace("0.1,1,", "0.1,0,"), "unit norm, that of sample 1 is 0 long"),
