@@ -5,6 +5,10 @@ the exact flow from the same state. What a step gains beyond it, per second, is 
 the timestep that begins with h^p for a method of order p (Hairer, Nørsett & Wanner I, §II.3). It is
 extrapolated to h → 0 by Neville's rule: what is left there is the difference between the engine's
 equations of motion and the scene's, known far better than one step's error.
+
+In single precision rounding hides that: a step's is 1e-7 and counts as 1e-5 a radian. It differs
+from state to state, a fault does not. So each state is repeated with small changes, and the mean
+of what is extrapolated is judged, by its standard error.
 """
 
 from collections.abc import Callable
@@ -14,13 +18,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scenarios import FloatArray, Scenario, push
+from ...scenarios import FloatArray, Scenario
 from ...scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ...scenarios.scenario import started_at
 from ..session import Session
 from .equations import Equations
 from .extrapolation import ABOVE, COARSER, Gains, extrapolated, noise_of, surprises
 from .read_back import State
+from .terms import rates, roundings, term_sizes
 
 #: Roundings of a step's gain, in ulp of the state.
 ROUNDINGS = 16.0
@@ -38,17 +43,19 @@ After = Callable[[State, FloatArray], State]
 class Steps:
     """States before and after a step, and where the exact motion goes from those before.
 
-    Each column has J K rows: K states with the first timestep, then with the next.
+    Each column has J R K rows: K states R times with the first timestep, then with the next.
 
     Attributes
     ----------
     timesteps : (J,) s
+    repeats : R, of each state with small changes
     """
 
     timesteps: FloatArray
     before: State
     after: State
     exact: State
+    repeats: int = 1
 
     @property
     def spans(self) -> FloatArray:
@@ -59,8 +66,8 @@ class Steps:
         """The steps with some of the timesteps."""
         count = len(self.before.omega_body) // len(self.timesteps)
         rows = slice(first * count, beyond * count)
-        states = (states.rows(rows) for states in (self.before, self.after, self.exact))
-        return Steps(self.timesteps[first:beyond], *states)
+        before, after, exact = (each.rows(rows) for each in (self.before, self.after, self.exact))
+        return Steps(self.timesteps[first:beyond], before, after, exact, self.repeats)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,23 +81,30 @@ class Excess:
     Attributes
     ----------
     limit : at vanishing timesteps, (K, 4, 3)
-    tolerance : the largest that this may be, (K, 4)
+    known_to : the uncertainty of that, (K, 4)
+    tolerance : the largest that the limit may be, (K, 4)
     sizes : the largest terms that the gains are sums of, (4,)
     by_timestep : the largest gain before extrapolation, relative to these sizes, (J, 4)
     unsmooth : how far the gain with each timestep is from what the others predict of it, likewise,
         in units of what reading a state explains, (J, 4)
     unsmooth_others : of further timesteps, likewise
+    branched : the largest change of a gain as steps of another length are computed otherwise, of
+        the timesteps and the further ones, relative to the sizes, (J + …, 4)
+    slack : relative, what the body as it is held leaves
     is_idle : where next to nothing acts, so that next to nothing is asked, (K, 4)
     is_constrained : whether a constraint holds the body: its com is off the pivot, by as much as
         the timestep makes it
     """
 
     limit: FloatArray
+    known_to: FloatArray
     tolerance: FloatArray
     sizes: FloatArray
     by_timestep: FloatArray
     unsmooth: FloatArray
     unsmooth_others: FloatArray
+    branched: FloatArray
+    slack: float
     is_idle: NDArray[np.bool_]
     is_constrained: bool
 
@@ -98,6 +112,12 @@ class Excess:
     def by_tolerance(self) -> FloatArray:
         """The limits, in tolerances, (K, 4)."""
         return np.asarray(np.abs(self.limit).max(axis=2) / self.tolerance)
+
+    @property
+    def at_most(self) -> float:
+        """What steps may gain in the limit, all uncertainties included, relative to the sizes."""
+        most = np.abs(self.limit).max(axis=2) + self.known_to + self.slack * self.sizes
+        return float((most / np.maximum(self.sizes, NO_SIZE)).max())
 
     @property
     def is_open(self) -> bool:
@@ -116,8 +136,9 @@ def single_steps(
     timesteps: FloatArray,
     after: After,
     settle: int = 0,
+    repeats: int = 1,
 ) -> Steps:
-    """Take one step from each of K states with each of J timesteps.
+    """Take one step from each of K states, or R K if repeated, with each of J timesteps.
 
     Parameters
     ----------
@@ -143,7 +164,8 @@ def single_steps(
                 with open_at(start, timestep) as session:
                     take(session)
         befores, ends = first.states(before), first.states(later)
-    return Steps(timesteps, befores, ends, after(befores, np.repeat(timesteps, _count(states))))
+    exact = after(befores, np.repeat(timesteps, _count(states)))
+    return Steps(timesteps, befores, ends, exact, repeats)
 
 
 def excess(
@@ -157,49 +179,82 @@ def excess(
     epsilon : relative rounding of the engine's floating-point numbers
     slack : relative to the largest terms, what a body that an engine holds so exactly leaves
     """
-    gains = step_gains(equations, steps)
     sizes = np.maximum(term_sizes(equations, steps.before).max(axis=0), NO_SIZE)
-    read = ABOVE * slack * _rates(equations, sizes)
-    noise = np.minimum(noise_of(steps.timesteps, gains), read)
+    is_averaged = steps.repeats > 1
+    # Of a mean, what a reading is off by always; else by chance as well.
+    read = (ROUNDINGS * epsilon if is_averaged else ABOVE * slack) * rates(equations, sizes)
+    noise = np.minimum(noise_of(steps.timesteps, step_gains(equations, steps)), read)
+    nodes, added = (_gains(equations, one, epsilon, noise) for one in (steps, others))
+    limit, known_to = extrapolated(nodes)
+    slack_of_terms = _slack_of_terms(equations, steps, sizes, epsilon, slack)
+    off = norms(_off_the_constraint(equations, steps.after)[1]).reshape(len(steps.timesteps), -1)
+    found = [surprises(nodes, at, least) for at, least in ((nodes, COARSER), (added, 1))]
+    unsmooth, unsmooth_others = (
+        apart / (slack_of_terms + read / at.timesteps[:, None, None])
+        for (apart, _), at in zip(found, (nodes, added), strict=True)
+    )
+    branched = np.concatenate([one for _, one in found])
+    # A limit that is extrapolated across such a change is known no better than that.
+    known_to = known_to + ABOVE * branched.max(axis=(0, 1))
+    return Excess(
+        limit,
+        known_to,
+        known_to + slack_of_terms,
+        sizes,
+        (np.abs(nodes.values.mean(axis=1)).max(axis=3) / sizes).max(axis=1),
+        unsmooth.max(axis=1),
+        unsmooth_others.max(axis=1),
+        branched.max(axis=1) / sizes,
+        slack,
+        _is_idle(equations, steps, sizes),
+        # By how much the com is off: a body that is another keeps that, a constraint does not.
+        bool(np.ptp(off, axis=0).max() > ABOVE * slack * equations.reach),
+    )
 
-    def rounding(steps: Steps) -> FloatArray:
-        ulps = _roundings(equations, steps).reshape(len(steps.timesteps), -1, 4)
-        return np.asarray(ROUNDINGS * epsilon * ulps + noise / steps.timesteps[:, None, None])
 
-    limit, known_to = extrapolated(steps.timesteps, gains, rounding(steps))
-    # Where next to nothing acts, as on a body at rest, next to nothing is asked.
-    local = term_sizes(equations, steps.before).reshape(gains.shape[:3])[0]
-    is_idle = local < NEGLIGIBLE * sizes
-    slack_of_terms = (ABOVE * slack + np.where(is_idle, NEGLIGIBLE, 0.0)) * sizes
-    if not equations.scenario.constraint.is_pivot:
+def _gains(equations: Equations, steps: Steps, epsilon: float, noise: FloatArray) -> Gains:
+    """What steps gain, and what rounding and noise may make of it."""
+    shape = len(steps.timesteps), steps.repeats, -1, 4
+    values = step_gains(equations, steps).reshape(*shape, 3)
+    rounded = (
+        ROUNDINGS
+        * epsilon
+        * roundings(equations, steps.before, steps.after, steps.spans).reshape(shape).max(axis=1)
+    )
+    return Gains(steps.timesteps, values, rounded + noise / steps.timesteps[:, None, None])
+
+
+def _is_idle(equations: Equations, steps: Steps, sizes: FloatArray) -> NDArray[np.bool_]:
+    """Where next to nothing acts, as on a body at rest, (K, 4)."""
+    terms = _of_states(term_sizes(equations, steps.before), steps)
+    return np.asarray(terms < NEGLIGIBLE * sizes)
+
+
+def _of_states(rows: FloatArray, steps: Steps) -> FloatArray:
+    """The largest of each state's repeats, with the coarsest timestep, (K, …)."""
+    table = rows.reshape(len(steps.timesteps), steps.repeats, -1, *rows.shape[1:])
+    return np.asarray(table[0].max(axis=0))
+
+
+def _slack_of_terms(
+    equations: Equations, steps: Steps, sizes: FloatArray, epsilon: float, slack: float
+) -> FloatArray:
+    """What the body as it is held, and rounding, may always add to the gains, (K, 4)."""
+    body, constraint = equations.scenario.body, equations.scenario.constraint
+    # Where next to nothing acts, next to nothing is asked.
+    idle = _is_idle(equations, steps, sizes)
+    slack_of_terms = (ABOVE * slack + np.where(idle, NEGLIGIBLE, 0.0)) * sizes
+    if not constraint.is_pivot:
         # Engines may solve for rotation and flight together, with terms m v² that cancel.
-        speeds = norms(steps.before.velocity_world).reshape(gains.shape[:2])[0]
-        slack_of_terms[:, 1] += ROUNDINGS * epsilon * equations.scenario.body.mass * speeds**2
-    if equations.scenario.rotors and equations.scenario.constraint.is_free:
-        spins = steps.before.spins.reshape(*gains.shape[:2], -1)[0]
-        body = equations.scenario.body
+        speeds = _of_states(norms(steps.before.velocity_world), steps)
+        slack_of_terms[:, 1] += ROUNDINGS * epsilon * body.mass * speeds**2
+    if equations.scenario.rotors and constraint.is_free:
+        spins = _of_states(np.abs(steps.before.spins), steps)
         force, _ = equations.scenario.rotors.cancelling(spins, body.com)
         rounded = ROUNDINGS * epsilon * force / body.mass
         slack_of_terms[:, 2] += rounded
         slack_of_terms[:, 3] += rounded * steps.timesteps[0]
-    off = norms(_off_the_constraint(equations, steps.after)[1])
-    nodes = Gains(steps.timesteps, gains, rounding(steps))
-    added = Gains(others.timesteps, step_gains(equations, others), rounding(others))
-    unsmooth, unsmooth_others = (
-        surprises(nodes, at, least) / (slack_of_terms + read / at.timesteps[:, None, None])
-        for at, least in ((nodes, COARSER), (added, 1))
-    )
-    return Excess(
-        limit,
-        known_to + slack_of_terms,
-        sizes,
-        (np.abs(gains).max(axis=3) / sizes).max(axis=1),
-        unsmooth.max(axis=1),
-        unsmooth_others.max(axis=1),
-        is_idle,
-        # By how much the com is off: a body that is another keeps that, a constraint does not.
-        bool(np.ptp(off.reshape(gains.shape[:2]), axis=0).max() > ABOVE * slack * equations.reach),
-    )
+    return slack_of_terms
 
 
 def step_gains(equations: Equations, steps: Steps) -> FloatArray:
@@ -228,52 +283,6 @@ def _off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray
         states.velocity_world - constraint.velocity_world(swing_world, states.velocity_world),
         states.com_world - constraint.com_world(lever_world, states.com_world),
     )
-
-
-def term_sizes(equations: Equations, states: State) -> FloatArray:
-    """Sizes of the terms that gains are sums of, (n, 4)."""
-    scenario, reach = equations.scenario, equations.reach
-    speeds = norms(states.omega_body)
-    g = float(np.linalg.norm(scenario.gravity_world))
-    still, pushed = (
-        push(scenario.pushed, np.eye(3), omega)
-        for omega in (np.zeros(3), np.array(states.omega_body))
-    )
-    outer = np.linalg.norm(still) + norms(pushed - still)
-    if not scenario.constraint.is_free:
-        outer = outer + scenario.body.mass * g * equations.arm
-    if scenario.constraint.is_pivot:
-        velocity, place = speeds * reach, np.full_like(speeds, reach)
-    else:
-        velocity, place = g + reach * speeds**2, norms(states.velocity_world) + reach * speeds
-    torque = _largest_moment(equations) * speeds**2 + norms(equations.kept_body(states)) * speeds
-    torque += outer
-    return np.stack([speeds, torque, velocity, place], axis=1)
-
-
-def _roundings(equations: Equations, steps: Steps) -> FloatArray:
-    """The change of a gain by one rounding of the states read, in ulp, (n, 4)."""
-    states, spans = steps.before, steps.spans
-    speeds = np.maximum(norms(states.omega_body), norms(steps.after.omega_body))
-    fast = norms(states.velocity_world) + equations.reach * speeds
-    far = norms(states.com_world) + equations.reach
-    sizes = [1 / spans, _largest_moment(equations) * speeds / spans, fast, far]
-    table = np.stack(np.broadcast_arrays(*sizes), axis=1)
-    if not equations.scenario.constraint.is_pivot:
-        table[:, 2:] /= spans[:, None]
-    return table
-
-
-def _rates(equations: Equations, sizes: FloatArray) -> FloatArray:
-    """Sizes of what the gains are gains of, which are read: rad, N m s, and m/s and m, (4,)."""
-    speed, reach = float(sizes[0]), equations.reach
-    if equations.scenario.constraint.is_pivot:
-        return np.array([1.0, _largest_moment(equations) * speed, 0.0, 0.0])
-    return np.array([1.0, _largest_moment(equations) * speed, float(sizes[3]), reach])
-
-
-def _largest_moment(equations: Equations) -> float:
-    return float(np.linalg.norm(equations.inertia, 2))
 
 
 def _count(states: State) -> int:

@@ -35,6 +35,9 @@ ASKEW = ((0.62, 0.55, 0.56), (-0.48, 0.71, 0.52))
 #: rad at the scene's fastest rate, in the longest step; and the timesteps, each half of the one
 #: before.
 LONGEST_TURN, HALVINGS = 0.1, 10
+#: rad in the shortest step in single precision. Where a constraint holds a body, its place's
+#: rounding is an acceleration as 1/h².
+LEAST_TURN_SINGLE = float(np.cbrt(np.finfo(np.float32).eps))
 #: So many of the shortest steps have to show that an error does not depend on their length.
 LEAPS = 4
 #: rad at the fastest rate, in a step that an explanation is looked for of.
@@ -65,8 +68,7 @@ def equation_residuals(
     states = states.rows(equations.bears(states))
     turns = LONGEST_TURN / 2.0 ** np.arange(HALVINGS)
     if is_single:
-        # Where a constraint holds a body, its place's rounding is an acceleration as 1/h².
-        turns = turns[turns >= np.cbrt(np.finfo(np.float32).eps)]
+        turns = turns[turns >= LEAST_TURN_SINGLE]
     timesteps = np.asarray(turns / equations.rate)
     others = np.asarray(timesteps[COARSER : COARSER + 1] / 2**0.5)
     after = equations.after_each
@@ -91,6 +93,7 @@ def settled(
     after: After,
     slack: float,
     is_single: bool,
+    repeats: int = 1,
 ) -> tuple[Steps, Excess]:
     """Steps from exact states, and what they gain; once settled where a constraint holds them.
 
@@ -99,12 +102,13 @@ def settled(
     timesteps : s, each half of the one before; and others, which these are to predict
     after : the exact motion
     slack, is_single : as of `equation_residuals`
+    repeats : of each state, with small changes, all of them in `states`
     """
     equations = Equations(scenario)
 
     def steps_after(settling: int) -> tuple[Steps, Steps]:
         together = np.concatenate(timesteps)
-        steps = single_steps(open_at, scenario, states, together, after, settling)
+        steps = single_steps(open_at, scenario, states, together, after, settling, repeats)
         halved = len(timesteps[0])
         return steps.part(0, halved), steps.part(halved, len(together))
 
@@ -112,7 +116,8 @@ def settled(
     epsilon = rounding_of(steps.before, is_single)
     found = excess(equations, steps, others, epsilon, slack)
     if found.is_constrained:
-        # From an exact state a constraint takes some steps to settle.
+        # From an exact state a constraint takes some steps to settle. By then repeats are apart.
+        states, repeats = states.rows(slice(found.limit.shape[0])), 1
         steps, others = steps_after(SETTLING)
         slack = max(slack, NEGLIGIBLE / ABOVE)
         found = replace(excess(equations, steps, others, epsilon, slack), is_constrained=True)

@@ -16,6 +16,8 @@ ABOVE = 8.0
 COARSER, FINER = 3, 2
 #: Ratio of two timesteps that are not the same.
 ANOTHER = 1 + 1e-9
+#: Where it is predicted from one side alone: on the other, steps may be computed otherwise.
+ONE_SIDED = 5
 #: A gain is off its prediction if it is by so many times the prediction's error.
 DISTINCT = 4.0
 #: Gains that the last one is predicted from, to see the noise of all.
@@ -24,11 +26,27 @@ PREDICTING = 4
 
 @dataclass(frozen=True, eq=False)
 class Gains:
-    """Gains with J timesteps, (J, K, 4, 3), and their rounding, (J, K, 4)."""
+    """Gains with J timesteps of K states, R times each, and the rounding of one of them.
+
+    `values` is (J, R, K, 4, 3), `rounding` (J, K, 4).
+    """
 
     timesteps: FloatArray
     values: FloatArray
     rounding: FloatArray
+
+
+def _uncertainty(values: FloatArray, rounding: FloatArray) -> FloatArray:
+    """What the mean of repeats is known to, (…, K, 4), from (…, R, K, 4, 3).
+
+    It is seen in their scatter, of all states at the median at least; of a single one it is what
+    rounding may be.
+    """
+    repeats = values.shape[-4]
+    if repeats == 1:
+        return rounding
+    errors = values.std(axis=-4, ddof=1).max(axis=-1) / np.sqrt(repeats)
+    return np.asarray(ABOVE * np.maximum(errors, np.median(errors, axis=-2, keepdims=True)))
 
 
 def noise_of(timesteps: FloatArray, gains: FloatArray) -> FloatArray:
@@ -45,41 +63,66 @@ def noise_of(timesteps: FloatArray, gains: FloatArray) -> FloatArray:
     return np.asarray(ABOVE * noise)
 
 
-def surprises(nodes: Gains, at: Gains, least: int) -> FloatArray:
-    """How far each gain is from what those with neighbouring timesteps predict, (J, K, 4).
+def surprises(nodes: Gains, at: Gains, least: int) -> tuple[FloatArray, FloatArray]:
+    """How far each gain is from what those with neighbouring timesteps predict, (J, K, 4) twice.
 
-    Consistent gains vanish at h = 0, which is one more point of the polynomial. What leaving out
-    one of its two coarsest timesteps changes is the error of a prediction: by accident one such
-    change may be small, as may that of a state, so the median of all states counts at least.
+    The second is of those that timesteps on one side alone do predict: an engine computes steps
+    below or above some length otherwise, and what it does there vanishes with the timestep, too.
+    That counts where it is less than half of a step's own gain, and known better than it is large.
 
     Parameters
     ----------
     least : coarser ones that there must be to predict it
     """
-    apart = np.zeros(at.values.shape[:3])
+    apart, branched = np.zeros((2, *at.rounding.shape))
     for j, timestep in enumerate(at.timesteps):
-        coarser = np.flatnonzero(nodes.timesteps > ANOTHER * timestep)[-COARSER:]
-        finer = np.flatnonzero(nodes.timesteps * ANOTHER < timestep)[:FINER]
+        coarser = np.flatnonzero(nodes.timesteps > ANOTHER * timestep)
+        finer = np.flatnonzero(nodes.timesteps * ANOTHER < timestep)
         if len(coarser) < least:
             continue
-        near = [*coarser, *finer]
-        h, values = np.append(nodes.timesteps[near], 0.0), nodes.values[near]
-        weights = _weights(h, timestep)[:-1]
-        predicted = np.tensordot(weights, values, 1)
-        change = np.max([_changed(h, values, k, timestep, predicted) for k in (0, 1)], axis=0)
-        error = DISTINCT * np.maximum(change, np.median(change, axis=0))
-        error += ABOVE * (at.rounding[j] + np.tensordot(np.abs(weights), nodes.rounding[near], 1))
-        apart[j] = np.abs(at.values[j] - predicted).max(axis=2) - error
-    return apart
+        here = Gains(at.timesteps[j : j + 1], at.values[j], at.rounding[j])
+        off, error = _beyond(nodes, [*coarser[-COARSER:], *finer[:FINER]], here)
+        size = np.abs(here.values.mean(axis=0)).max(axis=2)
+        is_branch = np.zeros(off.shape, dtype=bool)
+        for side in (coarser[-COARSER:], finer[:ONE_SIDED]):
+            if len(side) >= COARSER:
+                off_side, error_side = _beyond(nodes, [*side], here)
+                is_branch |= (off_side <= error_side) & (error_side <= off) & (off <= size / 2)
+        apart[j] = np.where(is_branch, 0.0, off - error)
+        branched[j] = np.where(is_branch & (off > error), off, 0.0)
+    return apart, branched
+
+
+def _beyond(nodes: Gains, near: list[int], at: Gains) -> tuple[FloatArray, FloatArray]:
+    """How far gains with one timestep are off their prediction, and its error, (K, 4) each.
+
+    Consistent gains vanish at h = 0, which is one more point of the polynomial. What leaving out
+    one of its two coarsest timesteps, or both, changes is the error of a prediction: by accident
+    one such change may be small, as where the coarsest is too long for a series of it to converge
+    (Drake's roll-pitch-yaw angles near their pole). So may all of a state: the median of all states
+    counts at least.
+    """
+    timestep = float(at.timesteps[0])
+    h, values = np.append(nodes.timesteps[near], 0.0), nodes.values[near]
+    weights = _weights(h, timestep)[:-1]
+    predicted = np.tensordot(weights, values, 1)
+    fewer = [[0], [1]] if len(near) <= COARSER else [[0], [1], [0, 1]]
+    change = np.max([_changed(h, values, one, timestep, predicted) for one in fewer], axis=0)
+    error = DISTINCT * np.maximum(change, np.median(change, axis=0))
+    rounded = at.rounding + np.tensordot(np.abs(weights), nodes.rounding[near], 1)
+    left = at.values - predicted
+    error += _uncertainty(left, ABOVE * rounded)
+    return np.abs(left.mean(axis=0)).max(axis=2), error
 
 
 def _changed(
-    h: FloatArray, values: FloatArray, left_out: int, timestep: float, predicted: FloatArray
+    h: FloatArray, values: FloatArray, left_out: list[int], timestep: float, predicted: FloatArray
 ) -> FloatArray:
-    """What leaving out one timestep changes of a prediction, (K, 4)."""
+    """What leaving out some timesteps changes of a prediction, (K, 4)."""
     fewer = np.delete(np.arange(len(h) - 1), left_out)
     weights = _weights(np.append(h[fewer], 0.0), timestep)[:-1]
-    return np.asarray(np.abs(predicted - np.tensordot(weights, values[fewer], 1)).max(axis=2))
+    changed = predicted - np.tensordot(weights, values[fewer], 1)
+    return np.asarray(np.abs(changed.mean(axis=0)).max(axis=2))
 
 
 def _weights(nodes: FloatArray, at: float) -> FloatArray:
@@ -90,27 +133,30 @@ def _weights(nodes: FloatArray, at: float) -> FloatArray:
     return np.asarray(np.prod(above / apart, axis=1))
 
 
-def extrapolated(
-    timesteps: FloatArray, gains: FloatArray, rounding: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def extrapolated(gains: Gains) -> tuple[FloatArray, FloatArray]:
     """Limits of the gains, (K, 4, 3), and what they are known to, (K, 4).
 
     Of each state and quantity the entry of Neville's table that is known best is taken: it differs
     from its neighbour of one order less by more than its own error. By accident that difference may
     be small, so it counts as the median of all states at least.
     """
-    h = timesteps[:, None, None]
-    table, rounded = gains, rounding
-    limit, best = gains[-1], np.full(gains.shape[1:3], np.inf)
-    for order in range(1, len(timesteps)):
+    h = gains.timesteps[:, None, None]
+    table, rounded = gains.values, gains.rounding
+    limit, best = table[-1].mean(axis=0), np.full(rounded.shape[1:], np.inf)
+    for order in range(1, len(h)):
         coarse, fine = h[:-order], h[order:]
         finer = table[1:]
         weights = coarse / (coarse - fine), fine / (coarse - fine)
-        table = finer * weights[0][..., None] - table[:-1] * weights[1][..., None]
+        table = finer * weights[0][..., None, None] - table[:-1] * weights[1][..., None, None]
         rounded = rounded[1:] * weights[0] + rounded[:-1] * weights[1]
-        change = np.abs(table - finer).max(axis=3)
-        known = ABOVE * np.maximum(change, np.median(change, axis=1, keepdims=True)) + rounded
-        for entry, known_to in zip(table, known, strict=True):
+        entries = table.mean(axis=1)
+        change = np.abs(entries - finer.mean(axis=1)).max(axis=3)
+        unsure = _uncertainty(table, rounded)
+        # A finer entry of the same order that is further away shows that this is by accident.
+        finer_off = np.abs(np.diff(entries, axis=0)).max(axis=3) - unsure[1:]
+        change[:-1] = np.maximum(change[:-1], finer_off)
+        known = ABOVE * np.maximum(change, np.median(change, axis=1, keepdims=True)) + unsure
+        for entry, known_to in zip(entries, known, strict=True):
             is_better = known_to < best
             best = np.where(is_better, known_to, best)
             limit = np.where(is_better[..., None], entry, limit)

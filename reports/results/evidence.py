@@ -131,6 +131,7 @@ class LocalEvidence:
     states : number of states
     starts : of these, number of those that pieces start from
     pieces : the short runs from there; None where steps are inconsistent
+    remark : what its steps do that vanishes with the timestep, in words; empty if nothing
     """
 
     finding: str
@@ -140,6 +141,7 @@ class LocalEvidence:
     states: int
     starts: int = 0
     pieces: JudgedLadder | None = None
+    remark: str = ""
 
 
 @dataclass(frozen=True, eq=False)

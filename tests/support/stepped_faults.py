@@ -6,7 +6,7 @@ Sizes are relative to spin and moments: a torque of `size` changes ω by that fr
 from dataclasses import replace
 
 import numpy as np
-from stepped import GRAVITY, Stepped, with_omega
+from stepped import GRAVITY, LEVER, Stepped, with_omega
 
 #: A torque acts about this axis of the body, askew to all.
 ASKEW = np.array([0.62, 0.55, 0.56])
@@ -428,6 +428,38 @@ class Single(Pushed):
         self.y[:] = self.y.astype(np.float32)
 
 
+class AnotherLever(AnotherMoment):
+    """The com is another, by its size."""
+
+    def mistake(self):
+        self.constants = self.constants_with(self.inertia)
+        self.constants[LEVER] *= 1 + self.size
+
+
+class AnotherClock(Stepped):
+    """A step is longer than a timestep, by its size."""
+
+    def take(self, steps, push=0.0):
+        honest = self.timestep
+        self.timestep *= 1 + self.size
+        super().take(steps, push)
+        self.timestep = honest
+
+
+def in_single(kind):
+    """A fault in an engine whose state is held in 24 bits."""
+
+    class InSingle(kind):
+        at_every_step = True
+
+        def after_step(self):
+            super().after_step()
+            self.y[:] = self.y.astype(np.float32)
+
+    InSingle.__name__ = f"{kind.__name__}InSingle"
+    return InSingle
+
+
 class WrongWhenOpenedTwice(Pushed):
     """Every second session that is opened has the fault."""
 
@@ -440,6 +472,23 @@ class WrongWhenOpenedTwice(Pushed):
 
 
 # No faults: these must never be called wrong.
+
+
+class TurnsByATruncatedSeries(Stepped):
+    """The attitude of a step that turns by less than a thousandth is off by a third of its square.
+
+    DART 6.19 does that.
+    """
+
+    at_every_step = True
+
+    def after_step(self):
+        turn = self.timestep * float(np.linalg.norm(self.omega))
+        if turn < 1e-3:
+            half = turn**2 / 6 * self.timestep * self.omega
+            w, v = self.y[0], self.y[1:4].copy()
+            self.y[0] -= v @ half
+            self.y[1:4] += w * half + np.cross(v, half)
 
 
 class Noisy(Stepped):

@@ -1,5 +1,6 @@
 """The verdict on a method on a scene, with its reason in words."""
 
+from dataclasses import replace
 from math import degrees
 from typing import Any
 
@@ -17,9 +18,11 @@ from .records import Records
 
 def judge(records: Records) -> Verdict:
     """Judge a method by what is stored of it, and compare with the scene's expected failures."""
-    return compared_with_expected_failures(
-        records.known, _judged(records), cut_short=cut_short(records)
-    )
+    verdict = _judged(records)
+    if verdict.verdict == "converges" and records.local and records.local.evidence.remark:
+        reason = f"{verdict.reason}; {records.local.evidence.remark}"
+        verdict = replace(verdict, reason=reason)
+    return compared_with_expected_failures(records.known, verdict, cut_short=cut_short(records))
 
 
 def _judged(records: Records) -> Verdict:

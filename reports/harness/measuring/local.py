@@ -13,11 +13,11 @@ from ....engines.checks.equations import Equations
 from ....engines.checks.extrapolation import ABOVE, COARSER
 from ....engines.checks.read_back import State, stacked
 from ....engines.session import Session
-from ....scenarios import Scenario, Trajectory
+from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.scenario import started_at
 from ...results.evidence import JudgedLadder, LocalEvidence
 from ..judging.ladder import LadderJudgement
-from ..judging.local import PIECE_GOAL, PIECE_RUNGS
+from ..judging.local import CONSISTENT, PIECE_GOAL, PIECE_RUNGS
 from ..stock import stock_timesteps
 from .places import (
     PIECE_STEPS,
@@ -25,11 +25,14 @@ from .places import (
     Places,
     apart,
     flowed,
+    rounding_of_body,
 )
 from .richardson import RichardsonLadder
 
 #: Halvings of all timesteps where the coarsest are refused.
 FINER = 3
+#: Times that each state is repeated in single precision: no more than it takes.
+REPEATS = (16, 64, 256)
 
 
 def examine(
@@ -77,11 +80,12 @@ def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) ->
     return LocalEvidence(
         finding=wrong,
         excess=float(found.by_tolerance.max()),
-        tolerance=float((found.tolerance / np.maximum(found.sizes, 1e-300)).max()),
+        tolerance=found.at_most,
         is_open=found.is_open,
         states=len(at.times),
         starts=len(at.starts),
         pieces=pieces,
+        remark="" if wrong else _branch(engine, found, at, is_smooth=is_smooth),
     )
 
 
@@ -100,21 +104,42 @@ def acts_at_any_timestep(open_at: Open, engine: Engine, scenario: Scenario, at: 
 def _consistency(
     open_at: Open, engine: Engine, scenario: Scenario, at: Places
 ) -> tuple[Steps, Excess]:
-    """Steps from exact states, and what they gain; once settled where a constraint holds them."""
-    return settled(
-        open_at,
-        scenario,
-        at.states,
-        (at.timesteps, np.array(_others(engine, at))),
-        lambda states, spans: flowed(scenario, states, spans),
-        max(engine.slack, at.rounding),
-        engine.single_precision,
-    )
+    """Steps from exact states, and what they gain; once settled where a constraint holds them.
+
+    In single precision each state is repeated until steps are known well enough, or to be wrong.
+    """
+    for repeats in REPEATS if engine.single_precision else (1,):
+        steps, found = settled(
+            open_at,
+            scenario,
+            at.repeated(scenario, repeats),
+            (_halved(engine, at), np.array(_others(engine, at))),
+            lambda states, spans: flowed(scenario, states, spans),
+            _slack(engine, at),
+            engine.single_precision,
+            repeats,
+        )
+        if found.at_most <= CONSISTENT or found.by_tolerance.max() > 1:
+            break
+    return steps, found
+
+
+def _slack(engine: Engine, at: Places) -> float:
+    """Relative to the largest terms, what the body as an engine holds it leaves."""
+    if engine.single_precision:
+        # What it may be off when it is read back is far more than rounding of its moments does.
+        return rounding_of_body(at.condition, engine.ulp)
+    return max(engine.slack, at.rounding)
+
+
+def _halved(engine: Engine, at: Places) -> FloatArray:
+    """The timesteps of single steps; in single precision finer ones show rounding alone."""
+    return at.timesteps[:PIECE_RUNGS] if engine.single_precision else at.timesteps
 
 
 def _others(engine: Engine, at: Places) -> list[float]:
     """One timestep between two rungs, and the engine's stock ones that are within the ladder's."""
-    finest, coarsest = at.timesteps[-1], at.timesteps[0]
+    finest, coarsest = _halved(engine, at)[-1], at.timesteps[0]
     stock = [h for h in stock_timesteps(engine) if finest <= h < coarsest]
     return [float(at.timesteps[COARSER]) / 2**0.5, *stock]
 
@@ -170,13 +195,30 @@ def _wrong(
         return wrong
     unsmooth = np.vstack([found.unsmooth, found.unsmooth_others])
     if is_smooth and unsmooth.max() > 1:
-        j, quantity = np.unravel_index(int(np.argmax(unsmooth)), unsmooth.shape)
-        timestep = [*at.timesteps, *_others(engine, at)][j]
+        timestep, quantity, _ = _largest(engine, unsmooth, at)
         return (
             f"with a timestep of {timestep:.3g} s a step gains what steps of other lengths do not "
-            f"predict, in {QUANTITY_NAMES[quantity]}: what acts depends on the timestep"
+            f"predict, in {quantity}: what acts depends on the timestep"
         )
     return ""
+
+
+def _branch(engine: Engine, found: Excess, at: Places, *, is_smooth: bool) -> str:
+    """The sentence on steps that are computed otherwise above and below some length; else empty."""
+    timestep, quantity, change = _largest(engine, found.branched, at)
+    if not is_smooth or change == 0:
+        return ""
+    return (
+        f"from a timestep of about {timestep:.3g} s on a step is computed otherwise: by "
+        f"{change:.1e} of the largest terms in {quantity}, which vanishes with the timestep"
+    )
+
+
+def _largest(engine: Engine, table: FloatArray, at: Places) -> tuple[float, str, float]:
+    """The timestep, s, the quantity and the value of the largest of (J + …, 4)."""
+    j, quantity = np.unravel_index(int(np.argmax(table)), table.shape)
+    timestep = [*_halved(engine, at), *_others(engine, at)][j]
+    return float(timestep), QUANTITY_NAMES[quantity], float(table[j, quantity])
 
 
 QUANTITY_NAMES = ("dR/dt", "I dω/dt", "the com's velocity", "the com's place")

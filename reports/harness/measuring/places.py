@@ -18,7 +18,16 @@ from ....scenarios import (
     angular_momentum_world,
 )
 from ....scenarios.fastest_rate import fastest_rate
-from ....scenarios.rotation import cross, matrix, norms, rotation_vectors, turned_back
+from ....scenarios.rotation import (
+    cross,
+    matrices,
+    matrix,
+    norms,
+    rotation_vectors,
+    times,
+    turned,
+    turned_back,
+)
 from ..ladder import COARSEST_TURN
 
 #: States spread over the window, beside those where something is largest or least.
@@ -27,6 +36,9 @@ SPREAD = 12
 HALVINGS = 10
 #: Pieces, and the coarsest steps of each: two radians at the ladder's coarsest timestep.
 PIECES, PIECE_STEPS, SAMPLE_EVERY = 8, 10, 2
+#: rad, and relative to the spin, by which the repeats of a state differ: of a step's change of
+#: state they alter many ulps in single precision, and little of the step's error.
+NUDGE = 2.0**-7
 #: Relative rounding of the exact flow.
 FLOW_ROUNDING = 64 * float(np.finfo(float).eps)
 #: Ulps of a step: what its rounding is taken to be at most, in a body whose moments are alike.
@@ -64,6 +76,14 @@ class Places:
         """What rounding of its moments changes of the body's angular acceleration, relative."""
         return rounding_of_body(self.condition)
 
+    def repeated(self, scenario: Scenario, repeats: int) -> State:
+        """All states so many times over, each time with every number a little otherwise."""
+        if repeats == 1:
+            return self.states
+        chance = np.random.default_rng(repeats)
+        copies = [_nudged(scenario, self.states, chance) for _ in range(repeats)]
+        return State(*map(np.vstack, zip(*map(_columns, copies), strict=True)))
+
 
 def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Places:
     """Choose them along the exact motion.
@@ -88,6 +108,30 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
     return Places(states, times, np.asarray(timesteps), pieces, starts, condition)
 
 
+def _nudged(scenario: Scenario, states: State, chance: np.random.Generator) -> State:
+    """The states, each number a little otherwise, where what holds the body can hold it."""
+    turn, spin, thrown, put = NUDGE * chance.standard_normal((4, 3))
+    q = states.q_world_body_wxyz @ times(np.append(1.0, turn / 2) / np.sqrt(1 + turn @ turn / 4))
+    omega_body = _changed(states.omega_body, spin)
+    constraint, R_world_body = scenario.constraint, matrices(q)
+    swing_world = turned(R_world_body, cross(omega_body, np.array(constraint.lever)))
+    nudged = State(
+        q,
+        omega_body,
+        constraint.com_world(R_world_body @ constraint.lever, _changed(states.com_world, put)),
+        constraint.velocity_world(swing_world, _changed(states.velocity_world, thrown)),
+        states.spins,
+    )
+    bears = Equations(scenario).bears(nudged)[:, None]
+    pairs = zip(_columns(nudged), _columns(states), strict=True)
+    return State(*(np.where(bears, changed, column) for changed, column in pairs))
+
+
+def _changed(vectors: FloatArray, by: FloatArray) -> FloatArray:
+    """Rows, changed by so much relative to their norms."""
+    return np.asarray(vectors + norms(vectors)[:, None] * by)
+
+
 def _of_rotors(scenario: Scenario, motion: Trajectory) -> float:
     """Torques that cancel in coordinates which turn with rotors, over the gyroscopic one."""
     _, torque = scenario.rotors.cancelling(motion.spins, scenario.body.com)
@@ -96,9 +140,9 @@ def _of_rotors(scenario: Scenario, motion: Trajectory) -> float:
     return float(torque.max()) / gyroscopic if gyroscopic else 0.0
 
 
-def rounding_of_body(condition: float) -> float:
+def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) -> float:
     """What rounding of its moments changes of a body's angular acceleration, relative."""
-    return ULPS_A_STEP * float(np.finfo(float).eps) * condition
+    return ULPS_A_STEP * ulp * condition
 
 
 def flowed(scenario: Scenario, states: State, spans: FloatArray) -> State:

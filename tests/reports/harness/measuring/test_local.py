@@ -30,6 +30,8 @@ HARD = [
     "separatrix-within-1e-10",
     "toutatis",
 ]
+#: Rounding of the pendulum's moments to 24 bits changes its angular acceleration by 5e-3.
+HELD_IN_24_BITS = [name for name in HARD if name != "pendulum-just-over"]
 
 
 def examined(engine, method, name):
@@ -82,6 +84,59 @@ def test_a_fault_at_the_stock_timestep_alone_is_told(method):
     )
     assert "with a timestep of 0.002 s" in examined(faulty, method, "book-middle-axis").finding
     assert not examined(honest, method, "book-middle-axis").finding
+
+
+@pytest.mark.parametrize("method", ["Euler", "RK4"])
+@pytest.mark.parametrize("name", ["book-middle-axis", PLAIN, *HELD_IN_24_BITS])
+def test_rounding_to_24_bits_does_not_hide_that_steps_are_consistent(name, method):
+    engine = SteppedEngine(planted.in_single(Stepped), single_precision=True)
+    local = examined(engine, method, name)
+    assert local.finding == ""
+    assert LocalJudgement(local).converges
+
+
+@pytest.mark.parametrize("method", ["Euler", "RK4"])
+@pytest.mark.parametrize("size", [1e-3, 5e-4])
+@pytest.mark.parametrize(
+    "kind", [planted.Pushed, planted.AnotherMoment, planted.AnotherClock, planted.TurnsTooFar]
+)
+@pytest.mark.parametrize("name", ["book-middle-axis", PLAIN])
+def test_a_small_fault_is_told_in_24_bits(name, kind, size, method):
+    engine = SteppedEngine(planted.in_single(kind), size, single_precision=True)
+    assert examined(engine, method, name).finding
+
+
+@pytest.mark.parametrize("method", ["Euler", "RK4"])
+@pytest.mark.parametrize("name", ["book-middle-axis", PLAIN])
+def test_a_fault_at_one_timestep_alone_is_told_in_24_bits(name, method):
+    kind = planted.in_single(planted.AtExactlyTwoMilliseconds)
+    engine = SteppedEngine(kind, 1e-3, stock_timestep=2e-3, single_precision=True)
+    assert "with a timestep of 0.002 s" in examined(engine, method, name).finding
+
+
+def test_steps_that_are_computed_otherwise_below_some_length_are_a_remark():
+    """What they do there vanishes with the timestep, too: the method converges."""
+    engine = SteppedEngine(planted.TurnsByATruncatedSeries)
+    local = examined(engine, "Euler", "tennis-racket")
+    assert local.finding == ""
+    assert LocalJudgement(local).converges
+    assert "vanishes with the timestep" in local.remark
+    assert not examined(SteppedEngine(), "Euler", "tennis-racket").remark
+
+
+@pytest.mark.parametrize(
+    ("name", "engine", "method"),
+    [
+        ("tennis-racket", "dartpy", "semi-implicit"),
+        ("sphere-in-syrup", "dartpy", "semi-implicit"),
+        ("goryachev-chaplygin", "drake", "runge_kutta3"),
+    ],
+)
+def test_an_honest_method_whose_steps_have_branches_or_poles_is_not_accused(name, engine, method):
+    """DART turns by a truncated series in short steps; Drake's angles have a pole near the way."""
+    if reason := why_missing(engine):
+        pytest.skip(reason)
+    assert LocalJudgement(examined(engines()[engine], method, name)).converges
 
 
 def test_what_is_left_of_a_body_near_rest_may_add_up_and_decides_nothing():

@@ -1,0 +1,53 @@
+"""The sizes of the terms of a scene's equations of motion, and what rounding may make of a gain."""
+
+import numpy as np
+
+from ...scenarios import FloatArray, push
+from ...scenarios.rotation import norms
+from .equations import Equations
+from .read_back import State
+
+
+def term_sizes(equations: Equations, states: State) -> FloatArray:
+    """Sizes of the terms that gains are sums of, (n, 4)."""
+    scenario, reach = equations.scenario, equations.reach
+    speeds = norms(states.omega_body)
+    g = float(np.linalg.norm(scenario.gravity_world))
+    still, pushed = (
+        push(scenario.pushed, np.eye(3), omega)
+        for omega in (np.zeros(3), np.array(states.omega_body))
+    )
+    outer = np.linalg.norm(still) + norms(pushed - still)
+    if not scenario.constraint.is_free:
+        outer = outer + scenario.body.mass * g * equations.arm
+    if scenario.constraint.is_pivot:
+        velocity, place = speeds * reach, np.full_like(speeds, reach)
+    else:
+        velocity, place = g + reach * speeds**2, norms(states.velocity_world) + reach * speeds
+    torque = _largest_moment(equations) * speeds**2 + norms(equations.kept_body(states)) * speeds
+    torque += outer
+    return np.stack([speeds, torque, velocity, place], axis=1)
+
+
+def roundings(equations: Equations, states: State, after: State, spans: FloatArray) -> FloatArray:
+    """The change of a gain by one rounding of the states read, in ulp, (n, 4)."""
+    speeds = np.maximum(norms(states.omega_body), norms(after.omega_body))
+    fast = norms(states.velocity_world) + equations.reach * speeds
+    far = norms(states.com_world) + equations.reach
+    sizes = [1 / spans, _largest_moment(equations) * speeds / spans, fast, far]
+    table = np.stack(np.broadcast_arrays(*sizes), axis=1)
+    if not equations.scenario.constraint.is_pivot:
+        table[:, 2:] /= spans[:, None]
+    return table
+
+
+def rates(equations: Equations, sizes: FloatArray) -> FloatArray:
+    """Sizes of what the gains are gains of, which are read: rad, N m s, and m/s and m, (4,)."""
+    speed, reach = float(sizes[0]), equations.reach
+    if equations.scenario.constraint.is_pivot:
+        return np.array([1.0, _largest_moment(equations) * speed, 0.0, 0.0])
+    return np.array([1.0, _largest_moment(equations) * speed, float(sizes[3]), reach])
+
+
+def _largest_moment(equations: Equations) -> float:
+    return float(np.linalg.norm(equations.inertia, 2))
