@@ -90,12 +90,6 @@ def recommend(
     Parameters
     ----------
     stored : a result file; where it has no timed runs of the scene its ladders are run
-
-    Raises
-    ------
-    Complaint
-        If a bound is not positive, the scene, the file or an engine cannot be
-        used, or nothing could be run.
     """
     bounds = bounds or BOUNDS
     _check_bounds(bounds)
